@@ -1,0 +1,40 @@
+# palpate_library(<name> DIR <folder> [DEPENDS ...] [PRIVATE_DEPENDS ...])
+# One static library palpate::<name> from every <folder>/*.cc except main.cc.
+function(palpate_library name)
+  cmake_parse_arguments(ARG "" "DIR" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  set(dir ${PROJECT_SOURCE_DIR}/${ARG_DIR})
+  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
+  list(REMOVE_ITEM sources ${dir}/main.cc)
+  add_library(palpate_${name} STATIC ${sources})
+  add_library(palpate::${name} ALIAS palpate_${name})
+  target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_compile_features(palpate_${name} PUBLIC cxx_std_20)
+  target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPENDS}
+                                        PRIVATE palpate_warnings ${ARG_PRIVATE_DEPENDS})
+endfunction()
+
+# palpate_tool(<tool> DIR <folder> LIBRARY <name>): the command-line tool <folder>/main.cc.
+function(palpate_tool tool)
+  cmake_parse_arguments(ARG "" "DIR;LIBRARY" "" ${ARGN})
+  add_executable(${tool} ${PROJECT_SOURCE_DIR}/${ARG_DIR}/main.cc)
+  target_link_libraries(${tool} PRIVATE palpate::${ARG_LIBRARY} palpate_warnings
+                                        CLI11::CLI11 nlohmann_json::nlohmann_json)
+endfunction()
+
+# palpate_tests(<label> [LIBRARIES ...]): one test <label>/<stem> per tests/<label>/*_test.cc.
+function(palpate_tests label)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  file(GLOB tests CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${label}/*_test.cc)
+  foreach(test ${tests})
+    get_filename_component(stem ${test} NAME_WE)
+    set(target ${label}_${stem})
+    add_executable(${target} ${test})
+    target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} palpate_test_support
+                                            palpate_warnings GTest::gtest_main)
+    target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
+    add_test(NAME ${label}/${stem} COMMAND ${target}
+             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    set_tests_properties(${label}/${stem} PROPERTIES LABELS ${label}
+                         SKIP_REGULAR_EXPRESSION "SKIPPED_WHOLE_FILE")
+  endforeach()
+endfunction()

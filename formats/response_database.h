@@ -1,0 +1,56 @@
+// The response database in memory and as an HDF5 file; FORMAT.md describes every dataset.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/response_table.h"
+#include "formats/surface_mesh.h"
+
+namespace palpate {
+
+constexpr int kDatabaseVersion = 1;
+
+/// Where the numbers came from: enough to compute them again.
+struct Provenance {
+  std::string writer;        ///< tool and version
+  std::string scene_toml;    ///< full configuration, as read; empty for measurements
+  std::string source_file;   ///< name (no path) of the mesh or measurement
+  std::string source_sha256;  ///< of that file
+  std::string left_out;      ///< what was not computed, and why; one line
+};
+
+/// The raw measurement behind fitted responses.
+struct Measurement {
+  std::vector<double> depth_m;  ///< (m) [m] as measured, contact point not subtracted
+  std::vector<double> force_n;  ///< (m) [N]
+};
+
+struct ResponseDatabase {
+  SurfaceMesh body;
+  Points normal;                     ///< (n x 3) outward unit normals at the vertices
+  std::vector<ResponseTable> tools;  ///< at least one
+  Measurement measurement;           ///< empty unless responses were measured
+  Provenance provenance;
+};
+
+/// Checks every rule of FORMAT.md: shapes, ranges, finiteness, unit directions, curves.
+/// @throws FormatError with the first violation: dataset, node and value.
+void check(const ResponseDatabase& database);
+
+/// Writes atomically: a temporary beside `file`, fsync, rename. Equal input gives equal
+/// bytes. @throws InputError if the place cannot be written.
+void write_database(const std::filesystem::path& file, const ResponseDatabase& database);
+
+/// Reads and checks. @throws InputError for a missing file, FormatError for one that is
+/// foreign, truncated, damaged or of a newer major version.
+[[nodiscard]] ResponseDatabase read_database(const std::filesystem::path& file);
+
+/// The table of the named tool, or the only one for an empty name.
+/// @throws InputError naming the tools that there are.
+[[nodiscard]] const ResponseTable& find_tool(const ResponseDatabase& database,
+                                             const std::string& name);
+
+}  // namespace palpate

@@ -1,0 +1,17 @@
+// Units that people's files carry, and their size in SI base units.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+/// Metres in one of `unit`: m, dm, cm, mm, um, nm, in.
+/// @throws InputError naming the known units.
+[[nodiscard]] double metres_per(std::string_view unit);
+
+/// Newtons in one of `unit`: N, mN, uN, nN, gf, kgf. "µ" may stand for "u".
+/// @throws InputError naming the known units.
+[[nodiscard]] double newtons_per(std::string_view unit);
+
+}  // namespace palpate
