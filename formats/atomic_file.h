@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// Owns a temporary beside the target; commit() makes it durable and renames it over the
-/// target. Destroyed without a commit, it takes the temporary away.
+/// Owns a temporary beside the target; commit() makes it durable and renames it over
+/// the target. Destroyed without a commit, it takes the temporary away.
 class AtomicFile {
  public:
   /// @throws InputError if the target's folder is missing or cannot be written.

@@ -1,5 +1,5 @@
-// Evaluation of a stored force-deflection curve: header only, no allocation, so that the
-// fast step, the tools and the tests evaluate by the same few lines.
+// Evaluation of a stored force-deflection curve: header only, no allocation, so that
+// the fast step, the tools and the tests evaluate by the same few lines.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,9 @@ struct ResponseSample {
 ///
 /// On the interval [d_i, d_{i+1}] of width h, with t = (d - d_i)/h, f is the cubic
 /// Hermite polynomial of f_i, f_{i+1} and the slopes m_i, m_{i+1}; the energy is the
-/// antiderivative of the same polynomial, so E' = f to rounding. Zero for d <= 0; linear
-/// with the last slope beyond the last depth. An empty view is a response of zero.
+/// antiderivative of the same polynomial, so E' = f to rounding. Zero for d <= 0;
+/// linear with the last slope beyond the last depth. An empty view is a response of
+/// zero.
 struct CurveView {
   std::span<const double> depth_m;            ///< (n) [m] from 0, strictly increasing
   std::span<const double> force_n;            ///< (n) [N] from 0
@@ -55,9 +56,10 @@ struct CurveView {
     const double s = (force_n[i + 1] - f0) / h;
     const double c2 = 3.0 * s - 2.0 * m0 - m1;
     const double c3 = m0 + m1 - 2.0 * s;
-    return {f0 + h * t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + t * 3.0 * c3),
-            energy_j[i] + h * t * (f0 + h * t * (m0 / 2.0 + t * (c2 / 3.0 + t * c3 / 4.0))),
-            false};
+    return {
+        f0 + h * t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + t * 3.0 * c3),
+        energy_j[i] + h * t * (f0 + h * t * (m0 / 2.0 + t * (c2 / 3.0 + t * c3 / 4.0))),
+        false};
   }
 };
 

@@ -79,8 +79,8 @@ ResponseCurve::ResponseCurve(std::span<const double> depth_m,
 
   slope_.resize(n);
   slope_.front() = n == 2 ? secant(0) : end_slope(secant(0), h(0), secant(1), h(1));
-  slope_.back() = n == 2 ? secant(0)
-                         : end_slope(secant(n - 2), h(n - 2), secant(n - 3), h(n - 3));
+  slope_.back() =
+      n == 2 ? secant(0) : end_slope(secant(n - 2), h(n - 2), secant(n - 3), h(n - 3));
   for (std::size_t i = 1; i + 1 < n; ++i) {
     slope_[i] = limited_slope(secant(i - 1), h(i - 1), secant(i), h(i));
   }

@@ -1,4 +1,5 @@
-// The response database in memory and as an HDF5 file; FORMAT.md describes every dataset.
+// The response database in memory and as an HDF5 file; FORMAT.md describes every
+// dataset.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +16,11 @@ constexpr int kDatabaseVersion = 1;
 
 /// Where the numbers came from: enough to compute them again.
 struct Provenance {
-  std::string writer;        ///< tool and version
-  std::string scene_toml;    ///< full configuration, as read; empty for measurements
-  std::string source_file;   ///< name (no path) of the mesh or measurement
+  std::string writer;         ///< tool and version
+  std::string scene_toml;     ///< full configuration, as read; empty for measurements
+  std::string source_file;    ///< name (no path) of the mesh or measurement
   std::string source_sha256;  ///< of that file
-  std::string left_out;      ///< what was not computed, and why; one line
+  std::string left_out;       ///< what was not computed, and why; one line
 };
 
 /// The raw measurement behind fitted responses.
@@ -42,7 +43,8 @@ void check(const ResponseDatabase& database);
 
 /// Writes atomically: a temporary beside `file`, fsync, rename. Equal input gives equal
 /// bytes. @throws InputError if the place cannot be written.
-void write_database(const std::filesystem::path& file, const ResponseDatabase& database);
+void write_database(const std::filesystem::path& file,
+                    const ResponseDatabase& database);
 
 /// Reads and checks. @throws InputError for a missing file, FormatError for one that is
 /// foreign, truncated, damaged or of a newer major version.

@@ -14,7 +14,8 @@ namespace {
 // A unit vector to this accuracy: rounding of a normalisation, with room for float32.
 constexpr double kUnitTolerance = 1e-6;
 
-void append_curve(ResponseTable& table, const NodeResponse& response, std::size_t node) {
+void append_curve(ResponseTable& table, const NodeResponse& response,
+                  std::size_t node) {
   const double length = response.direction.norm();
   if (!(std::abs(length - 1.0) <= kUnitTolerance)) {
     throw InputError(fmt::format("node {}: response direction has length {}, must be 1",
@@ -45,7 +46,8 @@ CurveView ResponseTable::curve(std::int64_t node) const noexcept {
   const auto i = static_cast<std::size_t>(node);
   const auto begin = static_cast<std::size_t>(sample_begin[i]);
   const auto count = static_cast<std::size_t>(sample_begin[i + 1]) - begin;
-  return {std::span(depth_m).subspan(begin, count), std::span(force_n).subspan(begin, count),
+  return {std::span(depth_m).subspan(begin, count),
+          std::span(force_n).subspan(begin, count),
           std::span(stiffness_n_per_m).subspan(begin, count),
           std::span(energy_j).subspan(begin, count)};
 }
@@ -72,7 +74,8 @@ ResponseTable make_table(const ToolShape& tool,
     table.flags.push_back(response.flags);
     table.stiffness_max_n_per_m.push_back(0.0);
     if (response.origin != ResponseOrigin::kNone) {
-      table.direction.row(static_cast<Eigen::Index>(i)) = response.direction.transpose();
+      table.direction.row(static_cast<Eigen::Index>(i)) =
+          response.direction.transpose();
       append_curve(table, response, i);
     }
     table.sample_begin.push_back(static_cast<std::int64_t>(table.depth_m.size()));

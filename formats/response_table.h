@@ -1,8 +1,8 @@
 // The responses of one tool at every node of a body, in flat arrays, and the paper's
 // interpolation between them.
 //
-// Meaning (DESIGN of the database): the body pushes the tool along the unit vector u of a
-// node with force f(d); d = (delta - touch_offset) |n_out . u| for a tool at normal
+// Meaning (DESIGN of the database): the body pushes the tool along the unit vector u of
+// a node with force f(d); d = (delta - touch_offset) |n_out . u| for a tool at normal
 // penetration delta, so that the integral of f over d is the work of the force vector.
 #pragma once
 
@@ -36,8 +36,10 @@ enum ResponseFlag : std::uint8_t {
 /// One node's response as a simulation or a fit delivers it.
 struct NodeResponse {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< [-] unit, force on the tool
-  double direction_spread_rad = 0.0;  ///< [rad] largest angle of the force to `direction`
-  double touch_offset_m = 0.0;  ///< [m] normal penetration at first touch; < 0 if concave
+  double direction_spread_rad =
+      0.0;  ///< [rad] largest angle of the force to `direction`
+  double touch_offset_m =
+      0.0;  ///< [m] normal penetration at first touch; < 0 if concave
   std::vector<double> depth_m;  ///< (k) [m] along `direction`, from 0; empty for none
   std::vector<double> force_n;  ///< (k) [N] from 0
   double error_relative = 0.0;  ///< [-] estimated error of force at the largest depth
@@ -48,20 +50,20 @@ struct NodeResponse {
 /// Responses of one tool: node i owns samples [sample_begin[i], sample_begin[i+1]).
 struct ResponseTable {
   ToolShape tool;
-  Points direction;                         ///< (n x 3) [-]
-  std::vector<double> direction_spread_rad;  ///< (n) [rad]
-  std::vector<double> touch_offset_m;       ///< (n) [m]
-  std::vector<double> error_relative;       ///< (n) [-]
-  std::vector<double> friction;             ///< (n) [-]
-  std::vector<double> presliding_m;         ///< (n) [m]
+  Points direction;                           ///< (n x 3) [-]
+  std::vector<double> direction_spread_rad;   ///< (n) [rad]
+  std::vector<double> touch_offset_m;         ///< (n) [m]
+  std::vector<double> error_relative;         ///< (n) [-]
+  std::vector<double> friction;               ///< (n) [-]
+  std::vector<double> presliding_m;           ///< (n) [m]
   std::vector<double> stiffness_max_n_per_m;  ///< (n) [N/m] largest slope of the curve
-  std::vector<std::uint8_t> origin;         ///< (n) ResponseOrigin
-  std::vector<std::uint8_t> flags;          ///< (n) ResponseFlag bits
-  std::vector<std::int64_t> sample_begin;   ///< (n + 1)
-  std::vector<double> depth_m;              ///< (s) [m]
-  std::vector<double> force_n;              ///< (s) [N]
-  std::vector<double> stiffness_n_per_m;    ///< (s) [N/m] Hermite slopes
-  std::vector<double> energy_j;             ///< (s) [J]
+  std::vector<std::uint8_t> origin;           ///< (n) ResponseOrigin
+  std::vector<std::uint8_t> flags;            ///< (n) ResponseFlag bits
+  std::vector<std::int64_t> sample_begin;     ///< (n + 1)
+  std::vector<double> depth_m;                ///< (s) [m]
+  std::vector<double> force_n;                ///< (s) [N]
+  std::vector<double> stiffness_n_per_m;      ///< (s) [N/m] Hermite slopes
+  std::vector<double> energy_j;               ///< (s) [J]
 
   [[nodiscard]] std::int64_t nodes() const noexcept {
     return static_cast<std::int64_t>(touch_offset_m.size());
@@ -74,30 +76,31 @@ struct ResponseTable {
   [[nodiscard]] double depth_max_m() const noexcept;
 };
 
-/// Builds a table from node responses: slopes, energies and largest slopes are made here
-/// (ResponseCurve), falling curves are flagged.
+/// Builds a table from node responses: slopes, energies and largest slopes are made
+/// here (ResponseCurve), falling curves are flagged.
 /// @throws InputError naming the node whose samples or direction are not valid.
 [[nodiscard]] ResponseTable make_table(const ToolShape& tool,
                                        const std::vector<NodeResponse>& responses);
 
 /// A response inside a triangle, at area coordinates of a contact point.
 struct InterpolatedResponse {
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< [-] unit; (26), renormalised
+  Eigen::Vector3d direction =
+      Eigen::Vector3d::Zero();     ///< [-] unit; (26), renormalised
   double force_n = 0.0;            ///< [N] (28)
   double stiffness_n_per_m = 0.0;  ///< [N/m] derivative of (28) with depth
   double energy_j = 0.0;           ///< [J] integral of (28)
   bool extrapolated = false;
 };
 
-/// Area coordinates (27) of the projection of p onto the triangle's plane; they sum to 1
-/// and are negative outside. @param corner_m (3 x 3) one corner per row [m]. A triangle
-/// without area gives the coordinates (1, 0, 0).
+/// Area coordinates (27) of the projection of p onto the triangle's plane; they sum to
+/// 1 and are negative outside. @param corner_m (3 x 3) one corner per row [m]. A
+/// triangle without area gives the coordinates (1, 0, 0).
 [[nodiscard]] Eigen::Vector3d area_coordinates(const Eigen::Matrix3d& corner_m,
                                                const Eigen::Vector3d& p_m) noexcept;
 
 /// (26)-(28): directions and forces of the three nodes, weighted by area coordinates.
-/// The depth [m] is counted along the interpolated direction from the rest surface; each
-/// node's touch offset is taken off, scaled by |n_out . u| of that node.
+/// The depth [m] is counted along the interpolated direction from the rest surface;
+/// each node's touch offset is taken off, scaled by |n_out . u| of that node.
 /// @param normal (n x 3) outward unit normals of the body's vertices.
 [[nodiscard]] InterpolatedResponse interpolate(const ResponseTable& table,
                                                const Points& normal,

@@ -15,9 +15,9 @@ namespace palpate {
 
 struct SceneMaterial {
   std::string region = "body";
-  std::string law = "linear";     ///< the one law there is so far
+  std::string law = "linear";      ///< the one law there is so far
   double youngs_modulus_pa = 0.0;  ///< [Pa] (0, inf)
-  double poissons_ratio = 0.0;    ///< [-] (-1, 0.5)
+  double poissons_ratio = 0.0;     ///< [-] (-1, 0.5)
 };
 
 struct SceneSupport {

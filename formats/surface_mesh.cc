@@ -76,8 +76,9 @@ double mean_edge_m(const SurfaceMesh& mesh) {
       sum += (corner(mesh, t, j) - corner(mesh, t, (j + 1) % 3)).norm();
     }
   }
-  return mesh.triangle.rows() == 0 ? 0.0
-                                   : sum / static_cast<double>(3 * mesh.triangle.rows());
+  return mesh.triangle.rows() == 0
+             ? 0.0
+             : sum / static_cast<double>(3 * mesh.triangle.rows());
 }
 
 Triangles triangle_neighbours(const Triangles& triangle) {

@@ -1,4 +1,5 @@
-// A closed or open triangle surface in metres, and the geometry that everything reads off it.
+// A closed or open triangle surface in metres, and the geometry that everything reads
+// off it.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +14,13 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 struct SurfaceMesh {
-  Points position_m;   ///< (n_vertices x 3) [m]
-  Triangles triangle;  ///< (n_triangles x 3) vertex indices, counter-clockwise from outside
+  Points position_m;  ///< (n_vertices x 3) [m]
+  Triangles
+      triangle;  ///< (n_triangles x 3) vertex indices, counter-clockwise from outside
 };
 
-/// Outward unit normals at the vertices, weighted by the angle of each triangle's corner
-/// (Thurmer and Wuthrich 1998), so that they do not depend on the triangulation.
+/// Outward unit normals at the vertices, weighted by the angle of each triangle's
+/// corner (Thurmer and Wuthrich 1998), so that they do not depend on the triangulation.
 /// (n_vertices x 3); zero where a vertex has no triangle of positive area.
 [[nodiscard]] Points vertex_normals(const SurfaceMesh& mesh);
 

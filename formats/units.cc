@@ -15,11 +15,11 @@ struct Unit {
   double si;
 };
 
-constexpr Unit kLengths[] = {{"m", 1.0},   {"dm", 0.1},   {"cm", 0.01}, {"mm", 1e-3},
+constexpr Unit kLengths[] = {{"m", 1.0},   {"dm", 0.1},  {"cm", 0.01}, {"mm", 1e-3},
                              {"um", 1e-6}, {"µm", 1e-6}, {"nm", 1e-9}, {"in", 0.0254}};
 // Standard gravity 9.80665 m/s^2 is exact by definition (CGPM 1901).
-constexpr Unit kForces[] = {{"N", 1.0},    {"mN", 1e-3},       {"uN", 1e-6},
-                            {"µN", 1e-6}, {"nN", 1e-9},       {"gf", 9.80665e-3},
+constexpr Unit kForces[] = {{"N", 1.0},      {"mN", 1e-3}, {"uN", 1e-6},
+                            {"µN", 1e-6},    {"nN", 1e-9}, {"gf", 9.80665e-3},
                             {"kgf", 9.80665}};
 
 double find(std::span<const Unit> units, std::string_view name, std::string_view what) {

@@ -19,14 +19,15 @@ constexpr std::size_t kElementSamples = 48;
 
 /// One node's response inside an element message.
 struct ElementNode {
-  std::int32_t node = -1;   ///< index in the database; equal in neighbouring elements
+  std::int32_t node = -1;    ///< index in the database; equal in neighbouring elements
   std::int32_t samples = 0;  ///< [0, kElementSamples]; 0: no response here
-  std::array<double, 3> position_m{};   ///< [m] world frame
-  std::array<double, 3> normal{};       ///< [-] outward unit normal of the body
-  std::array<double, 3> direction{};    ///< [-] unit, force on the tool; 0 without response
-  double touch_offset_m = 0.0;   ///< [m] normal penetration at first touch
-  double friction = 0.0;         ///< [-] [0, 10]
-  double presliding_m = 0.0;     ///< [m] delta_L
+  std::array<double, 3> position_m{};  ///< [m] world frame
+  std::array<double, 3> normal{};      ///< [-] outward unit normal of the body
+  std::array<double, 3>
+      direction{};              ///< [-] unit, force on the tool; 0 without response
+  double touch_offset_m = 0.0;  ///< [m] normal penetration at first touch
+  double friction = 0.0;        ///< [-] [0, 10]
+  double presliding_m = 0.0;    ///< [m] delta_L
   std::array<double, kElementSamples> depth_m{};
   std::array<double, kElementSamples> force_n{};
   std::array<double, kElementSamples> stiffness_n_per_m{};
@@ -34,17 +35,19 @@ struct ElementNode {
 
   [[nodiscard]] CurveView curve() const noexcept {
     const auto n = static_cast<std::size_t>(samples);
-    return {{depth_m.data(), n}, {force_n.data(), n}, {stiffness_n_per_m.data(), n},
+    return {{depth_m.data(), n},
+            {force_n.data(), n},
+            {stiffness_n_per_m.data(), n},
             {energy_j.data(), n}};
   }
 };
 
 /// A triangle of the surface. Messages are copied whole through the FIFO.
 struct Element {
-  std::int32_t triangle = -1;      ///< index in the database; -1: no element
-  std::uint64_t sequence = 0;      ///< counts up from 1 as the slow process sends
-  std::int64_t sent_ns = 0;        ///< [ns] monotonic clock
-  bool active = false;             ///< nearest to the tool when sent, else a neighbour
+  std::int32_t triangle = -1;       ///< index in the database; -1: no element
+  std::uint64_t sequence = 0;       ///< counts up from 1 as the slow process sends
+  std::int64_t sent_ns = 0;         ///< [ns] monotonic clock
+  bool active = false;              ///< nearest to the tool when sent, else a neighbour
   std::array<ElementNode, 3> node;  ///< counter-clockwise from outside
   /// Triangle across edge (j, j+1); -1 at a border.
   std::array<std::int32_t, 3> neighbour{-1, -1, -1};

@@ -21,7 +21,7 @@ enum class LocalModel : std::uint8_t {
   kFirstOrderHold,  ///< extrapolates in time from the two latest slow forces
   kEqualEnergy,     ///< linear impedance, relaxed state by (20)-(24)
   kEnergyTank,      ///< tangent impedance, what updates free pays for what they cost
-  kElement,         ///< curves at the fast rate in the active element (5.2), with ledger
+  kElement,  ///< curves at the fast rate in the active element (5.2), with ledger
 };
 
 /// What the device measured at one tick.
@@ -34,7 +34,7 @@ struct FastSample {
 struct FastCommand {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] on the tool; 0 on a fault
   bool in_contact = false;
-  bool starved = false;       ///< x_c left the element and its neighbour had not arrived
+  bool starved = false;  ///< x_c left the element and its neighbour had not arrived
   bool extrapolated = false;  ///< deeper than a curve was computed
   double depth_m = 0.0;       ///< [m] along the response direction
   double stored_j = 0.0;      ///< [J] potential of the local model

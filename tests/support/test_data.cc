@@ -1,0 +1,28 @@
+#include "tests/support/test_data.h"
+
+#include <cstdlib>
+
+namespace palpate {
+
+std::optional<std::filesystem::path> test_data(const std::string& name) {
+  const char* set = std::getenv("PALPATE_TEST_DATA");
+  const std::filesystem::path root =
+      set != nullptr ? set : std::filesystem::path(PALPATE_SOURCE_DIR) / "../shared/data";
+  std::error_code ignored;
+  if (!std::filesystem::exists(root / name, ignored)) {
+    return std::nullopt;
+  }
+  return root / name;
+}
+
+ScratchFolder::ScratchFolder() {
+  std::string name = std::filesystem::temp_directory_path() / "palpate-test-XXXXXX";
+  path_ = mkdtemp(name.data());
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+}  // namespace palpate
