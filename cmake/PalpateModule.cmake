@@ -1,10 +1,10 @@
 # palpate_library(<name> DIR <folder> [DEPENDS ...] [PRIVATE_DEPENDS ...])
-# One static library palpate::<name> from every <folder>/*.cc except main.cc.
+# One static library palpate::<name> from every <folder>/*.cc except those of the tool.
 function(palpate_library name)
   cmake_parse_arguments(ARG "" "DIR" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/${ARG_DIR})
   file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
-  list(REMOVE_ITEM sources ${dir}/main.cc)
+  list(FILTER sources EXCLUDE REGEX "/(main|command_[a-z0-9_]+)\\.cc$")
   set(code ${sources})
   list(FILTER code INCLUDE REGEX "\\.cc$")
   if(NOT code)
@@ -19,10 +19,12 @@ function(palpate_library name)
                                         PRIVATE palpate_warnings ${ARG_PRIVATE_DEPENDS})
 endfunction()
 
-# palpate_tool(<tool> DIR <folder> LIBRARY <name>): the command-line tool <folder>/main.cc.
+# palpate_tool(<tool> DIR <folder> LIBRARY <name>): the command-line tool from
+# <folder>/main.cc and one <folder>/command_*.cc per subcommand.
 function(palpate_tool tool)
   cmake_parse_arguments(ARG "" "DIR;LIBRARY" "" ${ARGN})
-  add_executable(${tool} ${PROJECT_SOURCE_DIR}/${ARG_DIR}/main.cc)
+  file(GLOB commands CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${ARG_DIR}/command_*.cc)
+  add_executable(${tool} ${PROJECT_SOURCE_DIR}/${ARG_DIR}/main.cc ${commands})
   target_link_libraries(${tool} PRIVATE palpate::${ARG_LIBRARY} palpate_warnings
                                         CLI11::CLI11 nlohmann_json::nlohmann_json)
 endfunction()

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace palpate {
+
+/// Adds the subcommand "simulate" to the tool.
+void add_simulate_command(CLI::App& app);
+
+}  // namespace palpate
