@@ -7,7 +7,8 @@ namespace palpate {
 std::optional<std::filesystem::path> test_data(const std::string& name) {
   const char* set = std::getenv("PALPATE_TEST_DATA");
   const std::filesystem::path root =
-      set != nullptr ? set : std::filesystem::path(PALPATE_SOURCE_DIR) / "../shared/data";
+      set != nullptr ? set
+                     : std::filesystem::path(PALPATE_SOURCE_DIR) / "../shared/data";
   std::error_code ignored;
   if (!std::filesystem::exists(root / name, ignored)) {
     return std::nullopt;

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Path of a file in the folder of test data: $PALPATE_TEST_DATA, or ../shared/data beside
-/// the source tree. Empty where it is absent; then the test is to be skipped:
+/// Path of a file in the folder of test data: $PALPATE_TEST_DATA, or ../shared/data
+/// beside the source tree. Empty where it is absent; then the test is to be skipped:
 ///   const auto mesh = test_data("meshes/sofa_liver2.obj");
 ///   if (!mesh) GTEST_SKIP() << "no test data";
 [[nodiscard]] std::optional<std::filesystem::path> test_data(const std::string& name);

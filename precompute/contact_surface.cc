@@ -1,0 +1,199 @@
+#include "precompute/contact_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace palpate {
+namespace {
+
+using Bary = Eigen::Vector3d;  // barycentric coordinates on the parent face
+
+// The six nodes of a face and its four sub-triangles, all of equal area.
+const std::array<Bary, 6> kFaceNode{Bary{1, 0, 0},     Bary{0, 1, 0},
+                                    Bary{0, 0, 1},     Bary{0.5, 0.5, 0},
+                                    Bary{0, 0.5, 0.5}, Bary{0.5, 0, 0.5}};
+constexpr std::array<std::array<int, 3>, 4> kSubTriangle{
+    {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+
+// Degree-4 rule on a triangle (Strang and Fix 1973), weights sum to 1.
+struct RulePoint {
+  Bary at;
+  double weight;
+};
+
+std::array<RulePoint, 6> triangle_rule() {
+  constexpr double kA = 0.445948490915965;
+  constexpr double kB = 0.091576213509771;
+  constexpr double kWeightA = 0.223381589678011;
+  constexpr double kWeightB = 0.109951743655322;
+  const auto point = [](double c, int apex, double weight) {
+    Bary at = Bary::Constant(c);
+    at[apex] = 1.0 - 2.0 * c;
+    return RulePoint{at, weight};
+  };
+  return {point(kA, 0, kWeightA), point(kA, 1, kWeightA), point(kA, 2, kWeightA),
+          point(kB, 0, kWeightB), point(kB, 1, kWeightB), point(kB, 2, kWeightB)};
+}
+
+Eigen::Matrix<double, 6, 1> quadratic_shape(const Bary& L) {
+  Eigen::Matrix<double, 6, 1> N;
+  N << L[0] * (2 * L[0] - 1), L[1] * (2 * L[1] - 1), L[2] * (2 * L[2] - 1),
+      4 * L[0] * L[1], 4 * L[1] * L[2], 4 * L[2] * L[0];
+  return N;
+}
+
+// A point of a face's quadrature: where, its weight as a share of the face's area, and
+// the values of the six hats and six shape functions there.
+struct FacePoint {
+  Bary at;
+  double area_share = 0.0;
+  Eigen::Matrix<double, 6, 1> hat;
+  Eigen::Matrix<double, 6, 1> shape;
+};
+
+std::vector<FacePoint> face_points() {
+  std::vector<FacePoint> points;
+  for (const auto& sub : kSubTriangle) {
+    for (const RulePoint& rule : triangle_rule()) {
+      FacePoint point;
+      point.at.setZero();
+      point.hat.setZero();
+      for (int k = 0; k < 3; ++k) {
+        const int node = sub[static_cast<std::size_t>(k)];
+        point.at += rule.at[k] * kFaceNode[static_cast<std::size_t>(node)];
+        point.hat[node] = rule.at[k];
+      }
+      point.area_share = rule.weight / 4.0;
+      point.shape = quadratic_shape(point.at);
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+void add_load(ContactNode& node, std::int32_t mesh_node, const Eigen::Vector3d& force) {
+  for (NodalForce& entry : node.load) {
+    if (entry.node == mesh_node) {
+      entry.force += force;
+      return;
+    }
+  }
+  node.load.push_back({mesh_node, force});
+}
+
+void sort_unique(std::vector<std::int32_t>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+// From integrals over the hat to averages: everything is divided by the hat's area.
+void normalise(ContactNode& node) {
+  for (GapPoint& point : node.gap_points) {
+    point.weight /= node.area_m2;
+  }
+  for (NodalForce& entry : node.load) {
+    entry.force /= node.area_m2;
+  }
+  node.normal.normalize();
+  sort_unique(node.neighbours);
+}
+
+}  // namespace
+
+ContactSurface make_contact_surface(const QuadraticMesh& mesh) {
+  ContactSurface surface;
+  surface.of_mesh_node.assign(static_cast<std::size_t>(mesh.position_m.rows()), -1);
+  for (const std::int32_t mesh_node : surface_nodes(mesh)) {
+    surface.of_mesh_node[static_cast<std::size_t>(mesh_node)] =
+        static_cast<std::int32_t>(surface.node.size());
+    ContactNode node;
+    node.mesh_node = mesh_node;
+    node.position_m = mesh.position_m.row(mesh_node).transpose();
+    node.is_corner = mesh_node < mesh.corners;
+    node.normal.setZero();
+    surface.node.push_back(std::move(node));
+  }
+  const std::vector<FacePoint> points = face_points();
+  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t) {
+    Eigen::Matrix3d corner;
+    std::array<std::int32_t, 6> contact{};
+    for (int j = 0; j < 6; ++j) {
+      contact[static_cast<std::size_t>(j)] =
+          surface.of_mesh_node[static_cast<std::size_t>(mesh.surface(t, j))];
+    }
+    for (int j = 0; j < 3; ++j) {
+      corner.col(j) = mesh.position_m.row(mesh.surface(t, j)).transpose();
+    }
+    const Eigen::Vector3d area_vector =
+        0.5 * (corner.col(1) - corner.col(0)).cross(corner.col(2) - corner.col(0));
+    const double area = area_vector.norm();
+    const Eigen::Vector3d normal = area_vector / area;
+    for (const FacePoint& point : points) {
+      const Eigen::Vector3d position = corner * point.at;
+      for (int j = 0; j < 6; ++j) {
+        const double weight = point.hat[j] * point.area_share * area;
+        if (weight == 0.0) {
+          continue;
+        }
+        ContactNode& node =
+            surface
+                .node[static_cast<std::size_t>(contact[static_cast<std::size_t>(j)])];
+        node.area_m2 += weight;
+        node.normal += weight * normal;
+        node.gap_points.push_back({position, normal, weight});
+        for (int a = 0; a < 6; ++a) {
+          add_load(node, mesh.surface(t, a), -weight * point.shape[a] * normal);
+        }
+      }
+    }
+    for (const auto& sub : kSubTriangle) {
+      for (int k = 0; k < 3; ++k) {
+        const auto at = [&](int i) {
+          return contact[static_cast<std::size_t>(
+              sub[static_cast<std::size_t>(i % 3)])];
+        };
+        auto& neighbours = surface.node[static_cast<std::size_t>(at(k))].neighbours;
+        neighbours.push_back(at(k + 1));
+        neighbours.push_back(at(k + 2));
+      }
+    }
+  }
+  for (ContactNode& node : surface.node) {
+    normalise(node);
+  }
+  return surface;
+}
+
+Gap sphere_gap(const Eigen::Vector3d& p_m, const Eigen::Vector3d& normal,
+               const Eigen::Vector3d& centre_m, double radius_m) {
+  constexpr double kSteepest = 0.95;  // [-] s/R where the profile goes on straight
+  const Eigen::Vector3d r = p_m - centre_m;
+  const double b = normal.dot(r);
+  const Eigen::Vector3d across = r - b * normal;
+  const double s = across.norm();
+  const double s0 = kSteepest * radius_m;
+  // depth = sqrt(R^2 - s^2) below the equator; d(depth)/ds = -s/depth.
+  const double inside = std::min(s, s0);
+  const double depth0 = std::sqrt(radius_m * radius_m - inside * inside);
+  const double slope = -inside / depth0;
+  const double depth = depth0 + slope * (s - inside);
+  // d(distance)/d(centre) = n + slope * across/s; slope/s -> -1/R at the axis.
+  const double slope_over_s = s > s0 ? slope / s : -1.0 / depth0;
+  return {-b - depth, normal + slope_over_s * across};
+}
+
+Gap average_gap(const ContactNode& node, const Eigen::Vector3d& centre_m,
+                double radius_m) {
+  Gap average{0.0, Eigen::Vector3d::Zero()};
+  for (const GapPoint& point : node.gap_points) {
+    const Gap gap = sphere_gap(point.position_m, point.normal, centre_m, radius_m);
+    average.distance_m += point.weight * gap.distance_m;
+    average.by_centre += point.weight * gap.by_centre;
+  }
+  return average;
+}
+
+}  // namespace palpate

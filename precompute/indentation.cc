@@ -1,0 +1,258 @@
+#include "precompute/indentation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+
+#include "precompute/complementarity.h"
+
+namespace palpate {
+namespace {
+
+// Faces turned more than this from the vertex's normal are another side of the body.
+constexpr double kFacingCosine = 0.1;
+
+struct Gaps {
+  Eigen::VectorXd distance_m;  // (n)
+  Eigen::MatrixX3d by_centre;  // (n x 3)
+};
+
+const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
+  return surface.node[static_cast<std::size_t>(v)];
+}
+
+bool is_held(const Supports& supports, const ContactNode& node) {
+  return supports.free_index[3 * static_cast<std::size_t>(node.mesh_node)] < 0;
+}
+
+Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
+             const IndentationPath& path, double penetration_m) {
+  const Eigen::Vector3d centre =
+      path.vertex_m + (path.radius_m - penetration_m) * path.outward;
+  const auto n = static_cast<Eigen::Index>(patch.size());
+  Gaps gaps{Eigen::VectorXd(n), Eigen::MatrixX3d(n, 3)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Gap gap = average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]),
+                                centre, path.radius_m);
+    gaps.distance_m[i] = gap.distance_m;
+    gaps.by_centre.row(i) = gap.by_centre.transpose();
+  }
+  return gaps;
+}
+
+// Penetration at which the smallest gap closes: Newton on a function that falls with
+// penetration, each step taken from the node that is nearest to the tool.
+double first_touch_m(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                     const IndentationPath& path) {
+  double penetration = 0.0;
+  for (int i = 0; i < 50; ++i) {
+    const Gaps gaps = gaps_at(surface, patch, path, penetration);
+    Eigen::Index nearest = 0;
+    const double gap = gaps.distance_m.minCoeff(&nearest);
+    const double rate = gaps.by_centre.row(nearest).dot(path.outward);
+    const double step = gap / std::max(rate, kFacingCosine);
+    penetration += step;
+    if (std::abs(step) < 1e-12 * path.radius_m) {
+      break;
+    }
+  }
+  return penetration;
+}
+
+// Pressure at the faces' corners only, from that at all nodes: the hat of a corner on
+// the whole faces is its own hat plus half of those on the middles of its edges. (n x
+// n_corners), columns scaled to 1 N.
+Eigen::MatrixXd corner_pressures(const ContactSurface& surface,
+                                 std::span<const std::int32_t> patch) {
+  const auto n = static_cast<Eigen::Index>(patch.size());
+  // The neighbours of a corner are the middles of its edges.
+  std::unordered_map<std::int32_t, Eigen::Index> row;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    row.emplace(patch[static_cast<std::size_t>(i)], i);
+  }
+  std::vector<Eigen::VectorXd> columns;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ContactNode& corner = node_of(surface, patch[static_cast<std::size_t>(i)]);
+    if (!corner.is_corner) {
+      continue;
+    }
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(n);
+    column[i] = corner.area_m2;
+    for (const std::int32_t v : corner.neighbours) {
+      const auto at = row.find(v);
+      if (at != row.end()) {
+        column[at->second] = 0.5 * node_of(surface, v).area_m2;
+      }
+    }
+    columns.push_back(column / column.sum());
+  }
+  Eigen::MatrixXd P(n, static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    P.col(static_cast<Eigen::Index>(j)) = columns[j];
+  }
+  return P;
+}
+
+double coarse_force(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                    const Eigen::MatrixXd& A, const Gaps& gaps) {
+  const Eigen::MatrixXd P = corner_pressures(surface, patch);
+  if (P.cols() == 0) {
+    return 0.0;
+  }
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(P.cols());
+  const Eigen::MatrixXd coarse = P.transpose() * A * P;
+  solve_complementarity(coarse, P.transpose() * gaps.distance_m, f);
+  return (gaps.by_centre.transpose() * (P * f)).norm();
+}
+
+bool touches_edge(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                  const Eigen::VectorXd& f) {
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    if (f[static_cast<Eigen::Index>(i)] > 0.0) {
+      for (const std::int32_t v : node_of(surface, patch[i]).neighbours) {
+        if (!std::binary_search(patch.begin(), patch.end(), v)) {
+          return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
+  const ContactNode& node = node_of(surface, v);
+  double sum = 0.0;
+  for (const std::int32_t w : node.neighbours) {
+    sum += (node_of(surface, w).position_m - node.position_m).norm();
+  }
+  return sum / static_cast<double>(node.neighbours.size());
+}
+
+}  // namespace
+
+double patch_radius_m(double tool_radius_m, double depth_max_m, double node_spacing_m) {
+  const double shadow =
+      std::min(tool_radius_m, 1.2 * std::sqrt(2.0 * tool_radius_m * depth_max_m));
+  return shadow + 2.0 * node_spacing_m;
+}
+
+std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
+                                        const Supports& supports, std::int32_t start,
+                                        double radius_m) {
+  const ContactNode& centre = node_of(surface, start);
+  std::vector<std::int32_t> patch;
+  std::vector<std::int32_t> queue{start};
+  std::unordered_map<std::int32_t, bool> seen{{start, true}};
+  while (!queue.empty()) {
+    const std::int32_t v = queue.back();
+    queue.pop_back();
+    const ContactNode& node = node_of(surface, v);
+    if (!is_held(supports, node)) {
+      patch.push_back(v);
+    }
+    for (const std::int32_t w : node.neighbours) {
+      const ContactNode& next = node_of(surface, w);
+      if ((next.position_m - centre.position_m).norm() <= radius_m &&
+          next.normal.dot(centre.normal) > kFacingCosine &&
+          seen.emplace(w, true).second) {
+        queue.push_back(w);
+      }
+    }
+  }
+  std::sort(patch.begin(), patch.end());
+  return patch;
+}
+
+Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compliance,
+                   std::span<const std::int32_t> patch, const IndentationPath& path) {
+  Indentation result;
+  if (patch.empty()) {
+    return result;
+  }
+  const Eigen::MatrixXd A = compliance.among(patch);
+  const double touch = first_touch_m(surface, patch, path);
+  result.sample.push_back({.penetration_m = touch});
+  if (!(touch < path.depth_max_m)) {
+    return result;
+  }
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
+  Gaps gaps;
+  for (int k = 1; k <= path.samples && !result.force_capped; ++k) {
+    const double share = static_cast<double>(k) / path.samples;
+    IndentationSample sample;
+    sample.penetration_m = touch + (path.depth_max_m - touch) * share * share;
+    gaps = gaps_at(surface, patch, path, sample.penetration_m);
+    const ComplementarityReport report = solve_complementarity(A, gaps.distance_m, f);
+    result.iterations += report.iterations;
+    result.converged = result.converged && report.converged;
+    sample.force_n = gaps.by_centre.transpose() * f;
+    sample.energy_j = 0.5 * f.dot(A * f);
+    double area = 0.0;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      area += f[static_cast<Eigen::Index>(i)] > 0.0 ? node_of(surface, patch[i]).area_m2
+                                                    : 0.0;
+    }
+    sample.contact_radius_m = std::sqrt(area / std::numbers::pi);
+    result.force_capped = sample.force_n.norm() > path.force_max_n;
+    result.sample.push_back(sample);
+  }
+  result.reached_patch_edge = touches_edge(surface, patch, f);
+  result.coarse_force_n = coarse_force(surface, patch, A, gaps);
+  std::int32_t nearest = patch.front();
+  for (const std::int32_t v : patch) {
+    if ((node_of(surface, v).position_m - path.vertex_m).squaredNorm() <
+        (node_of(surface, nearest).position_m - path.vertex_m).squaredNorm()) {
+      nearest = v;
+    }
+  }
+  result.node_spacing_m = mean_spacing_m(surface, nearest);
+  return result;
+}
+
+NodeResponse to_response(const Indentation& indentation, const IndentationPath& path,
+                         double force_relative_budget) {
+  NodeResponse response;
+  if (indentation.sample.size() < 2 || !indentation.converged) {
+    response.flags = indentation.converged ? 0 : kFailed;
+    return response;
+  }
+  response.origin = ResponseOrigin::kSimulated;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t k = 1; k < indentation.sample.size(); ++k) {
+    const IndentationSample& before = indentation.sample[k - 1];
+    const IndentationSample& after = indentation.sample[k];
+    mean += 0.5 * (before.force_n + after.force_n) *
+            (after.penetration_m - before.penetration_m);
+  }
+  response.direction = mean.normalized();
+  response.touch_offset_m = indentation.sample.front().penetration_m;
+  const double along = std::abs(path.outward.dot(response.direction));
+  for (const IndentationSample& sample : indentation.sample) {
+    response.depth_m.push_back((sample.penetration_m - response.touch_offset_m) *
+                               along);
+    response.force_n.push_back(sample.force_n.norm());
+    if (sample.force_n.norm() > 0.0) {
+      response.direction_spread_rad =
+          std::max(response.direction_spread_rad,
+                   std::atan2(sample.force_n.cross(response.direction).norm(),
+                              sample.force_n.dot(response.direction)));
+    }
+  }
+  const IndentationSample& last = indentation.sample.back();
+  response.error_relative =
+      std::abs(indentation.coarse_force_n - last.force_n.norm()) / last.force_n.norm();
+  const auto flag_if = [&](bool set, ResponseFlag flag) {
+    response.flags = static_cast<std::uint8_t>(response.flags | (set ? flag : 0));
+  };
+  flag_if(indentation.force_capped, kForceCapped);
+  flag_if(last.contact_radius_m < 2.0 * indentation.node_spacing_m, kCoarseContact);
+  flag_if(
+      response.error_relative > force_relative_budget || indentation.reached_patch_edge,
+      kErrorOverBudget);
+  return response;
+}
+
+}  // namespace palpate

@@ -1,0 +1,36 @@
+// Quadratic tetrahedra with straight edges, and the surface that a tool can press on.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/surface_mesh.h"
+#include "precompute/tetrahedralise.h"
+
+namespace palpate {
+
+using QuadraticTets = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 10, Eigen::RowMajor>;
+using QuadraticTriangles =
+    Eigen::Matrix<std::int32_t, Eigen::Dynamic, 6, Eigen::RowMajor>;
+
+/// Node order of a tet: corners 0..3, then the middles of edges
+/// (0,1) (1,2) (0,2) (0,3) (1,3) (2,3); of a triangle: corners, then (0,1) (1,2) (2,0).
+struct QuadraticMesh {
+  Points position_m;           ///< (n_nodes x 3) [m] corners first, then edge middles
+  QuadraticTets tet;           ///< (n_tets x 10)
+  QuadraticTriangles surface;  ///< (n_triangles x 6) in the order of the surface mesh
+  Eigen::Index corners = 0;    ///< number of corner nodes; the surface's vertices first
+};
+
+/// Puts a node on the middle of every edge. @param surface the triangles that bound
+/// `tets`, over its first vertices. @throws NumericalError if a triangle of the surface
+/// is not a face of the tets.
+[[nodiscard]] QuadraticMesh make_quadratic(const TetMesh& tets,
+                                           const Triangles& surface);
+
+/// The nodes that lie on the surface, ascending.
+[[nodiscard]] std::vector<std::int32_t> surface_nodes(const QuadraticMesh& mesh);
+
+}  // namespace palpate

@@ -1,0 +1,54 @@
+// How far contact nodes move for a unit pressure force at their neighbours.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "precompute/cholesky_factor.h"
+#include "precompute/contact_surface.h"
+
+namespace palpate {
+
+/// Which degrees of freedom are solved for: index among the free ones, or -1 if held.
+struct Supports {
+  std::vector<std::int64_t> free_index;  ///< (3 n_nodes)
+  std::int64_t free = 0;
+};
+
+/// Holds every surface node of the mesh that lies in one of the boxes, in all
+/// directions.
+[[nodiscard]] Supports hold_boxes(const QuadraticMesh& mesh,
+                                  std::span<const Eigen::AlignedBox3d> box_m);
+
+/// K without the rows and columns of held degrees of freedom.
+[[nodiscard]] Stiffness reduce(const Stiffness& lower, const Supports& supports);
+
+/// Near-field compliance of the contact surface. Entry (v, w) [m/N]: average inward
+/// displacement over the hat of v along the inward normals, for 1 N of pressure force
+/// spread over the hat of w. Symmetric (Maxwell-Betti).
+class SurfaceCompliance {
+ public:
+  /// Solves for one column per node of `nodes` and keeps the rows within `radius_m`.
+  /// Runs on all cores; the result does not depend on their number.
+  /// @param nodes contact nodes, ascending.
+  /// @param progress called now and then from one thread with the columns done; may
+  /// throw.
+  SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
+                    const ContactSurface& surface, std::vector<std::int32_t> nodes,
+                    double radius_m, const std::function<void(std::size_t)>& progress);
+
+  /// Compliance among the given contact nodes, (n x n). Pairs farther apart than the
+  /// radius are zero; every node must be one of those that were solved for.
+  [[nodiscard]] Eigen::MatrixXd among(std::span<const std::int32_t> nodes) const;
+
+ private:
+  std::vector<std::int64_t> begin_;      // (n_contact_nodes + 1)
+  std::vector<std::int32_t> neighbour_;  // ascending within a node's range
+  std::vector<double> value_;
+};
+
+}  // namespace palpate
