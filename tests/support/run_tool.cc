@@ -1,0 +1,70 @@
+#include "tests/support/run_tool.h"
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+std::string content(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void redirect(const std::filesystem::path& file, int descriptor) {
+  const int to = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  dup2(to, descriptor);
+}
+
+ToolRun run(const std::string& tool, const std::vector<std::string>& arguments,
+            int interrupt_after_ms) {
+  const ScratchFolder scratch;
+  const std::string program = (std::filesystem::path(PALPATE_BIN_DIR) / tool).string();
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) {
+    argv.push_back(const_cast<char*>(argument.c_str()));
+  }
+  argv.push_back(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    redirect(scratch / "out", STDOUT_FILENO);
+    redirect(scratch / "err", STDERR_FILENO);
+    execv(program.c_str(), argv.data());
+    _exit(127);
+  }
+  if (interrupt_after_ms >= 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(interrupt_after_ms));
+    kill(child, SIGINT);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+          content(scratch / "out"), content(scratch / "err")};
+}
+
+}  // namespace
+
+ToolRun run_tool_process(const std::string& tool,
+                         const std::vector<std::string>& arguments) {
+  return run(tool, arguments, -1);
+}
+
+ToolRun interrupt_tool_process(const std::string& tool,
+                               const std::vector<std::string>& arguments,
+                               int milliseconds) {
+  return run(tool, arguments, milliseconds);
+}
+
+}  // namespace palpate
