@@ -1,0 +1,190 @@
+// HDF5 files as the database needs them: flat datasets with a unit, small attributes,
+// and a digest of everything that passes through. The one place that knows HDF5's C
+// interface.
+//
+// Hdf5Writer and Hdf5Reader have the same methods, so that one template states what a
+// file holds and in which order, for both. HDF5's own error printing is silent while
+// either lives. Not thread-safe: the HDF5 library is not.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/sha256.h"
+
+namespace palpate {
+
+/// Element types that a dataset can have; all little-endian in the file.
+enum class Hdf5Type { kFloat64, kInt64, kInt32, kUint8 };
+
+template <typename T>
+constexpr Hdf5Type hdf5_type() {
+  if constexpr (std::same_as<T, double>) {
+    return Hdf5Type::kFloat64;
+  } else if constexpr (std::same_as<T, std::int64_t>) {
+    return Hdf5Type::kInt64;
+  } else if constexpr (std::same_as<T, std::int32_t>) {
+    return Hdf5Type::kInt32;
+  } else {
+    static_assert(std::same_as<T, std::uint8_t>);
+    return Hdf5Type::kUint8;
+  }
+}
+
+template <typename T>
+using RowMajor3 = Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// SHA-256 over the logical content, item by item (FORMAT.md, "Digest").
+class ContentDigest {
+ public:
+  void add(std::string_view head, const void* data, std::size_t bytes);
+  [[nodiscard]] std::string hex() const { return digest_.hex(); }
+
+ private:
+  Sha256 digest_;
+};
+
+/// Switches HDF5's error printing off for its lifetime.
+class QuietHdf5 {
+ public:
+  QuietHdf5();
+  ~QuietHdf5();
+  QuietHdf5(const QuietHdf5&) = delete;
+  QuietHdf5& operator=(const QuietHdf5&) = delete;
+
+ private:
+  void* function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// Writes a new file. Every method @throws InputError if HDF5 cannot write.
+class Hdf5Writer {
+ public:
+  static constexpr bool kWrites = true;
+
+  explicit Hdf5Writer(const std::filesystem::path& file);
+  ~Hdf5Writer();
+  Hdf5Writer(const Hdf5Writer&) = delete;
+  Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+
+  void group(const std::string& path);
+
+  /// Creates the group if it is wanted. @return wanted
+  bool optional_group(const std::string& path, bool wanted);
+
+  void attribute(const std::string& object, const char* name, const std::string& value);
+  void attribute(const std::string& object, const char* name, double value);
+  void attribute(const std::string& object, const char* name, std::int64_t value);
+
+  /// The CF convention's description of an enumeration, or of bits if `masks`.
+  void flags(const std::string& dataset, const std::vector<std::uint8_t>& values,
+             const char* meanings, bool masks);
+
+  /// A text of any length, as a scalar dataset.
+  void text(const std::string& path, const std::string& value);
+
+  /// (rows): one value per row.
+  template <typename T>
+  void dataset(const std::string& path, const char* unit,
+               const std::vector<T>& values) {
+    write(path, unit, hdf5_type<T>(), values.data(),
+          {static_cast<std::int64_t>(values.size()), 0});
+  }
+
+  /// (rows x 3)
+  template <typename T>
+  void dataset(const std::string& path, const char* unit, const RowMajor3<T>& values) {
+    write(path, unit, hdf5_type<T>(), values.data(), {values.rows(), 3});
+  }
+
+  [[nodiscard]] std::string digest() const { return digest_.hex(); }
+
+  /// Flushes and closes; to be called last.
+  void close();
+
+ private:
+  struct Extent {
+    std::int64_t rows;
+    std::int64_t columns;  // 0: one-dimensional
+  };
+  void write(const std::string& path, const char* unit, Hdf5Type type, const void* data,
+             Extent extent);
+
+  QuietHdf5 quiet_;
+  std::filesystem::path file_;
+  std::int64_t id_ = -1;
+  ContentDigest digest_;
+};
+
+/// Reads a file that may be foreign, damaged or hostile: types, shapes, units and sizes
+/// are checked before anything is allocated. Every method @throws FormatError naming
+/// the file, the dataset or attribute, what it is and what it must be.
+class Hdf5Reader {
+ public:
+  static constexpr bool kWrites = false;
+
+  /// @throws InputError if the file is missing or cannot be opened, FormatError if it
+  /// is not HDF5 or is truncated.
+  explicit Hdf5Reader(const std::filesystem::path& file);
+  ~Hdf5Reader();
+  Hdf5Reader(const Hdf5Reader&) = delete;
+  Hdf5Reader& operator=(const Hdf5Reader&) = delete;
+
+  [[nodiscard]] bool has(const std::string& path) const;
+  [[nodiscard]] bool has_attribute(const std::string& object, const char* name) const;
+
+  void group(const std::string& path) const;
+  [[nodiscard]] bool optional_group(const std::string& path, bool ignored) const;
+
+  void attribute(const std::string& object, const char* name, std::string& value);
+  void attribute(const std::string& object, const char* name, double& value);
+  void attribute(const std::string& object, const char* name, std::int64_t& value);
+
+  /// Describes, does not decide: nothing to read.
+  void flags(const std::string&, const std::vector<std::uint8_t>&, const char*,
+             bool) const {}
+
+  void text(const std::string& path, std::string& value);
+
+  template <typename T>
+  void dataset(const std::string& path, const char* unit, std::vector<T>& values) {
+    values.resize(
+        static_cast<std::size_t>(checked_rows(path, unit, hdf5_type<T>(), 0)));
+    read(path, hdf5_type<T>(), values.data(), values.size(), 0);
+  }
+
+  template <typename T>
+  void dataset(const std::string& path, const char* unit, RowMajor3<T>& values) {
+    values.resize(checked_rows(path, unit, hdf5_type<T>(), 3), 3);
+    read(path, hdf5_type<T>(), values.data(), static_cast<std::size_t>(values.rows()),
+         3);
+  }
+
+  [[nodiscard]] std::string digest() const { return digest_.hex(); }
+
+ private:
+  [[nodiscard]] std::int64_t checked_rows(const std::string& path, const char* unit,
+                                          Hdf5Type type, std::int64_t columns) const;
+  void read(const std::string& path, Hdf5Type type, void* to, std::size_t rows,
+            std::size_t columns);
+  [[nodiscard]] std::string read_text_attribute(const std::string& object,
+                                                const char* name) const;
+  template <typename T>
+  void read_number(const std::string& object, const char* name, T& value);
+  [[noreturn]] void fail(const std::string& what) const;
+
+  QuietHdf5 quiet_;
+  std::filesystem::path file_;
+  std::int64_t id_ = -1;
+  std::uint64_t bytes_ = 0;  // size of the file: nothing in it can be larger
+  ContentDigest digest_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,257 @@
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "formats/error.h"
+#include "formats/hdf5_handle.h"
+#include "formats/hdf5_io.h"
+
+namespace palpate {
+namespace {
+
+using hdf5::Handle;
+
+std::string dimensions_of(hid_t space) {
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank <= 0 || rank > H5S_MAX_RANK) {
+    return rank == 0 ? "a scalar" : "no array";
+  }
+  std::array<hsize_t, H5S_MAX_RANK> size{};
+  H5Sget_simple_extent_dims(space, size.data(), nullptr);
+  std::string text;
+  for (int i = 0; i < rank; ++i) {
+    text += fmt::format("{}{}", i == 0 ? "" : " x ", size[static_cast<std::size_t>(i)]);
+  }
+  return "(" + text + ")";
+}
+
+bool is_scalar(hid_t space) {
+  return H5Sget_simple_extent_type(space) == H5S_SCALAR;
+}
+
+// A fixed-length string; variable-length ones point into the file and are not read.
+bool is_fixed_text(hid_t type) {
+  return H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0;
+}
+
+// Raw bytes lie in one piece inside this very file: no filter, chunk, external file.
+bool is_contiguous(hid_t dataset) {
+  const Handle create(H5Dget_create_plist(dataset), H5Pclose);
+  return create && H5Pget_layout(create.get()) == H5D_CONTIGUOUS &&
+         H5Pget_external_count(create.get()) == 0;
+}
+
+}  // namespace
+
+Hdf5Reader::Hdf5Reader(const std::filesystem::path& file) : file_(file) {
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::array<char, 8> head{};
+  in.read(head.data(), head.size());
+  if (in.bad() || (!in && !in.eof())) {
+    throw InputError(fmt::format("{}: cannot be opened: {}", file.string(),
+                                 std::strerror(errno == 0 ? EIO : errno)));
+  }
+  std::error_code unknown;
+  bytes_ = std::filesystem::file_size(file, unknown);
+  if (unknown) {
+    throw InputError(
+        fmt::format("{}: cannot be opened: {}", file.string(), unknown.message()));
+  }
+  if (std::memcmp(head.data(), "\x89HDF\r\n\x1a\n", head.size()) != 0) {
+    fail(fmt::format("is not an HDF5 file ({} bytes), must be a response database",
+                     bytes_));
+  }
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  id_ = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get());
+  if (id_ < 0) {
+    fail(fmt::format("is truncated or damaged ({} bytes): {}", bytes_,
+                     hdf5::last_failure()));
+  }
+}
+
+Hdf5Reader::~Hdf5Reader() {
+  if (id_ >= 0) {
+    H5Fclose(id_);
+  }
+}
+
+void Hdf5Reader::fail(const std::string& what) const {
+  throw FormatError(fmt::format("{}: {}", file_.string(), what));
+}
+
+bool Hdf5Reader::has(const std::string& path) const {
+  for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+    if (H5Lexists(id_, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) {
+      return false;
+    }
+    if (end == std::string::npos) {
+      return true;
+    }
+  }
+}
+
+bool Hdf5Reader::has_attribute(const std::string& object, const char* name) const {
+  return H5Aexists_by_name(id_, object.c_str(), name, H5P_DEFAULT) > 0;
+}
+
+void Hdf5Reader::group(const std::string& path) const {
+  if (!has(path)) {
+    fail(fmt::format("group {} is missing", path));
+  }
+  const Handle opened(H5Gopen2(id_, path.c_str(), H5P_DEFAULT), H5Gclose);
+  if (!opened) {
+    fail(fmt::format("{} cannot be opened as a group: {}", path, hdf5::last_failure()));
+  }
+}
+
+bool Hdf5Reader::optional_group(const std::string& path, bool /*ignored*/) const {
+  return has(path);
+}
+
+std::string Hdf5Reader::read_text_attribute(const std::string& object,
+                                            const char* name) const {
+  if (!has_attribute(object, name)) {
+    fail(fmt::format("attribute {}@{} is missing", object, name));
+  }
+  const Handle opened(
+      H5Aopen_by_name(id_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Handle type(opened ? H5Aget_type(opened.get()) : -1, H5Tclose);
+  const Handle space(opened ? H5Aget_space(opened.get()) : -1, H5Sclose);
+  if (!type || !space || !is_fixed_text(type.get()) || !is_scalar(space.get()) ||
+      H5Tget_size(type.get()) > bytes_) {
+    fail(fmt::format("attribute {}@{} is not a fixed-length text", object, name));
+  }
+  std::string value(H5Tget_size(type.get()), '\0');
+  const Handle memory = hdf5::string_type(value.size());
+  if (H5Aread(opened.get(), memory.get(), value.data()) < 0) {
+    fail(fmt::format("attribute {}@{} cannot be read: {}", object, name,
+                     hdf5::last_failure()));
+  }
+  value.erase(value.find_last_not_of('\0') + 1);
+  return value;
+}
+
+void Hdf5Reader::attribute(const std::string& object, const char* name,
+                           std::string& value) {
+  value = read_text_attribute(object, name);
+  digest_.add(hdf5::digest_head(object + "@" + name, "text",
+                                static_cast<std::int64_t>(value.size()), 0),
+              value.data(), value.size());
+}
+
+template <typename T>
+void Hdf5Reader::read_number(const std::string& object, const char* name, T& value) {
+  if (!has_attribute(object, name)) {
+    fail(fmt::format("attribute {}@{} is missing", object, name));
+  }
+  const Hdf5Type wanted = hdf5_type<T>();
+  const Handle opened(
+      H5Aopen_by_name(id_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Handle type(opened ? H5Aget_type(opened.get()) : -1, H5Tclose);
+  const Handle space(opened ? H5Aget_space(opened.get()) : -1, H5Sclose);
+  if (!type || !space || H5Tequal(type.get(), hdf5::file_type(wanted)) <= 0 ||
+      !is_scalar(space.get())) {
+    fail(fmt::format("attribute {}@{} has the wrong type, must be one {}", object, name,
+                     hdf5::name_of(wanted)));
+  }
+  if (H5Aread(opened.get(), hdf5::file_type(wanted), &value) < 0) {
+    fail(fmt::format("attribute {}@{} cannot be read: {}", object, name,
+                     hdf5::last_failure()));
+  }
+  digest_.add(hdf5::digest_head(object + "@" + name, hdf5::name_of(wanted), 1, 0),
+              &value, sizeof value);
+}
+
+void Hdf5Reader::attribute(const std::string& object, const char* name, double& value) {
+  read_number(object, name, value);
+}
+
+void Hdf5Reader::attribute(const std::string& object, const char* name,
+                           std::int64_t& value) {
+  read_number(object, name, value);
+}
+
+void Hdf5Reader::text(const std::string& path, std::string& value) {
+  if (!has(path)) {
+    fail(fmt::format("dataset {} is missing", path));
+  }
+  const Handle opened(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), H5Dclose);
+  const Handle type(opened ? H5Dget_type(opened.get()) : -1, H5Tclose);
+  const Handle space(opened ? H5Dget_space(opened.get()) : -1, H5Sclose);
+  if (!type || !space || !is_fixed_text(type.get()) || !is_scalar(space.get()) ||
+      !is_contiguous(opened.get()) || H5Tget_size(type.get()) > bytes_) {
+    fail(fmt::format("dataset {} is not one fixed-length text", path));
+  }
+  value.assign(H5Tget_size(type.get()), '\0');
+  const Handle memory = hdf5::string_type(value.size());
+  if (H5Dread(opened.get(), memory.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) <
+      0) {
+    fail(fmt::format("dataset {} cannot be read: {}", path, hdf5::last_failure()));
+  }
+  value.erase(value.find_last_not_of('\0') + 1);
+  digest_.add(
+      hdf5::digest_head(path, "text", static_cast<std::int64_t>(value.size()), 0),
+      value.data(), value.size());
+}
+
+std::int64_t Hdf5Reader::checked_rows(const std::string& path, const char* unit,
+                                      Hdf5Type type, std::int64_t columns) const {
+  if (!has(path)) {
+    fail(fmt::format("dataset {} is missing", path));
+  }
+  const Handle opened(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), H5Dclose);
+  const Handle stored(opened ? H5Dget_type(opened.get()) : -1, H5Tclose);
+  const Handle space(opened ? H5Dget_space(opened.get()) : -1, H5Sclose);
+  if (!stored || !space) {
+    fail(fmt::format("dataset {} cannot be opened: {}", path, hdf5::last_failure()));
+  }
+  if (H5Tequal(stored.get(), hdf5::file_type(type)) <= 0) {
+    fail(fmt::format("dataset {} has the wrong element type, must be {}", path,
+                     hdf5::name_of(type)));
+  }
+  std::array<hsize_t, H5S_MAX_RANK> size{};
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank != (columns == 0 ? 1 : 2) ||
+      H5Sget_simple_extent_dims(space.get(), size.data(), nullptr) < 0 ||
+      (columns != 0 && size[1] != static_cast<hsize_t>(columns))) {
+    fail(fmt::format("dataset {} has the shape {}, must be {}", path,
+                     dimensions_of(space.get()),
+                     columns == 0 ? "(rows)" : fmt::format("(rows x {})", columns)));
+  }
+  if (!is_contiguous(opened.get())) {
+    fail(fmt::format("dataset {} is chunked or external, must be contiguous", path));
+  }
+  const std::uint64_t row_bytes =
+      hdf5::bytes_of(type) * (columns == 0 ? 1 : static_cast<std::uint64_t>(columns));
+  if (size[0] > bytes_ / row_bytes) {
+    fail(fmt::format("dataset {} claims {} rows, more than a file of {} bytes can hold",
+                     path, size[0], bytes_));
+  }
+  const std::string found = read_text_attribute(path, "unit");
+  if (found != unit) {
+    fail(fmt::format("dataset {} has the unit \"{}\", must be \"{}\"", path, found,
+                     unit));
+  }
+  return static_cast<std::int64_t>(size[0]);
+}
+
+void Hdf5Reader::read(const std::string& path, Hdf5Type type, void* to,
+                      std::size_t rows, std::size_t columns) {
+  const Handle opened(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!opened || (rows > 0 && H5Dread(opened.get(), hdf5::file_type(type), H5S_ALL,
+                                      H5S_ALL, H5P_DEFAULT, to) < 0)) {
+    fail(fmt::format("dataset {} cannot be read: {}", path, hdf5::last_failure()));
+  }
+  const std::size_t values = rows * (columns == 0 ? 1 : columns);
+  digest_.add(
+      hdf5::digest_head(path, hdf5::name_of(type), static_cast<std::int64_t>(rows),
+                        static_cast<std::int64_t>(columns)),
+      to, values * hdf5::bytes_of(type));
+}
+
+}  // namespace palpate

@@ -1,0 +1,172 @@
+#include <array>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "formats/error.h"
+#include "formats/hdf5_handle.h"
+#include "formats/hdf5_io.h"
+
+namespace palpate {
+namespace {
+
+using hdf5::Handle;
+
+// Links and attributes up to this many stay in the object header, under its checksum.
+constexpr unsigned kCompactEntries = 64;
+
+void require(bool done, const std::filesystem::path& file, const std::string& item) {
+  if (!done) {
+    throw InputError(fmt::format("{}: cannot be written: {}: {}", file.string(), item,
+                                 hdf5::last_failure()));
+  }
+}
+
+Handle creation_properties(hid_t kind) {
+  Handle properties(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  H5Pset_attr_phase_change(properties.get(), kCompactEntries, 0);
+  if (kind != H5P_DATASET_CREATE) {
+    H5Pset_link_phase_change(properties.get(), kCompactEntries, 0);
+  }
+  return properties;
+}
+
+// Creates an attribute of any type on an object.
+bool put_attribute(hid_t file, const std::string& object, const char* name,
+                   hid_t stored, const void* value, hid_t space) {
+  const Handle attribute(H5Acreate_by_name(file, object.c_str(), name, stored, space,
+                                           H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
+  return attribute && H5Awrite(attribute.get(), stored, value) >= 0;
+}
+
+bool put_text(hid_t file, const std::string& object, const char* name,
+              std::string_view value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle type = hdf5::string_type(value.size());
+  return put_attribute(file, object, name, type.get(),
+                       value.empty() ? "" : value.data(), space.get());
+}
+
+}  // namespace
+
+Hdf5Writer::Hdf5Writer(const std::filesystem::path& file) : file_(file) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  // The layout of HDF5 1.8 puts a checksum on every piece of metadata.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  const Handle create = creation_properties(H5P_FILE_CREATE);
+  id_ = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, create.get(), access.get());
+  require(id_ >= 0, file_, "/");
+}
+
+Hdf5Writer::~Hdf5Writer() {
+  if (id_ >= 0) {
+    H5Fclose(id_);
+  }
+}
+
+void Hdf5Writer::group(const std::string& path) {
+  const Handle create = creation_properties(H5P_GROUP_CREATE);
+  const Handle made(
+      H5Gcreate2(id_, path.c_str(), H5P_DEFAULT, create.get(), H5P_DEFAULT), H5Gclose);
+  require(static_cast<bool>(made), file_, path);
+}
+
+bool Hdf5Writer::optional_group(const std::string& path, bool wanted) {
+  if (wanted) {
+    group(path);
+  }
+  return wanted;
+}
+
+void Hdf5Writer::attribute(const std::string& object, const char* name,
+                           const std::string& value) {
+  require(put_text(id_, object, name, value), file_, object + "@" + name);
+  digest_.add(hdf5::digest_head(object + "@" + name, "text",
+                                static_cast<std::int64_t>(value.size()), 0),
+              value.data(), value.size());
+}
+
+void Hdf5Writer::attribute(const std::string& object, const char* name, double value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  require(put_attribute(id_, object, name, H5T_IEEE_F64LE, &value, space.get()), file_,
+          object + "@" + name);
+  digest_.add(hdf5::digest_head(object + "@" + name, "float64", 1, 0), &value,
+              sizeof value);
+}
+
+void Hdf5Writer::attribute(const std::string& object, const char* name,
+                           std::int64_t value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  require(put_attribute(id_, object, name, H5T_STD_I64LE, &value, space.get()), file_,
+          object + "@" + name);
+  digest_.add(hdf5::digest_head(object + "@" + name, "int64", 1, 0), &value,
+              sizeof value);
+}
+
+void Hdf5Writer::flags(const std::string& dataset,
+                       const std::vector<std::uint8_t>& values, const char* meanings,
+                       bool masks) {
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  bool done = put_attribute(id_, dataset, "flag_values", H5T_STD_U8LE, values.data(),
+                            space.get());
+  if (masks) {
+    done = done && put_attribute(id_, dataset, "flag_masks", H5T_STD_U8LE,
+                                 values.data(), space.get());
+  }
+  require(done && put_text(id_, dataset, "flag_meanings", meanings), file_,
+          dataset + "@flag_meanings");
+}
+
+void Hdf5Writer::text(const std::string& path, const std::string& value) {
+  const Handle type = hdf5::string_type(value.size());
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle create = creation_properties(H5P_DATASET_CREATE);
+  const Handle made(H5Dcreate2(id_, path.c_str(), type.get(), space.get(), H5P_DEFAULT,
+                               create.get(), H5P_DEFAULT),
+                    H5Dclose);
+  require(made && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                           value.c_str()) >= 0,
+          file_, path);
+  digest_.add(
+      hdf5::digest_head(path, "text", static_cast<std::int64_t>(value.size()), 0),
+      value.data(), value.size());
+}
+
+void Hdf5Writer::write(const std::string& path, const char* unit, Hdf5Type type,
+                       const void* data, Extent extent) {
+  const std::array<hsize_t, 2> size = {static_cast<hsize_t>(extent.rows),
+                                       static_cast<hsize_t>(extent.columns)};
+  const Handle space(
+      H5Screate_simple(extent.columns == 0 ? 1 : 2, size.data(), nullptr), H5Sclose);
+  const Handle create = creation_properties(H5P_DATASET_CREATE);
+  const hid_t stored = hdf5::file_type(type);
+  const Handle made(H5Dcreate2(id_, path.c_str(), stored, space.get(), H5P_DEFAULT,
+                               create.get(), H5P_DEFAULT),
+                    H5Dclose);
+  require(static_cast<bool>(made), file_, path);
+  require(extent.rows == 0 ||
+              H5Dwrite(made.get(), stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0,
+          file_, path);
+  require(put_text(id_, path, "unit", unit), file_, path + "@unit");
+  const std::size_t values =
+      static_cast<std::size_t>(extent.rows) *
+      (extent.columns == 0 ? 1 : static_cast<std::size_t>(extent.columns));
+  digest_.add(hdf5::digest_head(path, hdf5::name_of(type), extent.rows, extent.columns),
+              data, values * hdf5::bytes_of(type));
+}
+
+void Hdf5Writer::close() {
+  const bool flushed = H5Fflush(id_, H5F_SCOPE_GLOBAL) >= 0;
+  const std::string failure = flushed ? "" : hdf5::last_failure();
+  const bool closed = H5Fclose(std::exchange(id_, -1)) >= 0;
+  if (!flushed) {
+    throw InputError(fmt::format("{}: cannot be written: {}", file_.string(), failure));
+  }
+  require(closed, file_, "/");
+}
+
+}  // namespace palpate
