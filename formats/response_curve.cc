@@ -65,6 +65,23 @@ double largest_slope(double m0, double m1, double s) {
 
 }  // namespace
 
+double stiffness_max_n_per_m(const CurveView& curve) noexcept {
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 1 < curve.depth_m.size(); ++i) {
+    const double secant = (curve.force_n[i + 1] - curve.force_n[i]) /
+                          (curve.depth_m[i + 1] - curve.depth_m[i]);
+    largest = std::max(largest, largest_slope(curve.stiffness_n_per_m[i],
+                                              curve.stiffness_n_per_m[i + 1], secant));
+  }
+  return largest;
+}
+
+double interval_energy_j(const CurveView& curve, std::size_t i) noexcept {
+  const double h = curve.depth_m[i + 1] - curve.depth_m[i];
+  return h * (curve.force_n[i] + curve.force_n[i + 1]) / 2.0 +
+         h * h * (curve.stiffness_n_per_m[i] - curve.stiffness_n_per_m[i + 1]) / 12.0;
+}
+
 ResponseCurve::ResponseCurve(std::span<const double> depth_m,
                              std::span<const double> force_n)
     : depth_(depth_m.begin(), depth_m.end()), force_(force_n.begin(), force_n.end()) {
@@ -87,12 +104,9 @@ ResponseCurve::ResponseCurve(std::span<const double> depth_m,
 
   energy_.assign(n, 0.0);
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    // Exact integral of the Hermite cubic over the interval.
-    energy_[i + 1] = energy_[i] + h(i) * (force_[i] + force_[i + 1]) / 2.0 +
-                     h(i) * h(i) * (slope_[i] - slope_[i + 1]) / 12.0;
-    stiffness_max_ =
-        std::max(stiffness_max_, largest_slope(slope_[i], slope_[i + 1], secant(i)));
+    energy_[i + 1] = energy_[i] + interval_energy_j(view(), i);
   }
+  stiffness_max_ = palpate::stiffness_max_n_per_m(view());
 }
 
 bool ResponseCurve::falls() const noexcept {

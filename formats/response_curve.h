@@ -11,6 +11,12 @@
 
 namespace palpate {
 
+/// Largest slope of a curve on [0, depth_max] [N/m], at least 0; found in closed form.
+[[nodiscard]] double stiffness_max_n_per_m(const CurveView& curve) noexcept;
+
+/// Energy of the Hermite cubic over the interval [depth_m[i], depth_m[i + 1]] [J].
+[[nodiscard]] double interval_energy_j(const CurveView& curve, std::size_t i) noexcept;
+
 /// Shape-preserving C1 piecewise cubic through (depth, force) samples.
 ///
 /// Slopes at inner samples are weighted harmonic means of the secants (Fritsch &

@@ -12,7 +12,8 @@
 
 namespace palpate {
 
-constexpr int kDatabaseVersion = 1;
+constexpr int kDatabaseVersion = 1;       ///< major: readers refuse another one
+constexpr int kDatabaseVersionMinor = 0;  ///< additions that readers may pass over
 
 /// Where the numbers came from: enough to compute them again.
 struct Provenance {
@@ -42,7 +43,8 @@ struct ResponseDatabase {
 void check(const ResponseDatabase& database);
 
 /// Writes atomically: a temporary beside `file`, fsync, rename. Equal input gives equal
-/// bytes. @throws InputError if the place cannot be written.
+/// bytes. @throws FormatError as check() does, before anything is written; InputError
+/// if the place cannot be written.
 void write_database(const std::filesystem::path& file,
                     const ResponseDatabase& database);
 
