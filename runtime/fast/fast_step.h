@@ -1,10 +1,15 @@
 // The fast step: one tick of passive rendering, from a tool position to a force.
 //
 // Bounded work; no allocation, lock, exception, system call or log. It could run on an
-// embedded processor: the state is a plain struct, elements come in by accept().
+// embedded processor: the state is a plain struct of fixed size, elements come in by
+// accept().
 //
+//   FastState state{.config = ...};                    // set-up; check(config) first
 //   read device -> accept(state, element) for every message that arrived
 //               -> command = step(state, sample, dt) -> write command.force_n
+//               -> publish contact(state) for the slow process
+//
+// One thread owns a state; nothing here is shared.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +17,26 @@
 #include <Eigen/Core>
 
 #include "runtime/fast/element.h"
+#include "runtime/fast/element_cache.h"
+#include "runtime/fast/element_model.h"
+#include "runtime/fast/local_model.h"
+#include "runtime/fast/passivity_ledger.h"
+#include "runtime/fast/safety.h"
+#include "runtime/fast/scalar_model.h"
 
 namespace palpate {
 
-/// How the force between two slow updates is made (DESIGN names, as the flag --model).
-enum class LocalModel : std::uint8_t {
-  kSingle,          ///< zero-order hold of the slow process's force
-  kFirstOrderHold,  ///< extrapolates in time from the two latest slow forces
-  kEqualEnergy,     ///< linear impedance, relaxed state by (20)-(24)
-  kEnergyTank,      ///< tangent impedance, what updates free pays for what they cost
-  kElement,  ///< curves at the fast rate in the active element (5.2), with ledger
+struct FastConfig {
+  LocalModel model = LocalModel::kElement;
+  double tool_radius_m = 0.0;        ///< [m] [0, inf) sphere; the others have 0
+  double force_max_n = 10.0;         ///< [N] (0, inf] length of the force vector
+  double slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf]
+  double energy_floor_j = 0.01;      ///< [J] (0, inf] what clamping may create
+  double recovery_m_per_s = 0.01;    ///< [m/s] [0, inf) how fast delta_0 is bled back
 };
+
+/// Null if the configuration is valid, else what is wrong with it, one line.
+[[nodiscard]] const char* check(const FastConfig& config) noexcept;
 
 /// What the device measured at one tick.
 struct FastSample {
@@ -43,5 +57,52 @@ struct FastCommand {
   double relaxed_shift_m = 0.0;  ///< [m] >= 0, delta_0 that the ledger had to take
   std::uint8_t fault = 0;        ///< Fault, latched; 0 none
 };
+
+/// Where the fast process is: what it tells the slow one after a step.
+struct FastContact {
+  std::int64_t time_ns = 0;                           ///< [ns] of the sample
+  Eigen::Vector3d tool_m = Eigen::Vector3d::Zero();   ///< [m] tool reference point
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< [m] x_c
+  std::int32_t triangle = -1;  ///< active triangle; -1 before the first
+  bool in_contact = false;
+  bool starved = false;
+};
+
+/// Everything the fast process remembers. About 75 kB, no pointers.
+struct FastState {
+  FastConfig config;
+  ElementCache cache;
+  ElementModel element;
+  ScalarModel scalar;       ///< along element.direction, from element.rest_m
+  bool update_due = false;  ///< an active element came: scalar models update
+  PassivityLedger ledger;
+  SafetyState safety;
+  FastSample latest;
+  bool sampled = false;  ///< `latest` holds a sample
+  bool in_contact = false;
+};
+
+/// Takes in one element of the slow process. For the scalar models an element marked
+/// active is the slow update: its response at the next sample is the slow simulation's
+/// value, and the model goes on from there until the next one.
+void accept(FastState& state, const Element& element) noexcept;
+
+/// One tick. A fault (safety.h) is latched and leaves zero force: a position that is
+/// not finite, a dt that is negative, NaN or above one second. dt 0 is allowed: the
+/// model follows the sample, the force stays as it was.
+/// @param dt_s [s] since the last step, [0, 1].
+FastCommand step(FastState& state, const FastSample& sample, double dt_s) noexcept;
+
+/// The contact point and active triangle after the latest step.
+[[nodiscard]] FastContact contact(const FastState& state) noexcept;
+
+/// Potential of the present local model with the tool at x_m [J]. The work of a tick
+/// is exactly potential_j(state, x_{k+1}) - potential_j(state, x_k), before step().
+[[nodiscard]] double potential_j(const FastState& state,
+                                 const Eigen::Vector3d& x_m) noexcept;
+
+/// Latches a fault that was found outside (stalled slow process, lost device, missed
+/// deadlines): the force is zero from the next step on.
+void raise_fault(FastState& state, Fault fault) noexcept;
 
 }  // namespace palpate

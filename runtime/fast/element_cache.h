@@ -1,0 +1,32 @@
+// The latest elements that the slow process has sent.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "runtime/fast/element.h"
+
+namespace palpate {
+
+constexpr int kCacheSlots = 16;
+
+/// A fixed number of elements, newest copy of each triangle first to be found. A slot
+/// in use by the local model (`pinned`) is never written.
+struct ElementCache {
+  std::array<Element, kCacheSlots> element;
+  std::uint64_t received = 0;  ///< elements stored since the start
+  std::uint64_t rejected = 0;  ///< elements refused: malformed
+  std::array<std::uint64_t, kCacheSlots> stored_at{};  ///< `received` then; 0: empty
+  int pinned = -1;         ///< slot that the local model reads; -1: none
+  int newest_active = -1;  ///< slot of the latest element sent as active; -1: none
+};
+
+/// Stores a copy. The slot is that of the same triangle, else an empty one, else the
+/// oldest; never the pinned one. Refuses an element without triangle or with a sample
+/// count outside [0, kElementSamples] or of 1.
+void store(ElementCache& cache, const Element& element) noexcept;
+
+/// Slot of the newest copy of a triangle; -1 if it is not there.
+[[nodiscard]] int find(const ElementCache& cache, std::int32_t triangle) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+// The last stage before the device: what may leave the fast step.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/passivity_ledger.h"
+
+namespace palpate {
+
+/// Why the force is zero for good. Latched: the first one stays.
+enum class Fault : std::uint8_t {
+  kNone = 0,
+  kNotFinite = 1,    ///< a position, a response or a force was NaN or infinite
+  kTimeStep = 2,     ///< dt negative, NaN or longer than a second
+  kEnergy = 3,       ///< the account does not close, or the output created energy
+  kSlowStalled = 4,  ///< raised outside: no element for too long
+  kDeviceLost = 5,   ///< raised outside: transport failed
+  kDeadlines = 6,    ///< raised outside: a burst of missed deadlines
+};
+
+/// "none", "not-finite", "time-step", "energy", "slow-stalled", "device-lost",
+/// "deadlines"; "unknown" for a value that is no Fault.
+[[nodiscard]] std::string_view name(Fault fault) noexcept;
+
+struct SafetyLimits {
+  double force_max_n = 10.0;         ///< [N] (0, inf] length of the force vector
+  double slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf] change of the force vector
+  double energy_floor_j = 0.01;  ///< [J] (0, inf] what the clamps' lag may have created
+};
+
+struct SafetyState {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] last that left
+  Eigen::Vector3d model_n = Eigen::Vector3d::Zero();  ///< [N] last that was asked for
+  double clamp_gain_j = 0.0;  ///< [J] given to the user beyond the model, by clamping
+  Fault fault = Fault::kNone;
+};
+
+/// Latches a fault, unless one is latched already.
+void raise_fault(SafetyState& state, Fault fault) noexcept;
+
+/// In order: finite check, force clamp (whole vector, direction kept), slew clamp,
+/// energy check. The energy check holds the ledger's identity to rounding, and
+/// work - clamp_gain >= -energy_floor, where clamp_gain is the sum of
+/// (force that left - force of the model) . (movement of the tool after it).
+/// @param wanted_n [N] the local model's force.
+/// @param moved_m  [m] movement of the tool since the last call.
+/// @param dt_s     [s] >= 0 since the last call; 0 leaves the force as it was.
+/// @return the force for the device [N]; zero on any fault.
+Eigen::Vector3d make_safe(SafetyState& state, const SafetyLimits& limits,
+                          const PassivityLedger& ledger,
+                          const Eigen::Vector3d& wanted_n,
+                          const Eigen::Vector3d& moved_m, double dt_s) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,58 @@
+// Local models along one direction: what the fast process renders between two values
+// of a slow simulation (paper, 5.1).
+//
+// x is the penetration along the direction [m], f the force against it [N]. The passive
+// models are linear impedances f = k (x - c) for x > c, else 0, with relaxed state c
+// (19) and E = k (x - c)^2 / 2 (21); they differ in how an update chooses k and c.
+#pragma once
+
+#include "runtime/fast/local_model.h"
+#include "runtime/fast/passivity_ledger.h"
+
+namespace palpate {
+
+/// One value of the slow simulation.
+struct SlowValue {
+  double x_m = 0.0;        ///< [m] penetration at which it was computed
+  double f_n = 0.0;        ///< [N] f(x)
+  double k_n_per_m = 0.0;  ///< [N/m] f'(x)
+  double energy_j = 0.0;   ///< [J] integral of f from 0 to x
+};
+
+struct ScalarModel {
+  LocalModel kind = LocalModel::kEnergyTank;  ///< any but kElement
+  double k_n_per_m = 0.0;                     ///< [N/m] >= 0, passive models
+  double c_m = 0.0;                           ///< [m] relaxed state, passive models
+  SlowValue latest;                           ///< i
+  SlowValue before;                           ///< i - 1
+  int updates = 0;                            ///< slow values seen, counts up to 2
+  double since_s = 0.0;                       ///< [s] since the latest slow value
+  double interval_s = 0.0;                    ///< [s] between the two latest
+};
+
+/// Force [N] at x [m]. The holds do not look at x.
+[[nodiscard]] double force_n(const ScalarModel& model, double x_m) noexcept;
+
+/// Potential [J] at x [m]: (21), and f x for a held force.
+[[nodiscard]] double energy_j(const ScalarModel& model, double x_m) noexcept;
+
+/// Time passes: the first-order hold extrapolates. Extrapolation ends after one
+/// interval, so that a stalled slow process leaves a bounded force.
+/// @param dt_s [s] >= 0.
+void advance(ScalarModel& model, double dt_s) noexcept;
+
+/// A slow value arrives. The tool is at slow.x_m and ledger.stored_j is the potential
+/// of the old model there (book_work).
+///
+/// Equal energy: k by (20), c by (22); where (20) has no positive finite value (x did
+/// not move, force fell), k and c stay; free space by (24). The tank is not used: what
+/// is left goes to dissipation.
+///
+/// Energy tank: k_i = f'(x_i), or f_i^2/(2 E) where that is larger (a plateau's tangent
+/// would store more than the curve does), c_i = x_i - f_i/k_i. If that costs more than
+/// the allowance, k_i stays and c_i moves so that E_i(x_i) equals it. The tank keeps at
+/// most the curve's own energy at x_i and is emptied in free space.
+void update(ScalarModel& model, PassivityLedger& ledger,
+            const SlowValue& slow) noexcept;
+
+}  // namespace palpate
