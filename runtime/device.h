@@ -1,0 +1,69 @@
+// A haptic device: where the tool is, and the force on the hand that holds it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <Eigen/Core>
+
+namespace palpate {
+
+/// What a device can render, for the stability bounds.
+struct DeviceLimits {
+  double damping_n_s_per_m =
+      0.0;                    ///< [N s/m] [0, inf) viscous, smallest of any direction
+  double coulomb_n = 0.0;     ///< [N] [0, inf) friction of the mechanism
+  double resolution_m = 0.0;  ///< [m] [0, inf) step of the measured position
+  double delay_s = 0.0;       ///< [s] [0, inf) from command to force
+  double force_max_n = 0.0;   ///< [N] (0, inf) whole vector
+};
+
+struct DeviceReading {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< [m] tool reference point
+  std::int64_t time_ns = 0;  ///< [ns] monotonic clock, when it was measured
+};
+
+enum class DeviceStatus : std::uint8_t {
+  kOk,
+  kLate,  ///< no answer in time: the last reading stays valid, the force may be stale
+  kLost,  ///< gone for good; every further call says so again
+};
+
+/// The seam to hardware. All that may fail with a message is in open(); read() and
+/// write() belong to the fast loop: no exception, no allocation, bounded time.
+class Device {
+ public:
+  Device() = default;
+  virtual ~Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  [[nodiscard]] virtual std::string name() const = 0;
+  [[nodiscard]] virtual DeviceLimits limits() const = 0;
+
+  /// Ready to read, at zero force. @throws DeviceError saying what is missing.
+  virtual void open() = 0;
+
+  [[nodiscard]] virtual DeviceStatus read(DeviceReading& reading) noexcept = 0;
+
+  /// Holds force_n [N] on the tool until the next write.
+  [[nodiscard]] virtual DeviceStatus write(const Eigen::Vector3d& force_n) noexcept = 0;
+
+  /// Zero force, then gone. Any number of times, in any state.
+  virtual void close() noexcept = 0;
+};
+
+/// Closes a device on every way out of a scope.
+class DeviceSession {
+ public:
+  /// @throws DeviceError from open().
+  explicit DeviceSession(Device& device) : device_(device) { device_.open(); }
+  ~DeviceSession() { device_.close(); }
+  DeviceSession(const DeviceSession&) = delete;
+  DeviceSession& operator=(const DeviceSession&) = delete;
+
+ private:
+  Device& device_;
+};
+
+}  // namespace palpate
