@@ -1,0 +1,44 @@
+#include "runtime/real_time.h"
+
+#include <cerrno>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+
+namespace palpate {
+namespace {
+
+constexpr int kPriority = 80;  // of 1..99: above everything ordinary, below watchdogs
+
+std::string reason(int error) {
+  return std::generic_category().message(error);
+}
+
+}  // namespace
+
+RealTimeGrant request_real_time() {
+  RealTimeGrant grant;
+  const sched_param priority{.sched_priority = kPriority};
+  const int scheduling = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+  grant.fifo_scheduling = scheduling == 0;
+  grant.remark = grant.fifo_scheduling
+                     ? fmt::format("SCHED_FIFO at priority {}", kPriority)
+                     : fmt::format(
+                           "no SCHED_FIFO ({}; allow it with an rtprio limit of "
+                           "{} or CAP_SYS_NICE)",
+                           reason(scheduling), kPriority);
+  const int locking = mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
+  grant.memory_locked = locking == 0;
+  grant.remark += grant.memory_locked
+                      ? ", memory locked"
+                      : fmt::format(
+                            ", memory not locked ({}; allow it with a memlock "
+                            "limit or CAP_IPC_LOCK)",
+                            reason(locking));
+  return grant;
+}
+
+}  // namespace palpate
