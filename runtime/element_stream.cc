@@ -102,14 +102,15 @@ std::size_t ElementStream::update(const ToolState& tool, std::int64_t now_ns,
   if (active < 0) {
     return 0;
   }
-  std::array<std::int32_t, 1 + kNeighboursMax + 3> wanted{active};
-  std::size_t count =
-      1 + search_.around(active, std::span(wanted).subspan(1, kNeighboursMax));
-  const auto end = [&] {
-    return wanted.begin() + static_cast<std::ptrdiff_t>(count);
-  };
-  if (walk && std::find(wanted.begin(), end(), tool.triangle) == end()) {
-    count += search_.around(tool.triangle, std::span(wanted).subspan(count, 3));
+  std::array<std::int32_t, 1 + kNeighboursMax> wanted{active};
+  const std::span<std::int32_t> around = std::span(wanted).subspan(1);
+  const std::size_t ring = search_.around(active, around);
+  std::size_t count = 1 + ring;
+  if (walk && tool.triangle != active &&
+      std::find(around.begin(), around.end(), tool.triangle) == around.end()) {
+    // The three edges of the other element take the places of the last of the ring.
+    const std::size_t kept = std::min(ring, kNeighboursMax - 3);
+    count = 1 + kept + search_.around(tool.triangle, around.subspan(kept, 3));
   }
   std::size_t sent = 0;
   for (std::size_t i = 0; i < count; ++i) {

@@ -18,7 +18,9 @@ namespace palpate {
 constexpr std::size_t kElementFifoCapacity = 64;
 using ElementFifo = SpscRing<Element, kElementFifoCapacity>;
 
-/// Neighbours sent with the active element, at most; what the fast process keeps.
+/// Elements sent with the active one, at most: all of an update and the element in use
+/// fit the fast process's cache (kCacheSlots), so that an update does not push itself
+/// out.
 constexpr std::size_t kNeighboursMax = 12;
 
 /// Curves that had to be thinned to fit a message, and what that cost.
