@@ -1,13 +1,41 @@
 #include "runtime/command_devices.h"
 
-#include "formats/error.h"
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "runtime/usb_devices.h"
 
 namespace palpate {
+namespace {
+
+nlohmann::json as_json(const UsbReport& report) {
+  nlohmann::json devices = nlohmann::json::array();
+  for (const UsbDevice& device : report.devices) {
+    devices.push_back({{"name", haptic_device_name(device.vendor, device.product)},
+                       {"vendor", device.vendor},
+                       {"product", device.product},
+                       {"bus", device.bus},
+                       {"address", device.address},
+                       {"serial", device.serial},
+                       {"usable", device.access == UsbAccess::kOk},
+                       {"failure", device.failure}});
+  }
+  return {
+      {"devices", devices}, {"usb_devices", report.seen}, {"failure", report.failure}};
+}
+
+}  // namespace
 
 void add_devices_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("devices", "");
-  command->callback([] {
-    throw NumericalError("not built yet");
+  CLI::App* command =
+      app.add_subcommand("devices", "List the haptic devices that are attached.");
+  const auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "Print the report for programs");
+  command->callback([json] {
+    const UsbReport report = find_usb_devices();
+    fmt::print("{}", *json ? as_json(report).dump(2) + "\n" : describe(report));
   });
 }
 
