@@ -1,0 +1,43 @@
+// Runs the slow and the fast process against a device, in simulated or in real time.
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "runtime/clock.h"
+#include "runtime/device.h"
+#include "runtime/element_stream.h"
+#include "runtime/fast_process.h"
+#include "runtime/render_report.h"
+
+namespace palpate {
+
+struct RenderConfig {
+  FastProcessConfig fast;
+  double slow_hz = 100.0;    ///< [Hz] > 0, at most the fast rate
+  double duration_s = 10.0;  ///< [s] > 0
+};
+
+/// @throws InputError naming the value that is out of range.
+void check(const RenderConfig& config);
+
+/// What a run works on; all must outlive it.
+struct RenderSetup {
+  Device& device;  ///< opened and closed by the run
+  ElementStream& stream;
+  const std::atomic<bool>& stop;             ///< set: the run ends at the next tick
+  std::vector<RenderTick>* trace = nullptr;  ///< filled up to its capacity
+};
+
+/// Both processes take turns in the calling thread, by `clock`: with a SimulatedClock
+/// the same input gives the same bits. Ends after duration_s, by `stop` or by a fault;
+/// in any case with zero force. @throws InputError, DeviceError (opening).
+[[nodiscard]] RenderReport render_in_turns(const RenderConfig& config,
+                                           const RenderSetup& setup, Clock& clock);
+
+/// Each process in its own thread, on CLOCK_MONOTONIC: absolute deadlines, SCHED_FIFO
+/// and locked memory where permitted (report.scheduling says so). Ends as above.
+[[nodiscard]] RenderReport render_in_real_time(const RenderConfig& config,
+                                               const RenderSetup& setup);
+
+}  // namespace palpate

@@ -1,0 +1,87 @@
+// A device that follows a script, keeps every force, and fails on demand.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/error.h"
+#include "runtime/clock.h"
+#include "runtime/device.h"
+
+namespace palpate {
+
+class FakeDevice : public Device {
+ public:
+  /// Position [m] at a time [s] since the device was opened.
+  using Script = std::function<Eigen::Vector3d(double)>;
+
+  FakeDevice(Clock& clock, Script script) : clock_(clock), script_(std::move(script)) {}
+
+  static constexpr std::size_t kNever = static_cast<std::size_t>(-1);
+  std::size_t late_read = kNever;   ///< number of the read that has no answer in time
+  std::size_t lost_read = kNever;   ///< from this read on the device is gone
+  std::size_t lost_write = kNever;  ///< from this write on the device is gone
+  bool absent = false;              ///< cannot be opened
+  std::function<void()> on_write;   ///< called at every write
+
+  [[nodiscard]] std::string name() const override { return "fake"; }
+  [[nodiscard]] DeviceLimits limits() const override {
+    return {.damping_n_s_per_m = 1.0, .force_max_n = 10.0};
+  }
+
+  void open() override {
+    if (absent) {
+      throw DeviceError("fake device: not attached");
+    }
+    opened_ns_ = clock_.now_ns();
+    open_ = true;
+  }
+
+  [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override {
+    const std::size_t number = reads_++;
+    if (number >= lost_read) {
+      return DeviceStatus::kLost;
+    }
+    reading.time_ns = clock_.now_ns();
+    if (number == late_read) {
+      return DeviceStatus::kLate;
+    }
+    reading.position_m = script_(static_cast<double>(reading.time_ns - opened_ns_) /
+                                 kNanosecondsPerSecond);
+    return DeviceStatus::kOk;
+  }
+
+  [[nodiscard]] DeviceStatus write(const Eigen::Vector3d& force_n) noexcept override {
+    if (force.size() >= lost_write) {
+      return DeviceStatus::kLost;
+    }
+    force.push_back(force_n);
+    if (on_write) {
+      on_write();
+    }
+    return DeviceStatus::kOk;
+  }
+
+  void close() noexcept override {
+    force.emplace_back(Eigen::Vector3d::Zero());
+    open_ = false;
+    ++closed;
+  }
+
+  [[nodiscard]] bool is_open() const { return open_; }
+
+  std::vector<Eigen::Vector3d> force;  ///< [N] every force that was written
+  int closed = 0;
+
+ private:
+  Clock& clock_;
+  Script script_;
+  std::int64_t opened_ns_ = 0;
+  std::size_t reads_ = 0;
+  bool open_ = false;
+};
+
+}  // namespace palpate
