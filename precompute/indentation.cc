@@ -96,17 +96,28 @@ Eigen::MatrixXd corner_pressures(const ContactSurface& surface,
   return P;
 }
 
-double coarse_force(const ContactSurface& surface, std::span<const std::int32_t> patch,
-                    const Eigen::MatrixXd& A, const Gaps& gaps) {
-  const Eigen::MatrixXd P = corner_pressures(surface, patch);
-  if (P.cols() == 0) {
-    return 0.0;
+// The same contact on a mesh of pressures twice as coarse.
+class CoarseContact {
+ public:
+  CoarseContact(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                const Eigen::MatrixXd& A)
+      : P_(corner_pressures(surface, patch)),
+        A_(P_.transpose() * A * P_),
+        f_(Eigen::VectorXd::Zero(P_.cols())) {}
+
+  double force_n(const Gaps& gaps) {
+    if (P_.cols() == 0) {
+      return 0.0;
+    }
+    solve_complementarity(A_, P_.transpose() * gaps.distance_m, f_);
+    return (gaps.by_centre.transpose() * (P_ * f_)).norm();
   }
-  Eigen::VectorXd f = Eigen::VectorXd::Zero(P.cols());
-  const Eigen::MatrixXd coarse = P.transpose() * A * P;
-  solve_complementarity(coarse, P.transpose() * gaps.distance_m, f);
-  return (gaps.by_centre.transpose() * (P * f)).norm();
-}
+
+ private:
+  Eigen::MatrixXd P_;  // (n x n_corners)
+  Eigen::MatrixXd A_;
+  Eigen::VectorXd f_;
+};
 
 bool touches_edge(const ContactSurface& surface, std::span<const std::int32_t> patch,
                   const Eigen::VectorXd& f) {
@@ -129,6 +140,22 @@ double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
     sum += (node_of(surface, w).position_m - node.position_m).norm();
   }
   return sum / static_cast<double>(node.neighbours.size());
+}
+
+double estimated_error(const Indentation& indentation) {
+  const double touch = indentation.sample.front().penetration_m;
+  const double halfway = 0.5 * (touch + indentation.sample.back().penetration_m);
+  double sum = 0.0;
+  int count = 0;
+  for (const IndentationSample& sample : indentation.sample) {
+    if (sample.penetration_m >= halfway) {
+      const double force = sample.force_n.norm();
+      const double difference = (sample.coarse_force_n - force) / force;
+      sum += difference * difference;
+      ++count;
+    }
+  }
+  return std::sqrt(sum / count);
 }
 
 }  // namespace
@@ -179,17 +206,18 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     return result;
   }
   Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
-  Gaps gaps;
+  CoarseContact coarse(surface, patch, A);
   for (int k = 1; k <= path.samples && !result.force_capped; ++k) {
     const double share = static_cast<double>(k) / path.samples;
     IndentationSample sample;
     sample.penetration_m = touch + (path.depth_max_m - touch) * share * share;
-    gaps = gaps_at(surface, patch, path, sample.penetration_m);
+    const Gaps gaps = gaps_at(surface, patch, path, sample.penetration_m);
     const ComplementarityReport report = solve_complementarity(A, gaps.distance_m, f);
     result.iterations += report.iterations;
     result.converged = result.converged && report.converged;
     sample.force_n = gaps.by_centre.transpose() * f;
     sample.energy_j = 0.5 * f.dot(A * f);
+    sample.coarse_force_n = coarse.force_n(gaps);
     double area = 0.0;
     for (std::size_t i = 0; i < patch.size(); ++i) {
       area += f[static_cast<Eigen::Index>(i)] > 0.0 ? node_of(surface, patch[i]).area_m2
@@ -200,7 +228,6 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     result.sample.push_back(sample);
   }
   result.reached_patch_edge = touches_edge(surface, patch, f);
-  result.coarse_force_n = coarse_force(surface, patch, A, gaps);
   std::int32_t nearest = patch.front();
   for (const std::int32_t v : patch) {
     if ((node_of(surface, v).position_m - path.vertex_m).squaredNorm() <
@@ -242,8 +269,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     }
   }
   const IndentationSample& last = indentation.sample.back();
-  response.error_relative =
-      std::abs(indentation.coarse_force_n - last.force_n.norm()) / last.force_n.norm();
+  response.error_relative = estimated_error(indentation);
   const auto flag_if = [&](bool set, ResponseFlag flag) {
     response.flags = static_cast<std::uint8_t>(response.flags | (set ? flag : 0));
   };

@@ -29,12 +29,11 @@ struct IndentationSample {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] on the tool
   double energy_j = 0.0;                              ///< [J] stored in the body
   double contact_radius_m = 0.0;  ///< [m] of a disc with the area in contact
+  double coarse_force_n = 0.0;    ///< [N] with pressure at the faces' corners only
 };
 
 struct Indentation {
   std::vector<IndentationSample> sample;
-  double coarse_force_n =
-      0.0;  ///< [N] at the last sample, with pressure at corners only
   double node_spacing_m = 0.0;  ///< [m] contact nodes' mean distance around the vertex
   int iterations = 0;           ///< of the complementarity solver, all depths
   bool converged = true;
@@ -64,7 +63,10 @@ struct Indentation {
                                  const IndentationPath& path);
 
 /// The stored form: |F| against displacement along one direction, the mean of the force
-/// along the path. Origin kSimulated, or kNone where the tool met nothing.
+/// along the path. Origin kSimulated, or kNone where the tool met nothing. The
+/// estimated error is the rms relative difference that pressure on a mesh twice as
+/// coarse makes over the deeper half of the path (a
+/// measure of order, not a bound: see the tests on Hertz's problem).
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);
