@@ -1,0 +1,31 @@
+// Runs a piece of work in a child process, so that whatever it does to the process -
+// abort, exit, exhaust the memory, never end - the caller goes on.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct ChildLimits {
+  double time_s = 600.0;                     ///< [s] (0, inf) wall time
+  std::size_t memory_bytes = 8'000'000'000;  ///< more than the caller holds already
+};
+
+struct ChildResult {
+  bool done = false;    ///< the work returned, `bytes` is what it returned
+  std::string failure;  ///< else: why not, as the end of a sentence
+  std::vector<char> bytes;
+};
+
+/// Forks, runs `work` there, and returns what it returned. The child's output goes to
+/// /dev/null; it dies with its parent. The memory limit is not set under sanitizers,
+/// which reserve address space far beyond it.
+/// @throws NumericalError if no process can be made; Interrupted if the child was ended
+///   by SIGINT or SIGTERM.
+[[nodiscard]] ChildResult run_in_child(const std::function<std::vector<char>()>& work,
+                                       const ChildLimits& limits);
+
+}  // namespace palpate
