@@ -16,6 +16,7 @@ struct ElementCache {
   std::array<Element, kCacheSlots> element;
   std::uint64_t received = 0;  ///< elements stored since the start
   std::uint64_t rejected = 0;  ///< elements refused: malformed
+  std::array<std::int32_t, kCacheSlots> triangle{};    ///< of the slot, once it is used
   std::array<std::uint64_t, kCacheSlots> stored_at{};  ///< `received` then; 0: empty
   int pinned = -1;         ///< slot that the local model reads; -1: none
   int newest_active = -1;  ///< slot of the latest element sent as active; -1: none

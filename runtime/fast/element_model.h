@@ -1,75 +1,14 @@
-// The local model of section 5.2 of the paper: the curves of the active element at the
-// fast rate, with friction, made passive by the ledger.
-//
-// Symbols: x tool reference point (a sphere's centre), R its radius; x_c contact point
-// in the active element with area coordinates n_j (27); n outward surface normal and
-// u = u_n response direction there, both interpolated from the nodes (26);
-// p = x - R n tool point; d = (x_c - p) . u depth (30); t_j = touch_offset_j |n_j .
-// u_j| where node j is touched, d_j = d - t_j - delta_0; k_t friction stiffness,
-// delta_t = tangential part of p - x_c - q, q slip that the ledger took.
-//
-// For fixed parameters the model is the potential
-//
-//   E(x) = sum_j n_j E_j(d_j) + k_t |delta_t|^2 / 2,   F = u sum_j n_j f_j - k_t
-//   delta_t
-//
-// (28), (29). Where x_c has left the element and no neighbour is at hand, the element's
-// plane is continued: depth and friction are taken at the anchor a in that plane, the
-// responses at the point x_c of the element nearest to it ("a correct response at a
-// wrong place"). Inside the element a = x_c.
+// The local model of section 5.2 of the paper: the element potential, moved along the
+// surface with the tool and made passive by the ledger.
 #pragma once
-
-#include <array>
-#include <cstdint>
 
 #include <Eigen/Core>
 
 #include "runtime/fast/element_cache.h"
+#include "runtime/fast/element_potential.h"
 #include "runtime/fast/passivity_ledger.h"
 
 namespace palpate {
-
-/// Parameters of the potential, constant between two changes.
-struct ElementModel {
-  int slot = -1;  ///< element in the cache; -1: none, E = 0
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();       ///< [-] n_j(x_c) >= 0, sum 1
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< [-] u; 0: no response
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< [-] n, unit
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();   ///< [m] a, in the plane
-  Eigen::Vector3d rest_m = Eigen::Vector3d::Zero();     ///< [m] a + R n: x where d = 0
-  Eigen::Vector3d slip_m = Eigen::Vector3d::Zero();     ///< [m] q
-  std::array<double, 3> touch_m{};                      ///< [m] t_j
-  double friction = 0.0;                                ///< [-] mu at x_c
-  double presliding_m = 0.0;                            ///< [m] delta_L at x_c
-  double friction_n_per_m = 0.0;                        ///< [N/m] k_t >= 0
-  double shift_m = 0.0;                                 ///< [m] delta_0 >= 0
-  bool outside = false;               ///< a lies beyond the element's edges
-  bool starved = false;               ///< outside, and the neighbour has not arrived
-  std::uint64_t received_inside = 0;  ///< cache.received when a was last inside
-};
-
-/// The potential and what it is made of, at one position of the tool.
-struct ElementResponse {
-  double depth_m = 0.0;            ///< [m] d
-  bool touching = false;           ///< some d_j + delta_0 > 0
-  bool loaded = false;             ///< some d_j > 0
-  bool extrapolated = false;       ///< some d_j beyond its curve
-  double normal_n = 0.0;           ///< [N] (28)
-  double stiffness_n_per_m = 0.0;  ///< [N/m] derivative of (28) with depth
-  double normal_j = 0.0;           ///< [J] sum n_j E_j
-  double friction_j = 0.0;         ///< [J] k_t |delta_t|^2 / 2
-  Eigen::Vector3d presliding_m = Eigen::Vector3d::Zero();  ///< [m] delta_t
-  [[nodiscard]] double potential_j() const noexcept { return normal_j + friction_j; }
-};
-
-/// Evaluates the potential at tool position x_m [m].
-[[nodiscard]] ElementResponse respond(const ElementModel& model,
-                                      const ElementCache& cache,
-                                      const Eigen::Vector3d& x_m) noexcept;
-
-/// Force on the tool [N] (29).
-[[nodiscard]] Eigen::Vector3d force_n(const ElementModel& model,
-                                      const ElementResponse& response) noexcept;
 
 struct ElementModelLimits {
   double tool_radius_m = 0.0;      ///< [m] R >= 0

@@ -44,7 +44,9 @@ void raise_fault(SafetyState& state, Fault fault) noexcept;
 /// In order: finite check, force clamp (whole vector, direction kept), slew clamp,
 /// energy check. The energy check holds the ledger's identity to rounding, and
 /// work - clamp_gain >= -energy_floor, where clamp_gain is the sum of
-/// (force that left - force of the model) . (movement of the tool after it).
+/// (force that left - force of the model) . (movement of the tool after it). An
+/// infinite energy_floor omits the energy check, as the holds need, which create
+/// energy.
 /// @param wanted_n [N] the local model's force.
 /// @param moved_m  [m] movement of the tool since the last call.
 /// @param dt_s     [s] >= 0 since the last call; 0 leaves the force as it was.

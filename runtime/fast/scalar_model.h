@@ -36,17 +36,19 @@ struct ScalarModel {
 /// Potential [J] at x [m]: (21), and f x for a held force.
 [[nodiscard]] double energy_j(const ScalarModel& model, double x_m) noexcept;
 
-/// Time passes: the first-order hold extrapolates. Extrapolation ends after one
-/// interval, so that a stalled slow process leaves a bounded force.
+/// The tool has moved to x_m and time has passed: books the work of the movement, then
+/// the first-order hold extrapolates. Extrapolation ends after one interval, and a
+/// wall does not pull, so that a stalled slow process leaves a bounded force.
 /// @param dt_s [s] >= 0.
-void advance(ScalarModel& model, double dt_s) noexcept;
+void advance(ScalarModel& model, PassivityLedger& ledger, double x_m,
+             double dt_s) noexcept;
 
-/// A slow value arrives. The tool is at slow.x_m and ledger.stored_j is the potential
-/// of the old model there (book_work).
+/// A slow value arrives, computed where the tool is; advance() has booked the work of
+/// getting there, so ledger.stored_j is E_{i-1}(x_i).
 ///
-/// Equal energy: k by (20), c by (22); where (20) has no positive finite value (x did
-/// not move, force fell), k and c stay; free space by (24). The tank is not used: what
-/// is left goes to dissipation.
+/// Equal energy: k by (20), c by (22). Where x did not move, or (20) is not between 0
+/// and ten times the larger of the two tangents (the force changed for another reason
+/// than x), k and c stay. Free space by (24). There is no tank.
 ///
 /// Energy tank: k_i = f'(x_i), or f_i^2/(2 E) where that is larger (a plateau's tangent
 /// would store more than the curve does), c_i = x_i - f_i/k_i. If that costs more than

@@ -1,0 +1,56 @@
+// A body made for benches and tests: a wavy square of surface with a response per node.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/element.h"
+
+namespace palpate {
+
+struct BenchBodyOptions {
+  int cells = 12;               ///< [-] >= 1, squares per side, two triangles each
+  double cell_m = 0.005;        ///< [m] > 0
+  double wave_m = 0.0;          ///< [m] height of the waves of the surface
+  double wavelength_m = 0.04;   ///< [m] > 0
+  double exponent = 1.5;        ///< [-] >= 1, f = a d^exponent
+  double force_n = 2.0;         ///< [N] f at depth_m, before contrast
+  double depth_m = 0.008;       ///< [m] > 0, last sample of every curve
+  double contrast = 1.0;        ///< [-] >= 1, largest over smallest stiffness
+  double tilt_rad = 0.0;        ///< [rad] largest angle of u to n
+  double friction_min = 0.0;    ///< [-]
+  double friction_max = 0.0;    ///< [-] per node in between
+  double presliding_m = 5e-4;   ///< [m] delta_L of every node
+  double touch_offset_m = 0.0;  ///< [m] largest touch offset, either sign
+  std::uint32_t seed = 1;
+};
+
+/// Triangle 2 (row cells + column) and the one after it tile the square of that row and
+/// column; the surface lies around z = 0, the body below it, x and y from 0.
+struct BenchBody {
+  BenchBodyOptions options;
+  std::vector<Element> element;  ///< `sequence` 0, not active
+
+  [[nodiscard]] double side_m() const { return options.cells * options.cell_m; }
+
+  /// Triangle over or under a position; the nearest one beyond the borders.
+  [[nodiscard]] std::int32_t triangle_at(const Eigen::Vector3d& p_m) const;
+
+  /// Height of the surface over (x, y), between its nodes as the triangles have it.
+  [[nodiscard]] double height_m(const Eigen::Vector3d& p_m) const;
+
+  /// What the slow process sends for a tool there: the active element, then those
+  /// across its edges and across theirs (at most 10), each once.
+  [[nodiscard]] std::vector<Element> around(const Eigen::Vector3d& p_m) const;
+};
+
+/// The same options and seed give the same body.
+[[nodiscard]] BenchBody make_bench_body(const BenchBodyOptions& options);
+
+/// Samples f = a d^p, a = force_n / depth_m^p, into a node: exact slopes, energies of
+/// the cubic between the samples.
+void set_power_law(ElementNode& node, double exponent, double force_n, double depth_m);
+
+}  // namespace palpate

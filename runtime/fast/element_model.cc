@@ -1,0 +1,204 @@
+#include "runtime/fast/element_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/fast/contact_point.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kSolveMax = 40;
+// The shift is found when the energy is this close below what is allowed.
+constexpr double kSolveRelative = 1e-9;
+constexpr double kSolveJ = 1e-16;
+
+bool has_friction(const ElementModel& model) {
+  return model.friction > 0.0 && model.presliding_m > 0.0;
+}
+
+void release(ElementModel& model) {
+  model.friction_n_per_m = 0.0;
+  model.slip_m.setZero();
+}
+
+// Another element where the rules allow it: in free space, or lost beyond an edge, the
+// one the slow process last called active; else a newer copy of the same triangle.
+// True if the model changed.
+bool change_element(ElementModel& model, const ElementCache& cache,
+                    const ElementResponse& old, const Eigen::Vector3d& x,
+                    double radius) {
+  const bool news = cache.received != model.received_seen;
+  model.received_seen = cache.received;
+  const int active = cache.newest_active;
+  const bool lost =
+      model.outside && active >= 0 &&
+      cache.stored_at[static_cast<std::size_t>(active)] > model.received_inside;
+  const bool free = model.slot < 0 || (news && !old.touching);
+  if (active >= 0 && (free || lost)) {
+    release(model);
+    adopt(model, cache, active, x, radius);
+    model.received_inside = cache.received;
+    return true;
+  }
+  if (news && model.slot >= 0) {
+    const auto slot = static_cast<std::size_t>(model.slot);
+    const int newer = find(cache, cache.triangle[slot]);
+    if (newer != model.slot) {
+      place(model, cache, newer, model.area, radius);
+      return true;
+    }
+  }
+  return false;
+}
+
+// The contact point follows the tool: at once where nothing holds it, else so far that
+// the presliding displacement is delta_L again. True if it moved.
+bool slide(ElementModel& model, const ElementCache& cache, const ElementResponse& old,
+           const Eigen::Vector3d& x, double radius) {
+  if (!old.loaded || !has_friction(model)) {
+    release(model);
+    follow(model, cache, x, Eigen::Vector3d::Zero(), radius);
+    return true;
+  }
+  const double stretch = old.presliding_m.norm();
+  if (stretch <= model.presliding_m) {
+    return false;
+  }
+  model.slip_m.setZero();
+  follow(model, cache, x, old.presliding_m * (model.presliding_m / stretch), radius);
+  return true;
+}
+
+// Smallest delta_0 for which the normal energy is at most allowed_j: Newton from below,
+// kept in its bracket; ends on the side that is paid for.
+ElementResponse raise_shift(ElementModel& model, const ElementCache& cache,
+                            const Eigen::Vector3d& x, ElementResponse response,
+                            double allowed_j) {
+  const double target_j = std::max(0.0, allowed_j * (1.0 - 0.5 * kSolveRelative));
+  double low = model.shift_m;
+  double high = response.depth_m -
+                std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
+  for (int i = 0; i < kSolveMax && response.normal_j > kSolveJ; ++i) {
+    double shift = low + (response.normal_j - target_j) / response.normal_n;
+    if (response.normal_j <= allowed_j) {
+      high = model.shift_m;
+      if (response.normal_j >= allowed_j * (1.0 - kSolveRelative)) {
+        return response;
+      }
+      shift = high - (target_j - response.normal_j) / response.normal_n;
+    } else {
+      low = model.shift_m;
+      shift = low + (response.normal_j - target_j) / response.normal_n;
+    }
+    const bool in_bracket = shift > low && shift < high;
+    model.shift_m = in_bracket ? shift : 0.5 * (low + high);
+    response = respond(model, cache, x);
+  }
+  if (response.normal_j > allowed_j) {
+    model.shift_m = std::max(high, model.shift_m);
+    response = respond(model, cache, x);
+  }
+  return response;
+}
+
+// Brings the changed model down to the allowance: friction spring first, then delta_0.
+ElementResponse pay(ElementModel& model, const ElementCache& cache,
+                    const Eigen::Vector3d& x, ElementResponse response,
+                    double allowed_j) {
+  if (response.potential_j() <= allowed_j) {
+    return response;
+  }
+  const double spring_j = std::max(0.0, allowed_j - response.normal_j);
+  if (response.friction_j > 0.0) {
+    const double kept = std::sqrt(spring_j / response.friction_j);  // (23)
+    model.slip_m += (1.0 - kept) * response.presliding_m;
+    response.presliding_m *= kept;
+    response.friction_j = spring_j;
+  }
+  if (response.normal_j > allowed_j) {
+    response = raise_shift(model, cache, x, response, allowed_j);
+    response.friction_j = 0.0;
+    response.presliding_m.setZero();
+  }
+  return response;
+}
+
+// Bleeds delta_0 back by as much as time and the unspent allowance permit.
+ElementResponse recover(ElementModel& model, const ElementCache& cache,
+                        const Eigen::Vector3d& x, const ElementResponse& response,
+                        double unspent_j, double shift_max_m) {
+  const double shift = model.shift_m;
+  double back = std::min(shift, shift_max_m);
+  for (int attempt = 0; attempt < 2 && back > 0.0; ++attempt) {
+    model.shift_m = shift - back;
+    const ElementResponse changed = respond(model, cache, x);
+    const double cost = changed.potential_j() - response.potential_j();
+    if (cost <= unspent_j) {
+      return changed;
+    }
+    back *= std::max(0.0, unspent_j / cost);
+  }
+  model.shift_m = shift;
+  return response;
+}
+
+// Without load delta_0 costs nothing: it sinks until the surface touches the tool.
+void recover_unloaded(ElementModel& model, const ElementResponse& response) {
+  const double touch = std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
+  model.shift_m = std::clamp(response.depth_m - touch, 0.0, model.shift_m);
+}
+
+// What the curves themselves would store at this depth.
+double storable_j(ElementModel model, const ElementCache& cache,
+                  const Eigen::Vector3d& x, const ElementResponse& response) {
+  if (!(model.shift_m > 0.0)) {
+    return response.normal_j;
+  }
+  model.shift_m = 0.0;
+  return respond(model, cache, x).normal_j;
+}
+
+}  // namespace
+
+ElementResponse advance(ElementModel& model, ElementCache& cache,
+                        PassivityLedger& ledger, const ElementModelLimits& limits,
+                        const Eigen::Vector3d& x_m, double dt_s) noexcept {
+  const double radius = limits.tool_radius_m;
+  ElementResponse response = respond(model, cache, x_m);
+  book_work(ledger, response.potential_j());
+
+  bool moved = change_element(model, cache, response, x_m, radius);
+  if (model.slot < 0) {
+    return response;
+  }
+  cache.pinned = model.slot;
+  if (moved) {
+    response = respond(model, cache, x_m);
+  }
+  if (slide(model, cache, response, x_m, radius)) {
+    cache.pinned = model.slot;
+    response = respond(model, cache, x_m);
+  }
+  if (!model.outside) {
+    model.received_inside = cache.received;
+  }
+  if (response.loaded && has_friction(model)) {
+    model.friction_n_per_m = model.friction * response.normal_n / model.presliding_m;
+    response.friction_j =
+        0.5 * model.friction_n_per_m * response.presliding_m.squaredNorm();
+  }
+  const double allowed = allowance_j(ledger);
+  response = pay(model, cache, x_m, response, allowed);
+  if (model.shift_m > 0.0 && response.loaded) {
+    response = recover(model, cache, x_m, response, allowed - response.potential_j(),
+                       limits.recovery_m_per_s * dt_s);
+  } else if (model.shift_m > 0.0) {
+    recover_unloaded(model, response);
+  }
+  const double keep = response.touching ? storable_j(model, cache, x_m, response) : 0.0;
+  book_change(ledger, response.potential_j(), keep);
+  return response;
+}
+
+}  // namespace palpate

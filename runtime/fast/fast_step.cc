@@ -1,0 +1,168 @@
+#include "runtime/fast/fast_step.h"
+
+#include <cmath>
+#include <limits>
+
+#include "runtime/fast/contact_point.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kLongestStepS = 1.0;
+
+bool passive(LocalModel model) {
+  return model != LocalModel::kSingle && model != LocalModel::kFirstOrderHold;
+}
+
+SafetyLimits safety_limits(const FastConfig& config) {
+  return {config.force_max_n, config.slew_max_n_per_s,
+          passive(config.model) ? config.energy_floor_j
+                                : std::numeric_limits<double>::infinity()};
+}
+
+double scalar_depth_m(const FastState& state, const Eigen::Vector3d& x_m) {
+  return (state.element.rest_m - x_m).dot(state.element.direction);
+}
+
+// The slow simulation's value: the response of the element last called active. It also
+// fixes the axis along which the scalar model acts from here on.
+void update_scalar(FastState& state, const Eigen::Vector3d& x) {
+  state.update_due = false;
+  if (state.cache.newest_active < 0) {
+    return;
+  }
+  adopt(state.element, state.cache, state.cache.newest_active, x,
+        state.config.tool_radius_m);
+  state.cache.pinned = state.element.slot;
+  const ElementResponse at = respond(state.element, state.cache, x);
+  update(state.scalar, state.ledger,
+         {at.depth_m, at.normal_n, at.stiffness_n_per_m, at.normal_j});
+}
+
+Eigen::Vector3d advance_scalar(FastState& state, const Eigen::Vector3d& x, double dt_s,
+                               FastCommand& command) {
+  state.scalar.kind = state.config.model;
+  advance(state.scalar, state.ledger, scalar_depth_m(state, x), dt_s);
+  if (state.update_due) {
+    update_scalar(state, x);
+  }
+  const double depth = scalar_depth_m(state, x);
+  const double force = force_n(state.scalar, depth);
+  command.depth_m = depth;
+  command.in_contact = force > 0.0;
+  return force * state.element.direction;
+}
+
+Eigen::Vector3d advance_element(FastState& state, const Eigen::Vector3d& x, double dt_s,
+                                FastCommand& command) {
+  const ElementModelLimits limits{state.config.tool_radius_m,
+                                  state.config.recovery_m_per_s};
+  const ElementResponse response =
+      advance(state.element, state.cache, state.ledger, limits, x, dt_s);
+  command.depth_m = response.depth_m;
+  command.in_contact = response.touching;
+  command.extrapolated = response.extrapolated;
+  command.starved = state.element.starved;
+  command.relaxed_shift_m = state.element.shift_m;
+  return force_n(state.element, response);
+}
+
+// NaN in dt or position is a fault before it can reach the account.
+void check_input(FastState& state, const FastSample& sample, double dt_s) {
+  if (!sample.position_m.allFinite()) {
+    raise_fault(state, Fault::kNotFinite);
+  }
+  if (!(dt_s >= 0.0 && dt_s <= kLongestStepS)) {
+    raise_fault(state, Fault::kTimeStep);
+  }
+}
+
+}  // namespace
+
+const char* check(const FastConfig& config) noexcept {
+  if (!(config.tool_radius_m >= 0.0) || !std::isfinite(config.tool_radius_m)) {
+    return "tool radius must be finite and not negative";
+  }
+  if (!(config.force_max_n > 0.0)) {
+    return "force limit must be positive";
+  }
+  if (!(config.slew_max_n_per_s > 0.0)) {
+    return "slew limit must be positive";
+  }
+  if (!(config.energy_floor_j > 0.0)) {
+    return "energy floor must be positive";
+  }
+  if (!(config.recovery_m_per_s >= 0.0) || !std::isfinite(config.recovery_m_per_s)) {
+    return "recovery speed must be finite and not negative";
+  }
+  return nullptr;
+}
+
+void accept(FastState& state, const Element& element) noexcept {
+  store(state.cache, element);
+  state.update_due = state.update_due || element.active;
+}
+
+FastCommand step(FastState& state, const FastSample& sample, double dt_s) noexcept {
+  FastCommand command;
+  check_input(state, sample, dt_s);
+  if (state.safety.fault == Fault::kNone) {
+    const Eigen::Vector3d& x = sample.position_m;
+    const Eigen::Vector3d moved = state.sampled
+                                      ? Eigen::Vector3d(x - state.latest.position_m)
+                                      : Eigen::Vector3d::Zero();
+    const PassivityLedger before = state.ledger;
+    const Eigen::Vector3d wanted = state.config.model == LocalModel::kElement
+                                       ? advance_element(state, x, dt_s, command)
+                                       : advance_scalar(state, x, dt_s, command);
+    command.force_n = make_safe(state.safety, safety_limits(state.config), state.ledger,
+                                wanted, moved, dt_s);
+    if (state.safety.fault == Fault::kNotFinite) {
+      state.ledger = before;
+    }
+    state.latest = sample;
+    state.sampled = true;
+  }
+  if (state.safety.fault != Fault::kNone) {
+    command = {};
+    state.safety.force_n.setZero();
+  }
+  state.in_contact = command.in_contact;
+  command.stored_j = state.ledger.stored_j;
+  command.tank_j = state.ledger.tank_j;
+  command.dissipated_j = state.ledger.dissipated_j;
+  command.fault = static_cast<std::uint8_t>(state.safety.fault);
+  return command;
+}
+
+FastContact contact(const FastState& state) noexcept {
+  FastContact at;
+  at.time_ns = state.latest.time_ns;
+  at.tool_m = state.latest.position_m;
+  at.in_contact = state.in_contact;
+  if (state.element.slot >= 0) {
+    const auto slot = static_cast<std::size_t>(state.element.slot);
+    const Element& element = state.cache.element[slot];
+    for (std::size_t j = 0; j < 3; ++j) {
+      at.point_m +=
+          state.element.area(static_cast<Eigen::Index>(j)) *
+          Eigen::Map<const Eigen::Vector3d>(element.node[j].position_m.data());
+    }
+    at.triangle = element.triangle;
+    at.starved = state.element.starved;
+  }
+  return at;
+}
+
+double potential_j(const FastState& state, const Eigen::Vector3d& x_m) noexcept {
+  if (state.config.model == LocalModel::kElement) {
+    return respond(state.element, state.cache, x_m).potential_j();
+  }
+  return energy_j(state.scalar, scalar_depth_m(state, x_m));
+}
+
+void raise_fault(FastState& state, Fault fault) noexcept {
+  raise_fault(state.safety, fault);
+}
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+#include "runtime/fast/safety.h"
+
+#include <array>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+// Largest part of the energies that ever went through the account that may be missing
+// for rounding, and the same in absolute terms.
+constexpr double kRoundingRelative = 1e-9;
+constexpr double kRoundingJ = 1e-9;
+
+Eigen::Vector3d clamp_length(const Eigen::Vector3d& v, double length_max) {
+  const double length = v.norm();
+  return length > length_max ? Eigen::Vector3d(v * (length_max / length)) : v;
+}
+
+bool account_holds(const PassivityLedger& ledger, const SafetyState& state,
+                   double floor_j) {
+  const double tolerance =
+      kRoundingJ + kRoundingRelative * (ledger.stored_j + ledger.dissipated_j);
+  return std::abs(imbalance_j(ledger)) <= tolerance && ledger.created_j <= tolerance &&
+         ledger.tank_j >= 0.0 && ledger.work_j - state.clamp_gain_j >= -floor_j;
+}
+
+}  // namespace
+
+std::string_view name(Fault fault) noexcept {
+  constexpr std::array<std::string_view, 7> kNames{
+      "none",         "not-finite",  "time-step", "energy",
+      "slow-stalled", "device-lost", "deadlines"};
+  const auto i = static_cast<std::size_t>(fault);
+  return i < kNames.size() ? kNames[i] : "unknown";
+}
+
+void raise_fault(SafetyState& state, Fault fault) noexcept {
+  if (state.fault == Fault::kNone) {
+    state.fault = fault;
+  }
+}
+
+Eigen::Vector3d make_safe(SafetyState& state, const SafetyLimits& limits,
+                          const PassivityLedger& ledger,
+                          const Eigen::Vector3d& wanted_n,
+                          const Eigen::Vector3d& moved_m, double dt_s) noexcept {
+  state.clamp_gain_j += (state.force_n - state.model_n).dot(moved_m);
+  if (!wanted_n.allFinite() || !std::isfinite(state.clamp_gain_j)) {
+    raise_fault(state, Fault::kNotFinite);
+  }
+  if (state.fault == Fault::kNone && std::isfinite(limits.energy_floor_j) &&
+      !account_holds(ledger, state, limits.energy_floor_j)) {
+    raise_fault(state, Fault::kEnergy);
+  }
+  if (state.fault != Fault::kNone) {
+    state.force_n.setZero();
+    state.model_n.setZero();
+    return state.force_n;
+  }
+  state.model_n = wanted_n;
+  const Eigen::Vector3d clamped = clamp_length(wanted_n, limits.force_max_n);
+  // An infinite slew limit and dt 0 would be NaN; no time, no change.
+  const double change_max = dt_s > 0.0 ? limits.slew_max_n_per_s * dt_s : 0.0;
+  state.force_n += clamp_length(clamped - state.force_n, change_max);
+  return state.force_n;
+}
+
+}  // namespace palpate

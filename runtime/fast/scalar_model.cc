@@ -1,0 +1,116 @@
+#include "runtime/fast/scalar_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+// Below this movement (20) divides by rounding.
+constexpr double kStillM = 1e-9;
+
+bool holds(const ScalarModel& model) {
+  return model.kind == LocalModel::kSingle || model.kind == LocalModel::kFirstOrderHold;
+}
+
+double held_force(const ScalarModel& m) {
+  const bool extrapolates = m.kind == LocalModel::kFirstOrderHold && m.interval_s > 0.0;
+  if (!extrapolates) {
+    return m.latest.f_n;
+  }
+  const double ahead = std::min(m.since_s / m.interval_s, 1.0);
+  return std::max(0.0, m.latest.f_n + (m.latest.f_n - m.before.f_n) * ahead);
+}
+
+// (20), or 0 where it says nothing about the response.
+double secant_stiffness(const SlowValue& before, const SlowValue& now) {
+  const double dx = now.x_m - before.x_m;
+  const double k = (now.f_n - before.f_n) / dx;
+  const double k_max = 10.0 * std::max(now.k_n_per_m, before.k_n_per_m);
+  return std::abs(dx) > kStillM && k > 0.0 && k <= k_max ? k : 0.0;
+}
+
+void update_equal_energy(ScalarModel& model, PassivityLedger& ledger,
+                         const SlowValue& slow) {
+  const double e = ledger.stored_j;  // E_{i-1}(x_i)
+  if (slow.f_n > 0.0) {
+    const double k = model.updates > 0 ? secant_stiffness(model.latest, slow) : 0.0;
+    if (k > 0.0) {
+      model.k_n_per_m = k;
+      model.c_m = slow.x_m - std::sqrt(2.0 * e / k);  // (22); equals (23)
+    }
+  } else if (!(e > 0.0)) {  // (24)
+    model.k_n_per_m = 0.0;
+    model.c_m = slow.x_m;
+  }
+  book_change(ledger, energy_j(model, slow.x_m), 0.0);
+}
+
+void update_energy_tank(ScalarModel& model, PassivityLedger& ledger,
+                        const SlowValue& slow) {
+  const double f = slow.f_n;
+  if (!(f > 0.0) || !(slow.energy_j > 0.0)) {  // free space
+    model.k_n_per_m = 0.0;
+    model.c_m = slow.x_m;
+    book_change(ledger, 0.0, 0.0);
+    return;
+  }
+  const double k = std::max(slow.k_n_per_m, f * f / (2.0 * slow.energy_j));
+  const double wanted = f * f / (2.0 * k);
+  const double held = std::min(wanted, allowance_j(ledger));
+  model.k_n_per_m = k;
+  model.c_m = slow.x_m - std::sqrt(2.0 * held / k);
+  book_change(ledger, held, slow.energy_j);
+}
+
+}  // namespace
+
+double force_n(const ScalarModel& model, double x_m) noexcept {
+  if (holds(model)) {
+    return held_force(model);
+  }
+  return model.k_n_per_m * std::max(0.0, x_m - model.c_m);  // (19)
+}
+
+double energy_j(const ScalarModel& model, double x_m) noexcept {
+  if (holds(model)) {
+    return held_force(model) * x_m;
+  }
+  const double stretch = std::max(0.0, x_m - model.c_m);
+  return 0.5 * model.k_n_per_m * stretch * stretch;  // (21)
+}
+
+void advance(ScalarModel& model, PassivityLedger& ledger, double x_m,
+             double dt_s) noexcept {
+  book_work(ledger, energy_j(model, x_m));
+  model.since_s += dt_s;
+  if (model.kind == LocalModel::kFirstOrderHold) {
+    book_change(ledger, energy_j(model, x_m), 0.0);
+  }
+}
+
+void update(ScalarModel& model, PassivityLedger& ledger,
+            const SlowValue& slow) noexcept {
+  switch (model.kind) {
+    case LocalModel::kEqualEnergy:
+      update_equal_energy(model, ledger, slow);
+      break;
+    case LocalModel::kEnergyTank:
+      update_energy_tank(model, ledger, slow);
+      break;
+    case LocalModel::kSingle:
+    case LocalModel::kFirstOrderHold:
+    case LocalModel::kElement:
+      break;
+  }
+  model.before = model.latest;
+  model.latest = slow;
+  model.interval_s = model.updates > 0 ? model.since_s : 0.0;
+  model.since_s = 0.0;
+  model.updates = std::min(model.updates + 1, 2);
+  if (holds(model)) {
+    book_change(ledger, energy_j(model, slow.x_m), 0.0);
+  }
+}
+
+}  // namespace palpate

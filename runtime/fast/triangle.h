@@ -1,0 +1,22 @@
+// Points of a triangle by area coordinates (paper, (27)).
+#pragma once
+
+#include <Eigen/Core>
+
+namespace palpate::triangle {
+
+/// Area coordinates of the projection of p onto the triangle's plane; they sum to 1,
+/// negative ones are outside. @param corner_m (3 x 3) one corner per column [m].
+/// A triangle without area gives (1, 0, 0).
+[[nodiscard]] Eigen::Vector3d area_coordinates(const Eigen::Matrix3d& corner_m,
+                                               const Eigen::Vector3d& p_m) noexcept;
+
+/// Area coordinates, all in [0, 1], of the triangle's point nearest to the point of its
+/// plane with coordinates `area`.
+[[nodiscard]] Eigen::Vector3d nearest_inside(const Eigen::Matrix3d& corner_m,
+                                             const Eigen::Vector3d& area) noexcept;
+
+/// Whether the triangle has no area to speak of (relative to its edges).
+[[nodiscard]] bool degenerate(const Eigen::Matrix3d& corner_m) noexcept;
+
+}  // namespace palpate::triangle
