@@ -22,6 +22,10 @@ void release(ElementModel& model) {
   model.slip_m.setZero();
 }
 
+std::int32_t triangle_in(const ElementCache& cache, int slot) {
+  return cache.triangle[static_cast<std::size_t>(slot)];
+}
+
 // Another element where the rules allow it: in free space, or lost beyond an edge, the
 // one the slow process last called active; else a newer copy of the same triangle.
 // True if the model changed.
@@ -33,6 +37,7 @@ bool change_element(ElementModel& model, const ElementCache& cache,
   const int active = cache.newest_active;
   const bool lost =
       model.outside && active >= 0 &&
+      triangle_in(cache, active) != triangle_in(cache, model.slot) &&
       cache.stored_at[static_cast<std::size_t>(active)] > model.received_inside;
   const bool free = model.slot < 0 || (news && !old.touching);
   if (active >= 0 && (free || lost)) {
@@ -42,8 +47,7 @@ bool change_element(ElementModel& model, const ElementCache& cache,
     return true;
   }
   if (news && model.slot >= 0) {
-    const auto slot = static_cast<std::size_t>(model.slot);
-    const int newer = find(cache, cache.triangle[slot]);
+    const int newer = find(cache, triangle_in(cache, model.slot));
     if (newer != model.slot) {
       place(model, cache, newer, model.area, radius);
       return true;
@@ -79,24 +83,22 @@ ElementResponse raise_shift(ElementModel& model, const ElementCache& cache,
   double low = model.shift_m;
   double high = response.depth_m -
                 std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
-  for (int i = 0; i < kSolveMax && response.normal_j > kSolveJ; ++i) {
-    double shift = low + (response.normal_j - target_j) / response.normal_n;
-    if (response.normal_j <= allowed_j) {
-      high = model.shift_m;
-      if (response.normal_j >= allowed_j * (1.0 - kSolveRelative)) {
-        return response;
-      }
-      shift = high - (target_j - response.normal_j) / response.normal_n;
-    } else {
+  for (int i = 0; i < kSolveMax && allowed_j > kSolveJ; ++i) {
+    if (response.normal_j > allowed_j) {
       low = model.shift_m;
-      shift = low + (response.normal_j - target_j) / response.normal_n;
+    } else if (response.normal_j < allowed_j * (1.0 - kSolveRelative)) {
+      high = model.shift_m;
+    } else {
+      return response;
     }
-    const bool in_bracket = shift > low && shift < high;
-    model.shift_m = in_bracket ? shift : 0.5 * (low + high);
+    const double newton =
+        model.shift_m + (response.normal_j - target_j) / response.normal_n;
+    const bool in_bracket = newton > low && newton < high;
+    model.shift_m = in_bracket ? newton : 0.5 * (low + high);
     response = respond(model, cache, x);
   }
-  if (response.normal_j > allowed_j) {
-    model.shift_m = std::max(high, model.shift_m);
+  if (!(response.normal_j <= allowed_j)) {
+    model.shift_m = high;
     response = respond(model, cache, x);
   }
   return response;
