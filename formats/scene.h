@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +28,8 @@ struct SceneSupport {
 struct SceneReach {
   std::optional<Eigen::AlignedBox3d> box_m;  ///< [m]; none: every unsupported vertex
   double depth_max_m = 0.0;  ///< [m] (0, inf) largest normal penetration
-  double force_max_n = 0.0;  ///< [N] (0, inf] curves end where they pass it
+  /// [N] (0, inf] curves end where they pass it; inf where the scene gives none.
+  double force_max_n = std::numeric_limits<double>::infinity();
 };
 
 struct Scene {
@@ -38,7 +40,9 @@ struct Scene {
   std::vector<ToolShape> tool;
   SceneReach reach;
   double force_relative = 0.05;  ///< [-] (0, 1) accuracy budget: relative force error
-  std::string text;              ///< the file as read, for provenance
+  /// [-] [0.5, 16] element sizes that the contact radius spans at the largest depth.
+  double contact_resolution = 2.0;
+  std::string text;  ///< the file as read, for provenance
 };
 
 /// Reads and checks a scene file (TOML). A relative mesh path is taken from the scene
