@@ -1,13 +1,158 @@
 #include "runtime/command_simulate.h"
 
+#include <algorithm>
+#include <csignal>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "formats/error.h"
+#include "runtime/simulation.h"
 
 namespace palpate {
+namespace {
+
+std::atomic<bool> stop_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+extern "C" void request_stop(int /*signal*/) {
+  stop_requested.store(true);
+}
+
+struct Flags {
+  std::string database;
+  std::string model = "element";
+  std::string clock = "simulated";
+  std::vector<double> at_m;
+  bool json = false;
+  SimulationOptions options;
+};
+
+std::string known_models() {
+  std::string names;
+  for (const LocalModel model : kLocalModels) {
+    names += (names.empty() ? "" : ", ") + std::string(name(model));
+  }
+  return names;
+}
+
+SimulationOptions options_of(const Flags& flags) {
+  SimulationOptions options = flags.options;
+  const auto model = local_model(flags.model);
+  if (!model) {
+    throw InputError(fmt::format("--model {}: unknown local model; known: {}",
+                                 flags.model, known_models()));
+  }
+  if (flags.clock != "simulated" && flags.clock != "real") {
+    throw InputError(fmt::format("--clock {}: must be simulated or real", flags.clock));
+  }
+  options.model = *model;
+  options.real_time = flags.clock == "real";
+  if (!flags.at_m.empty()) {
+    options.at_m = Eigen::Vector3d(flags.at_m[0], flags.at_m[1], flags.at_m[2]);
+    if (!options.at_m->allFinite()) {
+      throw InputError("--at: coordinates must be finite");
+    }
+  }
+  return options;
+}
+
+nlohmann::json as_json(const SimulationReport& report) {
+  const RenderReport& r = report.render;
+  return {{"model", name(report.options.model)},
+          {"tool", report.tool},
+          {"node", report.node},
+          {"fast_hz", report.options.fast_hz},
+          {"slow_hz", report.options.slow_hz},
+          {"real_time", report.options.real_time},
+          {"stiffness_max_n_per_m", report.stiffness.normal_n_per_m},
+          {"friction_stiffness_n_per_m", report.stiffness.friction_n_per_m},
+          {"passivity_bound_n_per_m", report.bounds.passivity_n_per_m},
+          {"renderable_n_per_m", report.bounds.renderable_n_per_m()},
+          {"force_scale", report.force_scale},
+          {"duration_s", r.duration_s},
+          {"ticks", r.ticks},
+          {"contact_ticks", r.contact_ticks},
+          {"starved_ticks", r.starved_ticks},
+          {"extrapolated_ticks", r.extrapolated_ticks},
+          {"missed_deadlines", r.missed_deadlines},
+          {"slow_updates", r.slow_updates},
+          {"slow_missed_deadlines", r.slow_missed_deadlines},
+          {"slow_stalls", r.slow_stalls},
+          {"elements_dropped", r.elements_dropped},
+          {"depth_max_m", r.depth_max_m},
+          {"force_max_n", r.force_max_n},
+          {"energy_in_j", r.energy_in_j},
+          {"energy_out_j", r.energy_out_j},
+          {"net_energy_j", r.net_energy_j()},
+          {"stored_j", r.stored_j},
+          {"dissipated_j", r.dissipated_j},
+          {"tank_j", r.tank_j},
+          {"tank_max_j", r.tank_max_j},
+          {"relaxed_shift_max_m", r.relaxed_shift_max_m},
+          {"step_p50_ns", r.step_time.percentile_ns(0.5)},
+          {"step_p99_ns", r.step_time.percentile_ns(0.99)},
+          {"step_p999_ns", r.step_time.percentile_ns(0.999)},
+          {"step_max_ns", r.step_time.max_ns()},
+          {"scheduling", r.scheduling},
+          {"fault", name(r.fault)},
+          {"interrupted", r.interrupted}};
+}
+
+void run(const Flags& flags) {
+  const SimulationOptions options = options_of(flags);
+  const ResponseDatabase database = read_database(flags.database);
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  const SimulationReport report = simulate(database, options, stop_requested);
+  fmt::print("{}", flags.json ? as_json(report).dump(2) + "\n" : summary(report));
+  if (report.render.fault != Fault::kNone) {
+    const std::string what =
+        fmt::format("stopped by fault \"{}\" after {:.4g} s", name(report.render.fault),
+                    report.render.fault_s);
+    if (report.render.fault == Fault::kDeviceLost) {
+      throw DeviceError(what);
+    }
+    throw NumericalError(what);
+  }
+  if (report.render.interrupted) {
+    throw Interrupted();
+  }
+}
+
+}  // namespace
 
 void add_simulate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simulate", "");
-  command->callback([] {
-    throw NumericalError("not built yet");
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Render a database on a simulated device held by a simulated hand.");
+  const auto flags = std::make_shared<Flags>();
+  SimulationOptions& options = flags->options;
+  command->add_option("database", flags->database, "Response database (HDF5)")
+      ->required();
+  command->add_option("--model", flags->model, "Local model: " + known_models())
+      ->capture_default_str();
+  command->add_option("--seconds", options.duration_s, "Duration [s]")
+      ->capture_default_str();
+  command->add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command->add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      ->capture_default_str();
+  command->add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      ->capture_default_str();
+  command->add_option("--at", flags->at_m, "Where to press: x,y,z [m]")
+      ->delimiter(',')
+      ->expected(3);
+  command->add_option("--clock", flags->clock, "simulated (repeatable, fast) or real")
+      ->capture_default_str();
+  command->add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      ->capture_default_str();
+  command->add_flag("--limit-stiffness", options.limit_stiffness,
+                    "Scale forces to what the device can render");
+  command->add_flag("--json", flags->json, "Print the report for programs");
+  command->callback([flags] {
+    run(*flags);
   });
 }
 

@@ -1,0 +1,59 @@
+// Renders a database on a simulated device that a simulated hand holds.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "formats/response_database.h"
+#include "runtime/element_stream.h"
+#include "runtime/fast/local_model.h"
+#include "runtime/render_report.h"
+#include "runtime/simulated_device.h"
+#include "runtime/stability_margin.h"
+
+namespace palpate {
+
+struct SimulationOptions {
+  std::string tool;  ///< empty: the only one
+  LocalModel model = LocalModel::kElement;
+  double duration_s = 10.0;             ///< [s] > 0
+  double fast_hz = 2000.0;              ///< [Hz] > 0
+  double slow_hz = 100.0;               ///< [Hz] > 0
+  double force_max_n = 8.0;             ///< [N] > 0
+  std::optional<Eigen::Vector3d> at_m;  ///< [m] where to press
+  bool real_time = false;
+  bool limit_stiffness = false;  ///< scale forces to what the device can render
+  SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run
+};
+
+struct SimulationReport {
+  SimulationOptions options;
+  std::string tool;
+  std::int32_t node = -1;  ///< pressed
+  RenderedStiffness stiffness;
+  StabilityBounds bounds;
+  double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
+  double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
+  ResampleLoss resample_loss;
+  RenderReport render;
+};
+
+/// Time between force updates [s]: the slow period for the models that hold the slow
+/// process's force, else the fast one.
+[[nodiscard]] double hold_s(LocalModel model, double fast_hz, double slow_hz);
+
+/// Checks the margin, then approaches, presses, slides and releases until the time is
+/// over or `stop` is set. @throws InputError for options out of range, a tool that is
+/// not there, and, without limit_stiffness, a body that the device cannot render,
+/// saying why.
+[[nodiscard]] SimulationReport simulate(const ResponseDatabase& database,
+                                        const SimulationOptions& options,
+                                        const std::atomic<bool>& stop);
+
+/// The report for people, aligned lines.
+[[nodiscard]] std::string summary(const SimulationReport& report);
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "runtime/simulation.h"
+
+namespace palpate {
+namespace {
+
+std::string line(const char* label, const std::string& text) {
+  return fmt::format("{:<18}{}\n", label, text);
+}
+
+std::string bound(double stiffness_n_per_m, double k_n_per_m) {
+  if (std::isinf(stiffness_n_per_m)) {
+    return "no bound";
+  }
+  return fmt::format("{:.4g} N/m, {:.3g} times", stiffness_n_per_m,
+                     stiffness_n_per_m / k_n_per_m);
+}
+
+std::string margin_lines(const SimulationReport& report) {
+  const double k = report.stiffness.largest_n_per_m() * report.force_scale;
+  std::string text =
+      line("stiffness",
+           fmt::format("{:.4g} N/m at node {}, friction before sliding {:.4g} N/m",
+                       report.stiffness.normal_n_per_m, report.stiffness.node,
+                       report.stiffness.friction_n_per_m));
+  if (report.force_scale < 1.0) {
+    text +=
+        line("limited", fmt::format("forces scaled by {:.4g} to what the device can "
+                                    "render",
+                                    report.force_scale));
+  }
+  const StabilityBounds& b = report.bounds;
+  text += line("margin",
+               fmt::format("passive B > 2TJ: {} ({})", bound(b.passivity_n_per_m, k),
+                           b.passivity_n_per_m > k ? "held" : "not held"));
+  text += line("", fmt::format("sampling: {}; delay: {}; position step: {}",
+                               bound(b.sampling_n_per_m, k), bound(b.delay_n_per_m, k),
+                               bound(b.quantisation_n_per_m, k)));
+  return text;
+}
+
+double percent(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+std::string energy_lines(const RenderReport& r) {
+  return line("energy", fmt::format("in {:.4g} mJ, out {:.4g} mJ, net {:.4g} mJ",
+                                    r.energy_in_j * 1e3, r.energy_out_j * 1e3,
+                                    r.net_energy_j() * 1e3)) +
+         line("", fmt::format("stored {:.4g} mJ, dissipated {:.4g} mJ, tank {:.4g} mJ "
+                              "(at most {:.4g} mJ)",
+                              r.stored_j * 1e3, r.dissipated_j * 1e3, r.tank_j * 1e3,
+                              r.tank_max_j * 1e3)) +
+         line("relaxed shift",
+              fmt::format("at most {:.4g} mm", r.relaxed_shift_max_m * 1e3));
+}
+
+std::string timing_lines(const RenderReport& r) {
+  std::string text =
+      line("slow process",
+           fmt::format("{} updates, {} late, {} stalls, {} elements dropped",
+                       r.slow_updates, r.slow_missed_deadlines, r.slow_stalls,
+                       r.elements_dropped)) +
+      line("fast process",
+           fmt::format("{} ticks, {} missed deadlines, {} starved ({:.2g} %)", r.ticks,
+                       r.missed_deadlines, r.starved_ticks,
+                       percent(r.starved_ticks, r.ticks))) +
+      line("step time",
+           fmt::format("p50 {:.0f} ns, p99 {:.0f} ns, p99.9 {:.0f} ns, max {:.0f} ns",
+                       r.step_time.percentile_ns(0.5), r.step_time.percentile_ns(0.99),
+                       r.step_time.percentile_ns(0.999), r.step_time.max_ns()));
+  if (!r.scheduling.empty()) {
+    text += line("scheduling", r.scheduling);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string summary(const SimulationReport& report) {
+  const SimulationOptions& o = report.options;
+  const RenderReport& r = report.render;
+  std::string text =
+      line("model", fmt::format("{}, tool \"{}\", fast {:.4g} Hz, slow {:.4g} Hz, {}",
+                                name(o.model), report.tool, o.fast_hz, o.slow_hz,
+                                o.real_time ? "real time" : "simulated time")) +
+      margin_lines(report);
+  if (report.resample_loss.nodes > 0) {
+    text += line("thinned curves",
+                 fmt::format("{} nodes, largest loss {:.3g} N ({:.3g} %)",
+                             report.resample_loss.nodes, report.resample_loss.force_n,
+                             report.resample_loss.force_relative * 100.0));
+  }
+  text += line("rendered",
+               fmt::format("{:.4g} s at node {}, {:.3g} % in contact", r.duration_s,
+                           report.node, percent(r.contact_ticks, r.ticks)));
+  text += line("peak", fmt::format("depth {:.4g} mm, force {:.4g} N{}",
+                                   r.depth_max_m * 1e3, r.force_max_n,
+                                   r.extrapolated_ticks == 0
+                                       ? ""
+                                       : fmt::format(", beyond the curves in {} ticks",
+                                                     r.extrapolated_ticks)));
+  text += energy_lines(r) + timing_lines(r);
+  if (r.fault != Fault::kNone) {
+    text += line("FAULT", fmt::format("{} after {:.4g} s; force set to zero",
+                                      name(r.fault), r.fault_s));
+  }
+  return text;
+}
+
+}  // namespace palpate
