@@ -81,8 +81,8 @@ TEST(GradedBlock, HasExactVolumeAndArea) {
 TEST(GradedBlock, VertexZeroIsTheMiddleOfTheTopInTheFinestPart) {
   const SurfaceMesh block = graded_block(0.1, 0.05, 0.004, 8);
   EXPECT_EQ(block.position_m.row(0), Eigen::RowVector3d(0, 0, 0));
-  for (const int other :
-       vertex_neighbours(block.position_m.rows(), block.triangle)[0]) {
+  const auto neighbours = vertex_neighbours(block.position_m.rows(), block.triangle);
+  for (const std::int32_t other : neighbours[0]) {
     const double distance_m = block.position_m.row(other).norm();
     EXPECT_LE(distance_m, 0.001 * std::numbers::sqrt2 + 1e-15);
   }
