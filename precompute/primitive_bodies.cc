@@ -46,10 +46,17 @@ class Builder {
   void triangle(std::int32_t a, std::int32_t b, std::int32_t c) {
     triangle_.push_back({a, b, c});
   }
-  // Corners counter-clockwise from outside; cut from a to c.
+  // Corners counter-clockwise from outside; cut along the shorter diagonal.
   void quad(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-    triangle(a, b, c);
-    triangle(a, c, d);
+    const double ac_m = distance_m(a, c);
+    const double bd_m = distance_m(b, d);
+    if (bd_m < ac_m * (1.0 - 1e-9)) {  // squares, equal but for rounding: always a to c
+      triangle(a, b, d);
+      triangle(b, c, d);
+    } else {
+      triangle(a, b, c);
+      triangle(a, c, d);
+    }
   }
   // Two closed rows of as many vertices, `lower` seen from outside below `upper`.
   void band(const std::vector<std::int32_t>& lower,
@@ -74,6 +81,11 @@ class Builder {
   }
 
  private:
+  [[nodiscard]] double distance_m(std::int32_t a, std::int32_t b) const {
+    return (position_[static_cast<std::size_t>(a)] -
+            position_[static_cast<std::size_t>(b)])
+        .norm();
+  }
   std::vector<Eigen::Vector3d> position_;
   std::vector<std::array<std::int32_t, 3>> triangle_;
 };
