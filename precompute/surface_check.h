@@ -1,6 +1,7 @@
 // Whether a surface bounds a body, and if not: what is wrong, how often and where.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -26,11 +27,11 @@ struct SurfaceReport {
   Eigen::Index triangles = 0;
   Eigen::Index components = 0;  ///< parts that share no vertex
   double area_m2 = 0.0;
-  double volume_m3 = 0.0;              ///< after turning; only meaningful if closed
-  Eigen::Vector3d extent_m;            ///< sides of the bounding box
-  double edge_mean_m = 0.0;            ///< mean edge length
-  double smallest_angle_rad = 0.0;     ///< of any triangle's corners
-  Eigen::Index components_turned = 0;  ///< parts that were inside out
+  double volume_m3 = 0.0;  ///< after turning; only meaningful if closed
+  Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< sides of the bounding box
+  double edge_mean_m = 0.0;                            ///< mean edge length
+  double smallest_angle_rad = 0.0;                     ///< of any triangle's corners
+  Eigen::Index components_turned = 0;                  ///< parts that were inside out
 
   // Any of these refuses the body. A place is the middle of the edge or triangle.
   SurfaceDefect border_edges;           ///< edges of one triangle: the surface is open
@@ -50,6 +51,17 @@ struct SurfaceReport {
   /// One line: what the body is, or every defect with its number and first place.
   [[nodiscard]] std::string verdict() const;
 };
+
+/// One kind of defect: where the report holds it and how it is named.
+struct DefectKind {
+  SurfaceDefect SurfaceReport::*defect;
+  const char* key;  ///< in reports for programs
+  const char* one;  ///< in a sentence
+  const char* many;
+};
+
+/// Every kind that refuses a body, in the order in which a message names them.
+[[nodiscard]] const std::array<DefectKind, 9>& defect_kinds();
 
 /// A surface that bounds a body, and what was found out about it.
 struct CheckedSurface {
