@@ -115,7 +115,8 @@ TEST(LinearElasticity, AnUnsupportedBodyIsRefusedAsSingular) {
 
 TEST(LinearElasticity, ABodyHeldAlongALineIsRefusedAsSingular) {
   const QuadraticMesh mesh = skewed_block();
-  const Eigen::AlignedBox3d edge(Eigen::Vector3d(-9, -9, -9), Eigen::Vector3d(9, 9, 0.01));
+  const Eigen::AlignedBox3d edge(Eigen::Vector3d(-9, -9, -9),
+                                 Eigen::Vector3d(9, 9, 0.01));
   const Supports supports = hold_boxes(mesh, std::span(&edge, 1));
   EXPECT_THROW(CholeskyFactor{reduce(assemble_stiffness(mesh, kGel), supports)},
                NumericalError);
