@@ -1,13 +1,135 @@
 #include "formats/command_info.h"
 
-#include "formats/error.h"
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/database_summary.h"
+#include "formats/response_database.h"
 
 namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Flags {
+  std::string file;
+  bool json = false;
+};
+
+Json to_json(const ToolSummary& tool) {
+  return {{"name", tool.tool.name},
+          {"shape", tool.tool.kind},
+          {"radius_m", tool.tool.radius_m},
+          {"friction", tool.tool.friction},
+          {"presliding_m", tool.tool.presliding_m},
+          {"responses", tool.responses},
+          {"simulated", tool.simulated},
+          {"interpolated", tool.interpolated},
+          {"measured", tool.measured},
+          {"falling", tool.falling},
+          {"force_capped", tool.force_capped},
+          {"coarse_contact", tool.coarse_contact},
+          {"error_over_budget", tool.error_over_budget},
+          {"failed", tool.failed},
+          {"depth_max_m", tool.depth_max_m},
+          {"force_max_n", tool.force_max_n},
+          {"stiffness_max_n_per_m", tool.stiffness_max_n_per_m},
+          {"error_relative_max", tool.error_relative_max},
+          {"direction_spread_max_rad", tool.direction_spread_max_rad}};
+}
+
+Json to_json(const ResponseDatabase& database, std::uintmax_t bytes) {
+  Json names = Json::array();
+  Json details = Json::array();
+  double depth_max_m = 0.0;
+  for (const ResponseTable& table : database.tools) {
+    names.push_back(table.tool.name);
+    details.push_back(to_json(summarise(table)));
+    depth_max_m = std::max(depth_max_m, table.depth_max_m());
+  }
+  const Eigen::Vector3d size = bounding_box(database.body).sizes();
+  return {{"format_version", kDatabaseVersion},
+          {"nodes", database.body.position_m.rows()},
+          {"triangles", database.body.triangle.rows()},
+          {"tools", names},
+          {"depth_max_m", depth_max_m},
+          {"bytes", bytes},
+          {"size_m", {size.x(), size.y(), size.z()}},
+          {"tool_details", details},
+          {"measured_samples", database.measurement.depth_m.size()},
+          {"writer", database.provenance.writer},
+          {"source_file", database.provenance.source_file},
+          {"source_sha256", database.provenance.source_sha256},
+          {"left_out", database.provenance.left_out}};
+}
+
+void print(const ToolSummary& tool) {
+  fmt::print(
+      "tool       {}: {} of radius {:.4g} mm, friction {:.3g}, presliding {:.3g} mm\n",
+      tool.tool.name, tool.tool.kind, 1e3 * tool.tool.radius_m, tool.tool.friction,
+      1e3 * tool.tool.presliding_m);
+  fmt::print("responses  {} ({} simulated, {} interpolated, {} measured)\n",
+             tool.responses, tool.simulated, tool.interpolated, tool.measured);
+  fmt::print(
+      "flags      {} falling, {} force capped, {} coarse contact, {} over the "
+      "error budget, {} failed\n",
+      tool.falling, tool.force_capped, tool.coarse_contact, tool.error_over_budget,
+      tool.failed);
+  fmt::print(
+      "largest    depth {:.4g} mm, force {:.4g} N, stiffness {:.4g} N/m, "
+      "relative error {:.2g}\n",
+      1e3 * tool.depth_max_m, tool.force_max_n, tool.stiffness_max_n_per_m,
+      tool.error_relative_max);
+}
+
+void print(const ResponseDatabase& database, std::uintmax_t bytes) {
+  const Eigen::Vector3d size = 1e3 * bounding_box(database.body).sizes();
+  const Provenance& provenance = database.provenance;
+  fmt::print("format     version {}, {} bytes, by {}\n", kDatabaseVersion, bytes,
+             provenance.writer);
+  fmt::print("body       {} nodes, {} triangles, {:.4g} x {:.4g} x {:.4g} mm\n",
+             database.body.position_m.rows(), database.body.triangle.rows(), size.x(),
+             size.y(), size.z());
+  fmt::print("source     {}, SHA-256 {}\n", provenance.source_file,
+             provenance.source_sha256.empty() ? "unknown" : provenance.source_sha256);
+  if (!database.measurement.depth_m.empty()) {
+    fmt::print("measured   {} samples\n", database.measurement.depth_m.size());
+  }
+  if (!provenance.left_out.empty()) {
+    fmt::print("left out   {}\n", provenance.left_out);
+  }
+  for (const ResponseTable& table : database.tools) {
+    print(summarise(table));
+  }
+}
+
+void run(const Flags& flags) {
+  const ResponseDatabase database = read_database(flags.file);
+  const std::uintmax_t bytes = std::filesystem::file_size(flags.file);
+  if (flags.json) {
+    // Texts come from a file: what is not UTF-8 is replaced, not refused.
+    fmt::print(
+        "{}\n",
+        to_json(database, bytes).dump(-1, ' ', false, Json::error_handler_t::replace));
+  } else {
+    print(database, bytes);
+  }
+}
+
+}  // namespace
 
 void add_info_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "");
-  command->callback([] {
-    throw NumericalError("not built yet");
+  CLI::App* command = app.add_subcommand("info", "Say what a response database holds");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("file", flags->file, "Response database (HDF5)")->required();
+  command->add_flag("--json", flags->json, "Print the report as one JSON object");
+  command->callback([flags] {
+    run(*flags);
   });
 }
 
