@@ -1,13 +1,51 @@
 #include "formats/command_picture.h"
 
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "formats/atomic_file.h"
 #include "formats/error.h"
+#include "formats/picture.h"
+#include "formats/response_database.h"
 
 namespace palpate {
+namespace {
+
+struct Flags {
+  std::string file;
+  std::string output;
+  std::string tool;
+};
+
+void run(const Flags& flags) {
+  const ResponseDatabase database = read_database(flags.file);
+  const std::string svg = stiffness_picture(database, find_tool(database, flags.tool));
+  AtomicFile atomic(flags.output);
+  std::ofstream out(atomic.temporary(), std::ios::binary);
+  out << svg;
+  out.close();
+  if (!out) {
+    throw InputError(fmt::format("{}: cannot be written", flags.output));
+  }
+  atomic.commit();
+  fmt::print("wrote {} ({} bytes)\n", flags.output, svg.size());
+}
+
+}  // namespace
 
 void add_picture_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("picture", "");
-  command->callback([] {
-    throw NumericalError("not built yet");
+  CLI::App* command = app.add_subcommand(
+      "picture", "Draw the body's stiffness map and a few curves as an SVG picture");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("file", flags->file, "Response database (HDF5)")->required();
+  command->add_option("-o,--output", flags->output, "Picture to write (SVG)")
+      ->required();
+  command->add_option("--tool", flags->tool, "Tool, if the database holds several");
+  command->callback([flags] {
+    run(*flags);
   });
 }
 
