@@ -1,14 +1,52 @@
 #include "runtime/command_bench.h"
 
-#include "formats/error.h"
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "runtime/bench_fidelity.h"
+#include "runtime/bench_table1.h"
 
 namespace palpate {
+namespace {
+
+struct OutputFlags {
+  bool json = false;
+  bool csv = false;
+};
+
+void add_table1(CLI::App& bench) {
+  CLI::App* command = bench.add_subcommand(
+      "table1", "largest stable stiffness by slow rate and local model");
+  auto flags = std::make_shared<OutputFlags>();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->add_flag("--csv", flags->csv, "comma-separated values on stdout");
+  command->callback([flags] {
+    const Table1Report report = run_table1({});
+    fmt::print("{}", flags->json  ? to_json(report) + "\n"
+                     : flags->csv ? table_csv(report)
+                                  : table_text(report));
+  });
+}
+
+void add_fidelity(CLI::App& bench) {
+  CLI::App* command = bench.add_subcommand(
+      "fidelity", "force error and energy of pokes by local model");
+  auto flags = std::make_shared<OutputFlags>();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    const std::vector<FidelityRow> rows = run_fidelity({});
+    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+  });
+}
+
+}  // namespace
 
 void add_bench_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("bench", "");
-  command->callback([] {
-    throw NumericalError("not built yet");
-  });
+  CLI::App* command = app.add_subcommand("bench", "measures the fast step");
+  command->require_subcommand(1);
+  add_table1(*command);
+  add_fidelity(*command);
 }
 
 }  // namespace palpate
