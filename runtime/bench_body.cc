@@ -164,4 +164,32 @@ BenchBody make_bench_body(const BenchBodyOptions& options) {
   return body;
 }
 
+std::vector<Eigen::Vector3d> make_bench_walk(const BenchBody& body,
+                                             const BenchWalkOptions& o) {
+  std::mt19937_64 random(o.seed);
+  std::normal_distribution<double> normal;
+  const double side = body.side_m();
+  const Eigen::Vector3d low(0.2 * side, 0.2 * side, o.tool_radius_m - o.depth_m);
+  const Eigen::Vector3d high(0.8 * side, 0.8 * side, o.tool_radius_m + o.lift_m);
+  const double decay = o.tick_s / o.memory_s;
+  const double noise = o.speed_m_per_s * std::sqrt(2.0 * decay);
+  Eigen::Vector3d x = 0.5 * (low + high);
+  x.z() = high.z();
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> walk;
+  walk.reserve(static_cast<std::size_t>(o.ticks));
+  for (int tick = 0; tick < o.ticks; ++tick) {
+    walk.push_back(x);
+    for (int i = 0; i < 3; ++i) {
+      v(i) += -decay * v(i) + noise * normal(random);
+      x(i) += o.tick_s * v(i);
+      if (x(i) < low(i) || x(i) > high(i)) {
+        x(i) = std::clamp(x(i), low(i), high(i));
+        v(i) = -v(i);
+      }
+    }
+  }
+  return walk;
+}
+
 }  // namespace palpate

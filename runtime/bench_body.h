@@ -49,6 +49,23 @@ struct BenchBody {
 /// The same options and seed give the same body.
 [[nodiscard]] BenchBody make_bench_body(const BenchBodyOptions& options);
 
+/// A tool that wanders over the body and in and out of it: first-order noise for the
+/// velocity, reflected at a box around the middle of the surface.
+struct BenchWalkOptions {
+  int ticks = 100000;
+  double tick_s = 0.0005;        ///< [s] > 0
+  double speed_m_per_s = 0.05;   ///< [m/s] standard deviation of each component
+  double memory_s = 0.1;         ///< [s] > 0, correlation time of the velocity
+  double tool_radius_m = 0.005;  ///< [m]
+  double depth_m = 0.008;        ///< [m] lowest point of the tool below z = 0
+  double lift_m = 0.002;         ///< [m] highest above it
+  std::uint32_t seed = 1;
+};
+
+/// Positions of the tool's centre [m]; the same options give the same walk.
+[[nodiscard]] std::vector<Eigen::Vector3d> make_bench_walk(
+    const BenchBody& body, const BenchWalkOptions& options);
+
 /// Samples f = a d^p, a = force_n / depth_m^p, into a node: exact slopes, energies of
 /// the cubic between the samples.
 void set_power_law(ElementNode& node, double exponent, double force_n, double depth_m);

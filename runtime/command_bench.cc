@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include "runtime/bench_fidelity.h"
+#include "runtime/bench_step.h"
 #include "runtime/bench_table1.h"
+#include "runtime/command_bench_allocations.h"
 
 namespace palpate {
 namespace {
@@ -40,6 +42,17 @@ void add_fidelity(CLI::App& bench) {
   });
 }
 
+void add_step(CLI::App& bench) {
+  CLI::App* command =
+      bench.add_subcommand("step", "time and allocations of the fast step by model");
+  auto flags = std::make_shared<OutputFlags>();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    const std::vector<StepBenchRow> rows = run_step_bench({}, allocations_so_far);
+    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
@@ -47,6 +60,7 @@ void add_bench_command(CLI::App& app) {
   command->require_subcommand(1);
   add_table1(*command);
   add_fidelity(*command);
+  add_step(*command);
 }
 
 }  // namespace palpate
