@@ -33,16 +33,14 @@ double secant_stiffness(const SlowValue& before, const SlowValue& now) {
 void update_equal_energy(ScalarModel& model, PassivityLedger& ledger,
                          const SlowValue& slow) {
   const double e = ledger.stored_j;  // E_{i-1}(x_i)
-  if (slow.f_n > 0.0) {
-    const double k = model.updates > 0 ? secant_stiffness(model.latest, slow) : 0.0;
-    if (k > 0.0) {
-      model.k_n_per_m = k;
-      model.c_m = slow.x_m - std::sqrt(2.0 * e / k);  // (22); equals (23)
-    }
+  if (slow.f_n > 0.0 && model.updates > 0) {
+    const double k = secant_stiffness(model.latest, slow);
+    model.k_n_per_m = k > 0.0 ? k : model.k_n_per_m;
   } else if (!(e > 0.0)) {  // (24)
     model.k_n_per_m = 0.0;
-    model.c_m = slow.x_m;
   }
+  // (22), equal to (23); also where k stays, because the axis may have turned.
+  model.c_m = e > 0.0 ? slow.x_m - std::sqrt(2.0 * e / model.k_n_per_m) : slow.x_m;
   book_change(ledger, energy_j(model, slow.x_m), 0.0);
 }
 

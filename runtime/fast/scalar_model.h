@@ -48,7 +48,7 @@ void advance(ScalarModel& model, PassivityLedger& ledger, double x_m,
 ///
 /// Equal energy: k by (20), c by (22). Where x did not move, or (20) is not between 0
 /// and ten times the larger of the two tangents (the force changed for another reason
-/// than x), k and c stay. Free space by (24). There is no tank.
+/// than x), k stays. Free space by (24). There is no tank.
 ///
 /// Energy tank: k_i = f'(x_i), or f_i^2/(2 E) where that is larger (a plateau's tangent
 /// would store more than the curve does), c_i = x_i - f_i/k_i. If that costs more than
