@@ -1,0 +1,98 @@
+#include "runtime/fast/safety.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kTickS = 0.001;
+constexpr double kInf = std::numeric_limits<double>::infinity();
+const Eigen::Vector3d kStill = Eigen::Vector3d::Zero();
+
+TEST(Safety, ClampsTheWholeVectorAndKeepsItsDirection) {
+  SafetyState state;
+  const Eigen::Vector3d wanted(3.0, -6.0, 6.0);
+  const Eigen::Vector3d f =
+      make_safe(state, {.force_max_n = 3.0, .slew_max_n_per_s = kInf}, {}, wanted,
+                kStill, kTickS);
+  EXPECT_NEAR(f.norm(), 3.0, 1e-12);
+  EXPECT_NEAR(f.cross(wanted).norm(), 0.0, 1e-12);
+}
+
+TEST(Safety, ClampsTheChangeOfForce) {
+  SafetyState state;
+  const SafetyLimits limits{.force_max_n = 10.0, .slew_max_n_per_s = 1000.0};
+  for (int n = 1; n <= 5; ++n) {
+    const Eigen::Vector3d f =
+        make_safe(state, limits, {}, {0.0, 0.0, 4.5}, kStill, kTickS);
+    EXPECT_NEAR(f.z(), std::min(4.5, n * 1.0), 1e-12);
+  }
+}
+
+TEST(Safety, NotFiniteForceIsZeroAndLatched) {
+  SafetyState state;
+  const SafetyLimits limits;
+  const Eigen::Vector3d good(0.0, 0.0, 1.0);
+  (void)make_safe(state, limits, {}, good, kStill, kTickS);
+  EXPECT_EQ(make_safe(state, limits, {}, {0.0, kInf, 0.0}, kStill, kTickS).norm(), 0.0);
+  EXPECT_EQ(state.fault, Fault::kNotFinite);
+  EXPECT_EQ(make_safe(state, limits, {}, good, kStill, kTickS).norm(), 0.0);
+}
+
+TEST(Safety, AnAccountThatDoesNotCloseIsAnEnergyFault) {
+  SafetyState state;
+  const PassivityLedger ledger{.work_j = 0.0, .stored_j = 1e-6};
+  const Eigen::Vector3d f =
+      make_safe(state, {}, ledger, {0.0, 0.0, 1.0}, kStill, kTickS);
+  EXPECT_EQ(state.fault, Fault::kEnergy);
+  EXPECT_EQ(f.norm(), 0.0);
+}
+
+TEST(Safety, EnergyThatASlewLagCreatesIsAFault) {
+  // The force follows a withdrawal late and pushes where the model has let go.
+  SafetyState state;
+  const SafetyLimits limits{.force_max_n = 10.0, .slew_max_n_per_s = 1e4};
+  (void)make_safe(state, limits, {}, {0.0, 0.0, 8.0}, kStill, kTickS);
+  const SafetyLimits slow{.force_max_n = 10.0, .slew_max_n_per_s = 1.0};
+  int ticks = 0;
+  for (; ticks < 100 && state.fault == Fault::kNone; ++ticks) {
+    (void)make_safe(state, slow, {}, kStill, {0.0, 0.0, 1e-4}, kTickS);
+  }
+  EXPECT_EQ(state.fault, Fault::kEnergy);
+  // 8 N over 0.1 mm a tick pass the floor of 10 mJ in the 13th movement after it.
+  EXPECT_NEAR(ticks, 14, 1);
+}
+
+TEST(Safety, FirstFaultStays) {
+  SafetyState state;
+  raise_fault(state, Fault::kDeadlines);
+  raise_fault(state, Fault::kNotFinite);
+  EXPECT_EQ(state.fault, Fault::kDeadlines);
+  EXPECT_EQ(name(state.fault), "deadlines");
+  EXPECT_EQ(name(Fault{200}), "unknown");
+}
+
+TEST(PassivityLedger, EveryChangeKeepsTheIdentity) {
+  PassivityLedger ledger;
+  book_work(ledger, 3.0);         // the user presses
+  book_change(ledger, 1.0, 1.5);  // frees 2: 1.5 kept, 0.5 lost
+  EXPECT_DOUBLE_EQ(ledger.tank_j, 1.5);
+  EXPECT_DOUBLE_EQ(ledger.dissipated_j, 0.5);
+  book_change(ledger, 2.0, 1.5);  // costs 1
+  EXPECT_DOUBLE_EQ(ledger.tank_j, 0.5);
+  book_work(ledger, 0.0);  // the user withdraws
+  EXPECT_DOUBLE_EQ(ledger.work_j, 1.0);
+  EXPECT_DOUBLE_EQ(imbalance_j(ledger), 0.0);
+}
+
+TEST(PassivityLedger, WhatIsNotPaidIsSeen) {
+  PassivityLedger ledger;
+  book_change(ledger, 1.0, 0.0);
+  EXPECT_DOUBLE_EQ(ledger.created_j, 1.0);
+  EXPECT_DOUBLE_EQ(imbalance_j(ledger), -1.0);
+}
+
+}  // namespace
+}  // namespace palpate
