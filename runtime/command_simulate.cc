@@ -88,6 +88,7 @@ nlohmann::json as_json(const SimulationReport& report) {
           {"energy_in_j", r.energy_in_j},
           {"energy_out_j", r.energy_out_j},
           {"net_energy_j", r.net_energy_j()},
+          {"model_work_j", r.model_work_j},
           {"stored_j", r.stored_j},
           {"dissipated_j", r.dissipated_j},
           {"tank_j", r.tank_j},

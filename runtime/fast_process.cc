@@ -91,6 +91,7 @@ void FastProcess::account(const DeviceReading& reading,
   r.extrapolated_ticks += command.extrapolated ? 1 : 0;
   r.depth_max_m = std::max(r.depth_max_m, command.depth_m);
   r.force_max_n = std::max(r.force_max_n, command.force_n.norm());
+  r.model_work_j = state_.ledger.work_j;
   r.stored_j = command.stored_j;
   r.dissipated_j = command.dissipated_j;
   r.tank_j = command.tank_j;

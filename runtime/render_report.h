@@ -32,6 +32,7 @@ struct RenderReport {
   /// gave more than it got.
   double energy_in_j = 0.0;
   double energy_out_j = 0.0;
+  double model_work_j = 0.0;  ///< [J] put into the local model (ledger); >= 0: passive
   double stored_j = 0.0;      ///< [J] at the end, in the local model
   double dissipated_j = 0.0;  ///< [J] by friction and discarded surplus
   double tank_j = 0.0;        ///< [J] at the end

@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 std::string line(const char* label, const std::string& text) {
-  return fmt::format("{:<18}{}\n", label, text);
+  return fmt::format("{:<20}{}\n", label, text);
 }
 
 std::string bound(double stiffness_n_per_m, double k_n_per_m) {
@@ -47,13 +47,16 @@ double percent(std::int64_t part, std::int64_t whole) {
 }
 
 std::string energy_lines(const RenderReport& r) {
-  return line("energy", fmt::format("in {:.4g} mJ, out {:.4g} mJ, net {:.4g} mJ",
-                                    r.energy_in_j * 1e3, r.energy_out_j * 1e3,
-                                    r.net_energy_j() * 1e3)) +
-         line("", fmt::format("stored {:.4g} mJ, dissipated {:.4g} mJ, tank {:.4g} mJ "
-                              "(at most {:.4g} mJ)",
-                              r.stored_j * 1e3, r.dissipated_j * 1e3, r.tank_j * 1e3,
-                              r.tank_max_j * 1e3)) +
+  return line("energy of the hand",
+              fmt::format("in {:.4g} mJ, out {:.4g} mJ, net {:.4g} mJ",
+                          r.energy_in_j * 1e3, r.energy_out_j * 1e3,
+                          r.net_energy_j() * 1e3)) +
+         line("  in the model",
+              fmt::format("work {:.4g} mJ = stored {:.4g} mJ, dissipated {:.4g} mJ, "
+                          "tank {:.4g} mJ "
+                          "(at most {:.4g} mJ)",
+                          r.model_work_j * 1e3, r.stored_j * 1e3, r.dissipated_j * 1e3,
+                          r.tank_j * 1e3, r.tank_max_j * 1e3)) +
          line("relaxed shift",
               fmt::format("at most {:.4g} mm", r.relaxed_shift_max_m * 1e3));
 }
