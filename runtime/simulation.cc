@@ -77,6 +77,9 @@ SimulationReport simulate(const ResponseDatabase& database,
       SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
   report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
   report.stiffness = rendered_stiffness(table, options.force_max_n);
+  if (options.model != LocalModel::kElement) {
+    report.stiffness.friction_n_per_m = 0.0;  // the scalar models render none
+  }
   report.bounds = stability_bounds(limits, report.hold_s);
   report.force_scale = force_scale(report, limits);
 
