@@ -70,7 +70,7 @@ FastCommand FastProcess::timed_step(const DeviceReading& reading) noexcept {
     exchange_.elements.pop();
     element_ns_ = reading.time_ns;
   }
-  const FastCommand command = step(
+  FastCommand command = step(
       state_, {.position_m = reading.position_m, .time_ns = reading.time_ns}, dt_s);
   report_.step_time.add(wall.now_ns() - begin_ns);
   return command;
