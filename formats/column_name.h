@@ -1,0 +1,35 @@
+// Names of columns in the header of a table: the unit inside them, and which one is
+// meant.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// A header such as "Load (N)", "Load [N]" or "load_N", taken apart. Anything in
+/// brackets at the end is a unit; after an underscore only a known one.
+struct ColumnName {
+  std::string quantity;  ///< "Load"
+  std::string unit;      ///< "N"; empty where the header states none
+};
+
+[[nodiscard]] ColumnName parse_column_name(std::string_view header);
+
+/// Size of a known unit in SI base units; none for an unknown one.
+[[nodiscard]] std::optional<double> length_unit_si(std::string_view unit);
+[[nodiscard]] std::optional<double> force_unit_si(std::string_view unit);
+
+/// Positions of the columns that `name` means: those that equal it; else those that
+/// equal it without regard to case; else those whose quantity does.
+[[nodiscard]] std::vector<std::size_t> matching_columns(
+    const std::vector<std::string>& headers, std::string_view name);
+
+/// The headers in quotes, nearest to `name` first (fewest single-character edits).
+[[nodiscard]] std::string nearest_columns(std::vector<std::string> headers,
+                                          std::string_view name);
+
+}  // namespace palpate
