@@ -1,0 +1,26 @@
+// Estimates of size and noise that single wild readings cannot move.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace palpate {
+
+/// Middle value, mean of the two middle ones for an even count. NaN for no values.
+[[nodiscard]] double median(std::vector<double> values);
+
+/// 1.4826 times the median distance from the median: the standard deviation, if the
+/// values are normal. NaN for no values.
+[[nodiscard]] double robust_standard_deviation(const std::vector<double>& values);
+
+/// Standard deviation of white noise on a smooth curve, from second differences
+/// f[i-1] - 2 f[i] + f[i+1], whose variance is 6 times that of the noise. 0 for fewer
+/// than 3 values.
+[[nodiscard]] double noise_standard_deviation(std::span<const double> values);
+
+/// Each value replaced by the median of itself and up to `reach` neighbours on both
+/// sides; as many on one side as on the other, so a rising sequence stays as it is.
+[[nodiscard]] std::vector<double> running_median(std::span<const double> values,
+                                                 std::size_t reach);
+
+}  // namespace palpate
