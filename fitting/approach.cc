@@ -1,0 +1,209 @@
+#include "fitting/approach.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "fitting/robust_statistics.h"
+#include "formats/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kHoldTolerance = 1e-3;  // [-] of the travel: a stage's position noise
+constexpr std::size_t kHoldMin = 3;      // samples
+constexpr double kRetractMin = 0.2;      // [-] of the travel: less is no loop
+constexpr double kSpikeDeviations = 8.0;
+constexpr double kWorkDeviations = 5.0;
+
+void check_measurement(const Measurement& measurement) {
+  const auto& x = measurement.depth_m;
+  const auto& f = measurement.force_n;
+  if (x.size() != f.size() || x.size() < kSamplesMin) {
+    throw InputError(
+        fmt::format("measurement has {} displacements and {} forces, need as many of "
+                    "both and at least {}",
+                    x.size(), f.size(), kSamplesMin));
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!std::isfinite(x[i]) || !std::isfinite(f[i])) {
+      throw InputError(
+          fmt::format("sample {} is ({} m, {} N), must be finite", i + 1, x[i], f[i]));
+    }
+  }
+}
+
+void turn(std::vector<double>& values) {
+  std::transform(values.begin(), values.end(), values.begin(), std::negate<>());
+}
+
+double extent(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+// Work of the force over displacement [J], where the displacement exceeds `lower`;
+// trapezoids, the one that crosses `lower` cut there.
+double work_above(std::span<const double> x, std::span<const double> f, double lower) {
+  double work = 0.0;
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    double x0 = x[i], x1 = x[i + 1], f0 = f[i], f1 = f[i + 1];
+    if (std::max(x0, x1) <= lower) {
+      continue;
+    }
+    const double slope = x1 == x0 ? 0.0 : (f1 - f0) / (x1 - x0);
+    if (x0 < lower) {
+      f0 += slope * (lower - x0);
+      x0 = lower;
+    } else if (x1 < lower) {
+      f1 += slope * (lower - x1);
+      x1 = lower;
+    }
+    work += 0.5 * (f0 + f1) * (x1 - x0);
+  }
+  return work;
+}
+
+// Press and release work over the displacements that both cover.
+void close_loop(const Measurement& m, std::size_t end, Approach& approach) {
+  const double travel = extent(m.depth_m);
+  const double largest = *std::max_element(m.depth_m.begin(), m.depth_m.end());
+  const std::span x(m.depth_m), f(m.force_n);
+  const double back =
+      *std::min_element(x.begin() + static_cast<std::ptrdiff_t>(end), x.end());
+  if (largest - back < kRetractMin * travel) {
+    return;
+  }
+  const auto peak = static_cast<std::size_t>(
+      std::max_element(m.depth_m.begin(), m.depth_m.end()) - m.depth_m.begin());
+  const double lower = std::max(m.depth_m.front(), back);
+  approach.press_work_j = work_above(x.first(peak + 1), f.first(peak + 1), lower);
+  approach.release_work_j = -work_above(x.subspan(peak), f.subspan(peak), lower);
+  double squared_steps = 0.0;
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    squared_steps += (x[i + 1] - x[i]) * (x[i + 1] - x[i]);
+  }
+  const double noise_work = approach.noise_sd_n * std::sqrt(squared_steps);
+  if (approach.release_work_j - approach.press_work_j >
+      kWorkDeviations * noise_work + 1e-9 * std::abs(approach.press_work_j)) {
+    approach.flags.push_back(FitFlag::kNonPassiveLoop);
+  }
+}
+
+// Turns the signs so that compression and its force are positive.
+void turn_signs(Measurement& m, Approach& approach) {
+  const auto [low, high] = std::minmax_element(m.depth_m.begin(), m.depth_m.end());
+  if (m.depth_m.front() - *low > *high - m.depth_m.front()) {
+    turn(m.depth_m);
+    approach.flags.push_back(FitFlag::kDepthSignTurned);
+  }
+  const auto peak = std::max_element(m.depth_m.begin(), m.depth_m.end());
+  const auto end = static_cast<std::size_t>(peak - m.depth_m.begin()) + 1;
+  const std::size_t few = std::min<std::size_t>(5, end);
+  const std::span f(m.force_n);
+  const auto start = f.first(few);
+  const auto deepest = f.subspan(end - few, few);
+  const double rise =
+      median({deepest.begin(), deepest.end()}) - median({start.begin(), start.end()});
+  if (rise < -5.0 * noise_standard_deviation(f)) {
+    turn(m.force_n);
+    approach.flags.push_back(FitFlag::kForceSignTurned);
+  }
+}
+
+// Where the approach ends: first sample within the tolerance of the largest one.
+std::size_t approach_end(const Measurement& m) {
+  const double largest = *std::max_element(m.depth_m.begin(), m.depth_m.end());
+  const double enough = largest - kHoldTolerance * extent(m.depth_m);
+  const auto first = std::find_if(m.depth_m.begin(), m.depth_m.end(), [&](double x) {
+    return x >= enough;
+  });
+  return static_cast<std::size_t>(first - m.depth_m.begin()) + 1;
+}
+
+void count_rest(const Measurement& m, std::size_t end, Approach& approach) {
+  const double largest = *std::max_element(m.depth_m.begin(), m.depth_m.end());
+  const double held = largest - 2.0 * kHoldTolerance * extent(m.depth_m);
+  for (std::size_t i = end; i < m.depth_m.size(); ++i) {
+    ++(m.depth_m[i] >= held ? approach.hold_samples : approach.retract_samples);
+  }
+  if (approach.hold_samples >= kHoldMin) {
+    approach.flags.push_back(FitFlag::kHoldCutOff);
+  }
+  if (approach.retract_samples > 0) {
+    approach.flags.push_back(FitFlag::kRetractCutOff);
+  }
+}
+
+bool goes_back(std::span<const double> x, double tolerance) {
+  double deepest = x.front();
+  for (const double here : x) {
+    if (here < deepest - tolerance) {
+      return true;
+    }
+    deepest = std::max(deepest, here);
+  }
+  return false;
+}
+
+// Copies the approach without spikes and without what lies outside the range.
+void take_samples(const Measurement& m, std::size_t end, const FitRange& range,
+                  Approach& approach) {
+  const std::span f = std::span(m.force_n).first(end);
+  const std::vector<double> smooth = running_median(f, 3);
+  const double limit =
+      std::max(kSpikeDeviations * approach.noise_sd_n, 1e-3 * extent(smooth));
+  for (std::size_t i = 0; i < end; ++i) {
+    if (!(m.depth_m[i] >= range.from_m && m.depth_m[i] <= range.to_m)) {
+      ++approach.out_of_range;
+    } else if (std::abs(f[i] - smooth[i]) > limit) {
+      ++approach.spikes;
+    } else {
+      approach.displacement_m.push_back(m.depth_m[i]);
+      approach.force_n.push_back(f[i]);
+    }
+  }
+  if (approach.spikes > 0) {
+    approach.flags.push_back(FitFlag::kSpikes);
+  }
+}
+
+}  // namespace
+
+Approach select_approach(const Measurement& measurement, const FitRange& range) {
+  check_measurement(measurement);
+  if (!(range.from_m < range.to_m)) {
+    throw InputError(
+        fmt::format("fit range from {} m to {} m is empty", range.from_m, range.to_m));
+  }
+  const double travel = extent(measurement.depth_m);
+  if (!(travel > 0.0)) {
+    throw InputError(
+        fmt::format("the displacement is {} m in all {} samples: no travel",
+                    measurement.depth_m.front(), measurement.depth_m.size()));
+  }
+  Approach approach;
+  Measurement turned = measurement;
+  turn_signs(turned, approach);
+  const std::size_t end = approach_end(turned);
+  approach.noise_sd_n = noise_standard_deviation(std::span(turned.force_n).first(end));
+  count_rest(turned, end, approach);
+  if (goes_back(std::span(turned.depth_m).first(end), kHoldTolerance * travel)) {
+    approach.flags.push_back(FitFlag::kNonMonotoneDepth);
+  }
+  close_loop(turned, end - 1, approach);
+  take_samples(turned, end, range, approach);
+  if (approach.force_n.size() < kSamplesMin) {
+    throw InputError(fmt::format(
+        "the approach has {} samples to fit, need at least {} (of {} samples: {} held, "
+        "{} retracting, {} spikes, {} out of range)",
+        approach.force_n.size(), kSamplesMin, measurement.force_n.size(),
+        approach.hold_samples, approach.retract_samples, approach.spikes,
+        approach.out_of_range));
+  }
+  return approach;
+}
+
+}  // namespace palpate

@@ -1,0 +1,48 @@
+// The part of a measurement that a response is fitted to: the approach, with its signs
+// as the database wants them, and what the rest of the measurement says about it.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "fitting/fit_flag.h"
+#include "formats/response_database.h"
+
+namespace palpate {
+
+/// Displacements that a fit uses [m], after the sign is turned; both ends included.
+struct FitRange {
+  double from_m = -std::numeric_limits<double>::infinity();
+  double to_m = std::numeric_limits<double>::infinity();
+};
+
+/// Samples up to the largest displacement, in file order, compression positive.
+struct Approach {
+  std::vector<double> displacement_m;  ///< (n) [m] as measured, n >= kSamplesMin
+  std::vector<double> force_n;         ///< (n) [N]
+  double noise_sd_n = 0.0;       ///< [N] standard deviation of the force's white noise
+  double press_work_j = 0.0;     ///< [J] over the part that the release covers
+  double release_work_j = 0.0;   ///< [J] given back; 0 without a release
+  std::size_t hold_samples = 0;  ///< held at the largest displacement, left out
+  std::size_t retract_samples = 0;  ///< after it, left out
+  std::size_t spikes = 0;           ///< left out
+  std::size_t out_of_range = 0;     ///< outside the FitRange, left out
+  std::vector<FitFlag> flags;
+};
+
+constexpr std::size_t kSamplesMin = 8;
+
+/// Displacement that falls in total, and force that falls from the first samples to the
+/// deepest, are turned. The approach ends where the displacement first comes within
+/// 0.1 % of its travel to the largest; later samples that stay there are a hold, the
+/// others a retract. A loop whose release gives back more work than its press took
+/// (beyond 5 standard deviations of the noise's work) is flagged. Single readings that
+/// differ by more than 8 standard deviations of noise from the median of 7 neighbours
+/// are spikes.
+/// @throws InputError for different counts of both, a value that is not finite, no
+/// travel, an empty range, fewer than kSamplesMin samples left.
+[[nodiscard]] Approach select_approach(const Measurement& measurement,
+                                       const FitRange& range = {});
+
+}  // namespace palpate
