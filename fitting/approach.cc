@@ -16,6 +16,7 @@ constexpr double kHoldTolerance = 1e-3;  // [-] of the travel: a stage's positio
 constexpr std::size_t kHoldMin = 3;      // samples
 constexpr double kRetractMin = 0.2;      // [-] of the travel: less is no loop
 constexpr double kSpikeDeviations = 8.0;
+constexpr std::size_t kSpikeReach = 3;  // neighbours on each side
 constexpr double kWorkDeviations = 5.0;
 
 void check_measurement(const Measurement& measurement) {
@@ -148,17 +149,35 @@ bool goes_back(std::span<const double> x, double tolerance) {
   return false;
 }
 
+// A reading that stands out from all its neighbours by more than the limit and twice
+// their own steps. The ends are left to the fit's robust loss: a peak there is no
+// spike.
+bool is_spike(std::span<const double> f, std::size_t i, double limit) {
+  if (i < kSpikeReach || i + kSpikeReach >= f.size()) {
+    return false;
+  }
+  double low = f[i - 1], high = low, before = f[i - kSpikeReach];
+  for (std::size_t j = i - kSpikeReach; j <= i + kSpikeReach; ++j) {
+    if (j != i) {
+      low = std::min(low, f[j]);
+      high = std::max(high, f[j]);
+      limit = std::max(limit, 2.0 * std::abs(f[j] - before));
+      before = f[j];
+    }
+  }
+  return f[i] > high + limit || f[i] < low - limit;
+}
+
 // Copies the approach without spikes and without what lies outside the range.
 void take_samples(const Measurement& m, std::size_t end, const FitRange& range,
                   Approach& approach) {
   const std::span f = std::span(m.force_n).first(end);
-  const std::vector<double> smooth = running_median(f, 3);
-  const double limit =
-      std::max(kSpikeDeviations * approach.noise_sd_n, 1e-3 * extent(smooth));
+  const double limit = std::max(kSpikeDeviations * approach.noise_sd_n,
+                                1e-3 * extent(running_median(f, kSpikeReach)));
   for (std::size_t i = 0; i < end; ++i) {
     if (!(m.depth_m[i] >= range.from_m && m.depth_m[i] <= range.to_m)) {
       ++approach.out_of_range;
-    } else if (std::abs(f[i] - smooth[i]) > limit) {
+    } else if (is_spike(f, i, limit)) {
       ++approach.spikes;
     } else {
       approach.displacement_m.push_back(m.depth_m[i]);

@@ -38,8 +38,8 @@ constexpr std::size_t kSamplesMin = 8;
 /// 0.1 % of its travel to the largest; later samples that stay there are a hold, the
 /// others a retract. A loop whose release gives back more work than its press took
 /// (beyond 5 standard deviations of the noise's work) is flagged. Single readings that
-/// differ by more than 8 standard deviations of noise from the median of 7 neighbours
-/// are spikes.
+/// stand out from all of 3 neighbours on each side by more than 8 standard deviations
+/// of noise are spikes.
 /// @throws InputError for different counts of both, a value that is not finite, no
 /// travel, an empty range, fewer than kSamplesMin samples left.
 [[nodiscard]] Approach select_approach(const Measurement& measurement,

@@ -19,8 +19,10 @@ constexpr std::size_t kStarts = 3;
 constexpr double kEmptyDeviations = 5.0;
 constexpr double kOutlierDeviations = 5.0;
 constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fails
-constexpr double kDriftShareMax = 0.1;     // [-] of the force range before contact
-constexpr std::size_t kFreeSamplesMin = 3;
+constexpr double kDriftShareMax = 0.1;  // [-] of the force range, over the whole travel
+constexpr double kSureDeviations = 3.0;
+constexpr std::ptrdiff_t kFreeSamplesMin = 3;
+constexpr double kFlatRmsMax = 1.05;        // [-] rms without drift over rms with it
 constexpr double kContactSdShareMax = 0.1;  // [-] of the depth
 constexpr double kMisfit = 3.0;             // rms over noise
 
@@ -109,16 +111,17 @@ ScaledCurve inliers(const ScaledCurve& curve, const ContactModel& model, double 
 // Robust from every start, then plain on the inliers of the best.
 Solution solve(const ScaledCurve& curve, const std::vector<ContactModel>& starts,
                const HeldParameters& held, double noise) {
+  const ScaledCurve thin = thinned(curve);
   Solution solution;
   solution.held = held;
   double least = std::numeric_limits<double>::infinity();
   double loss_scale = 0.0;  // the same for all starts, so that costs compare
   for (const ContactModel& start : starts) {
     if (loss_scale == 0.0) {
-      const std::vector<double> r = contact_residuals(curve, start);
+      const std::vector<double> r = contact_residuals(thin, start);
       loss_scale = std::max({3.0 * robust_standard_deviation(r), 3.0 * noise, 1e-6});
     }
-    const ContactSolveReport report = solve_contact(curve, start, held, loss_scale);
+    const ContactSolveReport report = solve_contact(thin, start, held, loss_scale);
     solution.iterations += report.iterations;
     if (report.cost < least) {
       least = report.cost;
@@ -135,13 +138,43 @@ Solution solve(const ScaledCurve& curve, const std::vector<ContactModel>& starts
   return solution;
 }
 
-bool starts_in_contact(const Scaling& s, const Solution& solution) {
-  const ContactModel& m = solution.model;
-  const auto before = std::count_if(s.curve.x.begin(), s.curve.x.end(), [&](double x) {
-    return x < m.contact;
+std::ptrdiff_t samples_before_contact(const Scaling& s, const Solution& solution) {
+  return std::count_if(s.curve.x.begin(), s.curve.x.end(), [&](double x) {
+    return x < solution.model.contact;
   });
-  return before < static_cast<std::ptrdiff_t>(kFreeSamplesMin) ||
-         m.baseline_slope * m.contact > kDriftShareMax;
+}
+
+double rms(const Solution& solution) {
+  double squares = 0.0;
+  for (const double r : contact_residuals(solution.used, solution.model)) {
+    squares += r * r;
+  }
+  return std::sqrt(squares / static_cast<double>(solution.used.x.size()));
+}
+
+// A drift that surely lifts the force by more than kDriftShareMax of its range is no
+// drift but the body.
+bool starts_in_contact(const Scaling& s, const Solution& solution) {
+  HeldParameters held = solution.held;
+  hold_at_bounds(solution.model, held);
+  const double sd = std::sqrt(contact_covariance(solution.used, solution.model, held)(
+      kBaselineSlope, kBaselineSlope));
+  return samples_before_contact(s, solution) < kFreeSamplesMin ||
+         solution.model.baseline_slope - kSureDeviations * sd > kDriftShareMax;
+}
+
+std::vector<ContactModel> flat_starts(std::vector<ContactModel> starts) {
+  for (ContactModel& start : starts) {
+    start.baseline_slope = 0.0;
+  }
+  return starts;
+}
+
+// A short free travel cannot tell drift from contact: without drift the contact point
+// may be found where with it there was none.
+bool found_without_drift(const Scaling& s, const Solution& with, const Solution& flat) {
+  return samples_before_contact(s, flat) >= kFreeSamplesMin &&
+         rms(flat) <= kFlatRmsMax * rms(with);
 }
 
 // The same law with contact point at the first sample and no drift.
@@ -177,7 +210,8 @@ std::string reason_held(const Solution& solution, int parameter,
   if (parameter == kExponent && options.exponent) {
     return "given";
   }
-  if (assumed && (parameter == kContact || parameter == kBaselineSlope)) {
+  if ((assumed && parameter == kContact) ||
+      (solution.held[kBaselineSlope] && parameter == kBaselineSlope)) {
     return "assumed";
   }
   const ContactModel& m = solution.model;
@@ -235,14 +269,9 @@ void unscale(const Scaling& s, const Solution& solution,
 
 void judge(const Approach& approach, const Scaling& s, const Solution& solution,
            bool assumed, ContactFit& fit) {
-  double squares = 0.0;
-  for (const double r : contact_residuals(solution.used, solution.model)) {
-    squares += r * r;
-  }
   fit.samples_used = solution.used.x.size();
   fit.outliers = solution.outliers;
-  fit.rms_n =
-      s.force_n * std::sqrt(squares / static_cast<double>(solution.used.x.size()));
+  fit.rms_n = s.force_n * rms(solution);
   fit.mean_stiffness_n_per_m = mean_stiffness(s, solution);
   if (assumed) {
     fit.flags.push_back(FitFlag::kAlreadyInContact);
@@ -290,6 +319,12 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
   if (!assumed) {
     solution = solve(s.curve, starts, held, noise);
     assumed = starts_in_contact(s, solution);
+  }
+  if (assumed && !starts.empty()) {
+    held[kBaselineSlope] = true;
+    const Solution flat = solve(s.curve, flat_starts(starts), held, noise);
+    assumed = !found_without_drift(s, solution, flat);
+    solution = flat;
   }
   if (assumed) {
     solution = solve_from_first_sample(s, options, noise);

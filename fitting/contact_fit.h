@@ -54,10 +54,11 @@ struct ContactFitOptions {
 
 /// Least squares from several starts with a robust loss, then without loss on the
 /// inliers; standard deviations from the residuals' own variance. Parameters at a bound
-/// are held there and named. Where no free travel can be told from contact - contact
-/// point among the first samples, or a "drift" that lifts the force by more than 10 %
-/// of its range before contact - the contact point is assumed at the first sample, the
-/// drift zero, and that is flagged.
+/// are held there and named. A free travel too short to tell drift from contact is
+/// fitted without drift, where that fits as well. Where no free travel can be told from
+/// contact - contact point among the first samples, or a "drift" that lifts the force
+/// by more than 10 % of its range before contact - the contact point is assumed at the
+/// first sample, the drift zero, and that is flagged.
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

@@ -54,14 +54,14 @@ std::array<double, kContactParameters> as_array(const ContactModel& m) {
   return {m.baseline_force, m.baseline_slope, m.contact, m.exponent, m.coefficient};
 }
 
-ceres::Solver::Options solver_options() {
+ceres::Solver::Options solver_options(bool final) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 200;
-  // The defaults stop early: these end at the accuracy of the numbers.
-  options.function_tolerance = 1e-14;
-  options.gradient_tolerance = 1e-13;
-  options.parameter_tolerance = 1e-12;
+  // The defaults stop early; the last solve ends at the accuracy of the numbers.
+  options.function_tolerance = final ? 1e-14 : 1e-8;
+  options.gradient_tolerance = final ? 1e-13 : 1e-10;
+  options.parameter_tolerance = final ? 1e-12 : 1e-6;
   options.logging_type = ceres::SILENT;
   return options;
 }
@@ -94,7 +94,7 @@ ContactSolveReport solve_contact(const ScaledCurve& curve, const ContactModel& s
     }
   }
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(), &problem, &summary);
+  ceres::Solve(solver_options(loss_scale == 0.0), &problem, &summary);
   return {{q[0], q[1], q[2], q[3], q[4]},
           summary.final_cost,
           static_cast<int>(summary.iterations.size()),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -10,9 +11,8 @@
 namespace palpate {
 namespace {
 
-constexpr int kGrid = 32;              // contact points
-constexpr std::size_t kSamples = 400;  // enough to rank starts
-constexpr double kApart = 0.05;        // [-] of the travel
+constexpr int kGrid = 32;        // contact points
+constexpr double kApart = 0.05;  // [-] of the travel
 constexpr double kExponents[] = {1.0, 1.5, 2.0, 3.0};
 
 struct RankedModel {
@@ -40,17 +40,6 @@ double variance(std::span<const double> values) {
   return (v - v.mean()).square().mean();
 }
 
-// Every k-th sample, so that ranking a long curve costs no more than a short one.
-ScaledCurve thinned(const ScaledCurve& curve) {
-  const std::size_t step = std::max<std::size_t>(1, curve.x.size() / kSamples);
-  ScaledCurve thin;
-  for (std::size_t i = 0; i < curve.x.size(); i += step) {
-    thin.x.push_back(curve.x[i]);
-    thin.f.push_back(curve.f[i]);
-  }
-  return thin;
-}
-
 // Linear least squares for the three linear parameters at a given contact and exponent.
 RankedModel linear_fit(const ScaledCurve& curve, double contact, double exponent) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -71,6 +60,16 @@ RankedModel linear_fit(const ScaledCurve& curve, double contact, double exponent
 }
 
 }  // namespace
+
+ScaledCurve thinned(const ScaledCurve& curve) {
+  const std::size_t step = std::max<std::size_t>(1, curve.x.size() / kThinnedSamples);
+  ScaledCurve thin;
+  for (std::size_t i = 0; i < curve.x.size(); i += step) {
+    thin.x.push_back(curve.x[i]);
+    thin.f.push_back(curve.f[i]);
+  }
+  return thin;
+}
 
 std::optional<double> deviation_from_baseline(const ScaledCurve& curve) {
   const std::size_t n = curve.x.size();

@@ -2,8 +2,8 @@
 // that one of them lies in the valley of the best fit.
 #pragma once
 
+#include <cstddef>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace palpate {
@@ -22,6 +22,11 @@ struct ContactModel {
   double exponent = 1.0;        ///< [-] [1, 4]
   double coefficient = 0.0;     ///< [-] > 0
 };
+
+/// Every k-th sample, so that ranking a long curve costs no more than a short one:
+/// fewer than twice kThinnedSamples.
+constexpr std::size_t kThinnedSamples = 400;
+[[nodiscard]] ScaledCurve thinned(const ScaledCurve& curve);
 
 /// Where the force leaves the line through the first fifth of the samples by 5 standard
 /// deviations for three samples. Late by nature; empty if it never does.
