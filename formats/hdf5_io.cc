@@ -28,6 +28,10 @@ QuietHdf5::~QuietHdf5() {
   H5Eset_auto2(H5E_DEFAULT, reinterpret_cast<H5E_auto2_t>(function_), data_);
 }
 
+void skip_hdf5_exit_cleanup() noexcept {
+  H5dont_atexit();
+}
+
 namespace hdf5 {
 
 hid_t file_type(Hdf5Type type) {

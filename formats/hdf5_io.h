@@ -64,6 +64,11 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
+/// For programs that close all their files themselves, before their first use of HDF5:
+/// switches its clean-up at exit off. After a damaged file HDF5 1.10 cannot finish it
+/// and prints "infinite loop closing library" on stderr (known upstream; memory only).
+void skip_hdf5_exit_cleanup() noexcept;
+
 /// Writes a new file. Every method @throws InputError if HDF5 cannot write.
 class Hdf5Writer {
  public:

@@ -127,8 +127,8 @@ std::string Hdf5Reader::read_text_attribute(const std::string& object,
     fail(fmt::format("attribute {}@{} is not a fixed-length text", object, name));
   }
   std::string value(H5Tget_size(type.get()), '\0');
-  const Handle memory = hdf5::string_type(value.size());
-  if (H5Aread(opened.get(), memory.get(), value.data()) < 0) {
+  // By the file's own type: HDF5 does not convert between character sets.
+  if (H5Aread(opened.get(), type.get(), value.data()) < 0) {
     fail(fmt::format("attribute {}@{} cannot be read: {}", object, name,
                      hdf5::last_failure()));
   }
@@ -188,8 +188,7 @@ void Hdf5Reader::text(const std::string& path, std::string& value) {
     fail(fmt::format("dataset {} is not one fixed-length text", path));
   }
   value.assign(H5Tget_size(type.get()), '\0');
-  const Handle memory = hdf5::string_type(value.size());
-  if (H5Dread(opened.get(), memory.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) <
+  if (H5Dread(opened.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) <
       0) {
     fail(fmt::format("dataset {} cannot be read: {}", path, hdf5::last_failure()));
   }

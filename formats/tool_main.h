@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "formats/hdf5_io.h"
 
 namespace palpate {
 
@@ -15,6 +16,7 @@ namespace palpate {
 /// is one line on stderr, "palpate-db: error: ...", and its exit code
 /// (formats/error.h); a command line that cannot be parsed exits with 2.
 inline int run_tool(CLI::App& app, int argc, char** argv) {
+  skip_hdf5_exit_cleanup();
   try {
     app.parse(argc, argv);
     return 0;

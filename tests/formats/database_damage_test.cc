@@ -14,6 +14,8 @@
 namespace palpate {
 namespace {
 
+[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
+
 std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -59,7 +61,9 @@ void delete_link(hid_t file, const char* path) {
 
 void set_text(hid_t file, const char* object, const char* name,
               const std::string& value) {
-  H5Adelete_by_name(file, object, name, H5P_DEFAULT);
+  if (H5Aexists_by_name(file, object, name, H5P_DEFAULT) > 0) {
+    H5Adelete_by_name(file, object, name, H5P_DEFAULT);
+  }
   const hid_t type = H5Tcopy(H5T_C_S1);
   H5Tset_size(type, value.size());
   const hid_t space = H5Screate(H5S_SCALAR);
