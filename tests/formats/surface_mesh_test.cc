@@ -68,7 +68,7 @@ TEST(SurfaceMesh, NeighboursAcrossEdgesAreMutualAndShareTheEdge) {
     for (int j = 0; j < 3; ++j) {
       const Eigen::Index other = neighbour(t, j);
       ASSERT_GE(other, 0);
-      EXPECT_TRUE((neighbour.row(other).array() == t).any());
+      EXPECT_TRUE((neighbour.row(other).array() == static_cast<std::int32_t>(t)).any());
       for (const int corner : {j, (j + 1) % 3}) {
         EXPECT_TRUE((triangle.row(other).array() == triangle(t, corner)).any());
       }
