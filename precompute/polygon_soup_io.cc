@@ -19,6 +19,7 @@
 namespace palpate {
 namespace {
 
+using CGAL::parameters::verbose;
 using Point = CGAL::Simple_cartesian<double>::Point_3;
 
 struct CgalSoup {
@@ -110,7 +111,7 @@ CgalSoup read_stl(std::string bytes) {
 CgalSoup read_ply(const std::string& bytes) {
   CgalSoup soup;
   std::istringstream in(bytes);
-  if (!CGAL::IO::read_PLY(in, soup.points, soup.polygons)) {
+  if (!CGAL::IO::read_PLY(in, soup.points, soup.polygons, verbose(false))) {
     throw FormatError(
         fmt::format("cut short or not PLY after {} vertices and {} faces (faces need a "
                     "list vertex_indices of int or uint)",
@@ -122,7 +123,6 @@ CgalSoup read_ply(const std::string& bytes) {
 CgalSoup read_off(const std::string& bytes) {
   CgalSoup soup;
   std::istringstream in(bytes);
-  using CGAL::parameters::verbose;
   if (!CGAL::IO::read_OFF(in, soup.points, soup.polygons, verbose(false))) {
     throw FormatError("cut short or not OFF");
   }

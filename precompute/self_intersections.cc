@@ -92,14 +92,13 @@ std::vector<std::pair<std::int32_t, std::int32_t>> self_intersections(
     }
   }
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(),
-                                [&](const Box& one, const Box& two) {
-                                  const std::pair<std::int32_t, std::int32_t> pair =
-                                      std::minmax({one.info(), two.info()});
-                                  if (meet(pair.first, pair.second)) {
-                                    pairs.emplace_back(pair.first, pair.second);
-                                  }
-                                });
+  CGAL::box_self_intersection_d(
+      boxes.begin(), boxes.end(), [&](const Box& one, const Box& two) {
+        const std::pair pair = std::minmax({one.info(), two.info()});
+        if (meet(pair.first, pair.second)) {
+          pairs.emplace_back(pair.first, pair.second);
+        }
+      });
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
