@@ -17,6 +17,7 @@ function(palpate_library name)
   target_compile_features(palpate_${name} PUBLIC cxx_std_20)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPENDS}
                                         PRIVATE palpate_warnings ${ARG_PRIVATE_DEPENDS})
+  target_precompile_headers(palpate_${name} PRIVATE <Eigen/Core> <Eigen/Geometry> <vector>)
 endfunction()
 
 # palpate_tool(<tool> DIR <folder> LIBRARY <name>): the command-line tool from
