@@ -42,7 +42,7 @@ std::string escaped(const std::string& text) {
 // Names come in any length; the title has room for so much.
 std::string shortened(const std::string& name) {
   constexpr std::size_t kRoom = 40;
-  return name.size() <= kRoom ? name : name.substr(0, kRoom - 3) + "...";
+  return name.size() <= kRoom ? name : fmt::format("{:.{}}...", name, kRoom - 3);
 }
 
 std::string draw_title(const ResponseDatabase& database, const ResponseTable& table,
@@ -129,7 +129,7 @@ std::string definitions() {
     svg += fmt::format("<stop offset=\"{:.1f}\" stop-color=\"{}\"/>", 0.1 * i,
                        hex(viridis(0.1 * i)));
   }
-  return svg + "\n</linearGradient>\n</defs>\n";
+  return svg.append("\n</linearGradient>\n</defs>\n");
 }
 
 }  // namespace
@@ -158,7 +158,7 @@ std::string stiffness_picture(const ResponseDatabase& database,
     svg += draw_colour_bar(map);
     svg += draw_curves(table, map, shown, kPlot);
   }
-  return svg + "</svg>\n";
+  return svg.append("</svg>\n");
 }
 
 }  // namespace palpate
