@@ -1,0 +1,118 @@
+// palpate-fit as a user runs it, with wrong input too.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/response_database.h"
+#include "tests/fitting/synthetic_curve.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+class FitTool : public testing::Test {
+ protected:
+  FitTool() {
+    std::ofstream file(folder_ / "curve.csv");
+    const Measurement m = synthetic({}, 1);
+    file << "Travel (mm),Load (N)\n";
+    for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
+      file << fmt::format("{},{}\n", m.depth_m[i] * 1e3, m.force_n[i]);
+    }
+  }
+
+  ToolRun run(const std::vector<std::string>& more,
+              const std::string& file = "curve.csv") const {
+    std::vector<std::string> arguments = {"curve", folder_ / file};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tool_process("palpate-fit", arguments);
+  }
+
+  std::vector<std::string> columns(const std::vector<std::string>& more,
+                                   const std::string& depth = "Travel",
+                                   const std::string& force_unit = "N") const {
+    std::vector<std::string> all = {
+        "--depth-column", depth,  "--depth-unit", "mm",
+        "--force-column", "Load", "--force-unit", force_unit};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(FitTool, ReportsEveryKeyForPrograms) {
+  const ToolRun result =
+      run(columns({"--json", "--tool", "sphere", "--radius-m", "0.03"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("family"), "power_law");
+  EXPECT_EQ(json.at("parameters").size(), 5U);
+  EXPECT_NEAR(json.at("contact_point_m"), 2e-3, 1e-4);
+  EXPECT_GT(json.at("contact_point_sd_m"), 0.0);
+  EXPECT_NEAR(json.at("rms_n"), 0.005, 0.001);
+  EXPECT_TRUE(json.at("flags").empty());
+  EXPECT_GT(json.at("youngs_modulus_pa"), 0.0);
+}
+
+TEST_F(FitTool, ClaimsNoModulusWithoutATool) {
+  const auto json = nlohmann::json::parse(run(columns({"--json"})).out);
+  EXPECT_TRUE(json.at("youngs_modulus_pa").is_null());
+  EXPECT_NE(json.at("youngs_modulus_refused"), "");
+}
+
+TEST_F(FitTool, WritesADatabaseThatReadsBack) {
+  const std::string out = folder_ / "out.h5";
+  const ToolRun result =
+      run(columns({"-o", out, "--tool", "sphere", "--radius-m", "0.03"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("contact_point"), std::string::npos);
+  EXPECT_EQ(read_database(out).measurement.depth_m.size(), 350U);
+}
+
+TEST_F(FitTool, AnswersBadInputWithOneLineAndLeavesNoFile) {
+  const std::string out = folder_ / "out.h5";
+  const std::vector<std::string> ball = {"-o", out, "--tool", "sphere", "--radius-m"};
+  const auto with_radius = [&](const std::string& radius) {
+    std::vector<std::string> all = ball;
+    all.push_back(radius);
+    return all;
+  };
+  std::ofstream(folder_ / "short.csv") << "Travel,Load\n0,0\n1,1\n2,4\n";
+  std::ofstream(folder_ / "words.csv") << "nothing here\n";
+  struct Case {
+    ToolRun result;
+    std::string says;
+  };
+  const Case cases[] = {
+      {run(columns(with_radius("0.01")), "absent.csv"), "no such file"},
+      {run(columns(with_radius("0.01"), "Travell")), "\"Travel (mm)\", \"Load (N)\""},
+      {run(columns(with_radius("0.01"), "Travel", "stone")), "unknown force unit"},
+      {run(columns(with_radius("0.01"), "Travel", "gf")), "states the unit N"},
+      {run(columns(with_radius("-0.01"))), "radius_m is -0.01"},
+      {run(columns(with_radius("0.01")), "short.csv"), "at least 8"},
+      {run(columns(with_radius("0.01")), "words.csv"), "no row"},
+      {run(columns({"-o", out})), "--tool sphere"},
+      {run(columns({"--tool", "cone", "--radius-m", "1"})), "available: sphere"},
+      {run(columns({"--tool", "sphere"})), "--radius-m"},
+      {run(columns({"--from-m", "0.003", "--to-m", "0.002"})), "is empty"}};
+  for (const Case& c : cases) {
+    EXPECT_EQ(c.result.exit_code, 2) << c.result.err;
+    EXPECT_NE(c.result.err.find(c.says), std::string::npos) << c.result.err;
+    EXPECT_EQ(std::count(c.result.err.begin(), c.result.err.end(), '\n'), 1)
+        << c.result.err;
+    EXPECT_EQ(c.result.out, "");
+  }
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+}  // namespace
+}  // namespace palpate
