@@ -1,6 +1,6 @@
 #include "runtime/command_simulate.h"
 
-#include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <memory>
 #include <string>

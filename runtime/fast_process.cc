@@ -1,6 +1,7 @@
 #include "runtime/fast_process.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 

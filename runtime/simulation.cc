@@ -1,5 +1,6 @@
 #include "runtime/simulation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
