@@ -139,7 +139,8 @@ BenchBody make_bench_body(const BenchBodyOptions& options) {
     }
   }
   const auto at = [&](int row, int column) {
-    return node[static_cast<std::size_t>(row * (n + 1) + column)];
+    const int index = row * (n + 1) + column;
+    return node[static_cast<std::size_t>(index)];
   };
   const auto triangle = [n](int row, int column, int half) {
     const bool inside = row >= 0 && row < n && column >= 0 && column < n;

@@ -98,6 +98,7 @@ std::vector<StepBenchRow> run_step_bench(const StepBenchOptions& options,
   constexpr double kToolRadiusM = 0.005;
   const Recording recording = record(options, kToolRadiusM);
   std::vector<StepBenchRow> rows;
+  rows.reserve(kLocalModels.size());
   for (const LocalModel model : kLocalModels) {
     rows.push_back(
         run(recording, model, kToolRadiusM, options.ticks_per_slow, allocations));

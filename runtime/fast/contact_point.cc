@@ -1,6 +1,9 @@
 #include "runtime/fast/contact_point.h"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include <Eigen/Geometry>
 
@@ -22,14 +25,25 @@ const Element& element_of(const ElementCache& cache, int slot) {
   return cache.element[static_cast<std::size_t>(slot)];
 }
 
-Eigen::Matrix3d columns(const Element& element,
-                        std::array<double, 3> ElementNode::*field) {
-  Eigen::Matrix3d m;
-  for (int j = 0; j < 3; ++j) {
-    m.col(j) = Eigen::Map<const Eigen::Vector3d>(
-        (element.node[static_cast<std::size_t>(j)].*field).data());
-  }
-  return m;
+using Triple = std::array<double, 3>;
+
+Eigen::Vector3d vector(const Triple& values) {
+  return Eigen::Map<const Eigen::Vector3d>(values.data());
+}
+
+Eigen::Matrix3d corners(const Element& element) {
+  Eigen::Matrix3d v;
+  v << vector(element.node[0].position_m), vector(element.node[1].position_m),
+      vector(element.node[2].position_m);
+  return v;
+}
+
+// sum of n_j times a vector of node j.
+Eigen::Vector3d blend(const Element& element, Triple ElementNode::*field,
+                      const Eigen::Vector3d& area) {
+  return area(0) * vector(element.node[0].*field) +
+         area(1) * vector(element.node[1].*field) +
+         area(2) * vector(element.node[2].*field);
 }
 
 Eigen::Vector3d unit_or_zero(const Eigen::Vector3d& v) {
@@ -55,32 +69,35 @@ bool solve_columns(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 Eigen::Vector3d solve_anchor(const ElementModel& model, const Element& element,
                              const Eigen::Vector3d& x, const Eigen::Vector3d& tau,
                              double radius) {
-  const Eigen::Matrix3d v = columns(element, &ElementNode::position_m);
-  const Eigen::Vector3d here = triangle::area_coordinates(v, model.anchor_m);
-  const Eigen::Vector3d e1 = v.col(1) - v.col(0);
-  const Eigen::Vector3d e2 = v.col(2) - v.col(0);
-  const Eigen::Vector3d face = e1.cross(e2);
-  const double doubled_area = face.norm();
+  const auto edge = [&](Triple ElementNode::*field, std::size_t j) {
+    return Eigen::Vector3d(vector(element.node[j].*field) -
+                           vector(element.node[0].*field));
+  };
+  const Eigen::Vector3d e1 = edge(&ElementNode::position_m, 1);
+  const Eigen::Vector3d e2 = edge(&ElementNode::position_m, 2);
+  if (triangle::flat(e1, e2)) {
+    return {1.0, 0.0, 0.0};
+  }
+  const double doubled_area = e1.cross(e2).norm();
   const Eigen::Vector3d& u = model.direction;
   const double d = (model.rest_m - x).dot(u);
   const Eigen::Vector3d r = (x - tau) - (model.rest_m - d * u);
   Eigen::Vector2d step = Eigen::Vector2d::Zero();
   bool solved = false;
   if (!model.outside && std::abs(d) <= 2.0 * radius + std::sqrt(doubled_area)) {
-    const Eigen::Matrix3d n = columns(element, &ElementNode::normal);
-    const Eigen::Matrix3d w = columns(element, &ElementNode::direction);
-    solved =
-        solve_columns(e1 + radius * (n.col(1) - n.col(0)) - d * (w.col(1) - w.col(0)),
-                      e2 + radius * (n.col(2) - n.col(0)) - d * (w.col(2) - w.col(0)),
-                      u, r, doubled_area, step);
+    const auto column = [&](const Eigen::Vector3d& e, std::size_t j) {
+      return Eigen::Vector3d(e + radius * edge(&ElementNode::normal, j) -
+                             d * edge(&ElementNode::direction, j));
+    };
+    solved = solve_columns(column(e1, 1), column(e2, 2), u, r, doubled_area, step);
   }
   if (!solved) {
     solved = solve_columns(e1, e2, u, r, doubled_area, step);
   }
   if (solved) {
-    return here + Eigen::Vector3d(-step.sum(), step(0), step(1));
+    return model.anchor_area + Eigen::Vector3d(-step.sum(), step(0), step(1));
   }
-  return triangle::area_coordinates(v, x - radius * model.normal - tau);
+  return triangle::area_coordinates(corners(element), x - radius * model.normal - tau);
 }
 
 // An element of the cache into which the anchor projects, near its plane and facing
@@ -91,7 +108,7 @@ int slot_containing(const ElementCache& cache, const ElementModel& model) {
       continue;
     }
     const Element& element = element_of(cache, slot);
-    const Eigen::Matrix3d v = columns(element, &ElementNode::position_m);
+    const Eigen::Matrix3d v = corners(element);
     const Eigen::Vector3d area = triangle::area_coordinates(v, model.anchor_m);
     const Eigen::Vector3d face = (v.col(1) - v.col(0)).cross(v.col(2) - v.col(0));
     const Eigen::Vector3d off = v * area - model.anchor_m;
@@ -120,14 +137,14 @@ int next_slot(const ElementCache& cache, const Element& element,
 void place(ElementModel& model, const ElementCache& cache, int slot,
            const Eigen::Vector3d& area, double tool_radius_m) noexcept {
   const Element& element = element_of(cache, slot);
-  const Eigen::Matrix3d v = columns(element, &ElementNode::position_m);
+  const Eigen::Matrix3d v = corners(element);
   model.slot = slot;
-  model.area = triangle::nearest_inside(v, area);
   model.outside = area.minCoeff() < -kEdgeSlack;
-  model.anchor_m = v * (model.outside ? area : model.area);
-  model.normal = unit_or_zero(columns(element, &ElementNode::normal) * model.area);
-  model.direction =
-      unit_or_zero(columns(element, &ElementNode::direction) * model.area);
+  model.area = triangle::nearest_inside(v, area);
+  model.anchor_area = model.outside ? area : model.area;
+  model.anchor_m = blend(element, &ElementNode::position_m, model.anchor_area);
+  model.normal = unit_or_zero(blend(element, &ElementNode::normal, model.area));
+  model.direction = unit_or_zero(blend(element, &ElementNode::direction, model.area));
   model.rest_m = model.anchor_m + tool_radius_m * model.normal;
   model.friction = 0.0;
   model.presliding_m = 0.0;
@@ -144,7 +161,7 @@ void place(ElementModel& model, const ElementCache& cache, int slot,
 
 void adopt(ElementModel& model, const ElementCache& cache, int slot,
            const Eigen::Vector3d& x_m, double tool_radius_m) noexcept {
-  const Eigen::Matrix3d v = columns(element_of(cache, slot), &ElementNode::position_m);
+  const Eigen::Matrix3d v = corners(element_of(cache, slot));
   const Eigen::Vector3d area = triangle::area_coordinates(v, x_m);
   place(model, cache, slot, triangle::nearest_inside(v, area), tool_radius_m);
   follow(model, cache, x_m, Eigen::Vector3d::Zero(), tool_radius_m);
@@ -172,8 +189,7 @@ void follow(ElementModel& model, const ElementCache& cache, const Eigen::Vector3
       model.starved = !border;
       return;
     }
-    const Eigen::Matrix3d v =
-        columns(element_of(cache, next), &ElementNode::position_m);
+    const Eigen::Matrix3d v = corners(element_of(cache, next));
     place(model, cache, next,
           triangle::nearest_inside(v, triangle::area_coordinates(v, model.anchor_m)),
           tool_radius_m);

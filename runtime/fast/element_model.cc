@@ -134,7 +134,7 @@ ElementResponse recover(ElementModel& model, const ElementCache& cache,
   double back = std::min(shift, shift_max_m);
   for (int attempt = 0; attempt < 2 && back > 0.0; ++attempt) {
     model.shift_m = shift - back;
-    const ElementResponse changed = respond(model, cache, x);
+    ElementResponse changed = respond(model, cache, x);
     const double cost = changed.potential_j() - response.potential_j();
     if (cost <= unspent_j) {
       return changed;

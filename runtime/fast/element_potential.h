@@ -31,17 +31,18 @@ namespace palpate {
 /// Parameters of the potential, constant between two changes.
 struct ElementModel {
   int slot = -1;  ///< element in the cache; -1: none, E = 0
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();       ///< [-] n_j(x_c) >= 0, sum 1
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< [-] u; 0: no response
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< [-] n, unit
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();   ///< [m] a, in the plane
-  Eigen::Vector3d rest_m = Eigen::Vector3d::Zero();     ///< [m] a + R n: x where d = 0
-  Eigen::Vector3d slip_m = Eigen::Vector3d::Zero();     ///< [m] q
-  std::array<double, 3> touch_m{};                      ///< [m] t_j
-  double friction = 0.0;                                ///< [-] mu at x_c
-  double presliding_m = 0.0;                            ///< [m] delta_L at x_c
-  double friction_n_per_m = 0.0;                        ///< [N/m] k_t >= 0
-  double shift_m = 0.0;                                 ///< [m] delta_0 >= 0
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();         ///< [-] n_j(x_c) >= 0, sum 1
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();    ///< [-] u; 0: no response
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();       ///< [-] n, unit
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();     ///< [m] a, in the plane
+  Eigen::Vector3d anchor_area = Eigen::Vector3d::Zero();  ///< [-] of a; any sign, sum 1
+  Eigen::Vector3d rest_m = Eigen::Vector3d::Zero();  ///< [m] a + R n: x where d = 0
+  Eigen::Vector3d slip_m = Eigen::Vector3d::Zero();  ///< [m] q
+  std::array<double, 3> touch_m{};                   ///< [m] t_j
+  double friction = 0.0;                             ///< [-] mu at x_c
+  double presliding_m = 0.0;                         ///< [m] delta_L at x_c
+  double friction_n_per_m = 0.0;                     ///< [N/m] k_t >= 0
+  double shift_m = 0.0;                              ///< [m] delta_0 >= 0
   bool outside = false;               ///< a lies beyond the element's edges
   bool starved = false;               ///< outside, and the neighbour has not arrived
   std::uint64_t received_seen = 0;    ///< cache.received at the last step

@@ -12,10 +12,6 @@ namespace {
 // Square of the smallest sine between two edges that still makes a triangle.
 constexpr double kFlatSquared = 1e-18;
 
-bool flat(const Eigen::Vector3d& e1, const Eigen::Vector3d& e2, double doubled_area2) {
-  return !(doubled_area2 > kFlatSquared * e1.squaredNorm() * e2.squaredNorm());
-}
-
 }  // namespace
 
 Eigen::Vector3d area_coordinates(const Eigen::Matrix3d& corner_m,
@@ -25,7 +21,7 @@ Eigen::Vector3d area_coordinates(const Eigen::Matrix3d& corner_m,
   const Eigen::Vector3d r = p_m - corner_m.col(0);
   const Eigen::Vector3d n = e1.cross(e2);
   const double nn = n.squaredNorm();
-  if (flat(e1, e2, nn)) {
+  if (flat(e1, e2)) {
     return {1.0, 0.0, 0.0};
   }
   const double w1 = r.cross(e2).dot(n) / nn;
@@ -58,10 +54,9 @@ Eigen::Vector3d nearest_inside(const Eigen::Matrix3d& corner_m,
   return nearest;
 }
 
-bool degenerate(const Eigen::Matrix3d& corner_m) noexcept {
-  const Eigen::Vector3d e1 = corner_m.col(1) - corner_m.col(0);
-  const Eigen::Vector3d e2 = corner_m.col(2) - corner_m.col(0);
-  return flat(e1, e2, e1.cross(e2).squaredNorm());
+bool flat(const Eigen::Vector3d& edge1_m, const Eigen::Vector3d& edge2_m) noexcept {
+  return !(edge1_m.cross(edge2_m).squaredNorm() >
+           kFlatSquared * edge1_m.squaredNorm() * edge2_m.squaredNorm());
 }
 
 }  // namespace palpate::triangle

@@ -16,7 +16,9 @@ namespace palpate::triangle {
 [[nodiscard]] Eigen::Vector3d nearest_inside(const Eigen::Matrix3d& corner_m,
                                              const Eigen::Vector3d& area) noexcept;
 
-/// Whether the triangle has no area to speak of (relative to its edges).
-[[nodiscard]] bool degenerate(const Eigen::Matrix3d& corner_m) noexcept;
+/// Whether a triangle with these two edges has no area to speak of, against their
+/// lengths.
+[[nodiscard]] bool flat(const Eigen::Vector3d& edge1_m,
+                        const Eigen::Vector3d& edge2_m) noexcept;
 
 }  // namespace palpate::triangle

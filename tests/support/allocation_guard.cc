@@ -73,11 +73,14 @@ void operator delete[](void* memory, std::size_t) noexcept {
 
 // glibc's own allocator under its documented replacement names: operator new, Eigen and
 // C code all end in these.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): glibc's
+// names.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 void* malloc(std::size_t size) {
   palpate::test::note_allocation();
