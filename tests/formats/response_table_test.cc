@@ -131,9 +131,8 @@ TEST(Interpolation, SaysWhereItExtrapolates) {
 }
 
 TEST(HertzCurve, SampledQuadraticallyIsMetWithinTheBound) {
-  // Depths 0.005 (i/n)^2 give f = K d^1.5 samples K' (i/n)^3; the interpolation error
-  // of a limited cubic falls at least as n^-2. Measured at n = 12: 0.03 % of the
-  // largest force; the bound leaves a factor of three.
+  // The error of a limited cubic falls with the square of the sample distance. Measured
+  // at 12 intervals: 0.013 % of the largest force; the bound leaves a factor of four.
   const double k = 2000.0;
   const int n = 12;
   NodeResponse response;
@@ -153,7 +152,7 @@ TEST(HertzCurve, SampledQuadraticallyIsMetWithinTheBound) {
         std::max(worst, std::abs(table.curve(0).at(d).force_n - k * std::pow(d, 1.5)));
   }
   RecordProperty("worst_relative_to_largest_force", fmt::format("{}", worst / largest));
-  EXPECT_LT(worst, 1e-3 * largest);
+  EXPECT_LT(worst, 5e-4 * largest);
 }
 
 TEST(ResponseTable, NodesWithoutResponseHaveEmptyCurves) {

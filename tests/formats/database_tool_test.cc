@@ -1,0 +1,71 @@
+// palpate-db as a user runs it.
+#include <nlohmann/json.hpp>
+
+#include "formats/response_database.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/small_database.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+class DatabaseTool : public testing::Test {
+ protected:
+  DatabaseTool() { write_database(file_, small_database()); }
+
+  const ScratchFolder folder_;
+  const std::string file_ = folder_ / "a.h5";
+};
+
+TEST_F(DatabaseTool, InfoSaysWhatIsInside) {
+  const ToolRun run = run_tool_process("palpate-db", {"info", file_, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json report = Json::parse(run.out);
+  EXPECT_EQ(report.at("format_version"), 1);
+  EXPECT_EQ(report.at("nodes"), 6);
+  EXPECT_EQ(report.at("triangles"), 8);
+  EXPECT_EQ(report.at("tools"), (Json{"tip", "ball"}));
+  EXPECT_EQ(report.at("depth_max_m"), 0.005);
+  EXPECT_EQ(report.at("bytes"), std::filesystem::file_size(file_));
+  EXPECT_EQ(report.at("tool_details").at(1).at("responses"), 5);
+  EXPECT_EQ(report.at("tool_details").at(1).at("falling"), 1);
+  EXPECT_EQ(run_tool_process("palpate-db", {"info", file_}).exit_code, 0);
+}
+
+TEST_F(DatabaseTool, CheckPassesAGoodFileAndNamesWhatIsWrongWithAnother) {
+  const ToolRun good = run_tool_process("palpate-db", {"check", file_});
+  EXPECT_EQ(good.exit_code, 0);
+  EXPECT_EQ(good.out, "ok: 6 nodes, 2 tools, 10 responses (2 falling)\n");
+  std::filesystem::resize_file(file_, 3000);
+  const ToolRun cut = run_tool_process("palpate-db", {"check", file_, "--json"});
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_FALSE(Json::parse(cut.out).at("ok").get<bool>());
+  EXPECT_NE(cut.err.find("is truncated or damaged (3000 bytes)"), std::string::npos)
+      << cut.err;
+  EXPECT_EQ(std::count(cut.err.begin(), cut.err.end(), '\n'), 1);
+}
+
+TEST_F(DatabaseTool, PictureNeedsAToolWhereThereAreSeveral) {
+  const std::string svg = folder_ / "a.svg";
+  const ToolRun unnamed = run_tool_process("palpate-db", {"picture", file_, "-o", svg});
+  EXPECT_EQ(unnamed.exit_code, 2);
+  EXPECT_NE(unnamed.err.find("a tool must be named; there are: tip, ball"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(svg));
+  EXPECT_EQ(
+      run_tool_process("palpate-db", {"picture", file_, "-o", svg, "--tool", "ball"})
+          .exit_code,
+      0);
+  EXPECT_TRUE(std::filesystem::exists(svg));
+}
+
+TEST_F(DatabaseTool, AMissingFileAndAFolderAreTheUsersErrors) {
+  EXPECT_EQ(run_tool_process("palpate-db", {"info", folder_ / "no.h5"}).exit_code, 2);
+  EXPECT_EQ(run_tool_process("palpate-db", {"check", folder_.path()}).exit_code, 2);
+  EXPECT_EQ(run_tool_process("palpate-db", {"info"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace palpate
