@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
+#include "precompute/surface_reader.h"
 
 namespace palpate {
 namespace {
@@ -69,6 +70,15 @@ TEST(Organ, IsAClosedBodyOfTheSizeThatItSays) {
     EXPECT_EQ(body.position_m.col(2).minCoeff(), 0.0);
     EXPECT_GT(smallest_angle_deg(body), 15.0);
   }
+}
+
+TEST(Organ, IsTheBodyThatTheDemoShips) {
+  const SurfaceMesh shipped = read_surface("data/organ.obj", "m");
+  const SurfaceMesh made = organ();
+  EXPECT_EQ(shipped.triangle, made.triangle);
+  ASSERT_EQ(shipped.position_m.rows(), made.position_m.rows());
+  // 1e-12 m: another mathematical library may round sin, exp and tanh another way.
+  EXPECT_LT((shipped.position_m - made.position_m).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(GradedBlock, HasExactVolumeAndArea) {
