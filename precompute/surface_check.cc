@@ -296,7 +296,7 @@ void SurfaceDefect::add(const Eigen::Vector3d& at_m) {
 
 const std::array<DefectKind, 9>& defect_kinds() {
   using R = SurfaceReport;
-  static const std::array<DefectKind, 9> kKinds{{
+  static constexpr std::array<DefectKind, 9> kKinds{{
       {&R::border_edges, "border_edges", "border edge (the surface is open)",
        "border edges (the surface is open)"},
       {&R::non_manifold_edges, "non_manifold_edges", "edge of more than two triangles",

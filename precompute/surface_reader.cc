@@ -84,6 +84,7 @@ SurfaceMesh to_mesh(const PolygonSoup& soup, double metres) {
   std::vector<std::array<std::size_t, 3>> triangles;
   for (const auto& face : soup.face) {
     std::vector<Eigen::Vector3d> corner;
+    corner.reserve(face.size());
     for (const std::size_t v : face) {
       corner.push_back(soup.point[v]);
     }
