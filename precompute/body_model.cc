@@ -27,8 +27,8 @@ SurfaceMesh read_body(const Scene& scene, std::vector<std::string>& notes) {
                                 scene.mesh.filename().string()));
   }
   if (checked.report.components > 1) {
-    notes.push_back(fmt::format("{}: {} separate parts",
-                                scene.mesh.filename().string(), checked.report.components));
+    notes.push_back(fmt::format("{}: {} separate parts", scene.mesh.filename().string(),
+                                checked.report.components));
   }
   return std::move(checked.mesh);
 }

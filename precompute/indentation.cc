@@ -30,13 +30,14 @@ bool is_held(const Supports& supports, const ContactNode& node) {
 
 Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
              const IndentationPath& path, double penetration_m) {
-  const Eigen::Vector3d centre =
-      path.vertex_m + (path.radius_m - penetration_m) * path.outward;
+  const PressedSphere sphere{
+      path.vertex_m + (path.radius_m - penetration_m) * path.outward, path.outward,
+      path.radius_m};
   const auto n = static_cast<Eigen::Index>(patch.size());
   Gaps gaps{Eigen::VectorXd(n), Eigen::MatrixX3d(n, 3)};
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Gap gap = average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]),
-                                centre, path.radius_m);
+    const Gap gap =
+        average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]), sphere);
     gaps.distance_m[i] = gap.distance_m;
     gaps.by_centre.row(i) = gap.by_centre.transpose();
   }
