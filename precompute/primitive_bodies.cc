@@ -93,6 +93,7 @@ class Builder {
 // The outline of [-1, 1]^2 in 4*cells steps, counter-clockwise from (-1, -1).
 std::vector<Eigen::Vector2d> square_outline(int cells) {
   std::vector<Eigen::Vector2d> outline;
+  outline.reserve(4 * static_cast<std::size_t>(cells));
   const auto along = [&](int k) {
     return -1.0 + 2.0 * k / cells;
   };
