@@ -76,6 +76,26 @@ AtomicFile::~AtomicFile() {
   }
 }
 
+void AtomicFile::write(std::span<const std::byte> bytes) const {
+  const int fd = ::open(temporary_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  int error = fd < 0 ? errno : 0;
+  while (error == 0 && !bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written >= 0) {
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      error = errno;
+    }
+  }
+  // Some file systems report a full disk only here.
+  if (fd >= 0 && ::close(fd) != 0 && error == 0) {
+    error = errno;
+  }
+  if (error != 0) {
+    fail(target_, "written", error);
+  }
+}
+
 void AtomicFile::commit() {
   sync(temporary_, O_RDONLY, target_);
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) {

@@ -1,7 +1,9 @@
 // A file that appears whole or not at all.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 
 namespace palpate {
 
@@ -16,6 +18,10 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
+
+  /// Makes these bytes the temporary's content. @throws InputError naming what failed,
+  /// e.g. a full disk.
+  void write(std::span<const std::byte> bytes) const;
 
   /// fsync, rename, fsync of the folder. @throws InputError naming what failed.
   void commit();

@@ -1,13 +1,12 @@
 #include "formats/command_picture.h"
 
-#include <fstream>
 #include <memory>
+#include <span>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "formats/atomic_file.h"
-#include "formats/error.h"
 #include "formats/picture.h"
 #include "formats/response_database.h"
 
@@ -24,12 +23,7 @@ void run(const Flags& flags) {
   const ResponseDatabase database = read_database(flags.file);
   const std::string svg = stiffness_picture(database, find_tool(database, flags.tool));
   AtomicFile atomic(flags.output);
-  std::ofstream out(atomic.temporary(), std::ios::binary);
-  out << svg;
-  out.close();
-  if (!out) {
-    throw InputError(fmt::format("{}: cannot be written", flags.output));
-  }
+  atomic.write(std::as_bytes(std::span(svg)));
   atomic.commit();
   fmt::print("wrote {} ({} bytes)\n", flags.output, svg.size());
 }

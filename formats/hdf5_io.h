@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,12 +70,14 @@ class QuietHdf5 {
 /// and prints "infinite loop closing library" on stderr (known upstream; memory only).
 void skip_hdf5_exit_cleanup() noexcept;
 
-/// Writes a new file. Every method @throws InputError if HDF5 cannot write.
+/// Makes a new file in memory: HDF5 1.10 can crash after a write that failed, for
+/// example on a full disk. Every method @throws std::runtime_error if HDF5 fails all
+/// the same.
 class Hdf5Writer {
  public:
   static constexpr bool kWrites = true;
 
-  explicit Hdf5Writer(const std::filesystem::path& file);
+  Hdf5Writer();
   ~Hdf5Writer();
   Hdf5Writer(const Hdf5Writer&) = delete;
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
@@ -111,8 +114,8 @@ class Hdf5Writer {
 
   [[nodiscard]] std::string digest() const { return digest_.hex(); }
 
-  /// Flushes and closes; to be called last.
-  void close();
+  /// The bytes of the file; to be called last, valid as long as the writer.
+  [[nodiscard]] std::span<const std::byte> image();
 
  private:
   struct Extent {
@@ -123,7 +126,6 @@ class Hdf5Writer {
              Extent extent);
 
   QuietHdf5 quiet_;
-  std::filesystem::path file_;
   std::int64_t id_ = -1;
   ContentDigest digest_;
 };

@@ -1,9 +1,8 @@
 #include <array>
-#include <cstring>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "formats/error.h"
 #include "formats/hdf5_handle.h"
 #include "formats/hdf5_io.h"
 
@@ -15,10 +14,11 @@ using hdf5::Handle;
 // Links and attributes up to this many stay in the object header, under its checksum.
 constexpr unsigned kCompactEntries = 64;
 
-void require(bool done, const std::filesystem::path& file, const std::string& item) {
+// In memory HDF5 fails only for want of memory, or for a mistake of ours.
+void require(bool done, const std::string& item) {
   if (!done) {
-    throw InputError(fmt::format("{}: cannot be written: {}: {}", file.string(), item,
-                                 hdf5::last_failure()));
+    throw std::runtime_error(
+        fmt::format("HDF5 cannot write {}: {}", item, hdf5::last_failure()));
   }
 }
 
@@ -51,14 +51,18 @@ bool put_text(hid_t file, const std::string& object, const char* name,
 
 }  // namespace
 
-Hdf5Writer::Hdf5Writer(const std::filesystem::path& file) : file_(file) {
+Hdf5Writer::Hdf5Writer() {
+  constexpr std::size_t kGrowth = std::size_t{1} << 20;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), kGrowth, false);
   // The layout of HDF5 1.8 puts a checksum on every piece of metadata.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   const Handle create = creation_properties(H5P_FILE_CREATE);
-  id_ = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, create.get(), access.get());
-  require(id_ >= 0, file_, "/");
+  // HDF5 tells open files apart by name; this one names no file.
+  const std::string name = fmt::format("in memory {}", fmt::ptr(this));
+  id_ = H5Fcreate(name.c_str(), H5F_ACC_TRUNC, create.get(), access.get());
+  require(id_ >= 0, "/");
 }
 
 Hdf5Writer::~Hdf5Writer() {
@@ -71,7 +75,7 @@ void Hdf5Writer::group(const std::string& path) {
   const Handle create = creation_properties(H5P_GROUP_CREATE);
   const Handle made(
       H5Gcreate2(id_, path.c_str(), H5P_DEFAULT, create.get(), H5P_DEFAULT), H5Gclose);
-  require(static_cast<bool>(made), file_, path);
+  require(static_cast<bool>(made), path);
 }
 
 bool Hdf5Writer::optional_group(const std::string& path, bool wanted) {
@@ -83,7 +87,7 @@ bool Hdf5Writer::optional_group(const std::string& path, bool wanted) {
 
 void Hdf5Writer::attribute(const std::string& object, const char* name,
                            const std::string& value) {
-  require(put_text(id_, object, name, value), file_, object + "@" + name);
+  require(put_text(id_, object, name, value), object + "@" + name);
   digest_.add(hdf5::digest_head(object + "@" + name, "text",
                                 static_cast<std::int64_t>(value.size()), 0),
               value.data(), value.size());
@@ -91,7 +95,7 @@ void Hdf5Writer::attribute(const std::string& object, const char* name,
 
 void Hdf5Writer::attribute(const std::string& object, const char* name, double value) {
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  require(put_attribute(id_, object, name, H5T_IEEE_F64LE, &value, space.get()), file_,
+  require(put_attribute(id_, object, name, H5T_IEEE_F64LE, &value, space.get()),
           object + "@" + name);
   digest_.add(hdf5::digest_head(object + "@" + name, "float64", 1, 0), &value,
               sizeof value);
@@ -100,7 +104,7 @@ void Hdf5Writer::attribute(const std::string& object, const char* name, double v
 void Hdf5Writer::attribute(const std::string& object, const char* name,
                            std::int64_t value) {
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  require(put_attribute(id_, object, name, H5T_STD_I64LE, &value, space.get()), file_,
+  require(put_attribute(id_, object, name, H5T_STD_I64LE, &value, space.get()),
           object + "@" + name);
   digest_.add(hdf5::digest_head(object + "@" + name, "int64", 1, 0), &value,
               sizeof value);
@@ -117,7 +121,7 @@ void Hdf5Writer::flags(const std::string& dataset,
     done = done && put_attribute(id_, dataset, "flag_masks", H5T_STD_U8LE,
                                  values.data(), space.get());
   }
-  require(done && put_text(id_, dataset, "flag_meanings", meanings), file_,
+  require(done && put_text(id_, dataset, "flag_meanings", meanings),
           dataset + "@flag_meanings");
 }
 
@@ -130,7 +134,7 @@ void Hdf5Writer::text(const std::string& path, const std::string& value) {
                     H5Dclose);
   require(made && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
                            value.c_str()) >= 0,
-          file_, path);
+          path);
   digest_.add(
       hdf5::digest_head(path, "text", static_cast<std::int64_t>(value.size()), 0),
       value.data(), value.size());
@@ -147,11 +151,11 @@ void Hdf5Writer::write(const std::string& path, const char* unit, Hdf5Type type,
   const Handle made(H5Dcreate2(id_, path.c_str(), stored, space.get(), H5P_DEFAULT,
                                create.get(), H5P_DEFAULT),
                     H5Dclose);
-  require(static_cast<bool>(made), file_, path);
+  require(static_cast<bool>(made), path);
   require(extent.rows == 0 ||
               H5Dwrite(made.get(), stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0,
-          file_, path);
-  require(put_text(id_, path, "unit", unit), file_, path + "@unit");
+          path);
+  require(put_text(id_, path, "unit", unit), path + "@unit");
   const std::size_t values =
       static_cast<std::size_t>(extent.rows) *
       (extent.columns == 0 ? 1 : static_cast<std::size_t>(extent.columns));
@@ -159,14 +163,15 @@ void Hdf5Writer::write(const std::string& path, const char* unit, Hdf5Type type,
               data, values * hdf5::bytes_of(type));
 }
 
-void Hdf5Writer::close() {
-  const bool flushed = H5Fflush(id_, H5F_SCOPE_GLOBAL) >= 0;
-  const std::string failure = flushed ? "" : hdf5::last_failure();
-  const bool closed = H5Fclose(std::exchange(id_, -1)) >= 0;
-  if (!flushed) {
-    throw InputError(fmt::format("{}: cannot be written: {}", file_.string(), failure));
-  }
-  require(closed, file_, "/");
+std::span<const std::byte> Hdf5Writer::image() {
+  require(H5Fflush(id_, H5F_SCOPE_GLOBAL) >= 0, "/");
+  // Only the size of the image: its copy clears superblock flags, but leaves the
+  // checksum over them. So the bytes are those of the driver's own memory.
+  const ssize_t size = H5Fget_file_image(id_, nullptr, 0);
+  void* memory = nullptr;
+  require(size > 0 && H5Fget_vfd_handle(id_, H5P_DEFAULT, &memory) >= 0, "/");
+  const void* bytes = *static_cast<void**>(memory);
+  return {static_cast<const std::byte*>(bytes), static_cast<std::size_t>(size)};
 }
 
 }  // namespace palpate

@@ -140,6 +140,7 @@ std::string stiffness_picture(const ResponseDatabase& database,
   const View view = choose_view(database.body, map, kBody);
   const std::vector<ShownCurve> shown = choose_curves(map, database.normal, view);
   std::vector<std::int64_t> nodes;
+  nodes.reserve(shown.size());
   for (const ShownCurve& curve : shown) {
     nodes.push_back(curve.node);
   }

@@ -12,7 +12,6 @@
 namespace palpate {
 namespace {
 
-const Colour kNoResponse(0.80, 0.81, 0.83);
 // Small triangles drawn at most, so that a picture stays a few megabytes.
 constexpr double kMostPieces = 24000.0;
 
@@ -73,6 +72,7 @@ std::vector<Eigen::Matrix3d> cut(int k) {
 // The colour where the corners of a triangle have these weights.
 Colour surface_colour(const StiffnessMap& map, const Eigen::RowVector3i& corner,
                       const Eigen::RowVector3d& weight) {
+  const Colour no_response(0.80, 0.81, 0.83);
   double stiffness = 0.0;
   double reached = 0.0;
   for (int j = 0; j < 3; ++j) {
@@ -82,7 +82,7 @@ Colour surface_colour(const StiffnessMap& map, const Eigen::RowVector3i& corner,
       reached += weight[j];
     }
   }
-  return reached > 0.5 ? viridis(map.place(stiffness / reached)) : kNoResponse;
+  return reached > 0.5 ? viridis(map.place(stiffness / reached)) : no_response;
 }
 
 // Light on a surface with this normal, given in the view's axes: a key light from the

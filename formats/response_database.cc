@@ -120,7 +120,7 @@ void write_database(const std::filesystem::path& file,
                     const ResponseDatabase& database) {
   check(database);
   AtomicFile atomic(file);
-  Hdf5Writer out(atomic.temporary());
+  Hdf5Writer out;
   out.attribute("/", "format", std::string(kFormatName));
   out.attribute("/", "format_version", std::int64_t{kDatabaseVersion});
   out.attribute("/", "format_version_minor", std::int64_t{kDatabaseVersionMinor});
@@ -132,7 +132,7 @@ void write_database(const std::filesystem::path& file,
     exchange_tool(out, "/tools/" + table.tool.name, table);
   }
   out.attribute("/", kDigestName, out.digest());
-  out.close();
+  atomic.write(out.image());
   atomic.commit();
 }
 

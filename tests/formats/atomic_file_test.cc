@@ -1,6 +1,12 @@
 #include "formats/atomic_file.h"
 
+#include <csignal>
+
+#include <sys/resource.h>
+
 #include "formats/error.h"
+#include "formats/response_database.h"
+#include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -38,6 +44,33 @@ TEST(AtomicFile, LeavesNothingBehindWithoutCommit) {
   }
   EXPECT_EQ(content(folder / "a"), "old");
   EXPECT_EQ(entries(folder.path()), 1);
+}
+
+TEST(AtomicFile, WritesExactlyTheseBytes) {
+  const ScratchFolder folder;
+  AtomicFile file(folder / "a");
+  file.write(std::as_bytes(std::span("longer than what comes next", 27)));
+  file.write(std::as_bytes(std::span("new\0!", 5)));
+  file.commit();
+  EXPECT_EQ(content(folder / "a"), std::string("new\0!", 5));
+}
+
+TEST(AtomicFile, AFullDiskIsTheUsersErrorAndLeavesNothing) {
+  const ScratchFolder folder;
+  // A limit on the size of files stands in for the full disk.
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{4096, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  {
+    const AtomicFile file(folder / "a");
+    EXPECT_THROW(file.write(std::vector<std::byte>(10000)), InputError);
+  }
+  EXPECT_THROW(write_database(folder / "a.h5", small_database()), InputError);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(entries(folder.path()), 0);
 }
 
 TEST(AtomicFile, TwoWritersDoNotShareATemporary) {

@@ -5,6 +5,7 @@
 
 #include <hdf5.h>
 
+#include "formats/atomic_file.h"
 #include "formats/error.h"
 #include "formats/hdf5_io.h"
 #include "formats/response_database.h"
@@ -177,7 +178,10 @@ TEST_F(DatabaseDamage, AnythingButAnHdf5FileIsForeign) {
 }
 
 TEST_F(DatabaseDamage, AnHdf5FileOfAnotherKindIsForeign) {
-  { Hdf5Writer(file_).close(); }
+  AtomicFile empty(file_);
+  Hdf5Writer nothing;
+  empty.write(nothing.image());
+  empty.commit();
   EXPECT_SAYS(outcome(file_), "is an HDF5 file of another kind");
   EXPECT_SAYS(after([](hid_t file) {
                 set_text(file, "/", "format", "something else");
