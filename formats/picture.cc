@@ -7,6 +7,7 @@
 
 #include "formats/axis_ticks.h"
 #include "formats/colour_map.h"
+#include "formats/database_summary.h"
 #include "formats/picture_body.h"
 #include "formats/picture_curves.h"
 #include "formats/stiffness_map.h"
@@ -50,16 +51,19 @@ std::string draw_title(const ResponseDatabase& database, const ResponseTable& ta
   const std::string body = database.provenance.source_file.empty()
                                ? "A body"
                                : escaped(shortened(database.provenance.source_file));
+  const std::int64_t over = summarise(table).error_over_budget;
+  const std::string doubts =
+      over == 0 ? "" : fmt::format("; {} are outside the error budget", over);
   return fmt::format(
       "<text x=\"40\" y=\"44\" font-size=\"20\" font-weight=\"600\">{} under \"{}\", a "
       "{} of radius {} mm</text>\n"
-      "<text x=\"40\" y=\"68\" fill=\"#5a6473\">{} of {} nodes have a response; the "
-      "others are grey</text>\n"
+      "<text x=\"40\" y=\"68\" fill=\"#5a6473\">{} of {} nodes have a response, the "
+      "others are grey{}</text>\n"
       "<text x=\"{}\" y=\"68\" fill=\"#5a6473\">responses of the numbered "
       "nodes</text>\n",
       body, escaped(table.tool.name), escaped(table.tool.kind),
       short_number(1e3 * table.tool.radius_m), map.softest_first.size(), table.nodes(),
-      kPlot.x - 30.0);
+      doubts, kPlot.x - 30.0);
 }
 
 // A soft shadow on the ground beneath the body, seen at the camera's angle.
@@ -114,7 +118,7 @@ std::string draw_colour_bar(const StiffnessMap& map) {
   }
   return svg + fmt::format(
                    "<text x=\"{0}\" y=\"{1}\">stiffness [N/m]</text>"
-                   "<text x=\"{0}\" y=\"{2}\" fill=\"#5a6473\">at {3} mm</text>\n",
+                   "<text x=\"{0}\" y=\"{2}\" fill=\"#5a6473\">f/d at {3} mm</text>\n",
                    kBar.x, kBar.y - 42.0, kBar.y - 24.0,
                    short_number(1e3 * map.depth_m));
 }

@@ -167,11 +167,11 @@ std::string draw_curves(const ResponseTable& table, const StiffnessMap& map,
     const std::string colour = hex(viridis(map.place(stiffness)));
     svg += draw_curve(axes, table.curve(shown[i].node), colour);
     const std::size_t row = shown.size() - 1 - i;  // the stiffest curve is on top
-    legend += draw_legend_entry(panel.x + 16.0,
-                                panel.y + 14.0 + 24.0 * static_cast<double>(row), i + 1,
-                                fmt::format("{}: {} N/m (node {})", shown[i].label,
-                                            short_number(stiffness), shown[i].node),
-                                colour);
+    legend += draw_legend_entry(
+        panel.x + 16.0, panel.y + 14.0 + 24.0 * static_cast<double>(row), i + 1,
+        fmt::format("{}: {} N/m (node {}{})", shown[i].label, short_number(stiffness),
+                    shown[i].node, shown[i].hidden ? ", behind" : ""),
+        colour);
   }
   return svg + legend;
 }

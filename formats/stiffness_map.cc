@@ -43,7 +43,7 @@ StiffnessMap stiffness_map(const ResponseTable& table) {
     const CurveView curve = table.curve(node);
     if (!curve.depth_m.empty()) {
       map.stiffness_n_per_m[static_cast<std::size_t>(node)] =
-          curve.at(map.depth_m).stiffness_n_per_m;
+          curve.at(map.depth_m).force_n / map.depth_m;
       map.softest_first.push_back(node);
     }
   }

@@ -56,11 +56,11 @@ TEST(AxisTicks, AreRoundInsideTheRangeAndAboutAsManyAsAskedFor) {
   EXPECT_EQ(short_number(1.25), "1.25");
 }
 
-TEST(StiffnessMap, HoldsTheSlopeAtOneDepthAndOrdersTheNodes) {
+TEST(StiffnessMap, HoldsForceOverDepthAtOneDepthAndOrdersTheNodes) {
   const ResponseTable table = small_database().tools[0];
   const StiffnessMap map = stiffness_map(table);
   EXPECT_EQ(map.depth_m, 0.002);  // half of 5 mm, rounded down
-  EXPECT_EQ(map.stiffness_n_per_m[2], table.curve(2).at(0.002).stiffness_n_per_m);
+  EXPECT_EQ(map.stiffness_n_per_m[2], table.curve(2).at(0.002).force_n / 0.002);
   EXPECT_TRUE(std::isnan(map.stiffness_n_per_m[5]));
   ASSERT_EQ(map.softest_first.size(), 5u);
   EXPECT_EQ(map.softest_first.front(), 0);
@@ -89,7 +89,7 @@ TEST(StiffnessPicture, ShowsTheSameForTheSameInput) {
   EXPECT_EQ(count(svg, "nan"), 0u);
   EXPECT_EQ(count(svg, "<g "), count(svg, "</g>"));
   EXPECT_EQ(count(svg, "href"), 0u);  // self-contained
-  EXPECT_NE(svg.find("stiffness [N/m]"), std::string::npos);
+  EXPECT_NE(svg.find("f/d at 2 mm"), std::string::npos);
   EXPECT_NE(svg.find("softest"), std::string::npos);
 }
 
