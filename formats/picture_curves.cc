@@ -34,8 +34,9 @@ Axes axes_for(const ResponseTable& table, const std::vector<ShownCurve>& shown,
     axes.force_max_n = std::max(
         axes.force_max_n, *std::max_element(view.force_n.begin(), view.force_n.end()));
   }
+  // Room above the curves for the legend.
   axes.depth_max_mm = axes.depth_max_mm > 0.0 ? 1.02 * axes.depth_max_mm : 1.0;
-  axes.force_max_n = axes.force_max_n > 0.0 ? 1.06 * axes.force_max_n : 1.0;
+  axes.force_max_n = axes.force_max_n > 0.0 ? 1.28 * axes.force_max_n : 1.0;
   return axes;
 }
 
