@@ -18,7 +18,7 @@ struct ToolSummary {
   std::int64_t measured = 0;
   std::int64_t falling = 0;               ///< curves whose force falls with depth
   std::int64_t force_capped = 0;          ///< end at the scene's largest force
-  std::int64_t coarse_contact = 0;        ///< contact radius below two elements
+  std::int64_t coarse_contact = 0;        ///< contact radius below 1.5 node spacings
   std::int64_t error_over_budget = 0;     ///< outside the scene's accuracy budget
   std::int64_t failed = 0;                ///< solves that failed: no curve
   double depth_max_m = 0.0;               ///< [m]

@@ -5,11 +5,8 @@
 #include "formats/tool_main.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Looks into response databases.", "palpate-db");
-  app.set_version_flag("--version", PALPATE_VERSION);
-  app.require_subcommand(1);
-  palpate::add_info_command(app);
-  palpate::add_check_command(app);
-  palpate::add_picture_command(app);
-  return palpate::run_tool(app, argc, argv);
+  return palpate::run_tool("palpate-db", "Looks into response databases.",
+                           {&palpate::add_info_command, &palpate::add_check_command,
+                            &palpate::add_picture_command},
+                           argc, argv);
 }

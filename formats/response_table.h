@@ -28,7 +28,7 @@ enum class ResponseOrigin : std::uint8_t {
 enum ResponseFlag : std::uint8_t {
   kFallingCurve = 1,     ///< force falls with depth somewhere (snap-through)
   kForceCapped = 2,      ///< computed up to the scene's force_max_n only
-  kCoarseContact = 4,    ///< contact radius below two elements at the largest depth
+  kCoarseContact = 4,    ///< contact spans less than 1.5 node spacings to each side
   kErrorOverBudget = 8,  ///< error estimate exceeds the scene's accuracy budget
   kFailed = 16,          ///< the solve failed: no curve
 };

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <initializer_list>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -12,22 +13,47 @@
 
 namespace palpate {
 
-/// Parses the command line and runs the callbacks of the chosen subcommand. A failure
-/// is one line on stderr, "palpate-db: error: ...", and its exit code
-/// (formats/error.h); a command line that cannot be parsed exits with 2.
-inline int run_tool(CLI::App& app, int argc, char** argv) {
-  skip_hdf5_exit_cleanup();
+/// Adds one subcommand to a tool.
+using AddCommand = void (*)(CLI::App&);
+
+namespace internal {
+
+inline int parse_and_run(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : InputError("").exit_code();
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+      return app.exit(error);  // --help, --version
+    }
+    throw InputError(fmt::format("{} (see {} --help)", error.what(), app.get_name()));
+  }
+}
+
+}  // namespace internal
+
+/// Parses the command line and runs the chosen subcommand. A failure is one line on
+/// stderr, "palpate-db: error: ...", and its exit code (formats/error.h); a command
+/// line that cannot be parsed exits with 2.
+inline int run_tool(const char* name, const char* description,
+                    std::initializer_list<AddCommand> commands, int argc, char** argv) {
+  try {
+    skip_hdf5_exit_cleanup();
+    CLI::App app(description, name);
+    app.set_version_flag("--version", PALPATE_VERSION);
+    app.require_subcommand(1);
+    for (const AddCommand add : commands) {
+      add(app);
+    }
+    return internal::parse_and_run(app, argc, argv);
   } catch (const Error& error) {
-    fmt::print(stderr, "{}: error: {}\n", app.get_name(), error.what());
+    std::fprintf(stderr, "%s: error: %s\n", name, error.what());
     return error.exit_code();
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: internal error: {}\n", app.get_name(), error.what());
+    std::fprintf(stderr, "%s: internal error: %s\n", name, error.what());
+    return 1;
+  } catch (...) {
+    std::fprintf(stderr, "%s: internal error\n", name);
     return 1;
   }
 }

@@ -56,21 +56,21 @@ cholmod_sparse view(const Stiffness& lower) {
 
 struct CholeskyFactor::Impl {
   Common common;
-  cholmod_factor* L = nullptr;
-  ~Impl() { cholmod_l_free_factor(&L, &common.c); }
+  cholmod_factor* factor = nullptr;
+  ~Impl() { cholmod_l_free_factor(&factor, &common.c); }
 };
 
 CholeskyFactor::CholeskyFactor(const Stiffness& lower)
     : impl_(std::make_unique<Impl>()) {
   cholmod_common& c = impl_->common.c;
   cholmod_sparse A = view(lower);
-  impl_->L = cholmod_l_analyze(&A, &c);
-  if (impl_->L == nullptr) {
+  impl_->factor = cholmod_l_analyze(&A, &c);
+  if (impl_->factor == nullptr) {
     throw NumericalError(fmt::format(
         "the stiffness matrix of {} unknowns could not be ordered: out of memory",
         lower.rows()));
   }
-  cholmod_l_factorize(&A, impl_->L, &c);
+  cholmod_l_factorize(&A, impl_->factor, &c);
   if (c.status == CHOLMOD_OUT_OF_MEMORY) {
     throw NumericalError(fmt::format(
         "out of memory while factorising the stiffness matrix of {} unknowns; use a "
@@ -78,7 +78,7 @@ CholeskyFactor::CholeskyFactor(const Stiffness& lower)
         lower.rows()));
   }
   // An unsupported body is singular only to rounding: its pivots do not reach zero.
-  const double reciprocal_condition = cholmod_l_rcond(impl_->L, &c);
+  const double reciprocal_condition = cholmod_l_rcond(impl_->factor, &c);
   if (c.status != CHOLMOD_OK || !(reciprocal_condition > 1e-14)) {
     throw NumericalError(
         "the stiffness matrix is singular: no support holds the body, or it holds it "
@@ -92,11 +92,11 @@ CholeskyFactor::CholeskyFactor(CholeskyFactor&&) noexcept = default;
 CholeskyFactor& CholeskyFactor::operator=(CholeskyFactor&&) noexcept = default;
 
 std::int64_t CholeskyFactor::size() const {
-  return static_cast<std::int64_t>(impl_->L->n);
+  return static_cast<std::int64_t>(impl_->factor->n);
 }
 
 std::int64_t CholeskyFactor::factor_nonzeros() const {
-  return static_cast<std::int64_t>(impl_->L->xsize);
+  return static_cast<std::int64_t>(impl_->factor->xsize);
 }
 
 Eigen::MatrixXd CholeskyFactor::solve(const Eigen::MatrixXd& B) const {
@@ -109,7 +109,7 @@ Eigen::MatrixXd CholeskyFactor::solve(const Eigen::MatrixXd& B) const {
   b.x = const_cast<double*>(B.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, impl_->L, &b, &common.c);
+  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, impl_->factor, &b, &common.c);
   if (x == nullptr) {
     throw NumericalError(fmt::format("a solve with {} right-hand sides failed: {}",
                                      B.cols(), "out of memory"));

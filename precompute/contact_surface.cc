@@ -12,9 +12,11 @@ namespace {
 using Bary = Eigen::Vector3d;  // barycentric coordinates on the parent face
 
 // The six nodes of a face and its four sub-triangles, all of equal area.
-const std::array<Bary, 6> kFaceNode{Bary{1, 0, 0},     Bary{0, 1, 0},
-                                    Bary{0, 0, 1},     Bary{0.5, 0.5, 0},
-                                    Bary{0, 0.5, 0.5}, Bary{0.5, 0, 0.5}};
+Bary face_node(int j) {
+  return j < 3 ? Bary(Bary::Unit(j))
+               : Bary(0.5 * (Bary::Unit(j - 3) + Bary::Unit((j - 2) % 3)));
+}
+
 constexpr std::array<std::array<int, 3>, 4> kSubTriangle{
     {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
 
@@ -63,7 +65,7 @@ std::vector<FacePoint> face_points() {
       point.hat.setZero();
       for (int k = 0; k < 3; ++k) {
         const int node = sub[static_cast<std::size_t>(k)];
-        point.at += rule.at[k] * kFaceNode[static_cast<std::size_t>(node)];
+        point.at += rule.at[k] * face_node(node);
         point.hat[node] = rule.at[k];
       }
       point.area_share = rule.weight / 4.0;
@@ -101,9 +103,8 @@ void normalise(ContactNode& node) {
   sort_unique(node.neighbours);
 }
 
-}  // namespace
-
-ContactSurface make_contact_surface(const QuadraticMesh& mesh) {
+// A contact node for every node of the mesh's surface, still without area.
+ContactSurface bare_nodes(const QuadraticMesh& mesh) {
   ContactSurface surface;
   surface.of_mesh_node.assign(static_cast<std::size_t>(mesh.position_m.rows()), -1);
   for (const std::int32_t mesh_node : surface_nodes(mesh)) {
@@ -116,50 +117,66 @@ ContactSurface make_contact_surface(const QuadraticMesh& mesh) {
     node.normal.setZero();
     surface.node.push_back(std::move(node));
   }
-  const std::vector<FacePoint> points = face_points();
-  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t) {
-    Eigen::Matrix3d corner;
-    std::array<std::int32_t, 6> contact{};
+  return surface;
+}
+
+using FaceNodes = std::array<ContactNode*, 6>;
+
+// The face's share of its nodes' hats: area, normal, gap points and loads.
+void integrate(const QuadraticMesh& mesh, Eigen::Index face,
+               const std::vector<FacePoint>& points, const FaceNodes& nodes) {
+  Eigen::Matrix3d corner;
+  for (int j = 0; j < 3; ++j) {
+    corner.col(j) = mesh.position_m.row(mesh.surface(face, j)).transpose();
+  }
+  const Eigen::Vector3d area_vector =
+      0.5 * (corner.col(1) - corner.col(0)).cross(corner.col(2) - corner.col(0));
+  const double area = area_vector.norm();
+  const Eigen::Vector3d normal = area_vector / area;
+  for (const FacePoint& point : points) {
     for (int j = 0; j < 6; ++j) {
-      contact[static_cast<std::size_t>(j)] =
-          surface.of_mesh_node[static_cast<std::size_t>(mesh.surface(t, j))];
-    }
-    for (int j = 0; j < 3; ++j) {
-      corner.col(j) = mesh.position_m.row(mesh.surface(t, j)).transpose();
-    }
-    const Eigen::Vector3d area_vector =
-        0.5 * (corner.col(1) - corner.col(0)).cross(corner.col(2) - corner.col(0));
-    const double area = area_vector.norm();
-    const Eigen::Vector3d normal = area_vector / area;
-    for (const FacePoint& point : points) {
-      const Eigen::Vector3d position = corner * point.at;
-      for (int j = 0; j < 6; ++j) {
-        const double weight = point.hat[j] * point.area_share * area;
-        if (weight == 0.0) {
-          continue;
-        }
-        ContactNode& node =
-            surface
-                .node[static_cast<std::size_t>(contact[static_cast<std::size_t>(j)])];
-        node.area_m2 += weight;
-        node.normal += weight * normal;
-        node.gap_points.push_back({position, normal, weight});
-        for (int a = 0; a < 6; ++a) {
-          add_load(node, mesh.surface(t, a), -weight * point.shape[a] * normal);
-        }
+      const double weight = point.hat[j] * point.area_share * area;
+      if (weight == 0.0) {
+        continue;
+      }
+      ContactNode& node = *nodes[static_cast<std::size_t>(j)];
+      node.area_m2 += weight;
+      node.normal += weight * normal;
+      node.gap_points.push_back({corner * point.at, normal, weight});
+      for (int a = 0; a < 6; ++a) {
+        add_load(node, mesh.surface(face, a), -weight * point.shape[a] * normal);
       }
     }
-    for (const auto& sub : kSubTriangle) {
-      for (int k = 0; k < 3; ++k) {
-        const auto at = [&](int i) {
-          return contact[static_cast<std::size_t>(
-              sub[static_cast<std::size_t>(i % 3)])];
-        };
-        auto& neighbours = surface.node[static_cast<std::size_t>(at(k))].neighbours;
-        neighbours.push_back(at(k + 1));
-        neighbours.push_back(at(k + 2));
+  }
+}
+
+void join(const ContactSurface& surface, const FaceNodes& nodes) {
+  for (const auto& sub : kSubTriangle) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      ContactNode& node = *nodes[static_cast<std::size_t>(sub[k])];
+      for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) {
+        const ContactNode& next = *nodes[static_cast<std::size_t>(sub[other])];
+        node.neighbours.push_back(
+            surface.of_mesh_node[static_cast<std::size_t>(next.mesh_node)]);
       }
     }
+  }
+}
+
+}  // namespace
+
+ContactSurface make_contact_surface(const QuadraticMesh& mesh) {
+  ContactSurface surface = bare_nodes(mesh);
+  const std::vector<FacePoint> points = face_points();
+  for (Eigen::Index face = 0; face < mesh.surface.rows(); ++face) {
+    FaceNodes nodes{};
+    for (int j = 0; j < 6; ++j) {
+      const auto mesh_node = static_cast<std::size_t>(mesh.surface(face, j));
+      nodes[static_cast<std::size_t>(j)] =
+          &surface.node[static_cast<std::size_t>(surface.of_mesh_node[mesh_node])];
+    }
+    integrate(mesh, face, points, nodes);
+    join(surface, nodes);
   }
   for (ContactNode& node : surface.node) {
     normalise(node);

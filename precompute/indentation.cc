@@ -275,7 +275,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     response.flags = static_cast<std::uint8_t>(response.flags | (set ? flag : 0));
   };
   flag_if(indentation.force_capped, kForceCapped);
-  flag_if(last.contact_radius_m < 2.0 * indentation.node_spacing_m, kCoarseContact);
+  flag_if(last.contact_radius_m < 1.5 * indentation.node_spacing_m, kCoarseContact);
   flag_if(
       response.error_relative > force_relative_budget || indentation.reached_patch_edge,
       kErrorOverBudget);

@@ -20,16 +20,16 @@ using BarycentricGradients = Eigen::Matrix<double, 4, 3>;
 // Gradients of the quadratic shape functions at barycentric point L, from the constant
 // gradients of the barycentric coordinates: N_i = L_i (2 L_i - 1), N_ij = 4 L_i L_j.
 ShapeGradients shape_gradients(const Eigen::Vector4d& L,
-                               const BarycentricGradients& dL) {
+                               const BarycentricGradients& d_L) {
   constexpr std::array<std::array<int, 2>, 6> kEdges{
       {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
   ShapeGradients gradient;
   for (int i = 0; i < 4; ++i) {
-    gradient.row(i) = (4.0 * L[i] - 1.0) * dL.row(i);
+    gradient.row(i) = (4.0 * L[i] - 1.0) * d_L.row(i);
   }
   for (int e = 0; e < 6; ++e) {
     const auto [i, j] = kEdges[static_cast<std::size_t>(e)];
-    gradient.row(4 + e) = 4.0 * (L[i] * dL.row(j) + L[j] * dL.row(i));
+    gradient.row(4 + e) = 4.0 * (L[i] * d_L.row(j) + L[j] * d_L.row(i));
   }
   return gradient;
 }
@@ -46,9 +46,9 @@ ElementStiffness element_stiffness(const Eigen::Matrix<double, 4, 3>& corner,
     throw NumericalError(fmt::format("tetrahedron {} has volume {} m^3", tet, volume));
   }
   const Eigen::Matrix3d inverse = edges.inverse();
-  BarycentricGradients dL;
-  dL.bottomRows<3>() = inverse;
-  dL.row(0) = -inverse.colwise().sum();
+  BarycentricGradients d_L;
+  d_L.bottomRows<3>() = inverse;
+  d_L.row(0) = -inverse.colwise().sum();
 
   const double E = material.youngs_modulus_pa;
   const double nu = material.poissons_ratio;
@@ -60,9 +60,9 @@ ElementStiffness element_stiffness(const Eigen::Matrix<double, 4, 3>& corner,
   for (int q = 0; q < 4; ++q) {
     Eigen::Vector4d L = Eigen::Vector4d::Constant(far);
     L[q] = near;
-    const ShapeGradients g = shape_gradients(L, dL);
-    for (int a = 0; a < 10; ++a) {
-      for (int b = 0; b <= a; ++b) {
+    const ShapeGradients g = shape_gradients(L, d_L);
+    for (Eigen::Index a = 0; a < 10; ++a) {
+      for (Eigen::Index b = 0; b <= a; ++b) {
         Eigen::Matrix3d block = lambda * g.row(a).transpose() * g.row(b) +
                                 G * g.row(b).transpose() * g.row(a);
         block.diagonal().array() += G * g.row(a).dot(g.row(b));
@@ -70,8 +70,8 @@ ElementStiffness element_stiffness(const Eigen::Matrix<double, 4, 3>& corner,
       }
     }
   }
-  for (int a = 0; a < 10; ++a) {
-    for (int b = a + 1; b < 10; ++b) {
+  for (Eigen::Index a = 0; a < 10; ++a) {
+    for (Eigen::Index b = a + 1; b < 10; ++b) {
       K.block<3, 3>(3 * a, 3 * b) = K.block<3, 3>(3 * b, 3 * a).transpose();
     }
   }

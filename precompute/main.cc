@@ -6,13 +6,9 @@
 #include "precompute/command_indent.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Computes force-deflection responses of deformable bodies.",
-               "palpate-precompute");
-  app.set_version_flag("--version", PALPATE_VERSION);
-  app.require_subcommand(1);
-  palpate::add_body_command(app);
-  palpate::add_build_command(app);
-  palpate::add_check_command(app);
-  palpate::add_indent_command(app);
-  return palpate::run_tool(app, argc, argv);
+  return palpate::run_tool("palpate-precompute",
+                           "Computes force-deflection responses of deformable bodies.",
+                           {&palpate::add_body_command, &palpate::add_build_command,
+                            &palpate::add_check_command, &palpate::add_indent_command},
+                           argc, argv);
 }

@@ -5,11 +5,8 @@
 #include "runtime/command_simulate.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Renders response databases, passively.", "palpate-run");
-  app.set_version_flag("--version", PALPATE_VERSION);
-  app.require_subcommand(1);
-  palpate::add_simulate_command(app);
-  palpate::add_bench_command(app);
-  palpate::add_devices_command(app);
-  return palpate::run_tool(app, argc, argv);
+  return palpate::run_tool("palpate-run", "Renders response databases, passively.",
+                           {&palpate::add_simulate_command, &palpate::add_bench_command,
+                            &palpate::add_devices_command},
+                           argc, argv);
 }
