@@ -172,6 +172,66 @@ TEST_F(Chain, TwoDistinctNodesAreNotOneCurve) {
   EXPECT_LT(table.curve(4).at(0.003).force_n, 0.8 * table.curve(8).at(0.003).force_n);
 }
 
+// A liver of human size, held at its back.
+std::string liver_scene(const std::filesystem::path& mesh) {
+  return "[body]\nmesh = \"" + mesh.string() + R"("
+length_unit = "dm"
+[[material]]
+region = "body"
+law = "linear"
+youngs_modulus_pa = 5000.0
+poissons_ratio = 0.45
+[[support]]
+box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.46]]
+kind = "fixed"
+[[tool]]
+name = "ball"
+shape = "sphere"
+radius_m = 0.015
+[reach]
+depth_max_m = 0.005
+force_max_n = 8.0
+[accuracy]
+contact_resolution = 1.0
+)";
+}
+
+TEST(RealOrgan, BuildsAndItsDatabaseHolds) {
+  const auto mesh = test_data("meshes/sofa_liver2.obj");
+  if (!mesh) {
+    GTEST_SKIP() << "no test data: meshes/sofa_liver2.obj";
+  }
+  const ScratchFolder folder;
+  write(folder / "liver.toml", liver_scene(*mesh));
+  const std::string database = (folder / "liver.h5").string();
+  const ToolRun build = run_tool_process(
+      "palpate-precompute",
+      {"build", (folder / "liver.toml").string(), "-o", database, "--json"});
+  ASSERT_EQ(build.exit_code, 0) << build.err;
+  const Json report = Json::parse(build.out);
+  EXPECT_EQ(report.at("nodes"), 1170);
+  EXPECT_EQ(report.at("failed"), 0);
+  EXPECT_GT(report.at("solved"), 1000);
+  EXPECT_EQ(run_tool_process("palpate-db", {"check", database}).exit_code, 0);
+  const ToolRun run = run_tool_process(
+      "palpate-run", {"simulate", database, "--seconds", "5", "--clock", "simulated"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(RealOrgan, ThatCutsItselfIsRefusedWithTheNumberOfPlaces) {
+  const auto mesh = test_data("meshes/sofa_liver-smooth.obj");
+  if (!mesh) {
+    GTEST_SKIP() << "no test data: meshes/sofa_liver-smooth.obj";
+  }
+  const ScratchFolder folder;
+  write(folder / "liver.toml", liver_scene(*mesh));
+  const ToolRun build =
+      run_tool_process("palpate-precompute", {"build", (folder / "liver.toml").string(),
+                                              "-o", (folder / "liver.h5").string()});
+  EXPECT_EQ(build.exit_code, 2);
+  EXPECT_NE(build.err.find("7 self-intersecting"), std::string::npos) << build.err;
+}
+
 struct BadInput {
   const char* what;
   std::string mesh;
