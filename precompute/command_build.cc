@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/atomic_file.h"
 #include "precompute/build.h"
 #include "precompute/interrupt.h"
 
@@ -65,6 +66,7 @@ void run(const Flags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
 
+  { const AtomicFile place(flags.output); }  // said before the work, not after it
   Progress progress(stderr);
   BuildReport report;
   const ResponseDatabase database = build_database(scene, progress, report);

@@ -232,6 +232,14 @@ TEST(RealOrgan, ThatCutsItselfIsRefusedWithTheNumberOfPlaces) {
   EXPECT_NE(build.err.find("7 self-intersecting"), std::string::npos) << build.err;
 }
 
+TEST_F(Chain, AnOutputThatCannotBeWrittenIsSaidBeforeTheWork) {
+  const ToolRun run = run_tool_process(
+      "palpate-precompute", {"build", scene(), "-o", "/nonexistent-folder/out.h5"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err.rfind("palpate-precompute: error: /nonexistent-folder", 0), 0U)
+      << run.err;
+}
+
 struct BadInput {
   const char* what;
   std::string mesh;
