@@ -12,13 +12,16 @@ namespace {
 
 constexpr std::size_t kBlock = 64;  // right-hand sides per solve, the knee of the cost
 
+std::int64_t free_index(const Supports& supports, std::int32_t node, int axis) {
+  return supports.free_index[3 * static_cast<std::size_t>(node) +
+                             static_cast<std::size_t>(axis)];
+}
+
 void add_load(const ContactNode& node, const Supports& supports,
               Eigen::Ref<Eigen::VectorXd> b) {
   for (const NodalForce& entry : node.load) {
     for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t dof =
-          supports.free_index[3 * static_cast<std::size_t>(entry.node) +
-                              static_cast<std::size_t>(axis)];
+      const std::int64_t dof = free_index(supports, entry.node, axis);
       if (dof >= 0) {
         b[dof] += entry.force[axis];
       }
@@ -31,9 +34,7 @@ double average_displacement(const ContactNode& node, const Supports& supports,
   double sum = 0.0;
   for (const NodalForce& entry : node.load) {
     for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t dof =
-          supports.free_index[3 * static_cast<std::size_t>(entry.node) +
-                              static_cast<std::size_t>(axis)];
+      const std::int64_t dof = free_index(supports, entry.node, axis);
       if (dof >= 0) {
         sum += entry.force[axis] * u[dof];
       }
