@@ -42,7 +42,7 @@ struct NodeResponse {
       0.0;  ///< [m] normal penetration at first touch; < 0 if concave
   std::vector<double> depth_m;  ///< (k) [m] along `direction`, from 0; empty for none
   std::vector<double> force_n;  ///< (k) [N] from 0
-  double error_relative = 0.0;  ///< [-] estimated error of force at the largest depth
+  double error_relative = 0.0;  ///< [-] estimated error of force, deeper half
   ResponseOrigin origin = ResponseOrigin::kNone;
   std::uint8_t flags = 0;
 };
