@@ -175,6 +175,7 @@ ResponseDatabase build_database(const Scene& scene, Progress& progress,
   report.error_median = quantile(errors, 0.5);
   report.error_p95 = quantile(errors, 0.95);
   report.node_spacing_m = body.node_spacing_m;
+  report.min_dihedral_deg = body.min_dihedral_deg;
   report.notes = body.notes;
   database.body = body.surface;
   database.normal = body.normal;

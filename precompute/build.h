@@ -26,6 +26,7 @@ struct BuildReport {
   double error_median = 0.0;       ///< [-] of the estimates
   double error_p95 = 0.0;          ///< [-]
   double node_spacing_m = 0.0;     ///< [m] of the contact nodes, mean
+  double min_dihedral_deg = 0.0;   ///< [deg] smallest angle between faces of a tet
   double seconds = 0.0;
   std::int64_t peak_memory_bytes = 0;
   std::vector<std::string> notes;
@@ -35,12 +36,13 @@ struct BuildReport {
 [[nodiscard]] ResponseDatabase build_database(const Scene& scene, Progress& progress,
                                               BuildReport& report);
 
-/// Presses one vertex with one tool.
-/// @throws InputError if the vertex does not exist or is held.
 struct IndentedVertex {
   IndentationPath path;
   Indentation indentation;
 };
+
+/// Presses one vertex with one tool.
+/// @throws InputError if the vertex does not exist or is held.
 [[nodiscard]] IndentedVertex indent_vertex(const Scene& scene, const BodyModel& body,
                                            const ToolShape& tool, std::int64_t vertex);
 

@@ -111,8 +111,8 @@ Eigen::MatrixXd CholeskyFactor::solve(const Eigen::MatrixXd& B) const {
   b.dtype = CHOLMOD_DOUBLE;
   cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, impl_->factor, &b, &common.c);
   if (x == nullptr) {
-    throw NumericalError(fmt::format("a solve with {} right-hand sides failed: {}",
-                                     B.cols(), "out of memory"));
+    throw NumericalError(
+        fmt::format("out of memory in a solve with {} right-hand sides", B.cols()));
   }
   Eigen::MatrixXd X =
       Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(x->x), B.rows(), B.cols());

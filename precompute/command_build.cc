@@ -35,6 +35,7 @@ nlohmann::ordered_json to_json(const BuildReport& report) {
           {"error_median", report.error_median},
           {"error_p95", report.error_p95},
           {"node_spacing_m", report.node_spacing_m},
+          {"min_dihedral_deg", report.min_dihedral_deg},
           {"notes", report.notes}};
 }
 
@@ -44,7 +45,8 @@ void print(const BuildReport& report, const Flags& flags) {
       "nodes         {} ({} solved, {} outside reach, {} untouched, {} failed)\n",
       report.nodes, report.solved, report.outside_reach, report.untouched,
       report.failed);
-  fmt::print("tetrahedra    {} ({} unknowns)\n", report.tets, report.unknowns);
+  fmt::print("tetrahedra    {} ({} unknowns, smallest dihedral angle {:.1f} deg)\n",
+             report.tets, report.unknowns, report.min_dihedral_deg);
   fmt::print("node spacing  {:.3g} mm in the contact\n", 1e3 * report.node_spacing_m);
   fmt::print(
       "force error   {:.1f} % median, {:.1f} % at the 95th percentile (estimate)\n",
