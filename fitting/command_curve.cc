@@ -41,8 +41,11 @@ struct CurveResult {
 
 void check_options(const CurveOptions& options) {
   if (!options.tool.empty()) {
-    ToolShape tool{"probe", options.tool, options.radius_m.value_or(1.0), 0.0, 0.0};
-    check(tool);
+    if (options.tool != "sphere") {
+      throw InputError(
+          fmt::format("--tool {}: is not available; available: sphere", options.tool));
+    }
+    check(ToolShape{"probe", options.tool, options.radius_m.value_or(1.0), 0.0, 0.0});
     if (!options.radius_m) {
       throw InputError("--tool sphere needs its radius: --radius-m R");
     }

@@ -25,6 +25,7 @@ Json to_json(const ToolSummary& tool) {
   return {{"name", tool.tool.name},
           {"shape", tool.tool.kind},
           {"radius_m", tool.tool.radius_m},
+          {"description", describe(tool.tool)},
           {"friction", tool.tool.friction},
           {"presliding_m", tool.tool.presliding_m},
           {"responses", tool.responses},
@@ -69,10 +70,9 @@ Json to_json(const ResponseDatabase& database, std::uintmax_t bytes) {
 }
 
 void print(const ToolSummary& tool) {
-  fmt::print(
-      "tool       {}: {} of radius {:.4g} mm, friction {:.3g}, presliding {:.3g} mm\n",
-      tool.tool.name, tool.tool.kind, 1e3 * tool.tool.radius_m, tool.tool.friction,
-      1e3 * tool.tool.presliding_m);
+  fmt::print("tool       {}: {}, friction {:.3g}, presliding {:.3g} mm\n",
+             tool.tool.name, describe(tool.tool), tool.tool.friction,
+             1e3 * tool.tool.presliding_m);
   fmt::print("responses  {} ({} simulated, {} interpolated, {} measured)\n",
              tool.responses, tool.simulated, tool.interpolated, tool.measured);
   fmt::print(

@@ -87,6 +87,12 @@ class Hdf5Writer {
   /// Creates the group if it is wanted. @return wanted
   bool optional_group(const std::string& path, bool wanted);
 
+  /// @return wanted
+  [[nodiscard]] bool optional_attribute(const std::string&, const char*,
+                                        bool wanted) const {
+    return wanted;
+  }
+
   void attribute(const std::string& object, const char* name, const std::string& value);
   void attribute(const std::string& object, const char* name, double value);
   void attribute(const std::string& object, const char* name, std::int64_t value);
@@ -149,6 +155,10 @@ class Hdf5Reader {
 
   void group(const std::string& path) const;
   [[nodiscard]] bool optional_group(const std::string& path, bool ignored) const;
+  [[nodiscard]] bool optional_attribute(const std::string& object, const char* name,
+                                        bool /*ignored*/) const {
+    return has_attribute(object, name);
+  }
 
   void attribute(const std::string& object, const char* name, std::string& value);
   void attribute(const std::string& object, const char* name, double& value);

@@ -1,6 +1,7 @@
 #include "formats/response_database.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,52 @@ constexpr const char* kDigestName = "content_sha256";
 // The content of a file, once for both directions: `File` is a Hdf5Writer and the rest
 // constant, or a Hdf5Reader and the rest to be filled. The order is the digest's order.
 
+template <typename File, typename Number>
+void exchange_if_any(File& file, const std::string& group, const char* name,
+                     Number& value) {
+  if (file.optional_attribute(group, name, value != Number{})) {
+    file.attribute(group, name, value);
+  }
+}
+
+// A tool's axis, which not every tool has.
+template <typename File, typename Axis>
+void exchange_axis(File& file, const std::string& group, Axis& axis) {
+  if (!file.optional_attribute(group, "axis_x", axis.has_value())) {
+    return;
+  }
+  if constexpr (!File::kWrites) {
+    axis.emplace();
+  }
+  constexpr std::array<const char*, 3> kNames{"axis_x", "axis_y", "axis_z"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    file.attribute(group, kNames[i], (*axis)[static_cast<Eigen::Index>(i)]);
+  }
+}
+
+// What minor version 1 added: written only where it says something, so that a sphere
+// has no more attributes than it had before.
+template <typename File, typename Tool>
+void exchange_shape(File& file, const std::string& group, Tool& tool) {
+  exchange_if_any(file, group, "edge_radius_m", tool.edge_radius_m);
+  exchange_if_any(file, group, "half_angle_rad", tool.half_angle_rad);
+  exchange_if_any(file, group, "tip_radius_m", tool.tip_radius_m);
+  exchange_if_any(file, group, "length_m", tool.length_m);
+  exchange_axis(file, group, tool.axis);
+  if (file.optional_attribute(group, "sticking", tool.sticking)) {
+    std::int64_t sticking = 1;
+    file.attribute(group, "sticking", sticking);
+    if constexpr (!File::kWrites) {
+      tool.sticking = sticking != 0;
+    }
+  }
+  const std::string mesh = group + "/mesh";
+  if (file.optional_group(mesh, tool.mesh.triangle.rows() > 0)) {
+    file.dataset(mesh + "/position_m", "m", tool.mesh.position_m);
+    file.dataset(mesh + "/triangle", "1", tool.mesh.triangle);
+  }
+}
+
 template <typename File, typename Table>
 void exchange_tool(File& file, const std::string& group, Table& table) {
   file.group(group);
@@ -24,6 +71,7 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
   file.attribute(group, "radius_m", table.tool.radius_m);
   file.attribute(group, "friction", table.tool.friction);
   file.attribute(group, "presliding_m", table.tool.presliding_m);
+  exchange_shape(file, group, table.tool);
   file.dataset(group + "/direction", "1", table.direction);
   file.dataset(group + "/direction_spread_rad", "rad", table.direction_spread_rad);
   file.dataset(group + "/touch_offset_m", "m", table.touch_offset_m);

@@ -62,6 +62,10 @@ SimulationReport simulate(const ResponseDatabase& database,
                                  options.force_max_n));
   }
   const ResponseTable& table = find_tool(database, options.tool);
+  if (table.tool.kind != "sphere") {
+    throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
+                                 table.tool.name, table.tool.kind));
+  }
   const RenderConfig config = render_config(options, table);
   SimulationReport report;
   report.options = options;

@@ -3,6 +3,7 @@
 #include "formats/error.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
+#include "tests/support/tool_shapes.h"
 
 namespace palpate {
 namespace {
@@ -12,12 +13,24 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+void expect_equal(const ToolShape& a, const ToolShape& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.radius_m, b.radius_m);
+  EXPECT_EQ(a.friction, b.friction);
+  EXPECT_EQ(a.presliding_m, b.presliding_m);
+  EXPECT_EQ(a.edge_radius_m, b.edge_radius_m);
+  EXPECT_EQ(a.half_angle_rad, b.half_angle_rad);
+  EXPECT_EQ(a.tip_radius_m, b.tip_radius_m);
+  EXPECT_EQ(a.length_m, b.length_m);
+  EXPECT_EQ(a.mesh.position_m, b.mesh.position_m);
+  EXPECT_EQ(a.mesh.triangle, b.mesh.triangle);
+  EXPECT_EQ(a.axis, b.axis);
+  EXPECT_EQ(a.sticking, b.sticking);
+}
+
 void expect_equal(const ResponseTable& a, const ResponseTable& b) {
-  EXPECT_EQ(a.tool.name, b.tool.name);
-  EXPECT_EQ(a.tool.kind, b.tool.kind);
-  EXPECT_EQ(a.tool.radius_m, b.tool.radius_m);
-  EXPECT_EQ(a.tool.friction, b.tool.friction);
-  EXPECT_EQ(a.tool.presliding_m, b.tool.presliding_m);
+  expect_equal(a.tool, b.tool);
   EXPECT_EQ(a.direction, b.direction);
   EXPECT_EQ(a.direction_spread_rad, b.direction_spread_rad);
   EXPECT_EQ(a.touch_offset_m, b.touch_offset_m);
@@ -54,6 +67,27 @@ TEST(ResponseDatabase, ReadsWhatWasWritten) {
   EXPECT_EQ(read.provenance.source_file, written.provenance.source_file);
   EXPECT_EQ(read.provenance.source_sha256, written.provenance.source_sha256);
   EXPECT_EQ(read.provenance.left_out, written.provenance.left_out);
+}
+
+TEST(ResponseDatabase, KeepsTheShapeOfEveryTool) {
+  const ScratchFolder folder;
+  ResponseDatabase written = small_database();
+  const ResponseTable table = written.tools[0];
+  written.tools.clear();
+  ToolShape tilted = cone(0.5, 0.001, 0.02);
+  tilted.axis = Eigen::Vector3d(0.6, 0.0, 0.8);
+  tilted.sticking = true;
+  for (const ToolShape& tool :
+       {flat_punch(0.005, 0.001), tilted, capsule(0.004, 0.01), box_tool({1, 2, 3})}) {
+    written.tools.push_back(table);
+    written.tools.back().tool = tool;
+  }
+  write_database(folder / "a.h5", written);
+  const ResponseDatabase read = read_database(folder / "a.h5");
+  ASSERT_EQ(read.tools.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    expect_equal(read.tools[i], written.tools[i]);
+  }
 }
 
 TEST(ResponseDatabase, EmptyTextsAndNoMeasurementComeBackEmpty) {

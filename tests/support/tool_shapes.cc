@@ -1,0 +1,55 @@
+#include "tests/support/tool_shapes.h"
+
+namespace palpate {
+
+ToolShape sphere(double radius_m) {
+  ToolShape tool;
+  tool.name = "sphere";
+  tool.radius_m = radius_m;
+  return tool;
+}
+
+ToolShape flat_punch(double radius_m, double edge_radius_m) {
+  ToolShape tool;
+  tool.name = "punch";
+  tool.kind = "flat-punch";
+  tool.radius_m = radius_m;
+  tool.edge_radius_m = edge_radius_m;
+  return tool;
+}
+
+ToolShape cone(double half_angle_rad, double tip_radius_m, double height_m) {
+  ToolShape tool;
+  tool.name = "cone";
+  tool.kind = "cone";
+  tool.half_angle_rad = half_angle_rad;
+  tool.tip_radius_m = tip_radius_m;
+  tool.length_m = height_m;
+  return tool;
+}
+
+ToolShape capsule(double radius_m, double length_m) {
+  ToolShape tool;
+  tool.name = "capsule";
+  tool.kind = "capsule";
+  tool.radius_m = radius_m;
+  tool.length_m = length_m;
+  return tool;
+}
+
+ToolShape box_tool(const Eigen::Vector3d& sides_m) {
+  ToolShape tool;
+  tool.name = "box";
+  tool.kind = "mesh";
+  tool.mesh.position_m.resize(8, 3);
+  for (int v = 0; v < 8; ++v) {
+    tool.mesh.position_m.row(v) << ((v & 1) != 0 ? 0.5 : -0.5) * sides_m.x(),
+        ((v & 2) != 0 ? 0.5 : -0.5) * sides_m.y(), ((v & 4) != 0 ? sides_m.z() : 0.0);
+  }
+  tool.mesh.triangle.resize(12, 3);
+  tool.mesh.triangle << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7,
+      2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5;
+  return tool;
+}
+
+}  // namespace palpate

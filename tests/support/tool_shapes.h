@@ -1,0 +1,19 @@
+// Tools of every kind, for tests.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "formats/tool_shape.h"
+
+namespace palpate {
+
+[[nodiscard]] ToolShape sphere(double radius_m);
+[[nodiscard]] ToolShape flat_punch(double radius_m, double edge_radius_m);
+[[nodiscard]] ToolShape cone(double half_angle_rad, double tip_radius_m,
+                             double height_m = 0.0);
+[[nodiscard]] ToolShape capsule(double radius_m, double length_m);
+
+/// A box with the middle of its lower face at the origin: 8 vertices, 12 triangles.
+[[nodiscard]] ToolShape box_tool(const Eigen::Vector3d& sides_m);
+
+}  // namespace palpate
