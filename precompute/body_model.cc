@@ -1,7 +1,7 @@
 #include "precompute/body_model.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 #include "precompute/surface_check.h"
 #include "precompute/surface_reader.h"
 #include "precompute/tetrahedralise.h"
+#include "precompute/tool_surface.h"
 
 namespace palpate {
 namespace {
@@ -37,12 +38,13 @@ SurfaceMesh read_body(const Scene& scene, std::vector<std::string>& notes) {
 void check_size(const Scene& scene, const SurfaceMesh& surface) {
   const double extent = bounding_box(surface).diagonal().norm();
   for (const ToolShape& tool : scene.tool) {
-    if (2.0 * tool.radius_m > extent) {
+    const double width = ToolSurface(tool).extent_m();
+    if (width > extent) {
       throw InputError(
           fmt::format("tool \"{}\" is larger than the body: diameter {} m, the body's "
                       "extent is {} m; "
                       "is length_unit = \"{}\" right?",
-                      tool.name, 2.0 * tool.radius_m, extent, scene.length_unit));
+                      tool.name, width, extent, scene.length_unit));
     }
   }
   if (scene.reach.depth_max_m > extent) {
@@ -54,13 +56,13 @@ void check_size(const Scene& scene, const SurfaceMesh& surface) {
   }
 }
 
-// Contact radius at the largest depth, of the smallest tool, by Hertz: a^2 = R d.
+// Contact radius at the largest depth, of the tool that touches least.
 double contact_radius_m(const Scene& scene) {
-  double radius = scene.tool.front().radius_m;
+  double radius = std::numeric_limits<double>::infinity();
   for (const ToolShape& tool : scene.tool) {
-    radius = std::min(radius, tool.radius_m);
+    radius = std::min(radius, expected_contact_radius_m(tool, scene.reach.depth_max_m));
   }
-  return std::min(radius, std::sqrt(radius * scene.reach.depth_max_m));
+  return radius;
 }
 
 // Cuts the surface until the contact spans the nodes that the scene asks for. Contact

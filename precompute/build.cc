@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <mutex>
 
 #include <fmt/format.h>
@@ -17,29 +18,44 @@
 namespace palpate {
 namespace {
 
+using SharedTool = std::shared_ptr<const ToolSurface>;
+
+std::vector<SharedTool> tool_surfaces(const Scene& scene) {
+  std::vector<SharedTool> tools;
+  for (const ToolShape& tool : scene.tool) {
+    tools.push_back(std::make_shared<const ToolSurface>(tool));
+  }
+  return tools;
+}
+
 IndentationPath path_of(const Scene& scene, const BodyModel& body,
-                        const ToolShape& tool, std::int32_t vertex) {
+                        const SharedTool& tool, std::int32_t vertex) {
   return {.vertex_m = body.surface.position_m.row(vertex).transpose(),
           .outward = body.normal.row(vertex).transpose(),
-          .radius_m = tool.radius_m,
+          .tool = tool,
           .depth_max_m = scene.reach.depth_max_m,
           .force_max_n = scene.reach.force_max_n};
 }
 
-std::vector<std::int32_t> patch_of(const Scene& scene, const BodyModel& body,
-                                   const ToolShape& tool, std::int32_t vertex) {
+// What the tool may touch; nothing where its handle is in the way.
+std::vector<std::int32_t> patch_of(const BodyModel& body, const IndentationPath& path,
+                                   std::int32_t vertex) {
   const std::int32_t start =
       body.contact.of_mesh_node[static_cast<std::size_t>(vertex)];
-  return contact_patch(
-      body.contact, body.supports, start,
-      patch_radius_m(tool.radius_m, scene.reach.depth_max_m, body.node_spacing_m));
+  const double radius_m = patch_radius_m(path, body.node_spacing_m);
+  return std::isfinite(radius_m)
+             ? contact_patch(body.contact, body.supports, start, radius_m)
+             : std::vector<std::int32_t>{};
 }
 
-double largest_patch_radius_m(const Scene& scene, const BodyModel& body) {
+double largest_patch_radius_m(const Scene& scene, const BodyModel& body,
+                              std::span<const std::int32_t> vertices) {
   double radius = 0.0;
-  for (const ToolShape& tool : scene.tool) {
-    radius = std::max(radius, patch_radius_m(tool.radius_m, scene.reach.depth_max_m,
-                                             body.node_spacing_m));
+  for (const SharedTool& tool : tool_surfaces(scene)) {
+    for (const std::int32_t vertex : vertices) {
+      radius = std::fmax(radius, patch_radius_m(path_of(scene, body, tool, vertex),
+                                                body.node_spacing_m));
+    }
   }
   return radius;
 }
@@ -48,9 +64,10 @@ double largest_patch_radius_m(const Scene& scene, const BodyModel& body) {
 std::vector<std::int32_t> nodes_to_load(const Scene& scene, const BodyModel& body,
                                         std::span<const std::int32_t> vertices) {
   std::vector<char> wanted(body.contact.node.size(), 0);
-  for (const ToolShape& tool : scene.tool) {
+  for (const SharedTool& tool : tool_surfaces(scene)) {
     for (const std::int32_t vertex : vertices) {
-      for (const std::int32_t v : patch_of(scene, body, tool, vertex)) {
+      const IndentationPath path = path_of(scene, body, tool, vertex);
+      for (const std::int32_t v : patch_of(body, path, vertex)) {
         wanted[static_cast<std::size_t>(v)] = 1;
       }
     }
@@ -74,7 +91,7 @@ SurfaceCompliance compliance_of(
           body.supports,
           body.contact,
           std::move(nodes),
-          2.0 * largest_patch_radius_m(scene, body),
+          2.0 * largest_patch_radius_m(scene, body, vertices),
           [&](std::size_t done) {
             told(done, columns);
           }};
@@ -87,15 +104,16 @@ std::vector<NodeResponse> press_all(const Scene& scene, const BodyModel& body,
                                     Progress& progress) {
   std::vector<NodeResponse> responses(
       static_cast<std::size_t>(body.surface.position_m.rows()));
+  const auto surface = std::make_shared<const ToolSurface>(tool);
   std::atomic<std::size_t> done = 0;
   std::mutex reporting;
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, vertices.size()),
       [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          const IndentationPath path = path_of(scene, body, tool, vertices[i]);
-          const Indentation indentation = indent(
-              body.contact, compliance, patch_of(scene, body, tool, vertices[i]), path);
+          const IndentationPath path = path_of(scene, body, surface, vertices[i]);
+          const Indentation indentation =
+              indent(body.contact, compliance, patch_of(body, path, vertices[i]), path);
           responses[static_cast<std::size_t>(vertices[i])] =
               to_response(indentation, path, scene.force_relative);
           ++done;
@@ -207,11 +225,18 @@ IndentedVertex indent_vertex(const Scene& scene, const BodyModel& body,
     throw InputError(
         fmt::format("vertex {} is held by a support: nothing yields there", v));
   }
+  const auto surface = std::make_shared<const ToolSurface>(tool);
+  IndentedVertex result{.path = path_of(scene, body, surface, v), .indentation = {}};
+  const std::vector<std::int32_t> patch = patch_of(body, result.path, v);
+  if (patch.empty()) {
+    throw InputError(
+        fmt::format("tool {:?} cannot be pressed on vertex {}: its handle would be in "
+                    "the body",
+                    tool.name, v));
+  }
   const auto compliance =
       compliance_of(scene, body, std::span(&v, 1), [](std::size_t, std::size_t) {});
-  IndentedVertex result{.path = path_of(scene, body, tool, v), .indentation = {}};
-  result.indentation =
-      indent(body.contact, compliance, patch_of(scene, body, tool, v), result.path);
+  result.indentation = indent(body.contact, compliance, patch, result.path);
   return result;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <Eigen/Geometry>
 
@@ -182,35 +181,6 @@ ContactSurface make_contact_surface(const QuadraticMesh& mesh) {
     normalise(node);
   }
   return surface;
-}
-
-Gap sphere_gap(const Eigen::Vector3d& p_m, const Eigen::Vector3d& normal,
-               const PressedSphere& sphere) {
-  constexpr double kSteepest = 0.95;  // [-] s/R where the profile goes on straight
-  const double R = sphere.radius_m;
-  const Eigen::Vector3d r = p_m - sphere.centre_m;
-  const double b = sphere.press.dot(r);
-  const Eigen::Vector3d across = r - b * sphere.press;
-  const double s = across.norm();
-  // depth = sqrt(R^2 - s^2) below the equator; d(depth)/ds = -s/depth.
-  const double inside = std::min(s, kSteepest * R);
-  const double depth0 = std::sqrt(R * R - inside * inside);
-  const double slope = -inside / depth0;
-  const double depth = depth0 + slope * (s - inside);
-  // d(height)/d(centre) = press + slope * across/s; slope/s -> -1/R at the axis.
-  const double slope_over_s = s > inside ? slope / s : -1.0 / depth0;
-  const double facing = std::max(0.0, sphere.press.dot(normal));
-  return {facing * (-b - depth), facing * (sphere.press + slope_over_s * across)};
-}
-
-Gap average_gap(const ContactNode& node, const PressedSphere& sphere) {
-  Gap average{0.0, Eigen::Vector3d::Zero()};
-  for (const GapPoint& point : node.gap_points) {
-    const Gap gap = sphere_gap(point.position_m, point.normal, sphere);
-    average.distance_m += point.weight * gap.distance_m;
-    average.by_centre += point.weight * gap.by_centre;
-  }
-  return average;
 }
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // The discretised contact: where pressure may act on a quadratic surface, what it
-// loads, and how far it is from the tool.
+// loads, and where its distance to a tool (tool_gap.h) is averaged.
 //
 // Pressure is piecewise linear and continuous on the four sub-triangles of every
 // quadratic face, with one value per surface node (corner or edge middle): hat
@@ -50,31 +50,5 @@ struct ContactSurface {
 };
 
 [[nodiscard]] ContactSurface make_contact_surface(const QuadraticMesh& mesh);
-
-/// A rigid sphere that is pressed along -`press`.
-struct PressedSphere {
-  Eigen::Vector3d centre_m;  ///< [m]
-  Eigen::Vector3d press;  ///< [-] unit, from the body towards where the tool came from
-  double radius_m = 0.0;  ///< [m]
-};
-
-/// How far a surface point can move out along its normal before it meets the sphere,
-/// and the derivative with the sphere's centre.
-struct Gap {
-  double distance_m = 0.0;    ///< [m] negative where the sphere reaches in
-  Eigen::Vector3d by_centre;  ///< [-] d(distance)/d(centre)
-};
-
-/// (press . n) times the height of the sphere's near half above the point, seen along
-/// `press`: -b - sqrt(R^2 - s^2), with r = p - centre, b = press.r, s = |r - b press|.
-/// To first order in the gap this is the distance along the normal n, and its
-/// derivative with the centre is n where the sphere touches. Beyond s = 0.95 R the
-/// profile goes on with its slope there, so that the gap is C1 everywhere and the
-/// equator's wall does not enter. Zero where the surface faces away.
-[[nodiscard]] Gap sphere_gap(const Eigen::Vector3d& p_m, const Eigen::Vector3d& normal,
-                             const PressedSphere& sphere);
-
-/// Average of sphere_gap over a contact node's hat.
-[[nodiscard]] Gap average_gap(const ContactNode& node, const PressedSphere& sphere);
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "precompute/complementarity.h"
+#include "precompute/tool_gap.h"
 
 namespace palpate {
 namespace {
@@ -30,16 +31,14 @@ bool is_held(const Supports& supports, const ContactNode& node) {
 
 Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
              const IndentationPath& path, double penetration_m) {
-  const PressedSphere sphere{
-      path.vertex_m + (path.radius_m - penetration_m) * path.outward, path.outward,
-      path.radius_m};
+  const PlacedTool tool = tool_at(path, penetration_m);
   const auto n = static_cast<Eigen::Index>(patch.size());
   Gaps gaps{Eigen::VectorXd(n), Eigen::MatrixX3d(n, 3)};
   for (Eigen::Index i = 0; i < n; ++i) {
     const Gap gap =
-        average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]), sphere);
+        average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]), tool);
     gaps.distance_m[i] = gap.distance_m;
-    gaps.by_centre.row(i) = gap.by_centre.transpose();
+    gaps.by_centre.row(i) = gap.by_tool.transpose();
   }
   return gaps;
 }
@@ -56,7 +55,7 @@ double first_touch_m(const ContactSurface& surface, std::span<const std::int32_t
     const double rate = gaps.by_centre.row(nearest).dot(path.outward);
     const double step = gap / std::max(rate, kFacingCosine);
     penetration += step;
-    if (std::abs(step) < 1e-12 * path.radius_m) {
+    if (std::abs(step) < 1e-10 * path.depth_max_m) {
       break;
     }
   }
@@ -161,10 +160,10 @@ double estimated_error(const Indentation& indentation) {
 
 }  // namespace
 
-double patch_radius_m(double tool_radius_m, double depth_max_m, double node_spacing_m) {
-  const double shadow =
-      std::min(tool_radius_m, 1.2 * std::sqrt(2.0 * tool_radius_m * depth_max_m));
-  return shadow + 2.0 * node_spacing_m;
+double patch_radius_m(const IndentationPath& path, double node_spacing_m) {
+  // 1.2 times the radius at which a sphere stands depth_max_m above its lowest point.
+  const double depth_m = 1.44 * path.depth_max_m;
+  return shadow_radius_m(tool_at(path, 0.0), depth_m) + 2.0 * node_spacing_m;
 }
 
 std::vector<std::int32_t> contact_patch(const ContactSurface& surface,

@@ -1,7 +1,8 @@
-// One node pressed by a rigid sphere along its normal: force vector against depth.
+// One node pressed by a rigid tool along its normal: force vector against depth.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,20 +11,26 @@
 #include "formats/response_table.h"
 #include "precompute/contact_surface.h"
 #include "precompute/surface_compliance.h"
+#include "precompute/tool_surface.h"
 
 namespace palpate {
 
 struct IndentationPath {
   Eigen::Vector3d vertex_m;  ///< [m] the node
   Eigen::Vector3d outward;   ///< [-] unit normal of the body there
-  double radius_m = 0.0;     ///< [m] the sphere's
+  std::shared_ptr<const ToolSurface> tool;
   double depth_max_m = 0.0;  ///< [m] largest normal penetration
   double force_max_n = 0.0;  ///< [N] the path ends where the force passes it
   int samples = 20;          ///< depths after the first touch, closer together near it
 };
 
-/// State at one normal penetration delta: the sphere's centre is at
-/// vertex + (radius - delta) outward.
+/// The tool at a normal penetration.
+[[nodiscard]] inline PlacedTool tool_at(const IndentationPath& path,
+                                        double penetration_m) {
+  return place_on_path(*path.tool, path.vertex_m, path.outward, penetration_m);
+}
+
+/// State at one normal penetration delta (place_on_path).
 struct IndentationSample {
   double penetration_m = 0.0;  ///< [m] delta; the first sample is the first touch
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] on the tool
@@ -49,10 +56,10 @@ struct Indentation {
                                                       std::int32_t start,
                                                       double radius_m);
 
-/// Radius of the patch for contact_patch [m]: what a sphere pressed depth_max_m into a
-/// flat elastic surface shadows, and two node spacings more.
-[[nodiscard]] double patch_radius_m(double tool_radius_m, double depth_max_m,
-                                    double node_spacing_m);
+/// Radius of the patch for contact_patch [m]: what the path's tool, pressed to its
+/// largest depth into a flat elastic surface, shadows (shadow_radius_m at 1.44 times
+/// the depth), and two node spacings more. NaN where the tool cannot be placed.
+[[nodiscard]] double patch_radius_m(const IndentationPath& path, double node_spacing_m);
 
 /// Presses along the path. The force on the tool is the derivative of the stored energy
 /// with the tool's position, so that the work along the path is the stored energy.

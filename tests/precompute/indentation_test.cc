@@ -7,6 +7,7 @@
 
 #include "precompute/linear_elasticity.h"
 #include "tests/support/box_tets.h"
+#include "tests/support/tool_shapes.h"
 
 namespace palpate {
 namespace {
@@ -16,6 +17,15 @@ constexpr double kDepth = 1e-4;
 constexpr double kYoung = 10e3;
 constexpr double kPoisson = 0.3;
 constexpr double kHalf = 0.12;
+
+IndentationPath straight_down(int samples = 10) {
+  return {.vertex_m = Eigen::Vector3d::Zero(),
+          .outward = Eigen::Vector3d::UnitZ(),
+          .tool = std::make_shared<const ToolSurface>(sphere(kRadius)),
+          .depth_max_m = kDepth,
+          .force_max_n = 1e9,
+          .samples = samples};
+}
 
 // A block held at its floor, fine around the middle of its top, which is the origin.
 struct Block {
@@ -37,7 +47,7 @@ struct Block {
       }
     }
     patch = contact_patch(surface, supports, centre,
-                          patch_radius_m(kRadius, kDepth, fine_m / 2));
+                          patch_radius_m(straight_down(), fine_m / 2));
     compliance = std::make_unique<SurfaceCompliance>(factor, supports, surface, patch,
                                                      1.0, nullptr);
   }
@@ -52,15 +62,6 @@ struct Block {
   std::vector<std::int32_t> patch;
   std::unique_ptr<SurfaceCompliance> compliance;
 };
-
-IndentationPath straight_down(int samples = 10) {
-  return {.vertex_m = Eigen::Vector3d::Zero(),
-          .outward = Eigen::Vector3d::UnitZ(),
-          .radius_m = kRadius,
-          .depth_max_m = kDepth,
-          .force_max_n = 1e9,
-          .samples = samples};
-}
 
 double hertz_force_n(double depth_m) {
   const double E_star = kYoung / (1 - kPoisson * kPoisson);
