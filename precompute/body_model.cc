@@ -87,7 +87,7 @@ SurfaceMesh refine(const Scene& scene, const SurfaceMesh& surface, BodyModel& bo
   return fine;
 }
 
-LinearMaterial body_material(const Scene& scene) {
+Material body_material(const Scene& scene) {
   const auto at = std::find_if(scene.material.begin(), scene.material.end(),
                                [](const SceneMaterial& m) {
                                  return m.region == "body";
@@ -95,7 +95,7 @@ LinearMaterial body_material(const Scene& scene) {
   if (at == scene.material.end()) {
     throw InputError("the scene has no [[material]] with region = \"body\"");
   }
-  return {at->youngs_modulus_pa, at->poissons_ratio};
+  return linear(at->youngs_modulus_pa, at->poissons_ratio);
 }
 
 std::vector<Eigen::AlignedBox3d> support_boxes(const Scene& scene) {
@@ -138,8 +138,9 @@ BodyModel make_body_model(const Scene& scene, Progress& progress) {
   const std::vector<Eigen::AlignedBox3d> boxes = support_boxes(scene);
   body.supports = hold_boxes(body.mesh, boxes);
   check_held(body, body.surface);
+  body.material = {body_material(scene)};
   const Stiffness K =
-      reduce(assemble_stiffness(body.mesh, body_material(scene)), body.supports);
+      reduce(assemble_stiffness(body.mesh, body.material), body.supports);
   body.contact = make_contact_surface(body.mesh);
   progress.stage("factorisation");
   body.factor.emplace(K);

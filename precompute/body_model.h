@@ -18,6 +18,7 @@ struct BodyModel {
   SurfaceMesh surface;  ///< as the scene's mesh has it, in metres, outside out
   Points normal;        ///< (n_vertices x 3) outward unit normals of `surface`
   QuadraticMesh mesh;   ///< its first n_vertices nodes are the vertices of `surface`
+  std::vector<Material> material;  ///< by region of the mesh
   ContactSurface contact;
   Supports supports;
   std::optional<CholeskyFactor> factor;

@@ -1,82 +1,12 @@
 #include "precompute/linear_elasticity.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <vector>
 
-#include <Eigen/LU>
-#include <fmt/format.h>
-
-#include "formats/error.h"
+#include "precompute/quadratic_element.h"
 
 namespace palpate {
 namespace {
-
-using ElementStiffness = Eigen::Matrix<double, 30, 30>;
-using ShapeGradients = Eigen::Matrix<double, 10, 3>;
-using BarycentricGradients = Eigen::Matrix<double, 4, 3>;
-
-// Gradients of the quadratic shape functions at barycentric point L, from the constant
-// gradients of the barycentric coordinates: N_i = L_i (2 L_i - 1), N_ij = 4 L_i L_j.
-ShapeGradients shape_gradients(const Eigen::Vector4d& L,
-                               const BarycentricGradients& d_L) {
-  constexpr std::array<std::array<int, 2>, 6> kEdges{
-      {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-  ShapeGradients gradient;
-  for (int i = 0; i < 4; ++i) {
-    gradient.row(i) = (4.0 * L[i] - 1.0) * d_L.row(i);
-  }
-  for (int e = 0; e < 6; ++e) {
-    const auto [i, j] = kEdges[static_cast<std::size_t>(e)];
-    gradient.row(4 + e) = 4.0 * (L[i] * d_L.row(j) + L[j] * d_L.row(i));
-  }
-  return gradient;
-}
-
-// lambda g_a g_b^T + G (g_b g_a^T + (g_a . g_b) 1), summed over the quadrature points.
-ElementStiffness element_stiffness(const Eigen::Matrix<double, 4, 3>& corner,
-                                   const LinearMaterial& material, Eigen::Index tet) {
-  Eigen::Matrix3d edges;
-  for (int j = 0; j < 3; ++j) {
-    edges.col(j) = (corner.row(j + 1) - corner.row(0)).transpose();
-  }
-  const double volume = edges.determinant() / 6.0;
-  if (!(volume > 0.0)) {
-    throw NumericalError(fmt::format("tetrahedron {} has volume {} m^3", tet, volume));
-  }
-  const Eigen::Matrix3d inverse = edges.inverse();
-  BarycentricGradients d_L;
-  d_L.bottomRows<3>() = inverse;
-  d_L.row(0) = -inverse.colwise().sum();
-
-  const double E = material.youngs_modulus_pa;
-  const double nu = material.poissons_ratio;
-  const double lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-  const double G = E / (2.0 * (1.0 + nu));
-  const double near = 0.25 + 0.15 * std::sqrt(5.0);  // 0.58541020
-  const double far = 0.25 - 0.05 * std::sqrt(5.0);   // 0.13819660
-  ElementStiffness K = ElementStiffness::Zero();
-  for (int q = 0; q < 4; ++q) {
-    Eigen::Vector4d L = Eigen::Vector4d::Constant(far);
-    L[q] = near;
-    const ShapeGradients g = shape_gradients(L, d_L);
-    for (Eigen::Index a = 0; a < 10; ++a) {
-      for (Eigen::Index b = 0; b <= a; ++b) {
-        Eigen::Matrix3d block = lambda * g.row(a).transpose() * g.row(b) +
-                                G * g.row(b).transpose() * g.row(a);
-        block.diagonal().array() += G * g.row(a).dot(g.row(b));
-        K.block<3, 3>(3 * a, 3 * b) += 0.25 * volume * block;
-      }
-    }
-  }
-  for (Eigen::Index a = 0; a < 10; ++a) {
-    for (Eigen::Index b = a + 1; b < 10; ++b) {
-      K.block<3, 3>(3 * a, 3 * b) = K.block<3, 3>(3 * b, 3 * a).transpose();
-    }
-  }
-  return K;
-}
 
 // Nodes b >= a that share a tet with node a, ascending; a itself first.
 std::vector<std::vector<std::int32_t>> lower_pattern(const QuadraticMesh& mesh) {
@@ -127,15 +57,15 @@ Stiffness zero_stiffness(const std::vector<std::vector<std::int32_t>>& below) {
 }  // namespace
 
 Stiffness assemble_stiffness(const QuadraticMesh& mesh,
-                             const LinearMaterial& material) {
+                             std::span<const Material> material) {
   const auto below = lower_pattern(mesh);
   Stiffness K = zero_stiffness(below);
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
-    Eigen::Matrix<double, 4, 3> corner;
-    for (int i = 0; i < 4; ++i) {
-      corner.row(i) = mesh.position_m.row(mesh.tet(t, i));
-    }
-    const ElementStiffness Ke = element_stiffness(corner, material, t);
+    const ElementMatrix Ke =
+        element_response(element_geometry(tet_corners(mesh, t), t),
+                         material[static_cast<std::size_t>(region_of(mesh, t))],
+                         ElementVector::Zero())
+            .stiffness;
     for (int i = 0; i < 10; ++i) {
       const std::int32_t a = mesh.tet(t, i);
       const auto& list = below[static_cast<std::size_t>(a)];

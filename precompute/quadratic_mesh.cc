@@ -64,6 +64,14 @@ QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
   return mesh;
 }
 
+Eigen::Matrix<double, 4, 3> tet_corners(const QuadraticMesh& mesh, Eigen::Index tet) {
+  Eigen::Matrix<double, 4, 3> corner;
+  for (int j = 0; j < 4; ++j) {
+    corner.row(j) = mesh.position_m.row(mesh.tet(tet, j));
+  }
+  return corner;
+}
+
 std::vector<std::int32_t> surface_nodes(const QuadraticMesh& mesh) {
   std::vector<std::int32_t> nodes(mesh.surface.data(),
                                   mesh.surface.data() + mesh.surface.size());

@@ -22,6 +22,7 @@ struct QuadraticMesh {
   QuadraticTets tet;           ///< (n_tets x 10)
   QuadraticTriangles surface;  ///< (n_triangles x 6) in the order of the surface mesh
   Eigen::Index corners = 0;    ///< number of corner nodes; the surface's vertices first
+  std::vector<std::int32_t> region;  ///< (n_tets) of the body; empty: all 0
 };
 
 /// Puts a node on the middle of every edge. @param surface the triangles that bound
@@ -29,6 +30,16 @@ struct QuadraticMesh {
 /// is not a face of the tets.
 [[nodiscard]] QuadraticMesh make_quadratic(const TetMesh& tets,
                                            const Triangles& surface);
+
+/// (4 x 3) corners of a tet [m].
+[[nodiscard]] Eigen::Matrix<double, 4, 3> tet_corners(const QuadraticMesh& mesh,
+                                                      Eigen::Index tet);
+
+/// Region that a tet belongs to.
+[[nodiscard]] inline std::int32_t region_of(const QuadraticMesh& mesh,
+                                            Eigen::Index tet) {
+  return mesh.region.empty() ? 0 : mesh.region[static_cast<std::size_t>(tet)];
+}
 
 /// The nodes that lie on the surface, ascending.
 [[nodiscard]] std::vector<std::int32_t> surface_nodes(const QuadraticMesh& mesh);

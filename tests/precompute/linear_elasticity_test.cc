@@ -1,5 +1,7 @@
 #include "precompute/linear_elasticity.h"
 
+#include <array>
+
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -11,7 +13,9 @@
 namespace palpate {
 namespace {
 
-constexpr LinearMaterial kGel{.youngs_modulus_pa = 5000.0, .poissons_ratio = 0.3};
+constexpr double kYoung = 5000.0;
+constexpr double kPoisson = 0.3;
+const std::array<Material, 1> kGel{linear(kYoung, kPoisson)};
 
 // A skewed block, so that no element is special.
 QuadraticMesh skewed_block() {
@@ -54,8 +58,8 @@ TEST(LinearElasticity, EnergyOfAConstantStrainIsTheClosedForm) {
   Eigen::Matrix3d H;
   H << 0.01, 0.02, -0.005, 0.003, -0.02, 0.01, 0.0, 0.007, 0.015;
   const Eigen::Matrix3d strain = 0.5 * (H + H.transpose());
-  const double E = kGel.youngs_modulus_pa;
-  const double nu = kGel.poissons_ratio;
+  const double E = kYoung;
+  const double nu = kPoisson;
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
   const double G = E / (2 * (1 + nu));
   double volume = 0.0;
@@ -129,7 +133,8 @@ TEST(LinearElasticity, StiffnessOfMaterialsFromOnePascalToATerapascalIsFactorise
   const Supports supports = hold_boxes(mesh, std::span(&floor, 1));
   for (const double E : {1.0, 1e12}) {
     for (const double nu : {-0.9, 0.0, 0.4999}) {
-      const CholeskyFactor factor(reduce(assemble_stiffness(mesh, {E, nu}), supports));
+      const CholeskyFactor factor(reduce(
+          assemble_stiffness(mesh, std::array<Material, 1>{linear(E, nu)}), supports));
       const Eigen::MatrixXd u = factor.solve(Eigen::MatrixXd::Ones(supports.free, 1));
       EXPECT_TRUE(u.allFinite()) << "E " << E << " nu " << nu;
     }

@@ -1,0 +1,62 @@
+// A symmetric sparse matrix of 3 x 3 blocks: one row of blocks per node.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace palpate {
+
+/// Lists of nodes that are coupled with one another, of one fixed length.
+using NodeGroups =
+    Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Blocks (a, b), a >= b, for every pair that shares a group; the upper ones by
+/// symmetry.
+class BlockMatrix {
+ public:
+  BlockMatrix() = default;
+  BlockMatrix(std::int32_t nodes, const NodeGroups& groups);
+
+  void scale(double factor);
+
+  /// Adds the (3 m x 3 m) symmetric matrix of group `group` of the pattern.
+  void add(Eigen::Index group, const Eigen::Ref<const Eigen::MatrixXd>& K);
+
+  /// y += A x, both (3 n).
+  void multiply_add(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+
+  /// x' A x.
+  [[nodiscard]] double quadratic_form(const Eigen::VectorXd& x) const;
+
+  [[nodiscard]] std::int32_t nodes() const {
+    return static_cast<std::int32_t>(begin_.size()) - 1;
+  }
+
+  /// f(a, b, block) for every stored block, a >= b.
+  template <class F>
+  void for_each(F&& f) const {
+    for (std::int32_t a = 0; a < nodes(); ++a) {
+      for (auto at = begin_[static_cast<std::size_t>(a)];
+           at < begin_[static_cast<std::size_t>(a) + 1]; ++at) {
+        f(a, column_[static_cast<std::size_t>(at)], block(at));
+      }
+    }
+  }
+
+ private:
+  using Block = Eigen::Map<const Eigen::Matrix3d>;
+  [[nodiscard]] Block block(std::int64_t at) const {
+    return Block(value_.data() + 9 * at);
+  }
+  [[nodiscard]] std::int64_t slot(std::int32_t a, std::int32_t b) const;
+
+  std::vector<std::int64_t> begin_{0};  // (n + 1) first block of each row
+  std::vector<std::int32_t> column_;    // ascending within a row
+  std::vector<double> value_;           // (9 n_blocks)
+  NodeGroups groups_;
+};
+
+}  // namespace palpate
