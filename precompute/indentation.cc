@@ -217,6 +217,7 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     result.converged = result.converged && report.converged;
     sample.force_n = gaps.by_centre.transpose() * f;
     sample.energy_j = 0.5 * f.dot(A * f);
+    sample.pressure_n = f;
     sample.coarse_force_n = coarse.force_n(gaps);
     double area = 0.0;
     for (std::size_t i = 0; i < patch.size(); ++i) {

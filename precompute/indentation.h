@@ -35,8 +35,9 @@ struct IndentationSample {
   double penetration_m = 0.0;  ///< [m] delta; the first sample is the first touch
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] on the tool
   double energy_j = 0.0;                              ///< [J] stored in the body
-  double contact_radius_m = 0.0;  ///< [m] of a disc with the area in contact
-  double coarse_force_n = 0.0;    ///< [N] with pressure at the faces' corners only
+  double contact_radius_m = 0.0;    ///< [m] of a disc with the area in contact
+  double coarse_force_n = 0.0;      ///< [N] with pressure at the faces' corners only
+  Eigen::VectorXd pressure_n = {};  ///< (n_patch) [N] contact forces
 };
 
 struct Indentation {

@@ -1,5 +1,6 @@
 #include "precompute/indentation.h"
 
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -17,6 +18,7 @@ constexpr double kDepth = 1e-4;
 constexpr double kYoung = 10e3;
 constexpr double kPoisson = 0.3;
 constexpr double kHalf = 0.12;
+const std::array<Material, 1> kGel{linear(kYoung, kPoisson)};
 
 IndentationPath straight_down(int samples = 10) {
   return {.vertex_m = Eigen::Vector3d::Zero(),
@@ -39,8 +41,7 @@ struct Block {
                                     Eigen::Vector3d(1, 1, -kHalf + 1e-9));
     supports = hold_boxes(mesh, std::span(&floor, 1));
     surface = make_contact_surface(mesh);
-    const CholeskyFactor factor(
-        reduce(assemble_stiffness(mesh, {kYoung, kPoisson}), supports));
+    const CholeskyFactor factor(reduce(assemble_stiffness(mesh, kGel), supports));
     for (std::size_t i = 0; i < surface.node.size(); ++i) {
       if (surface.node[i].position_m.norm() < 1e-12) {
         centre = static_cast<std::int32_t>(i);
@@ -131,7 +132,7 @@ TEST_F(IndentationOnBlock, WorkAlongThePathIsTheStoredEnergy) {
 TEST_F(IndentationOnBlock, ComplianceIsReciprocalToRounding) {
   // Solved one by one, without the symmetric storage.
   const CholeskyFactor factor(
-      reduce(assemble_stiffness(block_->mesh, {kYoung, kPoisson}), block_->supports));
+      reduce(assemble_stiffness(block_->mesh, kGel), block_->supports));
   const auto pair = [&](std::int32_t v, std::int32_t w) {
     Eigen::MatrixXd b = Eigen::MatrixXd::Zero(factor.size(), 2);
     const std::int32_t of[2] = {v, w};

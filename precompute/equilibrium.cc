@@ -1,0 +1,141 @@
+#include "precompute/equilibrium.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+void add(NearState& to, double factor, const NearState& other) {
+  to.source_n += factor * other.source_n;
+  to.displacement_m += factor * other.displacement_m;
+}
+
+}  // namespace
+
+double Equilibrium::potential_j(const PlacedTool& tool, const Multipliers& multipliers,
+                                const NearState& state) const {
+  const double elastic = elastic_energy_j(state);
+  return std::isfinite(elastic)
+             ? elastic +
+                   contact_.evaluate(state.displacement_m, tool, multipliers).energy_j
+             : std::numeric_limits<double>::infinity();
+}
+
+// In the pair (s, K^-1 s) neither K nor its far part is ever applied: K p = s_p.
+Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
+                                           const Multipliers& multipliers,
+                                           const NearState& state,
+                                           EquilibriumReport& report) {
+  Eigen::VectorXd gradient = state.source_n;
+  near_.linearise(state.displacement_m, gradient);
+  contact_.linearise(state.displacement_m, tool, multipliers, gradient);
+  near_.mask(gradient);
+  const Eigen::Index n = near_.size();
+  Step step{{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)}, 0.0};
+  Eigen::VectorXd r = -gradient;
+  NearState p;
+  double rz = 0.0;
+  double enough = 0.0;
+  for (int i = 0; i < options_.gradients_max; ++i) {
+    const Eigen::VectorXd z = solve_(near_.dof(), r);
+    ++report.gradients;
+    const double rz_new = r.dot(z);
+    if (i == 0) {
+      enough = options_.gradient_tolerance * options_.gradient_tolerance * rz_new;
+      p = {r, z};
+    } else if (rz_new <= enough) {
+      break;
+    } else {
+      const double beta = rz_new / rz;
+      p.source_n = r + beta * p.source_n;
+      p.displacement_m = z + beta * p.displacement_m;
+    }
+    rz = rz_new;
+    Eigen::VectorXd q = p.source_n;
+    near_.add_change(p.displacement_m, q);
+    contact_.add_curvature(p.displacement_m, q);
+    near_.mask(q);
+    const double curvature = p.displacement_m.dot(q);
+    if (!(curvature > 0.0)) {
+      if (i == 0) {
+        step.direction = p;
+      }
+      break;
+    }
+    const double alpha = rz / curvature;
+    add(step.direction, alpha, p);
+    r -= alpha * q;
+  }
+  step.slope = gradient.dot(step.direction.displacement_m);
+  return step;
+}
+
+// One Newton step. False if the energy does not fall along it.
+bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers,
+                          NearState& state, EquilibriumReport& report) {
+  constexpr double kArmijo = 1e-4;
+  constexpr double kShortest = 1e-6;
+  const Step step = newton_step(tool, multipliers, state, report);
+  ++report.newton;
+  const double scale =
+      std::max(std::abs(elastic_energy_j(state)), std::numeric_limits<double>::min());
+  report.decrement_relative = -step.slope / scale;
+  // Past 1e-14 the energy's own rounding decides.
+  const double energy = potential_j(tool, multipliers, state) + 1e-14 * scale;
+  for (double length = 1.0; length > kShortest; length *= 0.5) {
+    NearState next = state;
+    add(next, length, step.direction);
+    if (potential_j(tool, multipliers, next) <=
+        energy + kArmijo * length * step.slope) {
+      state = std::move(next);
+      return true;
+    }
+  }
+  return false;
+}
+
+EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
+                                    Multipliers& multipliers) {
+  EquilibriumReport report;
+  if (!std::isfinite(potential_j(tool, multipliers, state))) {
+    report.failure = "the start turns an element inside out";
+    return report;
+  }
+  double enough = options_.update_relative;
+  while (report.newton < options_.newton_max) {
+    if (!descend(tool, multipliers, state, report) &&
+        report.decrement_relative > 100.0 * options_.decrement_relative) {
+      report.failure = "no step lowers the energy";
+      return report;
+    }
+    if (report.decrement_relative > enough) {
+      continue;
+    }
+    report.contact = contact_.evaluate(state.displacement_m, tool, multipliers);
+    const ContactState& contact = report.contact;
+    const double sum = contact.pressure_n.sum();
+    const double change =
+        (contact.pressure_n - multipliers.pressure_n).cwiseAbs().sum() +
+        (contact.tie_n - multipliers.tie_n).rowwise().norm().sum();
+    report.multiplier_relative = sum > 0.0 ? change / sum : 0.0;
+    if (report.multiplier_relative > options_.multiplier_relative) {
+      multipliers.pressure_n = contact.pressure_n;
+      multipliers.tie_n = contact.tie_n;
+      ++report.lagrange;
+    } else if (report.decrement_relative > options_.decrement_relative) {
+      enough = options_.decrement_relative;
+    } else {
+      multipliers.pressure_n = contact.pressure_n;
+      multipliers.tie_n = contact.tie_n;
+      report.converged = true;
+      return report;
+    }
+  }
+  report.failure = fmt::format("{} Newton steps were not enough", options_.newton_max);
+  return report;
+}
+
+}  // namespace palpate

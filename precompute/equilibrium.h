@@ -1,0 +1,76 @@
+// Where a nonlinear body comes to rest against a rigid tool that does not move.
+//
+// Minimises the total potential W(u) + Psi(u) by Newton's method: conjugate gradients
+// on the true tangent, preconditioned by the body's rest factor and truncated
+// (Steihaug 1983), then a line search on the energy itself (Armijo). Multipliers of the
+// contact are updated until they carry the whole pressure.
+#pragma once
+
+#include <string>
+
+#include "precompute/contact_potential.h"
+#include "precompute/lock_step.h"
+#include "precompute/near_field.h"
+
+namespace palpate {
+
+struct EquilibriumOptions {
+  /// [-] Newton ends when the energy that a full step promises is below this share of
+  /// the elastic energy.
+  double decrement_relative = 1e-7;
+  /// [-] Multipliers are updated as soon as it is below this.
+  double update_relative = 1e-2;
+  /// [-] Multipliers end when they differ from the pressures by this share of the sum.
+  double multiplier_relative = 0.03;
+  double gradient_tolerance = 0.3;  ///< [-] of each conjugate-gradient solve
+  int newton_max = 60;              ///< steps in all
+  int gradients_max = 120;          ///< conjugate gradients per step
+};
+
+struct EquilibriumReport {
+  bool converged = false;
+  std::string failure;  ///< why not, as the end of a sentence
+  int newton = 0;
+  int gradients = 0;  ///< conjugate-gradient iterations, one solve each
+  int lagrange = 0;
+  double decrement_relative = 0.0;
+  double multiplier_relative = 0.0;
+  ContactState contact;  ///< at the rest state, where converged
+};
+
+class Equilibrium {
+ public:
+  /// All three must outlive it.
+  Equilibrium(NearField& near, ContactPotential& contact, const RestSolve& solve,
+              const EquilibriumOptions& options)
+      : near_(near), contact_(contact), solve_(solve), options_(options) {}
+
+  /// Finds the rest state from `state` and `multipliers`, and leaves it there.
+  EquilibriumReport find(const PlacedTool& tool, NearState& state,
+                         Multipliers& multipliers);
+
+  [[nodiscard]] double elastic_energy_j(const NearState& state) const {
+    return 0.5 * state.source_n.dot(state.displacement_m) +
+           near_.excess_energy_j(state.displacement_m);
+  }
+
+ private:
+  struct Step {
+    NearState direction;
+    double slope = 0.0;  // of the energy along it, < 0
+  };
+  bool descend(const PlacedTool& tool, const Multipliers& multipliers, NearState& state,
+               EquilibriumReport& report);
+  Step newton_step(const PlacedTool& tool, const Multipliers& multipliers,
+                   const NearState& state, EquilibriumReport& report);
+  [[nodiscard]] double potential_j(const PlacedTool& tool,
+                                   const Multipliers& multipliers,
+                                   const NearState& state) const;
+
+  NearField& near_;
+  ContactPotential& contact_;
+  const RestSolve& solve_;
+  EquilibriumOptions options_;
+};
+
+}  // namespace palpate
