@@ -20,6 +20,34 @@ namespace {
 // nodes, and its factor outgrows the memory of a small machine.
 constexpr Eigen::Index kMostTriangles = 30000;
 
+// What scenes can say and this build cannot do yet.
+void refuse_what_is_missing(const Scene& scene) {
+  const auto refuse = [](bool asked, const std::string& what) {
+    if (asked) {
+      throw InputError(what + " is not available in precompute yet");
+    }
+  };
+  for (const SceneInclusion& inclusion : scene.inclusion) {
+    refuse(true, fmt::format("inclusion {:?}: a body of several regions or with a hole",
+                             inclusion.name));
+  }
+  for (const SceneMaterial& material : scene.material) {
+    refuse(material.law != "linear", fmt::format("law {:?} of region {:?} (of: linear)",
+                                                 material.law, material.region));
+  }
+  for (const SceneSupport& support : scene.support) {
+    refuse(!support.is_fixed(), "a support of kind \"foundation\" (of: fixed)");
+    refuse(!support.box_m, "a support by plane or patch (of: box_m)");
+  }
+  for (const ToolShape& tool : scene.tool) {
+    refuse(tool.kind == "mesh", fmt::format("tool {:?}: shape \"mesh\"", tool.name));
+    refuse(tool.sticking, fmt::format("tool {:?}: contact \"sticking\"", tool.name));
+  }
+  refuse(scene.accuracy.method == "nonlinear", "method \"nonlinear\" in [accuracy]");
+  refuse(scene.accuracy.refine == "local", "refine \"local\" in [accuracy]");
+  refuse(scene.drawing.displacement, "displacement in [drawing]");
+}
+
 SurfaceMesh read_body(const Scene& scene, std::vector<std::string>& notes) {
   CheckedSurface checked =
       require_body(read_surface(scene.mesh, scene.length_unit), scene.mesh.string());
@@ -69,15 +97,16 @@ double contact_radius_m(const Scene& scene) {
 // nodes sit on corners and edge middles: their distance is half an edge.
 SurfaceMesh refine(const Scene& scene, const SurfaceMesh& surface, BodyModel& body) {
   SurfaceMesh fine = surface;
-  const double wanted_m = contact_radius_m(scene) / scene.contact_resolution;
+  const double resolution =
+      scene.contact_resolution > 0.0 ? scene.contact_resolution : 2.0;
+  const double wanted_m = contact_radius_m(scene) / resolution;
   while (0.5 * mean_edge_m(fine) > wanted_m) {
     if (4 * fine.triangle.rows() > kMostTriangles) {
-      body.notes.push_back(
-          fmt::format("contact nodes are {:.3g} mm apart where contact_resolution = {} "
-                      "asks for {:.3g} "
-                      "mm: a finer surface would pass {} triangles",
-                      500.0 * mean_edge_m(fine), scene.contact_resolution,
-                      1e3 * wanted_m, kMostTriangles));
+      body.notes.push_back(fmt::format(
+          "contact nodes are {:.3g} mm apart where contact_resolution = {} "
+          "asks for {:.3g} "
+          "mm: a finer surface would pass {} triangles",
+          500.0 * mean_edge_m(fine), resolution, 1e3 * wanted_m, kMostTriangles));
       break;
     }
     fine = subdivide_midpoint(fine);
@@ -101,7 +130,7 @@ Material body_material(const Scene& scene) {
 std::vector<Eigen::AlignedBox3d> support_boxes(const Scene& scene) {
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const SceneSupport& support : scene.support) {
-    boxes.push_back(support.box_m);
+    boxes.push_back(support.box_m.value());
   }
   return boxes;
 }
@@ -123,6 +152,7 @@ void check_held(const BodyModel& body, const SurfaceMesh& surface) {
 }  // namespace
 
 BodyModel make_body_model(const Scene& scene, Progress& progress) {
+  refuse_what_is_missing(scene);
   BodyModel body;
   progress.stage("surface");
   body.surface = read_body(scene, body.notes);

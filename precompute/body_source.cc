@@ -76,7 +76,7 @@ std::vector<std::int32_t> reachable_vertices(const Scene& scene,
     const Eigen::Vector3d p = body.surface.position_m.row(v).transpose();
     const bool held = std::any_of(scene.support.begin(), scene.support.end(),
                                   [&](const SceneSupport& support) {
-                                    return support.box_m.contains(p);
+                                    return holds(support, p);
                                   });
     const bool in_reach = !scene.reach.box_m || scene.reach.box_m->contains(p);
     if (!held && in_reach) {

@@ -34,7 +34,8 @@ IndentationPath path_of(const Scene& scene, const BodyModel& body,
           .outward = body.normal.row(vertex).transpose(),
           .tool = tool,
           .depth_max_m = scene.reach.depth_max_m,
-          .force_max_n = scene.reach.force_max_n};
+          .force_max_n = scene.reach.force_max_n,
+          .samples = scene.accuracy.depths};
 }
 
 // What the tool may touch; nothing where its handle is in the way.

@@ -1,65 +1,10 @@
 #include "formats/scene.h"
 
 #include "formats/error.h"
-#include "tests/support/test_data.h"
+#include "tests/formats/scene_text.h"
 
 namespace palpate {
 namespace {
-
-// Line numbers below count from this text's first line.
-constexpr const char* kScene = R"([body]
-mesh = "liver.obj"
-length_unit = "cm"
-
-[[material]]
-region = "body"
-law = "linear"
-youngs_modulus_pa = 5000.0
-poissons_ratio = 0.45
-
-[[support]]
-box_m = [[-1.0, -1.0, -1.0], [1.0, 1, -0.0199]]
-kind = "fixed"
-
-[[tool]]
-name = "ball"
-shape = "sphere"
-radius_m = 0.005
-friction = 0.3
-presliding_m = 0.0005
-
-[reach]
-box_m = [[-1.0, -1.0, -0.001], [1.0, 1.0, 1.0]]
-depth_max_m = 0.005
-force_max_n = 8.0
-
-[accuracy]
-force_relative = 0.04
-contact_resolution = 3
-)";
-
-Scene read(const std::string& text) {
-  const ScratchFolder folder;
-  std::ofstream(folder / "scene.toml") << text;
-  return read_scene(folder / "scene.toml");
-}
-
-// The scene with the first occurrence of `from` replaced.
-std::string with(const std::string& from, const std::string& to) {
-  std::string text = kScene;
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
-std::string error_of(const std::string& text) {
-  try {
-    (void)read(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Scene, ReadsEveryKey) {
   const ScratchFolder folder;
@@ -71,7 +16,8 @@ TEST(Scene, ReadsEveryKey) {
   EXPECT_EQ(scene.material[0].youngs_modulus_pa, 5000.0);
   EXPECT_EQ(scene.material[0].poissons_ratio, 0.45);
   ASSERT_EQ(scene.support.size(), 1u);
-  EXPECT_EQ(scene.support[0].box_m.max(), Eigen::Vector3d(1.0, 1.0, -0.0199));
+  ASSERT_TRUE(scene.support[0].box_m.has_value());
+  EXPECT_EQ(scene.support[0].box_m->max(), Eigen::Vector3d(1.0, 1.0, -0.0199));
   ASSERT_EQ(scene.tool.size(), 1u);
   EXPECT_EQ(scene.tool[0].name, "ball");
   EXPECT_EQ(scene.tool[0].radius_m, 0.005);
@@ -92,28 +38,29 @@ TEST(Scene, OptionalKeysHaveDefaults) {
   text.erase(text.find("force_max_n"));
   text.erase(text.find("box_m = [[-1.0, -1.0, -0.001]"), 48);
   text.erase(text.find("friction"), 37);
-  const Scene scene = read(text);
+  const Scene scene = read_scene_text(text);
   EXPECT_FALSE(scene.reach.box_m.has_value());
   EXPECT_TRUE(std::isinf(scene.reach.force_max_n));
   EXPECT_EQ(scene.force_relative, 0.05);
-  EXPECT_EQ(scene.contact_resolution, 2.0);
+  EXPECT_EQ(scene.contact_resolution, 0.0);
+  EXPECT_EQ(scene.accuracy.depths, 20);
+  EXPECT_EQ(scene.accuracy.method, "auto");
+  EXPECT_EQ(scene.accuracy.refine, "auto");
+  EXPECT_EQ(scene.accuracy.solve, "auto");
+  EXPECT_EQ(scene.accuracy.verify, 8);
+  EXPECT_FALSE(scene.drawing.displacement);
+  EXPECT_EQ(scene.drawing.error_relative, 0.02);
+  EXPECT_TRUE(scene.inclusion.empty());
+  EXPECT_TRUE(scene.support[0].is_fixed());
+  EXPECT_FALSE(scene.tool[0].axis.has_value());
+  EXPECT_FALSE(scene.tool[0].sticking);
   EXPECT_EQ(scene.tool[0].friction, 0.0);
 }
 
-struct Mistake {
-  const char* from;
-  const char* to;
-  const char* message;  // what the error says after the scene file's path
-};
-
-class SceneMistake : public testing::TestWithParam<Mistake> {};
+class SceneMistake : public SceneMistakeTest {};
 
 TEST_P(SceneMistake, IsNamedWithItsLine) {
-  const std::string error = error_of(with(GetParam().from, GetParam().to));
-  EXPECT_NE(error.find(std::string("scene.toml") + GetParam().message),
-            std::string::npos)
-      << error;
-  EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  expect_named(GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -131,9 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"[reach]\n", "[accuracy]\n", ":27: is not TOML"},
         Mistake{"[[tool]]", "[tool]",
                 ":15: \"tool\" must be a list of tables: write [[tool]]"},
-        Mistake{"[reach]", "[[reach]]", ":22: \"reach\" must be one table"},
-        Mistake{"[[material]]", "[[inclusion]]",
-                ":5: [[inclusion]] is not available yet"}));
+        Mistake{"[reach]", "[[reach]]", ":22: \"reach\" must be one table"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Values, SceneMistake,
@@ -150,14 +95,16 @@ INSTANTIATE_TEST_SUITE_P(
                 ":9: poissons_ratio in [[material]] is 0.5, must be above -1 and below "
                 "0.5"},
         Mistake{"0.45", "-1", ":9: poissons_ratio in [[material]] is -1"},
-        Mistake{"\"linear\"", "\"ogden\"",
-                ":7: law \"ogden\" in [[material]] is not available; available: "
-                "linear"},
-        Mistake{"\"sphere\"", "\"cone\"",
-                ":17: shape \"cone\" in [[tool]] is not available; available: sphere"},
+        Mistake{"\"linear\"", "\"gent\"",
+                ":7: law \"gent\" in [[material]] is not available; available: "
+                "linear, st-venant-kirchhoff, neo-hookean, mooney-rivlin, ogden, "
+                "transversely-isotropic"},
+        Mistake{"\"sphere\"", "\"needle\"",
+                ":17: shape \"needle\" in [[tool]] is not available; available: "
+                "sphere, flat-punch, cone, capsule, mesh"},
         Mistake{"\"fixed\"", "\"sliding\"",
                 ":13: kind \"sliding\" in [[support]] is not available; available: "
-                "fixed"},
+                "fixed, foundation"},
         Mistake{"region = \"body\"", "region = \"nodule\"",
                 ":6: region \"nodule\" in [[material]] is not available; available: "
                 "body"},
@@ -177,8 +124,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"0.04", "1.0",
                 ":28: force_relative in [accuracy] is 1, must be above 0 and below 1"},
         Mistake{"contact_resolution = 3", "contact_resolution = 0.25",
-                ":29: contact_resolution in [accuracy] is 0.25, must be in [0.5, "
-                "16]"}));
+                ":29: contact_resolution in [accuracy] is 0.25, must be 0 or in "
+                "[0.5, 16]"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Boxes, SceneMistake,
@@ -190,9 +137,9 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"[[-1.0, -1.0, -1.0], [1.0, 1, -0.0199]]", "7",
                 ":12: box_m in [[support]] must be two corners"},
         Mistake{"[1.0, 1, -0.0199]", "[1.0, \"x\", 0.0]",
-                ":12: box_m in [[support]] is a text, must be a number"},
+                ":12: a corner of box_m in [[support]] is a text, must be a number"},
         Mistake{"[1.0, 1, -0.0199]", "[1.0, inf, 0.0]",
-                ":12: a coordinate of box_m in [[support]] is inf"}));
+                ":12: a coordinate of a corner of box_m in [[support]] is inf"}));
 
 TEST(Scene, NeedsSupportToolAndMaterial) {
   for (const char* name : {"material", "support", "tool"}) {
