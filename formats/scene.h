@@ -49,7 +49,7 @@ struct SceneMaterial {
   double c10_pa = 0.0;             ///< [Pa] [0, inf) Mooney-Rivlin; c10 + c01 > 0
   double c01_pa = 0.0;             ///< [Pa] [0, inf)
   std::vector<double> mu_pa;       ///< [Pa] Ogden, 1 to 4 terms
-  std::vector<double> alpha;       ///< [-] as many; sum of mu alpha > 0
+  std::vector<double> alpha;       ///< [-] as many; mu alpha > 0 in each
   Eigen::Vector3d fibre = Eigen::Vector3d::Zero();  ///< [-] unit
   std::string fibre_law;                            ///< linear or exponential
   double youngs_modulus_fibre_pa = 0.0;             ///< [Pa] (0, inf) E_l
