@@ -1,34 +1,48 @@
+// Constitutive laws behind one type: energy, stress and tangent of the distortion, and
+// a volume term that an element averages.
+//
+// W(F) = distortion(F) + k/2 theta(F)^2. All functions here are pure, allocate nothing
+// and do not throw; the factories in the headers of the laws check and throw.
 #pragma once
+
 #include <variant>
 
-#include <Eigen/Core>
+#include "precompute/local_response.h"
+#include "precompute/material_fibre.h"
+#include "precompute/material_hyperelastic.h"
+#include "precompute/material_linear.h"
+#include "precompute/material_ogden.h"
+#include "precompute/volume_term.h"
+
 namespace palpate {
-using Tangent = Eigen::Matrix<double, 9, 9>;
-enum class VolumeMeasure { kNone, kSmallTrace, kGreenTrace, kJacobian };
-struct LocalResponse {
-  double energy_density = 0;
-  Eigen::Matrix3d stress;
-  Tangent tangent;
-};
-struct VolumeResponse {
-  double theta;
-  Eigen::Matrix3d gradient;
-  Tangent curvature;
-};
-struct Linear {
-  double mu = 0, lambda = 0;
-};
-struct NeoHookean {
-  double mu = 0, k = 0;
-};
-using Material = std::variant<Linear, NeoHookean>;
-double distortion_energy(const Material&, const Eigen::Matrix3d& F);
-LocalResponse distortion_response(const Material&, const Eigen::Matrix3d& F);
-VolumeMeasure volume_measure(const Material&);
-double volume_modulus_pa(const Material&);
-double volume_theta(VolumeMeasure, const Eigen::Matrix3d& F);
-VolumeResponse volume_response(VolumeMeasure, const Eigen::Matrix3d& F);
-bool is_linear(const Material&);
-Linear linear(double E, double nu);
-NeoHookean neo_hookean(double E, double nu);
+
+using Material = std::variant<Linear, StVenantKirchhoff, NeoHookean, MooneyRivlin,
+                              Ogden, TransverselyIsotropic, FibreExponential>;
+
+/// The part of the energy taken at a point, everything but the volume term [J/m^3];
+/// +inf where the law does not admit F (det F <= 0 for the laws in Ibar or stretches).
+[[nodiscard]] double distortion_energy(const Material& material,
+                                       const Eigen::Matrix3d& F);
+
+/// With first and second derivative by F; see LocalResponse for inadmissible F.
+[[nodiscard]] LocalResponse distortion_response(const Material& material,
+                                                const Eigen::Matrix3d& F);
+
+/// What the volume term k/2 theta^2 measures.
+[[nodiscard]] VolumeMeasure volume_measure(const Material& material);
+
+/// k [Pa] >= 0; 0 for VolumeMeasure::kNone.
+[[nodiscard]] double volume_modulus_pa(const Material& material);
+
+/// True for laws whose stress is linear in F: one solve is exact.
+[[nodiscard]] bool is_linear(const Material& material);
+
+/// Distortion and volume term at one point: for tests and for laws without averaging.
+[[nodiscard]] LocalResponse response(const Material& material,
+                                     const Eigen::Matrix3d& F);
+
+/// At small strain [Pa]; for a law with fibres, of the isotropic mean. For scales.
+[[nodiscard]] double small_shear_modulus_pa(const Material& material);
+[[nodiscard]] double small_youngs_modulus_pa(const Material& material);
+
 }  // namespace palpate
