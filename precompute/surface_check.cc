@@ -5,14 +5,15 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "precompute/partition.h"
 #include "precompute/self_intersections.h"
+#include "precompute/winding_number.h"
 
 namespace palpate {
 namespace {
@@ -92,26 +93,6 @@ void find_triangle_defects(const SurfaceMesh& mesh, SurfaceReport& report) {
     report.self_intersections.add(0.5 * (middle_m(mesh, a) + middle_m(mesh, b)));
   }
 }
-
-// Sets of a partition, joined step by step.
-class Partition {
- public:
-  explicit Partition(std::size_t n) : parent_(n) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  std::int32_t find(std::int32_t i) {
-    while (parent(i) != i) {
-      parent(i) = parent(parent(i));
-      i = parent(i);
-    }
-    return i;
-  }
-  void join(std::int32_t a, std::int32_t b) { parent(find(a)) = find(b); }
-
- private:
-  std::int32_t& parent(std::int32_t i) { return parent_[static_cast<std::size_t>(i)]; }
-  std::vector<std::int32_t> parent_;
-};
 
 // A vertex is manifold if its triangles form one fan: joined by edges at the vertex,
 // they are one set. Keyed by (vertex, triangle corner) through corner numbers 3t + j.
@@ -194,23 +175,6 @@ SurfaceMesh part_mesh(const SurfaceMesh& mesh, const std::vector<Eigen::Index>& 
     }
   }
   return one;
-}
-
-// Turns of the surface around a point: 1 inside, 0 outside a closed surface. Sum of the
-// triangles' solid angles (Van Oosterom and Strackee 1983) over 4 pi.
-double winding_number(const SurfaceMesh& mesh, const Eigen::Vector3d& point_m) {
-  double angle = 0.0;
-  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
-    const Eigen::Vector3d a = corner_m(mesh, t, 0) - point_m;
-    const Eigen::Vector3d b = corner_m(mesh, t, 1) - point_m;
-    const Eigen::Vector3d c = corner_m(mesh, t, 2) - point_m;
-    const double la = a.norm();
-    const double lb = b.norm();
-    const double lc = c.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc +
-                                                     b.dot(c) * la + c.dot(a) * lb);
-  }
-  return angle / (4.0 * std::numbers::pi);
 }
 
 void turn(SurfaceMesh& mesh, const std::vector<Eigen::Index>& part) {
@@ -313,8 +277,10 @@ const std::array<DefectKind, 9>& defect_kinds() {
        "degenerate triangles"},
       {&R::self_intersections, "self_intersections",
        "self-intersecting pair of triangles", "self-intersecting pairs of triangles"},
-      {&R::nested_components, "nested_components", "part inside another part",
-       "parts inside another part"},
+      {&R::nested_components, "nested_components",
+       "part inside another part (an inclusion with its own mesh, or cavity = true)",
+       "parts inside another part (inclusions with their own meshes, or cavity = "
+       "true)"},
   }};
   return kKinds;
 }

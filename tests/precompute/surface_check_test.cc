@@ -213,6 +213,7 @@ TEST(SurfaceCheck, RefusesAPartInsideAnother) {
     EXPECT_FALSE(report.accepted());
     EXPECT_EQ(report.nested_components.count, 1U);
     EXPECT_EQ(all_defects(report), 1U);
+    EXPECT_NE(report.verdict().find("cavity = true"), std::string::npos);
   }
 }
 
