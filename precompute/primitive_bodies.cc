@@ -251,6 +251,27 @@ SurfaceMesh icosphere(double radius_m, int levels) {
   return mesh;
 }
 
+SurfaceMesh sphere_surface(const Eigen::Vector3d& center_m, double radius_m,
+                           double edge_m) {
+  require(radius_m > 0.0, "sphere: radius [m]", radius_m, "above 0");
+  // Level 8 has edges of 0.0048 radii.
+  require(edge_m > 0.005 * radius_m, "sphere: edge [m]", edge_m,
+          "above 0.005 times the radius");
+  int level = 1;
+  SurfaceMesh mesh = icosphere(radius_m, level);
+  const double ball_m3 = 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
+  const auto grow = [&] {
+    mesh.position_m *= std::cbrt(ball_m3 / enclosed_volume_m3(mesh));
+  };
+  grow();
+  while (mean_edge_m(mesh) > edge_m) {
+    mesh = icosphere(radius_m, ++level);
+    grow();
+  }
+  mesh.position_m.rowwise() += center_m.transpose();
+  return mesh;
+}
+
 SurfaceMesh ellipsoid(const Eigen::Vector3d& half_axes_m, int levels) {
   require(half_axes_m.minCoeff() > 0.0, "ellipsoid: smallest half axis [m]",
           half_axes_m.minCoeff(), "above 0");

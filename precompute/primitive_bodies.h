@@ -11,6 +11,13 @@ namespace palpate {
 /// vertices, all at radius_m to rounding. @param levels [0, 8].
 [[nodiscard]] SurfaceMesh icosphere(double radius_m, int levels);
 
+/// Sphere about a centre, for an inclusion: the coarsest icosphere, of at least one
+/// level, whose edges are on average no longer than edge_m, scaled so that its volume
+/// is the ball's. @param radius_m, edge_m > 0.
+/// @throws InputError if more than 8 levels are needed.
+[[nodiscard]] SurfaceMesh sphere_surface(const Eigen::Vector3d& center_m,
+                                         double radius_m, double edge_m);
+
 /// Ellipsoid about the origin with the given half axes, from icosphere(1, levels).
 [[nodiscard]] SurfaceMesh ellipsoid(const Eigen::Vector3d& half_axes_m, int levels);
 

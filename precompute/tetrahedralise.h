@@ -2,22 +2,17 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <limits>
+#include <span>
 
 #include <Eigen/Core>
 
 #include "formats/surface_mesh.h"
+#include "precompute/inner_surface.h"
+#include "precompute/tet_mesh.h"
 
 namespace palpate {
-
-using Tets = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor>;
-
-struct TetMesh {
-  Points position_m;  ///< (n x 3) [m] the surface's vertices first, bit for bit
-  Tets tet;           ///< (n_tets x 4), positive volume: (b-a) x (c-a) . (d-a) > 0
-  Eigen::Index surface_vertices = 0;  ///< how many of the vertices are the surface's
-};
 
 struct TetOptions {
   /// [m] (0, inf] tets inside are no larger than a regular one of this edge. Infinite:
@@ -27,30 +22,32 @@ struct TetOptions {
   Eigen::Index tets_max = 4'000'000;  ///< more are refused before they are made
   double time_limit_s = 600.0;        ///< [s] (0, inf)
   std::size_t memory_limit_bytes = 8'000'000'000;
+  /// Wanted edge [m] at a point of the body, on top of edge_max_m: a tet is no larger
+  /// than the regular one of the edge wanted at its centre, but for those that a coarse
+  /// surface triangle holds up. Runs in the child process. Empty: no wish.
+  std::function<double(const Eigen::Vector3d&)> size{};
 };
 
-/// About how many tets tetrahedralise() will make (within a factor of two).
+/// About how many tets tetrahedralise() will make (within a factor of two), without
+/// inner surfaces or a size function.
 [[nodiscard]] double estimated_tets(const SurfaceMesh& surface,
                                     const TetOptions& options = {});
 
 /// Tets that fill the closed surface; every triangle of the surface is a face of one of
-/// them, new vertices lie inside. Not for surfaces that check_surface() refuses. TetGen
-/// runs in a child process, because it can abort, exit or run away; same input, same
-/// result. Several disjoint parts are all filled.
-/// @throws InputError if the options are out of range or the estimate is above
-/// tets_max.
+/// them. Not for surfaces that check_surface() refuses. TetGen runs in a child process,
+/// because it can abort, exit or run away; same input, same result. Several disjoint
+/// parts are all filled.
+///
+/// Inner surfaces part the tets into regions, see TetMesh::region: each of their
+/// triangles is a face between two tets, or on the boundary if the surface is a cavity,
+/// which holds no tets. Vertices: those of the surface, those of inner[0], inner[1] and
+/// so on, all bit for bit, then new ones that lie off the surfaces.
+/// @throws InputError if the options are out of range, the estimate is above tets_max,
+///   or an inner surface is refused (see check_inner_surfaces()).
 /// @throws NumericalError naming TetGen's reason, or the limit that it reached, or the
-///   check of the result that failed (volume, vertices, faces).
+///   check of the result that failed (volume of a region to 1e-6, vertices, faces).
 [[nodiscard]] TetMesh tetrahedralise(const SurfaceMesh& surface,
-                                     const TetOptions& options = {});
-
-struct TetQuality {
-  double volume_m3 = 0.0;              ///< sum over the tets
-  double smallest_volume_m3 = 0.0;     ///< negative: a tet is inside out
-  double smallest_dihedral_rad = 0.0;  ///< over all six edges of all tets
-  double largest_dihedral_rad = 0.0;
-};
-
-[[nodiscard]] TetQuality tet_quality(const TetMesh& mesh);
+                                     const TetOptions& options = {},
+                                     std::span<const InnerSurface> inner = {});
 
 }  // namespace palpate

@@ -1,0 +1,166 @@
+#include "precompute/tetgen_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <tetgen.h>
+
+#include "formats/error.h"
+#include "precompute/tetgen_failure.h"
+
+namespace palpate {
+namespace {
+
+struct Header {
+  std::int32_t code = 0;  // TetGen's, 0 for success
+  std::int32_t points = 0;
+  std::int32_t tets = 0;
+};
+
+constexpr int kTooMany = 100;  // beside TetGen's own codes
+
+// TetGen's callback has no argument for these. Only ever set in a child process of
+// one thread.
+struct SizeFunction {
+  const TetOptions* options = nullptr;
+  double scale = 1.0;
+  std::int64_t cuts = 0;
+};
+SizeFunction g_size;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+
+// Whether a tet is larger than the regular one of the wanted edge at its centre.
+bool too_large(REAL* pa, REAL* pb, REAL* pc, REAL* pd, REAL* /*angles*/, REAL /*v*/) {
+  using Point = Eigen::Map<const Eigen::Vector3d>;
+  const Eigen::Vector3d a = Point(pa);
+  const Eigen::Vector3d b = Point(pb);
+  const Eigen::Vector3d c = Point(pc);
+  const Eigen::Vector3d d = Point(pd);
+  const double volume = std::abs((b - a).cross(c - a).dot(d - a)) / 6.0;
+  const double edge_m = g_size.options->size((a + b + c + d) / (4.0 * g_size.scale));
+  if (!(volume > regular_tet_volume(g_size.scale * edge_m))) {
+    return false;
+  }
+  // Each cut is a new vertex, and a vertex makes about six tets.
+  if (6 * ++g_size.cuts > g_size.options->tets_max) {
+    throw kTooMany;
+  }
+  return true;
+}
+
+void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
+  in.firstnumber = 0;
+  in.numberofpoints = static_cast<int>(surface.position_m.rows());
+  in.pointlist = new REAL[static_cast<std::size_t>(surface.position_m.size())];
+  Eigen::Map<Points>(in.pointlist, surface.position_m.rows(), 3) =
+      scale * surface.position_m;
+  in.numberoffacets = static_cast<int>(surface.triangle.rows());
+  in.facetlist = new tetgenio::facet[static_cast<std::size_t>(in.numberoffacets)];
+  for (int t = 0; t < in.numberoffacets; ++t) {
+    tetgenio::facet& facet = in.facetlist[t];
+    tetgenio::init(&facet);
+    facet.numberofpolygons = 1;
+    facet.polygonlist = new tetgenio::polygon[1];
+    tetgenio::polygon& polygon = facet.polygonlist[0];
+    tetgenio::init(&polygon);
+    polygon.numberofvertices = 3;
+    polygon.vertexlist = new int[3];
+    std::copy_n(surface.triangle.row(t).data(), 3, polygon.vertexlist);
+  }
+}
+
+// Y: the surfaces are left alone; M: coplanar triangles stay apart.
+std::string switches(const TetOptions& options, double scale) {
+  std::string text = fmt::format("pYMQq{:.4f}", options.radius_edge_max);
+  if (std::isfinite(options.edge_max_m)) {
+    text += fmt::format("a{:.12f}", regular_tet_volume(scale * options.edge_max_m));
+  }
+  return text;
+}
+
+template <typename T>
+void append(std::vector<char>& bytes, const T* data, std::size_t count) {
+  const auto* first = reinterpret_cast<const char*>(data);
+  bytes.insert(bytes.end(), first, first + count * sizeof(T));
+}
+
+void orient(TetMesh& mesh) {
+  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+    if (tet_volume_m3(mesh, t) < 0.0) {
+      std::swap(mesh.tet(t, 2), mesh.tet(t, 3));
+    }
+  }
+}
+
+}  // namespace
+
+double regular_tet_volume(double edge) {
+  return edge * edge * edge / (6.0 * std::numbers::sqrt2);
+}
+
+std::vector<char> tetgen_run(const SurfaceMesh& surface, const TetOptions& options,
+                             double scale) {
+  tetgenio in;
+  tetgenio out;
+  fill_input(surface, scale, in);
+  if (options.size) {
+    g_size = {.options = &options, .scale = scale};
+    in.tetunsuitable = &too_large;
+  }
+  std::string text = switches(options, scale);
+  Header header;
+  try {
+    ::tetrahedralize(text.data(), &in, &out);
+    header.points = out.numberofpoints;
+    header.tets = out.numberoftetrahedra;
+  } catch (int code) {
+    header.code = code;
+  }
+  std::vector<char> bytes;
+  append(bytes, &header, 1);
+  append(bytes, out.pointlist, static_cast<std::size_t>(header.points) * 3);
+  append(bytes, out.tetrahedronlist, static_cast<std::size_t>(header.tets) * 4);
+  return bytes;
+}
+
+TetMesh tetgen_unpack(const std::vector<char>& bytes, const TetOptions& options,
+                      double scale) {
+  Header header;
+  if (bytes.size() < sizeof(header)) {
+    throw NumericalError("tetrahedra: the mesher returned nothing");
+  }
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  if (header.code == kTooMany) {
+    throw InputError(
+        fmt::format("tetrahedra: the wanted sizes need more than the {} allowed",
+                    options.tets_max));
+  }
+  if (header.code != 0) {
+    throw NumericalError(
+        fmt::format("tetrahedra: the mesher gave up: {}", tetgen_failure(header.code)));
+  }
+  const std::size_t point_bytes = static_cast<std::size_t>(header.points) * 3 * 8;
+  const std::size_t tet_bytes = static_cast<std::size_t>(header.tets) * 4 * 4;
+  if (bytes.size() != sizeof(header) + point_bytes + tet_bytes || header.tets == 0) {
+    throw NumericalError("tetrahedra: the mesher returned no tetrahedra");
+  }
+  TetMesh mesh;
+  mesh.position_m.resize(header.points, 3);
+  mesh.tet.resize(header.tets, 4);
+  std::memcpy(mesh.position_m.data(), bytes.data() + sizeof(header), point_bytes);
+  std::memcpy(mesh.tet.data(), bytes.data() + sizeof(header) + point_bytes, tet_bytes);
+  if (mesh.tet.minCoeff() < 0 || mesh.tet.maxCoeff() >= mesh.position_m.rows()) {
+    throw NumericalError("tetrahedra: the mesher returned an index out of range");
+  }
+  mesh.position_m /= scale;
+  orient(mesh);
+  return mesh;
+}
+
+}  // namespace palpate
