@@ -75,9 +75,11 @@ void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
   }
 }
 
-// Y: the surfaces are left alone; M: coplanar triangles stay apart.
+// Y: the surfaces are left alone; M: coplanar triangles stay apart. Dihedral angles:
+// below 8 degrees they are refined away and above 140 swapped away, with all means
+// (O9/7) and as far as the surface lets them.
 std::string switches(const TetOptions& options, double scale) {
-  std::string text = fmt::format("pYMQq{:.4f}", options.radius_edge_max);
+  std::string text = fmt::format("pYMQq{:.4f}/8o/140O9/7", options.radius_edge_max);
   if (std::isfinite(options.edge_max_m)) {
     text += fmt::format("a{:.12f}", regular_tet_volume(scale * options.edge_max_m));
   }

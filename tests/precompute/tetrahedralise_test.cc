@@ -8,6 +8,8 @@
 #include "formats/error.h"
 #include "precompute/primitive_bodies.h"
 #include "precompute/subdivide.h"
+#include "precompute/surface_reader.h"
+#include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
@@ -52,7 +54,16 @@ TEST(Tetrahedralise, KeepsCoplanarTrianglesApart) {
   // A flat face might be triangulated anew: the check of the faces inside would throw.
   const SurfaceMesh surface = graded_block(0.1, 0.1, 0.005, 8);
   const TetMesh mesh = tetrahedralise(surface);
-  EXPECT_GT(tet_quality(mesh).smallest_dihedral_rad, 3.0 * kDegree);
+  EXPECT_GT(tet_quality(mesh).smallest_dihedral_rad, 8.0 * kDegree);
+}
+
+TEST(Tetrahedralise, MakesNoSliversInARealLiver) {
+  const auto file = test_data("meshes/sofa_liver2.obj");
+  if (!file) {
+    GTEST_SKIP() << "no test data";
+  }
+  const TetMesh mesh = tetrahedralise(subdivide_midpoint(read_surface(*file, "cm")));
+  EXPECT_GT(tet_quality(mesh).smallest_dihedral_rad, 1.0 * kDegree);
 }
 
 TEST(Tetrahedralise, FillsDisjointParts) {
