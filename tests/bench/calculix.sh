@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# CalculiX beside ours, one node: tests/bench/calculix.sh BIN-FOLDER [TETS...]  (default: 5000)
+# A cylinder of neo-Hookean gel (20 mm by 20 mm, E 5 kPa, nu 0.45) held at its bottom, a
+# rigid ball of 5 mm pressed 5 mm into the middle of its top in 10 increments, on one
+# thread. 5000 quadratic tets take minutes, 20000 the better part of an hour.
+set -euo pipefail
+bin=$(realpath "$1")
+shift
+for program in ccx /usr/bin/time; do
+  if ! command -v "$program" > /dev/null; then
+    echo "skipped: $program is not installed (Debian: calculix-ccx, time)"
+    exit 0
+  fi
+done
+work=$(mktemp -d)
+trap 'rm -r "$work"' EXIT
+
+# Upward force on the ball and downward force on the support at each increment, from the
+# totals of reaction forces [mm, N]; sideways: on the ball, zero for a perfect mesh.
+forces() {
+  awk 'BEGIN { depth = 5.0; printf "%10s %14s %14s %14s\n", "depth [mm]", "ball [N]",
+                                   "support [N]", "sideways [N]" }
+       /total force/ { set = $6; time = $NF; next }
+       NF == 3 && set == "BALL" { ball = -$3; side = sqrt($1 * $1 + $2 * $2); set = "" }
+       NF == 3 && set == "BOTTOM" {
+         printf "%10.3f %14.6g %14.6g %14.2g\n", depth * time, ball, $3, side; set = "" }' "$1"
+}
+
+for tets in "${@:-5000}"; do
+  echo "== CalculiX, about $tets quadratic tets"
+  "$bin/calculix_deck" "$tets" "$work/gel$tets.inp" "$work/gel$tets.obj"
+  (cd "$work" && OMP_NUM_THREADS=1 CCX_NPROC_EQUATION_SOLVER=1 CCX_NPROC_RESULTS=1 \
+    /usr/bin/time -f "%U %S %e %M" -o cost ccx -i "gel$tets" > "gel$tets.log" 2>&1) ||
+    echo "CalculiX failed: $(grep -m 1 -i error "$work/gel$tets.log")"
+  forces "$work/gel$tets.dat"
+  echo "iterations: $(grep -c '^ iteration' "$work/gel$tets.log" || true)"
+  tail -n 1 "$work/cost" | awk '{ printf "CalculiX: %.1f CPU s, %.1f s, peak memory %.0f MB\n",
+                                         $1 + $2, $3, $4 / 1024 }'
+
+  # Ours, on the same surface, node and depths.
+  cat > "$work/gel$tets.toml" <<SCENE
+[body]
+mesh = "gel$tets.obj"
+length_unit = "m"
+[[material]]
+region = "body"
+law = "neo-hookean"
+youngs_modulus_pa = 5000.0
+poissons_ratio = 0.45
+[[support]]
+box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1e-9]]
+kind = "fixed"
+[[tool]]
+name = "ball"
+shape = "sphere"
+radius_m = 0.005
+friction = 0.0
+[reach]
+depth_max_m = 0.005
+[accuracy]
+force_relative = 0.05
+SCENE
+  # (the comparison goes here: palpate-precompute indent "$work/gel$tets.toml" --at 0,0,0.02)
+done
