@@ -36,8 +36,11 @@ void add_second_invariant_curvature(const Eigen::Matrix3d& F, double I1, double 
   for (int J = 0; J < 3; ++J) {
     for (int I = 0; I < 3; ++I) {
       auto block = tangent.block<3, 3>(3 * I, 3 * J);
-      block += (2.0 * twice) * F.col(I) * F.col(J).transpose();
-      block -= twice * F.col(J) * F.col(I).transpose();
+      const Eigen::Vector3d f_I = twice * F.col(I);
+      const Eigen::Vector3d f_J = twice * F.col(J);
+      for (int j = 0; j < 3; ++j) {
+        block.col(j) += (2.0 * F(j, J)) * f_I - F(j, I) * f_J;
+      }
       block.diagonal().array() -= twice * C(I, J);
     }
     tangent.block<3, 3>(3 * J, 3 * J) -= twice * B;
