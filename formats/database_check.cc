@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "formats/optional_check.h"
 #include "formats/response_curve.h"
 #include "formats/response_database.h"
 
@@ -112,7 +113,7 @@ void check_node_values(const std::string& group, const ResponseTable& table,
   require("friction", table.friction[i], 0.0, 10.0);
   require("presliding_m", table.presliding_m[i], 0.0, kInfinity);
   require("origin", table.origin[i], 0.0, 3.0);
-  require("flags", table.flags[i], 0.0, 31.0);
+  require("flags", table.flags[i], 0.0, kAllResponseFlags);
   if (table.friction[i] > 0.0 && !(table.presliding_m[i] > 0.0)) {
     fail("{}/presliding_m: node {} has {}, must be positive where friction is", group,
          i, table.presliding_m[i]);
@@ -238,20 +239,7 @@ void check_tool(const ResponseDatabase& database, const ResponseTable& table) {
     check_direction(group, database, table, i);
     check_curve(group, table, i);
   }
-}
-
-void check_measurement(const Measurement& measurement) {
-  if (measurement.depth_m.size() != measurement.force_n.size()) {
-    fail("/measurement/force_n has {} rows, must have as many as depth_m: {}",
-         measurement.force_n.size(), measurement.depth_m.size());
-  }
-  for (std::size_t i = 0; i < measurement.depth_m.size(); ++i) {
-    if (!std::isfinite(measurement.depth_m[i]) ||
-        !std::isfinite(measurement.force_n[i])) {
-      fail("/measurement: sample {} is ({} m, {} N), must be finite", i,
-           measurement.depth_m[i], measurement.force_n[i]);
-    }
-  }
+  check_optional(group, table);
 }
 
 void check_provenance(const Provenance& provenance) {
@@ -292,7 +280,7 @@ void check(const ResponseDatabase& database) {
       fail("/tools: the name {:?} occurs twice, must be unique", table.tool.name);
     }
   }
-  check_measurement(database.measurement);
+  check(database.measurement, database.body.position_m.rows());
   check_provenance(database.provenance);
 }
 

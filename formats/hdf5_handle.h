@@ -1,6 +1,8 @@
 // Ownership of HDF5 identifiers; only for the sources behind hdf5_io.h.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -38,6 +40,11 @@ class Handle {
 [[nodiscard]] const char* name_of(Hdf5Type type);
 [[nodiscard]] std::size_t bytes_of(Hdf5Type type);
 
+/// The group VTKHDF as VTK 9.1 reads it.
+constexpr std::array<std::int64_t, 2> kVtkVersion{1, 0};
+constexpr hsize_t kVtkVersionSize = 2;
+constexpr const char* kVtkType = "UnstructuredGrid";
+
 /// A fixed-length, null-padded UTF-8 string of at least one byte.
 [[nodiscard]] Handle string_type(std::size_t bytes);
 
@@ -47,5 +54,9 @@ class Handle {
 /// Head of a digest item (FORMAT.md, "Digest").
 [[nodiscard]] std::string digest_head(const std::string& path, const char* type,
                                       std::int64_t rows, std::int64_t columns);
+
+/// Values per row, 0 for one dimension: the columns that the digest names.
+[[nodiscard]] std::int64_t columns_of(const Hdf5Shape& shape);
+[[nodiscard]] std::size_t values_in(const Hdf5Shape& shape);
 
 }  // namespace palpate::hdf5

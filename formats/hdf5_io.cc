@@ -1,6 +1,8 @@
 #include "formats/hdf5_io.h"
 
 #include <bit>
+#include <functional>
+#include <numeric>
 #include <span>
 
 #include <fmt/format.h>
@@ -38,6 +40,8 @@ hid_t file_type(Hdf5Type type) {
   switch (type) {
     case Hdf5Type::kFloat64:
       return H5T_IEEE_F64LE;
+    case Hdf5Type::kFloat32:
+      return H5T_IEEE_F32LE;
     case Hdf5Type::kInt64:
       return H5T_STD_I64LE;
     case Hdf5Type::kInt32:
@@ -52,6 +56,8 @@ const char* name_of(Hdf5Type type) {
   switch (type) {
     case Hdf5Type::kFloat64:
       return "float64";
+    case Hdf5Type::kFloat32:
+      return "float32";
     case Hdf5Type::kInt64:
       return "int64";
     case Hdf5Type::kInt32:
@@ -63,7 +69,17 @@ const char* name_of(Hdf5Type type) {
 }
 
 std::size_t bytes_of(Hdf5Type type) {
-  return type == Hdf5Type::kUint8 ? 1 : type == Hdf5Type::kInt32 ? 4 : 8;
+  switch (type) {
+    case Hdf5Type::kFloat64:
+    case Hdf5Type::kInt64:
+      return 8;
+    case Hdf5Type::kFloat32:
+    case Hdf5Type::kInt32:
+      return 4;
+    case Hdf5Type::kUint8:
+      break;
+  }
+  return 1;
 }
 
 Handle string_type(std::size_t bytes) {
@@ -92,6 +108,17 @@ std::string last_failure() {
 std::string digest_head(const std::string& path, const char* type, std::int64_t rows,
                         std::int64_t columns) {
   return fmt::format("{} {} {} {}\n", path, type, rows, columns);
+}
+
+std::int64_t columns_of(const Hdf5Shape& shape) {
+  return shape.size() < 2 ? 0
+                          : std::accumulate(shape.begin() + 1, shape.end(),
+                                            std::int64_t{1}, std::multiplies<>());
+}
+
+std::size_t values_in(const Hdf5Shape& shape) {
+  return static_cast<std::size_t>(std::accumulate(
+      shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>()));
 }
 
 }  // namespace hdf5

@@ -23,12 +23,14 @@
 namespace palpate {
 
 /// Element types that a dataset can have; all little-endian in the file.
-enum class Hdf5Type { kFloat64, kInt64, kInt32, kUint8 };
+enum class Hdf5Type { kFloat64, kFloat32, kInt64, kInt32, kUint8 };
 
 template <typename T>
 constexpr Hdf5Type hdf5_type() {
   if constexpr (std::same_as<T, double>) {
     return Hdf5Type::kFloat64;
+  } else if constexpr (std::same_as<T, float>) {
+    return Hdf5Type::kFloat32;
   } else if constexpr (std::same_as<T, std::int64_t>) {
     return Hdf5Type::kInt64;
   } else if constexpr (std::same_as<T, std::int32_t>) {
@@ -39,8 +41,13 @@ constexpr Hdf5Type hdf5_type() {
   }
 }
 
+/// Extents of a dataset, rows first; in what a reader asks for, -1 takes any.
+using Hdf5Shape = std::vector<std::int64_t>;
+
 template <typename T>
 using RowMajor3 = Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor>;
+template <typename T>
+using RowMajor = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// SHA-256 over the logical content, item by item (FORMAT.md, "Digest").
 class ContentDigest {
@@ -88,6 +95,11 @@ class Hdf5Writer {
   bool optional_group(const std::string& path, bool wanted);
 
   /// @return wanted
+  [[nodiscard]] bool optional_dataset(const std::string&, bool wanted) const {
+    return wanted;
+  }
+
+  /// @return wanted
   [[nodiscard]] bool optional_attribute(const std::string&, const char*,
                                         bool wanted) const {
     return wanted;
@@ -106,17 +118,45 @@ class Hdf5Writer {
 
   /// (rows): one value per row.
   template <typename T>
-  void dataset(const std::string& path, const char* unit,
+  void dataset(const std::string& path, const char* units,
                const std::vector<T>& values) {
-    write(path, unit, hdf5_type<T>(), values.data(),
-          {static_cast<std::int64_t>(values.size()), 0});
+    write(path, units, hdf5_type<T>(), values.data(),
+          {static_cast<std::int64_t>(values.size())}, true);
   }
 
   /// (rows x 3)
   template <typename T>
-  void dataset(const std::string& path, const char* unit, const RowMajor3<T>& values) {
-    write(path, unit, hdf5_type<T>(), values.data(), {values.rows(), 3});
+  void dataset(const std::string& path, const char* units, const RowMajor3<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), 3}, true);
   }
+
+  /// (rows x columns)
+  template <typename T>
+  void dataset(const std::string& path, const char* units, const RowMajor<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), values.cols()},
+          true);
+  }
+
+  /// (nodes x 3 x columns) from a matrix (3 nodes x columns)
+  template <typename T>
+  void vectors(const std::string& path, const char* units, const RowMajor<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(),
+          {values.rows() / 3, 3, values.cols()}, true);
+  }
+
+  /// (rows), outside the digest: what follows from the rest of the content.
+  template <typename T>
+  void derived(const std::string& path, const char* units,
+               const std::vector<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(),
+          {static_cast<std::int64_t>(values.size())}, false);
+  }
+
+  /// A second name for an object, outside the digest.
+  void link(const std::string& path, const std::string& object);
+
+  /// Type and version by which VTK recognises a group.
+  void vtk_header(const std::string& group);
 
   [[nodiscard]] std::string digest() const { return digest_.hex(); }
 
@@ -124,12 +164,8 @@ class Hdf5Writer {
   [[nodiscard]] std::span<const std::byte> image();
 
  private:
-  struct Extent {
-    std::int64_t rows;
-    std::int64_t columns;  // 0: one-dimensional
-  };
-  void write(const std::string& path, const char* unit, Hdf5Type type, const void* data,
-             Extent extent);
+  void write(const std::string& path, const char* units, Hdf5Type type,
+             const void* data, const Hdf5Shape& shape, bool digested);
 
   QuietHdf5 quiet_;
   std::int64_t id_ = -1;
@@ -154,7 +190,12 @@ class Hdf5Reader {
   [[nodiscard]] bool has_attribute(const std::string& object, const char* name) const;
 
   void group(const std::string& path) const;
-  [[nodiscard]] bool optional_group(const std::string& path, bool ignored) const;
+  [[nodiscard]] bool optional_group(const std::string& path, bool /*ignored*/) const {
+    return has(path);
+  }
+  [[nodiscard]] bool optional_dataset(const std::string& path, bool /*ignored*/) const {
+    return has(path);
+  }
   [[nodiscard]] bool optional_attribute(const std::string& object, const char* name,
                                         bool /*ignored*/) const {
     return has_attribute(object, name);
@@ -171,26 +212,56 @@ class Hdf5Reader {
   void text(const std::string& path, std::string& value);
 
   template <typename T>
-  void dataset(const std::string& path, const char* unit, std::vector<T>& values) {
-    values.resize(
-        static_cast<std::size_t>(checked_rows(path, unit, hdf5_type<T>(), 0)));
-    read(path, hdf5_type<T>(), values.data(), values.size(), 0);
+  void dataset(const std::string& path, const char* units, std::vector<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1});
+    values.resize(static_cast<std::size_t>(shape[0]));
+    read(path, hdf5_type<T>(), values.data(), shape, true);
   }
 
   template <typename T>
-  void dataset(const std::string& path, const char* unit, RowMajor3<T>& values) {
-    values.resize(checked_rows(path, unit, hdf5_type<T>(), 3), 3);
-    read(path, hdf5_type<T>(), values.data(), static_cast<std::size_t>(values.rows()),
-         3);
+  void dataset(const std::string& path, const char* units, RowMajor3<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, 3});
+    values.resize(shape[0], 3);
+    read(path, hdf5_type<T>(), values.data(), shape, true);
   }
+
+  template <typename T>
+  void dataset(const std::string& path, const char* units, RowMajor<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, -1});
+    values.resize(shape[0], shape[1]);
+    read(path, hdf5_type<T>(), values.data(), shape, true);
+  }
+
+  template <typename T>
+  void vectors(const std::string& path, const char* units, RowMajor<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, 3, -1});
+    values.resize(3 * shape[0], shape[2]);
+    read(path, hdf5_type<T>(), values.data(), shape, true);
+  }
+
+  /// Reads and compares. @throws FormatError also if the file says anything else.
+  template <typename T>
+  void derived(const std::string& path, const char* units,
+               const std::vector<T>& expected) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1});
+    std::vector<T> values(static_cast<std::size_t>(shape[0]));
+    read(path, hdf5_type<T>(), values.data(), shape, false);
+    if (values != expected) {
+      fail("dataset " + path + " does not follow from the rest of the file");
+    }
+  }
+
+  /// Requires that both paths name one object.
+  void link(const std::string& path, const std::string& object) const;
+  void vtk_header(const std::string& group) const;
 
   [[nodiscard]] std::string digest() const { return digest_.hex(); }
 
  private:
-  [[nodiscard]] std::int64_t checked_rows(const std::string& path, const char* unit,
-                                          Hdf5Type type, std::int64_t columns) const;
-  void read(const std::string& path, Hdf5Type type, void* to, std::size_t rows,
-            std::size_t columns);
+  [[nodiscard]] Hdf5Shape checked_shape(const std::string& path, const char* units,
+                                        Hdf5Type type, const Hdf5Shape& wanted) const;
+  void read(const std::string& path, Hdf5Type type, void* to, const Hdf5Shape& shape,
+            bool digested);
   [[nodiscard]] std::string read_text_attribute(const std::string& object,
                                                 const char* name) const;
   template <typename T>

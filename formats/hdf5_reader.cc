@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -24,6 +26,31 @@ std::string dimensions_of(hid_t space) {
   std::string text;
   for (int i = 0; i < rank; ++i) {
     text += fmt::format("{}{}", i == 0 ? "" : " x ", size[static_cast<std::size_t>(i)]);
+  }
+  return "(" + text + ")";
+}
+
+std::optional<Hdf5Shape> shape_of(hid_t space) {
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::array<hsize_t, H5S_MAX_RANK> size{};
+  if (rank <= 0 || rank > H5S_MAX_RANK ||
+      H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0) {
+    return std::nullopt;
+  }
+  return Hdf5Shape(size.begin(), size.begin() + rank);
+}
+
+bool matches(const Hdf5Shape& shape, const Hdf5Shape& wanted) {
+  return std::equal(shape.begin(), shape.end(), wanted.begin(), wanted.end(),
+                    [](std::int64_t is, std::int64_t must) {
+                      return is >= 0 && (must < 0 || is == must);
+                    });
+}
+
+std::string name_of(const Hdf5Shape& wanted) {
+  std::string text;
+  for (const std::int64_t size : wanted) {
+    text += text.empty() ? "rows" : size < 0 ? " x any" : fmt::format(" x {}", size);
   }
   return "(" + text + ")";
 }
@@ -107,10 +134,6 @@ void Hdf5Reader::group(const std::string& path) const {
   if (!opened) {
     fail(fmt::format("{} cannot be opened as a group: {}", path, hdf5::last_failure()));
   }
-}
-
-bool Hdf5Reader::optional_group(const std::string& path, bool /*ignored*/) const {
-  return has(path);
 }
 
 std::string Hdf5Reader::read_text_attribute(const std::string& object,
@@ -198,8 +221,8 @@ void Hdf5Reader::text(const std::string& path, std::string& value) {
       value.data(), value.size());
 }
 
-std::int64_t Hdf5Reader::checked_rows(const std::string& path, const char* unit,
-                                      Hdf5Type type, std::int64_t columns) const {
+Hdf5Shape Hdf5Reader::checked_shape(const std::string& path, const char* units,
+                                    Hdf5Type type, const Hdf5Shape& wanted) const {
   if (!has(path)) {
     fail(fmt::format("dataset {} is missing", path));
   }
@@ -213,44 +236,71 @@ std::int64_t Hdf5Reader::checked_rows(const std::string& path, const char* unit,
     fail(fmt::format("dataset {} has the wrong element type, must be {}", path,
                      hdf5::name_of(type)));
   }
-  std::array<hsize_t, H5S_MAX_RANK> size{};
-  const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank != (columns == 0 ? 1 : 2) ||
-      H5Sget_simple_extent_dims(space.get(), size.data(), nullptr) < 0 ||
-      (columns != 0 && size[1] != static_cast<hsize_t>(columns))) {
+  const std::optional<Hdf5Shape> shape = shape_of(space.get());
+  if (!shape || !matches(*shape, wanted)) {
     fail(fmt::format("dataset {} has the shape {}, must be {}", path,
-                     dimensions_of(space.get()),
-                     columns == 0 ? "(rows)" : fmt::format("(rows x {})", columns)));
+                     dimensions_of(space.get()), name_of(wanted)));
   }
   if (!is_contiguous(opened.get())) {
     fail(fmt::format("dataset {} is chunked or external, must be contiguous", path));
   }
-  const std::uint64_t row_bytes =
-      hdf5::bytes_of(type) * (columns == 0 ? 1 : static_cast<std::uint64_t>(columns));
-  if (size[0] > bytes_ / row_bytes) {
-    fail(fmt::format("dataset {} claims {} rows, more than a file of {} bytes can hold",
-                     path, size[0], bytes_));
+  std::uint64_t most = bytes_ / hdf5::bytes_of(type);
+  for (const std::int64_t size : *shape) {
+    if (size > 0 && static_cast<std::uint64_t>(size) > most) {
+      fail(fmt::format(
+          "dataset {} claims {} rows, more than a file of {} bytes can hold", path,
+          shape->front(), bytes_));
+    }
+    most /= std::max<std::uint64_t>(1, static_cast<std::uint64_t>(size));
   }
-  const std::string found = read_text_attribute(path, "unit");
-  if (found != unit) {
-    fail(fmt::format("dataset {} has the unit \"{}\", must be \"{}\"", path, found,
-                     unit));
+  const std::string found = read_text_attribute(path, "units");
+  if (found != units) {
+    fail(fmt::format("dataset {} has the units \"{}\", must be \"{}\"", path, found,
+                     units));
   }
-  return static_cast<std::int64_t>(size[0]);
+  return *shape;
 }
 
 void Hdf5Reader::read(const std::string& path, Hdf5Type type, void* to,
-                      std::size_t rows, std::size_t columns) {
+                      const Hdf5Shape& shape, bool digested) {
   const Handle opened(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!opened || (rows > 0 && H5Dread(opened.get(), hdf5::file_type(type), H5S_ALL,
-                                      H5S_ALL, H5P_DEFAULT, to) < 0)) {
+  const std::size_t values = hdf5::values_in(shape);
+  if (!opened || (values > 0 && H5Dread(opened.get(), hdf5::file_type(type), H5S_ALL,
+                                        H5S_ALL, H5P_DEFAULT, to) < 0)) {
     fail(fmt::format("dataset {} cannot be read: {}", path, hdf5::last_failure()));
   }
-  const std::size_t values = rows * (columns == 0 ? 1 : columns);
-  digest_.add(
-      hdf5::digest_head(path, hdf5::name_of(type), static_cast<std::int64_t>(rows),
-                        static_cast<std::int64_t>(columns)),
-      to, values * hdf5::bytes_of(type));
+  if (digested) {
+    digest_.add(hdf5::digest_head(path, hdf5::name_of(type), shape.front(),
+                                  hdf5::columns_of(shape)),
+                to, values * hdf5::bytes_of(type));
+  }
+}
+
+void Hdf5Reader::link(const std::string& path, const std::string& object) const {
+  H5O_info_t one{};
+  H5O_info_t other{};
+  if (!has(path) ||
+      H5Oget_info_by_name2(id_, path.c_str(), &one, H5O_INFO_BASIC, H5P_DEFAULT) < 0 ||
+      H5Oget_info_by_name2(id_, object.c_str(), &other, H5O_INFO_BASIC, H5P_DEFAULT) <
+          0 ||
+      one.addr != other.addr) {
+    fail(fmt::format("{} is not a link to {}", path, object));
+  }
+}
+
+void Hdf5Reader::vtk_header(const std::string& group) const {
+  std::array<std::int64_t, 2> version{};
+  const Handle opened(
+      H5Aopen_by_name(id_, group.c_str(), "Version", H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  const Handle space(opened ? H5Aget_space(opened.get()) : -1, H5Sclose);
+  if (!space || H5Sget_simple_extent_npoints(space.get()) != 2 ||
+      H5Aread(opened.get(), H5T_NATIVE_INT64, version.data()) < 0 ||
+      version != hdf5::kVtkVersion ||
+      read_text_attribute(group, "Type") != hdf5::kVtkType) {
+    fail(fmt::format("{} has not the type {} and the version 1.0 of VTK", group,
+                     hdf5::kVtkType));
+  }
 }
 
 }  // namespace palpate

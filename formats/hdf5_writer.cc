@@ -1,4 +1,4 @@
-#include <array>
+#include <cstring>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -140,27 +140,46 @@ void Hdf5Writer::text(const std::string& path, const std::string& value) {
       value.data(), value.size());
 }
 
-void Hdf5Writer::write(const std::string& path, const char* unit, Hdf5Type type,
-                       const void* data, Extent extent) {
-  const std::array<hsize_t, 2> size = {static_cast<hsize_t>(extent.rows),
-                                       static_cast<hsize_t>(extent.columns)};
+void Hdf5Writer::write(const std::string& path, const char* units, Hdf5Type type,
+                       const void* data, const Hdf5Shape& shape, bool digested) {
+  const std::vector<hsize_t> size(shape.begin(), shape.end());
   const Handle space(
-      H5Screate_simple(extent.columns == 0 ? 1 : 2, size.data(), nullptr), H5Sclose);
+      H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
   const Handle create = creation_properties(H5P_DATASET_CREATE);
   const hid_t stored = hdf5::file_type(type);
   const Handle made(H5Dcreate2(id_, path.c_str(), stored, space.get(), H5P_DEFAULT,
                                create.get(), H5P_DEFAULT),
                     H5Dclose);
   require(static_cast<bool>(made), path);
-  require(extent.rows == 0 ||
+  const std::size_t values = hdf5::values_in(shape);
+  require(values == 0 ||
               H5Dwrite(made.get(), stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0,
           path);
-  require(put_text(id_, path, "unit", unit), path + "@unit");
-  const std::size_t values =
-      static_cast<std::size_t>(extent.rows) *
-      (extent.columns == 0 ? 1 : static_cast<std::size_t>(extent.columns));
-  digest_.add(hdf5::digest_head(path, hdf5::name_of(type), extent.rows, extent.columns),
-              data, values * hdf5::bytes_of(type));
+  require(put_text(id_, path, "units", units), path + "@units");
+  if (digested) {
+    digest_.add(hdf5::digest_head(path, hdf5::name_of(type), shape.front(),
+                                  hdf5::columns_of(shape)),
+                data, values * hdf5::bytes_of(type));
+  }
+}
+
+void Hdf5Writer::link(const std::string& path, const std::string& object) {
+  require(H5Lcreate_hard(id_, object.c_str(), id_, path.c_str(), H5P_DEFAULT,
+                         H5P_DEFAULT) >= 0,
+          path);
+}
+
+void Hdf5Writer::vtk_header(const std::string& group) {
+  const Handle space(H5Screate_simple(1, &hdf5::kVtkVersionSize, nullptr), H5Sclose);
+  require(put_attribute(id_, group, "Version", H5T_STD_I64LE, hdf5::kVtkVersion.data(),
+                        space.get()),
+          group + "@Version");
+  const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);  // VTK 9.1 knows ASCII only
+  H5Tset_size(type.get(), std::strlen(hdf5::kVtkType));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  require(put_attribute(id_, group, "Type", type.get(), hdf5::kVtkType, scalar.get()),
+          group + "@Type");
 }
 
 std::span<const std::byte> Hdf5Writer::image() {

@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-constexpr int kDatabaseVersion = 1;       ///< major: readers refuse another one
-constexpr int kDatabaseVersionMinor = 1;  ///< additions that readers may pass over
+constexpr int kDatabaseVersion = 2;       ///< major: readers refuse another one
+constexpr int kDatabaseVersionMinor = 0;  ///< additions that readers may pass over
 
 /// Where the numbers came from: enough to compute them again.
 struct Provenance {
@@ -24,10 +24,17 @@ struct Provenance {
   std::string left_out;       ///< what was not computed, and why; one line
 };
 
-/// The raw measurement behind fitted responses.
+/// The raw measurement behind fitted responses: one indentation or several in turn.
+/// Only depth and force must be there; the rest is empty where it is not known.
 struct Measurement {
   std::vector<double> depth_m;  ///< (m) [m] as measured, contact point not subtracted
   std::vector<double> force_n;  ///< (m) [N]
+  std::vector<double> time_s = {};           ///< (m) [s]
+  std::vector<double> depth_errors_m = {};   ///< (m) [m] standard uncertainty
+  std::vector<double> force_errors_n = {};   ///< (m) [N] standard uncertainty
+  std::vector<std::int64_t> run_begin = {};  ///< (r + 1) run i owns these samples
+  std::vector<std::int32_t> run_node = {};   ///< (r) nearest node, -1: unknown
+  std::vector<std::string> run_name = {};  ///< (r) e.g. the file it came from, one line
 };
 
 struct ResponseDatabase {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +17,10 @@
 #include "formats/tool_shape.h"
 
 namespace palpate {
+
+/// (rows x columns) in single precision, one row after the other.
+using RowMajorMatrixF =
+    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 enum class ResponseOrigin : std::uint8_t {
   kNone = 0,          ///< outside the reachable part: no curve, zero force
@@ -31,7 +36,10 @@ enum ResponseFlag : std::uint8_t {
   kCoarseContact = 4,    ///< contact spans less than 1.5 node spacings to each side
   kErrorOverBudget = 8,  ///< error estimate exceeds the scene's accuracy budget
   kFailed = 16,          ///< the solve failed: no curve
+  kExtrapolated = 32,    ///< interpolated from curves beyond their last sample
+  kTruncatedPath = 64,   ///< the nonlinear solve stopped before the depth asked for
 };
+constexpr std::uint8_t kAllResponseFlags = 127;
 
 /// One node's response as a simulation or a fit delivers it.
 struct NodeResponse {
@@ -45,6 +53,26 @@ struct NodeResponse {
   double error_relative = 0.0;  ///< [-] estimated error of force, deeper half
   ResponseOrigin origin = ResponseOrigin::kNone;
   std::uint8_t flags = 0;
+};
+
+/// How well a tool's responses keep the accuracy budget, measured at nodes that were
+/// interpolated and then solved to compare.
+struct AccuracyRecord {
+  double budget_relative = 0.0;  ///< [-] of force, as the scene asks; 0: no record
+  std::int64_t verified = 0;     ///< nodes behind the quantiles
+  std::vector<double> quantile_level;  ///< (q) [-] [0, 1], increasing
+  std::vector<double> error_relative;  ///< (q) [-] measured error at these levels
+};
+
+/// Displacement of the surface under the tool, for drawing: at solved node node[j], at
+/// normal penetration depth_m[j], vertex i moves by rows 3 i to 3 i + 2 of
+/// basis * coefficient.row(j)^T [m]. Single precision; empty without rows.
+struct DisplacementField {
+  RowMajorMatrixF basis;           ///< (3 n x m) [-] modes, x y z of a vertex in turn
+  RowMajorMatrixF coefficient;     ///< (k x m) [m]
+  std::vector<std::int32_t> node;  ///< (k) the node that is pressed
+  std::vector<double> depth_m;     ///< (k) [m] normal penetration
+  std::vector<double> error_relative;  ///< (k) [-] what m modes miss, L2 over vertices
 };
 
 /// Responses of one tool: node i owns samples [sample_begin[i], sample_begin[i+1]).
@@ -64,6 +92,16 @@ struct ResponseTable {
   std::vector<double> force_n;                ///< (s) [N]
   std::vector<double> stiffness_n_per_m;      ///< (s) [N/m] Hermite slopes
   std::vector<double> energy_j;               ///< (s) [J]
+
+  // Optional parts: empty where nobody filled them.
+  std::vector<double> verified_error_relative;  ///< (n) [-] measured; NaN: not verified
+  std::vector<std::int32_t> failure;            ///< (n) row of failure_reason; -1: none
+  std::vector<std::string> failure_reason;      ///< one line each
+  std::vector<double> force_errors_n;         ///< (s) [N] standard uncertainty of force
+  std::vector<std::int64_t> direction_begin;  ///< (n + 1) node i owns rows of ...
+  Points sample_direction;  ///< (q x 3) [-] ... u at its samples: none or one each
+  AccuracyRecord accuracy;
+  DisplacementField displacement;
 
   [[nodiscard]] std::int64_t nodes() const noexcept {
     return static_cast<std::int64_t>(touch_offset_m.size());

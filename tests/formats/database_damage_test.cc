@@ -97,7 +97,7 @@ void replace(hid_t file, const char* path, hid_t type, std::vector<hsize_t> shap
   H5Dclose(dataset);
   H5Pclose(create);
   H5Sclose(space);
-  set_text(file, path, "unit", unit);
+  set_text(file, path, "units", unit);
 }
 
 void set_first(hid_t file, const char* path, double value) {
@@ -191,9 +191,9 @@ TEST_F(DatabaseDamage, AnHdf5FileOfAnotherKindIsForeign) {
 
 TEST_F(DatabaseDamage, ANewerMajorVersionIsRefused) {
   EXPECT_SAYS(after([](hid_t file) {
-                set_version(file, 2);
+                set_version(file, 3);
               }),
-              "has format version 2, this program reads 1; use a newer one");
+              "has format version 3, this program reads 2; use a newer one");
 }
 
 TEST_F(DatabaseDamage, AMissingPartIsNamed) {
@@ -217,9 +217,9 @@ TEST_F(DatabaseDamage, AMissingPartIsNamed) {
 
 TEST_F(DatabaseDamage, AWrongUnitIsNamed) {
   EXPECT_SAYS(after([](hid_t file) {
-                set_text(file, "/body/position_m", "unit", "mm");
+                set_text(file, "/body/position_m", "units", "mm");
               }),
-              "dataset /body/position_m has the unit \"mm\", must be \"m\"");
+              "dataset /body/position_m has the units \"mm\", must be \"m\"");
 }
 
 TEST_F(DatabaseDamage, AWrongTypeShapeOrLayoutIsNamed) {

@@ -23,7 +23,7 @@ TEST_F(DatabaseTool, InfoSaysWhatIsInside) {
   const ToolRun run = run_tool_process("palpate-db", {"info", file_, "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json report = Json::parse(run.out);
-  EXPECT_EQ(report.at("format_version"), 1);
+  EXPECT_EQ(report.at("format_version"), 2);
   EXPECT_EQ(report.at("nodes"), 6);
   EXPECT_EQ(report.at("triangles"), 8);
   EXPECT_EQ(report.at("tools"), (Json{"tip", "ball"}));

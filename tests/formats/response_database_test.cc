@@ -1,5 +1,7 @@
 #include "formats/response_database.h"
 
+#include <limits>
+
 #include "formats/error.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
@@ -88,6 +90,88 @@ TEST(ResponseDatabase, KeepsTheShapeOfEveryTool) {
   for (std::size_t i = 0; i < 4; ++i) {
     expect_equal(read.tools[i], written.tools[i]);
   }
+}
+
+// Everything that a table may hold beyond what it must.
+void fill_optional_parts(ResponseTable& table) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  table.verified_error_relative = {nan, 0.01, 0.03, nan, nan, nan};
+  table.flags[1] |= kTruncatedPath;
+  table.flags[3] |= kExtrapolated;
+  table.flags[5] |= kFailed;
+  table.failure = {-1, 1, -1, -1, -1, 0};
+  table.failure_reason = {"folded at 2 mm", "no convergence after 40 steps"};
+  table.force_errors_n.assign(table.force_n.size(), 0.001);
+  // Node 0 has four samples, each with its own direction.
+  table.direction_begin = {0, 4, 4, 4, 4, 4, 4};
+  table.sample_direction = Points::Zero(4, 3);
+  table.sample_direction.col(2).setOnes();
+  table.accuracy = {0.05, 2, {0.5, 1.0}, {0.02, 0.03}};
+  table.displacement.basis.setRandom(18, 2);
+  table.displacement.coefficient.setRandom(3, 2);
+  table.displacement.node = {0, 2, 4};
+  table.displacement.depth_m = {0.005, 0.005, 0.004};
+  table.displacement.error_relative = {0.01, 0.02, 0.03};
+}
+
+// NaN compares equal to NaN here.
+std::vector<std::string> printed(const std::vector<double>& values) {
+  std::vector<std::string> list;
+  for (const double value : values) {
+    list.push_back(fmt::format("{}", value));
+  }
+  return list;
+}
+
+TEST(ResponseDatabase, KeepsTheOptionalParts) {
+  const ScratchFolder folder;
+  ResponseDatabase written = small_database();
+  fill_optional_parts(written.tools[1]);
+  write_database(folder / "a.h5", written);
+  const ResponseDatabase read = read_database(folder / "a.h5");
+  EXPECT_TRUE(read.tools[0].verified_error_relative.empty());
+  EXPECT_TRUE(read.tools[0].failure.empty());
+  EXPECT_EQ(read.tools[0].displacement.coefficient.rows(), 0);
+  const ResponseTable& a = read.tools[1];
+  const ResponseTable& b = written.tools[1];
+  expect_equal(a, b);
+  EXPECT_EQ(printed(a.verified_error_relative), printed(b.verified_error_relative));
+  EXPECT_EQ(a.failure, b.failure);
+  EXPECT_EQ(a.failure_reason, b.failure_reason);
+  EXPECT_EQ(a.force_errors_n, b.force_errors_n);
+  EXPECT_EQ(a.direction_begin, b.direction_begin);
+  EXPECT_EQ(a.sample_direction, b.sample_direction);
+  EXPECT_EQ(a.accuracy.budget_relative, b.accuracy.budget_relative);
+  EXPECT_EQ(a.accuracy.verified, b.accuracy.verified);
+  EXPECT_EQ(a.accuracy.quantile_level, b.accuracy.quantile_level);
+  EXPECT_EQ(a.accuracy.error_relative, b.accuracy.error_relative);
+  EXPECT_EQ(a.displacement.basis, b.displacement.basis);
+  EXPECT_EQ(a.displacement.coefficient, b.displacement.coefficient);
+  EXPECT_EQ(a.displacement.node, b.displacement.node);
+  EXPECT_EQ(a.displacement.depth_m, b.displacement.depth_m);
+  EXPECT_EQ(a.displacement.error_relative, b.displacement.error_relative);
+}
+
+TEST(ResponseDatabase, KeepsTheRunsOfAMeasurement) {
+  const ScratchFolder folder;
+  ResponseDatabase written = small_database();
+  Measurement& m = written.measurement;
+  m.depth_m = {0.0, 0.001, 0.0, 0.002};
+  m.force_n = {0.0, 0.2, 0.01, 0.3};
+  m.time_s = {0.0, 1.0, 0.0, 1.0};
+  m.depth_errors_m.assign(4, 1e-6);
+  m.force_errors_n.assign(4, 1e-3);
+  m.run_begin = {0, 2, 4};
+  m.run_node = {3, -1};
+  m.run_name = {"first.csv", "second.csv"};
+  write_database(folder / "a.h5", written);
+  const Measurement read = read_database(folder / "a.h5").measurement;
+  EXPECT_EQ(read.time_s, m.time_s);
+  EXPECT_EQ(read.depth_errors_m, m.depth_errors_m);
+  EXPECT_EQ(read.force_errors_n, m.force_errors_n);
+  EXPECT_EQ(read.run_begin, m.run_begin);
+  EXPECT_EQ(read.run_node, m.run_node);
+  EXPECT_EQ(read.run_name, m.run_name);
 }
 
 TEST(ResponseDatabase, EmptyTextsAndNoMeasurementComeBackEmpty) {

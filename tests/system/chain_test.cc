@@ -136,7 +136,7 @@ TEST_F(Chain, InfoAndCheckReadTheDatabase) {
   const ToolRun info = run_tool_process("palpate-db", {"info", database(), "--json"});
   ASSERT_EQ(info.exit_code, 0) << info.err;
   const Json report = Json::parse(info.out);
-  EXPECT_EQ(report.at("format_version"), 1);
+  EXPECT_EQ(report.at("format_version"), 2);
   EXPECT_EQ(report.at("nodes"), 9);
   EXPECT_EQ(report.at("triangles"), 14);
   EXPECT_EQ(report.at("tools").at(0), "ball");
