@@ -1,5 +1,7 @@
 #include "precompute/command_check.h"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -8,8 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "precompute/bad_faces.h"
+#include "precompute/repair.h"
 #include "precompute/surface_check.h"
 #include "precompute/surface_reader.h"
+#include "precompute/surface_writer.h"
 
 namespace palpate {
 namespace {
@@ -17,6 +22,9 @@ namespace {
 struct CheckFlags {
   std::string mesh;
   std::string length_unit;
+  std::string repair = "off";
+  std::string output;
+  std::string bad_faces;
   bool json = false;
 };
 
@@ -69,18 +77,92 @@ void print_table(const SurfaceReport& report) {
   }
 }
 
+nlohmann::json to_json(const RepairReport& report) {
+  nlohmann::json json = to_json(report.after);
+  json["before"] = to_json(report.before);
+  json["changed"] = nlohmann::json::array();
+  for (const RepairStep& step : report.changed) {
+    json["changed"].push_back({{"what", step.what}, {"count", step.count}});
+  }
+  json["original_vertex"] = report.original_vertex;
+  json["displaced_m"] = report.displaced_m;
+  json["volume_relative"] = report.volume_relative;
+  json["refusal"] = report.refusal;
+  return json;
+}
+
+// What was changed, and each defect before and after.
+void print_repair(const RepairReport& report) {
+  for (const RepairStep& step : report.changed) {
+    fmt::print("  changed               {} {}\n", step.count, step.what);
+  }
+  fmt::print("  {:<22}{:>12}{:>12}\n", "", "before", "after");
+  const auto row = [](const char* what, const auto& before, const auto& after) {
+    fmt::print("  {:<22}{:>12}{:>12}\n", what, before, after);
+  };
+  row("vertices", report.before.vertices, report.after.vertices);
+  row("triangles", report.before.triangles, report.after.triangles);
+  row("parts", report.before.components, report.after.components);
+  row("volume [m^3]", fmt::format("{:.5g}", report.before.volume_m3),
+      fmt::format("{:.5g}", report.after.volume_m3));
+  for (const DefectKind& kind : defect_kinds()) {
+    row(kind.key, (report.before.*kind.defect).count,
+        (report.after.*kind.defect).count);
+  }
+  const auto kept = std::count_if(report.original_vertex.begin(),
+                                  report.original_vertex.end(), [](std::int32_t v) {
+                                    return v >= 0;
+                                  });
+  fmt::print("  vertices kept         {}, new {}\n", kept,
+             std::ssize(report.original_vertex) - kept);
+  fmt::print("  moved by              {:.3g} m at most, volume {:+.2f} %\n",
+             report.displaced_m, 100.0 * report.volume_relative);
+}
+
+// The end of a refusal: the command to try now.
+std::string next_step(const CheckFlags& flags, RepairMode mode) {
+  if (mode == RepairMode::kWrap) {
+    return "mend it by hand";
+  }
+  return fmt::format(
+      "try palpate-precompute check {} --length-unit {} --repair={} -o repaired.obj",
+      flags.mesh, flags.length_unit, mode == RepairMode::kOff ? "safe" : "wrap");
+}
+
+void write_files(const CheckFlags& flags, const SurfaceMesh& mesh,
+                 const RepairedSurface& repaired) {
+  if (!flags.bad_faces.empty()) {
+    write_bad_faces(mesh, bad_faces(mesh), flags.bad_faces);
+  }
+  if (!flags.output.empty() && repaired.report.refusal.empty()) {
+    write_obj(repaired.mesh, flags.output,
+              fmt::format("made by palpate-precompute check {} --repair={}", flags.mesh,
+                          flags.repair));
+  }
+}
+
 void run_check(const CheckFlags& flags) {
-  const CheckedSurface checked =
-      check_surface(read_surface(flags.mesh, flags.length_unit));
-  const SurfaceReport& report = checked.report;
+  const RepairMode mode = repair_mode(flags.repair);
+  const SurfaceMesh mesh = read_surface(flags.mesh, flags.length_unit);
+  const RepairedSurface repaired = repair_surface(mesh, mode);
+  const RepairReport& report = repaired.report;
+  const bool failed = !report.refusal.empty() && mode != RepairMode::kOff;
+  const std::string verdict =
+      failed ? fmt::format("repair \"{}\" failed: {}", flags.repair, report.refusal)
+             : report.after.verdict();
   if (flags.json) {
     fmt::print("{}\n", to_json(report).dump(2));
   } else {
-    fmt::print("{}: {}\n", flags.mesh, report.verdict());
-    print_table(report);
+    fmt::print("{}: {}\n", flags.mesh, verdict);
+    print_table(report.after);
+    if (mode != RepairMode::kOff && !report.before.accepted()) {
+      print_repair(report);
+    }
   }
-  if (!report.accepted()) {
-    throw InputError(fmt::format("{}: {}", flags.mesh, report.verdict()));
+  write_files(flags, mesh, repaired);
+  if (!report.refusal.empty()) {
+    throw InputError(
+        fmt::format("{}: {}; {}", flags.mesh, verdict, next_step(flags, mode)));
   }
 }
 
@@ -95,6 +177,15 @@ void add_check_command(CLI::App& app) {
       ->add_option("--length-unit", flags->length_unit,
                    "unit of the file's coordinates: m, cm, mm, um, in, ...")
       ->required();
+  command
+      ->add_option("--repair", flags->repair,
+                   "safe: mend without moving vertices; wrap: a new surface around")
+      ->check(CLI::IsMember({"off", "safe", "wrap"}))
+      ->capture_default_str();
+  command->add_option("-o,--output", flags->output,
+                      "OBJ file to write the accepted surface to, in metres");
+  command->add_option("--bad-faces", flags->bad_faces,
+                      "PLY file to write the faulty triangles to, coloured by fault");
   command->add_flag("--json", flags->json, "print the report for programs");
   command->callback([flags] {
     run_check(*flags);

@@ -4,11 +4,13 @@
 #include "precompute/command_build.h"
 #include "precompute/command_check.h"
 #include "precompute/command_indent.h"
+#include "precompute/command_remesh.h"
 
 int main(int argc, char** argv) {
   return palpate::run_tool("palpate-precompute",
                            "Computes force-deflection responses of deformable bodies.",
                            {&palpate::add_body_command, &palpate::add_build_command,
-                            &palpate::add_check_command, &palpate::add_indent_command},
+                            &palpate::add_check_command, &palpate::add_indent_command,
+                            &palpate::add_remesh_command},
                            argc, argv);
 }

@@ -138,8 +138,11 @@ void describe(const SurfaceMesh& mesh, RepairMode mode,
     report.refusal = report.after.verdict();
     return;
   }
-  report.displaced_m = std::max(distance_to_surface_m(mesh, result.mesh),
-                                distance_to_surface_m(result.mesh, mesh));
+  report.displaced_m = distance_to_surface_m(mesh, result.mesh);
+  if (report.before.closed()) {  // else a filled hole would count
+    report.displaced_m =
+        std::max(report.displaced_m, distance_to_surface_m(result.mesh, mesh));
+  }
   if (mode == RepairMode::kSafe) {
     report.refusal = doubts(mesh, report);
   }

@@ -33,7 +33,9 @@ struct RepairReport {
   /// (n_vertices) index of the input vertex at the same place, bit for bit; -1: new.
   /// Those that are not new come first, ascending.
   std::vector<std::int32_t> original_vertex;
-  double displaced_m = 0.0;      ///< largest distance between the two surfaces
+  /// Largest distance of the old surface from the new one, and, if the old one was
+  /// closed, of the new one from the old one.
+  double displaced_m = 0.0;
   double volume_relative = 0.0;  ///< change; of volumes of an open surface: meaningless
   std::string refusal;           ///< empty: the result is to be trusted
 };
