@@ -2,24 +2,34 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "formats/scene.h"
 #include "formats/surface_mesh.h"
+#include "precompute/inner_surface.h"
 #include "precompute/material.h"
+#include "precompute/tool_surface.h"
 
 namespace palpate {
 
 struct BodySource {
   SurfaceMesh surface;  ///< in metres, outside out; its vertices are the nodes
   Points normal;        ///< (n_vertices x 3) outward unit normals
-  std::vector<Material> material;  ///< by region: the body, then the inclusions
+  std::vector<InnerSurface> inner;  ///< of inclusions, as the scene has them
+  std::vector<Material> material;   ///< by region: the body, then the inclusions
+  std::vector<std::shared_ptr<const ToolSurface>> tool;  ///< as the scene has them
+  std::vector<std::filesystem::path> files;              ///< that were read
   std::vector<std::string> notes;  ///< what was changed, one line each
 };
 
 /// @throws InputError for a body or scene that the user can mend.
 [[nodiscard]] BodySource read_body(const Scene& scene);
+
+/// Whether a fixed support holds the surface there.
+[[nodiscard]] bool is_held(const Scene& scene, const Eigen::Vector3d& p_m);
 
 /// Vertices to press: in the scene's reach and not held; ascending.
 /// @throws InputError if there are none.

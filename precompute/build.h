@@ -1,50 +1,53 @@
-// From a scene to its response database.
+// From a scene to its response database, by units that survive kills and can be shared
+// out.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "formats/response_database.h"
+#include "formats/response_shard.h"
 #include "formats/scene.h"
-#include "precompute/body_model.h"
-#include "precompute/indentation.h"
+#include "precompute/body_source.h"
 #include "precompute/progress.h"
+#include "precompute/scene_solver.h"
 
 namespace palpate {
 
+struct BuildOptions {
+  std::filesystem::path output;
+  int shard = 0;        ///< [0, shards)
+  int shards = 1;       ///< units are dealt out in turn
+  bool resume = false;  ///< go on from units that an earlier run left beside `output`
+  bool solve_all = false;  ///< every node, none interpolated
+};
+
 struct BuildReport {
-  std::int64_t nodes = 0;  ///< surface vertices of the body
-  std::int64_t tets = 0;
-  std::int64_t unknowns = 0;      ///< degrees of freedom solved for
-  std::int64_t solved = 0;        ///< node responses, all tools
-  std::int64_t interpolated = 0;  ///< none: every reachable node is solved
-  std::int64_t failed = 0;
-  std::int64_t untouched = 0;      ///< reachable, but the tool met nothing to press
-  std::int64_t outside_reach = 0;  ///< held or outside the scene's reach
-  std::int64_t over_budget = 0;    ///< error estimate above the scene's budget
-  double error_median = 0.0;       ///< [-] of the estimates
-  double error_p95 = 0.0;          ///< [-]
-  double node_spacing_m = 0.0;     ///< [m] of the contact nodes, mean
-  double min_dihedral_deg = 0.0;   ///< [deg] smallest angle between faces of a tet
+  std::int64_t nodes = 0;     ///< surface vertices of the body
+  std::int64_t tets = 0;      ///< of the shared mesh; 0 where there is none
+  std::int64_t unknowns = 0;  ///< degrees of freedom of the shared mesh
+  std::int64_t units = 0;
+  std::int64_t resumed = 0;       ///< units that an earlier run had solved
+  Assembly assembly;              ///< of all units; empty for one shard of several
+  double node_spacing_m = 0.0;    ///< [m] of the contact nodes, shared mesh
+  double min_dihedral_deg = 0.0;  ///< [deg] smallest angle between faces of a tet
   double seconds = 0.0;
   std::int64_t peak_memory_bytes = 0;
   std::vector<std::string> notes;
 };
 
-/// Presses every reachable vertex with every tool.
-[[nodiscard]] ResponseDatabase build_database(const Scene& scene, Progress& progress,
-                                              BuildReport& report);
+/// Solves the units of this shard, each kept as soon as it is done, and writes the
+/// output: the database, or for one shard of several a file for `palpate-db merge`.
+/// @throws InputError if units of an earlier run are there and `resume` is not given,
+/// or they belong to another scene, body or version.
+BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress);
 
-struct IndentedVertex {
-  IndentationPath path;
-  Indentation indentation;
-};
-
-/// Presses one vertex with one tool.
-/// @throws InputError if the vertex does not exist or is held.
-[[nodiscard]] IndentedVertex indent_vertex(const Scene& scene, const BodyModel& body,
-                                           const ToolShape& tool, std::int64_t vertex);
+/// The best press of one vertex that the scene's budget asks for, nonlinear at every
+/// depth. @throws InputError if the vertex does not exist or is held.
+[[nodiscard]] PressedNode press_vertex(const Scene& scene, const BodySource& body,
+                                       const SharedTool& tool, std::int64_t vertex,
+                                       Progress& progress);
 
 /// The vertex nearest to a point [m].
 [[nodiscard]] std::int64_t nearest_vertex(const SurfaceMesh& surface,

@@ -23,16 +23,16 @@ struct Flags {
   bool json = false;
 };
 
-const ToolShape& chosen_tool(const Scene& scene, const std::string& name) {
+const SharedTool& chosen_tool(const BodySource& body, const std::string& name) {
   if (name.empty()) {
-    return scene.tool.front();
+    return body.tool.front();
   }
   std::string known;
-  for (const ToolShape& tool : scene.tool) {
-    if (tool.name == name) {
+  for (const SharedTool& tool : body.tool) {
+    if (tool->shape().name == name) {
       return tool;
     }
-    known += (known.empty() ? "" : ", ") + tool.name;
+    known += (known.empty() ? "" : ", ") + tool->shape().name;
   }
   throw InputError(
       fmt::format("tool \"{}\" is not in the scene; it has: {}", name, known));
@@ -42,7 +42,7 @@ std::vector<double> list(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-nlohmann::ordered_json to_json(std::int64_t vertex, const IndentedVertex& result,
+nlohmann::ordered_json to_json(std::int64_t vertex, const PressedNode& result,
                                const NodeResponse& response) {
   nlohmann::ordered_json report{{"vertex", vertex},
                                 {"position_m", list(result.path.vertex_m)},
@@ -63,7 +63,7 @@ nlohmann::ordered_json to_json(std::int64_t vertex, const IndentedVertex& result
   return report;
 }
 
-void print(std::int64_t vertex, const IndentedVertex& result,
+void print(std::int64_t vertex, const PressedNode& result,
            const NodeResponse& response) {
   const Eigen::Vector3d& p = result.path.vertex_m;
   const Eigen::Vector3d n = -result.path.outward;
@@ -88,15 +88,14 @@ void print(std::int64_t vertex, const IndentedVertex& result,
 void run(const Flags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
-  const ToolShape& tool = chosen_tool(scene, flags.tool);
   Progress progress(stderr);
-  const BodyModel body = make_body_model(scene, progress);
-  progress.finish();
+  const BodySource body = read_body(scene);
   const std::int64_t vertex =
       flags.at_m.empty()
           ? flags.vertex
           : nearest_vertex(body.surface, Eigen::Vector3d(flags.at_m.data()));
-  const IndentedVertex result = indent_vertex(scene, body, tool, vertex);
+  const PressedNode result =
+      press_vertex(scene, body, chosen_tool(body, flags.tool), vertex, progress);
   const NodeResponse response =
       to_response(result.indentation, result.path, scene.force_relative);
   if (flags.json) {

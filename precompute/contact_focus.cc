@@ -7,13 +7,15 @@
 #include <memory>
 #include <numbers>
 
+#include "precompute/tool_surface.h"
+
 namespace palpate {
 namespace {
 
 // Distance to the nearest of many points: along x, outwards from the query.
-class NearestPoint {
+class NearestOf {
  public:
-  NearestPoint(const SurfaceMesh& surface, std::span<const std::int32_t> vertices) {
+  NearestOf(const SurfaceMesh& surface, std::span<const std::int32_t> vertices) {
     for (const std::int32_t v : vertices) {
       point_.emplace_back(surface.position_m.row(v).transpose());
     }
@@ -59,11 +61,6 @@ std::uint32_t morton(const Eigen::Vector3d& unit) {
   return code;
 }
 
-// Radius of the contact at a depth, by Hertz: a^2 = R d.
-double contact_radius_m(const ToolShape& tool, double depth_m) {
-  return std::min(tool.radius_m, std::sqrt(tool.radius_m * depth_m));
-}
-
 double growth_for(const Scene& scene) {
   if (scene.contact_resolution > 0.0) {
     return 2.0 / scene.contact_resolution;
@@ -77,18 +74,40 @@ ContactFocus contact_focus(const Scene& scene) {
   ContactFocus focus{.growth = growth_for(scene),
                      .finest_m = std::numeric_limits<double>::infinity()};
   for (const ToolShape& tool : scene.tool) {
-    const double largest = contact_radius_m(tool, scene.reach.depth_max_m);
-    const double smallest = std::max(
-        contact_radius_m(tool, scene.reach.depth_max_m / 16.0), 0.25 * largest);
+    const double depth = scene.reach.depth_max_m;
+    const double largest = expected_contact_radius_m(tool, depth);
+    double smallest =
+        std::max(expected_contact_radius_m(tool, depth / 16.0), 0.25 * largest);
+    if (tool.kind == "flat-punch") {
+      // The pressure at the rim is singular over the edge's radius and beyond.
+      focus.rim_m = std::max(focus.rim_m, tool.radius_m);
+      smallest = std::max(tool.edge_radius_m, tool.radius_m / 8.0);
+    }
+    focus.contact_m = std::max(focus.contact_m, largest);
     focus.finest_m = std::min(focus.finest_m, focus.growth * smallest);
   }
   return focus;
 }
 
+ContactFocus finer(ContactFocus focus, double times) {
+  focus.growth /= times;
+  focus.finest_m /= times;
+  return focus;
+}
+
+double uniform_spacing_m(const Scene& scene) {
+  double contact_m = std::numeric_limits<double>::infinity();
+  for (const ToolShape& tool : scene.tool) {
+    contact_m =
+        std::min(contact_m, expected_contact_radius_m(tool, scene.reach.depth_max_m));
+  }
+  return contact_m * std::min(0.5, 0.5 * growth_for(scene));
+}
+
 EdgeLength wanted_edges(const SurfaceMesh& surface,
                         std::span<const std::int32_t> vertices,
                         const ContactFocus& focus) {
-  return [nearest = std::make_shared<NearestPoint>(surface, vertices),
+  return [nearest = std::make_shared<NearestOf>(surface, vertices),
           focus](const Eigen::Vector3d& p) {
     const double r = nearest->distance_m(p);
     double wanted = focus.growth * (r - focus.core_m);
@@ -99,39 +118,44 @@ EdgeLength wanted_edges(const SurfaceMesh& surface,
   };
 }
 
+std::vector<std::vector<std::int32_t>> in_neighbourhoods(
+    const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
+    std::size_t size) {
+  const Eigen::AlignedBox3d box = bounding_box(surface);
+  const double side =
+      std::max(box.diagonal().maxCoeff(), std::numeric_limits<double>::min());
+  std::vector<std::pair<std::uint32_t, std::int32_t>> order;
+  for (const std::int32_t v : vertices) {
+    const Eigen::Vector3d p = surface.position_m.row(v).transpose();
+    order.emplace_back(morton((p - box.min()) / side), v);
+  }
+  std::sort(order.begin(), order.end());
+  const std::size_t sets = (order.size() + size - 1) / size;
+  std::vector<std::vector<std::int32_t>> result(sets);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    result[i * sets / order.size()].push_back(order[i].second);
+  }
+  for (auto& set : result) {
+    std::sort(set.begin(), set.end());
+  }
+  return result;
+}
+
 std::vector<std::vector<std::int32_t>> group_vertices(
     const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
     const ContactFocus& focus) {
   const double edge = mean_edge_m(surface);
-  std::size_t size = vertices.size();
-  if (edge > 1.5 * focus.finest_m) {
-    // Edges h = g r out to where they meet the body's own: 2 pi r dr / (0.43 h^2) each.
-    const double inner = focus.finest_m / focus.growth;
-    const double outer = std::max(edge / focus.growth, inner);
-    const double own = 2.0 * std::numbers::pi / (0.43 * focus.growth * focus.growth) *
-                       (0.5 + std::log(outer / inner));
-    size = static_cast<std::size_t>(
-        std::clamp(static_cast<double>(surface.triangle.rows()) / own, 1.0, 16.0));
+  if (edge <= 1.5 * focus.finest_m) {
+    return {{vertices.begin(), vertices.end()}};
   }
-  const Eigen::AlignedBox3d box = bounding_box(surface);
-  const double side =
-      std::max(box.diagonal().maxCoeff(), std::numeric_limits<double>::min());
-  std::vector<std::int32_t> order(vertices.begin(), vertices.end());
-  const auto key = [&](std::int32_t v) {
-    const Eigen::Vector3d p = surface.position_m.row(v).transpose();
-    return std::pair(morton((p - box.min()) / side), v);
-  };
-  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    return key(a) < key(b);
-  });
-  std::vector<std::vector<std::int32_t>> groups;
-  for (std::size_t first = 0; first < order.size(); first += size) {
-    groups.emplace_back(order.begin() + static_cast<std::ptrdiff_t>(first),
-                        order.begin() + static_cast<std::ptrdiff_t>(
-                                            std::min(first + size, order.size())));
-    std::sort(groups.back().begin(), groups.back().end());
-  }
-  return groups;
+  // Edges h = g r out to where they meet the body's own: 2 pi r dr / (0.43 h^2) each.
+  const double inner = focus.finest_m / focus.growth;
+  const double outer = std::max(edge / focus.growth, inner);
+  const double own = 2.0 * std::numbers::pi / (0.43 * focus.growth * focus.growth) *
+                     (0.5 + std::log(outer / inner));
+  const double size = static_cast<double>(surface.triangle.rows()) / own;
+  return in_neighbourhoods(surface, vertices,
+                           static_cast<std::size_t>(std::clamp(size, 1.0, 16.0)));
 }
 
 }  // namespace palpate

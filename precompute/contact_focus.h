@@ -19,10 +19,11 @@ namespace palpate {
 /// contact ends at a sixteenth of the largest depth they stay as they are. Around the
 /// rim of a flat punch they shrink likewise.
 struct ContactFocus {
-  double growth = 1.0;    ///< [-] edge over distance
-  double finest_m = 0.0;  ///< [m] smallest edge that is asked for
-  double rim_m = 0.0;     ///< [m] radius of a punch's rim, 0 for none
-  double core_m = 0.0;    ///< [m] distance up to which edges stay at finest_m
+  double growth = 1.0;     ///< [-] edge over distance
+  double finest_m = 0.0;   ///< [m] smallest edge that is asked for
+  double rim_m = 0.0;      ///< [m] radius of a punch's rim, 0 for none
+  double core_m = 0.0;     ///< [m] distance up to which edges stay at finest_m
+  double contact_m = 0.0;  ///< [m] largest radius of a contact
 };
 
 /// From the scene's tools, largest depth and accuracy budget. With gradings measured on
@@ -30,14 +31,25 @@ struct ContactFocus {
 /// half of the budget.
 [[nodiscard]] ContactFocus contact_focus(const Scene& scene);
 
+/// The same, some times finer (or coarser below 1).
+[[nodiscard]] ContactFocus finer(ContactFocus focus, double times);
+
+/// Distance of contact nodes [m] that a uniformly fine surface should have.
+[[nodiscard]] double uniform_spacing_m(const Scene& scene);
+
 /// Wanted edges for a mesh that serves all the given vertices.
 [[nodiscard]] EdgeLength wanted_edges(const SurfaceMesh& surface,
                                       std::span<const std::int32_t> vertices,
                                       const ContactFocus& focus);
 
-/// Splits vertices into groups that share one mesh: as many as refine the body by about
-/// what it has itself, neighbours together; all of them where the body is as fine as
-/// the contact wants. Same input, same groups, in a fixed order.
+/// Splits vertices along a space-filling curve into sets of neighbours, all of about
+/// the same size, at most `size`. Each ascending; same input, same sets, same order.
+[[nodiscard]] std::vector<std::vector<std::int32_t>> in_neighbourhoods(
+    const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
+    std::size_t size);
+
+/// Groups that share one mesh: as many neighbours as refine the body by about what it
+/// has itself; all of them where the body is as fine as the contact wants.
 [[nodiscard]] std::vector<std::vector<std::int32_t>> group_vertices(
     const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
     const ContactFocus& focus);

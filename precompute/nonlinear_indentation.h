@@ -39,7 +39,7 @@ struct NonlinearOptions {
   double spring_factor = 2.0;
   bool sticking = false;
   int bisections_max = 4;  ///< of a step that fails
-  EquilibriumOptions equilibrium;
+  EquilibriumOptions equilibrium = {};
 };
 
 struct NonlinearSample {

@@ -25,6 +25,7 @@ std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
 QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
   QuadraticMesh mesh;
   mesh.corners = tets.position_m.rows();
+  mesh.region = tets.region;
   mesh.tet.resize(tets.tet.rows(), 10);
   std::unordered_map<std::uint64_t, std::int32_t> middle;
   std::vector<std::pair<std::int32_t, std::int32_t>> ends;

@@ -7,6 +7,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "precompute/face_rule.h"
+
 namespace palpate {
 namespace {
 
@@ -77,15 +79,11 @@ std::vector<std::vector<std::int32_t>> near_pairs(
 
 }  // namespace
 
-Supports hold_boxes(const QuadraticMesh& mesh,
-                    std::span<const Eigen::AlignedBox3d> box_m) {
+Supports hold_where(const QuadraticMesh& mesh, const Where& held) {
   Supports supports;
   supports.free_index.assign(static_cast<std::size_t>(3 * mesh.position_m.rows()), 0);
   for (const std::int32_t node : surface_nodes(mesh)) {
-    const Eigen::Vector3d p = mesh.position_m.row(node).transpose();
-    if (std::any_of(box_m.begin(), box_m.end(), [&](const Eigen::AlignedBox3d& box) {
-          return box.contains(p);
-        })) {
+    if (held(mesh.position_m.row(node).transpose())) {
       std::fill_n(supports.free_index.begin() + 3 * std::ptrdiff_t{node}, 3, -1);
     }
   }
@@ -93,6 +91,45 @@ Supports hold_boxes(const QuadraticMesh& mesh,
     index = index < 0 ? -1 : supports.free++;
   }
   return supports;
+}
+
+Supports hold_boxes(const QuadraticMesh& mesh,
+                    std::span<const Eigen::AlignedBox3d> box_m) {
+  return hold_where(mesh, [&](const Eigen::Vector3d& p) {
+    return std::any_of(box_m.begin(), box_m.end(), [&](const Eigen::AlignedBox3d& box) {
+      return box.contains(p);
+    });
+  });
+}
+
+void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
+                    const Where& where) {
+  for (Eigen::Index f = 0; f < mesh.surface.rows(); ++f) {
+    const auto nodes = mesh.surface.row(f);
+    const auto at = [&](int i) -> Eigen::Vector3d {
+      return mesh.position_m.row(nodes[i]).transpose();
+    };
+    const bool inside = std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
+      return where(mesh.position_m.row(n).transpose());
+    });
+    if (!inside) {
+      continue;
+    }
+    const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+    for (const FaceRulePoint& point : face_rule()) {
+      const double k = k_pa_per_m * point.area_share * area;
+      for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+          if (nodes[i] >= nodes[j]) {
+            for (int axis = 0; axis < 3; ++axis) {
+              lower.coeffRef(3 * nodes[i] + axis, 3 * nodes[j] + axis) +=
+                  k * point.shape[i] * point.shape[j];
+            }
+          }
+        }
+      }
+    }
+  }
 }
 
 Stiffness reduce(const Stiffness& lower, const Supports& supports) {
@@ -132,6 +169,7 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      const Supports& supports,
                                      const ContactSurface& surface,
                                      std::vector<std::int32_t> nodes, double radius_m,
+                                     std::span<const char> wanted,
                                      const std::function<void(std::size_t)>& progress) {
   const auto near = near_pairs(surface, nodes, radius_m);
   begin_.push_back(0);
@@ -145,6 +183,16 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
   std::mutex reporting;
   const auto solve_block = [&](std::size_t first) {
     const std::size_t count = std::min(kBlock, nodes.size() - first);
+    const auto block = nodes.begin() + static_cast<std::ptrdiff_t>(first);
+    const bool needed =
+        wanted.empty() || std::any_of(block, block + static_cast<std::ptrdiff_t>(count),
+                                      [&](std::int32_t v) {
+                                        return wanted[static_cast<std::size_t>(v)] != 0;
+                                      });
+    if (!needed) {
+      done += count;
+      return;
+    }
     Eigen::MatrixXd B =
         Eigen::MatrixXd::Zero(factor.size(), static_cast<Eigen::Index>(count));
     for (std::size_t k = 0; k < count; ++k) {

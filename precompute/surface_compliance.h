@@ -19,10 +19,17 @@ struct Supports {
   std::int64_t free = 0;
 };
 
-/// Holds every surface node of the mesh that lies in one of the boxes, in all
+/// Holds every surface node of the mesh whose position [m] is one of those, in all
 /// directions.
+using Where = std::function<bool(const Eigen::Vector3d& p_m)>;
+[[nodiscard]] Supports hold_where(const QuadraticMesh& mesh, const Where& held);
 [[nodiscard]] Supports hold_boxes(const QuadraticMesh& mesh,
                                   std::span<const Eigen::AlignedBox3d> box_m);
+
+/// Adds an elastic foundation to the stiffness: springs of k [Pa/m] per area, in all
+/// directions, under every surface face whose nodes all lie there.
+void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
+                    const Where& where);
 
 /// K without the rows and columns of held degrees of freedom.
 [[nodiscard]] Stiffness reduce(const Stiffness& lower, const Supports& supports);
@@ -35,11 +42,14 @@ class SurfaceCompliance {
   /// Solves for one column per node of `nodes` and keeps the rows within `radius_m`.
   /// Runs on all cores; the result does not depend on their number.
   /// @param nodes contact nodes, ascending.
+  /// @param wanted by contact node: blocks of columns without a wanted one are left
+  /// out; empty: all are wanted. What is wanted does not change the bits of a column.
   /// @param progress called now and then from one thread with the columns done; may
   /// throw.
   SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
                     const ContactSurface& surface, std::vector<std::int32_t> nodes,
-                    double radius_m, const std::function<void(std::size_t)>& progress);
+                    double radius_m, std::span<const char> wanted,
+                    const std::function<void(std::size_t)>& progress);
 
   /// Compliance among the given contact nodes, (n x n). Pairs farther apart than the
   /// radius are zero; every node must be one of those that were solved for.

@@ -49,8 +49,8 @@ struct Block {
     }
     patch = contact_patch(surface, supports, centre,
                           patch_radius_m(straight_down(), fine_m / 2));
-    compliance = std::make_unique<SurfaceCompliance>(factor, supports, surface, patch,
-                                                     1.0, nullptr);
+    compliance = std::make_unique<SurfaceCompliance>(
+        factor, supports, surface, patch, 1.0, std::span<const char>{}, nullptr);
   }
   [[nodiscard]] Indentation press(const IndentationPath& path) const {
     return indent(surface, *compliance, patch, path);

@@ -1,0 +1,109 @@
+#include "formats/response_shard.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "formats/atomic_file.h"
+#include "formats/error.h"
+#include "formats/response_json.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::string_view kMagic = "palpate-shard-1\n";
+
+std::vector<std::byte> to_cbor(const nlohmann::json& json) {
+  const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(json);
+  std::vector<std::byte> result(bytes.size());
+  std::transform(bytes.begin(), bytes.end(), result.begin(), [](std::uint8_t b) {
+    return std::byte{b};
+  });
+  return result;
+}
+
+template <typename T>
+T from_cbor(std::span<const std::byte> bytes, const std::string& source) {
+  try {
+    const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    return nlohmann::json::from_cbor(first, first + bytes.size()).get<T>();
+  } catch (const nlohmann::json::exception& error) {
+    throw FormatError(fmt::format("{} is damaged: {}", source, error.what()));
+  }
+}
+
+std::vector<std::byte> bytes_of_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    throw InputError(fmt::format("{} cannot be read", file.string()));
+  }
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  return {first, first + text.size()};
+}
+
+bool begins_as_shard(std::span<const std::byte> bytes) {
+  return bytes.size() >= kMagic.size() &&
+         std::equal(kMagic.begin(), kMagic.end(), bytes.begin(),
+                    [](char c, std::byte b) {
+                      return static_cast<std::byte>(c) == b;
+                    });
+}
+
+}  // namespace
+
+std::vector<std::byte> to_bytes(const UnitOutcome& unit) {
+  return to_cbor(unit);
+}
+
+std::vector<std::byte> to_bytes(const UnitPlan& plan) {
+  return to_cbor(plan);
+}
+
+UnitOutcome unit_from_bytes(std::span<const std::byte> bytes,
+                            const std::string& source) {
+  return from_cbor<UnitOutcome>(bytes, source);
+}
+
+UnitPlan plan_from_bytes(std::span<const std::byte> bytes, const std::string& source) {
+  return from_cbor<UnitPlan>(bytes, source);
+}
+
+void write_shard(const std::filesystem::path& file, const Shard& shard) {
+  std::vector<std::byte> bytes(kMagic.size());
+  std::transform(kMagic.begin(), kMagic.end(), bytes.begin(), [](char c) {
+    return static_cast<std::byte>(c);
+  });
+  const auto body = to_cbor({{"plan", shard.plan}, {"unit", shard.unit}});
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  AtomicFile place(file);
+  place.write(bytes);
+  place.commit();
+}
+
+Shard read_shard(const std::filesystem::path& file) {
+  const std::vector<std::byte> bytes = bytes_of_file(file);
+  if (!begins_as_shard(bytes)) {
+    throw FormatError(fmt::format("{} is no palpate shard", file.string()));
+  }
+  const auto json =
+      from_cbor<nlohmann::json>(std::span(bytes).subspan(kMagic.size()), file.string());
+  try {
+    return {json.at("plan").get<UnitPlan>(),
+            json.at("unit").get<std::vector<UnitOutcome>>()};
+  } catch (const nlohmann::json::exception& error) {
+    throw FormatError(fmt::format("{} is damaged: {}", file.string(), error.what()));
+  }
+}
+
+bool is_shard(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string head(kMagic.size(), '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return in && head == kMagic;
+}
+
+}  // namespace palpate

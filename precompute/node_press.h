@@ -1,0 +1,77 @@
+// Pressing nodes of a scene on one model of its body: linear, then corrected by the
+// true nonlinear response where that is asked for.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/scene.h"
+#include "precompute/body_model.h"
+#include "precompute/body_source.h"
+#include "precompute/indentation.h"
+#include "precompute/nonlinear_indentation.h"
+#include "precompute/surface_compliance.h"
+
+namespace palpate {
+
+using SharedTool = std::shared_ptr<const ToolSurface>;
+
+/// What a press cost and how far it can be trusted.
+struct PressChecks {
+  std::int64_t newton = 0;         ///< steps, all depths
+  std::int64_t gradients = 0;      ///< conjugate gradients, one solve each
+  std::int64_t near_tets = 0;      ///< treated as nonlinear
+  double smallest_jacobian = 1.0;  ///< [-] det F anywhere, any depth
+};
+
+struct PressedNode {
+  std::int32_t vertex = -1;
+  IndentationPath path;
+  std::vector<std::int32_t> patch =
+      {};  ///< contact nodes of the model; empty: no press
+  Indentation indentation = {};
+  std::string failure = {};  ///< why the path ends early, or is missing; else empty
+  PressChecks checks = {};
+};
+
+/// Whether the scene's materials and method ask for nonlinear solutions.
+[[nodiscard]] bool is_nonlinear(const Scene& scene, const BodySource& body);
+
+/// The path and the patch of a vertex, not pressed yet.
+[[nodiscard]] PressedNode placed_node(const Scene& scene, const BodySource& body,
+                                      const BodyModel& model, const SharedTool& tool,
+                                      std::int32_t vertex);
+
+/// Compliance among the patches of the nodes. @param wanted, told as SurfaceCompliance
+/// has them.
+[[nodiscard]] SurfaceCompliance compliance_of(
+    const BodyModel& model, std::span<const PressedNode> nodes,
+    std::span<const char> wanted,
+    const std::function<void(std::size_t done, std::size_t total)>& told);
+
+/// Presses a placed node into the linear body.
+void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
+                  PressedNode& node);
+
+/// Corrects linear presses by the nonlinear body's response at some of their depths
+/// (all of them if `every_depth`): the difference of the force vectors, relative to the
+/// linear force, is interpolated in between and zero at first touch. Nodes go in lock
+/// step, blocks of at most 32.
+void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
+                     std::span<PressedNode> nodes, const NonlinearOptions& options,
+                     bool every_depth);
+
+struct PressMode {
+  bool nonlinear = false;
+  bool every_depth = false;  ///< nonlinear at every sample of the path
+};
+
+/// Meshes the body around the vertices and presses them with the tool.
+[[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
+    const Scene& scene, const BodySource& body, const SharedTool& tool,
+    std::span<const std::int32_t> vertices, const ContactFocus& focus, PressMode mode);
+
+}  // namespace palpate

@@ -1,0 +1,177 @@
+#include "precompute/path_ratio.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/response_curve.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kNeighbours = 6;
+constexpr double kFloor = 0.1;  // of the largest force: smaller ones count as that
+
+// |F| against penetration past first touch.
+ResponseCurve force_curve(const Indentation& path) {
+  std::vector<double> depth;
+  std::vector<double> force;
+  for (const IndentationSample& sample : path.sample) {
+    depth.push_back(sample.penetration_m - path.sample.front().penetration_m);
+    force.push_back(sample.force_n.norm());
+  }
+  force.front() = 0.0;
+  return {depth, force};
+}
+
+double past_touch_m(const Indentation& path, std::size_t k) {
+  return path.sample[k].penetration_m - path.sample.front().penetration_m;
+}
+
+Eigen::VectorXd error_weights(const Indentation& path) {
+  const std::size_t n = path.sample.size() - 1;
+  const double largest = path.sample.back().force_n.norm();
+  Eigen::VectorXd weight(static_cast<Eigen::Index>(n));
+  for (std::size_t k = 1; k <= n; ++k) {
+    const double step = path.sample[k].penetration_m - path.sample[k - 1].penetration_m;
+    const double share = path.sample[k].force_n.norm() / largest;
+    weight[static_cast<Eigen::Index>(k - 1)] =
+        std::sqrt(step / past_touch_m(path, n)) * std::min(1.0, share / kFloor);
+  }
+  return weight;
+}
+
+double ratio_difference(const PathRatio& a, const PathRatio& b) {
+  const Eigen::Index n = std::min(a.force.size(), b.force.size());
+  return ((a.force.head(n).array() / b.force.head(n).array() - 1.0) *
+          b.weight.head(n).array())
+      .matrix()
+      .norm();
+}
+
+}  // namespace
+
+std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& cheap) {
+  if (good.sample.size() < 3 || cheap.sample.size() < 3) {
+    return std::nullopt;
+  }
+  const ResponseCurve curve = force_curve(good);
+  const auto samples = static_cast<Eigen::Index>(cheap.sample.size() - 1);
+  PathRatio ratio{.touch_shift_m = good.sample.front().penetration_m -
+                                   cheap.sample.front().penetration_m,
+                  .force = Eigen::VectorXd(samples),
+                  .weight = error_weights(cheap)};
+  // Both paths end at the same penetration; a shift of first touch stretches one.
+  const double stretch =
+      1.0 -
+      ratio.touch_shift_m / (past_touch_m(cheap, cheap.sample.size() - 1) + 1e-300);
+  double last = 1.0;
+  for (std::size_t k = 1; k < cheap.sample.size(); ++k) {
+    const double depth = past_touch_m(cheap, k) * stretch;
+    if (depth <= curve.depth_max_m() * (1.0 + 1e-9)) {
+      last = curve.at(std::min(depth, curve.depth_max_m())).force_n /
+             cheap.sample[k].force_n.norm();
+    }
+    ratio.force[static_cast<Eigen::Index>(k - 1)] = last;
+  }
+  return ratio;
+}
+
+Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
+                   double force_max_n) {
+  Indentation path = cheap;
+  const std::size_t last = path.sample.size() - 1;
+  const double stretch =
+      1.0 - ratio.touch_shift_m / (past_touch_m(cheap, last) + 1e-300);
+  const double touch = cheap.sample.front().penetration_m + ratio.touch_shift_m;
+  for (std::size_t k = 0; k <= last; ++k) {
+    IndentationSample& sample = path.sample[k];
+    sample.penetration_m = touch + past_touch_m(cheap, k) * stretch;
+    if (k > 0) {
+      const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
+      sample.force_n *= ratio.force[i];
+      sample.coarse_force_n *= ratio.force[i];
+      sample.energy_j *= ratio.force[i];
+      if (sample.force_n.norm() > force_max_n) {
+        path.force_capped = true;
+        path.sample.resize(k + 1);
+        return path;
+      }
+    }
+  }
+  path.force_capped = false;
+  return path;
+}
+
+void RatioField::add(std::int32_t vertex, PathRatio ratio) {
+  known_.push_back({vertex, std::move(ratio)});
+}
+
+std::vector<RatioField::Weight> RatioField::weights(std::int32_t vertex,
+                                                    std::int32_t without) const {
+  const Eigen::Vector3d p = surface_.position_m.row(vertex).transpose();
+  const Eigen::Vector3d n = normal_.row(vertex).transpose();
+  std::vector<Weight> weights;
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    const std::int32_t v = known_[i].vertex;
+    if (v != without) {
+      const double facing =
+          std::max(0.1, 0.5 + 0.5 * n.dot(normal_.row(v).transpose()));
+      weights.push_back(
+          {i, 0.0, (surface_.position_m.row(v).transpose() - p).norm() / facing});
+    }
+  }
+  const std::size_t kept = std::min(kNeighbours, weights.size());
+  std::partial_sort(weights.begin(),
+                    weights.begin() + static_cast<std::ptrdiff_t>(kept), weights.end(),
+                    [](const Weight& a, const Weight& b) {
+                      return a.distance_m < b.distance_m;
+                    });
+  weights.resize(kept);
+  double sum = 0.0;
+  for (Weight& w : weights) {
+    w.weight = 1.0 / (w.distance_m * w.distance_m + 1e-300);
+    sum += w.weight;
+  }
+  for (Weight& w : weights) {
+    w.weight /= sum;
+  }
+  return weights;
+}
+
+PathRatio RatioField::at(std::int32_t vertex, std::int32_t without) const {
+  PathRatio mean;
+  for (const Weight& w : weights(vertex, without)) {
+    const PathRatio& ratio = known_[w.known].ratio;
+    if (mean.force.size() < ratio.force.size()) {
+      // A longer path goes on where shorter ones end.
+      const Eigen::Index before = mean.force.size();
+      mean.force.conservativeResize(ratio.force.size());
+      mean.force.tail(ratio.force.size() - before)
+          .setConstant(before > 0 ? mean.force[before - 1] : 0.0);
+    }
+    for (Eigen::Index k = 0; k < mean.force.size(); ++k) {
+      mean.force[k] += w.weight * ratio.force[std::min(k, ratio.force.size() - 1)];
+    }
+    mean.touch_shift_m += w.weight * ratio.touch_shift_m;
+  }
+  return mean;
+}
+
+std::vector<double> RatioField::leave_one_out() const {
+  std::vector<double> errors;
+  for (const Known& known : known_) {
+    errors.push_back(ratio_difference(at(known.vertex, known.vertex), known.ratio));
+  }
+  return errors;
+}
+
+double RatioField::error_at(std::int32_t vertex,
+                            std::span<const double> leave_one_out) const {
+  double sum = 0.0;
+  for (const Weight& w : weights(vertex, -1)) {
+    sum += w.weight * leave_one_out[w.known] * leave_one_out[w.known];
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace palpate

@@ -1,0 +1,76 @@
+// How a good solution of a node's press compares with a cheap one, and what that says
+// about its neighbours.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/surface_mesh.h"
+#include "precompute/indentation.h"
+
+namespace palpate {
+
+/// Good over cheap along a path, at equal shares of the depth after first touch.
+struct PathRatio {
+  double touch_shift_m = 0.0;  ///< [m] good first touch minus the cheap one
+  Eigen::VectorXd force;       ///< (k) [-] at the cheap path's samples but the first
+  /// (k) [-] what a relative error there counts, less where the force is below a tenth
+  /// of the largest; squares are shares of the depth.
+  Eigen::VectorXd weight;
+};
+
+/// None where either path has fewer than two samples after the first touch. Where the
+/// good path is shorter its last ratio goes on.
+[[nodiscard]] std::optional<PathRatio> path_ratio(const Indentation& good,
+                                                  const Indentation& cheap);
+
+/// The cheap path, scaled. Directions stay as they were.
+[[nodiscard]] Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
+                                 double force_max_n);
+
+/// Ratios known at some vertices of a surface, and between them.
+class RatioField {
+ public:
+  RatioField(const SurfaceMesh& surface, const Points& normal)
+      : surface_(surface), normal_(normal) {}
+
+  void add(std::int32_t vertex, PathRatio ratio);
+
+  [[nodiscard]] std::size_t size() const { return known_.size(); }
+
+  /// Mean of the nearest known ratios, weighted by inverse squares of distance, those
+  /// of surfaces that face elsewhere less. @param without a vertex that must not count.
+  [[nodiscard]] PathRatio at(std::int32_t vertex, std::int32_t without = -1) const;
+
+  /// Leave-one-out error of every known vertex, in the order of add().
+  [[nodiscard]] std::vector<double> leave_one_out() const;
+
+  /// Error expected at a vertex: rms of the leave-one-out errors around it, weighted as
+  /// ratios are. A neighbour is farther from a left-out vertex than from this one, so
+  /// that this is rather too large than too small.
+  [[nodiscard]] double error_at(std::int32_t vertex,
+                                std::span<const double> leave_one_out) const;
+
+ private:
+  struct Known {
+    std::int32_t vertex = -1;
+    PathRatio ratio;
+  };
+  struct Weight {
+    std::size_t known = 0;
+    double weight = 0.0;
+    double distance_m = 0.0;
+  };
+  [[nodiscard]] std::vector<Weight> weights(std::int32_t vertex,
+                                            std::int32_t without) const;
+
+  const SurfaceMesh& surface_;
+  const Points& normal_;
+  std::vector<Known> known_;
+};
+
+}  // namespace palpate

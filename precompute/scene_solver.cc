@@ -1,0 +1,123 @@
+#include "precompute/scene_solver.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace palpate {
+namespace {
+
+NonlinearOptions options_of(const SharedTool& tool) {
+  return {.sticking = tool->shape().sticking};
+}
+
+}  // namespace
+
+Approach choose_approach(const Scene& scene, const BodySource& body) {
+  Approach approach;
+  const bool sticking =
+      std::any_of(scene.tool.begin(), scene.tool.end(), [](const ToolShape& tool) {
+        return tool.sticking;
+      });
+  approach.nonlinear =
+      scene.accuracy.method == "nonlinear" || is_nonlinear(scene, body) || sticking;
+  approach.focus = contact_focus(scene);
+  const UniformSurface uniform = uniform_surface(scene, body);
+  approach.subdivisions = uniform.subdivisions;
+  approach.spacing_m = uniform.node_spacing_m;
+  const std::string& refine = scene.accuracy.refine;
+  approach.shared_mesh =
+      refine == "global" || (refine == "auto" && uniform.fine_enough);
+  approach.graded = refine != "global";
+  approach.cheap_is_good = !approach.nonlinear;
+  if (approach.shared_mesh && !uniform.fine_enough) {
+    approach.notes.push_back(fmt::format(
+        "contact nodes are {:.3g} mm apart where the scene asks for {:.3g} mm: a finer "
+        "surface would be too large; refine = \"local\" meshes the contact alone",
+        1e3 * uniform.node_spacing_m, 1e3 * uniform_spacing_m(scene)));
+  }
+  return approach;
+}
+
+SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
+                         const Approach& approach,
+                         std::span<const std::int32_t> vertices,
+                         std::span<const std::int32_t> pressed, Progress& progress)
+    : scene_(scene), body_(body), approach_(approach) {
+  if (!approach.shared_mesh) {
+    return;
+  }
+  progress.stage("shared mesh and factor");
+  model_.emplace(make_body_model(scene, body, uniform_surface(scene, body).surface));
+  progress.stage("surface compliance");
+  std::vector<PressedNode> placed;
+  std::vector<char> wanted(model_->contact.node.size(), 0);
+  for (const SharedTool& tool : body.tool) {
+    for (const std::int32_t v : vertices) {
+      placed.push_back(placed_node(scene, body, *model_, tool, v));
+      if (std::binary_search(pressed.begin(), pressed.end(), v)) {
+        for (const std::int32_t c : placed.back().patch) {
+          wanted[static_cast<std::size_t>(c)] = 1;
+        }
+      }
+    }
+  }
+  compliance_.emplace(
+      compliance_of(*model_, placed, wanted, [&](std::size_t done, std::size_t total) {
+        progress.advance(done, total, "columns");
+      }));
+}
+
+std::vector<PressedNode> SceneSolver::cheap(
+    const SharedTool& tool, std::span<const std::int32_t> vertices) const {
+  std::vector<PressedNode> nodes;
+  if (approach_.shared_mesh) {
+    for (const std::int32_t v : vertices) {
+      PressedNode node = placed_node(scene_, body_, *model_, tool, v);
+      press_linear(*model_, *compliance_, node);
+      nodes.push_back(std::move(node));
+    }
+    return nodes;
+  }
+  return on_own_meshes(tool, vertices, approach_.focus, false);
+}
+
+std::vector<PressedNode> SceneSolver::on_own_meshes(
+    const SharedTool& tool, std::span<const std::int32_t> vertices,
+    const ContactFocus& focus, bool nonlinear) const {
+  const auto groups = group_vertices(body_.surface, vertices, focus);
+  std::vector<std::vector<PressedNode>> pressed(groups.size());
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
+      pressed[i] = press_on_own_mesh(scene_, body_, tool, groups[i], focus,
+                                     {.nonlinear = nonlinear});
+    });
+  });
+  std::vector<PressedNode> nodes;
+  for (auto& group : pressed) {
+    std::move(group.begin(), group.end(), std::back_inserter(nodes));
+  }
+  std::sort(nodes.begin(), nodes.end(), [](const PressedNode& a, const PressedNode& b) {
+    return a.vertex < b.vertex;
+  });
+  return nodes;
+}
+
+std::vector<PressedNode> SceneSolver::good(const SharedTool& tool,
+                                           std::span<const std::int32_t> vertices,
+                                           double times_finer) const {
+  if (approach_.graded || times_finer != 1.0) {
+    return on_own_meshes(tool, vertices, finer(approach_.focus, times_finer),
+                         approach_.nonlinear);
+  }
+  std::vector<PressedNode> nodes = cheap(tool, vertices);
+  if (approach_.nonlinear) {
+    press_nonlinear(*model_, *compliance_, nodes, options_of(tool), false);
+  }
+  return nodes;
+}
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+// The two ways to press a scene's nodes: cheaply, all of them at once, and well, one by
+// one.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/scene.h"
+#include "precompute/body_model.h"
+#include "precompute/body_source.h"
+#include "precompute/node_press.h"
+#include "precompute/progress.h"
+
+namespace palpate {
+
+/// What a scene asks for and its body allows.
+struct Approach {
+  bool nonlinear = false;  ///< good presses solve the nonlinear problem
+  /// Cheap presses share one uniformly fine mesh and its factor; else every group of
+  /// neighbours has a mesh of its own.
+  bool shared_mesh = true;
+  bool graded = true;  ///< good presses have a mesh of their own, graded to the contact
+  /// Cheap presses are all that is wanted, or as good as good ones.
+  bool cheap_is_good = false;
+  int subdivisions = 0;    ///< of the shared mesh's surface
+  double spacing_m = 0.0;  ///< [m] contact nodes of the shared mesh
+  ContactFocus focus;      ///< of meshes of good presses
+  std::vector<std::string> notes;
+};
+
+[[nodiscard]] Approach choose_approach(const Scene& scene, const BodySource& body);
+
+class SceneSolver {
+ public:
+  /// @param vertices every reachable vertex; pressed ones are among them.
+  /// @param pressed whose shared columns will be needed.
+  SceneSolver(const Scene& scene, const BodySource& body, const Approach& approach,
+              std::span<const std::int32_t> vertices,
+              std::span<const std::int32_t> pressed, Progress& progress);
+
+  /// Linear presses. Safe from several threads, same bits from any.
+  [[nodiscard]] std::vector<PressedNode> cheap(
+      const SharedTool& tool, std::span<const std::int32_t> vertices) const;
+
+  /// The best presses there are at the approach's mesh size, or some times finer.
+  [[nodiscard]] std::vector<PressedNode> good(const SharedTool& tool,
+                                              std::span<const std::int32_t> vertices,
+                                              double times_finer = 1.0) const;
+
+  /// None where no mesh is shared.
+  [[nodiscard]] const BodyModel* shared() const { return model_ ? &*model_ : nullptr; }
+
+ private:
+  [[nodiscard]] std::vector<PressedNode> on_own_meshes(
+      const SharedTool& tool, std::span<const std::int32_t> vertices,
+      const ContactFocus& focus, bool nonlinear) const;
+
+  const Scene& scene_;
+  const BodySource& body_;
+  const Approach& approach_;
+  std::optional<BodyModel> model_;
+  std::optional<SurfaceCompliance> compliance_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,254 @@
+#include "precompute/unit_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "precompute/path_ratio.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kFirstSamples = 6;
+constexpr std::size_t kMoreSamples = 4;
+constexpr double kShareOfBudget = 0.8;  // that interpolation may use
+
+// Spreads the indices of vertices evenly and without order (Steele, Lea and Flood
+// 2014).
+std::uint64_t scrambled(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15ULL;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return x ^ (x >> 31);
+}
+
+std::size_t territory_size(std::size_t vertices) {
+  return std::clamp<std::size_t>((vertices + 15) / 16, 32, 256);
+}
+
+// The vertices of a territory, each with its cheap press and, where it is solved, its
+// good one.
+class Territory {
+ public:
+  Territory(const Scene& scene, const BodySource& body, const SceneSolver& solver,
+            const SharedTool& tool, const Unit& unit)
+      : scene_(scene),
+        body_(body),
+        solver_(solver),
+        tool_(tool),
+        vertex_(unit.vertex),
+        cheap_(solver.cheap(tool, unit.vertex)),
+        good_(unit.vertex.size()),
+        field_(body.surface, body.normal) {}
+
+  void solve_all() {
+    std::vector<std::size_t> all(vertex_.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      all[i] = i;
+    }
+    solve(all);
+  }
+
+  void solve_within_budget() {
+    solve(farthest(kFirstSamples, {}));
+    while (true) {
+      const std::vector<double> left_out = field_.leave_one_out();
+      std::vector<double> error(vertex_.size(), 0.0);
+      for (std::size_t i = 0; i < vertex_.size(); ++i) {
+        if (!good_[i] && touches(i)) {
+          error[i] = expected_error(i, left_out);
+        }
+      }
+      const double worst = *std::max_element(error.begin(), error.end());
+      if (!(worst > kShareOfBudget * scene_.force_relative)) {
+        return;
+      }
+      solve(farthest(kMoreSamples, error));
+    }
+  }
+
+  void answer(std::int32_t tool, std::vector<UnitNode>& nodes) const {
+    const std::vector<double> left_out = field_.leave_one_out();
+    for (std::size_t i = 0; i < vertex_.size(); ++i) {
+      UnitNode node{.tool = tool, .vertex = vertex_[i], .response = {}, .failure = {}};
+      if (good_[i]) {
+        node.response =
+            to_response(good_[i]->indentation, good_[i]->path, scene_.force_relative);
+        node.failure = good_[i]->failure;
+      } else {
+        node.failure = cheap_[i].failure;
+        node.response = interpolated(i, left_out);
+      }
+      if (!node.failure.empty() && node.response.origin == ResponseOrigin::kNone) {
+        node.response.flags = kFailed;
+      }
+      nodes.push_back(std::move(node));
+    }
+  }
+
+  void take_cheap_for_good() {
+    for (std::size_t i = 0; i < vertex_.size(); ++i) {
+      good_[i] = cheap_[i];
+    }
+  }
+
+ private:
+  [[nodiscard]] bool touches(std::size_t i) const {
+    return cheap_[i].indentation.sample.size() > 1;
+  }
+
+  [[nodiscard]] double expected_error(std::size_t i,
+                                      std::span<const double> left_out) const {
+    return left_out.size() < 2 ? std::numeric_limits<double>::infinity()
+                               : field_.error_at(vertex_[i], left_out);
+  }
+
+  [[nodiscard]] NodeResponse interpolated(std::size_t i,
+                                          std::span<const double> left_out) const {
+    if (!touches(i)) {
+      return {};
+    }
+    const Indentation path =
+        scaled(cheap_[i].indentation, field_.at(vertex_[i]), scene_.reach.force_max_n);
+    NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
+    response.origin = ResponseOrigin::kInterpolated;
+    response.error_relative = expected_error(i, left_out);
+    response.flags = static_cast<std::uint8_t>(
+        (response.flags & ~(kErrorOverBudget | kCoarseContact)) |
+        (response.error_relative > scene_.force_relative ? kErrorOverBudget : 0));
+    return response;
+  }
+
+  void solve(const std::vector<std::size_t>& which) {
+    std::vector<std::int32_t> vertices;
+    for (const std::size_t i : which) {
+      vertices.push_back(vertex_[i]);
+    }
+    std::sort(vertices.begin(), vertices.end());
+    for (PressedNode& node : solver_.good(tool_, vertices)) {
+      const auto i = static_cast<std::size_t>(
+          std::lower_bound(vertex_.begin(), vertex_.end(), node.vertex) -
+          vertex_.begin());
+      if (node.failure.empty() && touches(i)) {
+        if (auto ratio = path_ratio(node.indentation, cheap_[i].indentation)) {
+          field_.add(node.vertex, std::move(*ratio));
+        }
+      }
+      good_[i] = std::move(node);
+    }
+  }
+
+  // Vertices that are not solved yet, each the farthest from those solved or chosen;
+  // where errors are given, distances count in proportion to them.
+  [[nodiscard]] std::vector<std::size_t> farthest(std::size_t count,
+                                                  std::span<const double> error) const {
+    const auto position = [&](std::size_t i) -> Eigen::Vector3d {
+      return body_.surface.position_m.row(vertex_[i]).transpose();
+    };
+    std::vector<double> distance(vertex_.size(),
+                                 std::numeric_limits<double>::infinity());
+    const auto take = [&](std::size_t chosen) {
+      for (std::size_t i = 0; i < vertex_.size(); ++i) {
+        distance[i] = std::min(distance[i], (position(i) - position(chosen)).norm());
+      }
+    };
+    for (std::size_t i = 0; i < vertex_.size(); ++i) {
+      if (good_[i]) {
+        take(i);
+      }
+    }
+    std::vector<std::size_t> chosen;
+    while (chosen.size() < count) {
+      std::optional<std::size_t> best;
+      double most = 0.0;
+      for (std::size_t i = 0; i < vertex_.size(); ++i) {
+        const double worth = distance[i] * (error.empty() ? 1.0 : error[i]);
+        if (!good_[i] && worth > most) {
+          best = i;
+          most = worth;
+        }
+      }
+      if (!best) {
+        break;
+      }
+      chosen.push_back(*best);
+      take(*best);
+    }
+    return chosen;
+  }
+
+  const Scene& scene_;
+  const BodySource& body_;
+  const SceneSolver& solver_;
+  const SharedTool& tool_;
+  const std::vector<std::int32_t>& vertex_;
+  std::vector<PressedNode> cheap_;
+  std::vector<std::optional<PressedNode>> good_;
+  RatioField field_;
+};
+
+UnitOutcome solve_check(const Scene& scene, const BodySource& body,
+                        const SceneSolver& solver, const Unit& unit) {
+  UnitOutcome outcome{.index = unit.index, .is_check = true, .node = {}};
+  for (std::size_t t = 0; t < body.tool.size(); ++t) {
+    for (const PressedNode& node : solver.good(body.tool[t], unit.vertex, 2.0)) {
+      outcome.node.push_back(
+          {.tool = static_cast<std::int32_t>(t),
+           .vertex = node.vertex,
+           .response = to_response(node.indentation, node.path, scene.force_relative),
+           .failure = node.failure});
+    }
+  }
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
+                           std::span<const std::int32_t> vertices) {
+  std::vector<Unit> units;
+  for (auto& group :
+       in_neighbourhoods(body.surface, vertices, territory_size(vertices.size()))) {
+    units.push_back({static_cast<std::int64_t>(units.size()), false, std::move(group)});
+  }
+  std::vector<std::int32_t> order(vertices.begin(), vertices.end());
+  const auto checks =
+      std::min(order.size(), static_cast<std::size_t>(scene.accuracy.verify));
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(checks),
+                    order.end(), [](std::int32_t a, std::int32_t b) {
+                      return scrambled(static_cast<std::uint64_t>(a)) <
+                             scrambled(static_cast<std::uint64_t>(b));
+                    });
+  for (std::size_t i = 0; i < checks; ++i) {
+    units.push_back({static_cast<std::int64_t>(units.size()), true, {order[i]}});
+  }
+  return units;
+}
+
+UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
+                       const Approach& approach, const SceneSolver& solver,
+                       const Unit& unit, bool solve_all) {
+  if (unit.is_check) {
+    return solve_check(scene, body, solver, unit);
+  }
+  UnitOutcome outcome{.index = unit.index, .is_check = false, .node = {}};
+  for (std::size_t t = 0; t < body.tool.size(); ++t) {
+    Territory territory(scene, body, solver, body.tool[t], unit);
+    if (approach.cheap_is_good) {
+      territory.take_cheap_for_good();
+    } else if (solve_all) {
+      territory.solve_all();
+    } else {
+      territory.solve_within_budget();
+    }
+    territory.answer(static_cast<std::int32_t>(t), outcome.node);
+  }
+  return outcome;
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+// A scene cut into units of work, and the solution of each.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "formats/response_shard.h"
+#include "formats/scene.h"
+#include "precompute/body_source.h"
+#include "precompute/scene_solver.h"
+
+namespace palpate {
+
+/// Either a territory: neighbouring vertices that are answered together, some solved,
+/// some interpolated from those. Or a check: one vertex that is solved again one level
+/// finer.
+struct Unit {
+  std::int64_t index = -1;
+  bool is_check = false;
+  std::vector<std::int32_t> vertex;  ///< ascending
+};
+
+/// Territories in the order of a space-filling curve, then checks. The same for every
+/// shard and number of workers. @param vertices reachable ones, ascending.
+[[nodiscard]] std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
+                                         std::span<const std::int32_t> vertices);
+
+/// Solves a unit for every tool. Nodes are solved well until the ratio of good and
+/// cheap solutions, interpolated between them, predicts each left-out one within the
+/// budget; the rest is cheap times ratio.
+/// @param solve_all no interpolation.
+[[nodiscard]] UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
+                                     const Approach& approach,
+                                     const SceneSolver& solver, const Unit& unit,
+                                     bool solve_all);
+
+}  // namespace palpate
