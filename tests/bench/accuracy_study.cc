@@ -1,0 +1,376 @@
+// palpate contact against closed forms: linear bodies pressed by rigid tools.
+//
+// Prints one row per case: what is pressed, where on its curve, force over the
+// reference, the bound it must keep, tets, contact
+// nodes and seconds of one processor. Exit 1 if a bound is missed.
+// An argument runs only the cases whose name holds it; --all runs the slow ones too.
+//
+// Every case stands in the table at the end: a body, how its mesh is graded, a tool and
+// the forces that it must give. A case of another kind needs a material in Body and
+// its reference there.
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "precompute/indentation.h"
+#include "precompute/lock_step.h"
+#include "precompute/longest_edge.h"
+#include "precompute/nonlinear_indentation.h"
+#include "precompute/primitive_bodies.h"
+#include "precompute/tetrahedralise.h"
+#include "tests/support/tool_shapes.h"
+
+namespace palpate {
+namespace {
+
+using std::numbers::pi;
+
+// Every contact has this radius at the largest depth.
+constexpr double kContactRadius_m = 1e-3;
+constexpr double kYoung_pa = 10e3;
+// A half-space is a block of so many contact radii: it adds about 0.2 % of force.
+constexpr double kLargeBlock = 400.0;
+
+// A slab [-half_width, half_width]^2 x [-depth, 0], held at its floor.
+struct Body {
+  double half_width_m = kLargeBlock * kContactRadius_m;
+  double depth_m = kLargeBlock * kContactRadius_m;
+  double poissons_ratio = 0.3;
+
+  [[nodiscard]] Material material() const { return linear(kYoung_pa, poissons_ratio); }
+  [[nodiscard]] double plane_modulus_pa() const {
+    return kYoung_pa / (1.0 - poissons_ratio * poissons_ratio);
+  }
+};
+
+// Edges are growth times the distance from a circle about the origin on the top, never
+// shorter than finest_m; a circle without radius is the origin itself.
+struct Grading {
+  double growth = 0.7;
+  double finest_m = 0.0;
+  double circle_m = 0.0;
+  bool apex = false;  // and from the origin
+};
+
+struct Press {
+  std::string where;
+  double depth_m = 0.0;
+  double force_n = 0.0;  // reference
+};
+
+struct Case {
+  std::string name;
+  Body body;
+  Grading grading;
+  ToolShape tool = {};
+  std::vector<Press> press = {};
+  double bound = 0.0;  // [-] of |force / reference - 1|
+  bool slow = false;   // only with --all: takes longer than 20 s
+  bool stuck = false;  // references are then over the frictionless force
+};
+
+// Thin bodies have two edges or more through their thickness under the contact.
+EdgeLength edge_length(const Body& body, const Grading& grading) {
+  return [body, grading](const Eigen::Vector3d& p) {
+    const double r = std::hypot(p.x(), p.y());
+    double distance = std::hypot(r - grading.circle_m, p.z());
+    if (grading.apex) {
+      distance = std::min(distance, p.norm());
+    }
+    const double beside = std::max(0.0, r - kContactRadius_m - body.depth_m);
+    const double thin = 0.5 * body.depth_m + 0.7 * beside;
+    return std::min(std::max(grading.growth * distance, grading.finest_m), thin);
+  };
+}
+
+// A body ready to be pressed at its origin.
+class Bench {
+ public:
+  Bench(const Body& body, const Grading& grading) : material_{body.material()} {
+    const SurfaceMesh coarse =
+        graded_block(body.half_width_m, body.depth_m, 0.5 * body.half_width_m, 2);
+    const SurfaceMesh fine =
+        refine_longest_edge(coarse, edge_length(body, grading), 200000);
+    const TetMesh tets = tetrahedralise(fine);
+    tets_ = tets.tet.rows();
+    mesh_ = make_quadratic(tets, fine.triangle);
+    const double w = body.half_width_m;
+    const double floor_m = -body.depth_m * (1.0 - 1e-9);
+    const Eigen::AlignedBox3d floor(Eigen::Vector3d(-2.0 * w, -2.0 * w, 2.0 * floor_m),
+                                    Eigen::Vector3d(2.0 * w, 2.0 * w, floor_m));
+    supports_ = hold_boxes(mesh_, std::span(&floor, 1));
+    surface_ = make_contact_surface(mesh_);
+    factor_ = std::make_unique<CholeskyFactor>(
+        reduce(assemble_stiffness(mesh_, material_), supports_));
+  }
+
+  // The nodes that the tool may touch at the largest depth.
+  void reach(const ToolShape& tool, double depth_m, double spacing_m) {
+    path_ = {.vertex_m = Eigen::Vector3d::Zero(),
+             .outward = Eigen::Vector3d::UnitZ(),
+             .tool = std::make_shared<const ToolSurface>(tool),
+             .depth_max_m = depth_m,
+             .force_max_n = std::numeric_limits<double>::infinity(),
+             .samples = 1};
+    patch_ = contact_patch(surface_, supports_, surface_.of_mesh_node[0],
+                           patch_radius_m(path_, spacing_m));
+    compliance_ = std::make_unique<SurfaceCompliance>(
+        *factor_, supports_, surface_, patch_, std::numeric_limits<double>::infinity(),
+        nullptr);
+  }
+
+  [[nodiscard]] IndentationSample press(double depth_m) const {
+    IndentationPath path = path_;
+    path.depth_max_m = depth_m;
+    const Indentation indentation = indent(surface_, *compliance_, patch_, path);
+    if (!indentation.converged || indentation.reached_patch_edge) {
+      throw std::runtime_error("the contact was not found");
+    }
+    return indentation.sample.back();
+  }
+
+  // Pressed a little without friction, then stuck to the tool.
+  [[nodiscard]] double stuck_force_n(double depth_m) const {
+    std::vector<PressStep> steps;
+    for (const double depth : {1e-3 * depth_m, depth_m}) {
+      steps.push_back({depth, tool_at(path_, depth), press(depth).pressure_n});
+    }
+    NonlinearOptions options;
+    options.sticking = true;
+    options.equilibrium.multiplier_relative = 1e-3;
+    const NonlinearIndentation result = indent_nonlinear(
+        {mesh_, material_, supports_, surface_}, patch_, compliance_->among(patch_),
+        steps,
+        [this](double depth) {
+          return tool_at(path_, depth);
+        },
+        single_solves(*factor_), options);
+    if (!result.converged()) {
+      throw std::runtime_error(result.failure);
+    }
+    return result.sample.back().force_n.z();
+  }
+
+  [[nodiscard]] Eigen::Index tets() const { return tets_; }
+  [[nodiscard]] std::size_t patch() const { return patch_.size(); }
+
+ private:
+  std::vector<Material> material_;
+  Eigen::Index tets_ = 0;
+  QuadraticMesh mesh_;
+  Supports supports_;
+  ContactSurface surface_;
+  std::unique_ptr<CholeskyFactor> factor_;
+  IndentationPath path_;
+  std::vector<std::int32_t> patch_;
+  std::unique_ptr<SurfaceCompliance> compliance_;
+};
+
+// Processor time of this process and of those that it has waited for (TetGen's).
+double processor_s() {
+  double seconds = 0.0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    for (const timeval& time : {usage.ru_utime, usage.ru_stime}) {
+      seconds +=
+          static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    }
+  }
+  return seconds;
+}
+
+// Whether the bounds of all its rows are kept.
+bool run(const Case& c) {
+  const double began_s = processor_s();
+  Bench bench(c.body, c.grading);
+  bench.reach(c.tool, c.press.back().depth_m, c.grading.finest_m);
+  bool kept = true;
+  for (const Press& press : c.press) {
+    const double slipping_n = bench.press(press.depth_m).force_n.z();
+    const double ratio =
+        (c.stuck ? bench.stuck_force_n(press.depth_m) / slipping_n : slipping_n) /
+        press.force_n;
+    const bool within = std::abs(ratio - 1.0) <= c.bound;
+    fmt::print("{:<28} {:<16} {:>8.4f} {:>7.1f} % {:>8} {:>6} {:>7.1f}{}\n", c.name,
+               press.where, ratio, 100.0 * c.bound, bench.tets(), bench.patch(),
+               processor_s() - began_s, within ? "" : "  MISSED");
+    std::fflush(stdout);
+    kept = kept && within;
+  }
+  return kept;
+}
+
+Grading around_rim(double finest, double growth) {
+  return {.growth = growth,
+          .finest_m = finest * kContactRadius_m,
+          .circle_m = kContactRadius_m};
+}
+
+// Sphere on a half-space, at the largest depth and two smaller ones, on one mesh.
+Case sphere_case(double nu) {
+  const double a = kContactRadius_m;
+  const double R = 50.0 * a;
+  Case c{.name = fmt::format("sphere, nu {}", nu),
+         .body = {.poissons_ratio = nu},
+         .grading = {.growth = 0.4, .finest_m = 0.1 * a},
+         .tool = sphere(R),
+         .bound = 0.01};
+  for (const double share : {1.0 / 16.0, 0.25, 1.0}) {
+    const double d = share * a * a / R;
+    c.press.push_back(
+        {fmt::format("a/a_max {:.2f}", std::sqrt(share)), d,
+         4.0 / 3.0 * c.body.plane_modulus_pa() * std::sqrt(R) * d * std::sqrt(d)});
+  }
+  return c;
+}
+
+// The rim is round on 0.2 % of the radius; the depth is too small for it to matter.
+Case punch_case(double nu) {
+  const double a = kContactRadius_m;
+  const double d = 0.002 * a;
+  Case c{.name = fmt::format("flat punch, nu {}", nu),
+         .body = {.poissons_ratio = nu},
+         .grading = around_rim(0.055, 1.5),
+         .tool = flat_punch(a, 0.002 * a),
+         .bound = 0.01};
+  c.press = {{"edge/a 0.002", d, 2.0 * c.body.plane_modulus_pa() * a * d}};
+  return c;
+}
+
+Case cone_case(double half_angle_deg) {
+  const double a = kContactRadius_m;
+  const double tangent = std::tan(half_angle_deg * pi / 180.0);
+  const double d = 0.5 * pi * a / tangent;
+  Case c{.name = fmt::format("cone, {:.0f} deg", half_angle_deg),
+         .body = {},
+         .grading = {.growth = 0.4, .finest_m = 0.1 * a},
+         .tool = cone(half_angle_deg * pi / 180.0, 0.0),
+         .bound = 0.01};
+  for (const double share : {0.25, 0.5, 1.0}) {
+    const double at = share * d;
+    c.press.push_back({fmt::format("a/a_max {:.2f}", share), at,
+                       2.0 / pi * c.body.plane_modulus_pa() * tangent * at * at});
+  }
+  return c;
+}
+
+Body layer(double a_over_h, double nu) {
+  const double h = kContactRadius_m / a_over_h;
+  return {
+      .half_width_m = kContactRadius_m + 6.0 * h, .depth_m = h, .poissons_ratio = nu};
+}
+
+// A contact node straddles the rim, so that the punch acts as one that is smaller by
+// about a seventh of the finest edge; thin layers feel its radius to the power 2.5.
+Case layer_punch_case(double a_over_h, double nu, double kappa, double finest) {
+  const double a = kContactRadius_m;
+  const double d = 0.002 * a;
+  Case c{.name = fmt::format("layer, punch, nu {}", nu),
+         .body = layer(a_over_h, nu),
+         .grading = around_rim(finest, 2.0),
+         .tool = flat_punch(a, 0.002 * a),
+         .bound = 0.015};
+  c.press = {{fmt::format("a/h {}", a_over_h), d,
+              2.0 * c.body.plane_modulus_pa() * a * d * kappa}};
+  return c;
+}
+
+Case layer_paraboloid_case(double a_over_h, double nu, double kappa, double chi) {
+  const double a = kContactRadius_m;
+  const double R = 50.0 * a;
+  const double d = chi * a * a / R;
+  const double G = 0.5 * kYoung_pa / (1.0 + nu);
+  Case c{.name = fmt::format("layer, paraboloid, nu {}", nu),
+         .body = layer(a_over_h, nu),
+         .grading = around_rim(0.2, 0.7),
+         .tool = sphere(R),
+         .bound = 0.015};
+  c.press = {{fmt::format("a/h {}", a_over_h), d,
+              8.0 * G * a * d * kappa / (3.0 * (1.0 - nu))}};
+  return c;
+}
+
+Case stuck_punch_case(double nu) {
+  Case c = punch_case(nu);
+  c.name = fmt::format("stuck punch, nu {}", nu);
+  c.grading.finest_m = 0.15 * kContactRadius_m;  // the rim's error cancels
+  c.stuck = true;
+  c.press.front().where = "over slipping";
+  c.press.front().force_n = (1.0 - nu) * std::log(3.0 - 4.0 * nu) / (1.0 - 2.0 * nu);
+  return c;
+}
+
+// Layers: values computed anew for the problem of Hayes et al. (1972).
+std::vector<Case> cases() {
+  std::vector<Case> all{sphere_case(0.3), sphere_case(0.45), punch_case(0.3),
+                        punch_case(0.45), cone_case(80.0)};
+  struct Row {
+    double a_over_h, nu, kappa, finest;
+  };
+  for (const Row& row : {Row{0.2, 0.3, 1.207, 0.06}, Row{1.0, 0.3, 2.484, 0.045},
+                         Row{2.0, 0.3, 4.353, 0.04}, Row{0.2, 0.45, 1.252, 0.06},
+                         Row{1.0, 0.45, 3.091, 0.04}, Row{2.0, 0.45, 6.421, 0.03},
+                         Row{0.2, 0.4999, 1.281, 0.06}, Row{1.0, 0.4999, 3.619, 0.03},
+                         Row{2.0, 0.4999, 9.149, 0.03}}) {
+    all.push_back(layer_punch_case(row.a_over_h, row.nu, row.kappa, row.finest));
+    all.back().slow = row.finest < 0.05;
+  }
+  struct RoundRow {
+    double a_over_h, nu, kappa, chi;
+  };
+  for (const RoundRow& row :
+       {RoundRow{0.2, 0.3, 1.131, 0.8876}, RoundRow{0.6, 0.3, 1.486, 0.7281},
+        RoundRow{2.0, 0.3, 3.279, 0.5730}, RoundRow{0.2, 0.45, 1.159, 0.8678},
+        RoundRow{0.6, 0.45, 1.619, 0.6849}, RoundRow{2.0, 0.45, 4.464, 0.5099},
+        RoundRow{0.2, 0.4999, 1.175, 0.8563}, RoundRow{0.6, 0.4999, 1.709, 0.6586},
+        RoundRow{2.0, 0.4999, 5.711, 0.4549}}) {
+    all.push_back(layer_paraboloid_case(row.a_over_h, row.nu, row.kappa, row.chi));
+  }
+  for (const double nu : {0.0, 0.3, 0.45}) {
+    all.push_back(stuck_punch_case(nu));
+  }
+  return all;
+}
+
+int study(const std::string& wanted, bool all) {
+  fmt::print("{:<28} {:<16} {:>8} {:>9} {:>8} {:>6} {:>7}\n", "case", "parameter",
+             "F/F_ref", "bound", "tets", "nodes", "s");
+  int missed = 0;
+  for (const Case& c : cases()) {
+    if (c.name.find(wanted) == std::string::npos || (c.slow && !all)) {
+      continue;
+    }
+    try {
+      missed += run(c) ? 0 : 1;
+    } catch (const std::exception& error) {
+      fmt::print("{:<28} {}  MISSED\n", c.name, error.what());
+      ++missed;
+    }
+  }
+  fmt::print("{} missed a bound\n", missed == 0 ? "none" : fmt::format("{}", missed));
+  return missed == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  std::string wanted;
+  bool all = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    all = all || argument == "--all";
+    wanted = argument == "--all" ? wanted : argument;
+  }
+  return palpate::study(wanted, all);
+}
