@@ -75,11 +75,11 @@ void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
   }
 }
 
-// Y: the surfaces are left alone; M: coplanar triangles stay apart. Dihedral angles:
-// below 8 degrees they are refined away and above 140 swapped away, with all means
-// (O9/7) and as far as the surface lets them.
+// Y: the surfaces are left alone; M: coplanar triangles stay apart. Dihedral angles
+// below 8 degrees are refined and above 130 swapped away, as far as the surface lets
+// them. No O for more levels of swapping: it gains nothing and never ends on needles.
 std::string switches(const TetOptions& options, double scale) {
-  std::string text = fmt::format("pYMQq{:.4f}/8o/140O9/7", options.radius_edge_max);
+  std::string text = fmt::format("pYMQq{:.4f}/8o/130", options.radius_edge_max);
   if (std::isfinite(options.edge_max_m)) {
     text += fmt::format("a{:.12f}", regular_tet_volume(scale * options.edge_max_m));
   }

@@ -24,7 +24,8 @@ struct TetOptions {
   std::size_t memory_limit_bytes = 8'000'000'000;
   /// Wanted edge [m] at a point of the body, on top of edge_max_m: a tet is no larger
   /// than the regular one of the edge wanted at its centre, but for those that a coarse
-  /// surface triangle holds up. Runs in the child process. Empty: no wish.
+  /// surface triangle holds up and, by a little, those swapped against slivers. Runs in
+  /// the child process. Empty: no wish.
   std::function<double(const Eigen::Vector3d&)> size{};
 };
 
