@@ -11,6 +11,7 @@
 
 #include "formats/error.h"
 #include "precompute/bad_faces.h"
+#include "precompute/quality_notes.h"
 #include "precompute/repair.h"
 #include "precompute/surface_check.h"
 #include "precompute/surface_reader.h"
@@ -48,7 +49,8 @@ nlohmann::json to_json(const SurfaceReport& report) {
                       {"volume_m3", report.volume_m3},
                       {"extent_m", to_json(report.extent_m)},
                       {"edge_mean_m", report.edge_mean_m},
-                      {"smallest_angle_rad", report.smallest_angle_rad}};
+                      {"smallest_angle_rad", report.smallest_angle_rad},
+                      {"notes", quality_notes(report)}};
   for (const DefectKind& kind : defect_kinds()) {
     const SurfaceDefect& defect = report.*kind.defect;
     nlohmann::json where = nlohmann::json::array();
@@ -74,6 +76,9 @@ void print_table(const SurfaceReport& report) {
              degrees(report.smallest_angle_rad));
   for (const DefectKind& kind : defect_kinds()) {
     fmt::print("  {:<22}{}\n", kind.key, (report.*kind.defect).count);
+  }
+  for (const std::string& note : quality_notes(report)) {
+    fmt::print("  note                  {}\n", note);
   }
 }
 
