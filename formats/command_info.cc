@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/chunk_reader.h"
 #include "formats/database_summary.h"
 #include "formats/response_database.h"
 
@@ -37,6 +38,8 @@ Json to_json(const ToolSummary& tool) {
           {"coarse_contact", tool.coarse_contact},
           {"error_over_budget", tool.error_over_budget},
           {"failed", tool.failed},
+          {"extrapolated", tool.extrapolated},
+          {"truncated_path", tool.truncated_path},
           {"depth_max_m", tool.depth_max_m},
           {"force_max_n", tool.force_max_n},
           {"stiffness_max_n_per_m", tool.stiffness_max_n_per_m},
@@ -44,29 +47,39 @@ Json to_json(const ToolSummary& tool) {
           {"direction_spread_max_rad", tool.direction_spread_max_rad}};
 }
 
-Json to_json(const ResponseDatabase& database, std::uintmax_t bytes) {
+// Of all nodes.
+Eigen::Vector3d size_m(const DatabaseIndex& index) {
+  return (index.box_max_m.colwise().maxCoeff() - index.box_min_m.colwise().minCoeff())
+      .transpose();
+}
+
+Json to_json(const DatabaseIndex& index) {
   Json names = Json::array();
   Json details = Json::array();
   double depth_max_m = 0.0;
-  for (const ResponseTable& table : database.tools) {
-    names.push_back(table.tool.name);
-    details.push_back(to_json(summarise(table)));
-    depth_max_m = std::max(depth_max_m, table.depth_max_m());
+  for (const ToolIndex& tool : index.tools) {
+    const ToolSummary summary = summarise(tool);
+    names.push_back(tool.tool.name);
+    details.push_back(to_json(summary));
+    depth_max_m = std::max(depth_max_m, summary.depth_max_m);
   }
-  const Eigen::Vector3d size = bounding_box(database.body).sizes();
+  const Eigen::Vector3d size = size_m(index);
   return {{"format_version", kDatabaseVersion},
-          {"nodes", database.body.position_m.rows()},
-          {"triangles", database.body.triangle.rows()},
+          {"nodes", index.nodes()},
+          {"triangles", index.triangles()},
           {"tools", names},
           {"depth_max_m", depth_max_m},
-          {"bytes", bytes},
+          {"bytes", index.bytes},
           {"size_m", {size.x(), size.y(), size.z()}},
           {"tool_details", details},
-          {"measured_samples", database.measurement.depth_m.size()},
-          {"writer", database.provenance.writer},
-          {"source_file", database.provenance.source_file},
-          {"source_sha256", database.provenance.source_sha256},
-          {"left_out", database.provenance.left_out}};
+          {"measured_samples", index.measured_samples},
+          {"precision", name_of(index.storage.precision)},
+          {"compressed", index.storage.compress},
+          {"chunks", index.chunks()},
+          {"writer", index.provenance.writer},
+          {"source_file", index.provenance.source_file},
+          {"source_sha256", index.provenance.source_sha256},
+          {"left_out", index.provenance.left_out}};
 }
 
 void print(const ToolSummary& tool) {
@@ -87,37 +100,36 @@ void print(const ToolSummary& tool) {
       tool.error_relative_max);
 }
 
-void print(const ResponseDatabase& database, std::uintmax_t bytes) {
-  const Eigen::Vector3d size = 1e3 * bounding_box(database.body).sizes();
-  const Provenance& provenance = database.provenance;
-  fmt::print("format     version {}, {} bytes, by {}\n", kDatabaseVersion, bytes,
+void print(const DatabaseIndex& index) {
+  const Eigen::Vector3d size = 1e3 * size_m(index);
+  const Provenance& provenance = index.provenance;
+  fmt::print("format     version {}, {} bytes, by {}\n", kDatabaseVersion, index.bytes,
              provenance.writer);
+  fmt::print("storage    {}{}, {} chunks\n", name_of(index.storage.precision),
+             index.storage.compress ? " compressed" : "", index.chunks());
   fmt::print("body       {} nodes, {} triangles, {:.4g} x {:.4g} x {:.4g} mm\n",
-             database.body.position_m.rows(), database.body.triangle.rows(), size.x(),
-             size.y(), size.z());
+             index.nodes(), index.triangles(), size.x(), size.y(), size.z());
   fmt::print("source     {}, SHA-256 {}\n", provenance.source_file,
              provenance.source_sha256.empty() ? "unknown" : provenance.source_sha256);
-  if (!database.measurement.depth_m.empty()) {
-    fmt::print("measured   {} samples\n", database.measurement.depth_m.size());
+  if (index.measured_samples > 0) {
+    fmt::print("measured   {} samples\n", index.measured_samples);
   }
   if (!provenance.left_out.empty()) {
     fmt::print("left out   {}\n", provenance.left_out);
   }
-  for (const ResponseTable& table : database.tools) {
-    print(summarise(table));
+  for (const ToolIndex& tool : index.tools) {
+    print(summarise(tool));
   }
 }
 
 void run(const Flags& flags) {
-  const ResponseDatabase database = read_database(flags.file);
-  const std::uintmax_t bytes = std::filesystem::file_size(flags.file);
+  const DatabaseIndex index = read_index(flags.file);
   if (flags.json) {
     // Texts come from a file: what is not UTF-8 is replaced, not refused.
-    fmt::print(
-        "{}\n",
-        to_json(database, bytes).dump(-1, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n",
+               to_json(index).dump(-1, ' ', false, Json::error_handler_t::replace));
   } else {
-    print(database, bytes);
+    print(index);
   }
 }
 

@@ -11,9 +11,13 @@
 
 #include "formats/hdf5_io.h"
 #include "formats/response_database.h"
+#include "formats/select_nodes.h"
+#include "formats/storage.h"
 #include "formats/vtk_cells.h"
 
 namespace palpate::content {
+
+constexpr const char* kFormatName = "palpate-response-database";
 
 /// Texts without line ends, as one text with a line each; and back.
 [[nodiscard]] std::string join_lines(const std::vector<std::string>& lines);
@@ -42,10 +46,14 @@ void exchange_axis(File& file, const std::string& group, Axis& axis) {
   }
 }
 
-// What minor version 1 added: written only where it says something, so that a sphere
-// has no more attributes than it had before.
+// Of a tool's shape, what its kind does not have is not written.
 template <typename File, typename Tool>
 void exchange_shape(File& file, const std::string& group, Tool& tool) {
+  file.group(group);
+  file.attribute(group, "shape", tool.kind);
+  file.attribute(group, "radius_m", tool.radius_m);
+  file.attribute(group, "friction", tool.friction);
+  file.attribute(group, "presliding_m", tool.presliding_m);
   exchange_number(file, group, "edge_radius_m", tool.edge_radius_m);
   exchange_number(file, group, "half_angle_rad", tool.half_angle_rad);
   exchange_number(file, group, "tip_radius_m", tool.tip_radius_m);
@@ -120,14 +128,9 @@ void exchange_displacement(File& file, const std::string& group, Field& field) {
   }
 }
 
+// One row per node.
 template <typename File, typename Table>
-void exchange_tool(File& file, const std::string& group, Table& table) {
-  file.group(group);
-  file.attribute(group, "shape", table.tool.kind);
-  file.attribute(group, "radius_m", table.tool.radius_m);
-  file.attribute(group, "friction", table.tool.friction);
-  file.attribute(group, "presliding_m", table.tool.presliding_m);
-  exchange_shape(file, group, table.tool);
+void exchange_nodes(File& file, const std::string& group, Table& table) {
   file.dataset(group + "/direction", "1", table.direction);
   file.dataset(group + "/direction_spread_rad", "rad", table.direction_spread_rad);
   file.dataset(group + "/touch_offset_m", "m", table.touch_offset_m);
@@ -145,11 +148,33 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
              "falling_curve force_capped coarse_contact error_over_budget failed "
              "extrapolated truncated_path",
              true);
-  file.dataset(group + "/sample_begin", "1", table.sample_begin);
-  file.dataset(group + "/depth_m", "m", table.depth_m);
-  file.dataset(group + "/force_n", "N", table.force_n);
-  file.dataset(group + "/stiffness_n_per_m", "N m-1", table.stiffness_n_per_m);
-  file.dataset(group + "/energy_j", "J", table.energy_j);
+  file.begins(group + "/sample_begin", table.sample_begin);
+}
+
+// One row per sample of every node's curve.
+template <typename File, typename Table>
+void exchange_samples(File& file, const std::string& group, Table& table) {
+  const std::string slope = group + "/stiffness_n_per_m";
+  const std::string energy = group + "/energy_j";
+  file.reals(group + "/depth_m", "m", table.depth_m, table.sample_begin);
+  file.reals(group + "/force_n", "N", table.force_n, table.sample_begin);
+  if (file.keeps_slopes(slope)) {
+    file.samples(slope, "N m-1", table.stiffness_n_per_m);
+    file.samples(energy, "J", table.energy_j);
+    return;
+  }
+  if constexpr (!File::kWrites) {
+    remake_curves(table);
+  }
+  file.digest_only(slope, table.stiffness_n_per_m);
+  file.digest_only(energy, table.energy_j);
+}
+
+template <typename File, typename Table>
+void exchange_tool(File& file, const std::string& group, Table& table) {
+  exchange_shape(file, group, table.tool);
+  exchange_nodes(file, group, table);
+  exchange_samples(file, group, table);
   exchange_quality(file, group, table);
   exchange_displacement(file, group + "/displacement", table.displacement);
 }
@@ -166,22 +191,42 @@ void exchange_measurement(File& file, Measured& measurement) {
   exchange_lines(file, "/measurement/run_name", measurement.run_name);
 }
 
-template <typename File, typename Database>
-void exchange_rest(File& file, Database& database) {
-  file.group("/body");
-  file.dataset("/body/position_m", "m", database.body.position_m);
-  file.dataset("/body/triangle", "1", database.body.triangle);
-  file.dataset("/body/normal", "1", database.normal);
-  auto& measurement = database.measurement;
-  if (file.optional_group("/measurement", !measurement.depth_m.empty())) {
-    exchange_measurement(file, measurement);
-  }
-  auto& provenance = database.provenance;
+// Provenance without the scene, which can be long.
+template <typename File, typename Source>
+void exchange_source(File& file, Source& provenance) {
   file.group("/provenance");
   file.attribute("/provenance", "source_file", provenance.source_file);
   file.attribute("/provenance", "source_sha256", provenance.source_sha256);
   file.attribute("/provenance", "left_out", provenance.left_out);
-  file.text("/provenance/scene_toml", provenance.scene_toml);
+}
+
+// How the file stores what it holds: no part of the content, nor of its digest.
+inline void exchange_storage(Hdf5Writer& file, const StorageOptions& storage) {
+  file.group("/storage");
+  file.remark("/storage", "precision", name_of(storage.precision));
+  file.remark("/storage", "compression", storage.compress ? "deflate" : "none");
+  file.remark("/storage", "chunk_nodes", storage.chunk_nodes);
+}
+void exchange_storage(Hdf5Reader& file, StorageOptions& storage);
+
+/// @throws FormatError if the file is of another kind or major version.
+void read_version(Hdf5Reader& file, const std::string& name);
+[[nodiscard]] std::vector<std::string> read_tool_names(Hdf5Reader& file);
+
+template <typename File, typename Database, typename Order>
+void exchange_rest(File& file, Database& database, Order& order) {
+  file.group("/body");
+  file.dataset("/body/position_m", "m", database.body.position_m);
+  file.dataset("/body/triangle", "1", database.body.triangle);
+  file.dataset("/body/normal", "1", database.normal);
+  file.dataset("/body/source_node", "1", order.node);
+  file.dataset("/body/source_triangle", "1", order.triangle);
+  auto& measurement = database.measurement;
+  if (file.optional_group("/measurement", !measurement.depth_m.empty())) {
+    exchange_measurement(file, measurement);
+  }
+  exchange_source(file, database.provenance);
+  file.text("/provenance/scene_toml", database.provenance.scene_toml);
 }
 
 // The body as VTK's readers know it, outside the digest: all of it follows from the

@@ -1,6 +1,7 @@
 #include "formats/database_summary.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace palpate {
 namespace {
@@ -33,11 +34,42 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.coarse_contact = flagged(kCoarseContact);
   summary.error_over_budget = flagged(kErrorOverBudget);
   summary.failed = flagged(kFailed);
+  summary.extrapolated = flagged(kExtrapolated);
+  summary.truncated_path = flagged(kTruncatedPath);
   summary.depth_max_m = table.depth_max_m();
   summary.force_max_n = largest_of(table.force_n);
   summary.stiffness_max_n_per_m = largest_of(table.stiffness_max_n_per_m);
   summary.error_relative_max = largest_of(table.error_relative);
   summary.direction_spread_max_rad = largest_of(table.direction_spread_rad);
+  return summary;
+}
+
+ToolSummary summarise(const ToolIndex& tool) {
+  const auto of_origin = [&](ResponseOrigin origin) {
+    return tool.origin_count[static_cast<std::size_t>(origin)];
+  };
+  const auto flagged = [&](ResponseFlag flag) {
+    return tool.flag_count[static_cast<std::size_t>(
+        std::countr_zero(static_cast<unsigned>(flag)))];
+  };
+  ToolSummary summary;
+  summary.tool = tool.tool;
+  summary.simulated = of_origin(ResponseOrigin::kSimulated);
+  summary.interpolated = of_origin(ResponseOrigin::kInterpolated);
+  summary.measured = of_origin(ResponseOrigin::kMeasured);
+  summary.responses = summary.simulated + summary.interpolated + summary.measured;
+  summary.falling = flagged(kFallingCurve);
+  summary.force_capped = flagged(kForceCapped);
+  summary.coarse_contact = flagged(kCoarseContact);
+  summary.error_over_budget = flagged(kErrorOverBudget);
+  summary.failed = flagged(kFailed);
+  summary.extrapolated = flagged(kExtrapolated);
+  summary.truncated_path = flagged(kTruncatedPath);
+  summary.depth_max_m = largest_of(tool.depth_max_m);
+  summary.force_max_n = largest_of(tool.force_max_n);
+  summary.stiffness_max_n_per_m = largest_of(tool.stiffness_max_n_per_m);
+  summary.error_relative_max = largest_of(tool.error_relative_max);
+  summary.direction_spread_max_rad = largest_of(tool.direction_spread_max_rad);
   return summary;
 }
 

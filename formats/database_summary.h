@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/database_index.h"
 #include "formats/response_database.h"
 
 namespace palpate {
@@ -21,6 +22,8 @@ struct ToolSummary {
   std::int64_t coarse_contact = 0;        ///< contact radius below 1.5 node spacings
   std::int64_t error_over_budget = 0;     ///< outside the scene's accuracy budget
   std::int64_t failed = 0;                ///< solves that failed: no curve
+  std::int64_t extrapolated = 0;          ///< beyond the curves they come from
+  std::int64_t truncated_path = 0;        ///< the solve stopped early
   double depth_max_m = 0.0;               ///< [m]
   double force_max_n = 0.0;               ///< [N] of any sample
   double stiffness_max_n_per_m = 0.0;     ///< [N/m] largest slope
@@ -29,5 +32,8 @@ struct ToolSummary {
 };
 
 [[nodiscard]] ToolSummary summarise(const ResponseTable& table);
+
+/// The same from the index alone: no response is read.
+[[nodiscard]] ToolSummary summarise(const ToolIndex& tool);
 
 }  // namespace palpate

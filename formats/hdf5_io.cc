@@ -19,6 +19,12 @@ void ContentDigest::add(std::string_view head, const void* data, std::size_t byt
   digest_.update({static_cast<const std::byte*>(data), bytes});
 }
 
+Hdf5Lock::Hdf5Lock()
+    : guard_([]() -> std::recursive_mutex& {
+        static std::recursive_mutex mutex;
+        return mutex;
+      }()) {}
+
 QuietHdf5::QuietHdf5() {
   H5E_auto2_t function = nullptr;
   H5Eget_auto2(H5E_DEFAULT, &function, &data_);
@@ -46,6 +52,8 @@ hid_t file_type(Hdf5Type type) {
       return H5T_STD_I64LE;
     case Hdf5Type::kInt32:
       return H5T_STD_I32LE;
+    case Hdf5Type::kInt16:
+      return H5T_STD_I16LE;
     case Hdf5Type::kUint8:
       break;
   }
@@ -62,6 +70,8 @@ const char* name_of(Hdf5Type type) {
       return "int64";
     case Hdf5Type::kInt32:
       return "int32";
+    case Hdf5Type::kInt16:
+      return "int16";
     case Hdf5Type::kUint8:
       break;
   }
@@ -76,6 +86,8 @@ std::size_t bytes_of(Hdf5Type type) {
     case Hdf5Type::kFloat32:
     case Hdf5Type::kInt32:
       return 4;
+    case Hdf5Type::kInt16:
+      return 2;
     case Hdf5Type::kUint8:
       break;
   }

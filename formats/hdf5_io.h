@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,11 +20,12 @@
 #include <Eigen/Core>
 
 #include "formats/sha256.h"
+#include "formats/storage.h"
 
 namespace palpate {
 
 /// Element types that a dataset can have; all little-endian in the file.
-enum class Hdf5Type { kFloat64, kFloat32, kInt64, kInt32, kUint8 };
+enum class Hdf5Type { kFloat64, kFloat32, kInt64, kInt32, kInt16, kUint8 };
 
 template <typename T>
 constexpr Hdf5Type hdf5_type() {
@@ -35,6 +37,8 @@ constexpr Hdf5Type hdf5_type() {
     return Hdf5Type::kInt64;
   } else if constexpr (std::same_as<T, std::int32_t>) {
     return Hdf5Type::kInt32;
+  } else if constexpr (std::same_as<T, std::int16_t>) {
+    return Hdf5Type::kInt16;
   } else {
     static_assert(std::same_as<T, std::uint8_t>);
     return Hdf5Type::kUint8;
@@ -57,6 +61,17 @@ class ContentDigest {
 
  private:
   Sha256 digest_;
+};
+
+/// Excludes all other use of HDF5 in the process, whose library is not thread-safe.
+/// Whoever makes a reader or a writer holds one while it uses it. One thread can hold
+/// several.
+class Hdf5Lock {
+ public:
+  Hdf5Lock();
+
+ private:
+  std::lock_guard<std::recursive_mutex> guard_;
 };
 
 /// Switches HDF5's error printing off for its lifetime.
@@ -84,7 +99,9 @@ class Hdf5Writer {
  public:
   static constexpr bool kWrites = true;
 
-  Hdf5Writer();
+  /// Larger datasets are compressed if the options say so; their precision is that of
+  /// reals().
+  explicit Hdf5Writer(const StorageOptions& storage = {});
   ~Hdf5Writer();
   Hdf5Writer(const Hdf5Writer&) = delete;
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
@@ -144,6 +161,27 @@ class Hdf5Writer {
           {values.rows() / 3, 3, values.cols()}, true);
   }
 
+  /// (rows) of samples, and begins of rows: as dataset().
+  void samples(const std::string& path, const char* units,
+               const std::vector<double>& values) {
+    dataset(path, units, values);
+  }
+  void begins(const std::string& path, const std::vector<std::int64_t>& values) {
+    dataset(path, "1", values);
+  }
+
+  /// (rows) in the precision of the options; scaled by node, which owns the rows
+  /// [begin[i], begin[i + 1]). Digested in double precision, as they will be read.
+  void reals(const std::string& path, const char* units,
+             const std::vector<double>& values, const std::vector<std::int64_t>& begin);
+
+  /// Slopes and energies, if the precision of the options keeps them; else they enter
+  /// the digest alone. @return whether they are in the file
+  [[nodiscard]] bool keeps_slopes(const std::string& /*path*/) const {
+    return storage_.precision == Precision::kFloat64;
+  }
+  void digest_only(const std::string& path, const std::vector<double>& values);
+
   /// (rows), outside the digest: what follows from the rest of the content.
   template <typename T>
   void derived(const std::string& path, const char* units,
@@ -151,6 +189,19 @@ class Hdf5Writer {
     write(path, units, hdf5_type<T>(), values.data(),
           {static_cast<std::int64_t>(values.size())}, false);
   }
+  template <typename T>
+  void derived(const std::string& path, const char* units, const RowMajor3<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), 3}, false);
+  }
+  template <typename T>
+  void derived(const std::string& path, const char* units, const RowMajor<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), values.cols()},
+          false);
+  }
+
+  /// An attribute outside the digest.
+  void remark(const std::string& object, const char* name, const std::string& value);
+  void remark(const std::string& object, const char* name, std::int64_t value);
 
   /// A second name for an object, outside the digest.
   void link(const std::string& path, const std::string& object);
@@ -168,6 +219,7 @@ class Hdf5Writer {
              const void* data, const Hdf5Shape& shape, bool digested);
 
   QuietHdf5 quiet_;
+  StorageOptions storage_;
   std::int64_t id_ = -1;
   ContentDigest digest_;
 };
@@ -239,6 +291,52 @@ class Hdf5Reader {
     read(path, hdf5_type<T>(), values.data(), shape, true);
   }
 
+  void samples(const std::string& path, const char* units,
+               std::vector<double>& values) {
+    dataset(path, units, values);
+  }
+  void begins(const std::string& path, std::vector<std::int64_t>& values) {
+    dataset(path, "1", values);
+  }
+
+  /// (rows) in any precision, as doubles.
+  void reals(const std::string& path, const char* units, std::vector<double>& values,
+             const std::vector<std::int64_t>& begin);
+  [[nodiscard]] bool keeps_slopes(const std::string& path) const { return has(path); }
+  void digest_only(const std::string& path, const std::vector<double>& values);
+
+  /// Rows [begin, begin + count) of a dataset of any number of columns, outside the
+  /// digest. @param columns 0 for one dimension
+  void rows(const std::string& path, const char* units, Hdf5Type type,
+            std::int64_t begin, std::int64_t count, std::int64_t columns,
+            void* to) const;
+
+  /// values.size() rows of any precision as doubles, outside the digest.
+  /// @param begin of the nodes from first_node on, counted from first_row.
+  void rows_as_reals(const std::string& path, const char* units, std::int64_t first_row,
+                     std::int64_t first_node, const std::vector<std::int64_t>& begin,
+                     std::vector<double>& values) const;
+
+  /// Element type of a dataset. @throws FormatError if it is missing or another's.
+  [[nodiscard]] Hdf5Type type_of(const std::string& path) const;
+
+  /// Extent of a dataset of known type and units: nothing is read.
+  [[nodiscard]] Hdf5Shape shape_of(const std::string& path, const char* units,
+                                   Hdf5Type type, const Hdf5Shape& wanted) const {
+    return checked_shape(path, units, type, wanted);
+  }
+
+  /// A text attribute outside the digest.
+  [[nodiscard]] std::string remark(const std::string& object, const char* name) const {
+    return read_text_attribute(object, name);
+  }
+
+  /// A whole number outside the digest.
+  [[nodiscard]] std::int64_t remark_number(const std::string& object,
+                                           const char* name) const;
+
+  [[noreturn]] void fail(const std::string& what) const;
+
   /// Reads and compares. @throws FormatError also if the file says anything else.
   template <typename T>
   void derived(const std::string& path, const char* units,
@@ -247,6 +345,18 @@ class Hdf5Reader {
     std::vector<T> values(static_cast<std::size_t>(shape[0]));
     read(path, hdf5_type<T>(), values.data(), shape, false);
     if (values != expected) {
+      fail("dataset " + path + " does not follow from the rest of the file");
+    }
+  }
+  template <typename T, int kColumns>
+  void derived(
+      const std::string& path, const char* units,
+      const Eigen::Matrix<T, Eigen::Dynamic, kColumns, Eigen::RowMajor>& expected) {
+    const Hdf5Shape shape =
+        checked_shape(path, units, hdf5_type<T>(), {-1, expected.cols()});
+    RowMajor<T> values(shape[0], shape[1]);
+    read(path, hdf5_type<T>(), values.data(), shape, false);
+    if (values.rows() != expected.rows() || values != expected) {
       fail("dataset " + path + " does not follow from the rest of the file");
     }
   }
@@ -265,8 +375,7 @@ class Hdf5Reader {
   [[nodiscard]] std::string read_text_attribute(const std::string& object,
                                                 const char* name) const;
   template <typename T>
-  void read_number(const std::string& object, const char* name, T& value);
-  [[noreturn]] void fail(const std::string& what) const;
+  void read_number(const std::string& object, const char* name, T& value) const;
 
   QuietHdf5 quiet_;
   std::filesystem::path file_;

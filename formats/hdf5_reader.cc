@@ -30,7 +30,7 @@ std::string dimensions_of(hid_t space) {
   return "(" + text + ")";
 }
 
-std::optional<Hdf5Shape> shape_of(hid_t space) {
+std::optional<Hdf5Shape> extent_of(hid_t space) {
   const int rank = H5Sget_simple_extent_ndims(space);
   std::array<hsize_t, H5S_MAX_RANK> size{};
   if (rank <= 0 || rank > H5S_MAX_RANK ||
@@ -64,11 +64,33 @@ bool is_fixed_text(hid_t type) {
   return H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0;
 }
 
-// Raw bytes lie in one piece inside this very file: no filter, chunk, external file.
-bool is_contiguous(hid_t dataset) {
+// Where the raw bytes of a dataset lie. Other filters and files are not read: their
+// code is not ours to trust.
+enum class Layout { kContiguous, kCompressed, kForeign };
+
+Layout layout_of(hid_t dataset) {
   const Handle create(H5Dget_create_plist(dataset), H5Pclose);
-  return create && H5Pget_layout(create.get()) == H5D_CONTIGUOUS &&
-         H5Pget_external_count(create.get()) == 0;
+  if (!create || H5Pget_external_count(create.get()) != 0) {
+    return Layout::kForeign;
+  }
+  if (H5Pget_layout(create.get()) == H5D_CONTIGUOUS) {
+    return Layout::kContiguous;
+  }
+  if (H5Pget_layout(create.get()) != H5D_CHUNKED) {
+    return Layout::kForeign;
+  }
+  const int filters = H5Pget_nfilters(create.get());
+  for (int i = 0; i < filters; ++i) {
+    std::size_t values = 0;
+    unsigned flags = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(create.get(), static_cast<unsigned>(i), &flags, &values, nullptr,
+                       0, nullptr, nullptr);
+    if (filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE) {
+      return Layout::kForeign;
+    }
+  }
+  return filters > 0 ? Layout::kCompressed : Layout::kForeign;
 }
 
 }  // namespace
@@ -168,7 +190,8 @@ void Hdf5Reader::attribute(const std::string& object, const char* name,
 }
 
 template <typename T>
-void Hdf5Reader::read_number(const std::string& object, const char* name, T& value) {
+void Hdf5Reader::read_number(const std::string& object, const char* name,
+                             T& value) const {
   if (!has_attribute(object, name)) {
     fail(fmt::format("attribute {}@{} is missing", object, name));
   }
@@ -186,17 +209,26 @@ void Hdf5Reader::read_number(const std::string& object, const char* name, T& val
     fail(fmt::format("attribute {}@{} cannot be read: {}", object, name,
                      hdf5::last_failure()));
   }
-  digest_.add(hdf5::digest_head(object + "@" + name, hdf5::name_of(wanted), 1, 0),
-              &value, sizeof value);
 }
 
 void Hdf5Reader::attribute(const std::string& object, const char* name, double& value) {
   read_number(object, name, value);
+  digest_.add(hdf5::digest_head(object + "@" + name, "float64", 1, 0), &value,
+              sizeof value);
 }
 
 void Hdf5Reader::attribute(const std::string& object, const char* name,
                            std::int64_t& value) {
+  value = remark_number(object, name);
+  digest_.add(hdf5::digest_head(object + "@" + name, "int64", 1, 0), &value,
+              sizeof value);
+}
+
+std::int64_t Hdf5Reader::remark_number(const std::string& object,
+                                       const char* name) const {
+  std::int64_t value = 0;
   read_number(object, name, value);
+  return value;
 }
 
 void Hdf5Reader::text(const std::string& path, std::string& value) {
@@ -207,7 +239,8 @@ void Hdf5Reader::text(const std::string& path, std::string& value) {
   const Handle type(opened ? H5Dget_type(opened.get()) : -1, H5Tclose);
   const Handle space(opened ? H5Dget_space(opened.get()) : -1, H5Sclose);
   if (!type || !space || !is_fixed_text(type.get()) || !is_scalar(space.get()) ||
-      !is_contiguous(opened.get()) || H5Tget_size(type.get()) > bytes_) {
+      layout_of(opened.get()) != Layout::kContiguous ||
+      H5Tget_size(type.get()) > bytes_) {
     fail(fmt::format("dataset {} is not one fixed-length text", path));
   }
   value.assign(H5Tget_size(type.get()), '\0');
@@ -236,15 +269,21 @@ Hdf5Shape Hdf5Reader::checked_shape(const std::string& path, const char* units,
     fail(fmt::format("dataset {} has the wrong element type, must be {}", path,
                      hdf5::name_of(type)));
   }
-  const std::optional<Hdf5Shape> shape = shape_of(space.get());
+  const std::optional<Hdf5Shape> shape = extent_of(space.get());
   if (!shape || !matches(*shape, wanted)) {
     fail(fmt::format("dataset {} has the shape {}, must be {}", path,
                      dimensions_of(space.get()), name_of(wanted)));
   }
-  if (!is_contiguous(opened.get())) {
-    fail(fmt::format("dataset {} is chunked or external, must be contiguous", path));
+  const Layout layout = layout_of(opened.get());
+  if (layout == Layout::kForeign) {
+    fail(
+        fmt::format("dataset {} is external or filtered, must be contiguous, or "
+                    "shuffled and deflated",
+                    path));
   }
-  std::uint64_t most = bytes_ / hdf5::bytes_of(type);
+  // Deflate makes at most 1032 bytes of one.
+  std::uint64_t most =
+      bytes_ * (layout == Layout::kCompressed ? 1032 : 1) / hdf5::bytes_of(type);
   for (const std::int64_t size : *shape) {
     if (size > 0 && static_cast<std::uint64_t>(size) > most) {
       fail(fmt::format(
@@ -274,6 +313,48 @@ void Hdf5Reader::read(const std::string& path, Hdf5Type type, void* to,
                                   hdf5::columns_of(shape)),
                 to, values * hdf5::bytes_of(type));
   }
+}
+
+void Hdf5Reader::rows(const std::string& path, const char* units, Hdf5Type type,
+                      std::int64_t begin, std::int64_t count, std::int64_t columns,
+                      void* to) const {
+  const Hdf5Shape wanted = columns == 0 ? Hdf5Shape{-1} : Hdf5Shape{-1, columns};
+  const Hdf5Shape shape = checked_shape(path, units, type, wanted);
+  if (begin < 0 || count < 0 || begin > shape.front() - count) {
+    fail(fmt::format("dataset {} has {} rows, the index asks for {} from {}", path,
+                     shape.front(), count, begin));
+  }
+  if (count == 0) {
+    return;
+  }
+  const std::array<hsize_t, 2> start{static_cast<hsize_t>(begin), 0};
+  const std::array<hsize_t, 2> size{static_cast<hsize_t>(count),
+                                    static_cast<hsize_t>(columns)};
+  const Handle opened(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), H5Dclose);
+  const Handle there(opened ? H5Dget_space(opened.get()) : -1, H5Sclose);
+  const Handle here(H5Screate_simple(columns == 0 ? 1 : 2, size.data(), nullptr),
+                    H5Sclose);
+  if (!there ||
+      H5Sselect_hyperslab(there.get(), H5S_SELECT_SET, start.data(), nullptr,
+                          size.data(), nullptr) < 0 ||
+      H5Dread(opened.get(), hdf5::file_type(type), here.get(), there.get(), H5P_DEFAULT,
+              to) < 0) {
+    fail(fmt::format("dataset {} cannot be read: {}", path, hdf5::last_failure()));
+  }
+}
+
+Hdf5Type Hdf5Reader::type_of(const std::string& path) const {
+  const Handle opened(has(path) ? H5Dopen2(id_, path.c_str(), H5P_DEFAULT) : -1,
+                      H5Dclose);
+  const Handle stored(opened ? H5Dget_type(opened.get()) : -1, H5Tclose);
+  for (const Hdf5Type type : {Hdf5Type::kFloat64, Hdf5Type::kFloat32, Hdf5Type::kInt64,
+                              Hdf5Type::kInt32, Hdf5Type::kInt16, Hdf5Type::kUint8}) {
+    if (stored && H5Tequal(stored.get(), hdf5::file_type(type)) > 0) {
+      return type;
+    }
+  }
+  fail(opened ? fmt::format("dataset {} has an unknown element type", path)
+              : fmt::format("dataset {} is missing", path));
 }
 
 void Hdf5Reader::link(const std::string& path, const std::string& object) const {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -32,6 +33,17 @@ Handle creation_properties(hid_t kind) {
   return properties;
 }
 
+// Splits rows into pieces of about 128 KiB, each shuffled and deflated.
+void compress(hid_t create, const Hdf5Shape& shape, std::size_t row_bytes) {
+  constexpr std::size_t kPiece = std::size_t{1} << 17;
+  constexpr unsigned kLevel = 4;
+  std::vector<hsize_t> piece(shape.begin(), shape.end());
+  piece.front() = std::clamp<hsize_t>(kPiece / row_bytes, 1, piece.front());
+  H5Pset_chunk(create, static_cast<int>(piece.size()), piece.data());
+  H5Pset_shuffle(create);
+  H5Pset_deflate(create, kLevel);
+}
+
 // Creates an attribute of any type on an object.
 bool put_attribute(hid_t file, const std::string& object, const char* name,
                    hid_t stored, const void* value, hid_t space) {
@@ -51,7 +63,7 @@ bool put_text(hid_t file, const std::string& object, const char* name,
 
 }  // namespace
 
-Hdf5Writer::Hdf5Writer() {
+Hdf5Writer::Hdf5Writer(const StorageOptions& storage) : storage_(storage) {
   constexpr std::size_t kGrowth = std::size_t{1} << 20;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(access.get(), kGrowth, false);
@@ -87,7 +99,7 @@ bool Hdf5Writer::optional_group(const std::string& path, bool wanted) {
 
 void Hdf5Writer::attribute(const std::string& object, const char* name,
                            const std::string& value) {
-  require(put_text(id_, object, name, value), object + "@" + name);
+  remark(object, name, value);
   digest_.add(hdf5::digest_head(object + "@" + name, "text",
                                 static_cast<std::int64_t>(value.size()), 0),
               value.data(), value.size());
@@ -103,9 +115,7 @@ void Hdf5Writer::attribute(const std::string& object, const char* name, double v
 
 void Hdf5Writer::attribute(const std::string& object, const char* name,
                            std::int64_t value) {
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  require(put_attribute(id_, object, name, H5T_STD_I64LE, &value, space.get()),
-          object + "@" + name);
+  remark(object, name, value);
   digest_.add(hdf5::digest_head(object + "@" + name, "int64", 1, 0), &value,
               sizeof value);
 }
@@ -146,12 +156,18 @@ void Hdf5Writer::write(const std::string& path, const char* units, Hdf5Type type
   const Handle space(
       H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
   const Handle create = creation_properties(H5P_DATASET_CREATE);
+  const std::size_t values = hdf5::values_in(shape);
+  // Small ones would grow by the tables of their pieces.
+  constexpr std::size_t kWorthwhile = 4096;
+  if (storage_.compress && values * hdf5::bytes_of(type) >= kWorthwhile) {
+    compress(create.get(), shape,
+             values / static_cast<std::size_t>(shape.front()) * hdf5::bytes_of(type));
+  }
   const hid_t stored = hdf5::file_type(type);
   const Handle made(H5Dcreate2(id_, path.c_str(), stored, space.get(), H5P_DEFAULT,
                                create.get(), H5P_DEFAULT),
                     H5Dclose);
   require(static_cast<bool>(made), path);
-  const std::size_t values = hdf5::values_in(shape);
   require(values == 0 ||
               H5Dwrite(made.get(), stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0,
           path);
@@ -161,6 +177,18 @@ void Hdf5Writer::write(const std::string& path, const char* units, Hdf5Type type
                                   hdf5::columns_of(shape)),
                 data, values * hdf5::bytes_of(type));
   }
+}
+
+void Hdf5Writer::remark(const std::string& object, const char* name,
+                        const std::string& value) {
+  require(put_text(id_, object, name, value), object + "@" + name);
+}
+
+void Hdf5Writer::remark(const std::string& object, const char* name,
+                        std::int64_t value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  require(put_attribute(id_, object, name, H5T_STD_I64LE, &value, space.get()),
+          object + "@" + name);
 }
 
 void Hdf5Writer::link(const std::string& path, const std::string& object) {

@@ -4,13 +4,16 @@
 
 #include "formats/atomic_file.h"
 #include "formats/database_content.h"
+#include "formats/database_index.h"
 #include "formats/error.h"
 #include "formats/hdf5_io.h"
+#include "formats/index_content.h"
+#include "formats/precision.h"
+#include "formats/select_nodes.h"
 
 namespace palpate {
 namespace {
 
-constexpr const char* kFormatName = "palpate-response-database";
 constexpr const char* kDigestName = "content_sha256";
 
 // Tool names in the order of the database: groups themselves are not ordered.
@@ -22,91 +25,115 @@ std::string join_names(const std::vector<ResponseTable>& tools) {
   return content::join_lines(names);
 }
 
-void read_version(Hdf5Reader& file, const std::string& name) {
-  std::string format;
-  std::int64_t major = 0;
-  std::int64_t minor = 0;
-  if (!file.has_attribute("/", "format")) {
-    throw FormatError(fmt::format(
-        "{}: is an HDF5 file of another kind: attribute /@format is missing, must be "
-        "\"{}\"",
-        name, kFormatName));
-  }
-  file.attribute("/", "format", format);
-  if (format != kFormatName) {
-    throw FormatError(
-        fmt::format("{}: is an HDF5 file of another kind: /@format is {:?}, must be "
-                    "\"{}\"",
-                    name, format.substr(0, 80), kFormatName));
-  }
-  file.attribute("/", "format_version", major);
-  if (major != kDatabaseVersion) {
-    throw FormatError(fmt::format("{}: has format version {}, this program reads {}{}",
-                                  name, major, kDatabaseVersion,
-                                  major > kDatabaseVersion ? "; use a newer one" : ""));
-  }
-  file.attribute("/", "format_version_minor", minor);
-  if (minor < 0) {
-    throw FormatError(fmt::format("{}: /@format_version_minor is {}, must be 0 or more",
-                                  name, minor));
-  }
-}
-
 }  // namespace
 
 void write_database(const std::filesystem::path& file,
                     const ResponseDatabase& database) {
   check(database);
+  const ResponseDatabase precise = rounded(database);
+  check(precise);
+  const StorageOrder order = storage_order(precise.body);
+  const ResponseDatabase ordered = select_nodes(precise, order.node, order.triangle);
+  const DatabaseIndex index = make_index(ordered, order);
+  const Hdf5Lock lock;
   AtomicFile atomic(file);
-  Hdf5Writer out;
-  out.attribute("/", "format", std::string(kFormatName));
+  Hdf5Writer out(database.storage);
+  out.attribute("/", "format", std::string(content::kFormatName));
   out.attribute("/", "format_version", std::int64_t{kDatabaseVersion});
   out.attribute("/", "format_version_minor", std::int64_t{kDatabaseVersionMinor});
   out.attribute("/", "writer", database.provenance.writer);
-  content::exchange_rest(out, database);
+  content::exchange_rest(out, ordered, order);
   out.group("/tools");
-  out.attribute("/tools", "names", join_names(database.tools));
-  for (const ResponseTable& table : database.tools) {
+  out.attribute("/tools", "names", join_names(ordered.tools));
+  for (const ResponseTable& table : ordered.tools) {
     content::exchange_tool(out, "/tools/" + table.tool.name, table);
   }
-  content::exchange_vtk(out, database);
-  out.attribute("/", kDigestName, out.digest());
+  const std::string digest = out.digest();
+  content::exchange_vtk(out, ordered);
+  content::exchange_storage(out, database.storage);
+  content::DerivedIndex<Hdf5Writer> derived{out};
+  content::exchange_index(derived, index);
+  out.remark("/index", "index_sha256", index_digest(index));
+  out.remark("/", kDigestName, digest);
   atomic.write(out.image());
   atomic.commit();
 }
 
-ResponseDatabase read_database(const std::filesystem::path& file) {
-  Hdf5Reader in(file);
-  read_version(in, file.string());
+namespace {
+
+// What the file says of itself agrees with its content.
+void check_derived(Hdf5Reader& in, const ResponseDatabase& ordered,
+                   const StorageOrder& order) {
+  content::exchange_vtk(in, ordered);
+  const DatabaseIndex index = make_index(ordered, order);
+  content::DerivedIndex<Hdf5Reader> derived{in};
+  content::exchange_index(derived, index);
+  if (in.remark("/index", "index_sha256") != index_digest(index)) {
+    in.fail("attribute /index@index_sha256 is not the digest of the index");
+  }
+}
+
+// Rows of the file are the source's nodes and triangles, each once.
+void check_order(const Hdf5Reader& in, const char* path,
+                 const std::vector<std::int32_t>& order, std::int64_t rows) {
+  std::vector<bool> seen(static_cast<std::size_t>(rows));
+  for (const std::int32_t at : order) {
+    if (at < 0 || at >= rows || seen[static_cast<std::size_t>(at)]) {
+      in.fail(fmt::format("dataset {} holds {}, must hold each of 0 to {} once", path,
+                          at, rows - 1));
+    }
+    seen[static_cast<std::size_t>(at)] = true;
+  }
+  if (std::ssize(order) != rows) {
+    in.fail(
+        fmt::format("dataset {} has {} rows, must have {}", path, order.size(), rows));
+  }
+}
+
+ResponseDatabase read_ordered(Hdf5Reader& in, const std::string& name,
+                              StorageOrder& order) {
+  content::read_version(in, name);
   ResponseDatabase database;
   in.attribute("/", "writer", database.provenance.writer);
-  content::exchange_rest(in, database);
-  std::string names;
-  in.group("/tools");
-  in.attribute("/tools", "names", names);
-  for (const std::string& name : content::split_lines(names)) {
+  content::exchange_rest(in, database, order);
+  for (const std::string& tool : content::read_tool_names(in)) {
     ResponseTable& table = database.tools.emplace_back();
-    table.tool.name = name;
-    content::exchange_tool(in, "/tools/" + name, table);
+    table.tool.name = tool;
+    content::exchange_tool(in, "/tools/" + tool, table);
   }
-  const std::string computed = in.digest();
-  std::string stored;
-  in.attribute("/", kDigestName, stored);
+  content::exchange_storage(in, database.storage);
+  return database;
+}
+
+}  // namespace
+
+ResponseDatabase read_database(const std::filesystem::path& file) {
+  const Hdf5Lock lock;
+  Hdf5Reader in(file);
+  StorageOrder order;
+  ResponseDatabase ordered;
   // What breaks a rule says more than a digest that differs, so the rules come first.
   try {
-    check(database);
+    ordered = read_ordered(in, file.string(), order);
+    check(ordered);
   } catch (const FormatError& error) {
-    throw FormatError(fmt::format("{}: {}", file.string(), error.what()));
+    const std::string prefix = file.string() + ": ";
+    const std::string what = error.what();
+    throw FormatError(what.rfind(prefix, 0) == 0 ? what : prefix + what);
   }
-  if (stored != computed) {
-    throw FormatError(
-        fmt::format("{}: content has SHA-256 {}, must be {:?} as /@{} says: the file "
-                    "was damaged or changed",
-                    file.string(), computed, stored.substr(0, 64), kDigestName));
+  check_order(in, "/body/source_node", order.node, ordered.body.position_m.rows());
+  check_order(in, "/body/source_triangle", order.triangle,
+              ordered.body.triangle.rows());
+  const std::string stored = in.remark("/", kDigestName);
+  if (stored != in.digest()) {
+    in.fail(fmt::format(
+        "content has SHA-256 {}, must be {:?} as /@{} says: the file was damaged or "
+        "changed",
+        in.digest(), stored.substr(0, 64), kDigestName));
   }
-  // Last, because it compares with what the rules have made safe.
-  content::exchange_vtk(in, database);
-  return database;
+  check_derived(in, ordered, order);
+  return select_nodes(ordered, places_of(order.node, order.node.size()),
+                      places_of(order.triangle, order.triangle.size()));
 }
 
 const ResponseTable& find_tool(const ResponseDatabase& database,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/response_table.h"
+#include "formats/storage.h"
 #include "formats/surface_mesh.h"
 
 namespace palpate {
@@ -43,6 +44,7 @@ struct ResponseDatabase {
   std::vector<ResponseTable> tools;  ///< at least one
   Measurement measurement;           ///< empty unless responses were measured
   Provenance provenance;
+  StorageOptions storage;  ///< as it was read, and as it is to be written
 };
 
 /// Checks every rule of FORMAT.md: shapes, ranges, finiteness, unit directions, curves.
@@ -50,8 +52,10 @@ struct ResponseDatabase {
 void check(const ResponseDatabase& database);
 
 /// Writes atomically: a temporary beside `file`, fsync, rename. Equal input gives equal
-/// bytes. @throws FormatError as check() does, before anything is written; InputError
-/// if the place cannot be written.
+/// bytes. Nodes lie along a space-filling curve in the file; a reader restores the
+/// order of the source. Depths and forces are rounded to storage.precision
+/// (precision.h). @throws FormatError as check() does, before anything is written;
+/// InputError if the place cannot be written.
 void write_database(const std::filesystem::path& file,
                     const ResponseDatabase& database);
 

@@ -91,6 +91,7 @@ void replace(hid_t file, const char* path, hid_t type, std::vector<hsize_t> shap
   const hid_t create = H5Pcreate(H5P_DATASET_CREATE);
   if (chunk > 0) {
     H5Pset_chunk(create, 1, &chunk);
+    H5Pset_fletcher32(create);
   }
   const hid_t dataset =
       H5Dcreate2(file, path, type, space, H5P_DEFAULT, create, H5P_DEFAULT);
@@ -242,7 +243,8 @@ TEST_F(DatabaseDamage, AWrongTypeShapeOrLayoutIsNamed) {
   EXPECT_SAYS(after([](hid_t file) {
                 replace(file, "/tools/tip/depth_m", H5T_IEEE_F64LE, {30}, "m", 10);
               }),
-              "/tools/tip/depth_m is chunked or external, must be contiguous");
+              "/tools/tip/depth_m is external or filtered, must be contiguous, or "
+              "shuffled and deflated");
 }
 
 TEST_F(DatabaseDamage, ASizeBeyondTheFileIsRefusedBeforeMemoryIsTaken) {
