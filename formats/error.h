@@ -1,6 +1,7 @@
 // The four kinds of error that a tool reports, each with its exit code.
 //
-// Exit codes: 0 success, 1 a bug in palpate, and per kind as below; 130 interrupted.
+// Exit codes: 0 success, 1 a bug in palpate, and per kind as below; 6 what was compared
+// differs; 130 interrupted.
 // A message is one line: what, which value, what was allowed, which file and element.
 #pragma once
 
@@ -41,6 +42,12 @@ class NumericalError : public Error {
 class DeviceError : public Error {
  public:
   explicit DeviceError(const std::string& what) : Error(what, 5) {}
+};
+
+/// Two things that were compared are not the same.
+class Difference : public Error {
+ public:
+  explicit Difference(const std::string& what) : Error(what, 6) {}
 };
 
 /// The user asked to stop (SIGINT, SIGTERM); nothing was left behind.
