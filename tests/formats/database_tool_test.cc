@@ -61,6 +61,47 @@ TEST_F(DatabaseTool, PictureNeedsAToolWhereThereAreSeveral) {
   EXPECT_TRUE(std::filesystem::exists(svg));
 }
 
+TEST_F(DatabaseTool, SliceMergeAndDiffComeBackToTheSameForces) {
+  const std::string tip = folder_ / "tip.h5";
+  const std::string ball = folder_ / "ball.h5";
+  const std::string both = folder_ / "both.h5";
+  const auto run = [](const std::vector<std::string>& arguments) {
+    return run_tool_process("palpate-db", arguments);
+  };
+  EXPECT_EQ(run({"slice", file_, "-o", tip, "--tool", "tip"}).exit_code, 0);
+  EXPECT_EQ(run({"slice", file_, "-o", ball, "--tool", "ball"}).exit_code, 0);
+  EXPECT_EQ(run({"merge", tip, ball, "-o", both}).exit_code, 0);
+  const ToolRun same = run({"diff", file_, both, "--json"});
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_TRUE(Json::parse(same.out).at("agree").get<bool>());
+  EXPECT_EQ(run({"slice", file_, "-o", both, "--precision", "int16"}).exit_code, 0);
+  const ToolRun rounded = run({"diff", file_, both, "--json"});
+  EXPECT_EQ(rounded.exit_code, 6);
+  EXPECT_EQ(Json::parse(rounded.out).at("tools").at(0).at("worst").size(), 5u);
+  EXPECT_EQ(std::count(rounded.err.begin(), rounded.err.end(), '\n'), 1);
+  EXPECT_EQ(run({"merge", tip, tip, "-o", both}).exit_code, 2);
+}
+
+TEST_F(DatabaseTool, ExportGoesByTheExtension) {
+  for (const char* name : {"a.vtu", "a.csv", "a.json"}) {
+    const ToolRun run = run_tool_process(
+        "palpate-db", {"export", file_, "-o", folder_ / name, "--tool", "ball"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_GT(std::filesystem::file_size(folder_ / name), 500u);
+  }
+  const ToolRun unknown = run_tool_process(
+      "palpate-db", {"export", file_, "-o", folder_ / "a.obj", "--tool", "ball"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("must be .vtu, .csv or .json"), std::string::npos);
+}
+
+TEST_F(DatabaseTool, BenchPrecisionListsEveryWayOfStoring) {
+  const ToolRun run =
+      run_tool_process("palpate-db", {"bench", "precision", file_, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(Json::parse(run.out).at("rows").size(), 6u);
+}
+
 TEST_F(DatabaseTool, AMissingFileAndAFolderAreTheUsersErrors) {
   EXPECT_EQ(run_tool_process("palpate-db", {"info", folder_ / "no.h5"}).exit_code, 2);
   EXPECT_EQ(run_tool_process("palpate-db", {"check", folder_.path()}).exit_code, 2);
