@@ -38,10 +38,9 @@ void check_held(const Scene& scene, const BodyModel& model) {
 
 }  // namespace
 
-UniformSurface uniform_surface(const Scene& scene, const BodySource& body) {
+UniformSurface uniform_surface(const BodySource& body, double spacing_m) {
   UniformSurface fine{.surface = body.surface};
-  const double wanted_m = uniform_spacing_m(scene);
-  while (0.5 * mean_edge_m(fine.surface) > wanted_m) {
+  while (0.5 * mean_edge_m(fine.surface) > spacing_m) {
     if (4 * fine.surface.triangle.rows() > kMostTriangles) {
       fine.fine_enough = false;
       break;

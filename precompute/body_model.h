@@ -27,16 +27,15 @@ struct BodyModel {
   double min_dihedral_deg = 0.0;   ///< [deg] of the tets
 };
 
-/// The body's surface with every triangle cut into four until the contact at the
-/// largest depth spans the nodes that the scene asks for.
+/// The body's surface with every triangle cut into four until contact nodes are no
+/// farther apart than wanted.
 struct UniformSurface {
   SurfaceMesh surface;
   int subdivisions = 0;
   double node_spacing_m = 0.0;  ///< [m] mean distance of contact nodes
   bool fine_enough = true;  ///< false: stopped at the most triangles that are sensible
 };
-[[nodiscard]] UniformSurface uniform_surface(const Scene& scene,
-                                             const BodySource& body);
+[[nodiscard]] UniformSurface uniform_surface(const BodySource& body, double spacing_m);
 
 /// Tetrahedralises, holds, assembles and factorises.
 /// @param surface of the body, refined; its first vertices are the body's.

@@ -95,13 +95,13 @@ ContactFocus finer(ContactFocus focus, double times) {
   return focus;
 }
 
-double uniform_spacing_m(const Scene& scene) {
+double uniform_spacing_m(const Scene& scene, bool nonlinear) {
   double contact_m = std::numeric_limits<double>::infinity();
   for (const ToolShape& tool : scene.tool) {
     contact_m =
         std::min(contact_m, expected_contact_radius_m(tool, scene.reach.depth_max_m));
   }
-  return contact_m * std::min(0.5, 0.5 * growth_for(scene));
+  return contact_m * std::min(1.0, growth_for(scene)) * (nonlinear ? 0.33 : 0.5);
 }
 
 EdgeLength wanted_edges(const SurfaceMesh& surface,

@@ -34,8 +34,9 @@ struct ContactFocus {
 /// The same, some times finer (or coarser below 1).
 [[nodiscard]] ContactFocus finer(ContactFocus focus, double times);
 
-/// Distance of contact nodes [m] that a uniformly fine surface should have.
-[[nodiscard]] double uniform_spacing_m(const Scene& scene);
+/// Distance of contact nodes [m] that a uniformly fine surface should have. A nonlinear
+/// correction leaves less of the budget to it.
+[[nodiscard]] double uniform_spacing_m(const Scene& scene, bool nonlinear);
 
 /// Wanted edges for a mesh that serves all the given vertices.
 [[nodiscard]] EdgeLength wanted_edges(const SurfaceMesh& surface,

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kLockStep = 32;
 
 // Depths that are solved nonlinear, as shares of a path's samples.
-constexpr std::array<double, 6> kCorrectedShares{0.3, 0.5, 0.65, 0.8, 0.9, 1.0};
+constexpr std::array<double, 5> kCorrectedShares{0.35, 0.55, 0.75, 0.9, 1.0};
 
 std::vector<std::size_t> corrected_samples(std::size_t samples, bool every_depth) {
   std::vector<std::size_t> at;

@@ -25,9 +25,11 @@ Approach choose_approach(const Scene& scene, const BodySource& body) {
   approach.nonlinear =
       scene.accuracy.method == "nonlinear" || is_nonlinear(scene, body) || sticking;
   approach.focus = contact_focus(scene);
-  const UniformSurface uniform = uniform_surface(scene, body);
+  const double wanted_m = uniform_spacing_m(scene, approach.nonlinear);
+  const UniformSurface uniform = uniform_surface(body, wanted_m);
   approach.subdivisions = uniform.subdivisions;
   approach.spacing_m = uniform.node_spacing_m;
+  approach.surface = uniform.surface;
   const std::string& refine = scene.accuracy.refine;
   approach.shared_mesh =
       refine == "global" || (refine == "auto" && uniform.fine_enough);
@@ -37,7 +39,7 @@ Approach choose_approach(const Scene& scene, const BodySource& body) {
     approach.notes.push_back(fmt::format(
         "contact nodes are {:.3g} mm apart where the scene asks for {:.3g} mm: a finer "
         "surface would be too large; refine = \"local\" meshes the contact alone",
-        1e3 * uniform.node_spacing_m, 1e3 * uniform_spacing_m(scene)));
+        1e3 * uniform.node_spacing_m, 1e3 * wanted_m));
   }
   return approach;
 }
@@ -51,7 +53,7 @@ SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
     return;
   }
   progress.stage("shared mesh and factor");
-  model_.emplace(make_body_model(scene, body, uniform_surface(scene, body).surface));
+  model_.emplace(make_body_model(scene, body, approach.surface));
   progress.stage("surface compliance");
   std::vector<PressedNode> placed;
   std::vector<char> wanted(model_->contact.node.size(), 0);

@@ -27,6 +27,7 @@ struct Approach {
   /// Cheap presses are all that is wanted, or as good as good ones.
   bool cheap_is_good = false;
   int subdivisions = 0;    ///< of the shared mesh's surface
+  SurfaceMesh surface;     ///< of the shared mesh
   double spacing_m = 0.0;  ///< [m] contact nodes of the shared mesh
   ContactFocus focus;      ///< of meshes of good presses
   std::vector<std::string> notes;

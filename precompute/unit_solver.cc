@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::size_t kFirstSamples = 6;
 constexpr std::size_t kMoreSamples = 4;
-constexpr double kShareOfBudget = 0.8;  // that interpolation may use
 
 // Spreads the indices of vertices evenly and without order (Steele, Lea and Flood
 // 2014).
@@ -28,7 +27,7 @@ std::uint64_t scrambled(std::uint64_t x) {
 }
 
 std::size_t territory_size(std::size_t vertices) {
-  return std::clamp<std::size_t>((vertices + 15) / 16, 32, 256);
+  return std::clamp<std::size_t>((vertices + 5) / 6, 64, 512);
 }
 
 // The vertices of a territory, each with its cheap press and, where it is solved, its
@@ -65,7 +64,7 @@ class Territory {
         }
       }
       const double worst = *std::max_element(error.begin(), error.end());
-      if (!(worst > kShareOfBudget * scene_.force_relative)) {
+      if (!(worst > scene_.force_relative)) {
         return;
       }
       solve(farthest(kMoreSamples, error));
