@@ -2,6 +2,7 @@
 #include "formats/chunk_reader.h"
 
 #include <algorithm>
+#include <thread>
 
 #include "formats/error.h"
 #include "formats/hdf5_io.h"
@@ -183,6 +184,28 @@ TEST(DatabaseIndex, StatesTheLargestOfEachChunk) {
               *std::max_element(part.stiffness_max_n_per_m.begin(),
                                 part.stiffness_max_n_per_m.end()));
   }
+}
+
+TEST(ChunkReader, OneThreadReadsChunksWhileAnotherReadsAndWritesFiles) {
+  const ScratchFolder folder;
+  ResponseDatabase database = sphere_database(8, 9);
+  database.storage.chunk_nodes = 16;
+  write_database(folder / "a.h5", database);
+  const ChunkReader reader(folder / "a.h5");
+  std::int64_t nodes = 0;
+  std::thread other([&] {
+    for (int round = 0; round < 5; ++round) {
+      for (std::int64_t k = 0; k < reader.index().chunks(); ++k) {
+        nodes += reader.responses(0, k).nodes();
+      }
+    }
+  });
+  for (int round = 0; round < 5; ++round) {
+    write_database(folder / "b.h5", read_database(folder / "a.h5"));
+  }
+  other.join();
+  EXPECT_EQ(nodes, 5 * reader.index().nodes());
+  EXPECT_EQ(bytes_of(folder / "a.h5"), bytes_of(folder / "b.h5"));
 }
 
 TEST(ChunkReader, OneDamagedChunkIsNamedAndTheOthersAreRead) {
