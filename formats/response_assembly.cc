@@ -1,6 +1,8 @@
 // Putting units together to a database.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -95,12 +97,9 @@ double response_difference(const NodeResponse& response, const NodeResponse& ref
   return std::sqrt(sum / kSteps);
 }
 
-Assembly assemble(const UnitPlan& plan, std::span<const UnitOutcome> units) {
-  check_complete(plan, units);
-  Assembly assembly;
-  const auto nodes = static_cast<std::size_t>(plan.body.position_m.rows());
-  std::vector<std::vector<NodeResponse>> responses(plan.tool.size(),
-                                                   std::vector<NodeResponse>(nodes));
+namespace {
+
+std::vector<const UnitOutcome*> in_order(std::span<const UnitOutcome> units) {
   std::vector<const UnitOutcome*> ordered;
   for (const UnitOutcome& unit : units) {
     ordered.push_back(&unit);
@@ -108,33 +107,115 @@ Assembly assemble(const UnitPlan& plan, std::span<const UnitOutcome> units) {
   std::sort(ordered.begin(), ordered.end(), [](const auto* a, const auto* b) {
     return a->index < b->index;
   });
-  for (const UnitOutcome* unit : ordered) {
+  return ordered;
+}
+
+// What one tool's nodes answered.
+struct ToolAnswers {
+  std::vector<NodeResponse> response;  // (n)
+  std::vector<std::string> failure;    // (n)
+  std::vector<double> verified;        // (n) NaN where not
+
+  explicit ToolAnswers(std::size_t nodes)
+      : response(nodes),
+        failure(nodes),
+        verified(nodes, std::numeric_limits<double>::quiet_NaN()) {}
+};
+
+void take(const UnitPlan& plan, const UnitOutcome& unit,
+          std::vector<ToolAnswers>& answers) {
+  for (const UnitNode& node : unit.node) {
+    ToolAnswers& tool = answers.at(static_cast<std::size_t>(node.tool));
+    const auto v = static_cast<std::size_t>(node.vertex);
+    if (!unit.is_check) {
+      tool.response.at(v) = node.response;
+      tool.failure.at(v) = node.failure;
+      const bool truncated = !node.failure.empty() && !node.response.depth_m.empty();
+      tool.response[v].flags = static_cast<std::uint8_t>(
+          node.response.flags | (truncated ? kTruncatedPath : 0));
+    } else if (node.response.depth_m.size() > 1) {
+      tool.verified.at(v) = response_difference(
+          tool.response.at(v), node.response, plan.normal.row(node.vertex).transpose());
+    }
+  }
+}
+
+double quantile(const std::vector<double>& ascending, double share) {
+  return ascending[static_cast<std::size_t>(
+      std::lround(share * static_cast<double>(ascending.size() - 1)))];
+}
+
+AccuracyRecord accuracy_record(double budget, std::vector<double> verified) {
+  std::erase_if(verified, [](double error) {
+    return std::isnan(error);
+  });
+  if (verified.empty()) {
+    return {};
+  }
+  std::sort(verified.begin(), verified.end());
+  AccuracyRecord record{.budget_relative = budget,
+                        .verified = static_cast<std::int64_t>(verified.size()),
+                        .quantile_level = {0.0, 0.25, 0.5, 0.75, 0.95, 1.0},
+                        .error_relative = {}};
+  for (const double level : record.quantile_level) {
+    record.error_relative.push_back(quantile(verified, level));
+  }
+  return record;
+}
+
+ResponseTable table_of(const UnitPlan& plan, std::size_t t, const ToolAnswers& tool) {
+  ResponseTable table = make_table(plan.tool[t], tool.response);
+  table.accuracy = accuracy_record(plan.force_relative, tool.verified);
+  if (table.accuracy.verified > 0) {
+    table.verified_error_relative = tool.verified;
+  }
+  const auto failed = [](const std::string& reason) {
+    return !reason.empty();
+  };
+  if (std::any_of(tool.failure.begin(), tool.failure.end(), failed)) {
+    std::map<std::string, std::int32_t> row;
+    for (const std::string& reason : tool.failure) {
+      std::int32_t found = -1;
+      if (!reason.empty()) {
+        found = row.try_emplace(reason, static_cast<std::int32_t>(row.size()))
+                    .first->second;
+        if (static_cast<std::size_t>(found) == table.failure_reason.size()) {
+          table.failure_reason.push_back(reason);
+        }
+      }
+      table.failure.push_back(found);
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+Assembly assemble(const UnitPlan& plan, std::span<const UnitOutcome> units) {
+  check_complete(plan, units);
+  Assembly assembly;
+  const auto nodes = static_cast<std::size_t>(plan.body.position_m.rows());
+  std::vector<ToolAnswers> answers(plan.tool.size(), ToolAnswers(nodes));
+  // Checks come last in a plan, and compare with what was taken before.
+  for (const UnitOutcome* unit : in_order(units)) {
+    take(plan, *unit, answers);
     for (const UnitNode& node : unit->node) {
       if (!unit->is_check) {
         count(plan, node, assembly);
-        responses.at(static_cast<std::size_t>(node.tool))
-            .at(static_cast<std::size_t>(node.vertex)) = node.response;
       }
     }
   }
-  for (const UnitOutcome* unit : ordered) {
-    for (const UnitNode& node : unit->node) {
-      const bool usable = unit->is_check && node.response.depth_m.size() > 1;
-      if (usable) {
-        assembly.checked.push_back(response_difference(
-            responses.at(static_cast<std::size_t>(node.tool))
-                .at(static_cast<std::size_t>(node.vertex)),
-            node.response, plan.normal.row(node.vertex).transpose()));
-      }
-    }
+  for (std::size_t t = 0; t < plan.tool.size(); ++t) {
+    std::copy_if(answers[t].verified.begin(), answers[t].verified.end(),
+                 std::back_inserter(assembly.checked), [](double error) {
+                   return !std::isnan(error);
+                 });
+    assembly.database.tools.push_back(table_of(plan, t, answers[t]));
   }
   std::sort(assembly.error.begin(), assembly.error.end());
   std::sort(assembly.checked.begin(), assembly.checked.end());
   assembly.outside_reach = static_cast<std::int64_t>(plan.tool.size()) *
                            (static_cast<std::int64_t>(nodes) - plan.reachable);
-  for (std::size_t t = 0; t < plan.tool.size(); ++t) {
-    assembly.database.tools.push_back(make_table(plan.tool[t], responses[t]));
-  }
   assembly.database.body = plan.body;
   assembly.database.normal = plan.normal;
   assembly.database.provenance = plan.provenance;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "precompute/coarsen_surface.h"
 #include "precompute/longest_edge.h"
 #include "precompute/subdivide.h"
 #include "precompute/tetrahedralise.h"
@@ -18,6 +19,9 @@ namespace {
 // Past this many surface triangles a body of compact shape has some 200 000 quadratic
 // nodes, and its factor outgrows the memory of a small machine.
 constexpr Eigen::Index kMostTriangles = 30000;
+
+// Edges over distance that a far surface may have.
+constexpr double kFarGrowth = 0.5;
 
 void check_held(const Scene& scene, const BodyModel& model) {
   const auto held =
@@ -82,15 +86,58 @@ BodyModel make_body_model(const Scene& scene, const BodySource& body,
   return model;
 }
 
+std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
+  return model.corner.empty() ? vertex : model.corner.at(vertex);
+}
+
+namespace {
+
+// Which supports a point belongs to, as bits.
+int support_part(const Scene& scene, const Eigen::Vector3d& p) {
+  int part = 0;
+  for (std::size_t i = 0; i < scene.support.size(); ++i) {
+    part |= holds(scene.support[i], p) ? 1 << (i % 31) : 0;
+  }
+  return part;
+}
+
+// Coarse where it is far, and no finer than before where it is near.
+CoarsenedSurface far_coarsened(const Scene& scene, const BodySource& body,
+                               std::span<const std::int32_t> vertices,
+                               const ContactFocus& focus) {
+  ContactFocus far = focus;
+  far.growth = std::min(kFarGrowth, focus.growth);
+  return coarsen_surface(body.surface, wanted_edges(body.surface, vertices, far),
+                         vertices, [&](const Eigen::Vector3d& p) {
+                           return support_part(scene, p);
+                         });
+}
+
+}  // namespace
+
 BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                             std::span<const std::int32_t> vertices,
                             const ContactFocus& focus) {
-  BodyModel model = make_body_model(
-      scene, body,
-      refine_longest_edge(body.surface, wanted_edges(body.surface, vertices, focus),
-                          4 * kMostTriangles));
-  model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
-  return model;
+  const auto wanted = wanted_edges(body.surface, vertices, focus);
+  const auto model_on = [&](const SurfaceMesh& surface) {
+    BodyModel model = make_body_model(
+        scene, body, refine_longest_edge(surface, wanted, 4 * kMostTriangles));
+    model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
+    return model;
+  };
+  if (body.inner.empty()) {
+    try {
+      const CoarsenedSurface coarse = far_coarsened(scene, body, vertices, focus);
+      BodyModel model = model_on(coarse.surface);
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        model.corner.emplace(vertices[i], coarse.vertex[i]);
+      }
+      return model;
+    } catch (const NumericalError&) {
+      // The coarse surface crosses itself; its own mesh costs more, and works.
+    }
+  }
+  return model_on(body.surface);
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "formats/scene.h"
@@ -18,7 +19,10 @@
 namespace palpate {
 
 struct BodyModel {
-  QuadraticMesh mesh;              ///< its first nodes are the vertices of the body
+  QuadraticMesh mesh;
+  /// Corner of the mesh that a vertex of the body is; empty: the first nodes are the
+  /// vertices of the body. Those that the model was not made for may be missing.
+  std::unordered_map<std::int32_t, std::int32_t> corner;
   std::vector<Material> material;  ///< by region of the mesh
   ContactSurface contact;
   Supports supports;
@@ -44,7 +48,12 @@ struct UniformSurface {
 [[nodiscard]] BodyModel make_body_model(const Scene& scene, const BodySource& body,
                                         const SurfaceMesh& surface);
 
-/// The model on a surface that is refined around the given vertices only.
+/// Corner of the model's mesh that a vertex is.
+[[nodiscard]] std::int32_t corner_of(const BodyModel& model, std::int32_t vertex);
+
+/// The model on a surface that is refined around the given vertices, and coarsened
+/// farther away where the body is finer than its contact can feel: to edges of half the
+/// distance at most. Where the coarse surface cannot be meshed the body's own is taken.
 [[nodiscard]] BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                                           std::span<const std::int32_t> vertices,
                                           const ContactFocus& focus);

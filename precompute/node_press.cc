@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kLockStep = 32;
 
 // Depths that are solved nonlinear, as shares of a path's samples.
-constexpr std::array<double, 5> kCorrectedShares{0.35, 0.55, 0.75, 0.9, 1.0};
+constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
 
 std::vector<std::size_t> corrected_samples(std::size_t samples, bool every_depth) {
   std::vector<std::size_t> at;
@@ -112,7 +112,7 @@ PressedNode placed_node(const Scene& scene, const BodySource& body,
   const double radius_m = patch_radius_m(node.path, model.contact_spacing_m);
   if (std::isfinite(radius_m)) {
     const std::int32_t start =
-        model.contact.of_mesh_node[static_cast<std::size_t>(vertex)];
+        model.contact.of_mesh_node[static_cast<std::size_t>(corner_of(model, vertex))];
     node.patch = contact_patch(model.contact, model.supports, start, radius_m);
   } else {
     node.failure = "the tool's handle would be in the body";

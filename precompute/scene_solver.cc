@@ -7,6 +7,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "precompute/interrupt.h"
+
 namespace palpate {
 namespace {
 
@@ -94,6 +96,7 @@ std::vector<PressedNode> SceneSolver::on_own_meshes(
   std::vector<std::vector<PressedNode>> pressed(groups.size());
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
+      check_interrupted();
       pressed[i] = press_on_own_mesh(scene_, body_, tool, groups[i], focus,
                                      {.nonlinear = nonlinear});
     });

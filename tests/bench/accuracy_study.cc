@@ -1,4 +1,5 @@
-// palpate contact against closed forms: linear bodies pressed by rigid tools.
+// palpate contact against closed forms and reference solutions: bodies pressed by rigid
+// tools, small-strain ones and a neo-Hookean half-space.
 //
 // Prints one row per case: what is pressed, where on its curve, force over the
 // reference, the bound it must keep, tets, contact
@@ -7,15 +8,17 @@
 // ones too.
 //
 // Every case stands in the table at the end: a body, how its mesh is graded, a tool and
-// the forces that it must give. A case of another kind needs a material in Body and
-// its reference there.
+// the forces that it must give.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,14 +44,38 @@ constexpr double kYoung_pa = 10e3;
 // A half-space is a block of so many contact radii: it adds about 0.2 % of force.
 constexpr double kLargeBlock = 400.0;
 
+// Transversely isotropic, axis along z, with its plane modulus M in place of E*.
+struct Transverse {
+  double youngs_along = 0.0, youngs_across = 0.0, shear_along = 0.0, poisson_lt = 0.0,
+         poisson_tt = 0.0;
+  double plane_modulus = 0.0;
+};
+
 // A slab [-half_width, half_width]^2 x [-depth, 0], held at its floor.
 struct Body {
   double half_width_m = kLargeBlock * kContactRadius_m;
   double depth_m = kLargeBlock * kContactRadius_m;
   double poissons_ratio = 0.3;
 
-  [[nodiscard]] Material material() const { return linear(kYoung_pa, poissons_ratio); }
+  std::optional<Transverse> transverse = std::nullopt;  // in units of kYoung_pa
+  bool neo_hookean_law = false;
+
+  [[nodiscard]] Material material() const {
+    if (transverse) {
+      return transversely_isotropic(
+          kYoung_pa * transverse->youngs_along, kYoung_pa * transverse->youngs_across,
+          kYoung_pa * transverse->shear_along, transverse->poisson_lt,
+          transverse->poisson_tt, Eigen::Vector3d::UnitZ(), false);
+    }
+    if (neo_hookean_law) {
+      return neo_hookean(kYoung_pa, poissons_ratio);
+    }
+    return linear(kYoung_pa, poissons_ratio);
+  }
   [[nodiscard]] double plane_modulus_pa() const {
+    if (transverse) {
+      return kYoung_pa * transverse->plane_modulus;
+    }
     return kYoung_pa / (1.0 - poissons_ratio * poissons_ratio);
   }
 };
@@ -77,6 +104,7 @@ struct Case {
   double bound = 0.0;  // [-] of |force / reference - 1|
   bool slow = false;   // only with --all: takes longer than 20 s
   bool stuck = false;  // references are then over the frictionless force
+  bool large = false;  // the nonlinear body, all presses along one path
 };
 
 // Thin bodies have two edges or more through their thickness under the contact.
@@ -126,7 +154,7 @@ class Bench {
                            patch_radius_m(path_, spacing_m));
     compliance_ = std::make_unique<SurfaceCompliance>(
         *factor_, supports_, surface_, patch_, std::numeric_limits<double>::infinity(),
-        nullptr);
+        std::span<const char>{}, nullptr);
   }
 
   [[nodiscard]] IndentationSample press(double depth_m) const {
@@ -159,6 +187,30 @@ class Bench {
       throw std::runtime_error(result.failure);
     }
     return result.sample.back().force_n.z();
+  }
+
+  // Forces of the nonlinear body at growing depths.
+  [[nodiscard]] std::vector<double> path_force_n(std::span<const Press> presses) const {
+    std::vector<PressStep> steps;
+    for (const Press& at : presses) {
+      steps.push_back(
+          {at.depth_m, tool_at(path_, at.depth_m), press(at.depth_m).pressure_n});
+    }
+    const NonlinearIndentation result =
+        indent_nonlinear({mesh_, material_, supports_, surface_}, patch_,
+                         compliance_->among(patch_), steps,
+                         [this](double depth) {
+                           return tool_at(path_, depth);
+                         },
+                         single_solves(*factor_), {});
+    if (!result.converged()) {
+      throw std::runtime_error(result.failure);
+    }
+    std::vector<double> force;
+    for (const NonlinearSample& sample : result.sample) {
+      force.push_back(sample.force_n.z());
+    }
+    return force;
   }
 
   [[nodiscard]] Eigen::Index tets() const { return tets_; }
@@ -196,8 +248,12 @@ bool run(const Case& c) {
   Bench bench(c.body, c.grading);
   bench.reach(c.tool, c.press.back().depth_m, c.grading.finest_m);
   bool kept = true;
-  for (const Press& press : c.press) {
-    const double slipping_n = bench.press(press.depth_m).force_n.z();
+  const std::vector<double> large_n =
+      c.large ? bench.path_force_n(c.press) : std::vector<double>{};
+  for (std::size_t i = 0; i < c.press.size(); ++i) {
+    const Press& press = c.press[i];
+    const double slipping_n =
+        c.large ? large_n[i] : bench.press(press.depth_m).force_n.z();
     const double ratio =
         (c.stuck ? bench.stuck_force_n(press.depth_m) / slipping_n : slipping_n) /
         press.force_n;
@@ -301,6 +357,39 @@ Case layer_paraboloid_case(double a_over_h, double nu, double kappa, double chi)
   return c;
 }
 
+// Fibres along the normal: Hertz's law with M for E*.
+Case transverse_case(const Transverse& moduli) {
+  Case c = sphere_case(0.3);
+  c.name = fmt::format("transverse, E {}:{}, G {}", moduli.youngs_along,
+                       moduli.youngs_across, moduli.shear_along);
+  c.body.transverse = moduli;
+  c.bound = 0.015;
+  for (Press& press : c.press) {
+    press.force_n *= moduli.plane_modulus / (1.0 / (1.0 - 0.3 * 0.3));
+  }
+  return c;
+}
+
+// Force over mu R^2 at depths of d/R, from a reference solution of 0.3 %.
+Case large_depth_case(double nu, std::span<const std::array<double, 2>> reference) {
+  const double R = kContactRadius_m;
+  const double mu = 0.5 * kYoung_pa / (1.0 + nu);
+  Case c{.name = fmt::format("neo-Hookean, nu {}", nu),
+         .body = {.half_width_m = 80.0 * R,
+                  .depth_m = 160.0 * R,
+                  .poissons_ratio = nu,
+                  .neo_hookean_law = true},
+         .grading = {.growth = 0.5, .finest_m = 0.1 * R},
+         .tool = sphere(R),
+         .bound = 0.015,
+         .large = true};
+  for (const auto& [depth, force] : reference) {
+    c.press.push_back(
+        {fmt::format("d/R {:.2f}", depth), depth * R, force * mu * R * R});
+  }
+  return c;
+}
+
 Case stuck_punch_case(double nu) {
   Case c = punch_case(nu);
   c.name = fmt::format("stuck punch, nu {}", nu);
@@ -340,6 +429,16 @@ std::vector<Case> cases() {
   for (const double nu : {0.0, 0.3, 0.45}) {
     all.push_back(stuck_punch_case(nu));
   }
+  for (const Transverse& moduli : {Transverse{20, 10, 4, 0.3, 0.3, 15.631457},
+                                   Transverse{40, 10, 4, 0.3, 0.4, 22.630196},
+                                   Transverse{100, 10, 5, 0.4, 0.4, 40.625649}}) {
+    all.push_back(transverse_case(moduli));
+  }
+  using Pairs = std::vector<std::array<double, 2>>;
+  all.push_back(large_depth_case(
+      0.3, Pairs{{0.1, 0.12231}, {0.2, 0.34732}, {0.5, 1.3704}, {1.0, 3.7906}}));
+  all.push_back(large_depth_case(
+      0.45, Pairs{{0.1, 0.15107}, {0.2, 0.42286}, {0.5, 1.6083}, {1.0, 4.2406}}));
   return all;
 }
 
