@@ -20,8 +20,8 @@ namespace {
 // nodes, and its factor outgrows the memory of a small machine.
 constexpr Eigen::Index kMostTriangles = 30000;
 
-// Edges over distance that a far surface may have.
-constexpr double kFarGrowth = 0.5;
+// Edges of the far surface over what the mesh would have there.
+constexpr double kFarShare = 0.6;
 
 void check_held(const Scene& scene, const BodyModel& model) {
   const auto held =
@@ -106,7 +106,7 @@ CoarsenedSurface far_coarsened(const Scene& scene, const BodySource& body,
                                std::span<const std::int32_t> vertices,
                                const ContactFocus& focus) {
   ContactFocus far = focus;
-  far.growth = std::min(kFarGrowth, focus.growth);
+  far.growth *= kFarShare;
   return coarsen_surface(body.surface, wanted_edges(body.surface, vertices, far),
                          vertices, [&](const Eigen::Vector3d& p) {
                            return support_part(scene, p);

@@ -52,8 +52,9 @@ struct UniformSurface {
 [[nodiscard]] std::int32_t corner_of(const BodyModel& model, std::int32_t vertex);
 
 /// The model on a surface that is refined around the given vertices, and coarsened
-/// farther away where the body is finer than its contact can feel: to edges of half the
-/// distance at most. Where the coarse surface cannot be meshed the body's own is taken.
+/// farther away where the body is finer than its contact can feel: with edges that stay
+/// shorter than the mesh wants them there. Where the coarse surface cannot be meshed
+/// the body's own is taken.
 [[nodiscard]] BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                                           std::span<const std::int32_t> vertices,
                                           const ContactFocus& focus);

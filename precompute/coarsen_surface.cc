@@ -114,19 +114,24 @@ CoarsenedSurface coarsen_surface(
     is_kept[static_cast<std::size_t>(v)] = 1;
   }
   CgalMesh mesh = to_cgal(surface);
+  const auto original =
+      mesh.add_property_map<CgalMesh::Vertex_index, std::int32_t>("v:original").first;
+  for (const auto v : mesh.vertices()) {
+    original[v] = static_cast<std::int32_t>(v.idx());
+  }
   sms::edge_collapse(mesh, NeverStop{},
                      CGAL::parameters::get_cost(sms::LindstromTurk_cost<CgalMesh>())
                          .get_placement(Placement(wanted, part, is_kept)));
-  // Vertices keep their order when the gaps are closed.
-  CoarsenedSurface result;
-  for (const std::int32_t v : kept) {
-    std::int32_t before = 0;
-    for (const auto w : mesh.vertices()) {
-      before += static_cast<std::int32_t>(w.idx()) < v ? 1 : 0;
-    }
-    result.vertex.push_back(before);
+  // Closing the gaps moves vertices about; their properties go with them.
+  mesh.collect_garbage();
+  std::vector<std::int32_t> now(is_kept.size(), -1);
+  for (const auto v : mesh.vertices()) {
+    now[static_cast<std::size_t>(original[v])] = static_cast<std::int32_t>(v.idx());
   }
-  result.surface = from_cgal(std::move(mesh));
+  CoarsenedSurface result{.surface = from_cgal(std::move(mesh)), .vertex = {}};
+  for (const std::int32_t v : kept) {
+    result.vertex.push_back(now[static_cast<std::size_t>(v)]);
+  }
   return result;
 }
 

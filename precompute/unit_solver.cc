@@ -81,7 +81,11 @@ class Territory {
         node.failure = good_[i]->failure;
       } else {
         node.failure = cheap_[i].failure;
-        node.response = interpolated(i, left_out);
+        if (field_.size() > 0) {
+          node.response = interpolated(i, left_out);
+        } else if (touches(i)) {
+          node.failure = "no neighbour was solved that it could be interpolated from";
+        }
       }
       if (!node.failure.empty() && node.response.origin == ResponseOrigin::kNone) {
         node.response.flags = kFailed;
