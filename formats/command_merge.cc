@@ -1,5 +1,6 @@
 #include "formats/command_merge.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/database_slice.h"
+#include "formats/error.h"
+#include "formats/merge_shards.h"
 
 namespace palpate {
 namespace {
@@ -19,26 +22,78 @@ struct Flags {
   bool json = false;
 };
 
-void run(const Flags& flags) {
+void print(const nlohmann::ordered_json& report) {
+  fmt::print("{}\n",
+             report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+nlohmann::ordered_json names_of(const ResponseDatabase& database) {
+  nlohmann::ordered_json names = nlohmann::ordered_json::array();
+  for (const ResponseTable& table : database.tools) {
+    names.push_back(table.tool.name);
+  }
+  return names;
+}
+
+void run_databases(const Flags& flags) {
   std::vector<ResponseDatabase> databases;
   for (const std::string& file : flags.files) {
     databases.push_back(read_database(file));
   }
   const ResponseDatabase merged = merge(databases);
   write_database(flags.output, merged);
-  nlohmann::ordered_json names = nlohmann::ordered_json::array();
-  for (const ResponseTable& table : merged.tools) {
-    names.push_back(table.tool.name);
-  }
   const std::uintmax_t bytes = std::filesystem::file_size(flags.output);
   if (flags.json) {
-    const nlohmann::ordered_json report = {
-        {"output", flags.output}, {"tools", names}, {"bytes", bytes}};
-    fmt::print("{}\n",
-               report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    print({{"output", flags.output}, {"tools", names_of(merged)}, {"bytes", bytes}});
   } else {
     fmt::print("wrote {}: {} tools, {} bytes\n", flags.output, merged.tools.size(),
                bytes);
+  }
+}
+
+void run_shards(const Flags& flags) {
+  const std::vector<std::filesystem::path> files(flags.files.begin(),
+                                                 flags.files.end());
+  const Assembly all = merge_shards(files);
+  write_database(flags.output, all.database);
+  const std::uintmax_t bytes = std::filesystem::file_size(flags.output);
+  if (flags.json) {
+    print({{"output", flags.output},
+           {"tools", names_of(all.database)},
+           {"bytes", bytes},
+           {"shards", files.size()},
+           {"solved", all.solved},
+           {"interpolated", all.interpolated},
+           {"failed", all.failed},
+           {"truncated", all.truncated},
+           {"untouched", all.untouched},
+           {"outside_reach", all.outside_reach},
+           {"over_budget", all.over_budget},
+           {"checked", all.checked},
+           {"failures", all.failures}});
+  } else {
+    fmt::print(
+        "wrote {} from {} shards: {} responses solved, {} interpolated, {} failed, {} "
+        "over budget, {} bytes\n",
+        flags.output, files.size(), all.solved, all.interpolated, all.failed,
+        all.over_budget, bytes);
+  }
+  if (all.failed + all.truncated > 0) {
+    throw NumericalError(fmt::format(
+        "{} nodes have no response and {} only a part of it; the others are in {}",
+        all.failed, all.truncated, flags.output));
+  }
+}
+
+void run(const Flags& flags) {
+  const bool any_shard =
+      std::any_of(flags.files.begin(), flags.files.end(), [](const std::string& file) {
+        return is_shard(file);
+      });
+  if (any_shard) {
+    run_shards(flags);
+  } else {
+    run_databases(flags);
   }
 }
 
@@ -46,9 +101,13 @@ void run(const Flags& flags) {
 
 void add_merge_command(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("merge", "Put the tools of databases of one body in one file");
+      app.add_subcommand("merge",
+                         "Put the tools of databases of one body in one file, or the "
+                         "shards of one build in a database");
   auto flags = std::make_shared<Flags>();
-  command->add_option("files", flags->files, "Response databases, numbered from 0")
+  command
+      ->add_option("files", flags->files,
+                   "Response databases, numbered from 0, or shards")
       ->required()
       ->expected(2, -1);
   command->add_option("-o,--output", flags->output, "Database to write")->required();

@@ -1,4 +1,5 @@
-// palpate-db merge: the tools of several databases of one body in one file.
+// palpate-db merge: the tools of several databases of one body in one file, or the
+// shards of one build in a database.
 #pragma once
 
 #include <CLI/CLI.hpp>

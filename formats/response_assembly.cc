@@ -4,6 +4,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,6 +25,18 @@ void check_complete(const UnitPlan& plan, std::span<const UnitOutcome> units) {
     }
     if (++seen[static_cast<std::size_t>(unit.index)] > 1) {
       throw InputError(fmt::format("unit {} comes twice", unit.index));
+    }
+  }
+  for (const UnitOutcome& unit : units) {
+    for (const UnitNode& node : unit.node) {
+      if (node.tool < 0 || std::cmp_greater_equal(node.tool, plan.tool.size()) ||
+          node.vertex < 0 || node.vertex >= plan.body.position_m.rows()) {
+        throw InputError(fmt::format(
+            "unit {} answers tool {} at vertex {}: the body has {} vertices, the scene "
+            "{} tools",
+            unit.index, node.tool, node.vertex, plan.body.position_m.rows(),
+            plan.tool.size()));
+      }
     }
   }
   std::vector<std::size_t> missing;
@@ -221,6 +234,17 @@ Assembly assemble(const UnitPlan& plan, std::span<const UnitOutcome> units) {
   assembly.database.provenance = plan.provenance;
   assembly.database.provenance.left_out = left_out(plan, assembly);
   return assembly;
+}
+
+void require_responses(const UnitPlan& plan, const Assembly& assembly) {
+  if (assembly.solved == 0) {
+    throw NumericalError(fmt::format(
+        "none of the {} reachable vertices gave a response: {}", plan.reachable,
+        assembly.failures.empty()
+            ? fmt::format("the tool touched nothing within depth_max_m = {}",
+                          plan.depth_max_m)
+            : assembly.failures.front()));
+  }
 }
 
 }  // namespace palpate

@@ -10,11 +10,13 @@
 #include "formats/atomic_file.h"
 #include "formats/error.h"
 #include "formats/response_json.h"
+#include "formats/sha256.h"
 
 namespace palpate {
 namespace {
 
-constexpr std::string_view kMagic = "palpate-shard-1\n";
+constexpr std::string_view kMagic = "palpate-shard-2\n";
+constexpr std::size_t kDigestLength = 64;
 
 std::vector<std::byte> to_cbor(const nlohmann::json& json) {
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(json);
@@ -45,6 +47,17 @@ std::vector<std::byte> bytes_of_file(const std::filesystem::path& file) {
   return {first, first + text.size()};
 }
 
+std::string digest_of(std::span<const std::byte> bytes) {
+  Sha256 sum;
+  sum.update(bytes);
+  return sum.hex();
+}
+
+void append(std::vector<std::byte>& bytes, std::string_view text) {
+  const auto more = std::as_bytes(std::span(text));
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
 bool begins_as_shard(std::span<const std::byte> bytes) {
   return bytes.size() >= kMagic.size() &&
          std::equal(kMagic.begin(), kMagic.end(), bytes.begin(),
@@ -73,11 +86,10 @@ UnitPlan plan_from_bytes(std::span<const std::byte> bytes, const std::string& so
 }
 
 void write_shard(const std::filesystem::path& file, const Shard& shard) {
-  std::vector<std::byte> bytes(kMagic.size());
-  std::transform(kMagic.begin(), kMagic.end(), bytes.begin(), [](char c) {
-    return static_cast<std::byte>(c);
-  });
   const auto body = to_cbor({{"plan", shard.plan}, {"unit", shard.unit}});
+  std::vector<std::byte> bytes;
+  append(bytes, kMagic);
+  append(bytes, digest_of(body));
   bytes.insert(bytes.end(), body.begin(), body.end());
   AtomicFile place(file);
   place.write(bytes);
@@ -89,8 +101,17 @@ Shard read_shard(const std::filesystem::path& file) {
   if (!begins_as_shard(bytes)) {
     throw FormatError(fmt::format("{} is no palpate shard", file.string()));
   }
-  const auto json =
-      from_cbor<nlohmann::json>(std::span(bytes).subspan(kMagic.size()), file.string());
+  const auto rest = std::span(bytes).subspan(kMagic.size());
+  const auto body = rest.subspan(std::min(rest.size(), kDigestLength));
+  const std::string digest = digest_of(body);
+  const auto stored = rest.first(std::min(rest.size(), kDigestLength));
+  const auto expected = std::as_bytes(std::span(digest));
+  if (!std::equal(stored.begin(), stored.end(), expected.begin(), expected.end())) {
+    throw FormatError(
+        fmt::format("{} is damaged: its bytes do not have the SHA-256 that it carries",
+                    file.string()));
+  }
+  const auto json = from_cbor<nlohmann::json>(body, file.string());
   try {
     return {json.at("plan").get<UnitPlan>(),
             json.at("unit").get<std::vector<UnitOutcome>>()};

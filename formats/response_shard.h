@@ -3,6 +3,7 @@
 //
 // A unit is a set of nodes that is solved as a whole and gives the same bits whoever
 // solves it. A plan knows all that does not depend on units. Both are CBOR (RFC 8949).
+// A shard's file is a magic line, the SHA-256 of what follows (64 hex digits), CBOR.
 #pragma once
 
 #include <cstddef>
@@ -81,9 +82,12 @@ struct Assembly {
 };
 
 /// Puts the units together; their order does not matter. @throws InputError naming the
-/// units that are missing, or that come twice.
+/// units that are missing, that come twice, or whose nodes the body does not have.
 [[nodiscard]] Assembly assemble(const UnitPlan& plan,
                                 std::span<const UnitOutcome> units);
+
+/// @throws NumericalError saying why if no node at all was solved.
+void require_responses(const UnitPlan& plan, const Assembly& assembly);
 
 /// Relative difference of two responses of a node: rms over 16 equal steps of the
 /// penetration that both cover, from the earlier first touch on, of the difference in
