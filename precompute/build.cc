@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include "formats/atomic_file.h"
@@ -147,6 +148,11 @@ class UnitRun {
 BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
   { const AtomicFile place(options.output); }  // said before the work, not after it
+  std::optional<tbb::global_control> limit;
+  if (options.workers > 0) {
+    limit.emplace(tbb::global_control::max_allowed_parallelism,
+                  static_cast<std::size_t>(options.workers));
+  }
   BuildReport report;
   progress.stage("body");
   const BodySource body = read_body(scene);
@@ -166,21 +172,15 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   report.notes = body.notes;
   report.notes.insert(report.notes.end(), approach.notes.begin(), approach.notes.end());
   std::vector<UnitOutcome> outcomes =
-      UnitRun(scene, body, approach, checkpoint, options.solve_all, progress)
+      UnitRun(scene, body, approach, checkpoint,
+              options.solve_all || scene.accuracy.solve == "all", progress)
           .run(reachable, mine, report);
   progress.finish();
   if (options.shards > 1) {
     write_shard(options.output, {plan, std::move(outcomes)});
   } else {
     report.assembly = assemble(plan, outcomes);
-    if (report.assembly.solved == 0) {
-      throw NumericalError(fmt::format(
-          "none of the {} reachable vertices gave a response: {}", reachable.size(),
-          report.assembly.failures.empty()
-              ? fmt::format("the tool touched nothing within depth_max_m = {}",
-                            scene.reach.depth_max_m)
-              : report.assembly.failures.front()));
-    }
+    require_responses(plan, report.assembly);
     write_database(options.output, report.assembly.database);
   }
   checkpoint.remove();

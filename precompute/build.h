@@ -21,6 +21,7 @@ struct BuildOptions {
   int shards = 1;       ///< units are dealt out in turn
   bool resume = false;  ///< go on from units that an earlier run left beside `output`
   bool solve_all = false;  ///< every node, none interpolated
+  int workers = 0;  ///< [0, inf) threads; 0: one for each core. The bytes are the same
 };
 
 struct BuildReport {

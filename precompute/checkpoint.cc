@@ -54,7 +54,7 @@ Checkpoint::Checkpoint(const fs::path& output, const UnitPlan& plan, bool resume
     if (text_of(bytes_of(digest)) != plan.digest) {
       throw InputError(
           fmt::format("{} belongs to another scene, body or version; remove "
-                      " the folder to start again",
+                      "the folder to start again",
                       folder_.string()));
     }
     return;

@@ -21,6 +21,7 @@ struct Flags {
   std::string scene;
   std::string output;
   std::string shard;
+  int workers = 0;
   bool resume = false;
   bool solve_all = false;
   bool strict = false;
@@ -148,8 +149,10 @@ void parse_shard(const std::string& text, BuildOptions& options) {
 void run(const Flags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
-  BuildOptions options{
-      .output = flags.output, .resume = flags.resume, .solve_all = flags.solve_all};
+  BuildOptions options{.output = flags.output,
+                       .resume = flags.resume,
+                       .solve_all = flags.solve_all,
+                       .workers = flags.workers};
   parse_shard(flags.shard, options);
   Progress progress(stderr);
   const BuildReport report = build(scene, options, progress);
@@ -187,6 +190,10 @@ void add_build_command(CLI::App& app) {
       "--shard", flags->shard,
       "i/n: only every n-th unit of work, from the i-th on; `palpate-db "
       "merge` puts shards together");
+  command
+      ->add_option("--workers", flags->workers,
+                   "Threads; 0: one for each core. The result does not depend on it")
+      ->check(CLI::Range(0, 1024));
   command->add_flag("--resume", flags->resume,
                     "Go on with what an earlier run left in OUTPUT.partial");
   command->add_flag("--solve-all", flags->solve_all,
