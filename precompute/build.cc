@@ -8,7 +8,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
@@ -16,16 +15,11 @@
 #include "formats/error.h"
 #include "formats/sha256.h"
 #include "precompute/checkpoint.h"
+#include "precompute/peak_memory.h"
 #include "precompute/unit_solver.h"
 
 namespace palpate {
 namespace {
-
-std::int64_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return std::int64_t{usage.ru_maxrss} * 1024;
-}
 
 // Everything that outcomes depend on; not where or by how many they are computed.
 std::string digest_of(const Scene& scene, const BodySource& body,

@@ -4,6 +4,7 @@
 #include "precompute/command_build.h"
 #include "precompute/command_check.h"
 #include "precompute/command_indent.h"
+#include "precompute/command_plan.h"
 #include "precompute/command_remesh.h"
 
 int main(int argc, char** argv) {
@@ -11,6 +12,6 @@ int main(int argc, char** argv) {
                            "Computes force-deflection responses of deformable bodies.",
                            {&palpate::add_body_command, &palpate::add_build_command,
                             &palpate::add_check_command, &palpate::add_indent_command,
-                            &palpate::add_remesh_command},
+                            &palpate::add_plan_command, &palpate::add_remesh_command},
                            argc, argv);
 }

@@ -99,6 +99,11 @@ bool is_nonlinear(const Scene& scene, const BodySource& body) {
          !std::all_of(body.material.begin(), body.material.end(), is_linear);
 }
 
+int nonlinear_depths(int samples) {
+  return static_cast<int>(
+      corrected_samples(static_cast<std::size_t>(samples) + 1, false).size());
+}
+
 PressedNode placed_node(const Scene& scene, const BodySource& body,
                         const BodyModel& model, const SharedTool& tool,
                         std::int32_t vertex) {

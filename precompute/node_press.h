@@ -40,6 +40,9 @@ struct PressedNode {
 /// Whether the scene's materials and method ask for nonlinear solutions.
 [[nodiscard]] bool is_nonlinear(const Scene& scene, const BodySource& body);
 
+/// How many samples of a path are solved nonlinear unless all of them are wanted.
+[[nodiscard]] int nonlinear_depths(int samples);
+
 /// The path and the patch of a vertex, not pressed yet.
 [[nodiscard]] PressedNode placed_node(const Scene& scene, const BodySource& body,
                                       const BodyModel& model, const SharedTool& tool,

@@ -12,8 +12,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kBlock = 64;  // right-hand sides per solve, the knee of the cost
-
 std::int64_t free_index(const Supports& supports, std::int32_t node, int axis) {
   return supports
       .free_index[3 * static_cast<std::size_t>(node) + static_cast<std::size_t>(axis)];

@@ -39,6 +39,9 @@ void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per
 /// spread over the hat of w. Symmetric (Maxwell-Betti).
 class SurfaceCompliance {
  public:
+  static constexpr std::size_t kBlock =
+      64;  ///< columns per solve, the knee of the cost
+
   /// Solves for one column per node of `nodes` and keeps the rows within `radius_m`.
   /// Runs on all cores; the result does not depend on their number.
   /// @param nodes contact nodes, ascending.

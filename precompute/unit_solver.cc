@@ -14,9 +14,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kFirstSamples = 6;
-constexpr std::size_t kMoreSamples = 4;
-
 // Spreads the indices of vertices evenly and without order (Steele, Lea and Flood
 // 2014).
 std::uint64_t scrambled(std::uint64_t x) {
@@ -199,7 +196,8 @@ UnitOutcome solve_check(const Scene& scene, const BodySource& body,
                         const SceneSolver& solver, const Unit& unit) {
   UnitOutcome outcome{.index = unit.index, .is_check = true, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
-    for (const PressedNode& node : solver.good(body.tool[t], unit.vertex, 2.0)) {
+    for (const PressedNode& node :
+         solver.good(body.tool[t], unit.vertex, kCheckTimesFiner)) {
       outcome.node.push_back(
           {.tool = static_cast<std::int32_t>(t),
            .vertex = node.vertex,
@@ -211,6 +209,10 @@ UnitOutcome solve_check(const Scene& scene, const BodySource& body,
 }
 
 }  // namespace
+
+std::size_t expected_samples(double force_relative) {
+  return kFirstSamples + kMoreSamples * (force_relative < 0.03 ? 4 : 1);
+}
 
 std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
                            std::span<const std::int32_t> vertices) {

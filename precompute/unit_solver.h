@@ -12,6 +12,14 @@
 
 namespace palpate {
 
+inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
+inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
+inline constexpr double kCheckTimesFiner = 2.0;  ///< elements of checks
+
+/// Good presses that a territory will probably need at a budget [-], counted in builds
+/// of organs of neo-Hookean material.
+[[nodiscard]] std::size_t expected_samples(double force_relative);
+
 /// Either a territory: neighbouring vertices that are answered together, some solved,
 /// some interpolated from those. Or a check: one vertex that is solved again one level
 /// finer.

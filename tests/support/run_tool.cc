@@ -28,8 +28,17 @@ void redirect(const std::filesystem::path& file, int descriptor) {
   dup2(to, descriptor);
 }
 
+// Waits for the end of a child, and does something meanwhile.
+using Meanwhile = std::function<int(pid_t child)>;
+
+int wait_for(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
 ToolRun run(const std::string& tool, const std::vector<std::string>& arguments,
-            int interrupt_after_ms) {
+            const Meanwhile& meanwhile) {
   const ScratchFolder scratch;
   const std::string program = (std::filesystem::path(PALPATE_BIN_DIR) / tool).string();
   std::vector<char*> argv{const_cast<char*>(program.c_str())};
@@ -44,12 +53,7 @@ ToolRun run(const std::string& tool, const std::vector<std::string>& arguments,
     execv(program.c_str(), argv.data());
     _exit(127);
   }
-  if (interrupt_after_ms >= 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(interrupt_after_ms));
-    kill(child, SIGINT);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
+  const int status = meanwhile(child);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
           content(scratch / "out"), content(scratch / "err")};
 }
@@ -58,13 +62,33 @@ ToolRun run(const std::string& tool, const std::vector<std::string>& arguments,
 
 ToolRun run_tool_process(const std::string& tool,
                          const std::vector<std::string>& arguments) {
-  return run(tool, arguments, -1);
+  return run(tool, arguments, wait_for);
 }
 
 ToolRun interrupt_tool_process(const std::string& tool,
                                const std::vector<std::string>& arguments,
                                int milliseconds) {
-  return run(tool, arguments, milliseconds);
+  return run(tool, arguments, [&](pid_t child) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    kill(child, SIGINT);
+    return wait_for(child);
+  });
+}
+
+ToolRun kill_tool_process(const std::string& tool,
+                          const std::vector<std::string>& arguments,
+                          const std::function<bool()>& now) {
+  return run(tool, arguments, [&](pid_t child) {
+    int status = 0;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (now()) {
+        kill(child, SIGKILL);
+        return wait_for(child);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return status;
+  });
 }
 
 }  // namespace palpate

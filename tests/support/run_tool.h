@@ -1,6 +1,7 @@
 // Runs one of the command-line tools as a user would.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,5 +21,11 @@ struct ToolRun {
 [[nodiscard]] ToolRun interrupt_tool_process(const std::string& tool,
                                              const std::vector<std::string>& arguments,
                                              int milliseconds);
+
+/// Starts the tool and sends it SIGKILL as soon as `now` is true, unless it ends
+/// before.
+[[nodiscard]] ToolRun kill_tool_process(const std::string& tool,
+                                        const std::vector<std::string>& arguments,
+                                        const std::function<bool()>& now);
 
 }  // namespace palpate

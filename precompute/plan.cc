@@ -1,0 +1,425 @@
+#include "precompute/plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include "precompute/node_press.h"
+#include "precompute/peak_memory.h"
+#include "precompute/scene_solver.h"
+#include "precompute/unit_solver.h"
+
+namespace palpate {
+namespace {
+
+double seconds_of(const std::function<void()>& work) {
+  const auto began = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
+      .count();
+}
+
+// `count` of the vertices, evenly spread over their order.
+std::vector<std::int32_t> spread(std::span<const std::int32_t> vertices,
+                                 std::size_t count) {
+  std::vector<std::int32_t> chosen;
+  count = std::min(count, vertices.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(vertices[(2 * i + 1) * vertices.size() / (2 * count)]);
+  }
+  return chosen;
+}
+
+class Planner {
+ public:
+  Planner(const Scene& scene, bool solve_all, std::size_t workers, Progress& progress)
+      : scene_(scene),
+        solve_all_(solve_all || scene.accuracy.solve == "all"),
+        workers_(workers),
+        progress_(progress) {}
+
+  PlanReport run() {
+    describe_scene();
+    if (approach_.shared_mesh) {
+      time_shared_mesh();
+    } else {
+      time_cheap_on_own_meshes();
+    }
+    time_good();
+    time_checks();
+    count_responses();
+    say_what_is_left_out();
+    for (const PlanCost& cost : report_.cost) {
+      report_.seconds += cost.seconds;
+    }
+    return std::move(report_);
+  }
+
+ private:
+  void describe_scene();
+  void time_shared_mesh();
+  void time_columns(const BodyModel& model, std::span<const PressedNode> placed);
+  void time_linear_presses(const BodyModel& model, const SurfaceCompliance& compliance);
+  void time_nonlinear_on_shared_mesh(const BodyModel& model,
+                                     const SurfaceCompliance& compliance);
+  void time_cheap_on_own_meshes();
+  void time_good();
+  void time_checks();
+  void count_responses();
+  void say_what_is_left_out();
+
+  // What is done once, timed as it is.
+  void once(const std::string& work, double seconds) {
+    report_.cost.push_back({work, 1, 1, seconds, seconds});
+  }
+  // Some of many, timed.
+  void extrapolate(const std::string& work, std::size_t count, std::size_t timed,
+                   double seconds) {
+    const double share = static_cast<double>(count) / static_cast<double>(timed);
+    report_.cost.push_back({work, static_cast<std::int64_t>(count),
+                            static_cast<std::int64_t>(timed), seconds,
+                            share * seconds});
+  }
+  // Own meshes for vertices of several territories, as many at once as there are
+  // workers; of `count` groups of vertices.
+  void time_own_meshes(const std::string& work,
+                       const std::vector<std::vector<std::int32_t>>& groups,
+                       std::size_t count, const ContactFocus& focus, bool nonlinear);
+  [[nodiscard]] std::vector<const Unit*> territories() const;
+  [[nodiscard]] std::size_t good_of(const Unit& territory) const;
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> first_groups(
+      const std::function<std::vector<std::vector<std::int32_t>>(const Unit&)>&) const;
+
+  const Scene& scene_;
+  bool solve_all_;
+  std::size_t workers_;
+  Progress& progress_;
+  BodySource body_;
+  std::vector<std::int32_t> reachable_;
+  Approach approach_;
+  std::vector<Unit> units_;
+  PlanReport report_;
+};
+
+std::vector<const Unit*> Planner::territories() const {
+  std::vector<const Unit*> territories;
+  for (const Unit& unit : units_) {
+    if (!unit.is_check) {
+      territories.push_back(&unit);
+    }
+  }
+  return territories;
+}
+
+std::size_t Planner::good_of(const Unit& territory) const {
+  return solve_all_ ? territory.vertex.size()
+                    : std::min(expected_samples(scene_.force_relative),
+                               territory.vertex.size());
+}
+
+void Planner::describe_scene() {
+  progress_.stage("body");
+  once("read and check the body", seconds_of([&] {
+         body_ = read_body(scene_);
+         reachable_ = reachable_vertices(scene_, body_);
+         approach_ = choose_approach(scene_, body_);
+         units_ = units_of(scene_, body_, reachable_);
+       }));
+  report_.nodes = body_.surface.position_m.rows();
+  report_.reachable = static_cast<std::int64_t>(reachable_.size());
+  for (Eigen::Index v = 0; v < body_.surface.position_m.rows(); ++v) {
+    report_.held += is_held(scene_, body_.surface.position_m.row(v).transpose());
+  }
+  report_.outside_reach = report_.nodes - report_.reachable - report_.held;
+  report_.tools = static_cast<std::int64_t>(body_.tool.size());
+  report_.units = static_cast<std::int64_t>(units_.size());
+  report_.checks = std::count_if(units_.begin(), units_.end(), [](const Unit& unit) {
+    return unit.is_check;
+  });
+  report_.nonlinear = approach_.nonlinear;
+  report_.shared_mesh = approach_.shared_mesh;
+  report_.graded = approach_.graded && !approach_.cheap_is_good;
+  report_.subdivisions = approach_.shared_mesh ? approach_.subdivisions : 0;
+  report_.spacing_m =
+      approach_.shared_mesh ? approach_.spacing_m : 0.5 * approach_.focus.finest_m;
+  report_.depths = scene_.accuracy.depths;
+  report_.nonlinear_depths =
+      approach_.nonlinear ? nonlinear_depths(scene_.accuracy.depths) : 0;
+  report_.notes = body_.notes;
+  report_.notes.insert(report_.notes.end(), approach_.notes.begin(),
+                       approach_.notes.end());
+}
+
+void Planner::time_shared_mesh() {
+  progress_.stage("shared mesh and factor");
+  std::optional<BodyModel> model;
+  once("shared mesh and factor", seconds_of([&] {
+         model.emplace(make_body_model(scene_, body_, approach_.surface));
+       }));
+  report_.tets = model->mesh.tet.rows();
+  report_.unknowns = model->supports.free;
+  std::vector<PressedNode> placed;
+  once("place the tools", seconds_of([&] {
+         for (const SharedTool& tool : body_.tool) {
+           for (const std::int32_t v : reachable_) {
+             placed.push_back(placed_node(scene_, body_, *model, tool, v));
+           }
+         }
+       }));
+  time_columns(*model, placed);
+}
+
+void Planner::time_columns(const BodyModel& model,
+                           std::span<const PressedNode> placed) {
+  progress_.stage("a few columns");
+  const std::vector<std::int32_t> samples = spread(reachable_, 2 * workers_);
+  std::vector<char> any(model.contact.node.size(), 0);
+  std::vector<char> sampled(model.contact.node.size(), 0);
+  for (const PressedNode& node : placed) {
+    const bool is_sample =
+        std::binary_search(samples.begin(), samples.end(), node.vertex);
+    for (const std::int32_t c : node.patch) {
+      any[static_cast<std::size_t>(c)] = 1;
+      sampled[static_cast<std::size_t>(c)] |= static_cast<char>(is_sample);
+    }
+  }
+  // Columns are solved by whole blocks.
+  const auto columns = static_cast<std::size_t>(std::count(any.begin(), any.end(), 1));
+  const std::size_t block = SurfaceCompliance::kBlock;
+  std::size_t timed = 0;
+  std::size_t seen = 0;
+  bool needed = false;
+  for (std::size_t c = 0; c < any.size(); ++c) {
+    if (any[c] != 0) {
+      needed = needed || sampled[c] != 0;
+      if (++seen % block == 0 || seen == columns) {
+        timed += needed ? (seen - 1) % block + 1 : 0;
+        needed = false;
+      }
+    }
+  }
+  report_.columns = static_cast<std::int64_t>(columns);
+  if (timed == 0) {
+    return;
+  }
+  const double none = seconds_of([&] {
+    (void)compliance_of(model, placed, std::vector<char>(any.size(), 0), nullptr);
+  });
+  std::optional<SurfaceCompliance> compliance;
+  const double some = seconds_of([&] {
+    compliance.emplace(compliance_of(model, placed, sampled, nullptr));
+  });
+  once("find pairs of near contact nodes", none);
+  extrapolate("columns of the surface compliance", columns, timed,
+              std::max(some - none, 0.0));
+  time_linear_presses(model, *compliance);
+  if (approach_.nonlinear && !approach_.graded) {
+    time_nonlinear_on_shared_mesh(model, *compliance);
+  }
+}
+
+void Planner::time_linear_presses(const BodyModel& model,
+                                  const SurfaceCompliance& compliance) {
+  progress_.stage("a few linear presses");
+  const std::vector<std::int32_t> samples = spread(reachable_, 2 * workers_);
+  const double seconds = seconds_of([&] {
+    tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+      PressedNode node =
+          placed_node(scene_, body_, model, body_.tool.front(), samples[i]);
+      press_linear(model, compliance, node);
+    });
+  });
+  extrapolate("linear presses", reachable_.size() * body_.tool.size(), samples.size(),
+              seconds);
+}
+
+void Planner::time_nonlinear_on_shared_mesh(const BodyModel& model,
+                                            const SurfaceCompliance& compliance) {
+  progress_.stage("a few nonlinear presses");
+  const std::vector<std::int32_t> samples = spread(reachable_, 2 * workers_);
+  const SharedTool& tool = body_.tool.front();
+  const double seconds = seconds_of([&] {
+    tbb::parallel_for(std::size_t{0}, workers_, [&](std::size_t w) {
+      std::vector<PressedNode> nodes;
+      for (std::size_t i = w; i < samples.size(); i += workers_) {
+        nodes.push_back(placed_node(scene_, body_, model, tool, samples[i]));
+        press_linear(model, compliance, nodes.back());
+      }
+      press_nonlinear(model, compliance, nodes, {.sticking = tool->shape().sticking},
+                      false);
+    });
+  });
+  std::size_t count = 0;
+  for (const Unit* territory : territories()) {
+    count += good_of(*territory);
+  }
+  extrapolate("nonlinear presses", count * body_.tool.size(), samples.size(), seconds);
+}
+
+std::vector<std::vector<std::int32_t>> Planner::first_groups(
+    const std::function<std::vector<std::vector<std::int32_t>>(const Unit&)>& groups_of)
+    const {
+  std::vector<std::vector<std::int32_t>> some;
+  const std::vector<const Unit*> all = territories();
+  for (std::size_t w = 0; w < workers_; ++w) {
+    const Unit& unit = *all[(2 * w + 1) * all.size() / (2 * workers_)];
+    const auto groups = groups_of(unit);
+    some.push_back(groups[(2 * w + 1) * groups.size() / (2 * workers_)]);
+  }
+  return some;
+}
+
+void Planner::time_own_meshes(const std::string& work,
+                              const std::vector<std::vector<std::int32_t>>& groups,
+                              std::size_t count, const ContactFocus& focus,
+                              bool nonlinear) {
+  progress_.stage("one of: " + work);
+  const double seconds = seconds_of([&] {
+    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
+      (void)press_on_own_mesh(scene_, body_, body_.tool.front(), groups[i], focus,
+                              {.nonlinear = nonlinear});
+    });
+  });
+  extrapolate(work, count * body_.tool.size(), groups.size(), seconds);
+}
+
+void Planner::time_cheap_on_own_meshes() {
+  const auto groups_of = [&](const Unit& unit) {
+    return group_vertices(body_.surface, unit.vertex, approach_.focus);
+  };
+  std::size_t count = 0;
+  for (const Unit* territory : territories()) {
+    count += groups_of(*territory).size();
+  }
+  const auto groups = first_groups(groups_of);
+  const BodyModel model =
+      make_graded_model(scene_, body_, groups.front(), approach_.focus);
+  report_.tets = model.mesh.tet.rows();
+  report_.unknowns = model.supports.free;
+  time_own_meshes("groups of linear presses on meshes of their own", groups, count,
+                  approach_.focus, false);
+}
+
+void Planner::time_good() {
+  if (approach_.cheap_is_good || !approach_.graded) {
+    return;
+  }
+  // Samples come in rounds; neighbours of a round share a mesh.
+  const auto groups_of = [&](const Unit& unit) {
+    return group_vertices(
+        body_.surface,
+        spread(unit.vertex, solve_all_ ? unit.vertex.size() : kFirstSamples),
+        approach_.focus);
+  };
+  double count = 0.0;
+  for (const Unit* territory : territories()) {
+    const auto groups = groups_of(*territory);
+    std::size_t vertices = 0;
+    for (const auto& group : groups) {
+      vertices += group.size();
+    }
+    count += static_cast<double>(groups.size() * good_of(*territory)) /
+             static_cast<double>(vertices);
+  }
+  time_own_meshes("groups of good presses on meshes of their own",
+                  first_groups(groups_of), static_cast<std::size_t>(count + 0.5),
+                  approach_.focus, approach_.nonlinear);
+}
+
+void Planner::time_checks() {
+  std::vector<std::vector<std::int32_t>> checks;
+  for (const Unit& unit : units_) {
+    if (unit.is_check) {
+      checks.push_back(unit.vertex);
+    }
+  }
+  if (checks.empty()) {
+    return;
+  }
+  const std::size_t count = checks.size();
+  checks.resize(std::min(count, workers_));
+  time_own_meshes("checks one level finer", checks, count,
+                  finer(approach_.focus, kCheckTimesFiner), approach_.nonlinear);
+}
+
+void Planner::count_responses() {
+  const std::int64_t all = report_.reachable * report_.tools;
+  report_.solved_at_least = all;
+  report_.solved_expected = all;
+  if (!approach_.cheap_is_good && !solve_all_) {
+    report_.solved_at_least = 0;
+    report_.solved_expected = 0;
+    for (const Unit* territory : territories()) {
+      report_.solved_at_least +=
+          report_.tools *
+          static_cast<std::int64_t>(std::min(kFirstSamples, territory->vertex.size()));
+      report_.solved_expected +=
+          report_.tools * static_cast<std::int64_t>(good_of(*territory));
+    }
+  }
+  report_.interpolated_expected = all - report_.solved_expected;
+}
+
+void Planner::say_what_is_left_out() {
+  const auto say = [&](bool is_so, std::string line) {
+    if (is_so) {
+      report_.left_out.push_back(std::move(line));
+    }
+  };
+  say(report_.held > 0, fmt::format("{} nodes: a support holds them", report_.held));
+  say(report_.outside_reach > 0,
+      fmt::format("{} nodes: outside reach.box_m", report_.outside_reach));
+  say(true, fmt::format("depths past {:.4g} mm: reach.depth_max_m",
+                        1e3 * scene_.reach.depth_max_m));
+  say(std::isfinite(scene_.reach.force_max_n),
+      fmt::format("forces past {:.4g} N: reach.force_max_n", scene_.reach.force_max_n));
+  say(!approach_.nonlinear,
+      fmt::format("nonlinear solutions: {}", scene_.accuracy.method == "linear"
+                                                 ? "accuracy.method is linear"
+                                                 : "every material is linear"));
+  say(approach_.nonlinear && report_.nonlinear_depths < report_.depths,
+      fmt::format("nonlinear solutions at {} of {} depths: their ratio to the linear "
+                  "force is interpolated",
+                  report_.depths - report_.nonlinear_depths, report_.depths));
+  say(report_.interpolated_expected > 0,
+      fmt::format(
+          "good presses of about {} of {} nodes: interpolated within the budget "
+          "of {:.3g} %",
+          report_.interpolated_expected, report_.reachable * report_.tools,
+          100 * scene_.force_relative));
+  say(approach_.shared_mesh && report_.columns > 0,
+      "fine elements away from the surface: tets grow inwards");
+  say(!approach_.shared_mesh,
+      "fine elements away from the contact: every group of "
+      "nodes has a mesh graded to it");
+  say(!scene_.drawing.displacement,
+      "displacement fields: drawing.displacement is not set");
+}
+
+}  // namespace
+
+PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progress) {
+  std::optional<tbb::global_control> limit;
+  if (options.workers > 0) {
+    limit.emplace(tbb::global_control::max_allowed_parallelism,
+                  static_cast<std::size_t>(options.workers));
+  }
+  const std::size_t workers =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  PlanReport report;
+  const double seconds = seconds_of([&] {
+    report = Planner(scene, options.solve_all, workers, progress).run();
+  });
+  progress.finish();
+  report.plan_seconds = seconds;
+  // Every kind of work was done by all workers at once, beside what all of them share.
+  report.peak_memory_bytes = peak_memory_bytes();
+  return report;
+}
+
+}  // namespace palpate

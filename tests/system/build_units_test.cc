@@ -1,0 +1,141 @@
+// A build cut short, shared out or done by more threads gives the same bytes.
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/run_tool.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Three territories and three checks.
+constexpr const char* kScene = R"([body]
+mesh = "organ.obj"
+length_unit = "m"
+[[material]]
+region = "body"
+law = "neo-hookean"
+youngs_modulus_pa = 6000.0
+poissons_ratio = 0.45
+[[support]]
+box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 0.002]]
+kind = "fixed"
+[[tool]]
+name = "fingertip"
+shape = "sphere"
+radius_m = 0.02
+[reach]
+box_m = [[-1.0, -1.0, 0.010], [1.0, 1.0, 1.0]]
+depth_max_m = 0.006
+[accuracy]
+force_relative = 0.3
+contact_resolution = 1.0
+depths = 4
+verify = 3
+)";
+
+std::string read(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// One undisturbed build, by every core.
+class BuildUnits : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<ScratchFolder>();
+    std::ofstream(path("scene.toml")) << kScene;
+    const ToolRun body =
+        run_tool_process("palpate-precompute",
+                         {"body", "organ", "--levels", "2", "-o", path("organ.obj")});
+    ASSERT_EQ(body.exit_code, 0) << body.err;
+    const ToolRun whole = build("whole.h5");
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  static std::string path(const std::string& name) {
+    return (*folder_ / name).string();
+  }
+  static std::vector<std::string> arguments(const std::string& output,
+                                            const std::vector<std::string>& more) {
+    std::vector<std::string> all{"build", path("scene.toml"), "-o", path(output)};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  static ToolRun build(const std::string& output,
+                       const std::vector<std::string>& more = {}) {
+    return run_tool_process("palpate-precompute", arguments(output, more));
+  }
+  // Units that a build has kept so far.
+  static std::int64_t kept(const std::string& output) {
+    std::error_code ignored;
+    const fs::directory_iterator entries(path(output) + ".partial", ignored);
+    return std::count_if(begin(entries), end(entries),
+                         [](const fs::directory_entry& e) {
+                           const std::string name = e.path().filename().string();
+                           return name.starts_with("unit-") && name.size() == 11;
+                         });
+  }
+  static void expect_whole(const std::string& output) {
+    EXPECT_EQ(read(path(output)), read(path("whole.h5"))) << output;
+    EXPECT_FALSE(fs::exists(path(output) + ".partial"));
+  }
+  static std::unique_ptr<ScratchFolder> folder_;
+};
+std::unique_ptr<ScratchFolder> BuildUnits::folder_;
+
+TEST_F(BuildUnits, OneWorkerGivesTheSameBytes) {
+  const ToolRun one = build("one.h5", {"--workers", "1"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  expect_whole("one.h5");
+}
+
+TEST_F(BuildUnits, ThreeShardsMergedGiveTheSameBytes) {
+  for (const char* shard : {"0", "1", "2"}) {
+    const ToolRun part =
+        build(std::string("part") + shard, {"--shard", std::string(shard) + "/3"});
+    ASSERT_EQ(part.exit_code, 0) << part.err;
+  }
+  const ToolRun merge = run_tool_process(
+      "palpate-db",
+      {"merge", path("part2"), path("part0"), path("part1"), "-o", path("merged.h5")});
+  ASSERT_EQ(merge.exit_code, 0) << merge.err;
+  expect_whole("merged.h5");
+  const ToolRun partly = run_tool_process(
+      "palpate-db", {"merge", path("part0"), path("part2"), "-o", path("partly.h5")});
+  EXPECT_EQ(partly.exit_code, 2);
+  EXPECT_NE(partly.err.find("units are missing: 1, 4"), std::string::npos)
+      << partly.err;
+}
+
+TEST_F(BuildUnits, KilledAgainAndAgainAndResumedGivesTheSameBytes) {
+  int killed = 0;
+  for (const std::int64_t units : {0, 1, 3, 4}) {
+    const ToolRun run = kill_tool_process(
+        "palpate-precompute", arguments("killed.h5", {"--resume"}), [&] {
+          return fs::exists(path("killed.h5.partial/digest")) &&
+                 kept("killed.h5") >= units;
+        });
+    killed += run.exit_code == 128 + 9 ? 1 : 0;
+    EXPECT_FALSE(fs::exists(path("killed.h5")));
+    if (units == 1) {
+      const ToolRun refused = build("killed.h5");
+      EXPECT_EQ(refused.exit_code, 2);
+      EXPECT_NE(refused.err.find("--resume"), std::string::npos) << refused.err;
+    }
+  }
+  EXPECT_EQ(killed, 4);
+  const ToolRun resumed = build("killed.h5", {"--resume"});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  expect_whole("killed.h5");
+}
+
+}  // namespace
+}  // namespace palpate
