@@ -1,6 +1,7 @@
 #include "precompute/cholesky_factor.h"
 
 #include <cmath>
+#include <mutex>
 
 #include <cholmod.h>
 #include <fmt/format.h>
@@ -64,7 +65,13 @@ CholeskyFactor::CholeskyFactor(const Stiffness& lower)
     : impl_(std::make_unique<Impl>()) {
   cholmod_common& c = impl_->common.c;
   cholmod_sparse A = view(lower);
-  impl_->factor = cholmod_l_analyze(&A, &c);
+  {
+    // METIS draws from the process's one random sequence: two orderings at a time would
+    // share it out between them by chance.
+    static std::mutex ordering;
+    const std::lock_guard lock(ordering);
+    impl_->factor = cholmod_l_analyze(&A, &c);
+  }
   if (impl_->factor == nullptr) {
     throw NumericalError(fmt::format(
         "the stiffness matrix of {} unknowns could not be ordered: out of memory",

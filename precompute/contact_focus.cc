@@ -63,7 +63,7 @@ std::uint32_t morton(const Eigen::Vector3d& unit) {
 
 double growth_for(const Scene& scene) {
   if (scene.contact_resolution > 0.0) {
-    return 2.0 / scene.contact_resolution;
+    return std::clamp(2.0 / scene.contact_resolution, 0.05, 1.0);
   }
   return std::clamp(0.95 * std::pow(scene.force_relative / 0.05, 0.4), 0.1, 1.0);
 }

@@ -91,10 +91,20 @@ class Territory {
     }
   }
 
-  void take_cheap_for_good() {
+  // Where cheap presses are of the same kind as good ones: those that their own
+  // estimate finds outside the budget are done again.
+  void keep_cheap_within_budget(bool again) {
+    std::vector<std::size_t> outside;
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
-      good_[i] = cheap_[i];
+      const NodeResponse response =
+          to_response(cheap_[i].indentation, cheap_[i].path, scene_.force_relative);
+      if (again && touches(i) && (response.flags & kErrorOverBudget) != 0) {
+        outside.push_back(i);
+      } else {
+        good_[i] = cheap_[i];
+      }
     }
+    solve(outside);
   }
 
  private:
@@ -245,7 +255,7 @@ UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     Territory territory(scene, body, solver, body.tool[t], unit);
     if (approach.cheap_is_good) {
-      territory.take_cheap_for_good();
+      territory.keep_cheap_within_budget(approach.graded && approach.shared_mesh);
     } else if (solve_all) {
       territory.solve_all();
     } else {

@@ -59,7 +59,7 @@ TEST_F(MergeShards, GivesTheBytesOfTheWhole) {
   EXPECT_EQ(run.exit_code, 4) << run.err;  // as a build with a failed node
   write_database(folder_ / "whole.h5",
                  assemble(sample_plan(), sample_units()).database);
-  EXPECT_EQ(read(folder_ / "out.h5"), read(folder_ / "whole.h5"));
+  EXPECT_TRUE(read(folder_ / "out.h5") == read(folder_ / "whole.h5"));
 }
 
 TEST_F(MergeShards, RefusesShardsOfDifferentComputations) {

@@ -192,7 +192,7 @@ TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {
     std::ifstream in(file, std::ios::binary);
     return std::string{std::istreambuf_iterator<char>(in), {}};
   };
-  EXPECT_EQ(read(folder / "a.h5"), read(folder / "b.h5"));
+  EXPECT_TRUE(read(folder / "a.h5") == read(folder / "b.h5"));
 }
 
 std::string refusal(const UnitPlan& plan, const std::vector<UnitOutcome>& units) {

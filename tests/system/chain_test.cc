@@ -58,7 +58,6 @@ depth_max_m = 0.004
 force_max_n = 8.0
 [accuracy]
 force_relative = 0.1
-contact_resolution = 1.0
 )";
 }
 
@@ -107,10 +106,11 @@ TEST_F(Chain, TheSameSceneGivesTheSameBytes) {
   const ToolRun second =
       run_tool_process("palpate-precompute", {"build", scene(), "-o", again});
   ASSERT_EQ(second.exit_code, 0) << second.err;
-  EXPECT_EQ(read(database()), read(again));
+  EXPECT_TRUE(read(database()) == read(again));
 }
 
-TEST_F(Chain, IndentPrintsTheResponseThatBuildStored) {
+// Each on a mesh of its own, both within the scene's budget.
+TEST_F(Chain, IndentAgreesWithWhatBuildStored) {
   const ToolRun run = run_tool_process(
       "palpate-precompute", {"indent", scene(), "--at", "0.02,0.02,0.04", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -119,17 +119,18 @@ TEST_F(Chain, IndentPrintsTheResponseThatBuildStored) {
   EXPECT_NEAR(report.at("inward_normal").at(2).get<double>(), -1.0, 1e-12);
   const ResponseDatabase stored = read_database(database());
   const CurveView curve = stored.tools.at(0).curve(8);
+  const std::vector<double> depth = report.at("depth_m");
   const std::vector<double> force = report.at("force_n");
-  ASSERT_EQ(curve.force_n.size(), force.size());
+  ASSERT_EQ(depth.size(), force.size());
   for (std::size_t k = 0; k < force.size(); ++k) {
-    EXPECT_NEAR(curve.force_n[k], force[k], 1e-9 * force.back());
+    EXPECT_NEAR(curve.at(depth[k]).force_n, force[k], 0.1 * force.back()) << depth[k];
     const Eigen::Vector3d vector(report["force_vector_n"][k][0],
                                  report["force_vector_n"][k][1],
                                  report["force_vector_n"][k][2]);
     EXPECT_NEAR(vector.norm(), force[k], 1e-12);
   }
   EXPECT_NEAR(report.at("energy_j").back(), curve.energy_j.back(),
-              0.01 * curve.energy_j.back());
+              0.1 * curve.energy_j.back());
 }
 
 TEST_F(Chain, InfoAndCheckReadTheDatabase) {
@@ -273,8 +274,8 @@ TEST(BadScenes, AreRefusedInOneLineThatNamesTheDefectAndLeaveNothingBehind) {
        "larger than the body"},
       {"unknown key", kCube, with(good, "depth_max_m", "depth_maxx_m"), 2,
        "depth_max_m"},
-      {"unknown law", kCube, with(good, "\"linear\"", "\"neo-hookean\""), 2, "linear"},
-      {"unknown tool", kCube, with(good, "\"sphere\"", "\"cone\""), 2, "sphere"},
+      {"unknown law", kCube, with(good, "\"linear\"", "\"rubber\""), 2, "neo-hookean"},
+      {"unknown tool", kCube, with(good, "\"sphere\"", "\"spoon\""), 2, "sphere"},
       {"unknown unit", kCube, scene_text("body.obj", "furlong"), 2, "furlong"},
       {"held nowhere", kCube,
        with(good, "-1.0, -1.0], [1.0, 1.0, 0.001]", "-1.0, -1.0], [1.0, 1.0, -0.9]"), 2,
