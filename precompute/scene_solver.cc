@@ -10,13 +10,7 @@
 #include "precompute/interrupt.h"
 
 namespace palpate {
-namespace {
-
-NonlinearOptions options_of(const SharedTool& tool) {
-  return {.sticking = tool->shape().sticking};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Approach choose_approach(const Scene& scene, const BodySource& body) {
   Approach approach;
@@ -92,7 +86,9 @@ std::vector<PressedNode> SceneSolver::cheap(
 std::vector<PressedNode> SceneSolver::on_own_meshes(
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const ContactFocus& focus, bool nonlinear) const {
-  const auto groups = group_vertices(body_.surface, vertices, focus);
+  // Nonlinear presses cost more the finer the body is elsewhere.
+  const auto groups = nonlinear ? in_neighbourhoods(body_.surface, vertices, 1)
+                                : group_vertices(body_.surface, vertices, focus);
   std::vector<std::vector<PressedNode>> pressed(groups.size());
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
@@ -120,7 +116,8 @@ std::vector<PressedNode> SceneSolver::good(const SharedTool& tool,
   }
   std::vector<PressedNode> nodes = cheap(tool, vertices);
   if (approach_.nonlinear) {
-    press_nonlinear(*model_, *compliance_, nodes, options_of(tool), false);
+    press_nonlinear(*model_, *compliance_, nodes, nonlinear_options(scene_, tool),
+                    false);
   }
   return nodes;
 }
