@@ -30,7 +30,7 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
                                            const NearState& state,
                                            EquilibriumReport& report) {
   Eigen::VectorXd gradient = state.source_n;
-  near_.linearise(state.displacement_m, gradient);
+  near_.linearise(state.displacement_m, gradient, convex_);
   contact_.linearise(state.displacement_m, tool, multipliers, gradient);
   near_.mask(gradient);
   const Eigen::Index n = near_.size();
@@ -78,6 +78,7 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
                           NearState& state, EquilibriumReport& report) {
   constexpr double kArmijo = 1e-4;
   constexpr double kShortest = 1e-6;
+  constexpr double kNearRest = 1e-3;  // [-] decrement
   const Step step = newton_step(tool, multipliers, state, report);
   ++report.newton;
   const double scale =
@@ -91,10 +92,13 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
     if (potential_j(tool, multipliers, next) <=
         energy + kArmijo * length * step.slope) {
       state = std::move(next);
+      convex_ = length < 0.5 || (convex_ && report.decrement_relative > kNearRest);
       return true;
     }
   }
-  return false;
+  // The true tangent may have led uphill: the other one is worth a step.
+  convex_ = !convex_;
+  return convex_;
 }
 
 EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
@@ -105,6 +109,7 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
     return report;
   }
   double enough = options_.update_relative;
+  convex_ = false;
   while (report.newton < options_.newton_max) {
     if (!descend(tool, multipliers, state, report) &&
         report.decrement_relative > 100.0 * options_.decrement_relative) {

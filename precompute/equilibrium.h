@@ -71,6 +71,7 @@ class Equilibrium {
   ContactPotential& contact_;
   const RestSolve& solve_;
   EquilibriumOptions options_;
+  bool convex_ = false;  // the next step's tangent is to be without negative curvature
 };
 
 }  // namespace palpate

@@ -4,8 +4,18 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
+
 namespace palpate {
 namespace {
+
+void clip_negative(ElementMatrix& stiffness) {
+  const Eigen::SelfAdjointEigenSolver<ElementMatrix> eigen(stiffness);
+  if (eigen.eigenvalues()[0] < 0.0) {
+    stiffness = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                eigen.eigenvectors().transpose();
+  }
+}
 
 void sort_unique(std::vector<std::int32_t>& list) {
   std::sort(list.begin(), list.end());
@@ -89,14 +99,18 @@ double NearField::excess_energy_j(const Eigen::VectorXd& u_m) const {
   return energy;
 }
 
-void NearField::linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n) {
+void NearField::linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n,
+                          bool convex) {
   change_ = rest_;
   change_.scale(-1.0);
   change_.multiply_add(u_m, force_n);
   for (Eigen::Index e = 0; e < element_.rows(); ++e) {
     const auto i = static_cast<std::size_t>(e);
-    const ElementResponse response = element_response(
+    ElementResponse response = element_response(
         geometry_[i], materials_[static_cast<std::size_t>(region_[i])], gather(e, u_m));
+    if (convex) {
+      clip_negative(response.stiffness);
+    }
     change_.add(e, response.stiffness);
     for (Eigen::Index j = 0; j < 10; ++j) {
       force_n.segment<3>(3 * Eigen::Index{element_(e, j)}) +=

@@ -15,6 +15,10 @@ namespace {
 
 constexpr std::size_t kLockStep = 32;
 
+// What a node that fails is tried with.
+constexpr int kFallbacks = 2;
+constexpr int kPatientNewton = 100;
+
 // Depths that are solved nonlinear, as shares of a path's samples.
 constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
 
@@ -201,10 +205,13 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
   }
 }
 
-std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource& body,
-                                           const SharedTool& tool,
-                                           std::span<const std::int32_t> vertices,
-                                           const ContactFocus& focus, PressMode mode) {
+namespace {
+
+std::vector<PressedNode> press_once(const Scene& scene, const BodySource& body,
+                                    const SharedTool& tool,
+                                    std::span<const std::int32_t> vertices,
+                                    const ContactFocus& focus, PressMode mode,
+                                    const NonlinearOptions& options) {
   const BodyModel model = make_graded_model(scene, body, vertices, focus);
   std::vector<PressedNode> nodes;
   for (const std::int32_t vertex : vertices) {
@@ -219,11 +226,38 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
     node.path.force_max_n = scene.reach.force_max_n;
   }
   if (mode.nonlinear) {
-    press_nonlinear(model, compliance, nodes,
-                    mode.every_depth
-                        ? NonlinearOptions{.sticking = tool->shape().sticking}
-                        : nonlinear_options(scene, tool),
-                    mode.every_depth);
+    press_nonlinear(model, compliance, nodes, options, mode.every_depth);
+  }
+  return nodes;
+}
+
+}  // namespace
+
+std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource& body,
+                                           const SharedTool& tool,
+                                           std::span<const std::int32_t> vertices,
+                                           const ContactFocus& focus, PressMode mode) {
+  NonlinearOptions options = mode.every_depth
+                                 ? NonlinearOptions{.sticking = tool->shape().sticking}
+                                 : nonlinear_options(scene, tool);
+  std::vector<PressedNode> nodes =
+      press_once(scene, body, tool, vertices, focus, mode, options);
+  if (!mode.nonlinear) {
+    return nodes;
+  }
+  for (PressedNode& node : nodes) {
+    for (int attempt = 1; attempt <= kFallbacks && !node.failure.empty(); ++attempt) {
+      // Elements that do not follow a sharp edge so far.
+      const ContactFocus coarser = finer(focus, std::pow(0.5, attempt));
+      options.equilibrium.newton_max = kPatientNewton;
+      PressedNode again = press_once(scene, body, tool, std::span(&node.vertex, 1),
+                                     coarser, mode, options)
+                              .front();
+      if (again.failure.empty() ||
+          again.indentation.sample.size() > node.indentation.sample.size()) {
+        node = std::move(again);
+      }
+    }
   }
   return nodes;
 }

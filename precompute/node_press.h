@@ -78,7 +78,9 @@ struct PressMode {
   bool every_depth = false;  ///< nonlinear at every sample of the path
 };
 
-/// Meshes the body around the vertices and presses them with the tool.
+/// Meshes the body around the vertices and presses them with the tool. A nonlinear
+/// press that fails is tried again on meshes two and four times coarser; the estimated
+/// error of its forces is of the mesh that was taken.
 [[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
     const Scene& scene, const BodySource& body, const SharedTool& tool,
     std::span<const std::int32_t> vertices, const ContactFocus& focus, PressMode mode);
