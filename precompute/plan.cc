@@ -9,6 +9,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
+#include "precompute/column_sample.h"
 #include "precompute/node_press.h"
 #include "precompute/peak_memory.h"
 #include "precompute/scene_solver.h"
@@ -22,17 +23,6 @@ double seconds_of(const std::function<void()>& work) {
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
       .count();
-}
-
-// `count` of the vertices, evenly spread over their order.
-std::vector<std::int32_t> spread(std::span<const std::int32_t> vertices,
-                                 std::size_t count) {
-  std::vector<std::int32_t> chosen;
-  count = std::min(count, vertices.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    chosen.push_back(vertices[(2 * i + 1) * vertices.size() / (2 * count)]);
-  }
-  return chosen;
 }
 
 class Planner {
@@ -177,45 +167,22 @@ void Planner::time_shared_mesh() {
 void Planner::time_columns(const BodyModel& model,
                            std::span<const PressedNode> placed) {
   progress_.stage("a few columns");
-  const std::vector<std::int32_t> samples = spread(reachable_, 2 * workers_);
-  std::vector<char> any(model.contact.node.size(), 0);
-  std::vector<char> sampled(model.contact.node.size(), 0);
-  for (const PressedNode& node : placed) {
-    const bool is_sample =
-        std::binary_search(samples.begin(), samples.end(), node.vertex);
-    for (const std::int32_t c : node.patch) {
-      any[static_cast<std::size_t>(c)] = 1;
-      sampled[static_cast<std::size_t>(c)] |= static_cast<char>(is_sample);
-    }
-  }
-  // Columns are solved by whole blocks.
-  const auto columns = static_cast<std::size_t>(std::count(any.begin(), any.end(), 1));
-  const std::size_t block = SurfaceCompliance::kBlock;
-  std::size_t timed = 0;
-  std::size_t seen = 0;
-  bool needed = false;
-  for (std::size_t c = 0; c < any.size(); ++c) {
-    if (any[c] != 0) {
-      needed = needed || sampled[c] != 0;
-      if (++seen % block == 0 || seen == columns) {
-        timed += needed ? (seen - 1) % block + 1 : 0;
-        needed = false;
-      }
-    }
-  }
-  report_.columns = static_cast<std::int64_t>(columns);
-  if (timed == 0) {
+  const std::vector<std::int32_t> samples = spread_over(reachable_, 2 * workers_);
+  const ColumnSample sample = column_sample(model, placed, samples);
+  report_.columns = static_cast<std::int64_t>(sample.all);
+  if (sample.solved == 0) {
     return;
   }
   const double none = seconds_of([&] {
-    (void)compliance_of(model, placed, std::vector<char>(any.size(), 0), nullptr);
+    (void)compliance_of(model, placed, std::vector<char>(sample.wanted.size(), 0),
+                        nullptr);
   });
   std::optional<SurfaceCompliance> compliance;
   const double some = seconds_of([&] {
-    compliance.emplace(compliance_of(model, placed, sampled, nullptr));
+    compliance.emplace(compliance_of(model, placed, sample.wanted, nullptr));
   });
   once("find pairs of near contact nodes", none);
-  extrapolate("columns of the surface compliance", columns, timed,
+  extrapolate("columns of the surface compliance", sample.all, sample.solved,
               std::max(some - none, 0.0));
   time_linear_presses(model, *compliance);
   if (approach_.nonlinear && !approach_.graded) {
@@ -226,7 +193,7 @@ void Planner::time_columns(const BodyModel& model,
 void Planner::time_linear_presses(const BodyModel& model,
                                   const SurfaceCompliance& compliance) {
   progress_.stage("a few linear presses");
-  const std::vector<std::int32_t> samples = spread(reachable_, 2 * workers_);
+  const std::vector<std::int32_t> samples = spread_over(reachable_, 2 * workers_);
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
       PressedNode node =
@@ -241,7 +208,7 @@ void Planner::time_linear_presses(const BodyModel& model,
 void Planner::time_nonlinear_on_shared_mesh(const BodyModel& model,
                                             const SurfaceCompliance& compliance) {
   progress_.stage("a few nonlinear presses");
-  const std::vector<std::int32_t> samples = spread(reachable_, 2 * workers_);
+  const std::vector<std::int32_t> samples = spread_over(reachable_, 2 * workers_);
   const SharedTool& tool = body_.tool.front();
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, workers_, [&](std::size_t w) {
@@ -313,7 +280,7 @@ void Planner::time_good() {
   const auto groups_of = [&](const Unit& unit) {
     return group_vertices(
         body_.surface,
-        spread(unit.vertex, solve_all_ ? unit.vertex.size() : kFirstSamples),
+        spread_over(unit.vertex, solve_all_ ? unit.vertex.size() : kFirstSamples),
         approach_.focus);
   };
   double count = 0.0;
