@@ -6,12 +6,14 @@
 #include "precompute/command_indent.h"
 #include "precompute/command_plan.h"
 #include "precompute/command_remesh.h"
+#include "precompute/command_trade.h"
 
 int main(int argc, char** argv) {
   return palpate::run_tool("palpate-precompute",
                            "Computes force-deflection responses of deformable bodies.",
                            {&palpate::add_body_command, &palpate::add_build_command,
                             &palpate::add_check_command, &palpate::add_indent_command,
-                            &palpate::add_plan_command, &palpate::add_remesh_command},
+                            &palpate::add_plan_command, &palpate::add_remesh_command,
+                            &palpate::add_trade_command},
                            argc, argv);
 }
