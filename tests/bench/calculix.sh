@@ -2,7 +2,8 @@
 # CalculiX beside ours, one node: tests/bench/calculix.sh BIN-FOLDER [TETS...]  (default: 5000)
 # A cylinder of neo-Hookean gel (20 mm by 20 mm, E 5 kPa, nu 0.45) held at its bottom, a
 # rigid ball of 5 mm pressed 5 mm into the middle of its top in 10 increments, on one
-# thread. 5000 quadratic tets take minutes, 20000 the better part of an hour.
+# thread. 5000 quadratic tets take minutes, 20000 the better part of an hour. Ours: every
+# free node of that body, a twentieth off in force at most, on one thread as well.
 set -euo pipefail
 bin=$(realpath "$1")
 shift
@@ -26,6 +27,24 @@ forces() {
          printf "%10.3f %14.6g %14.6g %14.2g\n", depth * time, ball, $3, side; set = "" }' "$1"
 }
 
+# The same body and load at every free node, on one thread; CPU seconds over nodes.
+ours() {
+  /usr/bin/time -f "%U %S %e %M" -o "$1.cost" "$bin/palpate-precompute" build "$1.toml" \
+    -o "$1.h5" --workers 1 --json > "$1.json" 2> "$1.err" || tail -n 1 "$1.err"
+  tr ',{' '\n\n' < "$1.json" | awk -F: -v cost="$(tail -n 1 "$1.cost")" -v out="$1.per_node" '
+    { gsub(/"/, "", $1); value[$1] = $2 }
+    END {
+      split(cost, c, " ")
+      nodes = value["solved"] + value["interpolated"]
+      printf "ours: %.1f CPU s, %.1f s, peak memory %.0f MB: %d nodes (%d solved, %d " \
+             "interpolated, %d failed), error estimate %.1f %% median, %.1f %% at the 95th " \
+             "percentile\n", c[1] + c[2], c[3], c[4] / 1024, nodes, value["solved"],
+             value["interpolated"], value["failed"], 100 * value["error_median"],
+             100 * value["error_p95"]
+      print (c[1] + c[2]) / nodes > out }'
+  "$bin/palpate-precompute" indent "$1.toml" --at 0,0,0.02 2> /dev/null | tail -n 8
+}
+
 for tets in "${@:-5000}"; do
   echo "== CalculiX, about $tets quadratic tets"
   "$bin/calculix_deck" "$tets" "$work/gel$tets.inp" "$work/gel$tets.obj"
@@ -37,7 +56,6 @@ for tets in "${@:-5000}"; do
   tail -n 1 "$work/cost" | awk '{ printf "CalculiX: %.1f CPU s, %.1f s, peak memory %.0f MB\n",
                                          $1 + $2, $3, $4 / 1024 }'
 
-  # Ours, on the same surface, node and depths.
   cat > "$work/gel$tets.toml" <<SCENE
 [body]
 mesh = "gel$tets.obj"
@@ -60,5 +78,8 @@ depth_max_m = 0.005
 [accuracy]
 force_relative = 0.05
 SCENE
-  # (the comparison goes here: palpate-precompute indent "$work/gel$tets.toml" --at 0,0,0.02)
+  ours "$work/gel$tets"
+  awk 'NR == FNR { theirs = $1 + $2; next }
+       { printf "ratio: one node costs %.0f times less (%.1f over %.3f CPU s)\n",
+                theirs / $1, theirs, $1 }' <(tail -n 1 "$work/cost") "$work/gel$tets.per_node"
 done
