@@ -1,0 +1,126 @@
+// The speed of light of a linear build at all nodes: its columns, as many right-hand
+// sides through the factor's own block solve and nothing else, and the ratio of both.
+// The body is a box of gel in quadratic tets, held at its bottom; its top is pressed.
+//
+// Threads run over blocks in both, all cores. "ratio" is columns over solves, each the
+// least of the repetitions so far; the median of a few counts.
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <tbb/parallel_for.h>
+
+#include "precompute/contact_surface.h"
+#include "precompute/linear_elasticity.h"
+#include "precompute/quadratic_mesh.h"
+#include "precompute/surface_compliance.h"
+#include "tests/support/box_tets.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kSide = 0.04;     // [m] of the box
+constexpr double kNear = 0.02;     // [m] columns are kept within
+constexpr double kYoung = 6000.0;  // [Pa]
+
+struct Gel {
+  QuadraticMesh mesh;
+  Supports supports;
+  ContactSurface contact;
+  CholeskyFactor factor;
+  std::vector<std::int32_t> top;  // contact nodes that have columns
+};
+
+std::vector<double> grid(int cells) {
+  std::vector<double> at;
+  for (int i = 0; i <= cells; ++i) {
+    at.push_back(kSide * i / cells);
+  }
+  return at;
+}
+
+Gel make_gel(int cells) {
+  const std::vector<double> at = grid(cells);
+  const BoxTets box = box_tets(at, at, at);
+  QuadraticMesh mesh = make_quadratic(box.tets, box.surface);
+  const std::vector<Material> material{linear(kYoung, 0.45)};
+  Supports supports = hold_where(mesh, [](const Eigen::Vector3d& p) {
+    return p.z() < 1e-9;
+  });
+  ContactSurface contact = make_contact_surface(mesh);
+  CholeskyFactor factor(reduce(assemble_stiffness(mesh, material), supports));
+  std::vector<std::int32_t> top;
+  for (std::size_t v = 0; v < contact.node.size(); ++v) {
+    if (contact.node[v].position_m.z() > kSide - 1e-9) {
+      top.push_back(static_cast<std::int32_t>(v));
+    }
+  }
+  return {std::move(mesh), std::move(supports), std::move(contact), std::move(factor),
+          std::move(top)};
+}
+
+template <class Work>
+double seconds_of(const Work& work) {
+  const auto began = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
+      .count();
+}
+
+void solve_columns(const Gel& gel) {
+  const SurfaceCompliance compliance(gel.factor, gel.supports, gel.contact, gel.top,
+                                     kNear, {}, nullptr);
+  benchmark::DoNotOptimize(&compliance);
+}
+
+// Right-hand sides are made once; what a build does to make and to read them is not
+// here.
+void solve_alone(const Gel& gel, const Eigen::MatrixXd& block) {
+  const std::size_t blocks =
+      (gel.top.size() + SurfaceCompliance::kBlock - 1) / SurfaceCompliance::kBlock;
+  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t i) {
+    const std::size_t left = gel.top.size() - i * SurfaceCompliance::kBlock;
+    const Eigen::MatrixXd X =
+        left >= SurfaceCompliance::kBlock
+            ? gel.factor.solve(block)
+            : gel.factor.solve(block.leftCols(static_cast<Eigen::Index>(left)));
+    benchmark::DoNotOptimize(X.data());
+  });
+}
+
+void columns_over_solves(benchmark::State& state) {
+  const Gel gel = make_gel(static_cast<int>(state.range(0)));
+  const Eigen::MatrixXd block = Eigen::MatrixXd::Ones(
+      gel.factor.size(), static_cast<Eigen::Index>(SurfaceCompliance::kBlock));
+  solve_alone(gel, block);  // workspaces are there from now on
+  double columns_s = std::numeric_limits<double>::infinity();
+  double solves_s = std::numeric_limits<double>::infinity();
+  for (auto _ : state) {
+    columns_s = std::min(columns_s, seconds_of([&] {
+                           solve_columns(gel);
+                         }));
+    state.PauseTiming();
+    solves_s = std::min(solves_s, seconds_of([&] {
+                          solve_alone(gel, block);
+                        }));
+    state.ResumeTiming();
+  }
+  state.counters["tets"] = static_cast<double>(gel.mesh.tet.rows());
+  state.counters["unknowns"] = static_cast<double>(gel.factor.size());
+  state.counters["columns"] = static_cast<double>(gel.top.size());
+  state.counters["columns_s"] = columns_s;
+  state.counters["solves_s"] = solves_s;
+  state.counters["ratio"] = columns_s / solves_s;
+}
+BENCHMARK(columns_over_solves)
+    ->Arg(6)
+    ->Arg(10)
+    ->Arg(14)
+    ->Iterations(3)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace palpate
