@@ -8,6 +8,19 @@
 #include "precompute/trade.h"
 
 namespace palpate {
+namespace {
+
+// Whether a way is much more exact than all that are cheaper: labels of others would
+// cover each other.
+bool is_a_step(const TradeReport& report, const TradeRow& row) {
+  return row.pareto &&
+         std::none_of(report.row.begin(), report.row.end(), [&](const TradeRow& other) {
+           return other.compared > 0 && other.cpu_seconds < row.cpu_seconds &&
+                  other.error_rms < 1.1 * row.error_rms;
+         });
+}
+
+}  // namespace
 
 std::string trade_csv(const TradeReport& report) {
   std::string csv =
@@ -46,7 +59,7 @@ std::string trade_picture(const TradeReport& report) {
           {.x = row.cpu_seconds,
            .y = row.error_rms,
            .radius_px = 3.0 + row.resolution,
-           .label = row.pareto
+           .label = is_a_step(report, row)
                         ? fmt::format("{}/{}", short_number(row.resolution), row.depths)
                         : ""});
     }
