@@ -158,4 +158,11 @@ std::vector<std::vector<std::int32_t>> group_vertices(
                            static_cast<std::size_t>(std::clamp(size, 1.0, 16.0)));
 }
 
+std::vector<std::vector<std::int32_t>> group_presses(
+    const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
+    const ContactFocus& focus, bool nonlinear) {
+  return nonlinear ? in_neighbourhoods(surface, vertices, 1)
+                   : group_vertices(surface, vertices, focus);
+}
+
 }  // namespace palpate

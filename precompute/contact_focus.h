@@ -55,4 +55,10 @@ struct ContactFocus {
     const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
     const ContactFocus& focus);
 
+/// Groups for presses on meshes of their own: as group_vertices, but every vertex alone
+/// where the presses are nonlinear, which cost more the finer the body is elsewhere.
+[[nodiscard]] std::vector<std::vector<std::int32_t>> group_presses(
+    const SurfaceMesh& surface, std::span<const std::int32_t> vertices,
+    const ContactFocus& focus, bool nonlinear);
+
 }  // namespace palpate

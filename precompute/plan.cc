@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <optional>
 
@@ -12,7 +13,9 @@
 #include "precompute/column_sample.h"
 #include "precompute/node_press.h"
 #include "precompute/peak_memory.h"
+#include "precompute/plan_left_out.h"
 #include "precompute/scene_solver.h"
+#include "precompute/share_above.h"
 #include "precompute/unit_solver.h"
 
 namespace palpate {
@@ -24,6 +27,8 @@ double seconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
       .count();
 }
+
+constexpr std::size_t kSamples = 3;  // that every worker presses
 
 class Planner {
  public:
@@ -43,7 +48,7 @@ class Planner {
     time_good();
     time_checks();
     count_responses();
-    say_what_is_left_out();
+    report_.left_out = left_out_of(scene_, approach_, report_);
     for (const PlanCost& cost : report_.cost) {
       report_.seconds += cost.seconds;
     }
@@ -61,7 +66,6 @@ class Planner {
   void time_good();
   void time_checks();
   void count_responses();
-  void say_what_is_left_out();
 
   // What is done once, timed as it is.
   void once(const std::string& work, double seconds) {
@@ -94,6 +98,8 @@ class Planner {
   Approach approach_;
   std::vector<Unit> units_;
   PlanReport report_;
+  // Cheap presses outside the budget, which are done again on meshes of their own.
+  double again_share_ = 0.0;
 };
 
 std::vector<const Unit*> Planner::territories() const {
@@ -107,6 +113,10 @@ std::vector<const Unit*> Planner::territories() const {
 }
 
 std::size_t Planner::good_of(const Unit& territory) const {
+  if (approach_.cheap_is_good) {
+    return static_cast<std::size_t>(
+        std::lround(again_share_ * static_cast<double>(territory.vertex.size())));
+  }
   return solve_all_ ? territory.vertex.size()
                     : std::min(expected_samples(scene_.force_relative),
                                territory.vertex.size());
@@ -167,7 +177,8 @@ void Planner::time_shared_mesh() {
 void Planner::time_columns(const BodyModel& model,
                            std::span<const PressedNode> placed) {
   progress_.stage("a few columns");
-  const std::vector<std::int32_t> samples = spread_over(reachable_, 2 * workers_);
+  const std::vector<std::int32_t> samples =
+      spread_over(reachable_, kSamples * workers_);
   const ColumnSample sample = column_sample(model, placed, samples);
   report_.columns = static_cast<std::int64_t>(sample.all);
   if (sample.solved == 0) {
@@ -193,22 +204,32 @@ void Planner::time_columns(const BodyModel& model,
 void Planner::time_linear_presses(const BodyModel& model,
                                   const SurfaceCompliance& compliance) {
   progress_.stage("a few linear presses");
-  const std::vector<std::int32_t> samples = spread_over(reachable_, 2 * workers_);
+  const std::vector<std::int32_t> samples =
+      spread_over(reachable_, kSamples * workers_);
+  std::vector<double> error(samples.size(), 0.0);
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
       PressedNode node =
           placed_node(scene_, body_, model, body_.tool.front(), samples[i]);
       press_linear(model, compliance, node);
+      if (node.indentation.sample.size() > 1) {
+        error[i] = to_response(node.indentation, node.path, scene_.force_relative)
+                       .error_relative;
+      }
     });
   });
   extrapolate("linear presses", reachable_.size() * body_.tool.size(), samples.size(),
               seconds);
+  if (approach_.cheap_is_good && approach_.graded) {
+    again_share_ = share_above(error, scene_.force_relative);
+  }
 }
 
 void Planner::time_nonlinear_on_shared_mesh(const BodyModel& model,
                                             const SurfaceCompliance& compliance) {
   progress_.stage("a few nonlinear presses");
-  const std::vector<std::int32_t> samples = spread_over(reachable_, 2 * workers_);
+  const std::vector<std::int32_t> samples =
+      spread_over(reachable_, kSamples * workers_);
   const SharedTool& tool = body_.tool.front();
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, workers_, [&](std::size_t w) {
@@ -217,8 +238,7 @@ void Planner::time_nonlinear_on_shared_mesh(const BodyModel& model,
         nodes.push_back(placed_node(scene_, body_, model, tool, samples[i]));
         press_linear(model, compliance, nodes.back());
       }
-      press_nonlinear(model, compliance, nodes, {.sticking = tool->shape().sticking},
-                      false);
+      press_nonlinear(model, compliance, nodes, nonlinear_options(scene_, tool), false);
     });
   });
   std::size_t count = 0;
@@ -273,15 +293,16 @@ void Planner::time_cheap_on_own_meshes() {
 }
 
 void Planner::time_good() {
-  if (approach_.cheap_is_good || !approach_.graded) {
+  if (!approach_.graded) {
     return;
   }
   // Samples come in rounds; neighbours of a round share a mesh.
+  const bool in_rounds = !approach_.cheap_is_good && !solve_all_;
   const auto groups_of = [&](const Unit& unit) {
-    return group_vertices(
-        body_.surface,
-        spread_over(unit.vertex, solve_all_ ? unit.vertex.size() : kFirstSamples),
-        approach_.focus);
+    const std::size_t first = in_rounds ? kFirstSamples : good_of(unit);
+    return group_presses(body_.surface,
+                         spread_over(unit.vertex, std::max<std::size_t>(first, 1)),
+                         approach_.focus, approach_.nonlinear);
   };
   double count = 0.0;
   for (const Unit* territory : territories()) {
@@ -293,7 +314,12 @@ void Planner::time_good() {
     count += static_cast<double>(groups.size() * good_of(*territory)) /
              static_cast<double>(vertices);
   }
-  time_own_meshes("groups of good presses on meshes of their own",
+  if (count < 0.5) {
+    return;
+  }
+  time_own_meshes(approach_.cheap_is_good
+                      ? "groups of presses outside the budget, on meshes of their own"
+                      : "groups of good presses on meshes of their own",
                   first_groups(groups_of), static_cast<std::size_t>(count + 0.5),
                   approach_.focus, approach_.nonlinear);
 }
@@ -330,42 +356,6 @@ void Planner::count_responses() {
     }
   }
   report_.interpolated_expected = all - report_.solved_expected;
-}
-
-void Planner::say_what_is_left_out() {
-  const auto say = [&](bool is_so, std::string line) {
-    if (is_so) {
-      report_.left_out.push_back(std::move(line));
-    }
-  };
-  say(report_.held > 0, fmt::format("{} nodes: a support holds them", report_.held));
-  say(report_.outside_reach > 0,
-      fmt::format("{} nodes: outside reach.box_m", report_.outside_reach));
-  say(true, fmt::format("depths past {:.4g} mm: reach.depth_max_m",
-                        1e3 * scene_.reach.depth_max_m));
-  say(std::isfinite(scene_.reach.force_max_n),
-      fmt::format("forces past {:.4g} N: reach.force_max_n", scene_.reach.force_max_n));
-  say(!approach_.nonlinear,
-      fmt::format("nonlinear solutions: {}", scene_.accuracy.method == "linear"
-                                                 ? "accuracy.method is linear"
-                                                 : "every material is linear"));
-  say(approach_.nonlinear && report_.nonlinear_depths < report_.depths,
-      fmt::format("nonlinear solutions at {} of {} depths: their ratio to the linear "
-                  "force is interpolated",
-                  report_.depths - report_.nonlinear_depths, report_.depths));
-  say(report_.interpolated_expected > 0,
-      fmt::format(
-          "good presses of about {} of {} nodes: interpolated within the budget "
-          "of {:.3g} %",
-          report_.interpolated_expected, report_.reachable * report_.tools,
-          100 * scene_.force_relative));
-  say(approach_.shared_mesh && report_.columns > 0,
-      "fine elements away from the surface: tets grow inwards");
-  say(!approach_.shared_mesh,
-      "fine elements away from the contact: every group of "
-      "nodes has a mesh graded to it");
-  say(!scene_.drawing.displacement,
-      "displacement fields: drawing.displacement is not set");
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ void press(const Scene& scene, const BodyModel& model,
     node.path.force_max_n = scene.reach.force_max_n;
   }
   if (mode.nonlinear) {
-    press_nonlinear(model, compliance, nodes, {.sticking = tool->shape().sticking},
+    press_nonlinear(model, compliance, nodes, nonlinear_options(scene, tool),
                     mode.every_depth);
   }
 }
@@ -101,7 +101,7 @@ std::vector<PricedPresses> press_on_own_meshes(const Scene& scene,
                                                std::span<const int> depths,
                                                PressMode mode) {
   const SharedTool& tool = body.tool.front();
-  const auto groups = group_vertices(body.surface, vertices, focus);
+  const auto groups = group_presses(body.surface, vertices, focus, mode.nonlinear);
   std::vector<PricedPresses> presses = one_for_each(depths);
   restart_peak_memory();
   for (const std::vector<std::int32_t>& group : groups) {

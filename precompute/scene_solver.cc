@@ -10,8 +10,6 @@
 #include "precompute/interrupt.h"
 
 namespace palpate {
-namespace {}  // namespace
-
 Approach choose_approach(const Scene& scene, const BodySource& body) {
   Approach approach;
   const bool sticking =
@@ -86,9 +84,7 @@ std::vector<PressedNode> SceneSolver::cheap(
 std::vector<PressedNode> SceneSolver::on_own_meshes(
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const ContactFocus& focus, bool nonlinear) const {
-  // Nonlinear presses cost more the finer the body is elsewhere.
-  const auto groups = nonlinear ? in_neighbourhoods(body_.surface, vertices, 1)
-                                : group_vertices(body_.surface, vertices, focus);
+  const auto groups = group_presses(body_.surface, vertices, focus, nonlinear);
   std::vector<std::vector<PressedNode>> pressed(groups.size());
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {

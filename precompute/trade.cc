@@ -109,7 +109,8 @@ class TradeRun {
     double groups = 0.0;
     double nodes = 0.0;
   };
-  [[nodiscard]] Count count(const ContactFocus& focus, bool interpolated) const;
+  [[nodiscard]] Count count(const ContactFocus& focus, bool nonlinear,
+                            bool interpolated) const;
   [[nodiscard]] static double seconds(const PressPrice& price, const Count& count) {
     return price.once_s + price.per_group_s * count.groups +
            price.per_node_s * count.nodes;
@@ -178,7 +179,8 @@ void TradeRun::solve_reference() {
       *std::max_element(options_.resolution.begin(), options_.resolution.end());
   report_.reference_depths =
       *std::max_element(options_.depths.begin(), options_.depths.end());
-  const Scene scene = scene_at(report_.reference_resolution, nonlinear_);
+  Scene scene = scene_at(report_.reference_resolution, nonlinear_);
+  scene.force_relative = std::min(scene.force_relative, 0.005);  // of the solvers
   const auto presses = press_on_own_meshes(
       scene, body_, contact_focus(scene), report_.vertex,
       std::span(&report_.reference_depths, 1), {nonlinear_, /*every_depth=*/true});
@@ -199,7 +201,8 @@ void TradeRun::solve_reference() {
   }
 }
 
-TradeRun::Count TradeRun::count(const ContactFocus& focus, bool interpolated) const {
+TradeRun::Count TradeRun::count(const ContactFocus& focus, bool nonlinear,
+                                bool interpolated) const {
   Count count;
   for (const auto& vertices : territory_) {
     const auto solved = interpolated ? std::min(expected_samples(scene_.force_relative),
@@ -207,7 +210,8 @@ TradeRun::Count TradeRun::count(const ContactFocus& focus, bool interpolated) co
                                      : vertices.size();
     count.nodes += static_cast<double>(solved);
     count.groups += static_cast<double>(
-        group_vertices(body_.surface, spread_over(vertices, solved), focus).size());
+        group_presses(body_.surface, spread_over(vertices, solved), focus, nonlinear)
+            .size());
   }
   return count;
 }
@@ -230,7 +234,7 @@ void TradeRun::press_at(double resolution) {
       add({.resolution = resolution,
            .nonlinear = nonlinear,
            .depths = some.depths,
-           .cpu_seconds = seconds(some.price, count(approach.focus, false)),
+           .cpu_seconds = seconds(some.price, count(approach.focus, nonlinear, false)),
            .peak_memory_bytes = some.price.peak_memory_bytes},
           responses_of(scene, some));
     }
@@ -282,8 +286,8 @@ void TradeRun::add_interpolated(const Scene& scene, const Approach& approach,
        .nonlinear = true,
        .interpolated = true,
        .depths = good.depths,
-       .cpu_seconds = seconds(cheap.price, count(approach.focus, false)) +
-                      seconds(good.price, count(approach.focus, true)),
+       .cpu_seconds = seconds(cheap.price, count(approach.focus, false, false)) +
+                      seconds(good.price, count(approach.focus, true, true)),
        .peak_memory_bytes =
            std::max(cheap.price.peak_memory_bytes, good.price.peak_memory_bytes)},
       responses);
