@@ -72,6 +72,10 @@ ToolShape tool_of(const json& j) {
 
 json to_json(const UnitNode& node) {
   const NodeResponse& response = node.response;
+  json directions = json::array();
+  for (const Eigen::Vector3d& direction : response.sample_direction) {
+    directions.push_back(list(direction));
+  }
   return {{"tool", node.tool},
           {"vertex", node.vertex},
           {"failure", node.failure},
@@ -80,6 +84,7 @@ json to_json(const UnitNode& node) {
           {"touch_offset_m", response.touch_offset_m},
           {"depth_m", response.depth_m},
           {"force_n", response.force_n},
+          {"sample_direction", std::move(directions)},
           {"error_relative", response.error_relative},
           {"origin", static_cast<int>(response.origin)},
           {"flags", response.flags}};
@@ -98,6 +103,9 @@ UnitNode node_of(const json& j) {
                                  j.at("origin").get<std::uint8_t>()),
                              .flags = j.at("flags")},
                 .failure = j.at("failure")};
+  for (const json& direction : j.at("sample_direction")) {
+    node.response.sample_direction.push_back(vector_of(direction));
+  }
   return node;
 }
 

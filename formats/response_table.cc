@@ -40,6 +40,25 @@ void append_curve(ResponseTable& table, const NodeResponse& response,
   }
 }
 
+// Rows of `sample_direction` for the nodes that have them; nothing where none has.
+void fill_sample_directions(ResponseTable& table,
+                            const std::vector<NodeResponse>& responses) {
+  std::vector<Eigen::Vector3d> rows;
+  table.direction_begin.push_back(0);
+  for (const NodeResponse& response : responses) {
+    rows.insert(rows.end(), response.sample_direction.begin(),
+                response.sample_direction.end());
+    table.direction_begin.push_back(static_cast<std::int64_t>(rows.size()));
+  }
+  if (rows.empty()) {
+    table.direction_begin.clear();
+  }
+  table.sample_direction.resize(static_cast<Eigen::Index>(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    table.sample_direction.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
+  }
+}
+
 }  // namespace
 
 CurveView ResponseTable::curve(std::int64_t node) const noexcept {
@@ -80,6 +99,7 @@ ResponseTable make_table(const ToolShape& tool,
     }
     table.sample_begin.push_back(static_cast<std::int64_t>(table.depth_m.size()));
   }
+  fill_sample_directions(table, responses);
   return table;
 }
 

@@ -50,6 +50,8 @@ struct NodeResponse {
       0.0;  ///< [m] normal penetration at first touch; < 0 if concave
   std::vector<double> depth_m;  ///< (k) [m] along `direction`, from 0; empty for none
   std::vector<double> force_n;  ///< (k) [N] from 0
+  /// (k) [-] unit, force on the tool; empty where `direction` tells enough
+  std::vector<Eigen::Vector3d> sample_direction = {};
   double error_relative = 0.0;  ///< [-] estimated error of force, deeper half
   ResponseOrigin origin = ResponseOrigin::kNone;
   std::uint8_t flags = 0;

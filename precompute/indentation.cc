@@ -269,6 +269,15 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
                               sample.force_n.dot(response.direction)));
     }
   }
+  if (std::sin(response.direction_spread_rad) > force_relative_budget) {
+    // One direction alone would cost more than the budget of the force.
+    for (const IndentationSample& sample : indentation.sample) {
+      const double force_n = sample.force_n.norm();
+      response.sample_direction.push_back(
+          force_n > 0.0 ? (sample.force_n / force_n).eval() : response.direction);
+    }
+    response.sample_direction.front() = response.sample_direction[1];
+  }
   const IndentationSample& last = indentation.sample.back();
   response.error_relative = estimated_error(indentation);
   const auto flag_if = [&](bool set, ResponseFlag flag) {

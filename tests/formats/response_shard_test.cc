@@ -26,6 +26,7 @@ void expect_same(const UnitNode& a, const UnitNode& b) {
   EXPECT_EQ(a.response.touch_offset_m, b.response.touch_offset_m);
   EXPECT_EQ(a.response.depth_m, b.response.depth_m);
   EXPECT_EQ(a.response.force_n, b.response.force_n);
+  EXPECT_EQ(a.response.sample_direction, b.response.sample_direction);
   EXPECT_EQ(a.response.error_relative, b.response.error_relative);
   EXPECT_EQ(a.response.origin, b.response.origin);
   EXPECT_EQ(a.response.flags, b.response.flags);
@@ -87,6 +88,8 @@ TEST(UnitBytes, KeepNumbersAtTheEdgesOfDoublePrecision) {
   unit.node.front().response.force_n = {0.0, Limits::denorm_min(), Limits::min(),
                                         1.0 + Limits::epsilon(), Limits::max()};
   unit.node.front().response.touch_offset_m = -0.0;
+  unit.node.front().response.sample_direction.assign(
+      5, Eigen::Vector3d(1.0 / 3.0, -0.0, Limits::epsilon()));
   const UnitOutcome back = unit_from_bytes(to_bytes(unit), "unit");
   expect_same(unit, back);
   EXPECT_TRUE(std::signbit(back.node.front().response.touch_offset_m));

@@ -194,5 +194,33 @@ TEST_F(IndentationOnBlock, HeldNodesTakeNoPartInTheContact) {
   }
 }
 
+// A force of 1 N, then 4 N, that leans by `turn` more at the end than at the start.
+Indentation leaning_by(double turn) {
+  Indentation indentation;
+  for (const double k : {0.0, 1.0, 2.0}) {
+    const double angle = turn * (k - 1.0);
+    indentation.sample.push_back(
+        {.penetration_m = 1e-3 * k,
+         .force_n = k * k * Eigen::Vector3d(std::sin(angle), 0.0, std::cos(angle))});
+  }
+  return indentation;
+}
+
+TEST(Response, KeepsDirectionsPerDepthWhereOneCostsMoreThanTheBudget) {
+  const NodeResponse straight = to_response(leaning_by(0.04), straight_down(), 0.05);
+  EXPECT_TRUE(straight.sample_direction.empty());
+  const NodeResponse leaning = to_response(leaning_by(0.4), straight_down(), 0.05);
+  ASSERT_EQ(leaning.sample_direction.size(), 3U);
+  EXPECT_NEAR(leaning.sample_direction[1].x(), 0.0, 1e-15);
+  EXPECT_NEAR(leaning.sample_direction[2].x(), std::sin(0.4), 1e-15);
+  for (const Eigen::Vector3d& direction : leaning.sample_direction) {
+    EXPECT_NEAR(direction.norm(), 1.0, 1e-15);
+  }
+  const ResponseTable table = make_table(straight_down().tool->shape(),
+                                         {straight, leaning, NodeResponse{}, leaning});
+  EXPECT_EQ(table.direction_begin, (std::vector<std::int64_t>{0, 0, 3, 3, 6}));
+  EXPECT_NEAR(table.sample_direction(5, 0), std::sin(0.4), 1e-15);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -30,10 +30,10 @@ kind = "fixed"
 [[tool]]
 name = "fingertip"
 shape = "sphere"
-radius_m = 0.02
+radius_m = 0.03
 [reach]
-box_m = [[-1.0, -1.0, 0.010], [1.0, 1.0, 1.0]]
-depth_max_m = 0.006
+box_m = [[-1.0, -1.0, 0.022], [1.0, 1.0, 1.0]]
+depth_max_m = 0.005
 [accuracy]
 force_relative = 0.3
 contact_resolution = 1.0
