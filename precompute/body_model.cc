@@ -1,9 +1,11 @@
 #include "precompute/body_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "formats/error.h"
@@ -23,20 +25,58 @@ constexpr Eigen::Index kMostTriangles = 30000;
 // Edges of the far surface over what the mesh would have there.
 constexpr double kFarShare = 0.6;
 
+// Nodes of the mesh that are held, or stand on springs with all of their face.
+std::vector<Eigen::Vector3d> supported_m(const Scene& scene, const BodyModel& model) {
+  std::vector<Eigen::Vector3d> points;
+  const auto position = [&](std::int32_t node) -> Eigen::Vector3d {
+    return model.mesh.position_m.row(node).transpose();
+  };
+  for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
+    if (model.supports.free_index[3 * static_cast<std::size_t>(node)] < 0) {
+      points.push_back(position(static_cast<std::int32_t>(node)));
+    }
+  }
+  for (const SceneSupport& support : scene.support) {
+    for (Eigen::Index f = 0; !support.is_fixed() && f < model.mesh.surface.rows();
+         ++f) {
+      const auto face = model.mesh.surface.row(f);
+      if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
+            return holds(support, position(node));
+          })) {
+        points.push_back(position(face[0]));
+        points.push_back(position(face[1]));
+        points.push_back(position(face[2]));
+      }
+    }
+  }
+  return points;
+}
+
+// Whether a body that is held at these points could still turn about a line.
+bool in_a_line(const std::vector<Eigen::Vector3d>& points, double extent_m) {
+  if (points.size() < 3) {
+    return true;
+  }
+  Eigen::MatrixX3d p(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    p.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
+  }
+  p.rowwise() -= p.colwise().mean().eval();
+  const Eigen::Matrix3d spread = p.transpose() * p;
+  const auto moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread);
+  // Closer to a line than this, turning about it costs less than rounding.
+  return !(std::sqrt(moments.eigenvalues()[1]) > 1e-6 * extent_m);
+}
+
 void check_held(const Scene& scene, const BodyModel& model) {
-  const auto held =
-      static_cast<std::int64_t>(model.supports.free_index.size()) - model.supports.free;
-  const bool springs = std::any_of(scene.support.begin(), scene.support.end(),
-                                   [](const SceneSupport& s) {
-                                     return !s.is_fixed();
-                                   });
-  if (held < 9 && !springs) {
-    const Eigen::Vector3d low = model.mesh.position_m.colwise().minCoeff();
-    const Eigen::Vector3d high = model.mesh.position_m.colwise().maxCoeff();
+  const Eigen::Vector3d low = model.mesh.position_m.colwise().minCoeff();
+  const Eigen::Vector3d high = model.mesh.position_m.colwise().maxCoeff();
+  const std::vector<Eigen::Vector3d> points = supported_m(scene, model);
+  if (in_a_line(points, (high - low).norm())) {
     throw InputError(fmt::format(
         "the supports hold {} surface nodes, at least 3 that are not in a line are "
         "needed; the body fills ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m",
-        held / 3, low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
+        points.size(), low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
   }
 }
 
