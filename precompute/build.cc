@@ -184,38 +184,4 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   return report;
 }
 
-PressedNode press_vertex(const Scene& scene, const BodySource& body,
-                         const SharedTool& tool, std::int64_t vertex,
-                         Progress& progress) {
-  if (vertex < 0 || vertex >= body.surface.position_m.rows()) {
-    throw InputError(
-        fmt::format("vertex {} does not exist: the body has vertices 0 to {}", vertex,
-                    body.surface.position_m.rows() - 1));
-  }
-  const auto v = static_cast<std::int32_t>(vertex);
-  if (is_held(scene, body.surface.position_m.row(v).transpose())) {
-    throw InputError(
-        fmt::format("vertex {} is held by a support: nothing yields there", v));
-  }
-  progress.stage("indentation");
-  const Approach approach = choose_approach(scene, body);
-  auto pressed = press_on_own_mesh(scene, body, tool, std::span(&v, 1), approach.focus,
-                                   {approach.nonlinear, true});
-  progress.finish();
-  if (pressed.front().indentation.sample.empty() && !pressed.front().failure.empty()) {
-    throw NumericalError(fmt::format("vertex {}: {}", v, pressed.front().failure));
-  }
-  return std::move(pressed.front());
-}
-
-std::int64_t nearest_vertex(const SurfaceMesh& surface,
-                            const Eigen::Vector3d& point_m) {
-  Eigen::Index nearest = 0;
-  (surface.position_m.rowwise() - point_m.transpose())
-      .rowwise()
-      .squaredNorm()
-      .minCoeff(&nearest);
-  return nearest;
-}
-
 }  // namespace palpate

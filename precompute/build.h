@@ -44,14 +44,4 @@ struct BuildReport {
 /// or they belong to another scene, body or version.
 BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress);
 
-/// The best press of one vertex that the scene's budget asks for, nonlinear at every
-/// depth. @throws InputError if the vertex does not exist or is held.
-[[nodiscard]] PressedNode press_vertex(const Scene& scene, const BodySource& body,
-                                       const SharedTool& tool, std::int64_t vertex,
-                                       Progress& progress);
-
-/// The vertex nearest to a point [m].
-[[nodiscard]] std::int64_t nearest_vertex(const SurfaceMesh& surface,
-                                          const Eigen::Vector3d& point_m);
-
 }  // namespace palpate

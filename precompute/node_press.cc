@@ -196,23 +196,24 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
         const auto place = [&](double penetration_m) {
           return tool_at(node->path, penetration_m);
         };
-        correct(*node, samples,
-                indent_nonlinear(body, node->patch, compliance.among(node->patch),
-                                 steps_of(*node, samples), place, solve, options));
+        NonlinearIndentation result =
+            indent_nonlinear(body, node->patch, compliance.among(node->patch),
+                             steps_of(*node, samples), place, solve, options);
+        correct(*node, samples, result);
+        if (every_depth) {
+          node->nonlinear =
+              std::make_shared<const NonlinearIndentation>(std::move(result));
+        }
       });
     }
     run_in_lock_step(*model.factor, tasks);
   }
 }
 
-namespace {
-
-std::vector<PressedNode> press_once(const Scene& scene, const BodySource& body,
-                                    const SharedTool& tool,
-                                    std::span<const std::int32_t> vertices,
-                                    const ContactFocus& focus, PressMode mode,
-                                    const NonlinearOptions& options) {
-  const BodyModel model = make_graded_model(scene, body, vertices, focus);
+std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& body,
+                                        const BodyModel& model, const SharedTool& tool,
+                                        std::span<const std::int32_t> vertices,
+                                        const PressMode& mode) {
   std::vector<PressedNode> nodes;
   for (const std::int32_t vertex : vertices) {
     nodes.push_back(placed_node(scene, body, model, tool, vertex));
@@ -226,33 +227,35 @@ std::vector<PressedNode> press_once(const Scene& scene, const BodySource& body,
     node.path.force_max_n = scene.reach.force_max_n;
   }
   if (mode.nonlinear) {
+    NonlinearOptions options = mode.options;
+    options.sticking = tool->shape().sticking;
     press_nonlinear(model, compliance, nodes, options, mode.every_depth);
   }
   return nodes;
 }
 
-}  // namespace
-
 std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource& body,
                                            const SharedTool& tool,
                                            std::span<const std::int32_t> vertices,
-                                           const ContactFocus& focus, PressMode mode) {
-  NonlinearOptions options = mode.every_depth
-                                 ? NonlinearOptions{.sticking = tool->shape().sticking}
-                                 : nonlinear_options(scene, tool);
+                                           const ContactFocus& focus,
+                                           const PressMode& mode) {
   std::vector<PressedNode> nodes =
-      press_once(scene, body, tool, vertices, focus, mode, options);
+      press_on_model(scene, body, make_graded_model(scene, body, vertices, focus), tool,
+                     vertices, mode);
   if (!mode.nonlinear) {
     return nodes;
   }
+  PressMode patient = mode;
+  patient.options.equilibrium.newton_max = kPatientNewton;
   for (PressedNode& node : nodes) {
     for (int attempt = 1; attempt <= kFallbacks && !node.failure.empty(); ++attempt) {
       // Elements that do not follow a sharp edge so far.
       const ContactFocus coarser = finer(focus, std::pow(0.5, attempt));
-      options.equilibrium.newton_max = kPatientNewton;
-      PressedNode again = press_once(scene, body, tool, std::span(&node.vertex, 1),
-                                     coarser, mode, options)
-                              .front();
+      const std::span<const std::int32_t> one(&node.vertex, 1);
+      PressedNode again =
+          press_on_model(scene, body, make_graded_model(scene, body, one, coarser),
+                         tool, one, patient)
+              .front();
       if (again.failure.empty() ||
           again.indentation.sample.size() > node.indentation.sample.size()) {
         node = std::move(again);

@@ -35,6 +35,8 @@ struct PressedNode {
   Indentation indentation = {};
   std::string failure = {};  ///< why the path ends early, or is missing; else empty
   PressChecks checks = {};
+  /// As solved, where every depth was; else null.
+  std::shared_ptr<const NonlinearIndentation> nonlinear = {};
 };
 
 /// Whether the scene's materials and method ask for nonlinear solutions.
@@ -75,14 +77,22 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
 
 struct PressMode {
   bool nonlinear = false;
-  bool every_depth = false;  ///< nonlinear at every sample of the path
+  bool every_depth = false;       ///< nonlinear at every sample of the path
+  NonlinearOptions options = {};  ///< but for sticking, which is the tool's
 };
+
+/// Presses the vertices on a model that was made for them.
+[[nodiscard]] std::vector<PressedNode> press_on_model(
+    const Scene& scene, const BodySource& body, const BodyModel& model,
+    const SharedTool& tool, std::span<const std::int32_t> vertices,
+    const PressMode& mode);
 
 /// Meshes the body around the vertices and presses them with the tool. A nonlinear
 /// press that fails is tried again on meshes two and four times coarser; the estimated
 /// error of its forces is of the mesh that was taken.
 [[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
     const Scene& scene, const BodySource& body, const SharedTool& tool,
-    std::span<const std::int32_t> vertices, const ContactFocus& focus, PressMode mode);
+    std::span<const std::int32_t> vertices, const ContactFocus& focus,
+    const PressMode& mode);
 
 }  // namespace palpate

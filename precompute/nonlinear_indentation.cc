@@ -51,7 +51,9 @@ class Press {
         place_(place),
         solve_(solve),
         options_(options),
-        near_(make_near()),
+        near_tet_(strained()),
+        near_(body.mesh, body.material, body.supports, near_tet_,
+              contact_mesh_nodes(body, patch)),
         contact_(body.surface, body.mesh, patch, near_),
         equilibrium_(near_, contact_, solve, options.equilibrium) {
     multipliers_.spring_n_per_m =
@@ -77,18 +79,18 @@ class Press {
     }
     result_.near_tets = near_.tets();
     result_.near_nodes = near_.size() / 3;
+    result_.near_tet = near_tet_;
     result_.near_dof = near_.dof();
+    result_.pressure_n = multipliers_.pressure_n;
     result_.state = state_;
     return std::move(result_);
   }
 
  private:
-  NearField make_near() {
+  std::vector<Eigen::Index> strained() const {
     const Eigen::VectorXd u =
         linear_displacement_m(body_, patch_, steps_.back().linear_pressure_n, solve_);
-    return {body_.mesh, body_.material, body_.supports,
-            strained_tets(body_.mesh, u, options_.near_gradient),
-            contact_mesh_nodes(body_, patch_)};
+    return strained_tets(body_.mesh, u, options_.near_gradient);
   }
 
   // The linear body's state at the first step, drawn back where it turns an element
@@ -202,6 +204,7 @@ class Press {
   const std::function<PlacedTool(double)>& place_;
   const RestSolve& solve_;
   NonlinearOptions options_;
+  std::vector<Eigen::Index> near_tet_;
   NearField near_;
   ContactPotential contact_;
   Equilibrium equilibrium_;

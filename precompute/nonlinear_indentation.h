@@ -61,8 +61,10 @@ struct NonlinearIndentation {
   std::string failure;                  ///< empty where every step converged
   Eigen::Index near_tets = 0;
   Eigen::Index near_nodes = 0;
-  NearState state;  ///< at the last sample, over `near_dof`
+  std::vector<Eigen::Index> near_tet;  ///< of the mesh, ascending; linear laws too
+  NearState state;                     ///< at the last sample, over `near_dof`
   std::vector<std::int64_t> near_dof;
+  Eigen::VectorXd pressure_n;  ///< (n_patch) [N] at the last sample
   [[nodiscard]] bool converged() const { return failure.empty(); }
 };
 
