@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "formats/hdf5_io.h"
 #include "formats/response_database.h"
 #include "formats/select_nodes.h"
@@ -248,13 +250,15 @@ void exchange_vtk(File& file, const ResponseDatabase& database) {
   for (const ResponseTable& table : database.tools) {
     const bool first = &table == &database.tools.front();
     const std::string tool = "/tools/" + table.tool.name;
-    const std::string data = group + "/PointData/";
-    const std::string suffix = first ? "" : "_" + table.tool.name;
-    file.link(data + "stiffness" + suffix, tool + "/stiffness_max_n_per_m");
-    file.link(data + "error" + suffix, tool + "/error_relative");
-    file.link(data + "origin" + suffix, tool + "/origin");
-    file.link(data + "flags" + suffix, tool + "/flags");
-    file.derived(data + "depth_max" + suffix, "m", node_depth_max_m(table));
+    const auto data = [&](const char* name) {
+      return fmt::format("{}/PointData/{}{}{}", group, name, first ? "" : "_",
+                         first ? "" : table.tool.name);
+    };
+    file.link(data("stiffness"), tool + "/stiffness_max_n_per_m");
+    file.link(data("error"), tool + "/error_relative");
+    file.link(data("origin"), tool + "/origin");
+    file.link(data("flags"), tool + "/flags");
+    file.derived(data("depth_max"), "m", node_depth_max_m(table));
   }
 }
 

@@ -221,7 +221,7 @@ void Planner::time_linear_presses(const BodyModel& model,
   extrapolate("linear presses", reachable_.size() * body_.tool.size(), samples.size(),
               seconds);
   if (approach_.cheap_is_good && approach_.graded) {
-    again_share_ = share_above(error, scene_.force_relative);
+    again_share_ = share_above(error, kAgainOverBudget * scene_.force_relative);
   }
 }
 
@@ -268,8 +268,10 @@ void Planner::time_own_meshes(const std::string& work,
   progress_.stage("one of: " + work);
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
-      (void)press_on_own_mesh(scene_, body_, body_.tool.front(), groups[i], focus,
-                              {.nonlinear = nonlinear});
+      const SharedTool& tool = body_.tool.front();
+      (void)press_on_own_mesh(
+          scene_, body_, tool, groups[i], focus,
+          {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
     });
   });
   extrapolate(work, count * body_.tool.size(), groups.size(), seconds);

@@ -89,8 +89,9 @@ std::vector<PressedNode> SceneSolver::on_own_meshes(
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
       check_interrupted();
-      pressed[i] = press_on_own_mesh(scene_, body_, tool, groups[i], focus,
-                                     {.nonlinear = nonlinear});
+      pressed[i] = press_on_own_mesh(
+          scene_, body_, tool, groups[i], focus,
+          {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
     });
   });
   std::vector<PressedNode> nodes;

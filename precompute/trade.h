@@ -14,7 +14,7 @@ namespace palpate {
 struct TradeOptions {
   int samples = 6;  ///< [2, 1000] vertices that are pressed in every way
   /// [-] (0, 16] each; elements that the radius of the contact spans.
-  std::vector<double> resolution{1.0, 2.0, 4.0};
+  std::vector<double> resolution{2.0, 3.0, 4.0};
   std::vector<int> depths{5, 10, 20};  ///< [2, 64] each
   double reference_finer =
       1.5;  ///< [-] [1, 8] the reference over the finest resolution

@@ -92,13 +92,14 @@ class Territory {
   }
 
   // Where cheap presses are of the same kind as good ones: those that their own
-  // estimate finds outside the budget are done again.
+  // estimate finds far outside the budget are done again.
   void keep_cheap_within_budget(bool again) {
     std::vector<std::size_t> outside;
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
-      const NodeResponse response =
-          to_response(cheap_[i].indentation, cheap_[i].path, scene_.force_relative);
-      if (again && touches(i) && (response.flags & kErrorOverBudget) != 0) {
+      const double error =
+          to_response(cheap_[i].indentation, cheap_[i].path, scene_.force_relative)
+              .error_relative;
+      if (again && touches(i) && error > kAgainOverBudget * scene_.force_relative) {
         outside.push_back(i);
       } else {
         good_[i] = cheap_[i];

@@ -46,7 +46,7 @@ class Trade : public testing::Test {
     Progress progress(nullptr);
     report_ =
         trade(read_scene(folder / "scene.toml"),
-              {.samples = 2, .resolution = {0.5, 2.0}, .depths = {5, 10}}, progress);
+              {.samples = 2, .resolution = {2.0, 4.0}, .depths = {5, 10}}, progress);
   }
 
   static TradeReport report_;
