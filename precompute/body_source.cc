@@ -6,6 +6,7 @@
 
 #include "formats/error.h"
 #include "precompute/primitive_bodies.h"
+#include "precompute/quality_notes.h"
 #include "precompute/scene_material.h"
 #include "precompute/surface_check.h"
 #include "precompute/surface_reader.h"
@@ -13,9 +14,10 @@
 namespace palpate {
 namespace {
 
-SurfaceMesh read_mesh(const Scene& scene, std::vector<std::string>& notes) {
-  CheckedSurface checked =
-      require_body(read_surface(scene.mesh, scene.length_unit), scene.mesh.string());
+SurfaceMesh read_mesh(const Scene& scene, RepairMode repair,
+                      std::vector<std::string>& notes) {
+  CheckedSurface checked = require_body(read_surface(scene.mesh, scene.length_unit),
+                                        repair, scene.mesh.string(), notes);
   if (checked.report.components_turned > 0) {
     notes.push_back(fmt::format("{}: the surface was inside out and has been turned",
                                 scene.mesh.filename().string()));
@@ -23,6 +25,9 @@ SurfaceMesh read_mesh(const Scene& scene, std::vector<std::string>& notes) {
   if (checked.report.components > 1) {
     notes.push_back(fmt::format("{}: {} separate parts", scene.mesh.filename().string(),
                                 checked.report.components));
+  }
+  for (const std::string& note : quality_notes(checked.report)) {
+    notes.push_back(note);
   }
   return std::move(checked.mesh);
 }
@@ -92,9 +97,9 @@ void read_inclusions(const Scene& scene, BodySource& body) {
 
 }  // namespace
 
-BodySource read_body(const Scene& scene) {
+BodySource read_body(const Scene& scene, RepairMode repair) {
   BodySource body;
-  body.surface = read_mesh(scene, body.notes);
+  body.surface = read_mesh(scene, repair, body.notes);
   body.files.push_back(scene.mesh);
   body.normal = vertex_normals(body.surface);
   read_inclusions(scene, body);

@@ -11,6 +11,7 @@
 #include "formats/surface_mesh.h"
 #include "precompute/inner_surface.h"
 #include "precompute/material.h"
+#include "precompute/repair.h"
 #include "precompute/tool_surface.h"
 
 namespace palpate {
@@ -25,8 +26,11 @@ struct BodySource {
   std::vector<std::string> notes;  ///< what was changed, one line each
 };
 
+/// @param repair of the body's mesh file: vertices that it adds are the body's like
+/// others; every change is a note.
 /// @throws InputError for a body or scene that the user can mend.
-[[nodiscard]] BodySource read_body(const Scene& scene);
+[[nodiscard]] BodySource read_body(const Scene& scene,
+                                   RepairMode repair = RepairMode::kOff);
 
 /// Whether a fixed support holds the surface there.
 [[nodiscard]] bool is_held(const Scene& scene, const Eigen::Vector3d& p_m);

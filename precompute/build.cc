@@ -5,6 +5,7 @@
 #include <chrono>
 #include <iterator>
 #include <mutex>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "formats/sha256.h"
 #include "precompute/checkpoint.h"
 #include "precompute/peak_memory.h"
+#include "precompute/quality_notes.h"
 #include "precompute/unit_solver.h"
 
 namespace palpate {
@@ -31,6 +33,9 @@ std::string digest_of(const Scene& scene, const BodySource& body,
   add(PALPATE_VERSION);
   add(scene.text);
   add(options.solve_all ? "all" : "budget");
+  if (options.repair != RepairMode::kOff) {
+    add(fmt::format("repair {}", static_cast<int>(options.repair)));
+  }
   for (const std::filesystem::path& file : body.files) {
     add(sha256_of_file(file));
   }
@@ -126,6 +131,11 @@ class UnitRun {
       report.tets = shared->mesh.tet.rows();
       report.unknowns = shared->supports.free;
       report.min_dihedral_deg = shared->min_dihedral_deg;
+      const TetQuality quality{.smallest_dihedral_rad =
+                                   shared->min_dihedral_deg * std::numbers::pi / 180.0};
+      for (const std::string& note : quality_notes(quality)) {
+        report.notes.push_back(note);
+      }
     }
   }
 
@@ -149,7 +159,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   }
   BuildReport report;
   progress.stage("body");
-  const BodySource body = read_body(scene);
+  const BodySource body = read_body(scene, options.repair);
   const std::vector<std::int32_t> reachable = reachable_vertices(scene, body);
   const Approach approach = choose_approach(scene, body);
   const std::vector<Unit> units = units_of(scene, body, reachable);

@@ -20,7 +20,8 @@ struct BuildOptions {
   int shard = 0;        ///< [0, shards)
   int shards = 1;       ///< units are dealt out in turn
   bool resume = false;  ///< go on from units that an earlier run left beside `output`
-  bool solve_all = false;  ///< every node, none interpolated
+  bool solve_all = false;                ///< every node, none interpolated
+  RepairMode repair = RepairMode::kOff;  ///< of the body's mesh file
   int workers = 0;  ///< [0, inf) threads; 0: one for each core. The bytes are the same
 };
 

@@ -21,6 +21,7 @@ struct Flags {
   std::string scene;
   std::string output;
   std::string shard;
+  std::string repair = "off";
   int workers = 0;
   bool resume = false;
   bool solve_all = false;
@@ -152,6 +153,7 @@ void run(const Flags& flags) {
   BuildOptions options{.output = flags.output,
                        .resume = flags.resume,
                        .solve_all = flags.solve_all,
+                       .repair = repair_mode(flags.repair),
                        .workers = flags.workers};
   parse_shard(flags.shard, options);
   Progress progress(stderr);
@@ -194,6 +196,8 @@ void add_build_command(CLI::App& app) {
       ->add_option("--workers", flags->workers,
                    "Threads; 0: one for each core. The result does not depend on it")
       ->check(CLI::Range(0, 1024));
+  command->add_option("--repair", flags->repair,
+                      "off, safe or wrap: mend the body's surface first");
   command->add_flag("--resume", flags->resume,
                     "Go on with what an earlier run left in OUTPUT.partial");
   command->add_flag("--solve-all", flags->solve_all,

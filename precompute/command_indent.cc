@@ -23,6 +23,7 @@ struct Flags {
   std::vector<double> at_m;
   std::string tool;
   std::string vtu;
+  std::string repair = "off";
   bool json = false;
 };
 
@@ -60,7 +61,8 @@ nlohmann::ordered_json checks_json(const NodeDetail& detail) {
           {"theory_moment_relative", figure(checks.theory_moment)}};
 }
 
-nlohmann::ordered_json to_json(const NodeDetail& detail, const NodeResponse& response) {
+nlohmann::ordered_json to_json(const NodeDetail& detail, const NodeResponse& response,
+                               const std::vector<std::string>& notes) {
   const PressedNode& result = detail.pressed;
   nlohmann::ordered_json report{{"vertex", result.vertex},
                                 {"position_m", list(result.path.vertex_m)},
@@ -88,6 +90,7 @@ nlohmann::ordered_json to_json(const NodeDetail& detail, const NodeResponse& res
   report["checks"] = checks_json(detail);
   report["converged"] = result.indentation.converged && result.failure.empty();
   report["failure"] = result.failure;
+  report["notes"] = notes;
   return report;
 }
 
@@ -148,7 +151,7 @@ void run(const Flags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   Progress progress(stderr);
-  const BodySource body = read_body(scene);
+  const BodySource body = read_body(scene, repair_mode(flags.repair));
   const std::int64_t vertex =
       flags.at_m.empty()
           ? flags.vertex
@@ -162,9 +165,12 @@ void run(const Flags& flags) {
               detail.body.near);
   }
   if (flags.json) {
-    fmt::print("{}\n", to_json(detail, response).dump());
+    fmt::print("{}\n", to_json(detail, response, body.notes).dump());
   } else {
     print(detail, response);
+    for (const std::string& note : body.notes) {
+      fmt::print("note: {}\n", note);
+    }
   }
 }
 
@@ -182,6 +188,8 @@ void add_indent_command(CLI::App& app) {
       ->expected(3);
   where->require_option(1);
   command->add_option("--tool", flags->tool, "Name of the tool; default: the first");
+  command->add_option("--repair", flags->repair,
+                      "off, safe or wrap: mend the body's surface first");
   command->add_option("--vtu", flags->vtu,
                       "Write the deformed body at the last depth (VTK, for ParaView)");
   command->add_flag("--json", flags->json, "Print the report as one JSON object");
