@@ -18,6 +18,7 @@
 #include "precompute/checkpoint.h"
 #include "precompute/peak_memory.h"
 #include "precompute/quality_notes.h"
+#include "precompute/surface_field.h"
 #include "precompute/unit_solver.h"
 
 namespace palpate {
@@ -151,6 +152,11 @@ class UnitRun {
 
 BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
+  if (scene.drawing.displacement && options.shards > 1) {
+    throw InputError(
+        "[drawing] displacement = true needs all responses at once: build without "
+        "--shard, or without the displacements");
+  }
   { const AtomicFile place(options.output); }  // said before the work, not after it
   std::optional<tbb::global_control> limit;
   if (options.workers > 0) {
@@ -185,6 +191,10 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   } else {
     report.assembly = assemble(plan, outcomes);
     require_responses(plan, report.assembly);
+    if (scene.drawing.displacement) {
+      add_surface_fields(scene, body, approach, reachable, report.assembly.database,
+                         progress);
+    }
     write_database(options.output, report.assembly.database);
   }
   checkpoint.remove();
