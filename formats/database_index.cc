@@ -52,6 +52,20 @@ BodyChunk body_chunk(const ResponseDatabase& ordered, const StorageOrder& order,
            order.triangle.begin() + triangle + triangles}};
 }
 
+// Of its nodes and of its triangles, whose other nodes may lie in later chunks.
+Eigen::AlignedBox3d box_around(const BodyChunk& chunk, const Points& position_m) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index i = 0; i < chunk.position_m.rows(); ++i) {
+    box.extend(Eigen::Vector3d(chunk.position_m.row(i).transpose()));
+  }
+  for (Eigen::Index t = 0; t < chunk.triangle.rows(); ++t) {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      box.extend(Eigen::Vector3d(position_m.row(chunk.triangle(t, j)).transpose()));
+    }
+  }
+  return box;
+}
+
 void divide_nodes(const ResponseDatabase& ordered, DatabaseIndex& index) {
   const std::int64_t n = ordered.body.position_m.rows();
   const std::int64_t size = ordered.storage.chunk_nodes;
@@ -164,8 +178,9 @@ DatabaseIndex make_index(const ResponseDatabase& ordered, const StorageOrder& or
   index.sha256.resize(chunks, kSha256Bytes);
   for (std::int64_t k = 0; k < chunks; ++k) {
     const BodyChunk chunk = body_chunk(ordered, order, index, k);
-    index.box_min_m.row(k) = chunk.position_m.colwise().minCoeff();
-    index.box_max_m.row(k) = chunk.position_m.colwise().maxCoeff();
+    const Eigen::AlignedBox3d box = box_around(chunk, ordered.body.position_m);
+    index.box_min_m.row(k) = box.min().transpose();
+    index.box_max_m.row(k) = box.max().transpose();
     set_row(index.sha256, k, chunk_digest(chunk));
   }
   for (const ResponseTable& table : ordered.tools) {

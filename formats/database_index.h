@@ -38,9 +38,9 @@ struct ToolIndex {
 struct DatabaseIndex {
   std::vector<std::int64_t> node_begin;      ///< (c + 1)
   std::vector<std::int64_t> triangle_begin;  ///< (c + 1)
-  Points box_min_m;                          ///< (c x 3) [m] of the chunk's nodes
-  Points box_max_m;                          ///< (c x 3) [m]
-  Sha256Rows sha256;                         ///< (c x 32) chunk_digest() of the body
+  Points box_min_m;   ///< (c x 3) [m] of the chunk's nodes and triangles
+  Points box_max_m;   ///< (c x 3) [m]
+  Sha256Rows sha256;  ///< (c x 32) chunk_digest() of the body
   std::vector<ToolIndex> tools;
   std::int64_t measured_samples = 0;
   Provenance provenance;  ///< without the scene

@@ -63,8 +63,12 @@ TEST_P(EveryStorage, ChunksHoldWhatTheWholeFileHolds) {
       const Eigen::Index source = body.source_triangle[static_cast<std::size_t>(t)];
       EXPECT_EQ(index.chunk_of(body.triangle.row(t).minCoeff()), k);
       for (Eigen::Index j = 0; j < 3; ++j) {
-        EXPECT_EQ(row_node[static_cast<std::size_t>(body.triangle(t, j))],
-                  whole.body.triangle(source, j));
+        const std::int32_t node =
+            row_node[static_cast<std::size_t>(body.triangle(t, j))];
+        EXPECT_EQ(node, whole.body.triangle(source, j));
+        const auto corner = whole.body.position_m.row(node).array();
+        EXPECT_TRUE((corner >= index.box_min_m.row(k).array()).all());
+        EXPECT_TRUE((corner <= index.box_max_m.row(k).array()).all());
       }
     }
   }
