@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "runtime/device.h"
-#include "runtime/element_stream.h"
+#include "runtime/element_sender.h"
 #include "runtime/fast/fast_step.h"
 #include "runtime/render_report.h"
 #include "runtime/tool_state.h"

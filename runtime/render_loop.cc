@@ -22,7 +22,7 @@ void check_positive(const char* what, double value) {
 // The slow process without its clock.
 class SlowProcess {
  public:
-  SlowProcess(ElementStream& stream, RenderExchange& exchange)
+  SlowProcess(ElementSender& stream, RenderExchange& exchange)
       : stream_(stream), exchange_(exchange) {}
 
   void update(std::int64_t now_ns, std::int64_t skipped) {
@@ -37,7 +37,7 @@ class SlowProcess {
   std::int64_t missed_deadlines = 0;
 
  private:
-  ElementStream& stream_;
+  ElementSender& stream_;
   RenderExchange& exchange_;
 };
 

@@ -6,7 +6,7 @@
 
 #include "runtime/clock.h"
 #include "runtime/device.h"
-#include "runtime/element_stream.h"
+#include "runtime/element_sender.h"
 #include "runtime/fast_process.h"
 #include "runtime/render_report.h"
 
@@ -24,7 +24,7 @@ void check(const RenderConfig& config);
 /// What a run works on; all must outlive it.
 struct RenderSetup {
   Device& device;  ///< opened and closed by the run
-  ElementStream& stream;
+  ElementSender& stream;
   const std::atomic<bool>& stop;             ///< set: the run ends at the next tick
   std::vector<RenderTick>* trace = nullptr;  ///< filled up to its capacity
 };

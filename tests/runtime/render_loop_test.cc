@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
+#include "runtime/element_stream.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/sample_bodies.h"
