@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ struct Flags {
   std::string database;
   std::string model = "element";
   std::string clock = "simulated";
+  std::string stream = "auto";
+  double stream_budget_mib = 32.0;
   std::vector<double> at_m;
   bool json = false;
   SimulationOptions options;
@@ -58,6 +61,17 @@ SimulationOptions options_of(const Flags& flags) {
     }
   }
   return options;
+}
+
+nlohmann::json as_json(const StreamReport& stream) {
+  return {{"updates", stream.updates},
+          {"starved", stream.starved},
+          {"chunks_loaded", stream.cache.loaded},
+          {"chunks_evicted", stream.cache.evicted},
+          {"chunks_wanted", stream.cache.wanted},
+          {"chunks_hit", stream.cache.hits},
+          {"bytes_max", stream.cache.bytes_max},
+          {"fault", stream.fault}};
 }
 
 nlohmann::json as_json(const SimulationReport& report) {
@@ -99,16 +113,48 @@ nlohmann::json as_json(const SimulationReport& report) {
           {"step_p999_ns", r.step_time.percentile_ns(0.999)},
           {"step_max_ns", r.step_time.max_ns()},
           {"scheduling", r.scheduling},
+          {"stream", report.stream ? as_json(*report.stream) : nlohmann::json()},
           {"fault", name(r.fault)},
           {"interrupted", r.interrupted}};
 }
 
-void run(const Flags& flags) {
-  const SimulationOptions options = options_of(flags);
-  const ResponseDatabase database = read_database(flags.database);
+// Larger files are streamed: as values in memory they are larger still.
+constexpr std::uintmax_t kStreamFrom = std::uintmax_t{256} << 20;
+
+bool is_streamed(const Flags& flags) {
+  if (flags.stream != "auto" && flags.stream != "on" && flags.stream != "off") {
+    throw InputError(fmt::format("--stream {}: must be auto, on or off", flags.stream));
+  }
+  if (!(flags.stream_budget_mib > 0.0 && flags.stream_budget_mib < 1e6)) {
+    throw InputError(fmt::format("--stream-budget {}: must lie in (0, 1e6) MiB",
+                                 flags.stream_budget_mib));
+  }
+  std::error_code missing;  // said by who opens it
+  const std::uintmax_t bytes = std::filesystem::file_size(flags.database, missing);
+  return flags.stream == "on" ||
+         (flags.stream == "auto" && !missing && bytes > kStreamFrom);
+}
+
+void heed_signals() {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
-  const SimulationReport report = simulate(database, options, stop_requested);
+}
+
+SimulationReport render(const Flags& flags, const SimulationOptions& options) {
+  if (is_streamed(flags)) {
+    const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
+                                                 static_cast<double>(kMebibyte));
+    heed_signals();
+    return simulate_streamed(flags.database, options, budget, stop_requested);
+  }
+  const ResponseDatabase database = read_database(flags.database);
+  heed_signals();
+  return simulate(database, options, stop_requested);
+}
+
+void run(const Flags& flags) {
+  const SimulationOptions options = options_of(flags);
+  const SimulationReport report = render(flags, options);
   fmt::print("{}", flags.json ? as_json(report).dump(2) + "\n" : summary(report));
   if (report.render.fault != Fault::kNone) {
     const std::string what =
@@ -118,6 +164,9 @@ void run(const Flags& flags) {
       throw DeviceError(what);
     }
     throw NumericalError(what);
+  }
+  if (report.stream && !report.stream->fault.empty()) {
+    throw FormatError(report.stream->fault);
   }
   if (report.render.interrupted) {
     throw Interrupted();
@@ -151,6 +200,14 @@ void add_simulate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--limit-stiffness", options.limit_stiffness,
                     "Scale forces to what the device can render");
+  command
+      ->add_option("--stream", flags->stream,
+                   "Leave the responses in the file: auto (above 256 MiB), on or off")
+      ->capture_default_str();
+  command
+      ->add_option("--stream-budget", flags->stream_budget_mib,
+                   "Memory for streamed responses [MiB]")
+      ->capture_default_str();
   command->add_flag("--json", flags->json, "Print the report for programs");
   command->callback([flags] {
     run(*flags);

@@ -2,21 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "formats/error.h"
 #include "runtime/hand_place.h"
 #include "runtime/render_loop.h"
+#include "runtime/streamed_place.h"
 
 namespace palpate {
 namespace {
 
-RenderConfig render_config(const SimulationOptions& options,
-                           const ResponseTable& table) {
+RenderConfig render_config(const SimulationOptions& options, const ToolShape& tool) {
   RenderConfig config;
   config.fast.fast.model = options.model;
-  config.fast.fast.tool_radius_m = table.tool.radius_m;
+  config.fast.fast.tool_radius_m = tool.radius_m;
   config.fast.fast.force_max_n = options.force_max_n;
   config.fast.rate_hz = options.fast_hz;
   config.fast.stall_s = 5.0 / options.slow_hz;
@@ -25,6 +27,17 @@ RenderConfig render_config(const SimulationOptions& options,
   config.duration_s = options.duration_s;
   check(config);
   return config;
+}
+
+void check(const SimulationOptions& options, const ToolShape& tool) {
+  if (!(options.force_max_n > 0.0) || !std::isfinite(options.force_max_n)) {
+    throw InputError(fmt::format("largest force is {} N, must be positive and finite",
+                                 options.force_max_n));
+  }
+  if (tool.kind != "sphere") {
+    throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
+                                 tool.name, tool.kind));
+  }
 }
 
 // Scale [-] of forces that makes the body renderable; 1 if it is.
@@ -46,6 +59,53 @@ double force_scale(const SimulationReport& report, const DeviceLimits& limits) {
   return scale;
 }
 
+// What a run presses, wherever its responses lie.
+struct PressedBody {
+  ToolShape tool;
+  std::int32_t node = -1;
+  RenderedStiffness stiffness;
+  std::function<HandScript(double force_scale, double hand_n_per_m)> script;
+  std::function<std::unique_ptr<ElementSender>(double force_scale,
+                                               const Eigen::Vector3d& start_m)>
+      stream;
+};
+
+// @param sender who sent the elements, for the caller's account of it.
+SimulationReport run(const PressedBody& body, const SimulationOptions& options,
+                     const std::atomic<bool>& stop,
+                     std::unique_ptr<ElementSender>& sender) {
+  const RenderConfig config = render_config(options, body.tool);
+  SimulationReport report;
+  report.options = options;
+  report.tool = body.tool.name;
+  report.node = body.node;
+  report.options.device.tick_s = 1.0 / options.fast_hz;
+  report.options.device.force_max_n = options.force_max_n;
+  const SimulatedDeviceConfig& device_config = report.options.device;
+
+  MonotonicClock monotonic;
+  SimulatedClock simulated;
+  Clock& clock = options.real_time ? static_cast<Clock&>(monotonic) : simulated;
+  const DeviceLimits limits =
+      SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
+  report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
+  report.stiffness = body.stiffness;
+  if (options.model != LocalModel::kElement) {
+    report.stiffness.friction_n_per_m = 0.0;  // the scalar models render none
+  }
+  report.bounds = stability_bounds(limits, report.hold_s);
+  report.force_scale = force_scale(report, limits);
+
+  const HandScript script = body.script(report.force_scale, device_config.hand_n_per_m);
+  SimulatedDevice device(device_config, script, clock,
+                         {.position_m = script.at(0.0).position_m});
+  sender = body.stream(report.force_scale, script.at(0.0).position_m);
+  const RenderSetup setup{.device = device, .stream = *sender, .stop = stop};
+  report.render = options.real_time ? render_in_real_time(config, setup)
+                                    : render_in_turns(config, setup, clock);
+  return report;
+}
+
 }  // namespace
 
 double hold_s(LocalModel model, double fast_hz, double slow_hz) {
@@ -57,46 +117,61 @@ double hold_s(LocalModel model, double fast_hz, double slow_hz) {
 SimulationReport simulate(const ResponseDatabase& database,
                           const SimulationOptions& options,
                           const std::atomic<bool>& stop) {
-  if (!(options.force_max_n > 0.0) || !std::isfinite(options.force_max_n)) {
-    throw InputError(fmt::format("largest force is {} N, must be positive and finite",
-                                 options.force_max_n));
-  }
   const ResponseTable& table = find_tool(database, options.tool);
-  if (table.tool.kind != "sphere") {
-    throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
-                                 table.tool.name, table.tool.kind));
-  }
-  const RenderConfig config = render_config(options, table);
-  SimulationReport report;
-  report.options = options;
-  report.tool = table.tool.name;
-  report.node = node_to_press(database, table, options.at_m);
-  report.options.device.tick_s = 1.0 / options.fast_hz;
-  report.options.device.force_max_n = options.force_max_n;
-  const SimulatedDeviceConfig& device_config = report.options.device;
+  check(options, table.tool);
+  const std::int32_t node = node_to_press(database, table, options.at_m);
+  ResampleLoss loss;
+  const PressedBody body{
+      .tool = table.tool,
+      .node = node,
+      .stiffness = rendered_stiffness(table, options.force_max_n),
+      .script =
+          [&](double scale, double hand_n_per_m) {
+            return script_at(database, table, node, options.force_max_n, scale,
+                             hand_n_per_m);
+          },
+      .stream = [&](double scale,
+                    const Eigen::Vector3d&) -> std::unique_ptr<ElementSender> {
+        auto stream = std::make_unique<ElementStream>(database, table, scale);
+        loss = stream->resample_loss();
+        return stream;
+      }};
+  std::unique_ptr<ElementSender> sender;
+  SimulationReport report = run(body, options, stop, sender);
+  report.resample_loss = loss;
+  return report;
+}
 
-  MonotonicClock monotonic;
-  SimulatedClock simulated;
-  Clock& clock = options.real_time ? static_cast<Clock&>(monotonic) : simulated;
-  const DeviceLimits limits =
-      SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
-  report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
-  report.stiffness = rendered_stiffness(table, options.force_max_n);
-  if (options.model != LocalModel::kElement) {
-    report.stiffness.friction_n_per_m = 0.0;  // the scalar models render none
-  }
-  report.bounds = stability_bounds(limits, report.hold_s);
-  report.force_scale = force_scale(report, limits);
-
-  const HandScript script = script_at(database, table, report.node, options.force_max_n,
-                                      report.force_scale, device_config.hand_n_per_m);
-  SimulatedDevice device(device_config, script, clock,
-                         {.position_m = script.at(0.0).position_m});
-  ElementStream stream(database, table, report.force_scale);
-  report.resample_loss = stream.resample_loss();
-  const RenderSetup setup{.device = device, .stream = stream, .stop = stop};
-  report.render = options.real_time ? render_in_real_time(config, setup)
-                                    : render_in_turns(config, setup, clock);
+SimulationReport simulate_streamed(const std::filesystem::path& file,
+                                   const SimulationOptions& options,
+                                   std::size_t budget_bytes,
+                                   const std::atomic<bool>& stop) {
+  const ChunkReader reader(file);
+  const std::size_t tool = find_tool(reader.index(), options.tool);
+  check(options, reader.index().tools[tool].tool);
+  const StreamedPlace place = streamed_place(reader, tool, options.at_m);
+  const PressedBody body{
+      .tool = reader.index().tools[tool].tool,
+      .node = place.source_node,
+      .stiffness = streamed_stiffness(reader, tool, options.force_max_n),
+      .script =
+          [&](double scale, double hand_n_per_m) {
+            return script_at(place.around, place.around.tools[0], place.row,
+                             options.force_max_n, scale, hand_n_per_m);
+          },
+      .stream = [&](double scale,
+                    const Eigen::Vector3d& start_m) -> std::unique_ptr<ElementSender> {
+        const CacheOptions cache{
+            .tool = options.tool, .budget_bytes = budget_bytes, .force_scale = scale};
+        return std::make_unique<StreamedElements>(file, cache, start_m,
+                                                  options.real_time);
+      }};
+  std::unique_ptr<ElementSender> sender;
+  SimulationReport report = run(body, options, stop, sender);
+  auto& streamed = dynamic_cast<StreamedElements&>(*sender);
+  streamed.stop();
+  report.stream = streamed.report();
+  report.resample_loss = report.stream->cache.loss;
   return report;
 }
 

@@ -13,6 +13,7 @@
 #include "runtime/render_report.h"
 #include "runtime/simulated_device.h"
 #include "runtime/stability_margin.h"
+#include "runtime/streamed_elements.h"
 
 namespace palpate {
 
@@ -38,6 +39,7 @@ struct SimulationReport {
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
   double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
   ResampleLoss resample_loss;
+  std::optional<StreamReport> stream;  ///< of a body that was streamed
   RenderReport render;
 };
 
@@ -52,6 +54,15 @@ struct SimulationReport {
 [[nodiscard]] SimulationReport simulate(const ResponseDatabase& database,
                                         const SimulationOptions& options,
                                         const std::atomic<bool>& stop);
+
+/// The same with responses that stay in the file but for `budget_bytes`. Presses the
+/// node nearest to at_m, or the highest one with a response. The margin's friction is
+/// that of the tool, because the index has none of the nodes. @throws FormatError also
+/// for a damaged chunk that the start needs; a later one is the report's fault.
+[[nodiscard]] SimulationReport simulate_streamed(const std::filesystem::path& file,
+                                                 const SimulationOptions& options,
+                                                 std::size_t budget_bytes,
+                                                 const std::atomic<bool>& stop);
 
 /// The report for people, aligned lines.
 [[nodiscard]] std::string summary(const SimulationReport& report);

@@ -81,6 +81,21 @@ std::string timing_lines(const RenderReport& r) {
   return text;
 }
 
+std::string stream_lines(const StreamReport& s) {
+  constexpr double kMib = static_cast<double>(kMebibyte);
+  std::string text =
+      line("streamed",
+           fmt::format(
+               "{} chunks loaded, {} given up, {:.3g} % there before they were "
+               "asked for, {:.3g} MiB at most, {} of {} updates starved",
+               s.cache.loaded, s.cache.evicted, percent(s.cache.hits, s.cache.wanted),
+               static_cast<double>(s.cache.bytes_max) / kMib, s.starved, s.updates));
+  if (!s.fault.empty()) {
+    text += line("FAULT", s.fault);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string summary(const SimulationReport& report) {
@@ -107,6 +122,9 @@ std::string summary(const SimulationReport& report) {
                                        : fmt::format(", beyond the curves in {} ticks",
                                                      r.extrapolated_ticks)));
   text += energy_lines(r) + timing_lines(r);
+  if (report.stream) {
+    text += stream_lines(*report.stream);
+  }
   if (r.fault != Fault::kNone) {
     text += line("FAULT", fmt::format("{} after {:.4g} s; force set to zero",
                                       name(r.fault), r.fault_s));
