@@ -6,6 +6,7 @@
 
 #include "runtime/bench_fidelity.h"
 #include "runtime/bench_step.h"
+#include "runtime/bench_stream.h"
 #include "runtime/bench_table1.h"
 #include "runtime/command_bench_allocations.h"
 
@@ -53,14 +54,46 @@ void add_step(CLI::App& bench) {
   });
 }
 
+void add_stream(CLI::App& bench) {
+  struct Flags : StreamBenchOptions {
+    bool json = false;
+    double budget_mib = 32.0;
+  };
+  CLI::App* command = bench.add_subcommand(
+      "stream", "memory and starved updates of a body that stays in its file");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("--nodes", flags->nodes, "of the generated body")
+      ->capture_default_str();
+  command->add_option("--database", flags->database,
+                      "a file that --keep left, instead of generating one");
+  command->add_flag("--keep", flags->keep,
+                    "leave the generated file in the present folder");
+  command->add_option("--seconds", flags->seconds, "of each run [s]")
+      ->capture_default_str();
+  command->add_option("--speed", flags->speed_m_per_s, "of the tool [m/s]")
+      ->capture_default_str();
+  command->add_option("--budget", flags->budget_mib, "of responses in memory [MiB]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 1e6));
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    flags->budget_bytes =
+        static_cast<std::size_t>(flags->budget_mib * static_cast<double>(kMebibyte));
+    const StreamBenchReport report = run_stream_bench(*flags);
+    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("bench", "measures the fast step");
+  CLI::App* command =
+      app.add_subcommand("bench", "measures the fast step and streaming");
   command->require_subcommand(1);
   add_table1(*command);
   add_fidelity(*command);
   add_step(*command);
+  add_stream(*command);
 }
 
 }  // namespace palpate
