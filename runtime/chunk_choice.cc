@@ -1,7 +1,7 @@
 #include "runtime/chunk_choice.h"
 
 #include <algorithm>
-#include <array>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -14,10 +14,12 @@ namespace palpate {
 namespace {
 
 constexpr double kWayShare = 0.1;
-constexpr double kDiagonalShare = 0.25;
+constexpr double kUrgencyShare = 0.5;
+constexpr double kDiagonalShare = 0.4;
 
 struct Near {
-  double distance_m = 0.0;
+  double distance_m = std::numeric_limits<double>::infinity();
+  double urgency_m = std::numeric_limits<double>::infinity();
   std::int64_t chunk = 0;
 };
 
@@ -46,33 +48,40 @@ std::vector<std::int64_t> chunks_near(const DatabaseIndex& index,
                                       const ToolMotion& motion, double horizon_s) {
   constexpr int kPlaces = 8;
   const Eigen::Vector3d way = motion.velocity_m_per_s * horizon_s;
-  std::vector<Near> near(static_cast<std::size_t>(index.chunks()));
-  Near nearest{.distance_m = std::numeric_limits<double>::infinity()};
+  const double way_m = way.norm();
+  Eigen::AlignedBox3d path(motion.position_m);
+  path.extend(Eigen::Vector3d(motion.position_m + way));
+  std::vector<Near> near;
+  double reach_m = std::numeric_limits<double>::infinity();
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
     const Eigen::AlignedBox3d box = chunk_box(index, k);
-    double best = std::numeric_limits<double>::infinity();
+    if (box.exteriorDistance(path) > reach_m + kWayShare * way_m) {
+      continue;
+    }
+    Near entry{.chunk = k};
     for (int i = 0; i <= kPlaces; ++i) {
       const double share = static_cast<double>(i) / kPlaces;
-      const double distance =
+      const double distance_m =
           box.exteriorDistance(Eigen::Vector3d(motion.position_m + share * way));
-      best = std::min(best, distance + kWayShare * share * way.norm());
+      entry.distance_m =
+          std::min(entry.distance_m, distance_m + kWayShare * share * way_m);
+      entry.urgency_m =
+          std::min(entry.urgency_m, distance_m + kUrgencyShare * share * way_m);
     }
-    near[static_cast<std::size_t>(k)] = {best, k};
-    if (best < nearest.distance_m) {
-      nearest = {best, k};
+    near.push_back(entry);
+    // A chunk that spans a gap is near everywhere; the compact ones say what near is,
+    // but for the last, which may have few nodes.
+    if (k == 0 || k + 1 < index.chunks()) {
+      reach_m =
+          std::min(reach_m, entry.distance_m + kDiagonalShare * box.diagonal().norm());
     }
   }
-  if (near.empty()) {
-    return {};
-  }
-  const double reach_m =
-      nearest.distance_m + kWayShare * way.norm() +
-      kDiagonalShare * chunk_box(index, nearest.chunk).diagonal().norm();
+  reach_m += kWayShare * way_m;
   std::erase_if(near, [reach_m](const Near& entry) {
     return !(entry.distance_m <= reach_m);
   });
   std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) {
-    return a.distance_m < b.distance_m;
+    return a.urgency_m < b.urgency_m;
   });
   std::vector<std::int64_t> chunks;
   for (const Near& entry : near) {
@@ -87,33 +96,14 @@ std::size_t bytes_in_use(const DatabaseIndex& index, std::size_t tool,
 }
 
 std::size_t least_budget(const DatabaseIndex& index, std::size_t tool) {
-  // Sweep along x: boxes that meet overlap there.
-  std::vector<std::int64_t> order(static_cast<std::size_t>(index.chunks()));
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::int64_t a, std::int64_t b) {
-    return index.box_min_m(a, 0) < index.box_min_m(b, 0);
-  });
-  std::vector<std::size_t> bytes(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    bytes[i] = bytes_in_use(index, tool, order[i]);
+  constexpr std::ptrdiff_t kNeighbourhood = 9;
+  std::vector<std::size_t> bytes(static_cast<std::size_t>(index.chunks()));
+  for (std::size_t k = 0; k < bytes.size(); ++k) {
+    bytes[k] = bytes_in_use(index, tool, static_cast<std::int64_t>(k));
   }
-  std::vector<std::size_t> around = bytes;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Eigen::AlignedBox3d box = chunk_box(index, order[i]);
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
-      const Eigen::AlignedBox3d other = chunk_box(index, order[j]);
-      if (other.min().x() > box.max().x()) {
-        break;
-      }
-      if (box.intersects(other)) {
-        around[i] += bytes[j];
-        around[j] += bytes[i];
-      }
-    }
-  }
-  return around.empty()
-             ? 0
-             : 2 * (around.size() + *std::max_element(around.begin(), around.end()));
+  std::sort(bytes.begin(), bytes.end(), std::greater<>());
+  const auto end = bytes.begin() + std::min(kNeighbourhood, std::ssize(bytes));
+  return 2 * std::accumulate(bytes.begin(), end, bytes.size());
 }
 
 }  // namespace palpate

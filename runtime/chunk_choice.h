@@ -29,9 +29,10 @@ struct ToolMotion {
                                             std::int64_t chunk);
 
 /// Chunks near the tool, the most urgent first. A chunk at distance d from a place that
-/// the tool reaches after a way s counts as d + s/10 away; all are near that count as
-/// at most a quarter of the nearest one's diagonal, and a tenth of the whole way, more
-/// than the nearest. @param horizon_s [s] >= 0 that the tool is thought to go on.
+/// the tool reaches after a way s counts as d + s/10 away. Near are all that are no
+/// farther than the least of (distance + four tenths of the box's diagonal), and a
+/// tenth of the whole way more; urgent is what has a small d + s/2. @param horizon_s
+/// [s] >= 0 that the tool is thought to go on.
 [[nodiscard]] std::vector<std::int64_t> chunks_near(const DatabaseIndex& index,
                                                     const ToolMotion& motion,
                                                     double horizon_s);
@@ -40,9 +41,9 @@ struct ToolMotion {
 [[nodiscard]] std::size_t bytes_in_use(const DatabaseIndex& index, std::size_t tool,
                                        std::int64_t chunk);
 
-/// Least budget [bytes] with which any place of the body can be touched: twice the
-/// largest chunk with those whose boxes meet its own, because a new neighbourhood is
-/// loaded while the old one is in use.
+/// Least budget [bytes] that holds a neighbourhood wherever the tool is: twice the nine
+/// largest chunks, because a new one and eight around it are loaded while the old ones
+/// are in use.
 [[nodiscard]] std::size_t least_budget(const DatabaseIndex& index, std::size_t tool);
 
 }  // namespace palpate

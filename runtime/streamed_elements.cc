@@ -66,14 +66,10 @@ void StreamedElements::follow(const ToolState& tool) {
 }
 
 std::int32_t StreamedElements::active_row(const SurfacePiece& piece,
-                                          const ToolState& tool, bool walk) {
+                                          const ToolState& tool, std::int32_t in_use) {
   SurfacePoint point;
-  if (walk) {
-    const std::int32_t from = piece.row_of(tool.triangle);
-    if (from < 0) {
-      return -1;
-    }
-    point = piece.search().walk(tool.position_m, from);
+  if (in_use >= 0) {
+    point = piece.search().walk(tool.position_m, in_use);
   } else {
     point = piece.search().nearest(tool.position_m);
     if (!(point.distance_m < piece.missing_distance_m(tool.position_m))) {
@@ -94,13 +90,14 @@ std::size_t StreamedElements::update(const ToolState& tool, std::int64_t now_ns,
   const SurfacePiece* piece = cache_.take();
   const bool walk = tool.in_contact && tool.triangle >= 0 &&
                     tool.triangle < cache_.index().triangles();
-  const std::int32_t active = piece == nullptr ? -1 : active_row(*piece, tool, walk);
+  const std::int32_t in_use =
+      piece != nullptr && walk ? piece->row_of(tool.triangle) : -1;
+  const std::int32_t active = piece == nullptr ? -1 : active_row(*piece, tool, in_use);
   if (active < 0) {
     ++starved_;
     return 0;
   }
-  const std::int32_t in_use = walk ? piece->row_of(tool.triangle) : -1;
-  bool complete = in_use < 0 || piece->is_surrounded(in_use);
+  bool complete = !walk || (in_use >= 0 && piece->is_surrounded(in_use));
   const WantedTriangles wanted = wanted_triangles(piece->search(), active, in_use);
   std::size_t sent = 0;
   for (std::size_t i = 0; i < wanted.count; ++i) {

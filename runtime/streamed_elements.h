@@ -48,9 +48,11 @@ class StreamedElements : public ElementSender {
   void follow(const ToolState& tool);
   void load_all(const ToolMotion& motion);
   void run();
-  /// The active triangle's row; -1 if it is not sure which it is.
+  // The active triangle's row; -1 if it is not sure which it is. Without the row in
+  // use, left behind by a tool that outran the reading, the nearest one.
   [[nodiscard]] static std::int32_t active_row(const SurfacePiece& piece,
-                                               const ToolState& tool, bool walk);
+                                               const ToolState& tool,
+                                               std::int32_t in_use);
 
   ChunkCache cache_;
   ToolMotion motion_;         // slow thread's

@@ -81,7 +81,7 @@ class StreamedSphere : public testing::Test {
  protected:
   void write(Precision precision, int samples) {
     write_database(file_, sphere_body(precision, samples));
-    options_.budget_bytes = least_budget(read_index(file_), 0) * 3 / 2;
+    options_.budget_bytes = 3 * least_budget(read_index(file_), 0);
   }
   // Walks, compares what both send; counts of what was streamed.
   StreamReport compare_on_a_walk(int steps) {
@@ -192,6 +192,21 @@ TEST_F(StreamedSphere, CountsStarvedUpdatesAndSendsNothingForThem) {
   tool.position_m.x() = std::nan("");
   EXPECT_EQ(streamed.update(tool, 9, *fifo_), 0U);
   EXPECT_EQ(streamed.report().updates, 6);
+}
+
+TEST_F(StreamedSphere, FindsTheSurfaceAgainAfterTheToolOutranIt) {
+  write(Precision::kFloat64, 21);
+  StreamedElements streamed(file_, options_, {0, 0, kRadius}, false);
+  ToolState tool{.sequence = 1, .position_m = {0, 0, 1.1 * kRadius}};
+  streamed.update(tool, 0, *fifo_);
+  tool.triangle = drain(*fifo_).front().triangle;
+  tool.in_contact = true;
+  tool.position_m = {0, 0, -1.1 * kRadius};  // the triangle in use is given up
+  EXPECT_GT(streamed.update(tool, 1, *fifo_), 9U);
+  EXPECT_EQ(streamed.report().starved, 1);
+  tool.triangle = drain(*fifo_).front().triangle;
+  EXPECT_GT(streamed.update(tool, 2, *fifo_), 9U);
+  EXPECT_EQ(streamed.report().starved, 1);
 }
 
 TEST_F(StreamedSphere, NamesADamagedChunkAndLeavesTheElementAlone) {
