@@ -2,19 +2,20 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <exception>
 #include <sstream>
 
-#include <CGAL/IO/OBJ.h>
 #include <CGAL/IO/OFF.h>
-#include <CGAL/IO/PLY.h>
 #include <CGAL/IO/STL.h>
 #include <CGAL/Simple_cartesian.h>
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "precompute/obj_reader.h"
+#include "precompute/ply_reader.h"
 
 namespace palpate {
 namespace {
@@ -27,48 +28,6 @@ struct CgalSoup {
   std::vector<std::vector<std::size_t>> polygons;
 };
 
-bool is_statement(std::string_view line, char letter) {
-  return line.size() > 1 && line[0] == letter && line[1] == ' ';
-}
-
-// CGAL's OBJ reader stops, silently, at a statement that it does not know, and splits
-// the corners of a face at blanks only. So it is given the points and faces alone.
-CgalSoup read_obj(const std::string& bytes) {
-  std::string kept;
-  kept.reserve(bytes.size());
-  std::size_t vertices = 0;
-  std::size_t faces = 0;
-  std::istringstream lines(bytes);
-  for (std::string line; std::getline(lines, line);) {
-    std::replace(line.begin(), line.end(), '\t', ' ');
-    line.erase(0, std::min(line.find_first_not_of(' '), line.size()));
-    const bool vertex = is_statement(line, 'v');
-    const bool face = is_statement(line, 'f');
-    vertices += vertex ? 1 : 0;
-    faces += face ? 1 : 0;
-    if (vertex || face) {
-      kept += line;
-      kept += '\n';
-    }
-  }
-  if (vertices == 0 || faces == 0) {
-    throw FormatError(fmt::format("{} vertices (v) and {} faces (f), need some of both",
-                                  vertices, faces));
-  }
-  CgalSoup soup;
-  std::istringstream in(kept);
-  (void)CGAL::IO::read_OBJ(in, soup.points, soup.polygons);  // counted below instead
-  if (soup.points.size() != vertices) {
-    throw FormatError(fmt::format("vertex {} of {} is not three finite numbers",
-                                  soup.points.size() + 1, vertices));
-  }
-  if (soup.polygons.size() != faces) {
-    throw FormatError(
-        fmt::format("face {} of {} cannot be read", soup.polygons.size() + 1, faces));
-  }
-  return soup;
-}
-
 constexpr std::size_t kStlHeader = 84;
 constexpr std::size_t kStlTriangle = 50;
 
@@ -78,44 +37,58 @@ std::size_t stl_count(const std::string& bytes) {
   return count;
 }
 
-// Binary by its size: some binary files start with "solid", and CGAL takes a text file
-// that starts "solid<TAB>" for binary.
+// As CGAL's reader knows it: small letters, and no name after (end)solid, which could
+// be a word that means something.
+std::string plain_stl(std::string_view text) {
+  std::string plain;
+  std::istringstream lines(with_unix_lines(std::string(text)));
+  for (std::string line; std::getline(lines, line);) {
+    std::transform(line.begin(), line.end(), line.begin(), [](unsigned char c) {
+      return static_cast<char>(std::tolower(c));
+    });
+    line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
+    for (const std::string_view named : {"solid", "endsolid"}) {
+      if (line.starts_with(named)) {
+        line = named;
+      }
+    }
+    plain += line + '\n';
+  }
+  return plain;
+}
+
+std::string stl_sizes(const std::string& bytes) {
+  if (bytes.size() < kStlHeader) {
+    return fmt::format("{} bytes, neither text (\"solid\") nor a binary header of 84",
+                       bytes.size());
+  }
+  return fmt::format(
+      "cut short or not STL: the header announces {} triangles, {} bytes, but the file "
+      "has {}",
+      stl_count(bytes), kStlHeader + kStlTriangle * stl_count(bytes), bytes.size());
+}
+
+// Binary by its size: some binary files start with "solid". Text has no zero byte.
 CgalSoup read_stl(std::string bytes) {
   static_assert(std::endian::native == std::endian::little);
   const bool binary = bytes.size() >= kStlHeader &&
                       bytes.size() == kStlHeader + kStlTriangle * stl_count(bytes);
-  const bool text = bytes.rfind("solid", 0) == 0;
-  if (!binary && !text) {
-    if (bytes.size() < kStlHeader) {
-      throw FormatError(
-          fmt::format("{} bytes, neither text (\"solid\") nor a binary "
-                      "header of 84",
-                      bytes.size()));
+  if (binary) {
+    bytes.replace(0, 6, "binary");  // tells CGAL which of the two to read
+  } else {
+    std::string plain = plain_stl(bytes);
+    plain.erase(0, std::min(plain.find_first_not_of('\n'), plain.size()));
+    const bool has_zeros = bytes.find('\0') != std::string::npos;
+    if (has_zeros || !plain.starts_with("solid")) {
+      throw FormatError(stl_sizes(bytes));
     }
-    throw FormatError(fmt::format(
-        "cut short or not STL: the header announces {} triangles, {} bytes, "
-        "but the file has {}",
-        stl_count(bytes), kStlHeader + kStlTriangle * stl_count(bytes), bytes.size()));
+    bytes = "solid \n" + plain.substr(std::string_view("solid").size());
   }
-  // The first characters tell CGAL which of the two to read.
-  bytes.replace(0, 6, binary ? "binary" : "solid ");
   CgalSoup soup;
   std::istringstream in(std::move(bytes));
   if (!CGAL::IO::read_STL(in, soup.points, soup.polygons)) {
     throw FormatError(
         fmt::format("cut short or not STL after {} triangles", soup.polygons.size()));
-  }
-  return soup;
-}
-
-CgalSoup read_ply(const std::string& bytes) {
-  CgalSoup soup;
-  std::istringstream in(bytes);
-  if (!CGAL::IO::read_PLY(in, soup.points, soup.polygons, verbose(false))) {
-    throw FormatError(
-        fmt::format("cut short or not PLY after {} vertices and {} faces (faces need a "
-                    "list vertex_indices of int or uint)",
-                    soup.points.size(), soup.polygons.size()));
   }
   return soup;
 }
@@ -130,14 +103,8 @@ CgalSoup read_off(const std::string& bytes) {
 }
 
 CgalSoup read_format(std::string bytes, std::string_view extension) {
-  if (extension == ".obj") {
-    return read_obj(bytes);
-  }
   if (extension == ".stl") {
     return read_stl(std::move(bytes));
-  }
-  if (extension == ".ply") {
-    return read_ply(bytes);
   }
   if (extension == ".off") {
     return read_off(bytes);
@@ -148,6 +115,12 @@ CgalSoup read_format(std::string bytes, std::string_view extension) {
 }  // namespace
 
 PolygonSoup read_polygon_soup(std::string bytes, std::string_view extension) {
+  if (extension == ".obj") {
+    return read_obj(std::move(bytes));
+  }
+  if (extension == ".ply") {
+    return read_ply(bytes);
+  }
   CgalSoup read;
   try {
     read = read_format(std::move(bytes), extension);

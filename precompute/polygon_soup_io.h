@@ -1,4 +1,4 @@
-// The polygon file formats, as CGAL reads them; nothing of CGAL shows here.
+// The polygon file formats; nothing of CGAL, which reads some of them, shows here.
 #pragma once
 
 #include <array>

@@ -103,6 +103,63 @@ TEST_F(SurfaceReader, ReadsObjAsPeopleWriteIt) {
   EXPECT_EQ(mesh.triangle, read_surface(file("b.obj", kObj), "mm").triangle);
 }
 
+TEST_F(SurfaceReader, ReadsObjWithContinuedLinesAndCarriageReturnsAlone) {
+  const auto path = file("a.obj",
+                         "\xEF\xBB\xBF# from a Macintosh\rv 0 0 0\rv 10 \\\r0 0\r"
+                         "v 0 10 0\rv 0 0 +10.0e0\rf 1 3 2 # a comment\rf 1 2 4\r"
+                         "f -4 -1 -2\rf 2\t3 \\\r4");
+  const SurfaceMesh mesh = read_surface(path, "mm");
+  EXPECT_EQ(mesh.triangle, read_surface(file("b.obj", kObj), "mm").triangle);
+  EXPECT_EQ(mesh.position_m, read_surface(file("b.obj", kObj), "mm").position_m);
+}
+
+TEST_F(SurfaceReader, CountsNegativeIndicesBackFromTheFaceItself) {
+  const auto path = file("a.obj",
+                         "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\n"
+                         "v 5 5 5\nf -2 -4 -5\n");
+  Triangles expected(2, 3);
+  expected << 1, 2, 3, 4, 2, 1;
+  EXPECT_EQ(read_surface(path, "m").triangle, expected);
+}
+
+TEST_F(SurfaceReader, RefusesObjIndicesThatNameNoVertex) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  EXPECT_TRUE(contains(message("a.obj", points + "f 0 1 2\n"),
+                       "line 4: face 1 has the corner \"0\""));
+  EXPECT_TRUE(contains(message("a.obj", points + "f 1 2 3x\n"), "the corner \"3x\""));
+  EXPECT_TRUE(contains(message("a.obj", points + "f 1 2 3 99999999999999999999\n"),
+                       "the corner \"99999999999999999999\""));
+  EXPECT_TRUE(contains(message("a.obj", points + "f 1 2 -4\n"),
+                       "face 1 has corner 0, allowed are 1 to 3"));
+  EXPECT_TRUE(contains(message("a.obj", "v 0,5 0 0\nf 1 1 1\n"),
+                       "line 1: vertex 1 is not three finite numbers"));
+}
+
+TEST_F(SurfaceReader, ReadsStlTextAsPeopleWriteIt) {
+  const SurfaceMesh body = icosphere(1.0, 0);
+  std::string text = ascii_stl(body, "solid a facet of it\n");
+  const SurfaceMesh plain = read_surface(file("a.stl", text), "cm");
+  EXPECT_EQ(plain.triangle.rows(), body.triangle.rows());
+  text += text;  // a second solid
+  std::string shouted;
+  for (const char c : text) {
+    shouted += c == '\n' ? std::string("\r\n  ")
+                         : std::string(1, static_cast<char>(std::toupper(c)));
+  }
+  const SurfaceMesh read = read_surface(file("b.stl", "\r\n" + shouted), "cm");
+  EXPECT_EQ(read.position_m, plain.position_m);
+  EXPECT_EQ(read.triangle.rows(), 2 * plain.triangle.rows());
+}
+
+TEST_F(SurfaceReader, ReadsOffWithCommentsAndCarriageReturns) {
+  const std::string points = "0 0 0\r\n# a corner\r\n10 0 0\r\n0 10 0\r\n0 0 10\r\n";
+  const std::string faces = "3 0 2 1\r\n3 0 1 3\r\n3 0 3 2\r\n\r\n3 1 2 3\r\n";
+  const SurfaceMesh mesh = read_surface(
+      file("a.off", "OFF # by hand\r\n# sizes\r\n4 4 0\r\n" + points + faces), "mm");
+  EXPECT_EQ(mesh.triangle, read_surface(file("b.obj", kObj), "mm").triangle);
+  EXPECT_EQ(mesh.position_m, read_surface(file("b.obj", kObj), "mm").position_m);
+}
+
 TEST_F(SurfaceReader, CutsQuadranglesIntoTriangles) {
   const auto path =
       file("cube.off",
@@ -161,7 +218,7 @@ TEST_F(SurfaceReader, RefusesOtherFilesThatAreCutShort) {
 
 TEST_F(SurfaceReader, NamesTheVertexThatIsNotFinite) {
   EXPECT_TRUE(contains(message("a.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"),
-                       "vertex 2 of 3 is not three finite numbers"));
+                       "line 2: vertex 2 is not three finite numbers"));
   SurfaceMesh body = icosphere(1.0, 1);
   body.position_m(body.triangle(0, 1), 2) = std::nan("");
   EXPECT_TRUE(contains(message("b.stl", binary_stl(body)), "must be finite"));
