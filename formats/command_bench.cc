@@ -50,23 +50,10 @@ void print(const PrecisionRow& row) {
       row.energy.rms);
 }
 
-// The budget that the database itself states, if any.
-double budget_of(const ResponseDatabase& database, const Flags& flags) {
-  constexpr double kNoticed = 0.07;  // people notice changes of force above this
-  if (flags.budget_relative > 0.0) {
-    return flags.budget_relative;
-  }
-  double budget = 0.0;
-  for (const ResponseTable& table : database.tools) {
-    const double own = table.accuracy.budget_relative;
-    budget = own > 0.0 && (budget == 0.0 || own < budget) ? own : budget;
-  }
-  return budget > 0.0 ? budget : kNoticed;
-}
-
 void run(const Flags& flags) {
   const ResponseDatabase database = read_database(flags.file);
-  const double budget = budget_of(database, flags);
+  const double budget =
+      flags.budget_relative > 0.0 ? flags.budget_relative : budget_relative(database);
   const std::string choice = name_of(cheapest_precision(database, budget));
   const std::vector<PrecisionRow> rows = measure_precisions(database);
   if (flags.json) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "formats/database_slice.h"
 #include "formats/error.h"
 #include "formats/merge_shards.h"
+#include "formats/precision_bench.h"
 
 namespace palpate {
 namespace {
@@ -19,6 +21,7 @@ namespace {
 struct Flags {
   std::vector<std::string> files;
   std::string output;
+  std::string precision;
   bool json = false;
 };
 
@@ -35,12 +38,19 @@ nlohmann::ordered_json names_of(const ResponseDatabase& database) {
   return names;
 }
 
+std::optional<Precision> wanted_precision(const Flags& flags) {
+  return flags.precision.empty() ? std::nullopt
+                                 : std::optional(precision_of(flags.precision));
+}
+
 void run_databases(const Flags& flags) {
+  const std::optional<Precision> precision = wanted_precision(flags);
   std::vector<ResponseDatabase> databases;
   for (const std::string& file : flags.files) {
     databases.push_back(read_database(file));
   }
-  const ResponseDatabase merged = merge(databases);
+  ResponseDatabase merged = merge(databases);
+  merged.storage.precision = precision.value_or(merged.storage.precision);
   write_database(flags.output, merged);
   const std::uintmax_t bytes = std::filesystem::file_size(flags.output);
   if (flags.json) {
@@ -54,13 +64,16 @@ void run_databases(const Flags& flags) {
 void run_shards(const Flags& flags) {
   const std::vector<std::filesystem::path> files(flags.files.begin(),
                                                  flags.files.end());
-  const Assembly all = merge_shards(files);
+  const std::optional<Precision> precision = wanted_precision(flags);
+  Assembly all = merge_shards(files);
+  choose_precision(all.database, precision);
   write_database(flags.output, all.database);
   const std::uintmax_t bytes = std::filesystem::file_size(flags.output);
   if (flags.json) {
     print({{"output", flags.output},
            {"tools", names_of(all.database)},
            {"bytes", bytes},
+           {"precision", name_of(all.database.storage.precision)},
            {"shards", files.size()},
            {"solved", all.solved},
            {"interpolated", all.interpolated},
@@ -111,6 +124,9 @@ void add_merge_command(CLI::App& app) {
       ->required()
       ->expected(2, -1);
   command->add_option("-o,--output", flags->output, "Database to write")->required();
+  command->add_option("--precision", flags->precision,
+                      "float64, float32 or int16; by default that of the databases, "
+                      "for shards the cheapest within a tenth of the accuracy budget");
   command->add_flag("--json", flags->json, "Print the report as one JSON object");
   command->callback([flags] {
     run(*flags);

@@ -151,4 +151,19 @@ Precision cheapest_precision(const ResponseDatabase& database, double budget_rel
   return Precision::kFloat64;
 }
 
+double budget_relative(const ResponseDatabase& database) {
+  constexpr double kNoticed = 0.07;
+  double budget = 0.0;
+  for (const ResponseTable& table : database.tools) {
+    const double own = table.accuracy.budget_relative;
+    budget = own > 0.0 && (budget == 0.0 || own < budget) ? own : budget;
+  }
+  return budget > 0.0 ? budget : kNoticed;
+}
+
+void choose_precision(ResponseDatabase& database, std::optional<Precision> wanted) {
+  database.storage.precision =
+      wanted ? *wanted : cheapest_precision(database, budget_relative(database));
+}
+
 }  // namespace palpate

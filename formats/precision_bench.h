@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "formats/response_database.h"
@@ -38,5 +39,13 @@ void compare(const ResponseDatabase& exact, const ResponseDatabase& coarse,
 /// (relative force error); float64 if none is. Nothing is written.
 [[nodiscard]] Precision cheapest_precision(const ResponseDatabase& database,
                                            double budget_relative);
+
+/// The smallest accuracy budget that the database's tools state (relative force error);
+/// 0.07, what people notice, where none does.
+[[nodiscard]] double budget_relative(const ResponseDatabase& database);
+
+/// Sets the precision that the database is to be written with: the one that a user
+/// asks for, else the cheapest for its own budget.
+void choose_precision(ResponseDatabase& database, std::optional<Precision> wanted);
 
 }  // namespace palpate

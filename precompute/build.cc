@@ -14,6 +14,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/error.h"
+#include "formats/precision_bench.h"
 #include "formats/sha256.h"
 #include "precompute/checkpoint.h"
 #include "precompute/peak_memory.h"
@@ -195,6 +196,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
       add_surface_fields(scene, body, approach, reachable, report.assembly.database,
                          progress);
     }
+    choose_precision(report.assembly.database, options.precision);
     write_database(options.output, report.assembly.database);
   }
   checkpoint.remove();

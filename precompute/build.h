@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "formats/response_shard.h"
 #include "formats/scene.h"
+#include "formats/storage.h"
 #include "precompute/body_source.h"
 #include "precompute/progress.h"
 #include "precompute/scene_solver.h"
@@ -20,8 +22,9 @@ struct BuildOptions {
   int shard = 0;        ///< [0, shards)
   int shards = 1;       ///< units are dealt out in turn
   bool resume = false;  ///< go on from units that an earlier run left beside `output`
-  bool solve_all = false;                ///< every node, none interpolated
-  RepairMode repair = RepairMode::kOff;  ///< of the body's mesh file
+  bool solve_all = false;                   ///< every node, none interpolated
+  RepairMode repair = RepairMode::kOff;     ///< of the body's mesh file
+  std::optional<Precision> precision = {};  ///< none: the cheapest (choose_precision)
   int workers = 0;  ///< [0, inf) threads; 0: one for each core. The bytes are the same
 };
 

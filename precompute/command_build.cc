@@ -22,6 +22,7 @@ struct Flags {
   std::string output;
   std::string shard;
   std::string repair = "off";
+  std::string precision;
   int workers = 0;
   bool resume = false;
   bool solve_all = false;
@@ -50,6 +51,7 @@ nlohmann::ordered_json to_json(const BuildReport& report) {
           {"interpolated", all.interpolated},
           {"failed", all.failed},
           {"truncated", all.truncated},
+          {"precision", name_of(all.database.storage.precision)},
           {"seconds", report.seconds},
           {"peak_memory_bytes", report.peak_memory_bytes},
           {"unknowns", report.unknowns},
@@ -108,7 +110,7 @@ void print_errors(const Assembly& all, double budget) {
 
 void print(const BuildReport& report, const Flags& flags, double budget) {
   const Assembly& all = report.assembly;
-  fmt::print("wrote {}\n", flags.output);
+  fmt::print("wrote {} as {}\n", flags.output, name_of(all.database.storage.precision));
   fmt::print(
       "nodes         {} ({} solved, {} interpolated, {} outside reach, {} untouched, "
       "{} "
@@ -156,6 +158,9 @@ void run(const Flags& flags) {
                        .repair = repair_mode(flags.repair),
                        .workers = flags.workers};
   parse_shard(flags.shard, options);
+  if (!flags.precision.empty()) {
+    options.precision = precision_of(flags.precision);
+  }
   Progress progress(stderr);
   const BuildReport report = build(scene, options, progress);
   if (flags.json) {
@@ -198,6 +203,10 @@ void add_build_command(CLI::App& app) {
       ->check(CLI::Range(0, 1024));
   command->add_option("--repair", flags->repair,
                       "off, safe or wrap: mend the body's surface first");
+  command->add_option("--precision", flags->precision,
+                      "float64, float32 or int16: how the database keeps depths and "
+                      "forces; by default the cheapest whose error is under a tenth of "
+                      "the accuracy budget");
   command->add_flag("--resume", flags->resume,
                     "Go on with what an earlier run left in OUTPUT.partial");
   command->add_flag("--solve-all", flags->solve_all,

@@ -37,5 +37,21 @@ TEST(PrecisionBench, TheCheapestPrecisionIsUnderATenthOfTheBudget) {
   EXPECT_EQ(cheapest_precision(database, 1e-9), Precision::kFloat64);
 }
 
+TEST(PrecisionBench, TheChoiceFollowsTheStrictestBudgetUnlessOneIsAskedFor) {
+  ResponseDatabase database = small_database();
+  EXPECT_EQ(budget_relative(sphere_database(3, 5)), 0.07);  // states none
+  for (ResponseTable& table : database.tools) {
+    table.accuracy.budget_relative = 0.05;
+  }
+  choose_precision(database, std::nullopt);
+  EXPECT_EQ(database.storage.precision, Precision::kInt16);
+  database.tools.back().accuracy.budget_relative = 1e-5;
+  EXPECT_EQ(budget_relative(database), 1e-5);
+  choose_precision(database, std::nullopt);
+  EXPECT_EQ(database.storage.precision, Precision::kFloat32);
+  choose_precision(database, Precision::kFloat64);
+  EXPECT_EQ(database.storage.precision, Precision::kFloat64);
+}
+
 }  // namespace
 }  // namespace palpate
