@@ -6,6 +6,7 @@
 #include "formats/command_info.h"
 #include "formats/command_merge.h"
 #include "formats/command_picture.h"
+#include "formats/command_report.h"
 #include "formats/command_slice.h"
 #include "formats/tool_main.h"
 
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
                            {&palpate::add_info_command, &palpate::add_check_command,
                             &palpate::add_picture_command, &palpate::add_diff_command,
                             &palpate::add_slice_command, &palpate::add_merge_command,
-                            &palpate::add_export_command, &palpate::add_bench_command},
+                            &palpate::add_export_command, &palpate::add_bench_command,
+                            &palpate::add_report_command},
                            argc, argv);
 }

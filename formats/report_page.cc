@@ -1,0 +1,277 @@
+#include "formats/report_page.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/database_summary.h"
+#include "formats/report_text.h"
+#include "formats/thin_body.h"
+
+namespace palpate {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);  // as all browsers' arrays
+
+std::string base64(std::span<const std::byte> bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      group = group << 8 |
+              (i + j < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + j]) : 0);
+    }
+    for (std::size_t j = 0; j < 4; ++j) {
+      text += i + j > bytes.size() ? '=' : kDigits[group >> (18 - 6 * j) & 63];
+    }
+  }
+  return text;
+}
+
+template <typename T>
+std::string array(const std::string& id, const std::vector<T>& values) {
+  return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id,
+                     base64(std::as_bytes(std::span(values))));
+}
+
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+// (nodes x 3) as singles.
+std::vector<float> rows(const Points& points, const std::vector<std::int32_t>& nodes) {
+  std::vector<float> values;
+  for (const std::int32_t node : nodes) {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      values.push_back(static_cast<float>(points(node, j)));
+    }
+  }
+  return values;
+}
+
+std::vector<float> singles(const std::vector<double>& all,
+                           const std::vector<std::int32_t>& nodes) {
+  std::vector<float> values;
+  for (const std::int32_t node : all.empty() ? std::vector<std::int32_t>() : nodes) {
+    values.push_back(static_cast<float>(all[static_cast<std::size_t>(node)]));
+  }
+  return values;
+}
+
+std::string table_arrays(const ResponseTable& table, std::size_t tool,
+                         const std::vector<std::int32_t>& nodes) {
+  std::vector<std::int32_t> begin{0};
+  std::vector<float> depth_m;
+  std::vector<float> force_n;
+  std::vector<float> slope_n_per_m;
+  std::vector<std::uint8_t> origin;
+  const auto append = [](std::vector<float>& to, std::span<const double> from) {
+    for (const double value : from) {
+      to.push_back(static_cast<float>(value));
+    }
+  };
+  for (const std::int32_t node : nodes) {
+    const CurveView curve = table.curve(node);
+    append(depth_m, curve.depth_m);
+    append(force_n, curve.force_n);
+    append(slope_n_per_m, curve.stiffness_n_per_m);
+    begin.push_back(static_cast<std::int32_t>(depth_m.size()));
+    origin.push_back(table.origin[static_cast<std::size_t>(node)]);
+  }
+  const auto id = [&](const char* name) {
+    return fmt::format("{}{}", name, tool);
+  };
+  return array(id("begin"), begin) + array(id("depth"), depth_m) +
+         array(id("force"), force_n) + array(id("slope"), slope_n_per_m) +
+         array(id("slopemax"), singles(table.stiffness_max_n_per_m, nodes)) +
+         array(id("error"), singles(table.error_relative, nodes)) +
+         array(id("verified"), singles(table.verified_error_relative, nodes)) +
+         array(id("origin"), origin);
+}
+
+std::string info(const ResponseDatabase& database) {
+  const Eigen::AlignedBox3d box = bounding_box(database.body);
+  nlohmann::ordered_json tools = nlohmann::ordered_json::array();
+  for (const ResponseTable& table : database.tools) {
+    tools.push_back({{"name", table.tool.name},
+                     {"description", describe(table.tool)},
+                     {"depth_max_m", table.depth_max_m()}});
+  }
+  const auto point = [](const Eigen::Vector3d& p) {
+    return std::vector<double>{p.x(), p.y(), p.z()};
+  };
+  std::string text =
+      nlohmann::ordered_json{{"tools", tools},
+                             {"box", {point(box.min()), point(box.max())}}}
+          .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<')) {
+    text.replace(at, 1, "\\u003c");  // no text ends the script
+  }
+  return "<script type=\"application/json\" id=\"info\">" + text + "</script>\n";
+}
+
+std::string row(const std::string& name, const std::string& value) {
+  return value.empty()
+             ? ""
+             : fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
+}
+
+// The error that this share of the responses does not exceed.
+double quantile(const ResponseTable& table, double share) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < table.origin.size(); ++i) {
+    if (table.origin[i] != 0) {
+      errors.push_back(table.error_relative[i]);
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors.empty() ? 0.0
+                        : errors[static_cast<std::size_t>(std::lround(
+                              share * static_cast<double>(errors.size() - 1)))];
+}
+
+std::string accuracy_of(const ResponseTable& table) {
+  std::string text = fmt::format(
+      "estimated error of force {:.2g} % median, {:.2g} % at the 95th percentile, "
+      "{:.2g} "
+      "% largest",
+      100.0 * quantile(table, 0.5), 100.0 * quantile(table, 0.95),
+      100.0 * quantile(table, 1.0));
+  const AccuracyRecord& accuracy = table.accuracy;
+  if (accuracy.budget_relative > 0.0) {
+    text += fmt::format("; budget {:.3g} %, verified at {} nodes",
+                        100.0 * accuracy.budget_relative, accuracy.verified);
+  }
+  for (std::size_t i = 0; i < accuracy.quantile_level.size(); ++i) {
+    text += fmt::format("{} {:.2g} % at level {:.3g}", i == 0 ? ":" : ",",
+                        100.0 * accuracy.error_relative[i], accuracy.quantile_level[i]);
+  }
+  return text;
+}
+
+std::string tool_rows(const ResponseTable& table) {
+  const ToolSummary all = summarise(table);
+  std::string text =
+      row(table.tool.name.empty() ? "tool" : escaped(table.tool.name),
+          fmt::format("{}, friction {:.3g}, presliding {:.3g} mm", describe(table.tool),
+                      table.tool.friction, 1e3 * table.tool.presliding_m));
+  text += row("responses", fmt::format("{}: {} simulated, {} interpolated, {} measured",
+                                       all.responses, all.simulated, all.interpolated,
+                                       all.measured));
+  text +=
+      row("largest", fmt::format("depth {:.4g} mm, force {:.4g} N, slope {:.4g} N/m",
+                                 1e3 * all.depth_max_m, all.force_max_n,
+                                 all.stiffness_max_n_per_m));
+  text += row("flags",
+              fmt::format("{} falling, {} force capped, {} coarse contact, {} over "
+                          "the error budget, {} failed, {} extrapolated, {} "
+                          "truncated",
+                          all.falling, all.force_capped, all.coarse_contact,
+                          all.error_over_budget, all.failed, all.extrapolated,
+                          all.truncated_path));
+  return text + row("accuracy", accuracy_of(table));
+}
+
+std::string tables(const ResponseDatabase& database) {
+  std::string tools;
+  for (const ResponseTable& table : database.tools) {
+    tools += tool_rows(table);
+  }
+  const Provenance& from = database.provenance;
+  const std::string measured =
+      database.measurement.depth_m.empty()
+          ? ""
+          : fmt::format("{} samples", database.measurement.depth_m.size());
+  std::string text =
+      "<section class=\"wide\"><h2>Tools and accuracy</h2><table>\n" + tools +
+      "</table></section>\n<section class=\"wide\"><h2>Provenance</h2><table>\n" +
+      row("written by", from.writer) + row("source", from.source_file) +
+      row("its SHA-256", from.source_sha256) + row("measured", measured) +
+      row("left out", from.left_out) +
+      row("storage", fmt::format("{}{}", name_of(database.storage.precision),
+                                 database.storage.compress ? ", compressed" : ""));
+  text += "</table>";
+  if (!from.scene_toml.empty()) {
+    text += "<details><summary>The scene as it was read</summary><pre>" +
+            escaped(from.scene_toml) + "</pre></details>";
+  }
+  return text + "</section>\n";
+}
+
+std::string head(const ResponseDatabase& database, const std::string& name,
+                 const ThinBody& thin) {
+  const Eigen::Vector3d size_mm = 1e3 * bounding_box(database.body).sizes();
+  std::string text = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+      "script-src 'unsafe-inline'; style-src 'unsafe-inline'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}: responses</title>\n<style>{1}</style></head><body>\n<h1>{0}</h1>\n"
+      "<p class=\"sub\">Force-deflection responses of a body of {2} nodes and {3} "
+      "triangles, {4:.4g} x {5:.4g} x {6:.4g} mm</p>\n",
+      escaped(name), kReportStyle, database.body.position_m.rows(),
+      database.body.triangle.rows(), size_mm.x(), size_mm.y(), size_mm.z());
+  if (std::ssize(thin.node) < database.body.position_m.rows()) {
+    text += fmt::format(
+        "<p class=\"note\">Thinned for this page: {} of {} nodes are shown, with their "
+        "own "
+        "curves; colours, picture and histogram are of these. Tools and accuracy below "
+        "count all.</p>\n",
+        thin.node.size(), database.body.position_m.rows());
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string report_page(const ResponseDatabase& database, const std::string& name,
+                        std::int64_t most_nodes) {
+  const ThinBody thin =
+      thin_body(database.body,
+                std::max<std::int64_t>(1, most_nodes / std::ssize(database.tools)));
+  std::vector<std::int32_t> corner;
+  for (const auto& triangle : thin.triangle.rowwise()) {
+    corner.insert(corner.end(), {triangle[0], triangle[1], triangle[2]});
+  }
+  std::string page = head(database, name, thin);
+  page += std::string("<main>") + kReportBody + tables(database) + "</main>\n";
+  page += info(database) +
+          array("position", rows(database.body.position_m, thin.node)) +
+          array("normal", rows(database.normal, thin.node)) +
+          array("triangle", corner) + array("node", thin.node);
+  for (std::size_t k = 0; k < database.tools.size(); ++k) {
+    page += table_arrays(database.tools[k], k, thin.node);
+  }
+  return page + "<script>" + kReportScript + kReportControls +
+         "</script>\n</body></html>\n";
+}
+
+}  // namespace palpate
