@@ -26,7 +26,7 @@ void print_json(const Json& report) {
 
 void run(const Flags& flags) {
   try {
-    const ResponseDatabase database = read_database(flags.file);
+    const ResponseDatabase database = read_in_file_order(flags.file);
     std::int64_t responses = 0;
     std::int64_t falling = 0;
     for (const ResponseTable& table : database.tools) {

@@ -105,12 +105,10 @@ ResponseDatabase read_ordered(Hdf5Reader& in, const std::string& name,
   return database;
 }
 
-}  // namespace
-
-ResponseDatabase read_database(const std::filesystem::path& file) {
+// The whole file, verified, in its own order. @param order filled.
+ResponseDatabase read_verified(const std::filesystem::path& file, StorageOrder& order) {
   const Hdf5Lock lock;
   Hdf5Reader in(file);
-  StorageOrder order;
   ResponseDatabase ordered;
   // What breaks a rule says more than a digest that differs, so the rules come first.
   try {
@@ -132,6 +130,19 @@ ResponseDatabase read_database(const std::filesystem::path& file) {
         in.digest(), stored.substr(0, 64), kDigestName));
   }
   check_derived(in, ordered, order);
+  return ordered;
+}
+
+}  // namespace
+
+ResponseDatabase read_in_file_order(const std::filesystem::path& file) {
+  StorageOrder order;
+  return read_verified(file, order);
+}
+
+ResponseDatabase read_database(const std::filesystem::path& file) {
+  StorageOrder order;
+  const ResponseDatabase ordered = read_verified(file, order);
   return select_nodes(ordered, places_of(order.node, order.node.size()),
                       places_of(order.triangle, order.triangle.size()));
 }

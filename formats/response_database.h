@@ -63,6 +63,10 @@ void write_database(const std::filesystem::path& file,
 /// foreign, truncated, damaged or of a newer major version.
 [[nodiscard]] ResponseDatabase read_database(const std::filesystem::path& file);
 
+/// As read_database(), with nodes and triangles in the file's order instead of the
+/// source's: without a copy, in half the memory.
+[[nodiscard]] ResponseDatabase read_in_file_order(const std::filesystem::path& file);
+
 /// The table of the named tool, or the only one for an empty name.
 /// @throws InputError naming the tools that there are.
 [[nodiscard]] const ResponseTable& find_tool(const ResponseDatabase& database,

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "formats/error.h"
+#include "formats/select_nodes.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tool_shapes.h"
@@ -212,6 +213,22 @@ TEST(ResponseDatabase, FindsAToolByNameOrTheOnlyOne) {
   }
   database.tools.pop_back();
   EXPECT_EQ(find_tool(database, "").tool.name, "tip");
+}
+
+TEST(ResponseDatabase, InFileOrderHoldsTheSameNodesInAnotherOrder) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "a.h5";
+  write_database(file, small_database());
+  const ResponseDatabase source = read_database(file);
+  const ResponseDatabase stored = read_in_file_order(file);
+  const StorageOrder order = storage_order(source.body);
+  for (std::size_t row = 0; row < order.node.size(); ++row) {
+    const Eigen::Index node = order.node[row];
+    EXPECT_EQ(stored.body.position_m.row(static_cast<Eigen::Index>(row)),
+              source.body.position_m.row(node));
+    EXPECT_EQ(stored.tools[0].error_relative[row],
+              source.tools[0].error_relative[static_cast<std::size_t>(node)]);
+  }
 }
 
 }  // namespace
