@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// Reads a Wavefront OBJ, STL (text or binary), PLY or OFF file, known by its
-/// extension.
+/// Reads a Wavefront OBJ, STL (text or binary), PLY (text or binary of either byte
+/// order) or OFF file, known by its extension.
 ///
 /// None of them records a unit of length that can be trusted, so one is required (see
 /// formats/units.h). Vertices keep their order and number in OBJ, PLY and OFF; STL
