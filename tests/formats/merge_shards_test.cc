@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
+#include "formats/precision_bench.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_units.h"
 #include "tests/support/small_database.h"
@@ -57,8 +58,9 @@ class MergeShards : public testing::Test {
 TEST_F(MergeShards, GivesTheBytesOfTheWhole) {
   const ToolRun run = merge({shard("b", {1}), shard("a", {2, 0})});
   EXPECT_EQ(run.exit_code, 4) << run.err;  // as a build with a failed node
-  write_database(folder_ / "whole.h5",
-                 assemble(sample_plan(), sample_units()).database);
+  ResponseDatabase whole = assemble(sample_plan(), sample_units()).database;
+  choose_precision(whole, {});
+  write_database(folder_ / "whole.h5", whole);
   EXPECT_TRUE(read(folder_ / "out.h5") == read(folder_ / "whole.h5"));
 }
 

@@ -193,7 +193,8 @@ radius_m = 0.015
 depth_max_m = 0.005
 force_max_n = 8.0
 [accuracy]
-contact_resolution = 1.0
+force_relative = 0.2
+refine = "global"
 )";
 }
 
