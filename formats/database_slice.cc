@@ -94,6 +94,7 @@ void keep_tools(ResponseDatabase& database, const std::vector<std::string>& name
     return;
   }
   std::vector<ResponseTable> kept;
+  kept.reserve(names.size());
   for (const std::string& name : names) {
     kept.push_back(find_tool(database, name));
   }

@@ -237,7 +237,7 @@ std::string head(const ResponseDatabase& database, const std::string& name,
       "<title>{0}: responses</title>\n<style>{1}</style></head><body>\n<h1>{0}</h1>\n"
       "<p class=\"sub\">Force-deflection responses of a body of {2} nodes and {3} "
       "triangles, {4:.4g} x {5:.4g} x {6:.4g} mm</p>\n",
-      escaped(name), kReportStyle, database.body.position_m.rows(),
+      escaped(name), report_style, database.body.position_m.rows(),
       database.body.triangle.rows(), size_mm.x(), size_mm.y(), size_mm.z());
   if (std::ssize(thin.node) < database.body.position_m.rows()) {
     text += fmt::format(
@@ -262,7 +262,7 @@ std::string report_page(const ResponseDatabase& database, const std::string& nam
     corner.insert(corner.end(), {triangle[0], triangle[1], triangle[2]});
   }
   std::string page = head(database, name, thin);
-  page += std::string("<main>") + kReportBody + tables(database) + "</main>\n";
+  page += std::string("<main>") + report_body + tables(database) + "</main>\n";
   page += info(database) +
           array("position", rows(database.body.position_m, thin.node)) +
           array("normal", rows(database.normal, thin.node)) +
@@ -270,7 +270,7 @@ std::string report_page(const ResponseDatabase& database, const std::string& nam
   for (std::size_t k = 0; k < database.tools.size(); ++k) {
     page += table_arrays(database.tools[k], k, thin.node);
   }
-  return page + "<script>" + kReportScript + kReportControls +
+  return page + "<script>" + report_script + report_controls +
          "</script>\n</body></html>\n";
 }
 

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-const char* const kReportScript = R"js('use strict';
+const char* const report_script = R"js('use strict';
 const info = JSON.parse(document.getElementById('info').textContent);
 const $ = id => document.getElementById(id);
 const bytesOf = id => Uint8Array.from(atob($(id).textContent.trim()), c => c.charCodeAt(0));
@@ -218,7 +218,7 @@ function drawLegend(known) {
 }
 )js";
 
-const char* const kReportControls = R"js(
+const char* const report_controls = R"js(
 function choose(node) {
   state.node = node;
   drawCurve();

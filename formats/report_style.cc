@@ -2,7 +2,7 @@
 
 namespace palpate {
 
-const char* const kReportStyle = R"css(
+const char* const report_style = R"css(
 :root { --ink: #1c2733; --soft: #5b6b7a; --line: #d7dde3; --page: #f4f6f8; --card: #fff; --curve: #0072b2; }
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e6ebf0; --soft: #9fb0c0; --line: #3a4654; --page: #161c23; --card: #1f2731; --curve: #56b4e9; }
@@ -43,7 +43,7 @@ pre { overflow: auto; max-height: 420px; background: var(--page); padding: 10px;
 kbd { border: 1px solid var(--line); border-radius: 4px; padding: 0 4px; font-size: 12px; }
 )css";
 
-const char* const kReportBody = R"html(
+const char* const report_body = R"html(
 <section class="tall" aria-label="Body">
 <canvas id="body" tabindex="0" role="img" aria-label="The body, coloured. Arrow keys turn it, plus and minus zoom, n and p choose nodes, Enter the node in the middle."></canvas>
 <div id="legend"></div>

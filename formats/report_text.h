@@ -3,9 +3,9 @@
 
 namespace palpate {
 
-extern const char* const kReportStyle;     ///< CSS
-extern const char* const kReportBody;      ///< HTML from the canvas to the plots
-extern const char* const kReportScript;    ///< JavaScript: what is drawn, and ...
-extern const char* const kReportControls;  ///< ... what the user does
+extern const char* const report_style;     ///< CSS
+extern const char* const report_body;      ///< HTML from the canvas to the plots
+extern const char* const report_script;    ///< JavaScript: what is drawn, and ...
+extern const char* const report_controls;  ///< ... what the user does
 
 }  // namespace palpate

@@ -19,6 +19,7 @@ constexpr const char* kDigestName = "content_sha256";
 // Tool names in the order of the database: groups themselves are not ordered.
 std::string join_names(const std::vector<ResponseTable>& tools) {
   std::vector<std::string> names;
+  names.reserve(tools.size());
   for (const ResponseTable& table : tools) {
     names.push_back(table.tool.name);
   }

@@ -13,7 +13,15 @@
 namespace palpate {
 namespace {
 
-using namespace scene_parts;
+using scene_parts::kFraction;
+using scene_parts::kPositive;
+using scene_parts::read_inclusions;
+using scene_parts::read_materials;
+using scene_parts::read_mesh_keys;
+using scene_parts::read_supports;
+using scene_parts::read_tools;
+using scene_parts::SceneFile;
+using scene_parts::Sections;
 
 constexpr std::string_view kBodyKeys[] = {"mesh", "length_unit"};
 constexpr std::string_view kReachKeys[] = {"box_m", "depth_max_m", "force_max_n"};
