@@ -1,7 +1,6 @@
 #include "precompute/coarsen_surface.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Bounded_normal_change_placement.h>
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_cost.h>
@@ -15,7 +14,8 @@ namespace {
 
 namespace sms = CGAL::Surface_mesh_simplification;
 
-const double kMostTurn = std::cos(25.0 * std::numbers::pi / 180.0);
+// Cosine of the largest angle that a collapse may turn a triangle by: 25 degrees.
+constexpr double kMostTurn = 0.9063077870366499;
 
 Eigen::Vector3d vector_of(const CgalKernel::Point_3& p) {
   return {p.x(), p.y(), p.z()};
@@ -39,7 +39,7 @@ class Placement {
     if (is_kept(profile.v0()) || is_kept(profile.v1())) {
       return boost::none;
     }
-    const boost::optional<CgalKernel::Point_3> to = best_(profile);
+    boost::optional<CgalKernel::Point_3> to = best_(profile);
     if (!to) {
       return boost::none;
     }

@@ -14,7 +14,9 @@ ColumnSample column_sample(const BodyModel& model, std::span<const PressedNode> 
         std::binary_search(vertices.begin(), vertices.end(), node.vertex);
     for (const std::int32_t c : node.patch) {
       any[static_cast<std::size_t>(c)] = 1;
-      sample.wanted[static_cast<std::size_t>(c)] |= static_cast<char>(is_sample);
+      if (is_sample) {
+        sample.wanted[static_cast<std::size_t>(c)] = 1;
+      }
     }
   }
   sample.all = static_cast<std::size_t>(std::count(any.begin(), any.end(), 1));

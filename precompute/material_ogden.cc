@@ -31,7 +31,7 @@ std::optional<PrincipalFrame> principal_frame(const Eigen::Matrix3d& F) {
     return std::nullopt;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(twice_green_strain(F));
-  const Eigen::Vector3d d = solver.eigenvalues();
+  const Eigen::Vector3d& d = solver.eigenvalues();
   if (!(d[0] > -1.0)) {
     return std::nullopt;
   }
