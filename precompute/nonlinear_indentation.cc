@@ -116,7 +116,7 @@ class Press {
     state_.source_n *= scale;
     before_ = {Eigen::VectorXd::Zero(near_.size()),
                Eigen::VectorXd::Zero(near_.size())};
-    pressure_before_ = Eigen::VectorXd::Zero(patch_.size());
+    pressure_before_ = Eigen::VectorXd::Zero(multipliers_.pressure_n.size());
   }
 
   // Secant prediction from the two states before.

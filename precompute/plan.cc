@@ -322,7 +322,7 @@ void Planner::time_good() {
   time_own_meshes(approach_.cheap_is_good
                       ? "groups of presses outside the budget, on meshes of their own"
                       : "groups of good presses on meshes of their own",
-                  first_groups(groups_of), static_cast<std::size_t>(count + 0.5),
+                  first_groups(groups_of), static_cast<std::size_t>(std::lround(count)),
                   approach_.focus, approach_.nonlinear);
 }
 

@@ -110,6 +110,7 @@ std::vector<PricedPresses> press_on_own_meshes(const Scene& scene,
     const BodyModel model = make_graded_model(scene, body, group, focus);
     const double group_s = watch.lap_s();
     std::vector<PressedNode> placed;
+    placed.reserve(group.size());
     for (const std::int32_t v : group) {
       placed.push_back(placed_node(scene, body, model, tool, v));
     }

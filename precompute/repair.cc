@@ -195,8 +195,8 @@ RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode) {
   return result;
 }
 
-CheckedSurface require_body(SurfaceMesh mesh, RepairMode mode, std::string_view name,
-                            std::vector<std::string>& notes) {
+CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
+                            std::string_view name, std::vector<std::string>& notes) {
   RepairedSurface repaired = repair_surface(mesh, mode);
   RepairReport& report = repaired.report;
   if (!report.refusal.empty()) {

@@ -64,7 +64,7 @@ struct RepairedSurface {
 /// require_body() for a surface that may be repaired.
 /// @param notes gains one line for each change.
 /// @throws InputError "<name>: ..." with the defects, and with what to try next.
-[[nodiscard]] CheckedSurface require_body(SurfaceMesh mesh, RepairMode mode,
+[[nodiscard]] CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
                                           std::string_view name,
                                           std::vector<std::string>& notes);
 

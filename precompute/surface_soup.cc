@@ -43,6 +43,7 @@ SurfaceMesh renumbered(const SurfaceMesh& mesh, const std::vector<std::int32_t>&
 std::vector<std::int32_t> first_at_place(const SurfaceMesh& mesh) {
   std::map<Place, std::int32_t> seen;
   std::vector<std::int32_t> first;
+  first.reserve(static_cast<std::size_t>(mesh.position_m.rows()));
   for (std::int32_t v = 0; v < mesh.position_m.rows(); ++v) {
     first.push_back(seen.try_emplace(place(mesh, v), v).first->second);
   }

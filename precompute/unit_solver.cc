@@ -137,6 +137,7 @@ class Territory {
 
   void solve(const std::vector<std::size_t>& which) {
     std::vector<std::int32_t> vertices;
+    vertices.reserve(which.size());
     for (const std::size_t i : which) {
       vertices.push_back(vertex_[i]);
     }
