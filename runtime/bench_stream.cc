@@ -19,7 +19,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kToolHeight_m = 0.003;  // a ball of 5 mm, pressed 2 mm deep
+constexpr double kToolHeightM = 0.003;  // a ball of 5 mm, pressed 2 mm deep
 
 // A line of /proc/self/status, in bytes: "VmRSS" now, "VmHWM" the peak.
 std::size_t memory_bytes(const std::string& name) {
@@ -59,7 +59,7 @@ class Path {
       : plate_(plate),
         at_(plate.center()),
         velocity_(speed_m_per_s * Eigen::Vector3d(0.8, 0.6, 0.0)) {
-    at_.z() = kToolHeight_m;
+    at_.z() = kToolHeightM;
   }
 
   Eigen::Vector3d advance(double dt_s) {
@@ -103,9 +103,9 @@ std::array<Plate, 2> plates_of(const std::filesystem::path& file) {
         {Eigen::Vector3d(from_x + margin_m, margin_m, 0.0),
          Eigen::Vector3d(from_x + length_m - margin_m, length_m - margin_m, 0.0)}};
   };
-  return {plate(kFineTriangle_m, low_x),
-          plate(kCoarseTriangle_m,
-                high_x - kCoarseTriangle_m * static_cast<double>(side - 1))};
+  return {plate(kFineTriangleM, low_x),
+          plate(kCoarseTriangleM,
+                high_x - kCoarseTriangleM * static_cast<double>(side - 1))};
 }
 
 StreamBenchRow run_over(const std::filesystem::path& file, const Plate& plate,

@@ -84,6 +84,7 @@ std::vector<std::int64_t> chunks_near(const DatabaseIndex& index,
     return a.urgency_m < b.urgency_m;
   });
   std::vector<std::int64_t> chunks;
+  chunks.reserve(near.size());
   for (const Near& entry : near) {
     chunks.push_back(entry.chunk);
   }

@@ -61,9 +61,9 @@ ResponseDatabase stream_body(std::int64_t nodes, int samples) {
   ResponseDatabase database;
   database.body.position_m.resize(2 * side * side, 3);
   database.body.triangle.resize(4 * (side - 1) * (side - 1), 3);
-  const double fine_side_m = kFineTriangle_m * static_cast<double>(side - 1);
-  add_plate(database.body, side, kFineTriangle_m, -kHalfGap_m - fine_side_m, 0);
-  add_plate(database.body, side, kCoarseTriangle_m, kHalfGap_m, 1);
+  const double fine_side_m = kFineTriangleM * static_cast<double>(side - 1);
+  add_plate(database.body, side, kFineTriangleM, -kHalfGap_m - fine_side_m, 0);
+  add_plate(database.body, side, kCoarseTriangleM, kHalfGap_m, 1);
   database.normal = Points::Zero(2 * side * side, 3);
   database.normal.col(2).setOnes();
   std::vector<NodeResponse> responses;

@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-constexpr double kFineTriangle_m = 0.001;   ///< [m] of the plate at x < 0
-constexpr double kCoarseTriangle_m = 0.01;  ///< [m] of the plate at x > 0
+constexpr double kFineTriangleM = 0.001;   ///< [m] of the plate at x < 0
+constexpr double kCoarseTriangleM = 0.01;  ///< [m] of the plate at x > 0
 
 /// Two square plates in the plane z = 0, outside upwards, a metre apart: triangles of
 /// 1 mm and of 10 mm. Every node has a response k d^1.5 to 5 mm.
