@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-const double kSteepestCosine = std::sqrt(1.0 - 0.95 * 0.95);
+constexpr double kSteepestCosine = 0.31224989991991992;  // of a flank with sine 0.95
 
 OutlineEdge edge_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   const double length = (to - from).norm();

@@ -12,8 +12,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kHalfGap_m = 0.5;
-constexpr double kDepth_m = 0.005;
+constexpr double kHalfGapMetres = 0.5;
+constexpr double kDepthMetres = 0.005;
 
 void add_plate(SurfaceMesh& mesh, std::int64_t side, double step_m, double x_m,
                std::int64_t plate) {
@@ -40,7 +40,7 @@ NodeResponse response(const Eigen::Vector3d& p, int samples) {
   response.error_relative = 0.01;
   const double k = 2000.0 * (1.5 + std::sin(7.0 * p.x()) * std::cos(5.0 * p.y()));
   for (int j = 0; j < samples; ++j) {
-    const double depth_m = kDepth_m * j / (samples - 1);
+    const double depth_m = kDepthMetres * j / (samples - 1);
     response.depth_m.push_back(depth_m);
     response.force_n.push_back(k * std::pow(depth_m, 1.5));
   }
@@ -62,8 +62,8 @@ ResponseDatabase stream_body(std::int64_t nodes, int samples) {
   database.body.position_m.resize(2 * side * side, 3);
   database.body.triangle.resize(4 * (side - 1) * (side - 1), 3);
   const double fine_side_m = kFineTriangleM * static_cast<double>(side - 1);
-  add_plate(database.body, side, kFineTriangleM, -kHalfGap_m - fine_side_m, 0);
-  add_plate(database.body, side, kCoarseTriangleM, kHalfGap_m, 1);
+  add_plate(database.body, side, kFineTriangleM, -kHalfGapMetres - fine_side_m, 0);
+  add_plate(database.body, side, kCoarseTriangleM, kHalfGapMetres, 1);
   database.normal = Points::Zero(2 * side * side, 3);
   database.normal.col(2).setOnes();
   std::vector<NodeResponse> responses;
