@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <compare>
+#include <numeric>
 #include <utility>
 
 namespace palpate {
@@ -82,18 +83,46 @@ double mean_edge_m(const SurfaceMesh& mesh) {
 }
 
 Triangles triangle_neighbours(const Triangles& triangle) {
+  // Sides by their lower vertex; equal ones are neighbours once each list is sorted.
+  struct Side {
+    std::int32_t upper = 0;
+    std::int32_t place = 0;  // 3 t + j
+    auto operator<=>(const Side&) const = default;
+  };
   Triangles neighbour = Triangles::Constant(triangle.rows(), 3, -1);
-  std::map<std::pair<std::int32_t, std::int32_t>, std::pair<Eigen::Index, int>> open;
-  for (Eigen::Index t = 0; t < triangle.rows(); ++t) {
-    for (int j = 0; j < 3; ++j) {
-      const auto edge = std::minmax(triangle(t, j), triangle(t, (j + 1) % 3));
-      const auto [at, inserted] = open.try_emplace(edge, t, j);
-      if (!inserted) {
-        neighbour(t, j) = static_cast<std::int32_t>(at->second.first);
-        neighbour(at->second.first, at->second.second) = static_cast<std::int32_t>(t);
-        open.erase(at);
+  if (triangle.rows() == 0) {
+    return neighbour;
+  }
+  const auto each_side = [&](const auto& visit) {
+    for (std::int32_t place = 0; place < 3 * triangle.rows(); ++place) {
+      const auto [lower, upper] = std::minmax(triangle(place / 3, place % 3),
+                                              triangle(place / 3, (place + 1) % 3));
+      visit(static_cast<std::size_t>(lower), Side{upper, place});
+    }
+  };
+  std::vector<std::size_t> end(static_cast<std::size_t>(triangle.maxCoeff()) + 2, 0);
+  each_side([&](std::size_t lower, const Side&) {
+    ++end[lower + 1];
+  });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<Side> side(end.back());
+  each_side([&](std::size_t lower, const Side& at) {
+    side[end[lower]++] = at;
+  });
+  std::size_t begin = 0;
+  for (const std::size_t stop : end) {
+    std::sort(side.begin() + static_cast<std::ptrdiff_t>(begin),
+              side.begin() + static_cast<std::ptrdiff_t>(stop));
+    for (std::size_t i = begin; i + 1 < stop; ++i) {
+      if (side[i].upper == side[i + 1].upper) {
+        const std::int32_t a = side[i].place;
+        const std::int32_t b = side[i + 1].place;
+        neighbour(a / 3, a % 3) = b / 3;
+        neighbour(b / 3, b % 3) = a / 3;
+        ++i;
       }
     }
+    begin = stop;
   }
   return neighbour;
 }

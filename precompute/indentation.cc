@@ -142,6 +142,10 @@ double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
   return sum / static_cast<double>(node.neighbours.size());
 }
 
+// The error of a mesh is 1/(2^p - 1) of its difference to one twice as coarse, where
+// the order is p: one at the edge of the contact, two inside. Between them lies a half.
+constexpr double kErrorPerDifference = 0.5;
+
 double estimated_error(const Indentation& indentation) {
   const double touch = indentation.sample.front().penetration_m;
   const double halfway = 0.5 * (touch + indentation.sample.back().penetration_m);
@@ -155,7 +159,7 @@ double estimated_error(const Indentation& indentation) {
       ++count;
     }
   }
-  return std::sqrt(sum / count);
+  return kErrorPerDifference * std::sqrt(sum / count);
 }
 
 }  // namespace

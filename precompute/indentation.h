@@ -72,9 +72,9 @@ struct Indentation {
 
 /// The stored form: |F| against displacement along one direction, the mean of the force
 /// along the path. Origin kSimulated, or kNone where the tool met nothing. The
-/// estimated error is the rms relative difference that pressure on a mesh twice as
-/// coarse makes over the deeper half of the path (a
-/// measure of order, not a bound: see the tests on Hertz's problem).
+/// estimated error is half the rms relative difference that pressure on a mesh twice as
+/// coarse makes over the deeper half of the path: what is left at an order of 1.6. An
+/// estimate, not a bound: see the tests on Hertz's problem.
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -58,10 +58,9 @@ class Planner {
  private:
   void describe_scene();
   void time_shared_mesh();
-  void time_columns(const BodyModel& model, std::span<const PressedNode> placed);
-  void time_linear_presses(const BodyModel& model, const SurfaceCompliance& compliance);
-  void time_nonlinear_on_shared_mesh(const BodyModel& model,
-                                     const SurfaceCompliance& compliance);
+  void time_columns(std::span<const PressedNode> placed);
+  void time_linear_presses();
+  void time_nonlinear_on_shared_mesh();
   void time_cheap_on_own_meshes();
   void time_good();
   void time_checks();
@@ -98,6 +97,9 @@ class Planner {
   Approach approach_;
   std::vector<Unit> units_;
   PlanReport report_;
+  // What all workers share stays, as in a build, while presses on own meshes are timed.
+  std::optional<BodyModel> shared_;
+  std::optional<SurfaceCompliance> compliance_;
   // Cheap presses outside the budget, which are done again on meshes of their own.
   double again_share_ = 0.0;
 };
@@ -157,52 +159,48 @@ void Planner::describe_scene() {
 
 void Planner::time_shared_mesh() {
   progress_.stage("shared mesh and factor");
-  std::optional<BodyModel> model;
   once("shared mesh and factor", seconds_of([&] {
-         model.emplace(make_body_model(scene_, body_, approach_.surface));
+         shared_.emplace(make_body_model(scene_, body_, approach_.surface));
        }));
-  report_.tets = model->mesh.tet.rows();
-  report_.unknowns = model->supports.free;
+  report_.tets = shared_->mesh.tet.rows();
+  report_.unknowns = shared_->supports.free;
   std::vector<PressedNode> placed;
   once("place the tools", seconds_of([&] {
          for (const SharedTool& tool : body_.tool) {
            for (const std::int32_t v : reachable_) {
-             placed.push_back(placed_node(scene_, body_, *model, tool, v));
+             placed.push_back(placed_node(scene_, body_, *shared_, tool, v));
            }
          }
        }));
-  time_columns(*model, placed);
+  time_columns(placed);
 }
 
-void Planner::time_columns(const BodyModel& model,
-                           std::span<const PressedNode> placed) {
+void Planner::time_columns(std::span<const PressedNode> placed) {
   progress_.stage("a few columns");
   const std::vector<std::int32_t> samples =
       spread_over(reachable_, kSamples * workers_);
-  const ColumnSample sample = column_sample(model, placed, samples);
+  const ColumnSample sample = column_sample(*shared_, placed, samples);
   report_.columns = static_cast<std::int64_t>(sample.all);
   if (sample.solved == 0) {
     return;
   }
   const double none = seconds_of([&] {
-    (void)compliance_of(model, placed, std::vector<char>(sample.wanted.size(), 0),
+    (void)compliance_of(*shared_, placed, std::vector<char>(sample.wanted.size(), 0),
                         nullptr);
   });
-  std::optional<SurfaceCompliance> compliance;
   const double some = seconds_of([&] {
-    compliance.emplace(compliance_of(model, placed, sample.wanted, nullptr));
+    compliance_.emplace(compliance_of(*shared_, placed, sample.wanted, nullptr));
   });
   once("find pairs of near contact nodes", none);
   extrapolate("columns of the surface compliance", sample.all, sample.solved,
               std::max(some - none, 0.0));
-  time_linear_presses(model, *compliance);
+  time_linear_presses();
   if (approach_.nonlinear && !approach_.graded) {
-    time_nonlinear_on_shared_mesh(model, *compliance);
+    time_nonlinear_on_shared_mesh();
   }
 }
 
-void Planner::time_linear_presses(const BodyModel& model,
-                                  const SurfaceCompliance& compliance) {
+void Planner::time_linear_presses() {
   progress_.stage("a few linear presses");
   const std::vector<std::int32_t> samples =
       spread_over(reachable_, kSamples * workers_);
@@ -210,8 +208,8 @@ void Planner::time_linear_presses(const BodyModel& model,
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
       PressedNode node =
-          placed_node(scene_, body_, model, body_.tool.front(), samples[i]);
-      press_linear(model, compliance, node);
+          placed_node(scene_, body_, *shared_, body_.tool.front(), samples[i]);
+      press_linear(*shared_, *compliance_, node);
       if (node.indentation.sample.size() > 1) {
         error[i] = to_response(node.indentation, node.path, scene_.force_relative)
                        .error_relative;
@@ -221,12 +219,11 @@ void Planner::time_linear_presses(const BodyModel& model,
   extrapolate("linear presses", reachable_.size() * body_.tool.size(), samples.size(),
               seconds);
   if (approach_.cheap_is_good && approach_.graded) {
-    again_share_ = share_above(error, kAgainOverBudget * scene_.force_relative);
+    again_share_ = share_above(error, scene_.force_relative);
   }
 }
 
-void Planner::time_nonlinear_on_shared_mesh(const BodyModel& model,
-                                            const SurfaceCompliance& compliance) {
+void Planner::time_nonlinear_on_shared_mesh() {
   progress_.stage("a few nonlinear presses");
   const std::vector<std::int32_t> samples =
       spread_over(reachable_, kSamples * workers_);
@@ -235,10 +232,11 @@ void Planner::time_nonlinear_on_shared_mesh(const BodyModel& model,
     tbb::parallel_for(std::size_t{0}, workers_, [&](std::size_t w) {
       std::vector<PressedNode> nodes;
       for (std::size_t i = w; i < samples.size(); i += workers_) {
-        nodes.push_back(placed_node(scene_, body_, model, tool, samples[i]));
-        press_linear(model, compliance, nodes.back());
+        nodes.push_back(placed_node(scene_, body_, *shared_, tool, samples[i]));
+        press_linear(*shared_, *compliance_, nodes.back());
       }
-      press_nonlinear(model, compliance, nodes, nonlinear_options(scene_, tool), false);
+      press_nonlinear(*shared_, *compliance_, nodes, nonlinear_options(scene_, tool),
+                      false);
     });
   });
   std::size_t count = 0;

@@ -99,7 +99,7 @@ class Territory {
       const double error =
           to_response(cheap_[i].indentation, cheap_[i].path, scene_.force_relative)
               .error_relative;
-      if (again && touches(i) && error > kAgainOverBudget * scene_.force_relative) {
+      if (again && touches(i) && error > scene_.force_relative) {
         outside.push_back(i);
       } else {
         good_[i] = cheap_[i];

@@ -15,9 +15,6 @@ namespace palpate {
 inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
 inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
 inline constexpr double kCheckTimesFiner = 2.0;  ///< elements of checks
-/// [-] Estimated error over budget past which linear presses are done again. Nodes
-/// solved one level finer show that estimates are pessimistic.
-inline constexpr double kAgainOverBudget = 2.0;
 
 /// Good presses that a territory will probably need at a budget [-], counted in builds
 /// of organs of neo-Hookean material.

@@ -10,6 +10,9 @@
 namespace palpate {
 namespace {
 
+// Of the horizon: time to put a piece together and to have it taken.
+constexpr double kSoonShare = 0.3;
+
 void check(const CacheOptions& options) {
   if (!(options.force_scale > 0.0 && options.force_scale <= 1.0)) {
     throw InputError(
@@ -143,8 +146,8 @@ bool ChunkCache::load_next() {
   return true;
 }
 
-// A new piece once all that was chosen is there, or earlier, if it has a chunk right at
-// the tool that the last one lacks; never while one waits to be taken.
+// A new piece once all that was chosen is there, or earlier, if it has a chunk that the
+// tool reaches soon and the last one lacks; never while one waits to be taken.
 bool ChunkCache::publish(bool all_loaded) {
   const SurfacePiece* last = pieces_.empty() ? nullptr : pieces_.back().piece.get();
   LoadedChunks chunks;
@@ -157,13 +160,14 @@ bool ChunkCache::publish(bool all_loaded) {
     return is_complete(chunks, *entry.second) &&
            (last == nullptr || !last->has_complete(entry.first));
   };
-  const ToolMotion here{.position_m = motion_.position_m};
+  const double soon_s = kSoonShare * options_.horizon_s;
   const bool urgent =
-      !all_loaded &&
-      std::ranges::any_of(chunks_near(reader_.index(), here, 0.0), [&](std::int64_t k) {
-        const auto found = chunks.find(k);
-        return found != chunks.end() && is_news(*found);
-      });
+      !all_loaded && std::ranges::any_of(chunks_near(reader_.index(), motion_, soon_s),
+                                         [&](std::int64_t k) {
+                                           const auto found = chunks.find(k);
+                                           return found != chunks.end() &&
+                                                  is_news(*found);
+                                         });
   if (!urgent && !(all_loaded && std::ranges::any_of(chunks, is_news))) {
     return false;
   }

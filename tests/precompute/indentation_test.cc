@@ -108,6 +108,28 @@ TEST(Indentation, SphereOnALargeBlockMeetsHertzWithinThreePercentAndConverges) {
   EXPECT_LT(error_fine, 0.75 * error_middle);
 }
 
+// Error of force in the deeper half of the path.
+double error_in_depth(const Indentation& indentation) {
+  Indentation deep = indentation;
+  std::erase_if(deep.sample, [](const IndentationSample& sample) {
+    return sample.penetration_m < 0.5 * kDepth;
+  });
+  return deviation_from_hertz(deep, 0.0);
+}
+
+TEST(Indentation, TheEstimateIsOfTheOrderOfTheErrorOnHertzsProblem) {
+  for (const double edge_m : {0.0016, 0.0008}) {
+    const IndentationPath path = straight_down(30);
+    const Indentation indentation = Block(edge_m).press(path);
+    const double error = error_in_depth(indentation);
+    const double estimate = to_response(indentation, path, 0.05).error_relative;
+    std::printf("edges of %.1f mm: error %.4f, estimate %.4f\n", edge_m * 1e3, error,
+                estimate);
+    EXPECT_GT(estimate, 0.3 * error);
+    EXPECT_LT(estimate, 2.5 * error);
+  }
+}
+
 class IndentationOnBlock : public testing::Test {
  protected:
   static void SetUpTestSuite() { block_ = std::make_unique<Block>(0.0016); }
