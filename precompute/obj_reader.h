@@ -13,7 +13,4 @@ namespace palpate {
 /// @throws FormatError naming the vertex or the face that cannot be read, and its line.
 [[nodiscard]] PolygonSoup read_obj(std::string bytes);
 
-/// The text with LF at the end of every line and no byte order mark.
-[[nodiscard]] std::string with_unix_lines(std::string bytes);
-
 }  // namespace palpate

@@ -8,19 +8,19 @@
 #include <exception>
 #include <sstream>
 
-#include <CGAL/IO/OFF.h>
 #include <CGAL/IO/STL.h>
 #include <CGAL/Simple_cartesian.h>
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "precompute/mesh_words.h"
 #include "precompute/obj_reader.h"
+#include "precompute/off_reader.h"
 #include "precompute/ply_reader.h"
 
 namespace palpate {
 namespace {
 
-using CGAL::parameters::verbose;
 using Point = CGAL::Simple_cartesian<double>::Point_3;
 
 struct CgalSoup {
@@ -93,25 +93,6 @@ CgalSoup read_stl(std::string bytes) {
   return soup;
 }
 
-CgalSoup read_off(const std::string& bytes) {
-  CgalSoup soup;
-  std::istringstream in(bytes);
-  if (!CGAL::IO::read_OFF(in, soup.points, soup.polygons, verbose(false))) {
-    throw FormatError("cut short or not OFF");
-  }
-  return soup;
-}
-
-CgalSoup read_format(std::string bytes, std::string_view extension) {
-  if (extension == ".stl") {
-    return read_stl(std::move(bytes));
-  }
-  if (extension == ".off") {
-    return read_off(bytes);
-  }
-  throw FormatError(fmt::format("unknown extension \"{}\"", extension));
-}
-
 }  // namespace
 
 PolygonSoup read_polygon_soup(std::string bytes, std::string_view extension) {
@@ -121,13 +102,19 @@ PolygonSoup read_polygon_soup(std::string bytes, std::string_view extension) {
   if (extension == ".ply") {
     return read_ply(bytes);
   }
+  if (extension == ".off") {
+    return read_off(std::move(bytes));
+  }
+  if (extension != ".stl") {
+    throw FormatError(fmt::format("unknown extension \"{}\"", extension));
+  }
   CgalSoup read;
   try {
-    read = read_format(std::move(bytes), extension);
+    read = read_stl(std::move(bytes));
   } catch (const Error&) {
     throw;
-  } catch (const std::exception&) {  // bad_alloc from a wild count, CGAL's own
-    throw FormatError(fmt::format("not a {} file", extension.substr(1)));
+  } catch (const std::exception&) {  // CGAL's own
+    throw FormatError("not STL");
   }
   PolygonSoup soup;
   for (const Point& p : read.points) {

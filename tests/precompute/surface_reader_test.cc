@@ -160,6 +160,30 @@ TEST_F(SurfaceReader, ReadsOffWithCommentsAndCarriageReturns) {
   EXPECT_EQ(mesh.position_m, read_surface(file("b.obj", kObj), "mm").position_m);
 }
 
+TEST_F(SurfaceReader, PassesOverNormalsAndColoursOfOff) {
+  const std::string text =
+      "CNOFF 4 4 6\n0 0 0 0 0 1 .5 .5 .5 1\n10 0 0 0 0 1 .5 .5 .5 1\n"
+      "0 10 0 0 0 1 .5 .5 .5 1\n0 0 10 0 0 1 .5 .5 .5 1\n"
+      "3 0 2 1 255 0 0\n3 0 1 3 # blue\n3 0 3 2\n3 1 2 3 7\n";
+  const SurfaceMesh mesh = read_surface(file("a.off", text), "mm");
+  EXPECT_EQ(mesh.triangle, read_surface(file("b.obj", kObj), "mm").triangle);
+  EXPECT_EQ(mesh.position_m, read_surface(file("b.obj", kObj), "mm").position_m);
+}
+
+TEST_F(SurfaceReader, RefusesOffThatIsNot) {
+  EXPECT_TRUE(contains(message("a.off", "4OFF\n4 4 0\n"), "must be OFF"));
+  EXPECT_TRUE(contains(message("b.off", "OFF BINARY\n4 4 0\n"), "must be text"));
+  EXPECT_TRUE(contains(message("c.off", "OFF\nfour\n"), "not the counts"));
+  EXPECT_TRUE(contains(message("d.off", "OFF\n1 1 0\n0 0\n"), "line 3: vertex 1"));
+  EXPECT_TRUE(contains(message("e.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n"),
+                       "line 4: face 1 is not a count and as many vertices"));
+  // Counts that no memory holds.
+  EXPECT_TRUE(contains(message("f.off", "OFF\n1 1 0\n0 0 0\n999999999999 0\n"),
+                       "line 4: face 1"));
+  EXPECT_TRUE(
+      contains(message("g.off", "OFF\n99999999999999 1 0\n0 0 0\n"), "cut short"));
+}
+
 TEST_F(SurfaceReader, CutsQuadranglesIntoTriangles) {
   const auto path =
       file("cube.off",
