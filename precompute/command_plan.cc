@@ -17,6 +17,7 @@ struct Flags {
   std::string scene;
   bool solve_all = false;
   int workers = 0;
+  std::string repair = "off";
   bool json = false;
 };
 
@@ -105,8 +106,11 @@ void run(const Flags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   Progress progress(stderr);
-  const PlanReport report =
-      plan(scene, {.solve_all = flags.solve_all, .workers = flags.workers}, progress);
+  const PlanReport report = plan(scene,
+                                 {.solve_all = flags.solve_all,
+                                  .workers = flags.workers,
+                                  .repair = repair_mode(flags.repair)},
+                                 progress);
   if (flags.json) {
     fmt::print("{}\n", to_json(report).dump());
   } else {
@@ -125,6 +129,8 @@ void add_plan_command(CLI::App& app) {
                     "Every node solved, none interpolated");
   command->add_option("--workers", flags->workers, "Threads; 0: one for each core")
       ->check(CLI::Range(0, 1024));
+  command->add_option("--repair", flags->repair,
+                      "off, safe or wrap: mend the body's surface first");
   command->add_flag("--json", flags->json, "Print the plan as one JSON object");
   command->callback([flags] {
     run(*flags);

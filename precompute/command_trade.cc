@@ -19,6 +19,7 @@ struct Flags {
   std::string scene;
   std::string output;
   TradeOptions options;
+  std::string repair = "off";
   bool json = false;
 };
 
@@ -86,7 +87,9 @@ void run(const Flags& flags) {
   const Scene scene = read_scene(flags.scene);
   { const AtomicFile place(flags.output + ".csv"); }  // said before the work
   Progress progress(stderr);
-  const TradeReport report = trade(scene, flags.options, progress);
+  TradeOptions options = flags.options;
+  options.repair = repair_mode(flags.repair);
+  const TradeReport report = trade(scene, options, progress);
   write_text(flags.output + ".csv", trade_csv(report));
   write_text(flags.output + ".svg", trade_picture(report));
   if (flags.json) {
@@ -107,6 +110,8 @@ void add_trade_command(CLI::App& app) {
       ->add_option("-o,--output", flags->output,
                    "Where to write: PREFIX.csv and PREFIX.svg")
       ->required();
+  command->add_option("--repair", flags->repair,
+                      "off, safe or wrap: mend the body's surface first");
   command
       ->add_option("--samples", flags->options.samples,
                    "Vertices that are pressed in every way")

@@ -32,9 +32,11 @@ constexpr std::size_t kSamples = 3;  // that every worker presses
 
 class Planner {
  public:
-  Planner(const Scene& scene, bool solve_all, std::size_t workers, Progress& progress)
+  Planner(const Scene& scene, const PlanOptions& options, std::size_t workers,
+          Progress& progress)
       : scene_(scene),
-        solve_all_(solve_all || scene.accuracy.solve == "all"),
+        repair_(options.repair),
+        solve_all_(options.solve_all || scene.accuracy.solve == "all"),
         workers_(workers),
         progress_(progress) {}
 
@@ -89,6 +91,7 @@ class Planner {
       const std::function<std::vector<std::vector<std::int32_t>>(const Unit&)>&) const;
 
   const Scene& scene_;
+  RepairMode repair_;
   bool solve_all_;
   std::size_t workers_;
   Progress& progress_;
@@ -127,7 +130,7 @@ std::size_t Planner::good_of(const Unit& territory) const {
 void Planner::describe_scene() {
   progress_.stage("body");
   once("read and check the body", seconds_of([&] {
-         body_ = read_body(scene_);
+         body_ = read_body(scene_, repair_);
          reachable_ = reachable_vertices(scene_, body_);
          approach_ = choose_approach(scene_, body_);
          units_ = units_of(scene_, body_, reachable_);
@@ -370,7 +373,7 @@ PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progre
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   PlanReport report;
   const double seconds = seconds_of([&] {
-    report = Planner(scene, options.solve_all, workers, progress).run();
+    report = Planner(scene, options, workers, progress).run();
   });
   progress.finish();
   report.plan_seconds = seconds;

@@ -7,12 +7,14 @@
 
 #include "formats/scene.h"
 #include "precompute/progress.h"
+#include "precompute/repair.h"
 
 namespace palpate {
 
 struct PlanOptions {
-  bool solve_all = false;  ///< as BuildOptions
-  int workers = 0;         ///< as BuildOptions
+  bool solve_all = false;                ///< as BuildOptions
+  int workers = 0;                       ///< as BuildOptions
+  RepairMode repair = RepairMode::kOff;  ///< as BuildOptions
 };
 
 /// One kind of work: how often, and how long all of it takes. What is done once is

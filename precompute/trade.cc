@@ -74,7 +74,7 @@ class TradeRun {
 
   TradeReport run() {
     progress_.stage("body");
-    body_ = read_body(scene_);
+    body_ = read_body(scene_, options_.repair);
     reachable_ = reachable_vertices(scene_, body_);
     choose_vertices();
     solve_reference();

@@ -8,10 +8,12 @@
 
 #include "formats/scene.h"
 #include "precompute/progress.h"
+#include "precompute/repair.h"
 
 namespace palpate {
 
 struct TradeOptions {
+  RepairMode repair = RepairMode::kOff;  ///< as BuildOptions
   int samples = 6;  ///< [2, 1000] vertices that are pressed in every way
   /// [-] (0, 16] each; elements that the radius of the contact spans.
   std::vector<double> resolution{2.0, 3.0, 4.0};
