@@ -86,7 +86,8 @@ struct Grading {
   double growth = 0.7;
   double finest_m = 0.0;
   double circle_m = 0.0;
-  bool apex = false;  // and from the origin
+  bool apex = false;    // and from the origin
+  bool inside = false;  // inside the body too, where tets otherwise grow by themselves
 };
 
 struct Press {
@@ -129,7 +130,11 @@ class Bench {
         graded_block(body.half_width_m, body.depth_m, 0.5 * body.half_width_m, 2);
     const SurfaceMesh fine =
         refine_longest_edge(coarse, edge_length(body, grading), 200000);
-    const TetMesh tets = tetrahedralise(fine);
+    TetOptions options;
+    if (grading.inside) {
+      options.size = edge_length(body, grading);
+    }
+    const TetMesh tets = tetrahedralise(fine, options);
     tets_ = tets.tet.rows();
     mesh_ = make_quadratic(tets, fine.triangle);
     const double w = body.half_width_m;
@@ -364,6 +369,7 @@ Case transverse_case(const Transverse& moduli) {
                        moduli.youngs_across, moduli.shear_along);
   c.body.transverse = moduli;
   c.bound = 0.015;
+  c.grading = {.growth = 0.33, .finest_m = 0.1 * kContactRadius_m, .inside = true};
   for (Press& press : c.press) {
     press.force_n *= moduli.plane_modulus / (1.0 / (1.0 - 0.3 * 0.3));
   }

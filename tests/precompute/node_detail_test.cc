@@ -28,7 +28,7 @@ class NodeDetails : public testing::Test {
   NodeDetails() { write_obj(icosphere(0.03, 2), folder_ / "ball.obj", "a ball"); }
 
   Scene scene(const std::string& law, const std::string& support = kFixed,
-              double depth_m = 0.005) const {
+              double depth_m = 0.005, int depths = 6) const {
     std::ofstream(folder_ / "scene.toml") << fmt::format(
         R"([body]
 mesh = "ball.obj"
@@ -47,9 +47,9 @@ depth_max_m = {}
 [accuracy]
 force_relative = 0.2
 contact_resolution = 2.0
-depths = 6
+depths = {}
 )",
-        law, support, depth_m);
+        law, support, depth_m, depths);
     return read_scene(folder_ / "scene.toml");
   }
 
@@ -68,6 +68,7 @@ depths = 6
 NonlinearOptions tight() {
   NonlinearOptions options{.near_gradient = 0.0};
   options.equilibrium.decrement_relative = 1e-13;
+  options.equilibrium.multiplier_relative = 1e-3;
   options.equilibrium.gradient_tolerance = 1e-4;
   return options;
 }
@@ -106,9 +107,12 @@ TEST_F(NodeDetails, ALinearPressIsInBalanceToRounding) {
 }
 
 TEST_F(NodeDetails, TheWorkIsTheStoredEnergy) {
-  // Six samples: the curve between them is off by some 1 %.
-  EXPECT_LT(press(scene("linear"), {}).checks.work, 0.02);
-  EXPECT_LT(press(scene("neo-hookean"), tight()).checks.work, 0.02);
+  // So many depths that the curve between them adds nothing that shows.
+  for (const char* law : {"linear", "neo-hookean"}) {
+    const double work = press(scene(law, kFixed, 0.005, 20), tight()).checks.work;
+    std::printf("%s: work off the stored energy by %.2g\n", law, work);
+    EXPECT_LT(work, 1e-3);
+  }
 }
 
 TEST_F(NodeDetails, ContactOverTheSupportIsNotCompared) {
