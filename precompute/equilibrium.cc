@@ -110,7 +110,8 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
   }
   double enough = options_.update_relative;
   convex_ = false;
-  while (report.newton < options_.newton_max) {
+  while (report.newton < options_.newton_max &&
+         report.gradients < options_.gradients_total) {
     if (!descend(tool, multipliers, state, report) &&
         report.decrement_relative > 100.0 * options_.decrement_relative) {
       report.failure = "no step lowers the energy";
@@ -139,7 +140,9 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
       return report;
     }
   }
-  report.failure = fmt::format("{} Newton steps were not enough", options_.newton_max);
+  report.failure =
+      fmt::format("{} Newton steps of {} conjugate gradients were not enough",
+                  report.newton, report.gradients);
   return report;
 }
 

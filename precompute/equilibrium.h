@@ -25,6 +25,7 @@ struct EquilibriumOptions {
   double gradient_tolerance = 0.3;  ///< [-] of each conjugate-gradient solve
   int newton_max = 60;              ///< steps in all
   int gradients_max = 120;          ///< conjugate gradients per step
+  int gradients_total = 1500;       ///< in all; a usual depth takes 50
 };
 
 struct EquilibriumReport {

@@ -161,8 +161,9 @@ class Press {
     sample.newton += last_.newton;
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
+    gradients_ += last_.gradients;
     if (!last_.converged) {
-      if (depth == options_.bisections_max) {
+      if (depth == options_.bisections_max || gradients_ > options_.gradients_total) {
         return false;
       }
       const double from = reached_ == 0 ? 0.0 : at_m_;
@@ -215,6 +216,7 @@ class Press {
   double at_m_ = 0.0;
   double before_m_ = 0.0;
   int reached_ = 0;
+  int gradients_ = 0;
   EquilibriumReport last_;
   NonlinearIndentation result_;
 };

@@ -38,7 +38,8 @@ struct NonlinearOptions {
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
-  int bisections_max = 4;  ///< of a step that fails
+  int bisections_max = 4;      ///< of a step that fails
+  int gradients_total = 4000;  ///< conjugate gradients of a press, above which it fails
   EquilibriumOptions equilibrium = {};
 };
 

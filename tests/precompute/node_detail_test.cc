@@ -70,6 +70,8 @@ NonlinearOptions tight() {
   options.equilibrium.decrement_relative = 1e-13;
   options.equilibrium.multiplier_relative = 1e-3;
   options.equilibrium.gradient_tolerance = 1e-4;
+  options.equilibrium.gradients_total = 20000;
+  options.gradients_total = 100000;
   return options;
 }
 
