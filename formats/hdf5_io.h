@@ -11,6 +11,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -377,11 +379,17 @@ class Hdf5Reader {
   template <typename T>
   void read_number(const std::string& object, const char* name, T& value) const;
 
+  // What rows() has checked and opened stays open: readers of chunks come back to it.
+  struct Kept;
+  [[nodiscard]] const Kept& kept(const std::string& path, const char* units,
+                                 Hdf5Type type, std::int64_t columns) const;
+
   QuietHdf5 quiet_;
   std::filesystem::path file_;
   std::int64_t id_ = -1;
   std::uint64_t bytes_ = 0;  // size of the file: nothing in it can be larger
   ContentDigest digest_;
+  mutable std::map<std::string, std::unique_ptr<const Kept>> kept_;
 };
 
 }  // namespace palpate

@@ -4,12 +4,23 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace palpate {
 namespace {
 
+// Most elements turn little and pass at the price of a factor: their negative
+// eigenvalues, those of rotations under pressure, are small, and the others make up for
+// them.
+constexpr double kNegligible = 0.01;  // [-] of the mean diagonal
+
 void clip_negative(ElementMatrix& stiffness) {
+  ElementMatrix shifted = stiffness;
+  shifted.diagonal().array() += kNegligible * stiffness.diagonal().mean();
+  if (Eigen::LLT<ElementMatrix>(shifted).info() == Eigen::Success) {
+    return;
+  }
   const Eigen::SelfAdjointEigenSolver<ElementMatrix> eigen(stiffness);
   if (eigen.eigenvalues()[0] < 0.0) {
     stiffness = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *

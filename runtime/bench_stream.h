@@ -18,7 +18,7 @@ struct StreamBenchOptions {
   double seconds = 10.0;           ///< [s] > 0 of each run
   double speed_m_per_s = 1.0;      ///< [m/s] >= 0
   double slow_hz = 100.0;          ///< [Hz] > 0
-  std::size_t budget_bytes = 32 * kMebibyte;
+  std::size_t budget_bytes = 48 * kMebibyte;
 };
 
 struct StreamBenchRow {

@@ -22,7 +22,7 @@ constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
 struct CacheOptions {
   std::string tool = {};                      ///< empty: the only one
-  std::size_t budget_bytes = 32 * kMebibyte;  ///< of chunks and pieces in memory
+  std::size_t budget_bytes = 48 * kMebibyte;  ///< of chunks and pieces in memory
   double horizon_s = 0.1;    ///< [s] [0, 10] that is prefetched along the motion
   double force_scale = 1.0;  ///< [-] (0, 1]
 };

@@ -57,7 +57,7 @@ void add_step(CLI::App& bench) {
 void add_stream(CLI::App& bench) {
   struct Flags : StreamBenchOptions {
     bool json = false;
-    double budget_mib = 32.0;
+    double budget_mib = 48.0;
   };
   CLI::App* command = bench.add_subcommand(
       "stream", "memory and starved updates of a body that stays in its file");

@@ -28,7 +28,7 @@ struct Flags {
   std::string model = "element";
   std::string clock = "simulated";
   std::string stream = "auto";
-  double stream_budget_mib = 32.0;
+  double stream_budget_mib = 48.0;
   std::vector<double> at_m;
   bool json = false;
   SimulationOptions options;

@@ -54,10 +54,11 @@ std::size_t chunk_bytes(const DatabaseIndex& index, std::size_t tool,
 }
 
 std::size_t piece_bytes(const DatabaseIndex& index, std::int64_t chunk) {
-  // Rows of SurfacePiece and SurfaceSearch; per triangle also an edge and a half in
-  // the tree that finds neighbours, and boxes in a vector that doubles.
+  // Rows of SurfacePiece and SurfaceSearch; per triangle also the three sides in the
+  // list that finds neighbours, and boxes in a vector that doubles.
   constexpr std::size_t kPerNode = 3 * 8 + 1 + 2 * 4;
-  constexpr std::size_t kPerTriangle = 2 * (3 * 4 + 4) + 3 * 4 + 4 + 48 + 3 * 4 + 240;
+  constexpr std::size_t kPerTriangle =
+      2 * (3 * 4 + 4) + 3 * 4 + 4 + 3 * 8 + 3 * 4 + 240;
   constexpr std::size_t kFixed = 256;
   const auto k = static_cast<std::size_t>(chunk);
   return kFixed +

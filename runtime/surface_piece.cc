@@ -88,9 +88,17 @@ void SurfacePiece::find_surrounded() {
     if (has_complete(k) || !box.intersects(whole)) {
       continue;
     }
-    for (Eigen::Index i = 0; i < mesh_.position_m.rows(); ++i) {
-      if (box.contains(Eigen::Vector3d(mesh_.position_m.row(i).transpose()))) {
-        surrounded_[static_cast<std::size_t>(i)] = 0;
+    std::size_t part = 0;
+    for (const auto& [own, chunk] : chunks_) {
+      const Eigen::Index begin = part_begin_[part];
+      const Eigen::Index end = part_begin_[++part];
+      if (!box.intersects(chunk_box(index_, own))) {
+        continue;
+      }
+      for (Eigen::Index i = begin; i < end; ++i) {
+        if (box.contains(Eigen::Vector3d(mesh_.position_m.row(i).transpose()))) {
+          surrounded_[static_cast<std::size_t>(i)] = 0;
+        }
       }
     }
   }
