@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <numeric>
 #include <utility>
 
@@ -87,7 +86,9 @@ Triangles triangle_neighbours(const Triangles& triangle) {
   struct Side {
     std::int32_t upper = 0;
     std::int32_t place = 0;  // 3 t + j
-    auto operator<=>(const Side&) const = default;
+    bool operator<(const Side& other) const {
+      return std::pair(upper, place) < std::pair(other.upper, other.place);
+    }
   };
   Triangles neighbour = Triangles::Constant(triangle.rows(), 3, -1);
   if (triangle.rows() == 0) {
