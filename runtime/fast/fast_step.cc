@@ -17,7 +17,8 @@ bool passive(LocalModel model) {
 SafetyLimits safety_limits(const FastConfig& config) {
   return {config.force_max_n, config.slew_max_n_per_s,
           passive(config.model) ? config.energy_floor_j
-                                : std::numeric_limits<double>::infinity()};
+                                : std::numeric_limits<double>::infinity(),
+          config.ramp_s};
 }
 
 double scalar_depth_m(const FastState& state, const Eigen::Vector3d& x_m) {
@@ -94,6 +95,9 @@ const char* check(const FastConfig& config) noexcept {
   }
   if (!(config.recovery_m_per_s >= 0.0) || !std::isfinite(config.recovery_m_per_s)) {
     return "recovery speed must be finite and not negative";
+  }
+  if (!(config.ramp_s >= 0.0) || !std::isfinite(config.ramp_s)) {
+    return "start-up ramp must be finite and not negative";
   }
   return nullptr;
 }

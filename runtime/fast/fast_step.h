@@ -33,6 +33,7 @@ struct FastConfig {
   double slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf]
   double energy_floor_j = 0.01;      ///< [J] (0, inf] what clamping may create
   double recovery_m_per_s = 0.01;    ///< [m/s] [0, inf) how fast delta_0 is bled back
+  double ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
 };
 
 /// Null if the configuration is valid, else what is wrong with it, one line.

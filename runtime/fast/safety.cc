@@ -16,6 +16,12 @@ Eigen::Vector3d clamp_length(const Eigen::Vector3d& v, double length_max) {
   return length > length_max ? Eigen::Vector3d(v * (length_max / length)) : v;
 }
 
+// Largest force that may leave [N]: all of it after the start-up ramp.
+double force_allowed_n(const SafetyLimits& limits, double age_s) {
+  return age_s < limits.ramp_s ? limits.force_max_n * (age_s / limits.ramp_s)
+                               : limits.force_max_n;
+}
+
 bool account_holds(const PassivityLedger& ledger, const SafetyState& state,
                    double floor_j) {
   const double tolerance =
@@ -27,9 +33,9 @@ bool account_holds(const PassivityLedger& ledger, const SafetyState& state,
 }  // namespace
 
 std::string_view name(Fault fault) noexcept {
-  constexpr std::array<std::string_view, 7> kNames{
+  constexpr std::array<std::string_view, 8> kNames{
       "none",         "not-finite",  "time-step", "energy",
-      "slow-stalled", "device-lost", "deadlines"};
+      "slow-stalled", "device-lost", "deadlines", "device-silent"};
   const auto i = static_cast<std::size_t>(fault);
   return i < kNames.size() ? kNames[i] : "unknown";
 }
@@ -58,7 +64,9 @@ Eigen::Vector3d make_safe(SafetyState& state, const SafetyLimits& limits,
     return state.force_n;
   }
   state.model_n = wanted_n;
-  const Eigen::Vector3d clamped = clamp_length(wanted_n, limits.force_max_n);
+  state.age_s += dt_s;
+  const Eigen::Vector3d clamped =
+      clamp_length(wanted_n, force_allowed_n(limits, state.age_s));
   // An infinite slew limit and dt 0 would be NaN; no time, no change.
   const double change_max = dt_s > 0.0 ? limits.slew_max_n_per_s * dt_s : 0.0;
   state.force_n += clamp_length(clamped - state.force_n, change_max);

@@ -13,28 +13,31 @@ namespace palpate {
 /// Why the force is zero for good. Latched: the first one stays.
 enum class Fault : std::uint8_t {
   kNone = 0,
-  kNotFinite = 1,    ///< a position, a response or a force was NaN or infinite
-  kTimeStep = 2,     ///< dt negative, NaN or longer than a second
-  kEnergy = 3,       ///< the account does not close, or the output created energy
-  kSlowStalled = 4,  ///< raised outside: no element for too long
-  kDeviceLost = 5,   ///< raised outside: transport failed
-  kDeadlines = 6,    ///< raised outside: a burst of missed deadlines
+  kNotFinite = 1,     ///< a position, a response or a force was NaN or infinite
+  kTimeStep = 2,      ///< dt negative, NaN or longer than a second
+  kEnergy = 3,        ///< the account does not close, or the output created energy
+  kSlowStalled = 4,   ///< raised outside: no element for too long
+  kDeviceLost = 5,    ///< raised outside: transport failed
+  kDeadlines = 6,     ///< raised outside: a burst of missed deadlines
+  kDeviceSilent = 7,  ///< raised outside: no answer of the device for too long
 };
 
 /// "none", "not-finite", "time-step", "energy", "slow-stalled", "device-lost",
-/// "deadlines"; "unknown" for a value that is no Fault.
+/// "deadlines", "device-silent"; "unknown" for a value that is no Fault.
 [[nodiscard]] std::string_view name(Fault fault) noexcept;
 
 struct SafetyLimits {
   double force_max_n = 10.0;         ///< [N] (0, inf] length of the force vector
   double slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf] change of the force vector
   double energy_floor_j = 0.01;  ///< [J] (0, inf] what the clamps' lag may have created
+  double ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
 };
 
 struct SafetyState {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] last that left
   Eigen::Vector3d model_n = Eigen::Vector3d::Zero();  ///< [N] last that was asked for
   double clamp_gain_j = 0.0;  ///< [J] given to the user beyond the model, by clamping
+  double age_s = 0.0;         ///< [s] since the start, as the steps counted it
   Fault fault = Fault::kNone;
 };
 
@@ -42,11 +45,12 @@ struct SafetyState {
 void raise_fault(SafetyState& state, Fault fault) noexcept;
 
 /// In order: finite check, force clamp (whole vector, direction kept), slew clamp,
-/// energy check. The energy check holds the ledger's identity to rounding, and
-/// work - clamp_gain >= -energy_floor, where clamp_gain is the sum of
-/// (force that left - force of the model) . (movement of the tool after it). An
-/// infinite energy_floor omits the energy check, as the holds need, which create
-/// energy.
+/// energy check. From the start the clamp rises in proportion to time, to force_max_n
+/// after ramp_s: a tool that starts inside a body is not thrown out. The energy check
+/// holds the ledger's identity to rounding, and work - clamp_gain >= -energy_floor,
+/// where clamp_gain is the sum of (force that left - force of the model) . (movement of
+/// the tool after it). An infinite energy_floor omits the energy check, as the holds
+/// need, which create energy.
 /// @param wanted_n [N] the local model's force.
 /// @param moved_m  [m] movement of the tool since the last call.
 /// @param dt_s     [s] >= 0 since the last call; 0 leaves the force as it was.

@@ -1,0 +1,57 @@
+// A second process whose only work is to put a device to zero force when the first one
+// can no longer do it: killed, crashed, or hanging.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include <sys/types.h>
+
+namespace palpate {
+
+/// Forks in the constructor. The guardian holds a duplicate of the device's descriptor
+/// and waits at the other end of a socket: when the kernel closes this process's end,
+/// whatever the reason (end, exception, SIGKILL, crash), it sends zero force and ends.
+/// When beat() was not called for `silent_s`, it sends zero force, too, and is tripped
+/// for good: a process that hangs must not take hold of the device again. It is in a
+/// session of its own and ignores SIGINT, SIGTERM and SIGHUP, so that what ends this
+/// process's group leaves it alive.
+///
+/// Made before threads of this process hold locks that matter: the child calls nothing
+/// but async-signal-safe functions.
+class Guardian {
+ public:
+  /// Puts a device to zero force. Async-signal-safe; called in the guardian process.
+  using ZeroForce = void (*)(int device_descriptor) noexcept;
+
+  /// @param device_descriptor stays open in the guardian after this process has closed
+  /// its own. @param silent_s [s] > 0. @throws DeviceError if there can be no guardian.
+  Guardian(int device_descriptor, ZeroForce zero_force, double silent_s);
+
+  /// The guardian sends zero force and ends; returns after that.
+  ~Guardian();
+  Guardian(const Guardian&) = delete;
+  Guardian& operator=(const Guardian&) = delete;
+
+  /// The fast loop lives: to be called at every tick. From the first call on silence
+  /// counts. False if the guardian has tripped or is gone; the force is then to be
+  /// zero. No lock, one system call that does not wait.
+  [[nodiscard]] bool beat() noexcept;
+
+ private:
+  struct Shared {
+    std::atomic<std::uint64_t> beats{0};
+    std::atomic<bool> tripped{false};
+  };
+  static_assert(std::atomic<std::uint64_t>::is_always_lock_free,
+                "shared between processes");
+
+  [[noreturn]] static void guard(Shared& shared, int lifeline, int device_descriptor,
+                                 ZeroForce zero_force, std::int64_t silent_ns) noexcept;
+
+  Shared* shared_ = nullptr;
+  int lifeline_ = -1;
+  pid_t child_ = -1;
+};
+
+}  // namespace palpate
