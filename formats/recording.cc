@@ -242,6 +242,17 @@ std::vector<Row> Reader::rows(const std::array<Column, kColumns>& columns,
   return table;
 }
 
+// Of two tables that a crash has cut at different times: ticks whose elements are
+// there.
+void leave_whole_ticks(Recording& recording) {
+  const auto arrived = static_cast<std::int64_t>(recording.arrival.size());
+  const auto cut = std::find_if(recording.tick.begin(), recording.tick.end(),
+                                [&](const TickRecord& tick) {
+                                  return tick.arrivals > arrived;
+                                });
+  recording.tick.erase(cut, recording.tick.end());
+}
+
 bool all_finite(const TickRecord& tick) {
   // The position is as measured: what the device said, even if that is no number.
   const std::array<double, 6> numbers{tick.depth_m,      tick.work_j,
@@ -295,6 +306,8 @@ Recording read_recording(const fs::path& file) {
     recording.end = {.ticks_dropped = reader.integer("ticks_dropped"),
                      .arrivals_dropped = reader.integer("arrivals_dropped"),
                      .fault = reader.text("fault")};
+  } else {
+    leave_whole_ticks(recording);
   }
   check(recording, reader);
   return recording;

@@ -29,6 +29,7 @@ enum class TickFlag : std::uint8_t {
 struct TickRecord {
   std::int64_t tick = 0;               ///< counts from 0; a gap: records were dropped
   std::int64_t time_ns = 0;            ///< [ns] of the sample, monotonic clock
+  std::int64_t arrivals = 0;           ///< elements taken in since the start
   std::array<double, 3> position_m{};  ///< [m] tool reference point, as measured
   std::array<double, 3> force_n{};     ///< [N] commanded
   double depth_m = 0.0;                ///< [m] along the response direction
@@ -55,13 +56,13 @@ struct ArrivalRecord {
 
 /// What was rendered, and how: enough to render it again.
 struct RecordingHeader {
-  std::string writer;           ///< tool and version
-  std::string database;         ///< name of the file, without its folder
-  std::string database_sha256;  ///< its content_sha256: the logical content
-  std::string tool;
-  std::string model;   ///< local model
-  std::string clock;   ///< "simulated" or "real"
-  std::string device;  ///< name
+  std::string writer = {};           ///< tool and version
+  std::string database = {};         ///< name of the file, without its folder
+  std::string database_sha256 = {};  ///< its content_sha256: the logical content
+  std::string tool = {};
+  std::string model = {};   ///< local model
+  std::string clock = {};   ///< "simulated" or "real"
+  std::string device = {};  ///< name
   double fast_hz = 0.0;
   double slow_hz = 0.0;
   double force_scale =

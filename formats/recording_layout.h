@@ -33,6 +33,7 @@ inline constexpr const char* kFormat = "palpate-recording";
 inline constexpr std::array kTickColumns{
     Column{"/tick/number", "1", Hdf5Type::kInt64, offsetof(TickRecord, tick), 1},
     Column{"/tick/time_ns", "ns", Hdf5Type::kInt64, offsetof(TickRecord, time_ns), 1},
+    Column{"/tick/arrivals", "1", Hdf5Type::kInt64, offsetof(TickRecord, arrivals), 1},
     Column{"/tick/position_m", "m", Hdf5Type::kFloat64,
            offsetof(TickRecord, position_m), 3},
     Column{"/tick/force_n", "N", Hdf5Type::kFloat64, offsetof(TickRecord, force_n), 3},

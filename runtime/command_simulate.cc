@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "formats/recording.h"
 #include "runtime/simulation.h"
 
 namespace palpate {
@@ -30,6 +31,9 @@ struct Flags {
   std::string stream = "auto";
   double stream_budget_mib = 48.0;
   std::vector<double> at_m;
+  std::string record;
+  std::string flight_recorder;
+  std::string device;
   bool json = false;
   SimulationOptions options;
 };
@@ -44,6 +48,11 @@ std::string known_models() {
 
 SimulationOptions options_of(const Flags& flags) {
   SimulationOptions options = flags.options;
+  options.recording = {.file = flags.record,
+                       .flight_file = flags.flight_recorder,
+                       .database = std::filesystem::path(flags.database).filename(),
+                       .database_sha256 = {}};
+  options.socket = flags.device;
   const auto model = local_model(flags.model);
   if (!model) {
     throw InputError(fmt::format("--model {}: unknown local model; known: {}",
@@ -112,7 +121,12 @@ nlohmann::json as_json(const SimulationReport& report) {
           {"step_p99_ns", r.step_time.percentile_ns(0.99)},
           {"step_p999_ns", r.step_time.percentile_ns(0.999)},
           {"step_max_ns", r.step_time.max_ns()},
+          {"late_reads", r.late_reads},
+          {"slow_failure", r.slow_failure},
           {"scheduling", r.scheduling},
+          {"device", report.device},
+          {"records_dropped", report.records_dropped},
+          {"recording_failure", report.recording_failure},
           {"stream", report.stream ? as_json(*report.stream) : nlohmann::json()},
           {"fault", name(r.fault)},
           {"interrupted", r.interrupted}};
@@ -138,9 +152,13 @@ bool is_streamed(const Flags& flags) {
 void heed_signals() {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
+  std::signal(SIGHUP, request_stop);
 }
 
-SimulationReport render(const Flags& flags, const SimulationOptions& options) {
+SimulationReport render(const Flags& flags, SimulationOptions options) {
+  if (!flags.record.empty() || !flags.flight_recorder.empty()) {
+    options.recording.database_sha256 = database_sha256(flags.database);
+  }
   if (is_streamed(flags)) {
     const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
                                                  static_cast<double>(kMebibyte));
@@ -167,6 +185,12 @@ void run(const Flags& flags) {
   }
   if (report.stream && !report.stream->fault.empty()) {
     throw FormatError(report.stream->fault);
+  }
+  if (report.render.slow_error != nullptr) {
+    std::rethrow_exception(report.render.slow_error);
+  }
+  if (!report.recording_failure.empty()) {
+    throw InputError(report.recording_failure);
   }
   if (report.render.interrupted) {
     throw Interrupted();
@@ -208,6 +232,19 @@ void add_simulate_command(CLI::App& app) {
       ->add_option("--stream-budget", flags->stream_budget_mib,
                    "Memory for streamed responses [MiB]")
       ->capture_default_str();
+  command->add_option("--record", flags->record,
+                      "Record every tick into this file, for replay");
+  command->add_option("--flight-recorder", flags->flight_recorder,
+                      "On a fault, write the last seconds into this file");
+  command->add_option("--device", flags->device,
+                      "Socket of a device's driver instead of the simulated device "
+                      "(runtime/socket_device.h)");
+  command
+      ->add_option("--ramp-s", options.ramp_s,
+                   "Time from the start until the largest force is allowed [s]")
+      ->capture_default_str();
+  command->add_option("--cpu", options.cpu,
+                      "Keep the fast thread on this CPU (--clock real)");
   command->add_flag("--json", flags->json, "Print the report for programs");
   command->callback([flags] {
     run(*flags);

@@ -43,9 +43,11 @@ bool ElementStream::send(std::int32_t triangle, bool active, std::int64_t now_ns
 
 std::size_t ElementStream::update(const ToolState& tool, std::int64_t now_ns,
                                   ElementFifo& fifo) {
+  if (!tool.position_m.allFinite()) {
+    return 0;
+  }
   const bool walk = tool.in_contact && tool.triangle >= 0 &&
-                    tool.triangle < database_.body.triangle.rows() &&
-                    tool.position_m.allFinite();
+                    tool.triangle < database_.body.triangle.rows();
   const std::int32_t active = (walk ? search_.walk(tool.position_m, tool.triangle)
                                     : search_.nearest(tool.position_m))
                                   .triangle;

@@ -15,11 +15,19 @@ double seconds(std::int64_t duration_ns) noexcept {
   return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
 }
 
+std::array<double, 3> as_array(const Eigen::Vector3d& v) noexcept {
+  return {v.x(), v.y(), v.z()};
+}
+
+std::uint8_t bit(TickFlag flag, bool set) noexcept {
+  return set ? static_cast<std::uint8_t>(flag) : std::uint8_t{0};
+}
+
 }  // namespace
 
 FastProcess::FastProcess(const FastProcessConfig& config, Device& device,
-                         RenderExchange& exchange, std::vector<RenderTick>* trace)
-    : config_(config), device_(device), exchange_(exchange), trace_(trace) {
+                         RenderExchange& exchange, const TickOutputs& outputs)
+    : config_(config), device_(device), exchange_(exchange), outputs_(outputs) {
   if (const char* wrong = check(config.fast)) {
     throw InputError(fmt::format("fast step: {}", wrong));
   }
@@ -33,22 +41,32 @@ bool FastProcess::tick(std::int64_t skipped) noexcept {
     first_ns_ = reading.time_ns;
     element_ns_ = reading.time_ns;
   }
-  report_.missed_deadlines += skipped;
-  report_.late_reads += status == DeviceStatus::kLate ? 1 : 0;
-  if (status == DeviceStatus::kLost) {
-    raise_fault(state_, Fault::kDeviceLost);
-  }
-  watch(reading, skipped);
+  watch(reading, status, skipped);
+  const auto raised = static_cast<std::uint8_t>(state_.safety.fault);
   const FastCommand command = timed_step(reading);
   if (device_.write(command.force_n) == DeviceStatus::kLost) {
     raise_fault(state_, Fault::kDeviceLost);
   }
+  record(reading, command, raised);
   account(reading, command);
   publish(reading);
   return report_.fault == Fault::kNone;
 }
 
-void FastProcess::watch(const DeviceReading& reading, std::int64_t skipped) noexcept {
+void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
+                        std::int64_t skipped) noexcept {
+  const bool late = status == DeviceStatus::kLate;
+  report_.missed_deadlines += skipped;
+  report_.late_reads += late ? 1 : 0;
+  silent_ticks_ = late ? silent_ticks_ + 1 + skipped : 0;
+  flags_ = static_cast<std::uint8_t>(bit(TickFlag::kLateRead, late) |
+                                     bit(TickFlag::kSkipped, skipped > 0));
+  if (status == DeviceStatus::kLost) {
+    raise_fault(state_, Fault::kDeviceLost);
+  }
+  if (static_cast<double>(silent_ticks_) > config_.silent_fault_s * config_.rate_hz) {
+    raise_fault(state_, Fault::kDeviceSilent);
+  }
   const double silent_s = seconds(reading.time_ns - element_ns_);
   const bool stalled = silent_s > config_.stall_s;
   report_.slow_stalls += stalled && !stalled_ ? 1 : 0;
@@ -61,13 +79,30 @@ void FastProcess::watch(const DeviceReading& reading, std::int64_t skipped) noex
   }
 }
 
+void FastProcess::take_in(const Element& element) noexcept {
+  accept(state_, element);
+  ++arrivals_;
+  const ArrivalRecord arrival{
+      .tick = report_.ticks,
+      .sequence = static_cast<std::int64_t>(element.sequence),
+      .sent_ns = element.sent_ns,
+      .triangle = element.triangle,
+      .active = element.active ? std::uint8_t{1} : std::uint8_t{0}};
+  if (outputs_.telemetry != nullptr) {
+    static_cast<void>(outputs_.telemetry->arrivals.push(arrival));  // counts its losses
+  }
+  if (outputs_.flight != nullptr) {
+    outputs_.flight->arrivals.add(arrival);
+  }
+}
+
 FastCommand FastProcess::timed_step(const DeviceReading& reading) noexcept {
   const double dt_s = report_.ticks == 0 ? 1.0 / config_.rate_hz
                                          : seconds(reading.time_ns - last_.time_ns);
   MonotonicClock wall;
   const std::int64_t begin_ns = wall.now_ns();
   while (const Element* element = exchange_.elements.front()) {
-    accept(state_, *element);
+    take_in(*element);
     exchange_.elements.pop();
     element_ns_ = reading.time_ns;
   }
@@ -80,7 +115,8 @@ FastCommand FastProcess::timed_step(const DeviceReading& reading) noexcept {
 void FastProcess::account(const DeviceReading& reading,
                           const FastCommand& command) noexcept {
   RenderReport& r = report_;
-  if (r.ticks > 0) {
+  // A position that is no number is a fault; the hand felt nothing of it.
+  if (r.ticks > 0 && reading.position_m.allFinite()) {
     const double work_j = -held_n_.dot(reading.position_m - last_.position_m);
     (work_j > 0.0 ? r.energy_in_j : r.energy_out_j) += std::abs(work_j);
   }
@@ -102,12 +138,48 @@ void FastProcess::account(const DeviceReading& reading,
   r.elements_dropped = exchange_.elements.dropped();
   r.fault = state_.safety.fault;
   r.fault_s = r.fault == Fault::kNone ? 0.0 : r.duration_s;
-  if (trace_ != nullptr && trace_->size() < trace_->capacity()) {
-    trace_->push_back({{reading.position_m, reading.time_ns}, command});
+  std::vector<RenderTick>* trace = outputs_.trace;
+  if (trace != nullptr && trace->size() < trace->capacity()) {
+    trace->push_back({{reading.position_m, reading.time_ns}, command});
+  }
+}
+
+void FastProcess::record(const DeviceReading& reading, const FastCommand& command,
+                         std::uint8_t raised) noexcept {
+  if (outputs_.telemetry == nullptr && outputs_.flight == nullptr) {
+    return;
+  }
+  const auto flags =
+      static_cast<std::uint8_t>(flags_ | bit(TickFlag::kContact, command.in_contact) |
+                                bit(TickFlag::kStarved, command.starved) |
+                                bit(TickFlag::kExtrapolated, command.extrapolated));
+  const TickRecord tick{.tick = report_.ticks,
+                        .time_ns = reading.time_ns,
+                        .arrivals = arrivals_,
+                        .position_m = as_array(reading.position_m),
+                        .force_n = as_array(command.force_n),
+                        .depth_m = command.depth_m,
+                        .work_j = state_.ledger.work_j,
+                        .stored_j = command.stored_j,
+                        .tank_j = command.tank_j,
+                        .dissipated_j = command.dissipated_j,
+                        .relaxed_shift_m = command.relaxed_shift_m,
+                        .triangle = contact(state_).triangle,
+                        .flags = flags,
+                        .raised = raised,
+                        .fault = command.fault};
+  if (outputs_.telemetry != nullptr) {
+    static_cast<void>(outputs_.telemetry->ticks.push(tick));  // counts its losses
+  }
+  if (outputs_.flight != nullptr) {
+    outputs_.flight->ticks.add(tick);
   }
 }
 
 void FastProcess::publish(const DeviceReading& reading) noexcept {
+  if (!reading.position_m.allFinite()) {
+    return;
+  }
   const FastContact at = contact(state_);
   exchange_.tool.write({.sequence = static_cast<std::uint64_t>(report_.ticks),
                         .time_ns = reading.time_ns,

@@ -17,9 +17,24 @@ std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
+std::string pin(int cpu, bool& pinned) {
+  if (cpu < 0) {
+    return ", on any CPU";
+  }
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  if (cpu < CPU_SETSIZE) {
+    CPU_SET(static_cast<std::size_t>(cpu), &cpus);
+  }
+  const int error = pthread_setaffinity_np(pthread_self(), sizeof cpus, &cpus);
+  pinned = error == 0;
+  return pinned ? fmt::format(", on CPU {}", cpu)
+                : fmt::format(", not kept on CPU {} ({})", cpu, reason(error));
+}
+
 }  // namespace
 
-RealTimeGrant request_real_time() {
+RealTimeGrant request_real_time(int cpu) {
   RealTimeGrant grant;
   const sched_param priority{.sched_priority = kPriority};
   const int scheduling = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
@@ -38,6 +53,7 @@ RealTimeGrant request_real_time() {
                             ", memory not locked ({}; allow it with a memlock "
                             "limit or CAP_IPC_LOCK)",
                             reason(locking));
+  grant.remark += pin(cpu, grant.pinned);
   return grant;
 }
 

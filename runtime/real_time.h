@@ -8,11 +8,13 @@ namespace palpate {
 struct RealTimeGrant {
   bool fifo_scheduling = false;  ///< the calling thread runs under SCHED_FIFO
   bool memory_locked = false;    ///< no page of the process can be swapped out
+  bool pinned = false;           ///< the calling thread stays on the CPU asked for
   std::string remark;            ///< one line: what was granted, what was not and why
 };
 
-/// Asks SCHED_FIFO for the calling thread and locks the process's memory. What is not
-/// permitted is left as it is and named; never throws.
-[[nodiscard]] RealTimeGrant request_real_time();
+/// Asks SCHED_FIFO for the calling thread, locks the process's memory, and keeps the
+/// thread on `cpu`; -1 leaves it free. What is not permitted is left as it is and
+/// named.
+[[nodiscard]] RealTimeGrant request_real_time(int cpu = -1);
 
 }  // namespace palpate

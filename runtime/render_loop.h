@@ -8,6 +8,7 @@
 #include "runtime/device.h"
 #include "runtime/element_sender.h"
 #include "runtime/fast_process.h"
+#include "runtime/recorder.h"
 #include "runtime/render_report.h"
 
 namespace palpate {
@@ -16,6 +17,7 @@ struct RenderConfig {
   FastProcessConfig fast;
   double slow_hz = 100.0;    ///< [Hz] > 0, at most the fast rate
   double duration_s = 10.0;  ///< [s] > 0
+  int cpu = -1;              ///< that the fast thread stays on in real time; -1: any
 };
 
 /// @throws InputError naming the value that is out of range.
@@ -27,7 +29,13 @@ struct RenderSetup {
   ElementSender& stream;
   const std::atomic<bool>& stop;             ///< set: the run ends at the next tick
   std::vector<RenderTick>* trace = nullptr;  ///< filled up to its capacity
+  Recorder* recorder = nullptr;              ///< records the run
+  FlightLog* flight = nullptr;               ///< keeps the last ticks
 };
+
+/// In both, a slow process that throws ends, and report.slow_failure says why: the fast
+/// one goes on with the elements that it has, until its watch on the slow process
+/// raises the fault slow-stalled (in contact, after stall_fault_s).
 
 /// Both processes take turns in the calling thread, by `clock`: with a SimulatedClock
 /// the same input gives the same bits. Ends after duration_s, by `stop` or by a fault;

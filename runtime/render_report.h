@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,9 @@ struct RenderReport {
   Fault fault = Fault::kNone;
   double fault_s = 0.0;  ///< [s] from the start
   bool interrupted = false;
-  std::string scheduling;  ///< what the system granted; empty in simulated time
+  std::exception_ptr slow_error;  ///< what ended the slow process early; null: nothing
+  std::string slow_failure;       ///< its message; the fast process went on without
+  std::string scheduling;         ///< what the system granted; empty in simulated time
 
   [[nodiscard]] double net_energy_j() const noexcept {
     return energy_in_j - energy_out_j;

@@ -9,7 +9,10 @@
 
 #include "formats/error.h"
 #include "runtime/hand_place.h"
+#include "runtime/recorder.h"
 #include "runtime/render_loop.h"
+#include "runtime/replay.h"
+#include "runtime/socket_device.h"
 #include "runtime/streamed_place.h"
 
 namespace palpate {
@@ -20,11 +23,13 @@ RenderConfig render_config(const SimulationOptions& options, const ToolShape& to
   config.fast.fast.model = options.model;
   config.fast.fast.tool_radius_m = tool.radius_m;
   config.fast.fast.force_max_n = options.force_max_n;
+  config.fast.fast.ramp_s = options.ramp_s;
   config.fast.rate_hz = options.fast_hz;
   config.fast.stall_s = 5.0 / options.slow_hz;
   config.fast.stall_fault_s = std::max(0.5, 10.0 / options.slow_hz);
   config.slow_hz = options.slow_hz;
   config.duration_s = options.duration_s;
+  config.cpu = options.cpu;
   check(config);
   return config;
 }
@@ -33,6 +38,9 @@ void check(const SimulationOptions& options, const ToolShape& tool) {
   if (!(options.force_max_n > 0.0) || !std::isfinite(options.force_max_n)) {
     throw InputError(fmt::format("largest force is {} N, must be positive and finite",
                                  options.force_max_n));
+  }
+  if (!options.socket.empty() && !options.real_time) {
+    throw InputError("a device at a socket lives in real time, not in simulated time");
   }
   if (tool.kind != "sphere") {
     throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
@@ -70,6 +78,36 @@ struct PressedBody {
       stream;
 };
 
+// Renders, and records what is wanted of it.
+void render(const RenderConfig& config, RenderSetup setup, Clock& clock,
+            SimulationReport& report) {
+  const SimulationOptions& options = report.options;
+  const RecordingRequest& wanted = options.recording;
+  const RecordingHeader header =
+      recording_header(report, config.fast, setup.device.limits(), wanted);
+  std::unique_ptr<Recorder> recorder;
+  if (!wanted.file.empty()) {
+    recorder = std::make_unique<Recorder>(wanted.file, header);
+    setup.recorder = recorder.get();
+  }
+  std::unique_ptr<FlightLog> flight;
+  if (!wanted.flight_file.empty()) {
+    flight = std::make_unique<FlightLog>();
+    setup.flight = flight.get();
+  }
+  report.render = options.real_time ? render_in_real_time(config, setup)
+                                    : render_in_turns(config, setup, clock);
+  const std::string_view fault = name(report.render.fault);
+  if (recorder != nullptr) {
+    recorder->finish(fault);
+    report.records_dropped = recorder->dropped();
+    report.recording_failure = recorder->failure();
+  }
+  if (flight != nullptr && report.render.fault != Fault::kNone) {
+    write_flight_log(wanted.flight_file, header, *flight, fault);
+  }
+}
+
 // @param sender who sent the elements, for the caller's account of it.
 SimulationReport run(const PressedBody& body, const SimulationOptions& options,
                      const std::atomic<bool>& stop,
@@ -86,8 +124,14 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
   MonotonicClock monotonic;
   SimulatedClock simulated;
   Clock& clock = options.real_time ? static_cast<Clock&>(monotonic) : simulated;
+  std::unique_ptr<Device> device;
+  if (!options.socket.empty()) {
+    device = std::make_unique<SocketDevice>(options.socket);
+  }
   const DeviceLimits limits =
-      SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
+      device != nullptr
+          ? device->limits()
+          : SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
   report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
   report.stiffness = body.stiffness;
   if (options.model != LocalModel::kElement) {
@@ -97,12 +141,14 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
   report.force_scale = force_scale(report, limits);
 
   const HandScript script = body.script(report.force_scale, device_config.hand_n_per_m);
-  SimulatedDevice device(device_config, script, clock,
-                         {.position_m = script.at(0.0).position_m});
-  sender = body.stream(report.force_scale, script.at(0.0).position_m);
-  const RenderSetup setup{.device = device, .stream = *sender, .stop = stop};
-  report.render = options.real_time ? render_in_real_time(config, setup)
-                                    : render_in_turns(config, setup, clock);
+  const Eigen::Vector3d start_m = script.at(0.0).position_m;
+  if (device == nullptr) {
+    device = std::make_unique<SimulatedDevice>(device_config, script, clock,
+                                               SimulatedMotion{.position_m = start_m});
+  }
+  report.device = device->name();
+  sender = body.stream(report.force_scale, start_m);
+  render(config, {.device = *device, .stream = *sender, .stop = stop}, clock, report);
   return report;
 }
 

@@ -17,22 +17,36 @@
 
 namespace palpate {
 
+/// Where a run is recorded, and what the recording says of its database.
+struct RecordingRequest {
+  std::filesystem::path file = {};  ///< empty: not recorded
+  std::filesystem::path flight_file =
+      {};                            ///< the last seconds before a fault; empty: none
+  std::string database = {};         ///< name of the file, without its folder
+  std::string database_sha256 = {};  ///< of its content
+};
+
 struct SimulationOptions {
   std::string tool;  ///< empty: the only one
   LocalModel model = LocalModel::kElement;
-  double duration_s = 10.0;             ///< [s] > 0
-  double fast_hz = 2000.0;              ///< [Hz] > 0
-  double slow_hz = 100.0;               ///< [Hz] > 0
-  double force_max_n = 8.0;             ///< [N] > 0
+  double duration_s = 10.0;  ///< [s] > 0
+  double fast_hz = 2000.0;   ///< [Hz] > 0
+  double slow_hz = 100.0;    ///< [Hz] > 0
+  double force_max_n = 8.0;  ///< [N] > 0
+  double ramp_s = 0.1;       ///< [s] >= 0 from the start until force_max_n is allowed
+  int cpu = -1;              ///< for the fast thread in real time; -1: any
   std::optional<Eigen::Vector3d> at_m;  ///< [m] where to press
   bool real_time = false;
   bool limit_stiffness = false;  ///< scale forces to what the device can render
   SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run
+  std::filesystem::path socket;  ///< a driver's instead of the simulated device
+  RecordingRequest recording;
 };
 
 struct SimulationReport {
   SimulationOptions options;
   std::string tool;
+  std::string device;      ///< name
   std::int32_t node = -1;  ///< pressed
   RenderedStiffness stiffness;
   StabilityBounds bounds;
@@ -40,6 +54,8 @@ struct SimulationReport {
   double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
   ResampleLoss resample_loss;
   std::optional<StreamReport> stream;  ///< of a body that was streamed
+  std::uint64_t records_dropped = 0;   ///< by the recorder
+  std::string recording_failure;       ///< why the recording ended early
   RenderReport render;
 };
 

@@ -96,6 +96,24 @@ std::string stream_lines(const StreamReport& s) {
   return text;
 }
 
+std::string trouble_lines(const SimulationReport& report) {
+  std::string text;
+  if (!report.render.slow_failure.empty()) {
+    text += line("SLOW PROCESS",
+                 fmt::format("ended early: {}; the fast process went on with the "
+                             "elements that it had",
+                             report.render.slow_failure));
+  }
+  if (report.records_dropped > 0) {
+    text += line("RECORDING", fmt::format("{} records dropped, the recorder was late",
+                                          report.records_dropped));
+  }
+  if (!report.recording_failure.empty()) {
+    text += line("RECORDING", "ended early: " + report.recording_failure);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string summary(const SimulationReport& report) {
@@ -125,6 +143,7 @@ std::string summary(const SimulationReport& report) {
   if (report.stream) {
     text += stream_lines(*report.stream);
   }
+  text += trouble_lines(report);
   if (r.fault != Fault::kNone) {
     text += line("FAULT", fmt::format("{} after {:.4g} s; force set to zero",
                                       name(r.fault), r.fault_s));
