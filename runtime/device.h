@@ -1,4 +1,23 @@
 // A haptic device: where the tool is, and the force on the hand that holds it.
+//
+// Who puts the force to zero:
+//
+// Any device: close(), at the end of a run, after SIGINT, SIGTERM or SIGHUP, after a
+// latched fault, and when an exception passes by.
+//
+// Simulated: it lives in this process. Killed, crashed or hanging, it pushes nobody.
+//
+// Socket, a driver in a process of its own (socket_device.h): after SIGKILL or a crash
+// a guardian process (guardian.h), as soon as the kernel closes this process's end;
+// when the fast thread hangs, the guardian after its patience, and for good. If the
+// guardian is killed, the renderer stops; if both are, the driver sees the end of its
+// socket.
+//
+// USB (usb_devices.h lists them, none is driven yet): a driver has to hand its
+// descriptor to a Guardian in open(). Nothing that we know of says that their firmware
+// drops the force when the host falls silent.
+//
+// Against a power failure of the computer only a watchdog in the device itself helps.
 #pragma once
 
 #include <cstdint>

@@ -55,12 +55,14 @@ double force_scale(const SimulationReport& report, const DeviceLimits& limits) {
   if (reason.empty()) {
     return 1.0;
   }
-  if (!report.options.limit_stiffness) {
-    throw InputError(fmt::format(
-        "the device cannot render this: {}; --limit-stiffness scales it", reason));
-  }
   const double scale =
       report.bounds.renderable_n_per_m() / report.stiffness.largest_n_per_m();
+  if (!report.options.limit_stiffness) {
+    throw InputError(
+        fmt::format("the device cannot render this: {}; --limit-stiffness scales "
+                    "forces by {:.3g}",
+                    reason, scale));
+  }
   if (!(scale > 0.0)) {
     throw InputError(fmt::format("no scale makes this renderable: {}", reason));
   }

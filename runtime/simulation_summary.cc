@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "runtime/simulation.h"
@@ -9,14 +7,6 @@ namespace {
 
 std::string line(const char* label, const std::string& text) {
   return fmt::format("{:<20}{}\n", label, text);
-}
-
-std::string bound(double stiffness_n_per_m, double k_n_per_m) {
-  if (std::isinf(stiffness_n_per_m)) {
-    return "no bound";
-  }
-  return fmt::format("{:.4g} N/m, {:.3g} times", stiffness_n_per_m,
-                     stiffness_n_per_m / k_n_per_m);
 }
 
 std::string margin_lines(const SimulationReport& report) {
@@ -32,13 +22,14 @@ std::string margin_lines(const SimulationReport& report) {
                                     "render",
                                     report.force_scale));
   }
-  const StabilityBounds& b = report.bounds;
-  text += line("margin",
-               fmt::format("passive B > 2TJ: {} ({})", bound(b.passivity_n_per_m, k),
-                           b.passivity_n_per_m > k ? "held" : "not held"));
-  text += line("", fmt::format("sampling: {}; delay: {}; position step: {}",
-                               bound(b.sampling_n_per_m, k), bound(b.delay_n_per_m, k),
-                               bound(b.quantisation_n_per_m, k)));
+  const std::string table = margin_table(report.bounds, k);
+  std::string label = "margin";
+  for (std::size_t begin = 0; begin < table.size();) {
+    const std::size_t end = table.find('\n', begin);
+    text += line(label.c_str(), table.substr(begin, end - begin));
+    label.clear();
+    begin = end + 1;
+  }
   return text;
 }
 

@@ -48,6 +48,30 @@ StabilityBounds stability_bounds(const DeviceLimits& device, double hold_s) {
                                       : std::numeric_limits<double>::infinity()};
 }
 
+std::string margin_table(const StabilityBounds& bounds, double k_n_per_m) {
+  struct Row {
+    const char* bound;
+    double allowed_n_per_m;
+    bool demanded;
+  };
+  std::string text =
+      fmt::format("{:<44}{:>12}{:>10}  verdict\n", "bound", "K [N/m]", "margin");
+  for (const Row& row :
+       {Row{"Mahvash & Hayward (8), B > 2 T J", bounds.passivity_n_per_m, false},
+        Row{"Colgate & Schenkel, b > K T / 2", bounds.sampling_n_per_m, true},
+        Row{"Diolaiti et al., b >= K (T/2 + T_delay)", bounds.delay_n_per_m, true},
+        Row{"Abbott & Okamura, K <= 2 f_c / step", bounds.quantisation_n_per_m,
+            true}}) {
+    const bool held = k_n_per_m <= row.allowed_n_per_m;
+    text += fmt::format("{:<44}{:>12.4g}{:>10.3g}  {}\n", row.bound,
+                        row.allowed_n_per_m, row.allowed_n_per_m / k_n_per_m,
+                        held           ? "held"
+                        : row.demanded ? "BROKEN"
+                                       : "not held, sufficient only");
+  }
+  return text;
+}
+
 std::string why_not_renderable(const RenderedStiffness& stiffness,
                                const StabilityBounds& bounds,
                                const DeviceLimits& device, double hold_s) {

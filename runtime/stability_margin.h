@@ -42,6 +42,11 @@ struct StabilityBounds {
 [[nodiscard]] StabilityBounds stability_bounds(const DeviceLimits& device,
                                                double hold_s);
 
+/// The bounds as a table for people: what each allows, how many times the stiffness
+/// that is rendered, and whether it holds. @param k_n_per_m [N/m] > 0 after any
+/// scaling.
+[[nodiscard]] std::string margin_table(const StabilityBounds& bounds, double k_n_per_m);
+
 /// Why the device cannot render that stiffness; empty if it can. One line.
 [[nodiscard]] std::string why_not_renderable(const RenderedStiffness& stiffness,
                                              const StabilityBounds& bounds,

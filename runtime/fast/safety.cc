@@ -1,5 +1,6 @@
 #include "runtime/fast/safety.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -50,9 +51,11 @@ Eigen::Vector3d make_safe(SafetyState& state, const SafetyLimits& limits,
                           const PassivityLedger& ledger,
                           const Eigen::Vector3d& wanted_n,
                           const Eigen::Vector3d& moved_m, double dt_s) noexcept {
-  state.clamp_gain_j += (state.force_n - state.model_n).dot(moved_m);
-  if (!wanted_n.allFinite() || !std::isfinite(state.clamp_gain_j)) {
+  const double gain_j = (state.force_n - state.model_n).dot(moved_m);
+  if (!wanted_n.allFinite() || !std::isfinite(gain_j)) {
     raise_fault(state, Fault::kNotFinite);
+  } else {
+    state.clamp_gain_j = std::max(0.0, state.clamp_gain_j + gain_j);
   }
   if (state.fault == Fault::kNone && std::isfinite(limits.energy_floor_j) &&
       !account_holds(ledger, state, limits.energy_floor_j)) {

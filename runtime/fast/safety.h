@@ -36,7 +36,7 @@ struct SafetyLimits {
 struct SafetyState {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] last that left
   Eigen::Vector3d model_n = Eigen::Vector3d::Zero();  ///< [N] last that was asked for
-  double clamp_gain_j = 0.0;  ///< [J] given to the user beyond the model, by clamping
+  double clamp_gain_j = 0.0;  ///< [J] >= 0 given to the user beyond the model
   double age_s = 0.0;         ///< [s] since the start, as the steps counted it
   Fault fault = Fault::kNone;
 };
@@ -48,7 +48,8 @@ void raise_fault(SafetyState& state, Fault fault) noexcept;
 /// energy check. From the start the clamp rises in proportion to time, to force_max_n
 /// after ramp_s: a tool that starts inside a body is not thrown out. The energy check
 /// holds the ledger's identity to rounding, and work - clamp_gain >= -energy_floor,
-/// where clamp_gain is the sum of (force that left - force of the model) . (movement of
+/// where clamp_gain is the sum, never below zero (what the clamps took is not lent), of
+/// (force that left - force of the model) . (movement of
 /// the tool after it). An infinite energy_floor omits the energy check, as the holds
 /// need, which create energy.
 /// @param wanted_n [N] the local model's force.

@@ -65,12 +65,50 @@ TEST(Safety, EnergyThatASlewLagCreatesIsAFault) {
   EXPECT_NEAR(ticks, 14, 1);
 }
 
+TEST(Safety, WhatTheClampsTookIsNotLent) {
+  // A glitch of the sensor: deep inside for one tick, at a force that is clamped, and
+  // out again. The user lost energy on the way out, which pays for nothing later.
+  SafetyState state;
+  const SafetyLimits limits{.force_max_n = 1.0, .slew_max_n_per_s = kInf};
+  (void)make_safe(state, limits, {}, {0.0, 0.0, 400.0}, {0.0, 0.0, -1.0}, kTickS);
+  (void)make_safe(state, limits, {}, kStill, {0.0, 0.0, 1.0}, kTickS);
+  EXPECT_EQ(state.clamp_gain_j, 0.0);
+  EXPECT_EQ(state.fault, Fault::kNone);
+}
+
+TEST(Safety, ClampThatHoldsWhilePressingAndReleasingGainsNothing) {
+  SafetyState state;
+  const SafetyLimits limits{.force_max_n = 1.0, .slew_max_n_per_s = kInf};
+  double largest = 0.0;
+  for (const double way : {-1e-4, 1e-4}) {
+    for (int n = 0; n < 50; ++n) {  // 3 N of the model, 5 mm in, 5 mm out
+      (void)make_safe(state, limits, {}, {0.0, 0.0, 3.0}, {0.0, 0.0, way}, kTickS);
+      largest = std::max(largest, state.clamp_gain_j);
+    }
+  }
+  EXPECT_NEAR(largest, 2.0 * 49e-4, 1e-12);  // below the floor of 10 mJ
+  EXPECT_EQ(state.fault, Fault::kNone);
+  EXPECT_LE(state.clamp_gain_j, 1e-12);
+}
+
+TEST(Safety, RampRaisesTheClampFromZeroInProportionToTime) {
+  SafetyState state;
+  const SafetyLimits limits{
+      .force_max_n = 4.0, .slew_max_n_per_s = kInf, .ramp_s = 0.01};
+  for (int n = 1; n <= 20; ++n) {
+    const Eigen::Vector3d f =
+        make_safe(state, limits, {}, {0.0, 0.0, 3.0}, kStill, kTickS);
+    EXPECT_NEAR(f.z(), std::min(3.0, 0.4 * n), 1e-12) << n;
+  }
+}
+
 TEST(Safety, FirstFaultStays) {
   SafetyState state;
   raise_fault(state, Fault::kDeadlines);
   raise_fault(state, Fault::kNotFinite);
   EXPECT_EQ(state.fault, Fault::kDeadlines);
   EXPECT_EQ(name(state.fault), "deadlines");
+  EXPECT_EQ(name(Fault::kDeviceSilent), "device-silent");
   EXPECT_EQ(name(Fault{200}), "unknown");
 }
 

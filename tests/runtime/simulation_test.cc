@@ -62,12 +62,15 @@ TEST(Simulation, RefusesWhatTheDeviceCannotRenderAndScalesItOnRequest) {
   EXPECT_NE(refusal(database, o).find("exceeds 400 N/m, what a damping of 0.1"),
             std::string::npos)
       << refusal(database, o);
+  EXPECT_NE(refusal(database, o).find("--limit-stiffness scales forces by 0."),
+            std::string::npos);
   o.limit_stiffness = true;
   const std::atomic<bool> stop = false;
   const SimulationReport report = simulate(database, o, stop);
   EXPECT_NEAR(report.force_scale * report.stiffness.largest_n_per_m(), 400.0, 1e-9);
   EXPECT_EQ(report.render.fault, Fault::kNone);
   EXPECT_NE(summary(report).find("forces scaled by"), std::string::npos);
+  EXPECT_NE(summary(report).find("Diolaiti"), std::string::npos);
 }
 
 TEST(Simulation, HoldsForcesForTheSlowPeriodWhereTheModelDoes) {

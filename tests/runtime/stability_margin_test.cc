@@ -46,6 +46,24 @@ TEST(RenderedStiffness, IsTheLargestSlopeAndTheFrictionSpringAtTheLargestForce) 
   EXPECT_EQ(stiffness.largest_n_per_m(), stiffness.friction_n_per_m);
 }
 
+TEST(MarginTable, GivesAVerdictOnEveryBound) {
+  const StabilityBounds bounds = stability_bounds(kDevice, 1e-3);
+  const std::string table = margin_table(bounds, 500.0);
+  const auto row = [&](const std::string& bound) {
+    const std::size_t begin = table.find(bound);
+    return begin == std::string::npos
+               ? ""
+               : table.substr(begin, table.find('\n', begin) - begin);
+  };
+  EXPECT_NE(row("(8), B > 2 T J").find("250       0.5  not held, sufficient only"),
+            std::string::npos)
+      << table;
+  EXPECT_NE(row("Colgate").find("1000         2  held"), std::string::npos) << table;
+  EXPECT_NE(row("Diolaiti").find("333.3     0.667  BROKEN"), std::string::npos);
+  EXPECT_NE(row("Abbott").find("4000         8  held"), std::string::npos);
+  EXPECT_NE(margin_table(bounds, 200.0).find("1.25  held"), std::string::npos);
+}
+
 TEST(WhyNotRenderable, NamesTheBoundThatIsBroken) {
   const StabilityBounds bounds = stability_bounds(kDevice, 1e-3);
   EXPECT_EQ(

@@ -21,11 +21,14 @@ class FakeDevice : public Device {
   FakeDevice(Clock& clock, Script script) : clock_(clock), script_(std::move(script)) {}
 
   static constexpr std::size_t kNever = static_cast<std::size_t>(-1);
-  std::size_t late_read = kNever;   ///< number of the read that has no answer in time
-  std::size_t lost_read = kNever;   ///< from this read on the device is gone
-  std::size_t lost_write = kNever;  ///< from this write on the device is gone
-  bool absent = false;              ///< cannot be opened
-  std::function<void()> on_write;   ///< called at every write
+  std::size_t late_read = kNever;    ///< number of the read that has no answer in time
+  std::size_t silent_from = kNever;  ///< from this read on no answer is in time
+  std::size_t lost_read = kNever;    ///< from this read on the device is gone
+  std::size_t lost_write = kNever;   ///< from this write on the device is gone
+  bool absent = false;               ///< cannot be opened
+  std::function<void()> on_write;    ///< called at every write
+  /// Called at every read with its number, may change its time [ns].
+  std::function<void(std::size_t, std::int64_t&)> on_read;
 
   [[nodiscard]] std::string name() const override { return "fake"; }
   [[nodiscard]] DeviceLimits limits() const override {
@@ -46,7 +49,10 @@ class FakeDevice : public Device {
       return DeviceStatus::kLost;
     }
     reading.time_ns = clock_.now_ns();
-    if (number == late_read) {
+    if (on_read) {
+      on_read(number, reading.time_ns);
+    }
+    if (number == late_read || number >= silent_from) {
       return DeviceStatus::kLate;
     }
     reading.position_m = script_(static_cast<double>(reading.time_ns - opened_ns_) /
