@@ -219,7 +219,7 @@ std::vector<Row> Reader::rows(const std::array<Column, kColumns>& columns,
     count = std::min(count, rows);
   }
   std::vector<Row> table;
-  std::array<std::byte, kRecordingBlock * 3 * sizeof(double)> packed;
+  std::array<std::byte, kRecordingBlock * 3 * sizeof(double)> packed{};
   for (std::size_t begin = 0; begin < count; begin += kRecordingBlock) {
     const std::size_t block = std::min(kRecordingBlock, count - begin);
     table.resize(begin + block);

@@ -110,13 +110,13 @@ void Guardian::guard(Shared& shared, int lifeline, int device_descriptor,
     pollfd end{.fd = lifeline, .events = POLLIN, .revents = 0};
     const int events = ::ppoll(&end, 1, &patience, nullptr);
     if (events > 0) {
-      zero_force(device_descriptor);
+      zero_force(device_descriptor, true);
       ::_exit(0);
     }
     const std::uint64_t beats = shared.beats.load(std::memory_order_acquire);
     if (events == 0 && beats > 0 && beats == seen) {
       shared.tripped.store(true, std::memory_order_release);
-      zero_force(device_descriptor);
+      zero_force(device_descriptor, false);
     }
     seen = beats;
   }

@@ -21,8 +21,9 @@ namespace palpate {
 /// but async-signal-safe functions.
 class Guardian {
  public:
-  /// Puts a device to zero force. Async-signal-safe; called in the guardian process.
-  using ZeroForce = void (*)(int device_descriptor) noexcept;
+  /// Puts a device to zero force; `last`: the guardian ends after it.
+  /// Async-signal-safe; called in the guardian process.
+  using ZeroForce = void (*)(int device_descriptor, bool last) noexcept;
 
   /// @param device_descriptor stays open in the guardian after this process has closed
   /// its own. @param silent_s [s] > 0. @throws DeviceError if there can be no guardian.

@@ -54,6 +54,8 @@ void Recorder::drain() noexcept {
   } catch (const std::exception& error) {
     failure_ = error.what();
     writer_.reset();  // leaves the partial file
+  } catch (...) {
+    writer_.reset();
   }
 }
 

@@ -33,13 +33,12 @@ struct RenderSetup {
   FlightLog* flight = nullptr;               ///< keeps the last ticks
 };
 
-/// In both, a slow process that throws ends, and report.slow_failure says why: the fast
-/// one goes on with the elements that it has, until its watch on the slow process
-/// raises the fault slow-stalled (in contact, after stall_fault_s).
-
 /// Both processes take turns in the calling thread, by `clock`: with a SimulatedClock
 /// the same input gives the same bits. Ends after duration_s, by `stop` or by a fault;
-/// in any case with zero force. @throws InputError, DeviceError (opening).
+/// in any case with zero force. A slow process that throws ends, and
+/// report.slow_failure says why: the fast one goes on with the elements that it has,
+/// until its watch raises slow-stalled (in contact, after stall_fault_s). @throws
+/// InputError, DeviceError (opening).
 [[nodiscard]] RenderReport render_in_turns(const RenderConfig& config,
                                            const RenderSetup& setup, Clock& clock);
 

@@ -114,7 +114,7 @@ void render(const RenderConfig& config, RenderSetup setup, Clock& clock,
 SimulationReport run(const PressedBody& body, const SimulationOptions& options,
                      const std::atomic<bool>& stop,
                      std::unique_ptr<ElementSender>& sender) {
-  const RenderConfig config = render_config(options, body.tool);
+  RenderConfig config = render_config(options, body.tool);
   SimulationReport report;
   report.options = options;
   report.tool = body.tool.name;
@@ -134,6 +134,7 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
       device != nullptr
           ? device->limits()
           : SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
+  config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
   report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
   report.stiffness = body.stiffness;
   if (options.model != LocalModel::kElement) {

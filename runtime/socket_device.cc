@@ -42,11 +42,19 @@ int connected(const std::filesystem::path& path) {
 }
 
 // Sequence 0 and zero force. A driver that takes nothing for a second is beyond help.
-void send_zero(int descriptor) noexcept {
+// The last one closes our ears and empties them: a socket that is closed with something
+// unread in it makes the other end see an error before it sees what was sent.
+void send_zero(int descriptor, bool last) noexcept {
   const SocketCommand zero{};
   pollfd end{.fd = descriptor, .events = POLLOUT, .revents = 0};
   ::poll(&end, 1, 1000);
   ::send(descriptor, &zero, sizeof zero, MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (last) {
+    ::shutdown(descriptor, SHUT_RD);
+    SocketState unread;
+    while (::recv(descriptor, &unread, sizeof unread, MSG_DONTWAIT) > 0) {
+    }
+  }
 }
 
 bool is_limit(double value) {
@@ -139,8 +147,8 @@ DeviceStatus SocketDevice::write(const Eigen::Vector3d& force_n) noexcept {
 
 void SocketDevice::close() noexcept {
   if (guardian_ != nullptr) {
-    send_zero(descriptor_);
-    guardian_.reset();  // sends it, too
+    send_zero(descriptor_, false);
+    guardian_.reset();  // sends it, too, as the last
   }
 }
 

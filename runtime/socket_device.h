@@ -14,7 +14,8 @@ namespace palpate {
 
 /// The protocol: datagrams in order (SOCK_SEQPACKET), host byte order. The driver
 /// process sends one hello, then a state whenever it has measured one; the renderer
-/// sends commands. A command acts until the next. The driver ends when the socket does.
+/// sends commands. A command acts until the next. The driver ends when the socket does,
+/// and puts the force to zero if the last command did not.
 struct SocketHello {
   std::array<char, 8> magic{'p', 'a', 'l', 'p', 'd', 'e', 'v', '1'};
   double damping_n_s_per_m = 0.0;
@@ -34,8 +35,9 @@ struct SocketCommand {
   std::array<double, 3> force_n{};  ///< [N]
 };
 
-/// Commands beat the guardian's watch; it is forked in open() and sends zero force if
-/// this process dies or writes nothing for `silent_s`. After that write() says kLost.
+/// To be opened once. Commands beat the guardian's watch; it is forked in open() and
+/// sends zero force if this process dies or writes nothing for `silent_s`. After that
+/// write() says kLost.
 class SocketDevice : public Device {
  public:
   /// Connects and waits for the hello, at most 2 s. @throws DeviceError.
