@@ -5,20 +5,28 @@
 #include <atomic>
 #include <cstdint>
 
+#include <pthread.h>
 #include <sys/types.h>
 
 namespace palpate {
 
-/// Forks in the constructor. The guardian holds a duplicate of the device's descriptor
-/// and waits at the other end of a socket: when the kernel closes this process's end,
-/// whatever the reason (end, exception, SIGKILL, crash), it sends zero force and ends.
+/// Forks in the constructor. The guardian holds a duplicate of the device's descriptor.
+/// It sends zero force and ends
+///
+/// - when the thread that called beat() ends, whatever the reason: it holds a robust
+///   mutex that the guardian waits for, and the kernel passes that on before it takes
+///   the process's memory apart, which takes tens of milliseconds where memory is
+///   large;
+/// - when this process's end of a socket between the two is closed, before the first
+///   beat() and as a second string after it.
+///
 /// When beat() was not called for `silent_s`, it sends zero force, too, and is tripped
 /// for good: a process that hangs must not take hold of the device again. It is in a
 /// session of its own and ignores SIGINT, SIGTERM and SIGHUP, so that what ends this
 /// process's group leaves it alive.
 ///
-/// Made before threads of this process hold locks that matter: the child calls nothing
-/// but async-signal-safe functions.
+/// The child calls nothing but async-signal-safe functions and the mutex, so that other
+/// threads may exist when it is forked.
 class Guardian {
  public:
   /// Puts a device to zero force; `last`: the guardian ends after it.
@@ -34,13 +42,14 @@ class Guardian {
   Guardian(const Guardian&) = delete;
   Guardian& operator=(const Guardian&) = delete;
 
-  /// The fast loop lives: to be called at every tick. From the first call on silence
-  /// counts. False if the guardian has tripped or is gone; the force is then to be
-  /// zero. No lock, one system call that does not wait.
+  /// The fast loop lives: to be called at every tick, by one thread. From the first
+  /// call on silence counts. False if the guardian has tripped or is gone; the force is
+  /// then to be zero. No lock, one system call that does not wait.
   [[nodiscard]] bool beat() noexcept;
 
  private:
   struct Shared {
+    pthread_mutex_t held{};  // robust; by the thread that beats
     std::atomic<std::uint64_t> beats{0};
     std::atomic<bool> tripped{false};
   };
@@ -49,8 +58,10 @@ class Guardian {
 
   [[noreturn]] static void guard(Shared& shared, int lifeline, int device_descriptor,
                                  ZeroForce zero_force, std::int64_t silent_ns) noexcept;
+  static bool init(pthread_mutex_t& mutex) noexcept;
 
   Shared* shared_ = nullptr;
+  bool beating_ = false;  // the mutex is held
   int lifeline_ = -1;
   pid_t child_ = -1;
 };

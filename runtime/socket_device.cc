@@ -148,7 +148,8 @@ DeviceStatus SocketDevice::write(const Eigen::Vector3d& force_n) noexcept {
 void SocketDevice::close() noexcept {
   if (guardian_ != nullptr) {
     send_zero(descriptor_, false);
-    guardian_.reset();  // sends it, too, as the last
+    guardian_.reset();  // sends it, too
+    send_zero(descriptor_, true);
   }
 }
 

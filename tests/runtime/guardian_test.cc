@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -44,10 +45,17 @@ struct Command {
 class EmulatedDevice {
  public:
   explicit EmulatedDevice(int descriptor) : descriptor_(descriptor) {
+    // Where permitted as punctual as hardware: it measures when commands come.
+    const sched_param priority{.sched_priority = 90};
+    (void)::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &priority);
     const SocketHello hello{.damping_n_s_per_m = 5.0, .force_max_n = 10.0};
     (void)::send(descriptor_, &hello, sizeof hello, 0);
   }
-  ~EmulatedDevice() { ::close(descriptor_); }
+  ~EmulatedDevice() {
+    const sched_param ordinary{};
+    (void)::sched_setscheduler(0, SCHED_OTHER, &ordinary);
+    ::close(descriptor_);
+  }
   EmulatedDevice(const EmulatedDevice&) = delete;
   EmulatedDevice& operator=(const EmulatedDevice&) = delete;
 
@@ -176,12 +184,15 @@ TEST_F(GuardedRenderer, KilledAtAnyMomentLeavesZeroForce) {
   std::mt19937 generator(11);
   std::uniform_int_distribution<int> more(0, 40);
   std::vector<double> zero_after_s;
-  for (int kill = 0; kill < 20; ++kill) {
+  for (int kill = 0; kill < 12; ++kill) {
     if (kill > 0) {
       SetUp();
     }
     start([&](int descriptor) {
-      return render(descriptor, 60.0);
+      // As a database would be: the kernel needs a while to take it apart.
+      const std::vector<char> memory(std::size_t{64} << 20, 'x');
+      return render(descriptor, 60.0) +
+             (memory[generator() % memory.size()] == 'x' ? 0 : 1);
     });
     ASSERT_TRUE(device->serve_until([&] {
       return device->is_pushed();
@@ -201,9 +212,9 @@ TEST_F(GuardedRenderer, KilledAtAnyMomentLeavesZeroForce) {
   }
   std::sort(zero_after_s.begin(), zero_after_s.end());
   std::printf("zero force after SIGKILL: median %.3g ms, largest %.3g ms\n",
-              zero_after_s[10] * 1e3, zero_after_s.back() * 1e3);
+              zero_after_s[6] * 1e3, zero_after_s.back() * 1e3);
   // The median: a machine under load may keep any one waiting.
-  EXPECT_LE(zero_after_s[10], 2.0 / kRateHz);
+  EXPECT_LE(zero_after_s[6], 2.0 / kRateHz);
 }
 
 TEST_F(GuardedRenderer, ThatCrashesLeavesZeroForce) {
