@@ -57,4 +57,9 @@ RealTimeGrant request_real_time(int cpu) {
   return grant;
 }
 
+void request_slow_real_time() noexcept {
+  const sched_param priority{.sched_priority = kPriority / 2};
+  pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+}
+
 }  // namespace palpate

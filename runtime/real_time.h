@@ -17,4 +17,9 @@ struct RealTimeGrant {
 /// named.
 [[nodiscard]] RealTimeGrant request_real_time(int cpu = -1);
 
+/// Asks SCHED_FIFO for the calling thread at half that priority, for the slow process:
+/// above everything ordinary, below the fast thread. Not granted where the above is
+/// not.
+void request_slow_real_time() noexcept;
+
 }  // namespace palpate

@@ -173,6 +173,7 @@ RenderReport render_in_real_time(const RenderConfig& config, const RenderSetup& 
   // The threads touch what is theirs, the exchange and the flags; nothing else.
   {
     const JoinedThread slow_thread(done, std::thread([&] {
+                                     request_slow_real_time();
                                      Deadlines deadlines(start_ns, config.slow_hz);
                                      while (!done.load()) {
                                        const std::int64_t skipped =

@@ -90,6 +90,21 @@ TEST_F(RecorderFile, OfAFullDiskEndsAndTheRunGoesOn) {
   EXPECT_TRUE(fs::exists(file_.string() + ".partial"));
 }
 
+TEST_F(RecorderFile, OfTheFlightBeginsWhereTheLogDoes) {
+  FlightLog log;
+  constexpr std::int64_t kAll = 20'000;
+  for (std::int64_t i = 0; i < kAll; ++i) {
+    log.ticks.add({.tick = i});
+    log.arrivals.add({.tick = i});
+  }
+  write_flight_log(file_, header(), log, "device-lost");
+  const Recording recording = read_recording(file_);
+  ASSERT_EQ(recording.tick.size(), FlightLog::kTicks);
+  EXPECT_EQ(recording.tick.back().tick, kAll - 1);
+  EXPECT_EQ(recording.arrival.size(), FlightLog::kTicks);
+  EXPECT_EQ(recording.end.fault, "device-lost");
+}
+
 TEST(LatestLog, KeepsTheLatestInTheirOrder) {
   LatestLog<int> log(4);
   EXPECT_TRUE(log.values().empty());
