@@ -153,6 +153,11 @@ class Press {
     }
   }
 
+  [[nodiscard]] int newton_limit() const {
+    return options_.equilibrium.newton_max +
+           options_.newton_per_depth * static_cast<int>(steps_.size());
+  }
+
   bool reach(double penetration_m, NonlinearSample& sample, int depth) {
     const PlacedTool tool = place_(penetration_m);
     Multipliers multipliers = multipliers_;
@@ -161,9 +166,9 @@ class Press {
     sample.newton += last_.newton;
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
-    gradients_ += last_.gradients;
+    newton_ += last_.newton;
     if (!last_.converged) {
-      if (depth == options_.bisections_max || gradients_ > options_.gradients_total) {
+      if (depth == options_.bisections_max || newton_ > newton_limit()) {
         return false;
       }
       const double from = reached_ == 0 ? 0.0 : at_m_;
@@ -216,7 +221,7 @@ class Press {
   double at_m_ = 0.0;
   double before_m_ = 0.0;
   int reached_ = 0;
-  int gradients_ = 0;
+  int newton_ = 0;
   EquilibriumReport last_;
   NonlinearIndentation result_;
 };

@@ -38,8 +38,10 @@ struct NonlinearOptions {
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
-  int bisections_max = 4;      ///< of a step that fails
-  int gradients_total = 4000;  ///< conjugate gradients of a press, above which it fails
+  int bisections_max = 4;  ///< of a step that fails
+  /// Newton steps of a press, on average per depth and beyond those of one depth that
+  /// fails; with more it fails. Usual are 10 and none.
+  int newton_per_depth = 20;
   EquilibriumOptions equilibrium = {};
 };
 

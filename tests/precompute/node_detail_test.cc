@@ -71,7 +71,7 @@ NonlinearOptions tight() {
   options.equilibrium.multiplier_relative = 1e-3;
   options.equilibrium.gradient_tolerance = 1e-4;
   options.equilibrium.gradients_total = 20000;
-  options.gradients_total = 100000;
+  options.newton_per_depth = 200;
   return options;
 }
 
