@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace palpate {
@@ -45,8 +46,32 @@ struct CurveView {
       return {force_n[n - 1] + m * past, m,
               energy_j[n - 1] + (force_n[n - 1] + 0.5 * m * past) * past, true};
     }
+    return inside(interval(d), d);
+  }
+
+  /// The interval i with d_i < d <= d_{i+1}; the first or last one beyond the ends.
+  /// Two samples at least.
+  [[nodiscard]] std::size_t interval(double d) const noexcept {
     const auto upper = std::lower_bound(depth_m.begin() + 1, depth_m.end() - 1, d);
-    const auto i = static_cast<std::size_t>(upper - depth_m.begin()) - 1;
+    return static_cast<std::size_t>(upper - depth_m.begin()) - 1;
+  }
+
+  /// As at(), for a caller that remembers the interval: `hint` is tried before the
+  /// others, and set.
+  [[nodiscard]] ResponseSample at(double d, std::uint8_t& hint) const noexcept {
+    if (depth_m.empty() || d <= 0.0 || d > depth_m.back()) {
+      return at(d);
+    }
+    std::size_t i = hint;
+    if (!(i + 1 < depth_m.size() && d > depth_m[i] && d <= depth_m[i + 1])) {
+      i = interval(d);
+      hint = static_cast<std::uint8_t>(std::min<std::size_t>(i, 255));
+    }
+    return inside(i, d);
+  }
+
+  /// f, f' and E by the cubic of interval i.
+  [[nodiscard]] ResponseSample inside(std::size_t i, double d) const noexcept {
     const double h = depth_m[i + 1] - depth_m[i];
     const double t = (d - depth_m[i]) / h;
     // f = f0 + h (m0 t + c2 t^2 + c3 t^3)

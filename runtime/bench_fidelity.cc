@@ -51,7 +51,7 @@ class ScalarPoke {
 
 class ElementPoke {
  public:
-  ElementPoke(const FidelityOptions& options, double exponent)
+  ElementPoke(const FidelityOptions& options, double exponent, LocalModel model)
       : state_(std::make_unique<FastState>()) {
     BenchBodyOptions body;
     body.cells = 1;
@@ -60,6 +60,7 @@ class ElementPoke {
     body.depth_m = options.depth_m;
     element_ = make_bench_body(body).element.front();
     element_.active = true;
+    state_->config.model = model;
     state_->config.force_max_n = 2.0 * options.force_n;
     state_->config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
     at_ = {2e-3, 1e-3, 0.0};  // inside the element
@@ -113,8 +114,8 @@ FidelityRow run_poke(const FidelityOptions& options, double exponent,
   row.frequency_hz = frequency_hz;
   row.model = model;
   row.stored_energy_j = law.at(options.depth_m).energy_j;
-  if (model == LocalModel::kElement) {
-    measure(options, law, ElementPoke(options, exponent), row);
+  if (follows_surface(model)) {
+    measure(options, law, ElementPoke(options, exponent, model), row);
   } else {
     measure(options, law, ScalarPoke(model, law), row);
   }

@@ -137,7 +137,7 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
   config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
   report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
   report.stiffness = body.stiffness;
-  if (options.model != LocalModel::kElement) {
+  if (!follows_surface(options.model)) {
     report.stiffness.friction_n_per_m = 0.0;  // the scalar models render none
   }
   report.bounds = stability_bounds(limits, report.hold_s);

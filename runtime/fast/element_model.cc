@@ -4,14 +4,10 @@
 #include <cmath>
 
 #include "runtime/fast/contact_point.h"
+#include "runtime/fast/relaxed_shift.h"
 
 namespace palpate {
 namespace {
-
-constexpr int kSolveMax = 40;
-// The shift is found when the energy is this close below what is allowed.
-constexpr double kSolveRelative = 1e-9;
-constexpr double kSolveJ = 1e-16;
 
 bool has_friction(const ElementModel& model) {
   return model.friction > 0.0 && model.presliding_m > 0.0;
@@ -74,34 +70,26 @@ bool slide(ElementModel& model, const ElementCache& cache, const ElementResponse
   return true;
 }
 
-// Smallest delta_0 for which the normal energy is at most allowed_j: Newton from below,
-// kept in its bracket; ends on the side that is paid for.
+// Normal energy and force as functions of delta_0.
+auto at_shift(ElementModel& model, const ElementCache& cache,
+              const Eigen::Vector3d& x) {
+  return [&](double shift_m) {
+    model.shift_m = shift_m;
+    const ElementResponse at = respond(model, cache, x);
+    return ShiftedEnergy{shift_m, at.normal_j, at.normal_n};
+  };
+}
+
+// Raises delta_0 until the normal energy is what is allowed.
 ElementResponse raise_shift(ElementModel& model, const ElementCache& cache,
-                            const Eigen::Vector3d& x, ElementResponse response,
+                            const Eigen::Vector3d& x, const ElementResponse& response,
                             double allowed_j) {
-  const double target_j = std::max(0.0, allowed_j * (1.0 - 0.5 * kSolveRelative));
-  double low = model.shift_m;
-  double high = response.depth_m -
-                std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
-  for (int i = 0; i < kSolveMax && allowed_j > kSolveJ; ++i) {
-    if (response.normal_j > allowed_j) {
-      low = model.shift_m;
-    } else if (response.normal_j < allowed_j * (1.0 - kSolveRelative)) {
-      high = model.shift_m;
-    } else {
-      return response;
-    }
-    const double newton =
-        model.shift_m + (response.normal_j - target_j) / response.normal_n;
-    const bool in_bracket = newton > low && newton < high;
-    model.shift_m = in_bracket ? newton : 0.5 * (low + high);
-    response = respond(model, cache, x);
-  }
-  if (!(response.normal_j <= allowed_j)) {
-    model.shift_m = high;
-    response = respond(model, cache, x);
-  }
-  return response;
+  const double unloaded =
+      response.depth_m -
+      std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
+  model.shift_m = raised_shift_m({model.shift_m, response.normal_j, response.normal_n},
+                                 unloaded, allowed_j, at_shift(model, cache, x));
+  return respond(model, cache, x);
 }
 
 // Brings the changed model down to the allowance: friction spring first, then delta_0.
@@ -190,6 +178,7 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
     response.friction_j =
         0.5 * model.friction_n_per_m * response.presliding_m.squaredNorm();
   }
+  note_shortfall(ledger, response.potential_j());
   const double allowed = allowance_j(ledger);
   response = pay(model, cache, x_m, response, allowed);
   if (model.shift_m > 0.0 && response.loaded) {

@@ -68,6 +68,33 @@ Eigen::Vector3d advance_element(FastState& state, const Eigen::Vector3d& x, doub
   return force_n(state.element, response);
 }
 
+Eigen::Vector3d advance_potential(FastState& state, const Eigen::Vector3d& x,
+                                  double dt_s, FastCommand& command) {
+  const ElementModelLimits limits{state.config.tool_radius_m,
+                                  state.config.recovery_m_per_s};
+  const Eigen::Vector3d force =
+      advance(state.potential, state.cache, state.ledger, limits, x, dt_s);
+  const FieldResponse& response = state.potential.response;
+  command.depth_m = response.depth_m;
+  command.in_contact = response.touching;
+  command.extrapolated = response.extrapolated;
+  command.starved = state.potential.place.starved;
+  command.relaxed_shift_m = state.potential.shift_m;
+  return force;
+}
+
+Eigen::Vector3d advance_model(FastState& state, const Eigen::Vector3d& x, double dt_s,
+                              FastCommand& command) {
+  switch (state.config.model) {
+    case LocalModel::kElement:
+      return advance_element(state, x, dt_s, command);
+    case LocalModel::kPotential:
+      return advance_potential(state, x, dt_s, command);
+    default:
+      return advance_scalar(state, x, dt_s, command);
+  }
+}
+
 // NaN in dt or position is a fault before it can reach the account.
 void check_input(FastState& state, const FastSample& sample, double dt_s) {
   if (!sample.position_m.allFinite()) {
@@ -116,9 +143,7 @@ FastCommand step(FastState& state, const FastSample& sample, double dt_s) noexce
                                       ? Eigen::Vector3d(x - state.latest.position_m)
                                       : Eigen::Vector3d::Zero();
     const PassivityLedger before = state.ledger;
-    const Eigen::Vector3d wanted = state.config.model == LocalModel::kElement
-                                       ? advance_element(state, x, dt_s, command)
-                                       : advance_scalar(state, x, dt_s, command);
+    const Eigen::Vector3d wanted = advance_model(state, x, dt_s, command);
     command.force_n = make_safe(state.safety, safety_limits(state.config), state.ledger,
                                 wanted, moved, dt_s);
     if (state.safety.fault == Fault::kNotFinite) {
@@ -144,16 +169,19 @@ FastContact contact(const FastState& state) noexcept {
   at.time_ns = state.latest.time_ns;
   at.tool_m = state.latest.position_m;
   at.in_contact = state.in_contact;
-  if (state.element.slot >= 0) {
-    const auto slot = static_cast<std::size_t>(state.element.slot);
-    const Element& element = state.cache.element[slot];
+  const bool field = state.config.model == LocalModel::kPotential;
+  const FieldPlace& place = state.potential.place;
+  const int used = field ? place.slot : state.element.slot;
+  if (used >= 0) {
+    const Element& element = state.cache.element[static_cast<std::size_t>(used)];
+    const Eigen::Vector3d& weight = field ? place.frame.weight : state.element.area;
     for (std::size_t j = 0; j < 3; ++j) {
       at.point_m +=
-          state.element.area(static_cast<Eigen::Index>(j)) *
+          weight(static_cast<Eigen::Index>(j)) *
           Eigen::Map<const Eigen::Vector3d>(element.node[j].position_m.data());
     }
     at.triangle = element.triangle;
-    at.starved = state.element.starved;
+    at.starved = field ? place.starved : state.element.starved;
   }
   return at;
 }
@@ -161,6 +189,10 @@ FastContact contact(const FastState& state) noexcept {
 double potential_j(const FastState& state, const Eigen::Vector3d& x_m) noexcept {
   if (state.config.model == LocalModel::kElement) {
     return respond(state.element, state.cache, x_m).potential_j();
+  }
+  if (state.config.model == LocalModel::kPotential) {
+    return moved_energy_j(state.potential, state.cache, state.config.tool_radius_m,
+                          x_m);
   }
   return energy_j(state.scalar, scalar_depth_m(state, x_m));
 }

@@ -21,6 +21,7 @@
 #include "runtime/fast/element_model.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/fast/passivity_ledger.h"
+#include "runtime/fast/potential_model.h"
 #include "runtime/fast/safety.h"
 #include "runtime/fast/scalar_model.h"
 
@@ -74,6 +75,7 @@ struct FastState {
   FastConfig config;
   ElementCache cache;
   ElementModel element;
+  PotentialModel potential;
   ScalarModel scalar;       ///< along element.direction, from element.rest_m
   bool update_due = false;  ///< an active element came: scalar models update
   PassivityLedger ledger;

@@ -13,18 +13,26 @@ enum class LocalModel : std::uint8_t {
   kFirstOrderHold,  ///< extrapolates in time from the two latest slow forces
   kEqualEnergy,     ///< linear impedance, relaxed state by (20)-(24)
   kEnergyTank,      ///< tangent impedance, what updates free pays for what they cost
-  kElement,  ///< curves at the fast rate in the active element (5.2), with ledger
+  kElement,    ///< curves at the fast rate in the active element (5.2), with ledger
+  kPotential,  ///< their potential field in prism coordinates, with ledger
 };
 
 /// Every model, in the order of its value.
-constexpr std::array<LocalModel, 5> kLocalModels{
-    LocalModel::kSingle, LocalModel::kFirstOrderHold, LocalModel::kEqualEnergy,
-    LocalModel::kEnergyTank, LocalModel::kElement};
+constexpr std::array<LocalModel, 6> kLocalModels{
+    LocalModel::kSingle,     LocalModel::kFirstOrderHold, LocalModel::kEqualEnergy,
+    LocalModel::kEnergyTank, LocalModel::kElement,        LocalModel::kPotential};
+
+/// Whether the model evaluates the body's curves at every tick, in three dimensions;
+/// the others go along one direction between slow updates.
+[[nodiscard]] constexpr bool follows_surface(LocalModel model) noexcept {
+  return model == LocalModel::kElement || model == LocalModel::kPotential;
+}
 
 /// The model's name, as the flag --model and the reports spell it.
 [[nodiscard]] constexpr std::string_view name(LocalModel model) noexcept {
-  constexpr std::array<std::string_view, 5> kNames{
-      "single", "first-order-hold", "equal-energy", "energy-tank", "element"};
+  constexpr std::array<std::string_view, 6> kNames{"single",       "first-order-hold",
+                                                   "equal-energy", "energy-tank",
+                                                   "element",      "potential"};
   return kNames[static_cast<std::size_t>(model)];
 }
 

@@ -3,10 +3,26 @@
 #include <algorithm>
 
 namespace palpate {
+namespace {
+
+// Less than this, relative and absolute, is rounding.
+constexpr double kRoundingRelative = 1e-12;
+constexpr double kRoundingJ = 1e-15;
+
+}  // namespace
 
 void book_work(PassivityLedger& ledger, double potential_j) noexcept {
   ledger.work_j += potential_j - ledger.stored_j;
   ledger.stored_j = potential_j;
+}
+
+void note_shortfall(PassivityLedger& ledger, double wanted_j) noexcept {
+  const double allowed = allowance_j(ledger);
+  const double cut = wanted_j - allowed;
+  if (cut > kRoundingJ + kRoundingRelative * allowed) {
+    ++ledger.interventions;
+    ledger.cut_j += cut;
+  }
 }
 
 void book_change(PassivityLedger& ledger, double potential_j,

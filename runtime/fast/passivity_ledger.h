@@ -10,6 +10,8 @@
 // hence work >= 0: passive (paper, (10)), whatever changed, when, and how late.
 #pragma once
 
+#include <cstdint>
+
 namespace palpate {
 
 struct PassivityLedger {
@@ -18,6 +20,8 @@ struct PassivityLedger {
   double tank_j = 0.0;        ///< [J] >= 0, freed by changes, may pay for others
   double dissipated_j = 0.0;  ///< [J] >= 0, gone: friction and discarded surplus
   double created_j = 0.0;     ///< [J] >= 0, held beyond the allowance; rounding only
+  std::uint64_t interventions = 0;  ///< changes that had to be cut to the allowance
+  double cut_j = 0.0;               ///< [J] >= 0, by which they were cut
 };
 
 /// The tool has moved under an unchanged model: books the work.
@@ -28,6 +32,10 @@ void book_work(PassivityLedger& ledger, double potential_j) noexcept;
 [[nodiscard]] inline double allowance_j(const PassivityLedger& ledger) noexcept {
   return ledger.stored_j + ledger.tank_j;
 }
+
+/// Counts a change that would hold wanted_j [J], where that is more than the allowance
+/// and not rounding: an intervention. The caller cuts it, then books it.
+void note_shortfall(PassivityLedger& ledger, double wanted_j) noexcept;
 
 /// Books a change of the model at a fixed position: the only way to make one.
 /// @param potential_j E_{k+1}(x) [J], the changed model, at most allowance_j(ledger).

@@ -99,6 +99,7 @@ void update(ScalarModel& model, PassivityLedger& ledger,
     case LocalModel::kSingle:
     case LocalModel::kFirstOrderHold:
     case LocalModel::kElement:
+    case LocalModel::kPotential:
       break;
   }
   model.before = model.latest;

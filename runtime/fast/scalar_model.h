@@ -20,7 +20,7 @@ struct SlowValue {
 };
 
 struct ScalarModel {
-  LocalModel kind = LocalModel::kEnergyTank;  ///< any but kElement
+  LocalModel kind = LocalModel::kEnergyTank;  ///< one that does not follow a surface
   double k_n_per_m = 0.0;                     ///< [N/m] >= 0, passive models
   double c_m = 0.0;                           ///< [m] relaxed state, passive models
   SlowValue latest;                           ///< i

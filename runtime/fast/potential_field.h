@@ -1,0 +1,53 @@
+// The potential field of a body: the energies of the stored curves, interpolated in the
+// prisms of the surface's elements.
+//
+// With the coordinates of prism.h, d = R - s the normal penetration of a tool of radius
+// R, t_j the touch offset and c_j = |n_j^out . u_j| of node j, E_j its stored curve's
+// energy, delta_0 >= 0 the relaxed state:
+//
+//   U(x) = sum_j n_j E_j(c_j (d - t_j - delta_0)),    F = -grad U
+//
+// F . n_out = sum_j n_j c_j f_j(...): the interpolated curve. U is continuous across
+// elements, because they agree on the coordinates of their common face and on the two
+// nodes there; F jumps there where slopes of the surface or of the responses do. A node
+// without response counts as one of zero energy: U falls to zero towards it, and stays
+// continuous.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/element_cache.h"
+#include "runtime/fast/field_place.h"
+
+namespace palpate {
+
+/// Energy, force and what they are made of, at one place and relaxed state.
+struct FieldResponse {
+  double depth_m = 0.0;                               ///< [m] d
+  bool touching = false;                              ///< some d - t_j > 0
+  bool loaded = false;                                ///< some d - t_j - delta_0 > 0
+  bool extrapolated = false;                          ///< some node beyond its curve
+  double normal_n = 0.0;                              ///< [N] F . n_out
+  double stiffness_n_per_m = 0.0;                     ///< [N/m] its derivative with d
+  double energy_j = 0.0;                              ///< [J] U
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] F, on the tool
+};
+
+/// Curve intervals in which a place was evaluated last.
+using CurveHints = std::array<std::uint8_t, 3>;
+
+/// @param hint any values; where they are right, evaluation is faster.
+[[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
+                                    double tool_radius_m, double shift_m,
+                                    CurveHints& hint) noexcept;
+
+/// Largest penetration at which nothing is loaded, d - min t_j over the nodes that
+/// count; delta_0 from there on gives U = 0.
+[[nodiscard]] double unloading_shift_m(const FieldPlace& place,
+                                       const ElementCache& cache,
+                                       double tool_radius_m) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,256 @@
+#include "runtime/fast/potential_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "runtime/fast/relaxed_shift.h"
+
+namespace palpate {
+namespace {
+
+// A field that is one function changes by no more than this many times the force times
+// the movement; more is a leap to another sheet of it.
+constexpr double kLeap = 4.0;
+constexpr double kLeapJ = 1e-15;
+
+// The element's Coulomb coefficient and presliding limit at the contact point.
+struct Friction {
+  double coefficient = 0.0;
+  double presliding_m = 0.0;
+  [[nodiscard]] bool any() const { return coefficient > 0.0 && presliding_m > 0.0; }
+};
+
+Friction friction_at(const FieldPlace& place, const ElementCache& cache) {
+  Friction friction;
+  const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
+  for (std::size_t j = 0; j < 3; ++j) {
+    const double weight =
+        std::max(0.0, place.frame.weight(static_cast<Eigen::Index>(j)));
+    friction.coefficient += weight * element.node[j].friction;
+    friction.presliding_m += weight * element.node[j].presliding_m;
+  }
+  return friction;
+}
+
+void release(PotentialModel& model) {
+  model.friction_n_per_m = 0.0;
+  model.presliding_m.setZero();
+}
+
+double spring_j(const PotentialModel& model) {
+  return 0.5 * model.friction_n_per_m * model.presliding_m.squaredNorm();
+}
+
+std::int32_t triangle_in(const ElementCache& cache, int slot) {
+  return cache.triangle[static_cast<std::size_t>(slot)];
+}
+
+FieldResponse respond(PotentialModel& model, const ElementCache& cache, double radius) {
+  return respond(model.place, cache, radius, model.shift_m, model.hint);
+}
+
+// What was rendered until now, continued to x.
+double carried_j(const PotentialModel& model, const ElementCache& cache, double radius,
+                 const Eigen::Vector3d& x) {
+  const Eigen::Vector3d moved = x - model.tool_m;
+  const Eigen::Vector3d& n = model.place.frame.normal;
+  FieldPlace along = model.place;
+  along.at.height_m += n.dot(moved);
+  along.folded = true;
+  CurveHints hint = model.hint;
+  const double energy = respond(along, cache, radius, model.shift_m, hint).energy_j;
+  const Eigen::Vector3d& f = model.response.force_n;
+  return std::max(0.0, energy - (f - f.dot(n) * n).dot(moved));
+}
+
+bool leapt(const FieldResponse& from, const FieldResponse& to,
+           const Eigen::Vector3d& moved) {
+  const double force2 = std::max(from.force_n.squaredNorm(), to.force_n.squaredNorm());
+  const double most = kLeap * std::sqrt(force2 * moved.squaredNorm()) + kLeapJ;
+  return !(std::abs(to.energy_j - from.energy_j) <= most);
+}
+
+// Moves the model to x. @return the energy of what was rendered until now, at x; the
+// model's response is that of the field there, which may hold another energy.
+double move(PotentialModel& model, const ElementCache& cache, double radius,
+            const Eigen::Vector3d& x) {
+  FieldPlace& place = model.place;
+  const Eigen::Vector3d moved = x - model.tool_m;
+  const FieldResponse before = model.response;
+  const bool sound = !place.folded && !place.outside;
+  double energy = 0.0;
+  if (sound && !place.prism.flat) {
+    const PotentialModel old = model;
+    follow(place, cache, x);
+    model.response = respond(model, cache, radius);
+    const bool same = !place.folded && !leapt(before, model.response, moved);
+    energy = same ? model.response.energy_j : carried_j(old, cache, radius, x);
+  } else {
+    FieldPlace within = place;
+    if (place.outside && follow_within(within, x)) {
+      energy = respond(within, cache, radius, model.shift_m, model.hint).energy_j;
+    } else {
+      energy = carried_j(model, cache, radius, x);
+    }
+    follow(place, cache, x);
+    model.response = respond(model, cache, radius);
+  }
+  model.tool_m = x;
+  return energy;
+}
+
+// Another element where the rules allow it: in free space, or lost beyond an edge, the
+// one the slow process last called active; else a newer copy of the same triangle.
+void change_element(PotentialModel& model, const ElementCache& cache, double radius,
+                    const Eigen::Vector3d& x) {
+  const bool news = cache.received != model.received_seen;
+  model.received_seen = cache.received;
+  if (!news && !model.place.outside) {
+    return;
+  }
+  const int active = cache.newest_active;
+  const int here = model.place.slot;
+  const bool another = active >= 0 && (here < 0 || triangle_in(cache, active) !=
+                                                       triangle_in(cache, here));
+  const bool lost =
+      model.place.outside && active >= 0 &&
+      cache.stored_at[static_cast<std::size_t>(active)] > model.received_inside;
+  if (another && (here < 0 || !model.response.touching || lost)) {
+    release(model);
+    model.tool_m = x;
+    adopt(model.place, cache, active, x);
+    model.received_inside = cache.received;
+  } else if (here >= 0) {
+    const int newer = find(cache, triangle_in(cache, here));
+    if (newer == here) {
+      return;
+    }
+    move_to_copy(model.place, cache, newer);
+  }
+  if (model.place.slot >= 0) {
+    model.response = respond(model, cache, radius);
+  }
+}
+
+// The spring for the normal force at the new place: turned into its tangent plane, cut
+// at the presliding limit.
+void set_spring(PotentialModel& model, const ElementCache& cache) {
+  const Friction friction = friction_at(model.place, cache);
+  if (!model.response.loaded || !friction.any()) {
+    release(model);
+    return;
+  }
+  Eigen::Vector3d& t = model.presliding_m;
+  const Eigen::Vector3d& n = model.place.frame.normal;
+  const double length2 = t.squaredNorm();
+  t -= t.dot(n) * n;
+  const double in_plane2 = t.squaredNorm();
+  if (in_plane2 > 0.0) {
+    const double limit = friction.presliding_m;
+    t *= std::min(std::sqrt(length2), limit) / std::sqrt(in_plane2);
+  }
+  model.friction_n_per_m =
+      friction.coefficient * model.response.normal_n / friction.presliding_m;
+}
+
+// Brings the changed model down to the allowance: friction spring first, then delta_0.
+void pay(PotentialModel& model, const ElementCache& cache, double radius,
+         double allowed_j) {
+  const double spring = spring_j(model);
+  if (model.response.energy_j + spring <= allowed_j) {
+    return;
+  }
+  if (spring > 0.0) {
+    const double kept_j = std::max(0.0, allowed_j - model.response.energy_j);
+    model.presliding_m *= std::sqrt(kept_j / spring);  // (23)
+  }
+  if (model.response.energy_j > allowed_j) {
+    model.presliding_m.setZero();
+    const auto at_shift = [&](double shift_m) {
+      const FieldResponse at = respond(model.place, cache, radius, shift_m, model.hint);
+      return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
+    };
+    model.shift_m = raised_shift_m(
+        {model.shift_m, model.response.energy_j, model.response.normal_n},
+        unloading_shift_m(model.place, cache, radius), allowed_j, at_shift);
+    model.response = respond(model, cache, radius);
+  }
+}
+
+// delta_0 sinks back: at once where nothing is loaded, else as time and the unspent
+// allowance permit.
+void recover(PotentialModel& model, const ElementCache& cache, double radius,
+             double unspent_j, double step_m) {
+  if (!model.response.loaded) {
+    model.shift_m =
+        std::min(model.shift_m, unloading_shift_m(model.place, cache, radius));
+    return;
+  }
+  const auto at_shift = [&](double shift_m) {
+    const FieldResponse at = respond(model.place, cache, radius, shift_m, model.hint);
+    return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
+  };
+  const double shift = recovered_shift_m(
+      {model.shift_m, model.response.energy_j, model.response.normal_n}, step_m,
+      unspent_j, at_shift);
+  if (shift != model.shift_m) {
+    model.shift_m = shift;
+    model.response = respond(model, cache, radius);
+  }
+}
+
+// The tool's tangential movement stretches the spring.
+void stretch(PotentialModel& model, const Eigen::Vector3d& x) {
+  if (model.friction_n_per_m > 0.0) {
+    const Eigen::Vector3d& n = model.place.frame.normal;
+    const Eigen::Vector3d moved = x - model.tool_m;
+    model.presliding_m += moved - moved.dot(n) * n;
+  }
+}
+
+}  // namespace
+
+double moved_energy_j(PotentialModel model, const ElementCache& cache,
+                      double tool_radius_m, const Eigen::Vector3d& x_m) noexcept {
+  if (model.place.slot < 0) {
+    return 0.0;
+  }
+  stretch(model, x_m);
+  return move(model, cache, tool_radius_m, x_m) + spring_j(model);
+}
+
+Eigen::Vector3d advance(PotentialModel& model, ElementCache& cache,
+                        PassivityLedger& ledger, const ElementModelLimits& limits,
+                        const Eigen::Vector3d& x_m, double dt_s) noexcept {
+  const double radius = limits.tool_radius_m;
+  if (model.place.slot >= 0) {
+    stretch(model, x_m);
+    const double moved_j = move(model, cache, radius, x_m);
+    book_work(ledger, moved_j + spring_j(model));
+  }
+  change_element(model, cache, radius, x_m);
+  if (model.place.slot < 0) {
+    return Eigen::Vector3d::Zero();
+  }
+  cache.pinned = model.place.slot;
+  if (!model.place.outside) {
+    model.received_inside = cache.received;
+  }
+  set_spring(model, cache);
+  note_shortfall(ledger, model.response.energy_j + spring_j(model));
+  const double allowed = allowance_j(ledger);
+  pay(model, cache, radius, allowed);
+  if (model.shift_m > 0.0) {
+    const double unspent = allowed - model.response.energy_j - spring_j(model);
+    recover(model, cache, radius, unspent, limits.recovery_m_per_s * dt_s);
+  }
+  double keep = model.response.touching ? model.response.energy_j : 0.0;
+  if (model.shift_m > 0.0 && model.response.touching) {
+    keep = respond(model.place, cache, radius, 0.0, model.hint).energy_j;
+  }
+  book_change(ledger, model.response.energy_j + spring_j(model), keep);
+  return model.response.force_n - model.friction_n_per_m * model.presliding_m;
+}
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+// The potential field as a local model: followed along the surface, with friction, kept
+// passive by the ledger.
+//
+// While the tool moves through elements at hand nothing changes but the tool's place:
+// the field is one function of it, the work is U(x_{k+1}) - U(x_k), and the ledger has
+// nothing to pay. It has where the field itself changes: a late neighbour, a fold
+// of the coordinates, another sheet of the body after a leap. Then what was rendered
+// until that tick is, to first order in the tangent plane and exactly along the normal,
+//
+//   E(x) = max(0, sum_j n_j E_j(c_j (d - n_out . (x - x_k) - t_j - delta_0))
+//                 - F_t . (x - x_k))
+//
+// (n_j, d, n_out and the tangential force F_t of the last tick x_k), and the new field
+// is a change that the ledger balances.
+//
+// Friction: a spring k_t |delta_t|^2 / 2, k_t = mu F_n / delta_L, delta_t the movement
+// of the tool in the tangent plane of x_k since it stuck, at most delta_L. It turns
+// with the tangent plane and keeps its length, so that it stores the same.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/element_cache.h"
+#include "runtime/fast/element_model.h"
+#include "runtime/fast/field_place.h"
+#include "runtime/fast/passivity_ledger.h"
+#include "runtime/fast/potential_field.h"
+
+namespace palpate {
+
+/// Parameters of the field and of the friction spring, and the last tick.
+struct PotentialModel {
+  FieldPlace place;
+  double shift_m = 0.0;                                    ///< [m] delta_0 >= 0
+  double friction_n_per_m = 0.0;                           ///< [N/m] k_t >= 0
+  Eigen::Vector3d presliding_m = Eigen::Vector3d::Zero();  ///< [m] delta_t
+  Eigen::Vector3d tool_m = Eigen::Vector3d::Zero();        ///< [m] x_k
+  FieldResponse response;                                  ///< at x_k
+  CurveHints hint{};
+  std::uint64_t received_seen = 0;    ///< cache.received at the last tick
+  std::uint64_t received_inside = 0;  ///< cache.received when last inside
+};
+
+/// One tick: books the work of the movement to x_m, then changes the model there.
+/// @param x_m finite. @return force on the tool [N], friction included.
+Eigen::Vector3d advance(PotentialModel& model, ElementCache& cache,
+                        PassivityLedger& ledger, const ElementModelLimits& limits,
+                        const Eigen::Vector3d& x_m, double dt_s) noexcept;
+
+/// Energy of the model with the tool moved to x_m [J], before anything changes.
+[[nodiscard]] double moved_energy_j(PotentialModel model, const ElementCache& cache,
+                                    double tool_radius_m,
+                                    const Eigen::Vector3d& x_m) noexcept;
+
+}  // namespace palpate

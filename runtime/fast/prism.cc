@@ -1,0 +1,134 @@
+#include "runtime/fast/prism.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "runtime/fast/triangle.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kNewtonMax = 12;
+// A step this small, in area coordinates and edges, is the last: Newton's method
+// squares it.
+constexpr double kLastStep = 1e-8;
+// Area coordinates beyond which an estimate is no longer followed.
+constexpr double kFarOut = 16.0;
+// Length of N below which normals have cancelled.
+constexpr double kNoNormal = 1e-3;
+
+// Weights at the nearest point of the triangle, and how they turn with n.
+void hold(const Prism& prism, const Eigen::Vector3d& area, PrismFrame& frame) {
+  const Eigen::Matrix3d& v = prism.corner_m;
+  frame.weight = triangle::nearest_inside(v, area);
+  frame.turn.setZero();
+  int out = 0;
+  if (frame.weight.minCoeff(&out) > 0.0) {
+    return;
+  }
+  const int j = (out + 1) % 3;
+  const int k = (out + 2) % 3;
+  if (!(frame.weight(j) > 0.0 && frame.weight(k) > 0.0)) {
+    return;  // at a corner
+  }
+  const Eigen::Vector3d edge = v.col(k) - v.col(j);
+  for (int i = 0; i < 2; ++i) {
+    const double along = (v.col(i + 1) - v.col(0)).dot(edge) / edge.squaredNorm();
+    frame.turn(j, i) = -along;
+    frame.turn(k, i) = along;
+  }
+}
+
+// dn_out by n_i, from dN.
+Eigen::Vector3d turned(const PrismFrame& frame, const Eigen::Vector3d& dn,
+                       double length) {
+  return (dn - dn.dot(frame.normal) * frame.normal) / length;
+}
+
+}  // namespace
+
+Prism make_prism(const Element& element) noexcept {
+  Prism prism;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto column = static_cast<Eigen::Index>(j);
+    const ElementNode& node = element.node[j];
+    prism.corner_m.col(column) =
+        Eigen::Map<const Eigen::Vector3d>(node.position_m.data());
+    prism.normal.col(column) = Eigen::Map<const Eigen::Vector3d>(node.normal.data());
+  }
+  const Eigen::Vector3d e1 = prism.corner_m.col(1) - prism.corner_m.col(0);
+  const Eigen::Vector3d e2 = prism.corner_m.col(2) - prism.corner_m.col(0);
+  prism.doubled_area_m2 = e1.cross(e2).norm();
+  prism.flat = triangle::flat(e1, e2);
+  return prism;
+}
+
+PrismFrame frame_at(const Prism& prism, const PrismPoint& at, Beyond beyond) noexcept {
+  PrismFrame frame;
+  const Eigen::Matrix3d& v = prism.corner_m;
+  const Eigen::Matrix3d& n = prism.normal;
+  Eigen::Vector3d turn1;
+  Eigen::Vector3d turn2;
+  if (beyond == Beyond::kAnalytic || at.area.minCoeff() >= 0.0) {
+    frame.weight = at.area;
+    frame.turn << -1.0, -1.0, 1.0, 0.0, 0.0, 1.0;
+    turn1 = n.col(1) - n.col(0);
+    turn2 = n.col(2) - n.col(0);
+  } else {
+    hold(prism, at.area, frame);
+    turn1 = n * frame.turn.col(0);
+    turn2 = n * frame.turn.col(1);
+  }
+  const Eigen::Vector3d sum = n * frame.weight;
+  const double length = sum.norm();
+  if (prism.flat || !(length > kNoNormal)) {
+    return frame;
+  }
+  frame.normal = sum / length;
+  frame.position_m = v * at.area + at.height_m * frame.normal;
+  frame.along1_m = v.col(1) - v.col(0) + at.height_m * turned(frame, turn1, length);
+  frame.along2_m = v.col(2) - v.col(0) + at.height_m * turned(frame, turn2, length);
+  frame.cross_m2 = frame.along1_m.cross(frame.along2_m);
+  frame.determinant_m2 = frame.cross_m2.dot(frame.normal);
+  frame.scale = frame.determinant_m2 / prism.doubled_area_m2;
+  return frame;
+}
+
+PrismSolve find_coordinates(const Prism& prism, const Eigen::Vector3d& x_m,
+                            Beyond beyond, PrismPoint& at, PrismFrame& frame) noexcept {
+  const double size_m = std::sqrt(prism.doubled_area_m2);
+  const double rounding_m = 4e-16 * (x_m.cwiseAbs().maxCoeff() + size_m);
+  for (int i = 0; i < kNewtonMax; ++i) {
+    frame = frame_at(prism, at, beyond);
+    if (!(frame.scale > kScaleMin)) {
+      return PrismSolve::kFolded;
+    }
+    const Eigen::Vector3d r = x_m - frame.position_m;
+    const double det = frame.determinant_m2;
+    const double d1 = r.cross(frame.along2_m).dot(frame.normal) / det;
+    const double d2 = frame.along1_m.cross(r).dot(frame.normal) / det;
+    const double ds = r.dot(frame.cross_m2) / det;
+    at.area += Eigen::Vector3d(-d1 - d2, d1, d2);
+    at.height_m += ds;
+    const bool small = std::abs(d1) <= kLastStep && std::abs(d2) <= kLastStep &&
+                       std::abs(ds) <= kLastStep * size_m;
+    if (small || r.cwiseAbs().maxCoeff() <= rounding_m) {
+      return PrismSolve::kFound;
+    }
+    if (!(at.area.cwiseAbs().maxCoeff() <= kFarOut)) {
+      return PrismSolve::kFolded;
+    }
+  }
+  return PrismSolve::kFolded;
+}
+
+Eigen::Vector3d gradient(const PrismFrame& frame, double by_n1, double by_n2,
+                         double by_s_per_m) noexcept {
+  return (by_n1 * frame.along2_m.cross(frame.normal) +
+          by_n2 * frame.normal.cross(frame.along1_m) + by_s_per_m * frame.cross_m2) /
+         frame.determinant_m2;
+}
+
+}  // namespace palpate

@@ -1,0 +1,80 @@
+// The space over and under one surface element, in coordinates of its own.
+//
+// A point x belongs to the contact point with area coordinates n_j and to the height s
+// along the normal there:
+//
+//   x = p(n) + s n_out(n),   p = sum n_j v_j,   n_out = N / |N|,   N = sum n_j n_j^out
+//
+// Neighbouring elements agree on the face between their prisms, where the weight of the
+// third corner is zero: coordinates, and what is interpolated by them, are continuous.
+// The map folds where s reaches the radius of curvature of the interpolated normals:
+// under a convex place, or over a concave one. There `scale` reaches zero.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/element.h"
+
+namespace palpate {
+
+/// What of an element fixes the map.
+struct Prism {
+  Eigen::Matrix3d corner_m = Eigen::Matrix3d::Zero();  ///< [m] v_j, one per column
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();    ///< [-] n_j^out, one per column
+  double doubled_area_m2 = 0.0;                        ///< [m^2] of the triangle
+  bool flat = true;  ///< no area to speak of: the map has no inverse
+};
+
+[[nodiscard]] Prism make_prism(const Element& element) noexcept;
+
+/// Coordinates in a prism.
+struct PrismPoint {
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();  ///< [-] sum 1; any sign
+  double height_m = 0.0;                           ///< [m] s, outside the body > 0
+};
+
+/// How the map goes on where an area coordinate is negative.
+enum class Beyond : std::uint8_t {
+  kAnalytic,  ///< by the same formula
+  kHeld,      ///< p in the triangle's plane, all else as at its nearest point
+};
+
+/// The map and its derivatives at a point.
+struct PrismFrame {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< [m] x
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< [-] n_out = dx/ds
+  Eigen::Vector3d along1_m = Eigen::Vector3d::Zero();  ///< [m] dx/dn_1, n_0 giving way
+  Eigen::Vector3d along2_m = Eigen::Vector3d::Zero();  ///< [m] dx/dn_2, likewise
+  Eigen::Vector3d cross_m2 = Eigen::Vector3d::Zero();  ///< [m^2] along1 x along2
+  Eigen::Vector3d weight = Eigen::Vector3d::Zero();    ///< [-] >= 0 if held; sum 1
+  /// [-] dw/dn_1 and dw/dn_2, one per column.
+  Eigen::Matrix<double, 3, 2> turn = Eigen::Matrix<double, 3, 2>::Zero();
+  double determinant_m2 = 0.0;  ///< [m^2] of the Jacobian
+  double scale = 0.0;  ///< [-] determinant over the triangle's; 0: no normal here
+};
+
+[[nodiscard]] PrismFrame frame_at(const Prism& prism, const PrismPoint& at,
+                                  Beyond beyond) noexcept;
+
+/// Least scale of a frame in which coordinates are still taken for sound.
+constexpr double kScaleMin = 0.05;
+
+enum class PrismSolve : std::uint8_t {
+  kFound,
+  kFolded,  ///< the way to x leads over a fold, or x has no coordinates here
+};
+
+/// Coordinates of x by Newton's method from `at`, which is left at the last estimate;
+/// `frame` is that of the solution to 1e-8 of the element's size.
+[[nodiscard]] PrismSolve find_coordinates(const Prism& prism,
+                                          const Eigen::Vector3d& x_m, Beyond beyond,
+                                          PrismPoint& at, PrismFrame& frame) noexcept;
+
+/// Gradient at the frame's point [per m] of a function with these derivatives by n_1,
+/// n_2 (n_0 giving way) and s [m].
+[[nodiscard]] Eigen::Vector3d gradient(const PrismFrame& frame, double by_n1,
+                                       double by_n2, double by_s_per_m) noexcept;
+
+}  // namespace palpate
