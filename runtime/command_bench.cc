@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "runtime/bench_fidelity.h"
+#include "runtime/bench_potential.h"
 #include "runtime/bench_step.h"
 #include "runtime/bench_stream.h"
 #include "runtime/bench_table1.h"
@@ -54,6 +55,28 @@ void add_step(CLI::App& bench) {
   });
 }
 
+void add_potential(CLI::App& bench) {
+  struct Flags : PotentialBenchOptions {
+    bool json = false;
+  };
+  CLI::App* command = bench.add_subcommand(
+      "potential",
+      "what the ledger does for the element model and the potential field");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("database", flags->database,
+                      "Response database (HDF5) to walk too");
+  command->add_option("--tool", flags->tool,
+                      "of the database; may be left out if there is one");
+  command->add_option("--ticks", flags->ticks, "of each walk, at 2 kHz")
+      ->capture_default_str()
+      ->check(CLI::Range(100, 100000000));
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    const PotentialBenchReport report = run_potential_bench(*flags);
+    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+  });
+}
+
 void add_stream(CLI::App& bench) {
   struct Flags : StreamBenchOptions {
     bool json = false;
@@ -93,6 +116,7 @@ void add_bench_command(CLI::App& app) {
   add_table1(*command);
   add_fidelity(*command);
   add_step(*command);
+  add_potential(*command);
   add_stream(*command);
 }
 
