@@ -106,24 +106,30 @@ double BenchBody::height_m(const Eigen::Vector3d& p_m) const {
 }
 
 std::vector<Element> BenchBody::around(const Eigen::Vector3d& p_m) const {
-  std::vector<std::int32_t> sent{triangle_at(p_m)};
-  std::size_t begin = 0;
-  for (int ring = 0; ring < 2; ++ring) {
-    const std::size_t end = sent.size();
-    for (; begin < end; ++begin) {
-      for (const std::int32_t next :
-           element[static_cast<std::size_t>(sent[begin])].neighbour) {
-        if (next >= 0 && std::find(sent.begin(), sent.end(), next) == sent.end()) {
-          sent.push_back(next);
+  const std::int32_t active = triangle_at(p_m);
+  const int row = active / 2 / options.cells;
+  const int column = active / 2 % options.cells;
+  const Element& middle = element[static_cast<std::size_t>(active)];
+  const auto touches = [&](const Element& other) {
+    return std::ranges::any_of(other.node, [&](const ElementNode& a) {
+      return std::ranges::any_of(middle.node, [&](const ElementNode& b) {
+        return a.node == b.node;
+      });
+    });
+  };
+  std::vector<Element> messages{middle};
+  messages.front().active = true;
+  for (int r = std::max(0, row - 1); r <= std::min(options.cells - 1, row + 1); ++r) {
+    for (int c = std::max(0, column - 1); c <= std::min(options.cells - 1, column + 1);
+         ++c) {
+      for (const int half : {0, 1}) {
+        const int triangle = 2 * (r * options.cells + c) + half;
+        const Element& other = element[static_cast<std::size_t>(triangle)];
+        if (triangle != active && touches(other)) {
+          messages.push_back(other);
         }
       }
     }
-  }
-  std::vector<Element> messages;
-  messages.reserve(sent.size());
-  for (const std::int32_t triangle : sent) {
-    messages.push_back(element[static_cast<std::size_t>(triangle)]);
-    messages.back().active = triangle == sent.front();
   }
   return messages;
 }

@@ -41,8 +41,8 @@ struct BenchBody {
   /// Height of the surface over (x, y), between its nodes as the triangles have it.
   [[nodiscard]] double height_m(const Eigen::Vector3d& p_m) const;
 
-  /// What the slow process sends for a tool there: the active element, then those
-  /// across its edges and across theirs (at most 10), each once.
+  /// What the slow process sends for a tool there: the active element, then those that
+  /// share a vertex with it (at most 12).
   [[nodiscard]] std::vector<Element> around(const Eigen::Vector3d& p_m) const;
 };
 

@@ -152,6 +152,10 @@ void follow(FieldPlace& place, const ElementCache& cache,
             const Eigen::Vector3d& x_m) noexcept {
   int from = -1;
   place.starved = false;
+  if (!place.folded && !place.outside && place.frame.scale > kScaleMin) {
+    (void)newton_step(place.frame, x_m - place.frame.position_m, place.prism.size_m,
+                      place.at);
+  }
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
     const int here = place.slot;
     if (place.prism.flat) {
@@ -192,6 +196,7 @@ void follow(FieldPlace& place, const ElementCache& cache,
 
 void adopt(FieldPlace& place, const ElementCache& cache, int slot,
            const Eigen::Vector3d& x_m) noexcept {
+  place = {};
   place.slot = slot;
   place.prism = make_prism(element_of(cache, slot));
   const Eigen::Matrix3d& v = place.prism.corner_m;

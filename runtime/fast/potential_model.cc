@@ -50,18 +50,34 @@ FieldResponse respond(PotentialModel& model, const ElementCache& cache, double r
   return respond(model.place, cache, radius, model.shift_m, model.hint);
 }
 
-// What was rendered until now, continued to x.
-double carried_j(const PotentialModel& model, const ElementCache& cache, double radius,
-                 const Eigen::Vector3d& x) {
-  const Eigen::Vector3d moved = x - model.tool_m;
+// What fixes the continuation of what was rendered at x_k.
+struct Rendered {
+  int slot = -1;
+  double height_m = 0.0;
+  Eigen::Vector3d weight;
+  Eigen::Vector3d normal;
+  Eigen::Vector3d along_n;  // tangential force
+  FieldResponse response;
+};
+
+Rendered rendered(const PotentialModel& model) {
   const Eigen::Vector3d& n = model.place.frame.normal;
-  FieldPlace along = model.place;
-  along.at.height_m += n.dot(moved);
-  along.folded = true;
-  CurveHints hint = model.hint;
-  const double energy = respond(along, cache, radius, model.shift_m, hint).energy_j;
   const Eigen::Vector3d& f = model.response.force_n;
-  return std::max(0.0, energy - (f - f.dot(n) * n).dot(moved));
+  return {model.place.slot, model.place.at.height_m, model.place.frame.weight, n,
+          f - f.dot(n) * n, model.response};
+}
+
+// What was rendered until now, continued by this movement.
+double carried_j(const Rendered& at, const ElementCache& cache, double radius,
+                 double shift_m, const Eigen::Vector3d& moved) {
+  FieldPlace along;
+  along.slot = at.slot;
+  along.folded = true;
+  along.at.height_m = at.height_m + at.normal.dot(moved);
+  along.frame.weight = at.weight;
+  CurveHints hint{};
+  const double energy = respond(along, cache, radius, shift_m, hint).energy_j;
+  return std::max(0.0, energy - at.along_n.dot(moved));
 }
 
 bool leapt(const FieldResponse& from, const FieldResponse& to,
@@ -77,27 +93,23 @@ double move(PotentialModel& model, const ElementCache& cache, double radius,
             const Eigen::Vector3d& x) {
   FieldPlace& place = model.place;
   const Eigen::Vector3d moved = x - model.tool_m;
-  const FieldResponse before = model.response;
-  const bool sound = !place.folded && !place.outside;
-  double energy = 0.0;
-  if (sound && !place.prism.flat) {
-    const PotentialModel old = model;
-    follow(place, cache, x);
-    model.response = respond(model, cache, radius);
-    const bool same = !place.folded && !leapt(before, model.response, moved);
-    energy = same ? model.response.energy_j : carried_j(old, cache, radius, x);
-  } else {
+  const Rendered before = rendered(model);
+  const bool sound = !place.folded && !place.outside && !place.prism.flat;
+  double energy = -1.0;
+  if (place.outside) {
     FieldPlace within = place;
-    if (place.outside && follow_within(within, x)) {
+    if (follow_within(within, x)) {
       energy = respond(within, cache, radius, model.shift_m, model.hint).energy_j;
-    } else {
-      energy = carried_j(model, cache, radius, x);
     }
-    follow(place, cache, x);
-    model.response = respond(model, cache, radius);
   }
+  follow(place, cache, x);
+  model.response = respond(model, cache, radius);
   model.tool_m = x;
-  return energy;
+  if (sound && !place.folded && !leapt(before.response, model.response, moved)) {
+    return model.response.energy_j;
+  }
+  return energy >= 0.0 ? energy
+                       : carried_j(before, cache, radius, model.shift_m, moved);
 }
 
 // Another element where the rules allow it: in free space, or lost beyond an edge, the
@@ -133,25 +145,31 @@ void change_element(PotentialModel& model, const ElementCache& cache, double rad
   }
 }
 
-// The spring for the normal force at the new place: turned into its tangent plane, cut
-// at the presliding limit.
+// The spring for the normal force at the new place: turned into its tangent plane, its
+// anchor shifted where k_t grows, cut at the presliding limit.
 void set_spring(PotentialModel& model, const ElementCache& cache) {
   const Friction friction = friction_at(model.place, cache);
   if (!model.response.loaded || !friction.any()) {
     release(model);
     return;
   }
+  const double before = model.friction_n_per_m;
+  const double now =
+      friction.coefficient * model.response.normal_n / friction.presliding_m;
+  model.friction_n_per_m = now;
   Eigen::Vector3d& t = model.presliding_m;
-  const Eigen::Vector3d& n = model.place.frame.normal;
   const double length2 = t.squaredNorm();
+  if (!(length2 > 0.0)) {
+    return;
+  }
+  const Eigen::Vector3d& n = model.place.frame.normal;
   t -= t.dot(n) * n;
   const double in_plane2 = t.squaredNorm();
+  const double kept2 = now > before ? length2 * before / now : length2;  // (23)
+  const double limit2 = friction.presliding_m * friction.presliding_m;
   if (in_plane2 > 0.0) {
-    const double limit = friction.presliding_m;
-    t *= std::min(std::sqrt(length2), limit) / std::sqrt(in_plane2);
+    t *= std::sqrt(std::min(kept2, limit2) / in_plane2);
   }
-  model.friction_n_per_m =
-      friction.coefficient * model.response.normal_n / friction.presliding_m;
 }
 
 // Brings the changed model down to the allowance: friction spring first, then delta_0.

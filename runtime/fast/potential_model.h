@@ -15,7 +15,10 @@
 //
 // Friction: a spring k_t |delta_t|^2 / 2, k_t = mu F_n / delta_L, delta_t the movement
 // of the tool in the tangent plane of x_k since it stuck, at most delta_L. It turns
-// with the tangent plane and keeps its length, so that it stores the same.
+// with the tangent plane and keeps its length, so that it stores the same; where k_t
+// grows, the anchor follows so that it stores no more, |delta_t| sqrt(k_t) constant
+// (23); where k_t falls, what it gives up is lost. So friction asks nothing of the
+// ledger.
 #pragma once
 
 #include <cstdint>

@@ -13,8 +13,8 @@ namespace {
 constexpr int kNewtonMax = 12;
 // A step this small, in area coordinates and edges, is the last: Newton's method
 // squares it.
-constexpr double kLastStep = 1e-8;
-// Area coordinates beyond which an estimate is no longer followed.
+constexpr double kLastStep = 1e-7;
+// A step longer than this, likewise, is not followed.
 constexpr double kFarOut = 16.0;
 // Length of N below which normals have cancelled.
 constexpr double kNoNormal = 1e-3;
@@ -61,6 +61,7 @@ Prism make_prism(const Element& element) noexcept {
   const Eigen::Vector3d e1 = prism.corner_m.col(1) - prism.corner_m.col(0);
   const Eigen::Vector3d e2 = prism.corner_m.col(2) - prism.corner_m.col(0);
   prism.doubled_area_m2 = e1.cross(e2).norm();
+  prism.size_m = std::sqrt(prism.doubled_area_m2);
   prism.flat = triangle::flat(e1, e2);
   return prism;
 }
@@ -96,28 +97,32 @@ PrismFrame frame_at(const Prism& prism, const PrismPoint& at, Beyond beyond) noe
   return frame;
 }
 
+double newton_step(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
+                   PrismPoint& at) noexcept {
+  const Eigen::Vector3d turned_r = frame.normal.cross(r_m) / frame.determinant_m2;
+  const double d1 = frame.along2_m.dot(turned_r);
+  const double d2 = -frame.along1_m.dot(turned_r);
+  const double ds = r_m.dot(frame.cross_m2) / frame.determinant_m2;
+  at.area += Eigen::Vector3d(-d1 - d2, d1, d2);
+  at.height_m += ds;
+  return std::max({std::abs(d1), std::abs(d2), std::abs(ds) / size_m});
+}
+
 PrismSolve find_coordinates(const Prism& prism, const Eigen::Vector3d& x_m,
                             Beyond beyond, PrismPoint& at, PrismFrame& frame) noexcept {
-  const double size_m = std::sqrt(prism.doubled_area_m2);
-  const double rounding_m = 4e-16 * (x_m.cwiseAbs().maxCoeff() + size_m);
+  const double rounding_m = 4e-16 * (x_m.cwiseAbs().maxCoeff() + prism.size_m);
   for (int i = 0; i < kNewtonMax; ++i) {
     frame = frame_at(prism, at, beyond);
     if (!(frame.scale > kScaleMin)) {
       return PrismSolve::kFolded;
     }
     const Eigen::Vector3d r = x_m - frame.position_m;
-    const double det = frame.determinant_m2;
-    const double d1 = r.cross(frame.along2_m).dot(frame.normal) / det;
-    const double d2 = frame.along1_m.cross(r).dot(frame.normal) / det;
-    const double ds = r.dot(frame.cross_m2) / det;
-    at.area += Eigen::Vector3d(-d1 - d2, d1, d2);
-    at.height_m += ds;
-    const bool small = std::abs(d1) <= kLastStep && std::abs(d2) <= kLastStep &&
-                       std::abs(ds) <= kLastStep * size_m;
-    if (small || r.cwiseAbs().maxCoeff() <= rounding_m) {
+    const double step = newton_step(frame, r, prism.size_m, at);
+    if (step <= kLastStep || r.cwiseAbs().maxCoeff() <= rounding_m) {
+      frame.position_m = x_m;
       return PrismSolve::kFound;
     }
-    if (!(at.area.cwiseAbs().maxCoeff() <= kFarOut)) {
+    if (!(step <= kFarOut)) {
       return PrismSolve::kFolded;
     }
   }

@@ -24,6 +24,7 @@ struct Prism {
   Eigen::Matrix3d corner_m = Eigen::Matrix3d::Zero();  ///< [m] v_j, one per column
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();    ///< [-] n_j^out, one per column
   double doubled_area_m2 = 0.0;                        ///< [m^2] of the triangle
+  double size_m = 0.0;                                 ///< [m] its square root
   bool flat = true;  ///< no area to speak of: the map has no inverse
 };
 
@@ -66,8 +67,13 @@ enum class PrismSolve : std::uint8_t {
   kFolded,  ///< the way to x leads over a fold, or x has no coordinates here
 };
 
+/// One step of Newton's method: coordinates of the point r_m [m] away from the frame's.
+/// @returns the largest change, of area coordinates and of the height over size_m [-].
+double newton_step(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
+                   PrismPoint& at) noexcept;
+
 /// Coordinates of x by Newton's method from `at`, which is left at the last estimate;
-/// `frame` is that of the solution to 1e-8 of the element's size.
+/// `frame` is that of the solution to 1e-7 of the element's size, its position x.
 [[nodiscard]] PrismSolve find_coordinates(const Prism& prism,
                                           const Eigen::Vector3d& x_m, Beyond beyond,
                                           PrismPoint& at, PrismFrame& frame) noexcept;
