@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "runtime/bench_body.h"
 #include "runtime/bench_wall.h"
+#include "runtime/fast/fast_step.h"
 #include "runtime/fast/scalar_model.h"
 
 namespace palpate {
@@ -17,10 +20,6 @@ namespace {
 constexpr double kSearchFrom = 10.0;    // [N/m]
 constexpr double kSearchFactor = 1.05;  // coarse raise of k
 constexpr double kStillM = 1e-7;        // a range below this is at rest
-
-constexpr std::array<LocalModel, 4> kColumns{
-    LocalModel::kSingle, LocalModel::kFirstOrderHold, LocalModel::kEqualEnergy,
-    LocalModel::kEnergyTank};
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -32,18 +31,64 @@ struct Range {
   [[nodiscard]] double width() const { return high - low; }
 };
 
+// The wall through a model of one direction.
+class ScalarWall {
+ public:
+  ScalarWall(LocalModel model, double k) : k_(k) { model_.kind = model; }
+
+  double tick(double x, double dt_s, bool slow) {
+    advance(model_, ledger_, x, dt_s);
+    if (slow) {
+      update(model_, ledger_, wall_response(k_, x));
+    }
+    return force_n(model_, x);
+  }
+
+ private:
+  double k_;
+  ScalarModel model_;
+  PassivityLedger ledger_;
+};
+
+// The wall as a flat body, whose slow process sends its element.
+class FlatWall {
+ public:
+  FlatWall(LocalModel model, double k) : state_(std::make_unique<FastState>()) {
+    element_ = make_bench_body({.cells = 1}).element.front();
+    for (ElementNode& node : element_.node) {
+      set_wall(node, k);
+    }
+    element_.active = true;
+    state_->config.model = model;
+    state_->config.force_max_n = std::numeric_limits<double>::infinity();
+    state_->config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
+  }
+
+  double tick(double x, double dt_s, bool slow) {
+    if (slow) {
+      accept(*state_, element_);
+    }
+    at_.z() = -x;
+    return step(*state_, {at_, 0}, dt_s).force_n.z();
+  }
+
+ private:
+  std::unique_ptr<FastState> state_;
+  Element element_;
+  Eigen::Vector3d at_{2e-3, 1e-3, 0.0};  // inside the element
+};
+
 // The device leaning on the wall through a local model.
+template <typename Wall>
 class Experiment {
  public:
   Experiment(const Table1Options& options, LocalModel model, double slow_hz, double k)
       : options_(options.device),
         preload_(options.preload_n),
         tick_(1.0 / options.fast_hz),
-        k_(k),
         every_(std::lround(options.fast_hz / slow_hz)),
-        device_(options.device, tick_) {
-    model_.kind = model;
-  }
+        device_(options.device, tick_),
+        wall_(model, k) {}
 
   void settle(double hand_n_s_per_m, double seconds) {
     VirtualDeviceOptions held = options_;
@@ -60,11 +105,8 @@ class Experiment {
     for (long n = std::lround(seconds / tick_); n > 0; --n, ++count_) {
       const double x = device_.position_m();
       range.include(x);
-      advance(model_, ledger_, x, tick_);
-      if (count_ % every_ == 0) {
-        update(model_, ledger_, wall_response(k_, x));
-      }
-      device_.step(preload_ - force_n(model_, x));
+      const double force = wall_.tick(x, tick_, count_ % every_ == 0);
+      device_.step(preload_ - force);
     }
     return range;
   }
@@ -75,19 +117,16 @@ class Experiment {
   VirtualDeviceOptions options_;
   double preload_;
   double tick_;
-  double k_;
   long every_;
   long count_ = 0;
   VirtualDevice device_;
-  ScalarModel model_;
-  PassivityLedger ledger_;
+  Wall wall_;
 };
 
-}  // namespace
-
-bool wall_is_stable(const Table1Options& options, LocalModel model, double slow_hz,
-                    double stiffness_n_per_m) {
-  Experiment experiment(options, model, slow_hz, stiffness_n_per_m);
+template <typename Wall>
+bool dies_out(const Table1Options& options, LocalModel model, double slow_hz,
+              double stiffness_n_per_m) {
+  Experiment<Wall> experiment(options, model, slow_hz, stiffness_n_per_m);
   experiment.settle(options.hand_n_s_per_m, options.settle_s);
   experiment.device().kick(options.kick_m_per_s);
   const double quarter = options.watch_s / 4.0;
@@ -95,6 +134,15 @@ bool wall_is_stable(const Table1Options& options, LocalModel model, double slow_
   (void)experiment.run(2.0 * quarter);
   const double last = experiment.run(quarter).width();
   return last <= kStillM || last < first;
+}
+
+}  // namespace
+
+bool wall_is_stable(const Table1Options& options, LocalModel model, double slow_hz,
+                    double stiffness_n_per_m) {
+  return follows_surface(model)
+             ? dies_out<FlatWall>(options, model, slow_hz, stiffness_n_per_m)
+             : dies_out<ScalarWall>(options, model, slow_hz, stiffness_n_per_m);
 }
 
 double largest_stable_stiffness(const Table1Options& options, LocalModel model,
@@ -124,8 +172,8 @@ Table1Report run_table1(const Table1Options& options) {
                       rate, options.fast_hz));
     }
   }
-  Table1Report report{options.rates_hz, {}};
-  for (const LocalModel model : kColumns) {
+  Table1Report report{options.rates_hz, {}, options.preload_n};
+  for (const LocalModel model : kLocalModels) {
     Table1Column column{model, {}};
     for (const double rate : options.rates_hz) {
       column.stiffness_n_per_m.push_back(
@@ -151,8 +199,10 @@ double paper_value(const PaperColumn& column, double rate_hz) {
 }  // namespace
 
 std::string table_text(const Table1Report& report) {
-  std::string text =
-      "Largest stable stiffness [N/m] on the virtual PenCat, fast rate 2000 Hz\n";
+  std::string text = fmt::format(
+      "Largest stable stiffness [N/m] on the virtual PenCat under {} N, fast rate 2000 "
+      "Hz\n",
+      report.preload_n);
   text += fmt::format("{:>8}", "rate Hz");
   for (const Table1Column& column : report.columns) {
     text += fmt::format(" {:>16}", name(column.model));
@@ -200,6 +250,7 @@ std::string table_csv(const Table1Report& report) {
 
 std::string to_json(const Table1Report& report) {
   nlohmann::ordered_json json;
+  json["preload_n"] = report.preload_n;
   json["rates_hz"] = report.rates_hz;
   for (const Table1Column& column : report.columns) {
     json["columns"][std::string(name(column.model))] = column.stiffness_n_per_m;

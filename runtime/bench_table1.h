@@ -11,10 +11,13 @@
 namespace palpate {
 
 struct Table1Options {
-  std::vector<double> rates_hz{2000, 1000, 500, 250, 200, 100};  ///< divide fast_hz
+  /// Divide fast_hz; the paper's, and slower ones.
+  std::vector<double> rates_hz{2000, 1000, 500, 250, 200, 100, 50, 20, 10};
   double fast_hz = 2000.0;
   VirtualDeviceOptions device;
-  double preload_n = 1.0;         ///< [N] into the wall, constant
+  /// [N] into the wall, constant. The paper's 1 N leans on the wall's linear part, 0.1
+  /// N on the quadratic one.
+  double preload_n = 1.0;
   double kick_m_per_s = 0.005;    ///< [m/s] the disturbance
   double hand_n_s_per_m = 50.0;   ///< [N s/m] a hand damps the device while it settles
   double settle_s = 4.0;          ///< [s] then the hand lets go
@@ -30,7 +33,8 @@ struct Table1Column {
 
 struct Table1Report {
   std::vector<double> rates_hz;
-  std::vector<Table1Column> columns;  ///< single, first-order-hold, equal-energy, tank
+  std::vector<Table1Column> columns;  ///< every local model
+  double preload_n = 0.0;
 };
 
 /// One column of the paper's table, at 2000, 1000, 500, 250, 200, 100 Hz [N/m].

@@ -20,13 +20,21 @@ struct OutputFlags {
 };
 
 void add_table1(CLI::App& bench) {
+  struct Flags : OutputFlags {
+    Table1Options options;
+  };
   CLI::App* command = bench.add_subcommand(
       "table1", "largest stable stiffness by slow rate and local model");
-  auto flags = std::make_shared<OutputFlags>();
+  auto flags = std::make_shared<Flags>();
+  command
+      ->add_option("--preload", flags->options.preload_n,
+                   "into the wall [N]; 0.1 leans on its nonlinear part")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 100.0));
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->add_flag("--csv", flags->csv, "comma-separated values on stdout");
   command->callback([flags] {
-    const Table1Report report = run_table1({});
+    const Table1Report report = run_table1(flags->options);
     fmt::print("{}", flags->json  ? to_json(report) + "\n"
                      : flags->csv ? table_csv(report)
                                   : table_text(report));

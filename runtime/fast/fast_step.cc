@@ -1,5 +1,6 @@
 #include "runtime/fast/fast_step.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -25,6 +26,18 @@ double scalar_depth_m(const FastState& state, const Eigen::Vector3d& x_m) {
   return (state.element.rest_m - x_m).dot(state.element.direction);
 }
 
+// Depth at which the first node that counts is touched.
+double touch_m(const ElementModel& model, const ElementCache& cache) {
+  const Element& element = cache.element[static_cast<std::size_t>(model.slot)];
+  double first = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < 3; ++j) {
+    if (element.node[j].samples > 0 && model.area(static_cast<Eigen::Index>(j)) > 0.0) {
+      first = std::min(first, model.touch_m[j]);
+    }
+  }
+  return std::isfinite(first) ? first : 0.0;
+}
+
 // The slow simulation's value: the response of the element last called active. It also
 // fixes the axis along which the scalar model acts from here on.
 void update_scalar(FastState& state, const Eigen::Vector3d& x) {
@@ -37,7 +50,8 @@ void update_scalar(FastState& state, const Eigen::Vector3d& x) {
   state.cache.pinned = state.element.slot;
   const ElementResponse at = respond(state.element, state.cache, x);
   update(state.scalar, state.ledger,
-         {at.depth_m, at.normal_n, at.stiffness_n_per_m, at.normal_j});
+         {at.depth_m, at.normal_n, at.stiffness_n_per_m, at.normal_j,
+          touch_m(state.element, state.cache)});
 }
 
 Eigen::Vector3d advance_scalar(FastState& state, const Eigen::Vector3d& x, double dt_s,

@@ -46,19 +46,17 @@ void update_equal_energy(ScalarModel& model, PassivityLedger& ledger,
 
 void update_energy_tank(ScalarModel& model, PassivityLedger& ledger,
                         const SlowValue& slow) {
-  const double f = slow.f_n;
-  if (!(f > 0.0) || !(slow.energy_j > 0.0)) {  // free space
-    model.k_n_per_m = 0.0;
-    model.c_m = slow.x_m;
+  if (!(slow.f_n > 0.0) || !(slow.energy_j > 0.0)) {  // free space
+    model.curve = {};
     book_change(ledger, 0.0, 0.0);
     return;
   }
-  const double k = std::max(slow.k_n_per_m, f * f / (2.0 * slow.energy_j));
-  const double wanted = f * f / (2.0 * k);
-  const double held = std::min(wanted, allowance_j(ledger));
-  model.k_n_per_m = k;
-  model.c_m = slow.x_m - std::sqrt(2.0 * held / k);
-  book_change(ledger, held, slow.energy_j);
+  LocalCurve& curve = model.curve;
+  curve = local_curve(slow);
+  const double allowed = allowance_j(ledger);
+  note_shortfall(ledger, at(curve, slow.x_m).energy_j);
+  lower(curve, allowed);
+  book_change(ledger, at(curve, slow.x_m).energy_j, slow.energy_j);
 }
 
 }  // namespace
@@ -67,12 +65,18 @@ double force_n(const ScalarModel& model, double x_m) noexcept {
   if (holds(model)) {
     return held_force(model);
   }
+  if (model.kind == LocalModel::kEnergyTank) {
+    return at(model.curve, x_m).force_n;
+  }
   return model.k_n_per_m * std::max(0.0, x_m - model.c_m);  // (19)
 }
 
 double energy_j(const ScalarModel& model, double x_m) noexcept {
   if (holds(model)) {
     return held_force(model) * x_m;
+  }
+  if (model.kind == LocalModel::kEnergyTank) {
+    return at(model.curve, x_m).energy_j;
   }
   const double stretch = std::max(0.0, x_m - model.c_m);
   return 0.5 * model.k_n_per_m * stretch * stretch;  // (21)

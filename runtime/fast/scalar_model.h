@@ -2,27 +2,22 @@
 // of a slow simulation (paper, 5.1).
 //
 // x is the penetration along the direction [m], f the force against it [N]. The passive
-// models are linear impedances f = k (x - c) for x > c, else 0, with relaxed state c
-// (19) and E = k (x - c)^2 / 2 (21); they differ in how an update chooses k and c.
+// models differ in what an update makes of the slow value: the equal-energy update a
+// linear impedance f = k (x - c) for x > c, else 0, with relaxed state c (19) and
+// E = k (x - c)^2 / 2 (21); the energy tank the curve of local_curve.h.
 #pragma once
 
+#include "runtime/fast/local_curve.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/fast/passivity_ledger.h"
 
 namespace palpate {
 
-/// One value of the slow simulation.
-struct SlowValue {
-  double x_m = 0.0;        ///< [m] penetration at which it was computed
-  double f_n = 0.0;        ///< [N] f(x)
-  double k_n_per_m = 0.0;  ///< [N/m] f'(x)
-  double energy_j = 0.0;   ///< [J] integral of f from 0 to x
-};
-
 struct ScalarModel {
   LocalModel kind = LocalModel::kEnergyTank;  ///< one that does not follow a surface
-  double k_n_per_m = 0.0;                     ///< [N/m] >= 0, passive models
-  double c_m = 0.0;                           ///< [m] relaxed state, passive models
+  double k_n_per_m = 0.0;                     ///< [N/m] >= 0, equal energy
+  double c_m = 0.0;                           ///< [m] relaxed state, equal energy
+  LocalCurve curve;                           ///< energy tank
   SlowValue latest;                           ///< i
   SlowValue before;                           ///< i - 1
   int updates = 0;                            ///< slow values seen, counts up to 2
@@ -50,10 +45,10 @@ void advance(ScalarModel& model, PassivityLedger& ledger, double x_m,
 /// and ten times the larger of the two tangents (the force changed for another reason
 /// than x), k stays. Free space by (24). There is no tank.
 ///
-/// Energy tank: k_i = f'(x_i), or f_i^2/(2 E) where that is larger (a plateau's tangent
-/// would store more than the curve does), c_i = x_i - f_i/k_i. If that costs more than
-/// the allowance, k_i stays and c_i moves so that E_i(x_i) equals it. The tank keeps at
-/// most the curve's own energy at x_i and is emptied in free space.
+/// Energy tank: the curve of the slow value. If that costs more than the allowance, it
+/// is moved deeper until it holds what is allowed: the force is lower, the slope that
+/// of the response less deep. The tank keeps at most the curve's own energy at x_i and
+/// is emptied in free space.
 void update(ScalarModel& model, PassivityLedger& ledger,
             const SlowValue& slow) noexcept;
 

@@ -115,19 +115,21 @@ TEST(EqualEnergy, FreeSpaceKeepsTheModelUntilItsEnergyIsGone) {
   EXPECT_EQ(r.model.c_m, -0.001);
 }
 
-TEST(EnergyTank, IsTheTangentWhereTheTankCanPay) {
+TEST(EnergyTank, HasForceAndSlopeWhereTheTankCanPay) {
   Rendering r{make(LocalModel::kEnergyTank), {}};
   for (int i = 0; i <= 100; ++i) {
     r.tick(power_law(1000.0, 2.0, 1e-4 * i));
   }
-  const SlowValue at = power_law(1000.0, 2.0, 0.01);
-  EXPECT_DOUBLE_EQ(r.model.k_n_per_m, at.k_n_per_m);
-  EXPECT_NEAR(force_n(r.model, 0.01), at.f_n, 1e-12);
-  EXPECT_NEAR(r.ledger.stored_j, at.f_n * at.f_n / (2.0 * at.k_n_per_m), 1e-15);
+  const SlowValue value = power_law(1000.0, 2.0, 0.01);
+  EXPECT_NEAR(force_n(r.model, 0.01), value.f_n, 1e-12);
+  EXPECT_NEAR(at(r.model.curve, 0.01).stiffness_n_per_m, value.k_n_per_m, 1e-9);
+  // Between what the tangent needs and what the curve stores.
+  EXPECT_GE(r.ledger.stored_j, value.f_n * value.f_n / (2.0 * value.k_n_per_m));
+  EXPECT_LE(r.ledger.stored_j, value.energy_j);
   EXPECT_GE(r.ledger.tank_j, 0.0);
 }
 
-TEST(EnergyTank, PlateauTakesTheStiffnessThatStoresTheCurvesEnergy) {
+TEST(EnergyTank, PlateauStoresNoMoreThanTheCurve) {
   Rendering r{make(LocalModel::kEnergyTank), {}};
   for (int i = 0; i <= 100; ++i) {
     r.tick(power_law(100.0, 1.0, 1e-4 * i));
@@ -136,7 +138,6 @@ TEST(EnergyTank, PlateauTakesTheStiffnessThatStoresTheCurvesEnergy) {
   // The force stays 1 N from here: slope 0.
   const SlowValue plateau{0.0101, 1.0, 0.0, 0.005 + 1e-4};
   r.tick(plateau);
-  EXPECT_DOUBLE_EQ(r.model.k_n_per_m, 1.0 / (2.0 * plateau.energy_j));
   EXPECT_LE(r.ledger.stored_j, plateau.energy_j * (1.0 + 1e-12));
   EXPECT_GT(r.ledger.stored_j, e);
   EXPECT_NEAR(force_n(r.model, plateau.x_m), 1.0, 0.02);
@@ -158,6 +159,7 @@ TEST(EnergyTank, FreeSpaceEmptiesTheTank) {
   for (int i = 0; i <= 100; ++i) {
     r.tick(power_law(1000.0, 3.0, 1e-4 * i));
   }
+  r.tick(power_law(500.0, 3.0, 0.01));  // a softer place frees energy
   EXPECT_GT(r.ledger.tank_j, 0.0);
   r.tick({-0.001, 0.0, 0.0, 0.0});
   EXPECT_EQ(r.ledger.tank_j, 0.0);
