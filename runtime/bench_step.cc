@@ -40,12 +40,12 @@ struct Recording {
   std::vector<std::vector<Element>> messages;  // one entry per slow tick
 };
 
-Recording record(const StepBenchOptions& options, double tool_radius_m) {
+Recording record(const StepBenchOptions& options, double tool_radius_m, bool friction) {
   BenchBodyOptions shape;
   shape.wave_m = 0.004;
   shape.contrast = 9.0;
   shape.tilt_rad = 0.2;
-  shape.friction_max = 1.0;
+  shape.friction_max = friction ? 1.0 : 0.0;
   const BenchBody body = make_bench_body(shape);
   Recording recording;
   recording.position_m =
@@ -96,24 +96,30 @@ StepBenchRow run(const Recording& recording, LocalModel model, double tool_radiu
 std::vector<StepBenchRow> run_step_bench(const StepBenchOptions& options,
                                          std::uint64_t (*allocations)()) {
   constexpr double kToolRadiusM = 0.005;
-  const Recording recording = record(options, kToolRadiusM);
+  const Recording recording = record(options, kToolRadiusM, true);
+  const Recording smooth = record(options, kToolRadiusM, false);
   std::vector<StepBenchRow> rows;
-  rows.reserve(kLocalModels.size());
+  rows.reserve(kLocalModels.size() + 2);
   for (const LocalModel model : kLocalModels) {
     rows.push_back(
         run(recording, model, kToolRadiusM, options.ticks_per_slow, allocations));
+    if (follows_surface(model)) {
+      rows.push_back(
+          run(smooth, model, kToolRadiusM, options.ticks_per_slow, allocations));
+      rows.back().friction = false;
+    }
   }
   return rows;
 }
 
 std::string table_text(const std::vector<StepBenchRow>& rows) {
   std::string text =
-      fmt::format("{:<16} {:>10} {:>10} {:>16} {:>12}\n", "model", "median ns",
-                  "99.9 % ns", "accept median ns", "allocations");
+      fmt::format("{:<16} {:>8} {:>10} {:>10} {:>16} {:>12}\n", "model", "friction",
+                  "median ns", "99.9 % ns", "accept median ns", "allocations");
   for (const StepBenchRow& row : rows) {
-    text +=
-        fmt::format("{:<16} {:>10.0f} {:>10.0f} {:>16.0f} {:>12}\n", name(row.model),
-                    row.median_ns, row.p999_ns, row.accept_median_ns, row.allocations);
+    text += fmt::format("{:<16} {:>8} {:>10.0f} {:>10.0f} {:>16.0f} {:>12}\n",
+                        name(row.model), row.friction ? "yes" : "no", row.median_ns,
+                        row.p999_ns, row.accept_median_ns, row.allocations);
   }
   return text;
 }
@@ -123,6 +129,7 @@ std::string to_json(const std::vector<StepBenchRow>& rows) {
   json["rows"] = nlohmann::ordered_json::array();
   for (const StepBenchRow& row : rows) {
     json["rows"].push_back({{"model", name(row.model)},
+                            {"friction", row.friction},
                             {"median_ns", row.median_ns},
                             {"p999_ns", row.p999_ns},
                             {"accept_median_ns", row.accept_median_ns},

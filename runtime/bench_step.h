@@ -16,6 +16,7 @@ struct StepBenchOptions {
 
 struct StepBenchRow {
   LocalModel model = LocalModel::kElement;
+  bool friction = true;           ///< the body has any
   double median_ns = 0.0;         ///< [ns] of step(), without the clock's own cost
   double p999_ns = 0.0;           ///< [ns] 99.9th percentile, likewise
   double accept_median_ns = 0.0;  ///< [ns] of accept()
@@ -23,7 +24,8 @@ struct StepBenchRow {
 };
 
 /// Runs every model over the same recorded walk on a wavy body of random stiffness with
-/// friction. The clock's own cost, the median of empty readings, is taken off.
+/// friction, those that render friction also without. The clock's own cost, the median
+/// of empty readings, is taken off.
 /// @param allocations counter of heap allocations so far in this thread.
 [[nodiscard]] std::vector<StepBenchRow> run_step_bench(const StepBenchOptions& options,
                                                        std::uint64_t (*allocations)());
