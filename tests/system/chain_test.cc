@@ -147,8 +147,8 @@ TEST_F(Chain, InfoAndCheckReadTheDatabase) {
 }
 
 TEST_F(Chain, EveryLocalModelRendersTheDatabase) {
-  for (const char* model :
-       {"single", "first-order-hold", "equal-energy", "energy-tank", "element"}) {
+  for (const char* model : {"single", "first-order-hold", "equal-energy", "energy-tank",
+                            "element", "potential"}) {
     const ToolRun run = run_tool_process(
         "palpate-run", {"simulate", database(), "--model", model, "--seconds", "2",
                         "--clock", "simulated", "--json"});
