@@ -26,7 +26,7 @@ extern "C" void request_stop(int /*signal*/) {
 
 struct Flags {
   std::string database;
-  std::string model = "element";
+  std::string model = "potential";
   std::string clock = "simulated";
   std::string stream = "auto";
   double stream_budget_mib = 48.0;

@@ -15,7 +15,7 @@ namespace palpate {
 /// Elements sent with the active one, at most: all of an update and the element in use
 /// fit the fast process's cache (kCacheSlots), so that an update does not push itself
 /// out.
-constexpr std::size_t kNeighboursMax = 12;
+constexpr std::size_t kNeighboursMax = 28;
 
 /// Curves that had to be thinned to fit a message, and what that cost.
 struct ResampleLoss {

@@ -12,7 +12,7 @@
 namespace palpate {
 
 /// Four slow updates of an active element with all its neighbours.
-constexpr std::size_t kElementFifoCapacity = 64;
+constexpr std::size_t kElementFifoCapacity = 128;
 using ElementFifo = SpscRing<Element, kElementFifoCapacity>;
 
 /// One thread, the slow one.

@@ -28,7 +28,7 @@ struct RecordingRequest {
 
 struct SimulationOptions {
   std::string tool;  ///< empty: the only one
-  LocalModel model = LocalModel::kElement;
+  LocalModel model = LocalModel::kPotential;
   double duration_s = 10.0;  ///< [s] > 0
   double fast_hz = 2000.0;   ///< [Hz] > 0
   double slow_hz = 100.0;    ///< [Hz] > 0

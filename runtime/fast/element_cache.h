@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-constexpr int kCacheSlots = 16;
+constexpr int kCacheSlots = 32;
 
 /// A fixed number of elements, newest copy of each triangle first to be found. A slot
 /// in use by the local model (`pinned`) is never written.
