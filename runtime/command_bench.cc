@@ -6,6 +6,7 @@
 
 #include "runtime/bench_fidelity.h"
 #include "runtime/bench_potential.h"
+#include "runtime/bench_search.h"
 #include "runtime/bench_step.h"
 #include "runtime/bench_stream.h"
 #include "runtime/bench_table1.h"
@@ -85,6 +86,25 @@ void add_potential(CLI::App& bench) {
   });
 }
 
+void add_search(CLI::App& bench) {
+  struct Flags : SearchBenchOptions {
+    bool json = false;
+  };
+  CLI::App* command =
+      bench.add_subcommand("search", "time to find the contact on large surfaces");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("--triangles", flags->triangles, "of the surfaces")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--queries", flags->queries, "of each kind")
+      ->capture_default_str();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    const std::vector<SearchBenchRow> rows = run_search_bench(*flags);
+    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+  });
+}
+
 void add_stream(CLI::App& bench) {
   struct Flags : StreamBenchOptions {
     bool json = false;
@@ -125,6 +145,7 @@ void add_bench_command(CLI::App& app) {
   add_fidelity(*command);
   add_step(*command);
   add_potential(*command);
+  add_search(*command);
   add_stream(*command);
 }
 

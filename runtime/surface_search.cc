@@ -17,45 +17,86 @@ constexpr std::size_t at(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-// Nearest point of edge (j, j+1).
-SurfacePoint nearest_in_edge(const Eigen::Matrix3d& corner, int j,
-                             const Eigen::Vector3d& p) noexcept {
+// Nearest point of edge (j, j+1), a share t of it from corner j.
+SurfacePoint in_edge(const Eigen::Matrix3d& corner, int j, double t,
+                     const Eigen::Vector3d& p) noexcept {
   const int k = (j + 1) % 3;
-  const Eigen::Vector3d a = corner.row(j).transpose();
-  const Eigen::Vector3d edge = corner.row(k).transpose() - a;
-  const double length2 = edge.squaredNorm();
-  const double t =
-      length2 > 0.0 ? std::clamp(edge.dot(p - a) / length2, 0.0, 1.0) : 0.0;
   SurfacePoint point;
   point.area_coordinate[j] = 1.0 - t;
   point.area_coordinate[k] = t;
-  point.position_m = a + t * edge;
+  point.position_m = ((1.0 - t) * corner.row(j) + t * corner.row(k)).transpose();
   point.distance_m = (p - point.position_m).norm();
   return point;
 }
 
-}  // namespace
-
-SurfacePoint nearest_in_triangle(const Eigen::Matrix3d& corner_m,
-                                 const Eigen::Vector3d& p_m) noexcept {
-  const Eigen::Vector3d n = area_coordinates(corner_m, p_m);
-  const Eigen::Vector3d a = corner_m.row(0).transpose();
-  const bool has_area = (corner_m.row(1).transpose() - a)
-                            .cross(corner_m.row(2).transpose() - a)
-                            .squaredNorm() > 0.0;
-  if (has_area && n.minCoeff() >= 0.0) {
-    SurfacePoint point{.area_coordinate = n, .position_m = corner_m.transpose() * n};
-    point.distance_m = (p_m - point.position_m).norm();
-    return point;
-  }
-  SurfacePoint best = nearest_in_edge(corner_m, 0, p_m);
-  for (int j = 1; j < 3; ++j) {
-    const SurfacePoint other = nearest_in_edge(corner_m, j, p_m);
-    if (other.distance_m < best.distance_m) {
-      best = other;
+// Of a triangle without area, or that rounding leaves without a side.
+SurfacePoint nearest_in_edges(const Eigen::Matrix3d& corner,
+                              const Eigen::Vector3d& p) noexcept {
+  SurfacePoint best;
+  best.distance_m = std::numeric_limits<double>::infinity();
+  for (int j = 0; j < 3; ++j) {
+    const Eigen::Vector3d a = corner.row(j).transpose();
+    const Eigen::Vector3d edge = corner.row((j + 1) % 3).transpose() - a;
+    const double length2 = edge.squaredNorm();
+    const double t =
+        length2 > 0.0 ? std::clamp(edge.dot(p - a) / length2, 0.0, 1.0) : 0.0;
+    const SurfacePoint point = in_edge(corner, j, t, p);
+    if (point.distance_m < best.distance_m) {
+      best = point;
     }
   }
   return best;
+}
+
+}  // namespace
+
+// By the regions that the corners' and the edges' perpendicular planes part (Ericson,
+// Real-Time Collision Detection, 5.1.5): a few dot products where it is decided early.
+SurfacePoint nearest_in_triangle(const Eigen::Matrix3d& corner_m,
+                                 const Eigen::Vector3d& p_m) noexcept {
+  const Eigen::Vector3d a = corner_m.row(0).transpose();
+  const Eigen::Vector3d ab = corner_m.row(1).transpose() - a;
+  const Eigen::Vector3d ac = corner_m.row(2).transpose() - a;
+  const Eigen::Vector3d ap = p_m - a;
+  const double ab_ap = ab.dot(ap);
+  const double ac_ap = ac.dot(ap);
+  const double ab_bp = ab_ap - ab.squaredNorm();
+  const double ac_cp = ac_ap - ac.squaredNorm();
+  const double ac_bp = ac_ap - ab.dot(ac);
+  const double ab_cp = ab_ap - ab.dot(ac);
+  if (ab_ap <= 0.0 && ac_ap <= 0.0) {
+    return in_edge(corner_m, 0, 0.0, p_m);
+  }
+  if (ab_bp >= 0.0 && ac_bp <= ab_bp) {
+    return in_edge(corner_m, 1, 0.0, p_m);
+  }
+  if (ac_cp >= 0.0 && ab_cp <= ac_cp) {
+    return in_edge(corner_m, 2, 0.0, p_m);
+  }
+  // Twice the areas of p's projection with the edges, times twice the triangle's.
+  const double beside_ab = ab_ap * ac_bp - ab_bp * ac_ap;
+  if (beside_ab <= 0.0 && ab_ap > 0.0 && ab_bp < 0.0) {
+    return in_edge(corner_m, 0, ab_ap / (ab_ap - ab_bp), p_m);
+  }
+  const double beside_ac = ab_cp * ac_ap - ab_ap * ac_cp;
+  if (beside_ac <= 0.0 && ac_ap > 0.0 && ac_cp < 0.0) {
+    return in_edge(corner_m, 2, ac_cp / (ac_cp - ac_ap), p_m);
+  }
+  const double beside_bc = ab_bp * ac_cp - ab_cp * ac_bp;
+  const double from_b = ac_bp - ab_bp;
+  const double from_c = ab_cp - ac_cp;
+  if (beside_bc <= 0.0 && from_b > 0.0 && from_c > 0.0) {
+    return in_edge(corner_m, 1, from_b / (from_b + from_c), p_m);
+  }
+  const double all = beside_ab + beside_ac + beside_bc;
+  if (!(beside_ab > 0.0 && beside_ac > 0.0 && beside_bc > 0.0)) {
+    return nearest_in_edges(corner_m, p_m);
+  }
+  SurfacePoint point;
+  point.area_coordinate = Eigen::Vector3d(beside_bc, beside_ac, beside_ab) / all;
+  point.position_m = a + point.area_coordinate[1] * ab + point.area_coordinate[2] * ac;
+  point.distance_m = (p_m - point.position_m).norm();
+  return point;
 }
 
 SurfaceSearch::SurfaceSearch(const SurfaceMesh& mesh)
@@ -166,6 +207,12 @@ SurfacePoint SurfaceSearch::nearest(const Eigen::Vector3d& p_m) const noexcept {
   return best;
 }
 
+bool SurfaceSearch::has_vertex(std::int32_t triangle,
+                               std::int32_t vertex) const noexcept {
+  return mesh_.triangle(triangle, 0) == vertex ||
+         mesh_.triangle(triangle, 1) == vertex || mesh_.triangle(triangle, 2) == vertex;
+}
+
 SurfacePoint SurfaceSearch::walk(const Eigen::Vector3d& p_m,
                                  std::int32_t triangle) const noexcept {
   SurfacePoint best = nearest_in(triangle, p_m);
@@ -175,7 +222,12 @@ SurfacePoint SurfaceSearch::walk(const Eigen::Vector3d& p_m,
     for (int j = 0; j < 3; ++j) {
       const std::size_t v = at(mesh_.triangle(from, j));
       for (std::int32_t i = vertex_begin_[v]; i < vertex_begin_[v + 1]; ++i) {
-        const SurfacePoint point = nearest_in(vertex_triangle_[at(i)], p_m);
+        const std::int32_t t = vertex_triangle_[at(i)];
+        if (t == from || (j > 0 && has_vertex(t, mesh_.triangle(from, 0))) ||
+            (j > 1 && has_vertex(t, mesh_.triangle(from, 1)))) {
+          continue;  // looked at already
+        }
+        const SurfacePoint point = nearest_in(t, p_m);
         if (point.distance_m < best.distance_m) {
           best = point;
           nearer = true;

@@ -61,6 +61,8 @@ class SurfaceSearch {
 
   void build(std::int32_t box, std::int32_t begin, std::int32_t end,
              const std::vector<Eigen::AlignedBox3d>& bounds);
+  [[nodiscard]] bool has_vertex(std::int32_t triangle,
+                                std::int32_t vertex) const noexcept;
   [[nodiscard]] SurfacePoint nearest_in(std::int32_t triangle,
                                         const Eigen::Vector3d& p_m) const noexcept;
 
