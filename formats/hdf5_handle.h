@@ -60,3 +60,16 @@ constexpr const char* kVtkType = "UnstructuredGrid";
 [[nodiscard]] std::size_t values_in(const Hdf5Shape& shape);
 
 }  // namespace palpate::hdf5
+
+namespace palpate {
+
+// A dataset that rows() has checked.
+struct Hdf5Reader::Kept {
+  hdf5::Handle dataset;
+  Hdf5Type type;
+  std::string units;
+  std::int64_t columns;
+  std::int64_t rows;
+};
+
+}  // namespace palpate

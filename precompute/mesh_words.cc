@@ -1,5 +1,11 @@
 #include "precompute/mesh_words.h"
 
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "formats/error.h"
+
 namespace palpate {
 
 std::string_view take_word(std::string_view& line) {
@@ -11,6 +17,17 @@ std::string_view take_word(std::string_view& line) {
   const std::string_view word = line.substr(0, line.find_first_of(kBlank));
   line.remove_prefix(word.size());
   return word;
+}
+
+Eigen::Vector3d read_point(std::string_view words, std::size_t vertex, int number) {
+  Eigen::Vector3d point;
+  for (double& coordinate : point) {
+    if (!parse_number(take_word(words), coordinate) || !std::isfinite(coordinate)) {
+      throw FormatError(fmt::format("line {}: vertex {} is not three finite numbers",
+                                    number, vertex));
+    }
+  }
+  return point;
 }
 
 std::string with_unix_lines(std::string bytes) {

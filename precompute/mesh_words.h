@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <string>
 #include <string_view>
+
+#include <Eigen/Core>
 
 namespace palpate {
 
@@ -20,6 +23,11 @@ template <typename Number>
   const auto [after, error] = std::from_chars(word.data(), end, value);
   return error == std::errc() && after == end;
 }
+
+/// The three coordinates that a line begins with. @param vertex counted from 1, and the
+/// line's number: named where it is wrong. @throws FormatError unless they are finite.
+[[nodiscard]] Eigen::Vector3d read_point(std::string_view words, std::size_t vertex,
+                                         int number);
 
 /// The text with LF at the end of every line and no byte order mark.
 [[nodiscard]] std::string with_unix_lines(std::string bytes);

@@ -1,7 +1,6 @@
 #include "precompute/obj_reader.h"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -11,17 +10,6 @@
 
 namespace palpate {
 namespace {
-
-Eigen::Vector3d read_point(std::string_view line, std::size_t vertex, int number) {
-  Eigen::Vector3d point;
-  for (double& coordinate : point) {
-    if (!parse_number(take_word(line), coordinate) || !std::isfinite(coordinate)) {
-      throw FormatError(fmt::format("line {}: vertex {} is not three finite numbers",
-                                    number, vertex + 1));
-    }
-  }
-  return point;
-}
 
 // Corners are numbered from 1; those that lie before the first or are beyond any count
 // become one that no vertex has.
@@ -59,7 +47,7 @@ PolygonSoup read_obj(std::string bytes) {
     std::string_view rest = line;
     const std::string_view statement = take_word(rest);
     if (statement == "v") {
-      soup.point.push_back(read_point(rest, soup.point.size(), first));
+      soup.point.push_back(read_point(rest, soup.point.size() + 1, first));
     } else if (statement == "f") {
       soup.face.push_back(read_face(rest, soup.point.size(), soup.face.size(), first));
     }

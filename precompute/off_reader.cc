@@ -1,6 +1,5 @@
 #include "precompute/off_reader.h"
 
-#include <cmath>
 #include <cstdint>
 #include <sstream>
 
@@ -78,17 +77,6 @@ Counts read_counts(Lines& lines) {
         fmt::format("line {}: not the counts of vertices and faces", lines.number()));
   }
   return counts;
-}
-
-Eigen::Vector3d read_point(std::string_view words, std::size_t vertex, int number) {
-  Eigen::Vector3d point;
-  for (double& coordinate : point) {
-    if (!parse_number(take_word(words), coordinate) || !std::isfinite(coordinate)) {
-      throw FormatError(fmt::format("line {}: vertex {} is not three finite numbers",
-                                    number, vertex));
-    }
-  }
-  return point;
 }
 
 std::vector<std::size_t> read_face(std::string_view words, std::size_t face,

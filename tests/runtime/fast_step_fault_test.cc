@@ -6,6 +6,7 @@
 
 #include "runtime/bench_body.h"
 #include "runtime/fast/fast_step.h"
+#include "tests/support/energy_account.h"
 
 namespace palpate {
 namespace {
@@ -18,12 +19,6 @@ FastState element_state(double radius_m = 0.005) {
   state.config.force_max_n = 1e6;
   state.config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
   return state;
-}
-
-void send(FastState& state, const BenchBody& body, const Eigen::Vector3d& x) {
-  for (const Element& element : body.around(x)) {
-    accept(state, element);
-  }
 }
 
 // A flat body of one stiffness with a tool of no size, pressed at its middle.

@@ -9,6 +9,7 @@
 
 #include "runtime/bench_body.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/energy_account.h"
 
 namespace palpate {
 namespace {
@@ -22,30 +23,6 @@ FastState element_state(double radius_m = 0.005) {
   state.config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
   return state;
 }
-
-void send(FastState& state, const BenchBody& body, const Eigen::Vector3d& x) {
-  for (const Element& element : body.around(x)) {
-    accept(state, element);
-  }
-}
-
-// The account kept by the test alone, from the potential before each step.
-struct Account {
-  double net_j = 0.0;
-  double lowest_j = 0.0;
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  bool begun = false;
-
-  FastCommand step(FastState& state, const Eigen::Vector3d& to, double dt_s = kTickS) {
-    if (begun) {
-      net_j += potential_j(state, to) - potential_j(state, x);
-    }
-    begun = true;
-    x = to;
-    lowest_j = std::min(lowest_j, net_j);
-    return palpate::step(state, {to, 0}, dt_s);
-  }
-};
 
 struct WalkResult {
   double lowest_net_j = 0.0;

@@ -9,6 +9,7 @@
 
 #include "runtime/bench_body.h"
 #include "runtime/fast/fast_step.h"
+#include "tests/support/energy_account.h"
 
 namespace palpate {
 namespace {
@@ -23,12 +24,6 @@ std::unique_ptr<FastState> potential_state(double radius_m = kRadiusM) {
   state->config.force_max_n = 1e9;
   state->config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
   return state;
-}
-
-void send(FastState& state, const BenchBody& body, const Eigen::Vector3d& x) {
-  for (const Element& element : body.around(x)) {
-    accept(state, element);
-  }
 }
 
 // Small enough that the fast process holds all of it.
@@ -52,24 +47,6 @@ void send_all(FastState& state, const BenchBody& body, const Eigen::Vector3d& x)
     accept(state, element);
   }
 }
-
-// The account kept by the test alone, from the potential before each step.
-struct Account {
-  double net_j = 0.0;
-  double lowest_j = 0.0;
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  bool begun = false;
-
-  FastCommand step(FastState& state, const Eigen::Vector3d& to) {
-    if (begun) {
-      net_j += potential_j(state, to) - potential_j(state, x);
-    }
-    begun = true;
-    x = to;
-    lowest_j = std::min(lowest_j, net_j);
-    return palpate::step(state, {to, 0}, kTickS);
-  }
-};
 
 TEST(PotentialModel, FlatHomogeneousBodyRendersTheCurve) {
   const BenchBody body = make_bench_body({.exponent = 2.0});
