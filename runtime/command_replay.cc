@@ -1,6 +1,7 @@
 #include "runtime/command_replay.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -60,16 +61,16 @@ std::string lacking(const Recording& recording) {
 }
 
 void run(const Flags& flags) {
-  const auto model = local_model(flags.model);
-  if (!flags.model.empty() && !model) {
-    throw InputError(fmt::format("--model {}: unknown local model", flags.model));
+  std::optional<LocalModel> model;
+  if (!flags.model.empty()) {
+    model = requested_model(flags.model);
   }
   const Recording recording = read_recording(flags.recording);
   if (!flags.other_database) {
     check_same_database(recording, database_sha256(flags.database), flags.database);
   }
   const ResponseDatabase database = read_database(flags.database);
-  const bool exact = flags.model.empty() && !flags.other_database;
+  const bool exact = !model && !flags.other_database;
   const ReplayReport report =
       exact ? replay(recording, database)
             : render_again(recording, database,

@@ -38,14 +38,6 @@ struct Flags {
   SimulationOptions options;
 };
 
-std::string known_models() {
-  std::string names;
-  for (const LocalModel model : kLocalModels) {
-    names += (names.empty() ? "" : ", ") + std::string(name(model));
-  }
-  return names;
-}
-
 SimulationOptions options_of(const Flags& flags) {
   SimulationOptions options = flags.options;
   options.recording = {.file = flags.record,
@@ -53,15 +45,10 @@ SimulationOptions options_of(const Flags& flags) {
                        .database = std::filesystem::path(flags.database).filename(),
                        .database_sha256 = {}};
   options.socket = flags.device;
-  const auto model = local_model(flags.model);
-  if (!model) {
-    throw InputError(fmt::format("--model {}: unknown local model; known: {}",
-                                 flags.model, known_models()));
-  }
   if (flags.clock != "simulated" && flags.clock != "real") {
     throw InputError(fmt::format("--clock {}: must be simulated or real", flags.clock));
   }
-  options.model = *model;
+  options.model = requested_model(flags.model);
   options.real_time = flags.clock == "real";
   if (!flags.at_m.empty()) {
     options.at_m = Eigen::Vector3d(flags.at_m[0], flags.at_m[1], flags.at_m[2]);

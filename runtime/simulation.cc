@@ -157,6 +157,23 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
 
 }  // namespace
 
+std::string known_models() {
+  std::string names;
+  for (const LocalModel model : kLocalModels) {
+    names += (names.empty() ? "" : ", ") + std::string(name(model));
+  }
+  return names;
+}
+
+LocalModel requested_model(const std::string& model) {
+  const auto known = local_model(model);
+  if (!known) {
+    throw InputError(fmt::format("--model {}: unknown local model; known: {}", model,
+                                 known_models()));
+  }
+  return *known;
+}
+
 double hold_s(LocalModel model, double fast_hz, double slow_hz) {
   const bool slow =
       model == LocalModel::kSingle || model == LocalModel::kFirstOrderHold;

@@ -59,6 +59,12 @@ struct SimulationReport {
   RenderReport render;
 };
 
+/// The names of all local models, with commas between them.
+[[nodiscard]] std::string known_models();
+
+/// The model that --model names. @throws InputError naming those that there are.
+[[nodiscard]] LocalModel requested_model(const std::string& model);
+
 /// Time between force updates [s]: the slow period for the models that hold the slow
 /// process's force, else the fast one.
 [[nodiscard]] double hold_s(LocalModel model, double fast_hz, double slow_hz);
