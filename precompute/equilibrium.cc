@@ -127,7 +127,8 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
         (contact.pressure_n - multipliers.pressure_n).cwiseAbs().sum() +
         (contact.tie_n - multipliers.tie_n).rowwise().norm().sum();
     report.multiplier_relative = sum > 0.0 ? change / sum : 0.0;
-    if (report.multiplier_relative > options_.multiplier_relative) {
+    if (report.multiplier_relative > options_.multiplier_relative &&
+        report.lagrange < options_.lagrange_max) {
       multipliers.pressure_n = contact.pressure_n;
       multipliers.tie_n = contact.tie_n;
       ++report.lagrange;

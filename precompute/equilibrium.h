@@ -6,6 +6,7 @@
 // contact are updated until they carry the whole pressure.
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "precompute/contact_potential.h"
@@ -22,10 +23,12 @@ struct EquilibriumOptions {
   double update_relative = 1e-2;
   /// [-] Multipliers end when they differ from the pressures by this share of the sum.
   double multiplier_relative = 0.03;
+  /// Updates of the multipliers; what they lack after these, the springs carry.
+  int lagrange_max = std::numeric_limits<int>::max();
   double gradient_tolerance = 0.3;  ///< [-] of each conjugate-gradient solve
-  int newton_max = 60;              ///< steps in all
+  int newton_max = 25;              ///< steps in all; a usual depth takes 10
   int gradients_max = 120;          ///< conjugate gradients per step
-  int gradients_total = 1500;       ///< in all; a usual depth takes 50
+  int gradients_total = 500;        ///< in all; a usual depth takes 50
 };
 
 struct EquilibriumReport {

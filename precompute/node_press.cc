@@ -199,6 +199,7 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
         NonlinearIndentation result =
             indent_nonlinear(body, node->patch, compliance.among(node->patch),
                              steps_of(*node, samples), place, solve, options);
+        node->linear = node->indentation;
         correct(*node, samples, result);
         if (every_depth) {
           node->nonlinear =

@@ -35,6 +35,8 @@ struct PressedNode {
   Indentation indentation = {};
   std::string failure = {};  ///< why the path ends early, or is missing; else empty
   PressChecks checks = {};
+  /// What a nonlinear press corrected: the linear one on the same mesh.
+  Indentation linear = {};
   /// As solved, where every depth was; else null.
   std::shared_ptr<const NonlinearIndentation> nonlinear = {};
 };

@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
 namespace palpate {
 namespace {
+
+// A press that fails goes on with these.
+constexpr double kStiffer = 10.0;
+constexpr int kStiffUpdates = 3;
+constexpr int kPatience = 2;
 
 const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
   return surface.node[static_cast<std::size_t>(v)];
@@ -55,7 +61,7 @@ class Press {
         near_(body.mesh, body.material, body.supports, near_tet_,
               contact_mesh_nodes(body, patch)),
         contact_(body.surface, body.mesh, patch, near_),
-        equilibrium_(near_, contact_, solve, options.equilibrium) {
+        equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium) {
     multipliers_.spring_n_per_m =
         options.spring_factor * compliance.diagonal().cwiseInverse();
     multipliers_.pressure_n = Eigen::VectorXd::Zero(contact_.nodes());
@@ -76,13 +82,13 @@ class Press {
         break;
       }
       result_.sample.push_back(sample);
+      result_.pressure_n = multipliers_.pressure_n;
+      result_.state = state_;
     }
     result_.near_tets = near_.tets();
     result_.near_nodes = near_.size() / 3;
     result_.near_tet = near_tet_;
     result_.near_dof = near_.dof();
-    result_.pressure_n = multipliers_.pressure_n;
-    result_.state = state_;
     return std::move(result_);
   }
 
@@ -158,15 +164,32 @@ class Press {
            options_.newton_per_depth * static_cast<int>(steps_.size());
   }
 
+  // Where the body may give way to a side, as a sharp edge does, updates of the
+  // multipliers chase one another. Stiff springs and few updates make the potential's
+  // minimum itself the answer.
+  void stiffen() {
+    stiff_ = true;
+    multipliers_.spring_n_per_m *= kStiffer;
+    EquilibriumOptions patient = options_.equilibrium;
+    patient.lagrange_max = kStiffUpdates;
+    patient.newton_max *= kPatience;
+    patient.gradients_total *= kPatience;
+    equilibrium_.emplace(near_, contact_, solve_, patient);
+  }
+
   bool reach(double penetration_m, NonlinearSample& sample, int depth) {
     const PlacedTool tool = place_(penetration_m);
     Multipliers multipliers = multipliers_;
     NearState state = predicted(penetration_m, multipliers);
-    last_ = equilibrium_.find(tool, state, multipliers);
+    last_ = equilibrium_->find(tool, state, multipliers);
     sample.newton += last_.newton;
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
     newton_ += last_.newton;
+    if (!last_.converged && !stiff_) {
+      stiffen();
+      return reach(penetration_m, sample, depth);
+    }
     if (!last_.converged) {
       if (depth == options_.bisections_max || newton_ > newton_limit()) {
         return false;
@@ -192,7 +215,7 @@ class Press {
     ++reached_;
     sample.force_n = contact.force_n;
     sample.moment_nm = contact.moment_nm;
-    sample.energy_j = equilibrium_.elastic_energy_j(state_);
+    sample.energy_j = equilibrium_->elastic_energy_j(state_);
     sample.largest_overlap_m = std::max(0.0, -contact.gap_m.minCoeff());
     sample.smallest_jacobian = near_.smallest_jacobian(state_.displacement_m);
     sample.contact_area_m2 = 0.0;
@@ -213,7 +236,7 @@ class Press {
   std::vector<Eigen::Index> near_tet_;
   NearField near_;
   ContactPotential contact_;
-  Equilibrium equilibrium_;
+  std::optional<Equilibrium> equilibrium_;
   Multipliers multipliers_;
   NearState state_;
   NearState before_;
@@ -222,6 +245,7 @@ class Press {
   double before_m_ = 0.0;
   int reached_ = 0;
   int newton_ = 0;
+  bool stiff_ = false;
   EquilibriumReport last_;
   NonlinearIndentation result_;
 };

@@ -9,6 +9,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kNeighbours = 6;
+// Contact radii that normals a radian apart count as, or stiffnesses e times apart.
+constexpr double kAlikeRadii = 4.0;
 constexpr double kFloor = 0.1;  // of the largest force: smaller ones count as that
 
 // |F| against penetration past first touch.
@@ -25,6 +27,18 @@ ResponseCurve force_curve(const Indentation& path) {
 
 double past_touch_m(const Indentation& path, std::size_t k) {
   return path.sample[k].penetration_m - path.sample.front().penetration_m;
+}
+
+// (k x 3), samples matched by number: both are at the same shares of their depths.
+Eigen::MatrixX3d turns(const Indentation& good, const Indentation& cheap) {
+  Eigen::MatrixX3d turn(static_cast<Eigen::Index>(cheap.sample.size()) - 1, 3);
+  for (std::size_t k = 1; k < cheap.sample.size(); ++k) {
+    const std::size_t g = std::min(k, good.sample.size() - 1);
+    turn.row(static_cast<Eigen::Index>(k) - 1) =
+        good.sample[g].force_n.normalized() -
+        cheap.sample[std::min(k, g)].force_n.normalized();
+  }
+  return turn;
 }
 
 Eigen::VectorXd error_weights(const Indentation& path) {
@@ -59,6 +73,7 @@ std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& 
   PathRatio ratio{.touch_shift_m = good.sample.front().penetration_m -
                                    cheap.sample.front().penetration_m,
                   .force = Eigen::VectorXd(samples),
+                  .turn = turns(good, cheap),
                   .weight = error_weights(cheap)};
   // Both paths end at the same penetration; a shift of first touch stretches one.
   const double stretch =
@@ -88,7 +103,12 @@ Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
     sample.penetration_m = touch + past_touch_m(cheap, k) * stretch;
     if (k > 0) {
       const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
-      sample.force_n *= ratio.force[i];
+      const double force_n = sample.force_n.norm() * ratio.force[i];
+      sample.force_n.normalize();
+      if (ratio.turn.rows() > i) {
+        sample.force_n = (sample.force_n + ratio.turn.row(i).transpose()).normalized();
+      }
+      sample.force_n *= force_n;
       sample.coarse_force_n *= ratio.force[i];
       sample.energy_j *= ratio.force[i];
       if (sample.force_n.norm() > force_max_n) {
@@ -102,22 +122,35 @@ Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
   return path;
 }
 
-void RatioField::add(std::int32_t vertex, PathRatio ratio) {
-  known_.push_back({vertex, std::move(ratio)});
+RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& cheap) {
+  // Of the secant at the path's end.
+  return {vertex, std::log(cheap.sample.back().force_n.norm() /
+                           past_touch_m(cheap, cheap.sample.size() - 1))};
 }
 
-std::vector<RatioField::Weight> RatioField::weights(std::int32_t vertex,
+void RatioField::add(std::int32_t vertex, const Indentation& cheap, PathRatio ratio) {
+  known_.push_back({place_of(vertex, cheap), std::move(ratio)});
+}
+
+double RatioField::distance_m(std::int32_t a, const Indentation& cheap_a,
+                              std::int32_t b, const Indentation& cheap_b) const {
+  return distance_m(place_of(a, cheap_a), place_of(b, cheap_b));
+}
+
+double RatioField::distance_m(const Place& a, const Place& b) const {
+  const double away =
+      (surface_.position_m.row(a.vertex) - surface_.position_m.row(b.vertex)).norm();
+  const double turned = (normal_.row(a.vertex) - normal_.row(b.vertex)).norm();
+  const double stiffer = a.log_stiffness - b.log_stiffness;
+  return std::hypot(away, kAlikeRadii * contact_m_ * std::hypot(turned, stiffer));
+}
+
+std::vector<RatioField::Weight> RatioField::weights(const Place& place,
                                                     std::int32_t without) const {
-  const Eigen::Vector3d p = surface_.position_m.row(vertex).transpose();
-  const Eigen::Vector3d n = normal_.row(vertex).transpose();
   std::vector<Weight> weights;
   for (std::size_t i = 0; i < known_.size(); ++i) {
-    const std::int32_t v = known_[i].vertex;
-    if (v != without) {
-      const double facing =
-          std::max(0.1, 0.5 + 0.5 * n.dot(normal_.row(v).transpose()));
-      weights.push_back(
-          {i, 0.0, (surface_.position_m.row(v).transpose() - p).norm() / facing});
+    if (known_[i].place.vertex != without) {
+      weights.push_back({i, 0.0, distance_m(place, known_[i].place)});
     }
   }
   const std::size_t kept = std::min(kNeighbours, weights.size());
@@ -138,9 +171,14 @@ std::vector<RatioField::Weight> RatioField::weights(std::int32_t vertex,
   return weights;
 }
 
-PathRatio RatioField::at(std::int32_t vertex, std::int32_t without) const {
+PathRatio RatioField::at(std::int32_t vertex, const Indentation& cheap,
+                         std::int32_t without) const {
+  return mean_at(place_of(vertex, cheap), without);
+}
+
+PathRatio RatioField::mean_at(const Place& place, std::int32_t without) const {
   PathRatio mean;
-  for (const Weight& w : weights(vertex, without)) {
+  for (const Weight& w : weights(place, without)) {
     const PathRatio& ratio = known_[w.known].ratio;
     if (mean.force.size() < ratio.force.size()) {
       // A longer path goes on where shorter ones end.
@@ -160,15 +198,16 @@ PathRatio RatioField::at(std::int32_t vertex, std::int32_t without) const {
 std::vector<double> RatioField::leave_one_out() const {
   std::vector<double> errors;
   for (const Known& known : known_) {
-    errors.push_back(ratio_difference(at(known.vertex, known.vertex), known.ratio));
+    errors.push_back(
+        ratio_difference(mean_at(known.place, known.place.vertex), known.ratio));
   }
   return errors;
 }
 
-double RatioField::error_at(std::int32_t vertex,
+double RatioField::error_at(std::int32_t vertex, const Indentation& cheap,
                             std::span<const double> leave_one_out) const {
   double sum = 0.0;
-  for (const Weight& w : weights(vertex, -1)) {
+  for (const Weight& w : weights(place_of(vertex, cheap), -1)) {
     sum += w.weight * leave_one_out[w.known] * leave_one_out[w.known];
   }
   return std::sqrt(sum);

@@ -18,6 +18,9 @@ namespace palpate {
 struct PathRatio {
   double touch_shift_m = 0.0;  ///< [m] good first touch minus the cheap one
   Eigen::VectorXd force;       ///< (k) [-] at the cheap path's samples but the first
+  /// (k x 3) [-] good direction minus the cheap one, for the same vertex only; else
+  /// empty.
+  Eigen::MatrixX3d turn;
   /// (k) [-] what a relative error there counts, less where the force is below a tenth
   /// of the largest; squares are shares of the depth.
   Eigen::VectorXd weight;
@@ -28,23 +31,31 @@ struct PathRatio {
 [[nodiscard]] std::optional<PathRatio> path_ratio(const Indentation& good,
                                                   const Indentation& cheap);
 
-/// The cheap path, scaled. Directions stay as they were.
+/// The cheap path, scaled, and turned where the ratio says so.
 [[nodiscard]] Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
                                  double force_max_n);
 
 /// Ratios known at some vertices of a surface, and between them.
 class RatioField {
  public:
-  RatioField(const SurfaceMesh& surface, const Points& normal)
-      : surface_(surface), normal_(normal) {}
+  /// @param contact_m [m] radius of a contact: bodies change over it.
+  RatioField(const SurfaceMesh& surface, const Points& normal, double contact_m)
+      : surface_(surface), normal_(normal), contact_m_(contact_m) {}
 
-  void add(std::int32_t vertex, PathRatio ratio);
+  /// @param cheap the vertex's.
+  void add(std::int32_t vertex, const Indentation& cheap, PathRatio ratio);
 
   [[nodiscard]] std::size_t size() const { return known_.size(); }
 
-  /// Mean of the nearest known ratios, weighted by inverse squares of distance, those
-  /// of surfaces that face elsewhere less. @param without a vertex that must not count.
-  [[nodiscard]] PathRatio at(std::int32_t vertex, std::int32_t without = -1) const;
+  /// How far apart two vertices are for ratios [m]: in space, and so much more as they
+  /// face elsewhere or as the cheap path of one is stiffer than the other's.
+  [[nodiscard]] double distance_m(std::int32_t a, const Indentation& cheap_a,
+                                  std::int32_t b, const Indentation& cheap_b) const;
+
+  /// Mean of the nearest known ratios, weighted by inverse squares of distance.
+  /// @param without a vertex that must not count.
+  [[nodiscard]] PathRatio at(std::int32_t vertex, const Indentation& cheap,
+                             std::int32_t without = -1) const;
 
   /// Leave-one-out error of every known vertex, in the order of add().
   [[nodiscard]] std::vector<double> leave_one_out() const;
@@ -52,12 +63,16 @@ class RatioField {
   /// Error expected at a vertex: rms of the leave-one-out errors around it, weighted as
   /// ratios are. A neighbour is farther from a left-out vertex than from this one, so
   /// that this is rather too large than too small.
-  [[nodiscard]] double error_at(std::int32_t vertex,
+  [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap,
                                 std::span<const double> leave_one_out) const;
 
  private:
-  struct Known {
+  struct Place {
     std::int32_t vertex = -1;
+    double log_stiffness = 0.0;  // of the cheap path
+  };
+  struct Known {
+    Place place;
     PathRatio ratio;
   };
   struct Weight {
@@ -65,11 +80,15 @@ class RatioField {
     double weight = 0.0;
     double distance_m = 0.0;
   };
-  [[nodiscard]] std::vector<Weight> weights(std::int32_t vertex,
+  [[nodiscard]] static Place place_of(std::int32_t vertex, const Indentation& cheap);
+  [[nodiscard]] double distance_m(const Place& a, const Place& b) const;
+  [[nodiscard]] PathRatio mean_at(const Place& place, std::int32_t without) const;
+  [[nodiscard]] std::vector<Weight> weights(const Place& place,
                                             std::int32_t without) const;
 
   const SurfaceMesh& surface_;
   const Points& normal_;
+  double contact_m_;
   std::vector<Known> known_;
 };
 

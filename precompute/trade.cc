@@ -263,12 +263,11 @@ void TradeRun::press_at(double resolution) {
 
 void TradeRun::add_interpolated(const Scene& scene, const Approach& approach,
                                 const PricedPresses& cheap, const PricedPresses& good) {
-  RatioField field(body_.surface, body_.normal);
+  RatioField field(body_.surface, body_.normal, approach.focus.contact_m);
   for (std::size_t i = 0; i < good.node.size(); ++i) {
     if (is_complete(good.node[i]) && is_complete(cheap.node[i])) {
-      if (auto ratio =
-              path_ratio(good.node[i].indentation, cheap.node[i].indentation)) {
-        field.add(good.node[i].vertex, std::move(*ratio));
+      if (auto ratio = path_ratio(good.node[i].indentation, good.node[i].linear)) {
+        field.add(good.node[i].vertex, cheap.node[i].indentation, std::move(*ratio));
       }
     }
   }
@@ -277,7 +276,7 @@ void TradeRun::add_interpolated(const Scene& scene, const Approach& approach,
     responses.emplace_back();
     if (is_complete(node) && field.size() > 1) {
       const Indentation path =
-          scaled(node.indentation, field.at(node.vertex, node.vertex),
+          scaled(node.indentation, field.at(node.vertex, node.indentation, node.vertex),
                  scene.reach.force_max_n);
       responses.back() = to_response(path, node.path, scene.force_relative);
     }

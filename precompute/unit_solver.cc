@@ -24,7 +24,7 @@ std::uint64_t scrambled(std::uint64_t x) {
 }
 
 std::size_t territory_size(std::size_t vertices) {
-  return std::clamp<std::size_t>((vertices + 5) / 6, 64, 512);
+  return std::clamp<std::size_t>((vertices + 3) / 4, 128, 512);
 }
 
 // The vertices of a territory, each with its cheap press and, where it is solved, its
@@ -40,7 +40,7 @@ class Territory {
         vertex_(unit.vertex),
         cheap_(solver.cheap(tool, unit.vertex)),
         good_(unit.vertex.size()),
-        field_(body.surface, body.normal) {}
+        field_(body.surface, body.normal, contact_focus(scene).contact_m) {}
 
   void solve_all() {
     std::vector<std::size_t> all(vertex_.size());
@@ -115,8 +115,9 @@ class Territory {
 
   [[nodiscard]] double expected_error(std::size_t i,
                                       std::span<const double> left_out) const {
-    return left_out.size() < 2 ? std::numeric_limits<double>::infinity()
-                               : field_.error_at(vertex_[i], left_out);
+    return left_out.size() < 2
+               ? std::numeric_limits<double>::infinity()
+               : field_.error_at(vertex_[i], cheap_[i].indentation, left_out);
   }
 
   [[nodiscard]] NodeResponse interpolated(std::size_t i,
@@ -124,11 +125,13 @@ class Territory {
     if (!touches(i)) {
       return {};
     }
+    const Indentation& cheap = cheap_[i].indentation;
     const Indentation path =
-        scaled(cheap_[i].indentation, field_.at(vertex_[i]), scene_.reach.force_max_n);
+        scaled(cheap, field_.at(vertex_[i], cheap), scene_.reach.force_max_n);
     NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
     response.origin = ResponseOrigin::kInterpolated;
-    response.error_relative = expected_error(i, left_out);
+    response.error_relative =
+        std::hypot(response.error_relative, expected_error(i, left_out));
     response.flags = static_cast<std::uint8_t>(
         (response.flags & ~(kErrorOverBudget | kCoarseContact)) |
         (response.error_relative > scene_.force_relative ? kErrorOverBudget : 0));
@@ -147,26 +150,31 @@ class Territory {
           std::lower_bound(vertex_.begin(), vertex_.end(), node.vertex) -
           vertex_.begin());
       if (node.failure.empty() && touches(i)) {
-        if (auto ratio = path_ratio(node.indentation, cheap_[i].indentation)) {
-          field_.add(node.vertex, std::move(*ratio));
+        if (auto ratio = path_ratio(node.indentation, node.linear)) {
+          // Errors of the mesh are alike in both and cancel in their ratio.
+          const Indentation& cheap = cheap_[i].indentation;
+          node.indentation = scaled(cheap, *ratio, scene_.reach.force_max_n);
+          field_.add(node.vertex, cheap, std::move(*ratio));
         }
       }
       good_[i] = std::move(node);
     }
   }
 
-  // Vertices that are not solved yet, each the farthest from those solved or chosen;
-  // where errors are given, distances count in proportion to them.
+  // Vertices that touch and are not solved yet, each the farthest from those solved or
+  // chosen; where errors are given, distances count in proportion to them.
   [[nodiscard]] std::vector<std::size_t> farthest(std::size_t count,
                                                   std::span<const double> error) const {
-    const auto position = [&](std::size_t i) -> Eigen::Vector3d {
-      return body_.surface.position_m.row(vertex_[i]).transpose();
-    };
     std::vector<double> distance(vertex_.size(),
                                  std::numeric_limits<double>::infinity());
     const auto take = [&](std::size_t chosen) {
       for (std::size_t i = 0; i < vertex_.size(); ++i) {
-        distance[i] = std::min(distance[i], (position(i) - position(chosen)).norm());
+        if (touches(i) && touches(chosen)) {
+          distance[i] =
+              std::min(distance[i],
+                       field_.distance_m(vertex_[i], cheap_[i].indentation,
+                                         vertex_[chosen], cheap_[chosen].indentation));
+        }
       }
     };
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
@@ -180,7 +188,7 @@ class Territory {
       double most = 0.0;
       for (std::size_t i = 0; i < vertex_.size(); ++i) {
         const double worth = distance[i] * (error.empty() ? 1.0 : error[i]);
-        if (!good_[i] && worth > most) {
+        if (!good_[i] && touches(i) && worth > most) {
           best = i;
           most = worth;
         }

@@ -18,6 +18,8 @@ namespace {
 
 constexpr const char* kFixed =
     "[[support]]\nbox_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, -0.02]]\n";
+constexpr const char* kBottom =
+    "[[support]]\nbox_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1e-9]]\n";
 constexpr const char* kFoundation =
     "[[support]]\nkind = \"foundation\"\nstiffness_pa_per_m = 1e6\nbox_m = "
     "[[-1.0, -1.0, -1.0], [1.0, 1.0, -0.01]]\n";
@@ -97,6 +99,24 @@ TEST_F(NodeDetails, AFarFieldAtRestStiffnessIsInBalanceAboutItsRestPosition) {
   // Without its share the moments would not meet.
   EXPECT_GT(detail.checks.theory_moment, 1e-6);
   EXPECT_LT(detail.checks.theory_moment, 0.05);
+}
+
+// A sharp rim folds to a side under the tool: updates of the contact's multipliers
+// alone do not settle there.
+TEST_F(NodeDetails, ASharpRimThatGivesWayIsPressedToTheEnd) {
+  Scene ball = scene("neo-hookean", kBottom, 0.005, 20);
+  ball.tool.front().radius_m = 0.005;
+  ball.force_relative = 0.05;
+  ball.contact_resolution = 0.0;
+  write_obj(cylinder(0.02, 0.02, 5), folder_ / "ball.obj", "a cylinder");
+  const BodySource body = read_body(ball);
+  Progress quiet(nullptr);
+  const std::int64_t rim = nearest_vertex(body.surface, {0.02, 0.0, 0.02});
+  const NodeDetail detail =
+      press_in_detail(ball, body, body.tool.front(), rim, {}, quiet);
+  EXPECT_EQ(detail.pressed.failure, "");
+  EXPECT_EQ(detail.pressed.indentation.sample.size(), 21U);
+  EXPECT_LT(detail.checks.force, 1e-3);
 }
 
 TEST_F(NodeDetails, ALinearPressIsInBalanceToRounding) {
