@@ -231,7 +231,7 @@ UnitOutcome solve_check(const Scene& scene, const BodySource& body,
 }  // namespace
 
 std::size_t expected_samples(double force_relative) {
-  return kFirstSamples + kMoreSamples * (force_relative < 0.03 ? 4 : 1);
+  return kFirstSamples + kMoreSamples * (force_relative < 0.03 ? 12 : 6);
 }
 
 std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
