@@ -153,8 +153,7 @@ void follow(FieldPlace& place, const ElementCache& cache,
   int from = -1;
   place.starved = false;
   if (!place.folded && !place.outside && place.frame.scale > kScaleMin) {
-    (void)newton_step(place.frame, x_m - place.frame.position_m, place.prism.size_m,
-                      place.at);
+    predict(place.frame, x_m - place.frame.position_m, place.prism.size_m, place.at);
   }
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
     const int here = place.slot;

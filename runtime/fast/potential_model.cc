@@ -56,15 +56,12 @@ struct Rendered {
   double height_m = 0.0;
   Eigen::Vector3d weight;
   Eigen::Vector3d normal;
-  Eigen::Vector3d along_n;  // tangential force
   FieldResponse response;
 };
 
 Rendered rendered(const PotentialModel& model) {
-  const Eigen::Vector3d& n = model.place.frame.normal;
-  const Eigen::Vector3d& f = model.response.force_n;
-  return {model.place.slot, model.place.at.height_m, model.place.frame.weight, n,
-          f - f.dot(n) * n, model.response};
+  return {model.place.slot, model.place.at.height_m, model.place.frame.weight,
+          model.place.frame.normal, model.response};
 }
 
 // What was rendered until now, continued by this movement.
@@ -77,7 +74,9 @@ double carried_j(const Rendered& at, const ElementCache& cache, double radius,
   along.frame.weight = at.weight;
   CurveHints hint{};
   const double energy = respond(along, cache, radius, shift_m, hint).energy_j;
-  return std::max(0.0, energy - at.along_n.dot(moved));
+  const Eigen::Vector3d& f = at.response.force_n;
+  const Eigen::Vector3d along_n = f - f.dot(at.normal) * at.normal;
+  return std::max(0.0, energy - along_n.dot(moved));
 }
 
 bool leapt(const FieldResponse& from, const FieldResponse& to,

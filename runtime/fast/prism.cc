@@ -41,10 +41,34 @@ void hold(const Prism& prism, const Eigen::Vector3d& area, PrismFrame& frame) {
   }
 }
 
-// dn_out by n_i, from dN.
-Eigen::Vector3d turned(const PrismFrame& frame, const Eigen::Vector3d& dn,
-                       double length) {
-  return (dn - dn.dot(frame.normal) * frame.normal) / length;
+// What one step of Newton's method changes.
+struct Step {
+  double d1 = 0.0;
+  double d2 = 0.0;
+  double ds_m = 0.0;
+};
+
+Step solve(const PrismFrame& frame, const Eigen::Vector3d& r_m) {
+  const double inverse = 1.0 / frame.determinant_m2;
+  const Eigen::Vector3d turned_r = frame.normal.cross(r_m);
+  return {inverse * frame.along2_m.dot(turned_r),
+          -inverse * frame.along1_m.dot(turned_r), inverse * r_m.dot(frame.cross_m2)};
+}
+
+double apply(const Step& step, double size_m, PrismPoint& at) {
+  at.area(0) -= step.d1 + step.d2;
+  at.area(1) += step.d1;
+  at.area(2) += step.d2;
+  at.height_m += step.ds_m;
+  return std::max({std::abs(step.d1), std::abs(step.d2), std::abs(step.ds_m) / size_m});
+}
+
+// dn_out and d ln|N| by n_i, from dN.
+void bend(const PrismFrame& frame, const Eigen::Vector3d& dn, double inverse,
+          Eigen::Vector3d& normal, double& growth) {
+  const double along = dn.dot(frame.normal);
+  normal = inverse * (dn - along * frame.normal);
+  growth = inverse * along;
 }
 
 }  // namespace
@@ -66,8 +90,8 @@ Prism make_prism(const Element& element) noexcept {
   return prism;
 }
 
-PrismFrame frame_at(const Prism& prism, const PrismPoint& at, Beyond beyond) noexcept {
-  PrismFrame frame;
+void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
+               PrismFrame& frame) noexcept {
   const Eigen::Matrix3d& v = prism.corner_m;
   const Eigen::Matrix3d& n = prism.normal;
   Eigen::Vector3d turn1;
@@ -85,34 +109,43 @@ PrismFrame frame_at(const Prism& prism, const PrismPoint& at, Beyond beyond) noe
   const Eigen::Vector3d sum = n * frame.weight;
   const double length = sum.norm();
   if (prism.flat || !(length > kNoNormal)) {
-    return frame;
+    const Eigen::Vector3d weight = frame.weight;
+    const Eigen::Matrix<double, 3, 2> turn = frame.turn;
+    frame = {.weight = weight, .turn = turn};
+    return;
   }
-  frame.normal = sum / length;
+  const double inverse = 1.0 / length;
+  frame.normal = inverse * sum;
+  bend(frame, turn1, inverse, frame.bend1, frame.growth(0));
+  bend(frame, turn2, inverse, frame.bend2, frame.growth(1));
   frame.position_m = v * at.area + at.height_m * frame.normal;
-  frame.along1_m = v.col(1) - v.col(0) + at.height_m * turned(frame, turn1, length);
-  frame.along2_m = v.col(2) - v.col(0) + at.height_m * turned(frame, turn2, length);
+  frame.along1_m = v.col(1) - v.col(0) + at.height_m * frame.bend1;
+  frame.along2_m = v.col(2) - v.col(0) + at.height_m * frame.bend2;
   frame.cross_m2 = frame.along1_m.cross(frame.along2_m);
   frame.determinant_m2 = frame.cross_m2.dot(frame.normal);
   frame.scale = frame.determinant_m2 / prism.doubled_area_m2;
-  return frame;
 }
 
 double newton_step(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
                    PrismPoint& at) noexcept {
-  const Eigen::Vector3d turned_r = frame.normal.cross(r_m) / frame.determinant_m2;
-  const double d1 = frame.along2_m.dot(turned_r);
-  const double d2 = -frame.along1_m.dot(turned_r);
-  const double ds = r_m.dot(frame.cross_m2) / frame.determinant_m2;
-  at.area += Eigen::Vector3d(-d1 - d2, d1, d2);
-  at.height_m += ds;
-  return std::max({std::abs(d1), std::abs(d2), std::abs(ds) / size_m});
+  return apply(solve(frame, r_m), size_m, at);
+}
+
+void predict(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
+             PrismPoint& at) noexcept {
+  const Step first = solve(frame, r_m);
+  const Eigen::Vector3d tau = first.d1 * frame.bend1 + first.d2 * frame.bend2;
+  const double growth = first.d1 * frame.growth(0) + first.d2 * frame.growth(1);
+  const Eigen::Vector3d q = (first.ds_m - at.height_m * growth) * tau -
+                            (0.5 * at.height_m * tau.squaredNorm()) * frame.normal;
+  (void)apply(solve(frame, r_m - q), size_m, at);
 }
 
 PrismSolve find_coordinates(const Prism& prism, const Eigen::Vector3d& x_m,
                             Beyond beyond, PrismPoint& at, PrismFrame& frame) noexcept {
   const double rounding_m = 4e-16 * (x_m.cwiseAbs().maxCoeff() + prism.size_m);
   for (int i = 0; i < kNewtonMax; ++i) {
-    frame = frame_at(prism, at, beyond);
+    set_frame(prism, at, beyond, frame);
     if (!(frame.scale > kScaleMin)) {
       return PrismSolve::kFolded;
     }
@@ -131,8 +164,8 @@ PrismSolve find_coordinates(const Prism& prism, const Eigen::Vector3d& x_m,
 
 Eigen::Vector3d gradient(const PrismFrame& frame, double by_n1, double by_n2,
                          double by_s_per_m) noexcept {
-  return (by_n1 * frame.along2_m.cross(frame.normal) +
-          by_n2 * frame.normal.cross(frame.along1_m) + by_s_per_m * frame.cross_m2) /
+  return ((by_n1 * frame.along2_m - by_n2 * frame.along1_m).cross(frame.normal) +
+          by_s_per_m * frame.cross_m2) /
          frame.determinant_m2;
 }
 

@@ -52,12 +52,23 @@ struct PrismFrame {
   Eigen::Vector3d weight = Eigen::Vector3d::Zero();    ///< [-] >= 0 if held; sum 1
   /// [-] dw/dn_1 and dw/dn_2, one per column.
   Eigen::Matrix<double, 3, 2> turn = Eigen::Matrix<double, 3, 2>::Zero();
-  double determinant_m2 = 0.0;  ///< [m^2] of the Jacobian
+  Eigen::Vector3d bend1 = Eigen::Vector3d::Zero();   ///< [-] dn_out/dn_1
+  Eigen::Vector3d bend2 = Eigen::Vector3d::Zero();   ///< [-] dn_out/dn_2
+  Eigen::Vector2d growth = Eigen::Vector2d::Zero();  ///< [-] d ln|N| by n_1, n_2
+  double determinant_m2 = 0.0;                       ///< [m^2] of the Jacobian
   double scale = 0.0;  ///< [-] determinant over the triangle's; 0: no normal here
 };
 
-[[nodiscard]] PrismFrame frame_at(const Prism& prism, const PrismPoint& at,
-                                  Beyond beyond) noexcept;
+/// @param frame set whole.
+void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
+               PrismFrame& frame) noexcept;
+
+[[nodiscard]] inline PrismFrame frame_at(const Prism& prism, const PrismPoint& at,
+                                         Beyond beyond) noexcept {
+  PrismFrame frame;
+  set_frame(prism, at, beyond, frame);
+  return frame;
+}
 
 /// Least scale of a frame in which coordinates are still taken for sound.
 constexpr double kScaleMin = 0.05;
@@ -71,6 +82,12 @@ enum class PrismSolve : std::uint8_t {
 /// @returns the largest change, of area coordinates and of the height over size_m [-].
 double newton_step(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
                    PrismPoint& at) noexcept;
+
+/// Coordinates of the point r_m [m] away from the frame's to second order: with
+/// delta = J^-1 r and tau = d1 bend1 + d2 bend2, the map's second-order part
+/// q = ds tau - s (d ln|N|) tau - s |tau|^2 n / 2 is taken off r.
+void predict(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
+             PrismPoint& at) noexcept;
 
 /// Coordinates of x by Newton's method from `at`, which is left at the last estimate;
 /// `frame` is that of the solution to 1e-7 of the element's size, its position x.
