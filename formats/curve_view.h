@@ -59,15 +59,21 @@ struct CurveView {
   /// As at(), for a caller that remembers the interval: `hint` is tried before the
   /// others, and set.
   [[nodiscard]] ResponseSample at(double d, std::uint8_t& hint) const noexcept {
-    if (depth_m.empty() || d <= 0.0 || d > depth_m.back()) {
-      return at(d);
+    const std::size_t i = hint;
+    if (i + 1 < depth_m.size() && d > depth_m[i] && d <= depth_m[i + 1]) {
+      return inside(i, d);
     }
-    std::size_t i = hint;
-    if (!(i + 1 < depth_m.size() && d > depth_m[i] && d <= depth_m[i + 1])) {
-      i = interval(d);
-      hint = static_cast<std::uint8_t>(std::min<std::size_t>(i, 255));
+    return found_at(d, hint);
+  }
+
+  /// As at(), setting the hint. Out of line, so that the way where the hint is right is
+  /// short enough to be inlined.
+  [[gnu::noinline]] ResponseSample found_at(double d,
+                                            std::uint8_t& hint) const noexcept {
+    if (!depth_m.empty() && d > 0.0 && d <= depth_m.back()) {
+      hint = static_cast<std::uint8_t>(std::min<std::size_t>(interval(d), 255));
     }
-    return inside(i, d);
+    return at(d);
   }
 
   /// f, f' and E by the cubic of interval i.

@@ -38,66 +38,57 @@ Eigen::Matrix3d corners(const Element& element) {
   return v;
 }
 
-// sum of n_j times a vector of node j.
-Eigen::Vector3d blend(const Element& element, Triple ElementNode::*field,
-                      const Eigen::Vector3d& area) {
-  return area(0) * vector(element.node[0].*field) +
-         area(1) * vector(element.node[1].*field) +
-         area(2) * vector(element.node[2].*field);
-}
-
 Eigen::Vector3d unit_or_zero(const Eigen::Vector3d& v) {
   const double length = v.norm();
   return length > 1e-12 ? Eigen::Vector3d(v / length) : Eigen::Vector3d::Zero();
 }
 
-// Solves [a b -c] (p, q, s) = r by Cramer's rule. False where the columns are nearly
-// dependent, measured against the face's own area.
+// Solves [a b -c] (p, q, s) = r for p and q by Cramer's rule. False where the columns
+// are nearly dependent, measured against the face's own area.
 bool solve_columns(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                    const Eigen::Vector3d& c, const Eigen::Vector3d& r, double face,
                    Eigen::Vector2d& step) {
-  const Eigen::Vector3d ab = a.cross(b);
-  const double det = ab.dot(c);
+  const double det = a.cross(b).dot(c);
   if (!(det > kGrazing * face)) {
     return false;
   }
-  step = {r.cross(b).dot(c) / det, a.cross(r).dot(c) / det};
+  const Eigen::Vector3d cr = c.cross(r);
+  step = {b.dot(cr) / det, -a.dot(cr) / det};
   return step.cwiseAbs().maxCoeff() <= kStepMax;
 }
 
 // Area coordinates of the anchor for which delta_t = tau.
-Eigen::Vector3d solve_anchor(const ElementModel& model, const Element& element,
-                             const Eigen::Vector3d& x, const Eigen::Vector3d& tau,
-                             double radius) {
-  const auto edge = [&](Triple ElementNode::*field, std::size_t j) {
-    return Eigen::Vector3d(vector(element.node[j].*field) -
-                           vector(element.node[0].*field));
-  };
-  const Eigen::Vector3d e1 = edge(&ElementNode::position_m, 1);
-  const Eigen::Vector3d e2 = edge(&ElementNode::position_m, 2);
-  if (triangle::flat(e1, e2)) {
+Eigen::Vector3d solve_anchor(const ElementModel& model, const Eigen::Vector3d& x,
+                             const Eigen::Vector3d& tau, double radius) {
+  const Prism& prism = model.prism;
+  if (prism.flat) {
     return {1.0, 0.0, 0.0};
   }
-  const double doubled_area = e1.cross(e2).norm();
+  const auto edge = [](const Eigen::Matrix3d& field, Eigen::Index j) {
+    return Eigen::Vector3d(field.col(j) - field.col(0));
+  };
+  const Eigen::Vector3d e1 = edge(prism.corner_m, 1);
+  const Eigen::Vector3d e2 = edge(prism.corner_m, 2);
   const Eigen::Vector3d& u = model.direction;
   const double d = (model.rest_m - x).dot(u);
   const Eigen::Vector3d r = (x - tau) - (model.rest_m - d * u);
   Eigen::Vector2d step = Eigen::Vector2d::Zero();
   bool solved = false;
-  if (!model.outside && std::abs(d) <= 2.0 * radius + std::sqrt(doubled_area)) {
-    const auto column = [&](const Eigen::Vector3d& e, std::size_t j) {
-      return Eigen::Vector3d(e + radius * edge(&ElementNode::normal, j) -
-                             d * edge(&ElementNode::direction, j));
+  if (!model.outside && std::abs(d) <= 2.0 * radius + prism.size_m) {
+    const auto column = [&](const Eigen::Vector3d& e, Eigen::Index j) {
+      return Eigen::Vector3d(e + radius * edge(prism.normal, j) -
+                             d * edge(model.toward, j));
     };
-    solved = solve_columns(column(e1, 1), column(e2, 2), u, r, doubled_area, step);
+    solved =
+        solve_columns(column(e1, 1), column(e2, 2), u, r, prism.doubled_area_m2, step);
   }
   if (!solved) {
-    solved = solve_columns(e1, e2, u, r, doubled_area, step);
+    solved = solve_columns(e1, e2, u, r, prism.doubled_area_m2, step);
   }
   if (solved) {
     return model.anchor_area + Eigen::Vector3d(-step.sum(), step(0), step(1));
   }
-  return triangle::area_coordinates(corners(element), x - radius * model.normal - tau);
+  return triangle::area_coordinates(prism.corner_m, x - radius * model.normal - tau);
 }
 
 // An element of the cache into which the anchor projects, near its plane and facing
@@ -120,6 +111,20 @@ int slot_containing(const ElementCache& cache, const ElementModel& model) {
   return -1;
 }
 
+// What of an element does not depend on the contact point.
+void enter(ElementModel& model, const Element& element, int slot) {
+  model.slot = slot;
+  model.prism = make_prism(element);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto column = static_cast<Eigen::Index>(j);
+    const ElementNode& node = element.node[j];
+    model.toward.col(column) = vector(node.direction);
+    model.touch_m[j] =
+        node.touch_offset_m *
+        std::abs(model.prism.normal.col(column).dot(model.toward.col(column)));
+  }
+}
+
 // The element across the edge that the anchor has crossed farthest; -1 if the cache
 // does not hold it. `border`: there is none.
 int next_slot(const ElementCache& cache, const Element& element,
@@ -137,25 +142,23 @@ int next_slot(const ElementCache& cache, const Element& element,
 void place(ElementModel& model, const ElementCache& cache, int slot,
            const Eigen::Vector3d& area, double tool_radius_m) noexcept {
   const Element& element = element_of(cache, slot);
-  const Eigen::Matrix3d v = corners(element);
-  model.slot = slot;
+  if (model.slot != slot) {
+    enter(model, element, slot);
+  }
+  const Prism& prism = model.prism;
   model.outside = area.minCoeff() < -kEdgeSlack;
-  model.area = triangle::nearest_inside(v, area);
+  model.area = triangle::nearest_inside(prism.corner_m, area);
   model.anchor_area = model.outside ? area : model.area;
-  model.anchor_m = blend(element, &ElementNode::position_m, model.anchor_area);
-  model.normal = unit_or_zero(blend(element, &ElementNode::normal, model.area));
-  model.direction = unit_or_zero(blend(element, &ElementNode::direction, model.area));
+  model.anchor_m = prism.corner_m * model.anchor_area;
+  model.normal = unit_or_zero(prism.normal * model.area);
+  model.direction = unit_or_zero(model.toward * model.area);
   model.rest_m = model.anchor_m + tool_radius_m * model.normal;
   model.friction = 0.0;
   model.presliding_m = 0.0;
-  for (int j = 0; j < 3; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    const ElementNode& node = element.node[i];
-    const Eigen::Map<const Eigen::Vector3d> n(node.normal.data());
-    const Eigen::Map<const Eigen::Vector3d> u(node.direction.data());
-    model.touch_m[i] = node.touch_offset_m * std::abs(n.dot(u));
-    model.friction += model.area(j) * node.friction;
-    model.presliding_m += model.area(j) * node.presliding_m;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const double weight = model.area(static_cast<Eigen::Index>(j));
+    model.friction += weight * element.node[j].friction;
+    model.presliding_m += weight * element.node[j].presliding_m;
   }
 }
 
@@ -173,8 +176,7 @@ void follow(ElementModel& model, const ElementCache& cache, const Eigen::Vector3
   model.starved = false;
   for (int crossed = 0;; ++crossed) {
     const Element& element = element_of(cache, model.slot);
-    const Eigen::Vector3d area =
-        solve_anchor(model, element, x_m, tau_m, tool_radius_m);
+    const Eigen::Vector3d area = solve_anchor(model, x_m, tau_m, tool_radius_m);
     const bool inside = area.minCoeff() >= -kEdgeSlack;
     place(model, cache, model.slot, area, tool_radius_m);
     if (inside || crossed == kWalkMax) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "runtime/fast/contact_point.h"
 #include "runtime/fast/relaxed_shift.h"
@@ -20,6 +21,11 @@ void release(ElementModel& model) {
 
 std::int32_t triangle_in(const ElementCache& cache, int slot) {
   return cache.triangle[static_cast<std::size_t>(slot)];
+}
+
+ElementResponse respond_here(ElementModel& model, const ElementCache& cache,
+                             const Eigen::Vector3d& x) {
+  return respond(model, cache, x, model.hint);
 }
 
 // Another element where the rules allow it: in free space, or lost beyond an edge, the
@@ -75,7 +81,7 @@ auto at_shift(ElementModel& model, const ElementCache& cache,
               const Eigen::Vector3d& x) {
   return [&](double shift_m) {
     model.shift_m = shift_m;
-    const ElementResponse at = respond(model, cache, x);
+    const ElementResponse at = respond_here(model, cache, x);
     return ShiftedEnergy{shift_m, at.normal_j, at.normal_n};
   };
 }
@@ -89,15 +95,14 @@ ElementResponse raise_shift(ElementModel& model, const ElementCache& cache,
       std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
   model.shift_m = raised_shift_m({model.shift_m, response.normal_j, response.normal_n},
                                  unloaded, allowed_j, at_shift(model, cache, x));
-  return respond(model, cache, x);
+  return respond_here(model, cache, x);
 }
 
 // Brings the changed model down to the allowance: friction spring first, then delta_0.
-ElementResponse pay(ElementModel& model, const ElementCache& cache,
-                    const Eigen::Vector3d& x, ElementResponse response,
-                    double allowed_j) {
+void pay(ElementModel& model, const ElementCache& cache, const Eigen::Vector3d& x,
+         double allowed_j, ElementResponse& response) {
   if (response.potential_j() <= allowed_j) {
-    return response;
+    return;
   }
   const double spring_j = std::max(0.0, allowed_j - response.normal_j);
   if (response.friction_j > 0.0) {
@@ -111,26 +116,24 @@ ElementResponse pay(ElementModel& model, const ElementCache& cache,
     response.friction_j = 0.0;
     response.presliding_m.setZero();
   }
-  return response;
 }
 
 // Bleeds delta_0 back by as much as time and the unspent allowance permit.
-ElementResponse recover(ElementModel& model, const ElementCache& cache,
-                        const Eigen::Vector3d& x, const ElementResponse& response,
-                        double unspent_j, double shift_max_m) {
+void recover(ElementModel& model, const ElementCache& cache, const Eigen::Vector3d& x,
+             double unspent_j, double shift_max_m, ElementResponse& response) {
   const double shift = model.shift_m;
   double back = std::min(shift, shift_max_m);
   for (int attempt = 0; attempt < 2 && back > 0.0; ++attempt) {
     model.shift_m = shift - back;
-    ElementResponse changed = respond(model, cache, x);
+    const ElementResponse changed = respond_here(model, cache, x);
     const double cost = changed.potential_j() - response.potential_j();
     if (cost <= unspent_j) {
-      return changed;
+      response = changed;
+      return;
     }
     back *= std::max(0.0, unspent_j / cost);
   }
   model.shift_m = shift;
-  return response;
 }
 
 // Without load delta_0 costs nothing: it sinks until the surface touches the tool.
@@ -140,13 +143,15 @@ void recover_unloaded(ElementModel& model, const ElementResponse& response) {
 }
 
 // What the curves themselves would store at this depth.
-double storable_j(ElementModel model, const ElementCache& cache,
+double storable_j(ElementModel& model, const ElementCache& cache,
                   const Eigen::Vector3d& x, const ElementResponse& response) {
   if (!(model.shift_m > 0.0)) {
     return response.normal_j;
   }
-  model.shift_m = 0.0;
-  return respond(model, cache, x).normal_j;
+  const double shift = std::exchange(model.shift_m, 0.0);
+  const double whole_j = respond(model, cache, x).normal_j;
+  model.shift_m = shift;
+  return whole_j;
 }
 
 }  // namespace
@@ -155,7 +160,7 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
                         PassivityLedger& ledger, const ElementModelLimits& limits,
                         const Eigen::Vector3d& x_m, double dt_s) noexcept {
   const double radius = limits.tool_radius_m;
-  ElementResponse response = respond(model, cache, x_m);
+  ElementResponse response = respond_here(model, cache, x_m);
   book_work(ledger, response.potential_j());
 
   bool moved = change_element(model, cache, response, x_m, radius);
@@ -164,11 +169,11 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
   }
   cache.pinned = model.slot;
   if (moved) {
-    response = respond(model, cache, x_m);
+    response = respond_here(model, cache, x_m);
   }
   if (slide(model, cache, response, x_m, radius)) {
     cache.pinned = model.slot;
-    response = respond(model, cache, x_m);
+    response = respond_here(model, cache, x_m);
   }
   if (!model.outside) {
     model.received_inside = cache.received;
@@ -180,10 +185,10 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
   }
   note_shortfall(ledger, response.potential_j());
   const double allowed = allowance_j(ledger);
-  response = pay(model, cache, x_m, response, allowed);
+  pay(model, cache, x_m, allowed, response);
   if (model.shift_m > 0.0 && response.loaded) {
-    response = recover(model, cache, x_m, response, allowed - response.potential_j(),
-                       limits.recovery_m_per_s * dt_s);
+    recover(model, cache, x_m, allowed - response.potential_j(),
+            limits.recovery_m_per_s * dt_s, response);
   } else if (model.shift_m > 0.0) {
     recover_unloaded(model, response);
   }

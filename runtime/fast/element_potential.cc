@@ -3,7 +3,7 @@
 namespace palpate {
 
 ElementResponse respond(const ElementModel& model, const ElementCache& cache,
-                        const Eigen::Vector3d& x_m) noexcept {
+                        const Eigen::Vector3d& x_m, CurveHints& hint) noexcept {
   ElementResponse response;
   if (model.slot < 0) {
     return response;
@@ -21,9 +21,9 @@ ElementResponse respond(const ElementModel& model, const ElementCache& cache,
     }
     const double d_j = d - model.touch_m[j] - model.shift_m;
     response.touching = response.touching || d_j + model.shift_m > 0.0;
-    response.loaded = response.loaded || d_j > 0.0;
     if (d_j > 0.0) {
-      const ResponseSample at = node.curve().at(d_j);
+      const ResponseSample at = node.curve().at(d_j, hint[j]);
+      response.loaded = true;
       response.normal_n += weight * at.force_n;
       response.stiffness_n_per_m += weight * at.stiffness_n_per_m;
       response.normal_j += weight * at.energy_j;

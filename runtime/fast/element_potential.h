@@ -25,16 +25,19 @@
 #include <Eigen/Core>
 
 #include "runtime/fast/element_cache.h"
+#include "runtime/fast/prism.h"
 
 namespace palpate {
 
 /// Parameters of the potential, constant between two changes.
 struct ElementModel {
   int slot = -1;  ///< element in the cache; -1: none, E = 0
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();         ///< [-] n_j(x_c) >= 0, sum 1
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();    ///< [-] u; 0: no response
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();       ///< [-] n, unit
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();     ///< [m] a, in the plane
+  Prism prism;    ///< of that element
+  Eigen::Matrix3d toward = Eigen::Matrix3d::Zero();     ///< [-] its u_j, one per column
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();       ///< [-] n_j(x_c) >= 0, sum 1
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< [-] u; 0: no response
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< [-] n, unit
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();   ///< [m] a, in the plane
   Eigen::Vector3d anchor_area = Eigen::Vector3d::Zero();  ///< [-] of a; any sign, sum 1
   Eigen::Vector3d rest_m = Eigen::Vector3d::Zero();  ///< [m] a + R n: x where d = 0
   Eigen::Vector3d slip_m = Eigen::Vector3d::Zero();  ///< [m] q
@@ -43,8 +46,9 @@ struct ElementModel {
   double presliding_m = 0.0;                         ///< [m] delta_L at x_c
   double friction_n_per_m = 0.0;                     ///< [N/m] k_t >= 0
   double shift_m = 0.0;                              ///< [m] delta_0 >= 0
-  bool outside = false;               ///< a lies beyond the element's edges
-  bool starved = false;               ///< outside, and the neighbour has not arrived
+  bool outside = false;  ///< a lies beyond the element's edges
+  bool starved = false;  ///< outside, and the neighbour has not arrived
+  CurveHints hint{};
   std::uint64_t received_seen = 0;    ///< cache.received at the last step
   std::uint64_t received_inside = 0;  ///< cache.received when a was last inside
 };
@@ -63,10 +67,18 @@ struct ElementResponse {
   [[nodiscard]] double potential_j() const noexcept { return normal_j + friction_j; }
 };
 
-/// Evaluates the potential at tool position x_m [m].
+/// Evaluates the potential at tool position x_m [m]. @param hint tried, and set.
 [[nodiscard]] ElementResponse respond(const ElementModel& model,
                                       const ElementCache& cache,
-                                      const Eigen::Vector3d& x_m) noexcept;
+                                      const Eigen::Vector3d& x_m,
+                                      CurveHints& hint) noexcept;
+
+[[nodiscard]] inline ElementResponse respond(const ElementModel& model,
+                                             const ElementCache& cache,
+                                             const Eigen::Vector3d& x_m) noexcept {
+  CurveHints hint = model.hint;
+  return respond(model, cache, x_m, hint);
+}
 
 /// Force on the tool [N] (29).
 [[nodiscard]] Eigen::Vector3d force_n(const ElementModel& model,

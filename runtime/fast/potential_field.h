@@ -36,10 +36,7 @@ struct FieldResponse {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] F, on the tool
 };
 
-/// Curve intervals in which a place was evaluated last.
-using CurveHints = std::array<std::uint8_t, 3>;
-
-/// @param hint any values; where they are right, evaluation is faster.
+/// @param hint tried, and set.
 [[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
                                     double tool_radius_m, double shift_m,
                                     CurveHints& hint) noexcept;

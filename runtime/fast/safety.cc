@@ -13,8 +13,9 @@ constexpr double kRoundingRelative = 1e-9;
 constexpr double kRoundingJ = 1e-9;
 
 Eigen::Vector3d clamp_length(const Eigen::Vector3d& v, double length_max) {
-  const double length = v.norm();
-  return length > length_max ? Eigen::Vector3d(v * (length_max / length)) : v;
+  return v.squaredNorm() > length_max * length_max
+             ? Eigen::Vector3d(v * (length_max / v.norm()))
+             : v;
 }
 
 // Largest force that may leave [N]: all of it after the start-up ramp.
