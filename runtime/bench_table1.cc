@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
-#include "runtime/bench_body.h"
-#include "runtime/bench_wall.h"
-#include "runtime/fast/fast_step.h"
-#include "runtime/fast/scalar_model.h"
+#include "runtime/rendered_wall.h"
 
 namespace palpate {
 namespace {
@@ -31,64 +27,18 @@ struct Range {
   [[nodiscard]] double width() const { return high - low; }
 };
 
-// The wall through a model of one direction.
-class ScalarWall {
- public:
-  ScalarWall(LocalModel model, double k) : k_(k) { model_.kind = model; }
-
-  double tick(double x, double dt_s, bool slow) {
-    advance(model_, ledger_, x, dt_s);
-    if (slow) {
-      update(model_, ledger_, wall_response(k_, x));
-    }
-    return force_n(model_, x);
-  }
-
- private:
-  double k_;
-  ScalarModel model_;
-  PassivityLedger ledger_;
-};
-
-// The wall as a flat body, whose slow process sends its element.
-class FlatWall {
- public:
-  FlatWall(LocalModel model, double k) : state_(std::make_unique<FastState>()) {
-    element_ = make_bench_body({.cells = 1}).element.front();
-    for (ElementNode& node : element_.node) {
-      set_wall(node, k);
-    }
-    element_.active = true;
-    state_->config.model = model;
-    state_->config.force_max_n = std::numeric_limits<double>::infinity();
-    state_->config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
-  }
-
-  double tick(double x, double dt_s, bool slow) {
-    if (slow) {
-      accept(*state_, element_);
-    }
-    at_.z() = -x;
-    return step(*state_, {at_, 0}, dt_s).force_n.z();
-  }
-
- private:
-  std::unique_ptr<FastState> state_;
-  Element element_;
-  Eigen::Vector3d at_{2e-3, 1e-3, 0.0};  // inside the element
-};
-
 // The device leaning on the wall through a local model.
-template <typename Wall>
 class Experiment {
  public:
   Experiment(const Table1Options& options, LocalModel model, double slow_hz, double k)
       : options_(options.device),
         preload_(options.preload_n),
+        resolution_(options.resolution_m),
         tick_(1.0 / options.fast_hz),
         every_(std::lround(options.fast_hz / slow_hz)),
         device_(options.device, tick_),
-        wall_(model, k) {}
+        late_(static_cast<std::size_t>(std::ceil(options.delay_s / tick_ - 1e-9)), 0.0),
+        wall_(model, options.wall, k) {}
 
   void settle(double hand_n_s_per_m, double seconds) {
     VirtualDeviceOptions held = options_;
@@ -105,8 +55,8 @@ class Experiment {
     for (long n = std::lround(seconds / tick_); n > 0; --n, ++count_) {
       const double x = device_.position_m();
       range.include(x);
-      const double force = wall_.tick(x, tick_, count_ % every_ == 0);
-      device_.step(preload_ - force);
+      const double force = wall_.tick(measured(x), tick_, count_ % every_ == 0);
+      device_.step(preload_ - delayed(force));
     }
     return range;
   }
@@ -114,35 +64,42 @@ class Experiment {
   VirtualDevice& device() { return device_; }
 
  private:
+  [[nodiscard]] double measured(double x) const {
+    return resolution_ > 0.0 ? resolution_ * std::round(x / resolution_) : x;
+  }
+
+  // What was commanded as many ticks ago as the delay has.
+  double delayed(double force) {
+    if (!late_.empty()) {
+      std::swap(force, late_[static_cast<std::size_t>(count_) % late_.size()]);
+    }
+    return force;
+  }
+
   VirtualDeviceOptions options_;
   double preload_;
+  double resolution_;
   double tick_;
   long every_;
   long count_ = 0;
   VirtualDevice device_;
-  Wall wall_;
+  std::vector<double> late_;
+  RenderedWall wall_;
 };
 
-template <typename Wall>
-bool dies_out(const Table1Options& options, LocalModel model, double slow_hz,
-              double stiffness_n_per_m) {
-  Experiment<Wall> experiment(options, model, slow_hz, stiffness_n_per_m);
+}  // namespace
+
+bool wall_is_stable(const Table1Options& options, LocalModel model, double slow_hz,
+                    double stiffness_n_per_m) {
+  Experiment experiment(options, model, slow_hz, stiffness_n_per_m);
   experiment.settle(options.hand_n_s_per_m, options.settle_s);
   experiment.device().kick(options.kick_m_per_s);
   const double quarter = options.watch_s / 4.0;
   const double first = experiment.run(quarter).width();
   (void)experiment.run(2.0 * quarter);
   const double last = experiment.run(quarter).width();
-  return last <= kStillM || last < first;
-}
-
-}  // namespace
-
-bool wall_is_stable(const Table1Options& options, LocalModel model, double slow_hz,
-                    double stiffness_n_per_m) {
-  return follows_surface(model)
-             ? dies_out<FlatWall>(options, model, slow_hz, stiffness_n_per_m)
-             : dies_out<ScalarWall>(options, model, slow_hz, stiffness_n_per_m);
+  // A measured position that is one of two neighbours is at rest.
+  return last <= std::max(kStillM, 2.0 * options.resolution_m) || last < first;
 }
 
 double largest_stable_stiffness(const Table1Options& options, LocalModel model,

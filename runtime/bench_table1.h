@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/fast/local_model.h"
+#include "runtime/rendered_wall.h"
 #include "runtime/virtual_device.h"
 
 namespace palpate {
@@ -15,6 +16,9 @@ struct Table1Options {
   std::vector<double> rates_hz{2000, 1000, 500, 250, 200, 100, 50, 20, 10};
   double fast_hz = 2000.0;
   VirtualDeviceOptions device;
+  double resolution_m = 0.0;  ///< [m] >= 0 of the measured position; 0: exact
+  double delay_s = 0.0;       ///< [s] >= 0 until a command acts, in whole ticks
+  WallShape wall = WallShape::kNonlinear;
   /// [N] into the wall, constant. The paper's 1 N leans on the wall's linear part, 0.1
   /// N on the quadratic one.
   double preload_n = 1.0;
