@@ -1,15 +1,19 @@
 #include "runtime/command_bench.h"
 
+#include <filesystem>
 #include <memory>
+#include <span>
 
 #include <fmt/format.h>
 
+#include "formats/atomic_file.h"
 #include "runtime/bench_fidelity.h"
 #include "runtime/bench_potential.h"
 #include "runtime/bench_search.h"
 #include "runtime/bench_step.h"
 #include "runtime/bench_stream.h"
 #include "runtime/bench_table1.h"
+#include "runtime/bench_trade.h"
 #include "runtime/command_bench_allocations.h"
 
 namespace palpate {
@@ -135,6 +139,43 @@ void add_stream(CLI::App& bench) {
   });
 }
 
+void add_trade(CLI::App& bench) {
+  struct Flags : OutputFlags {
+    TradeOptions options;
+    std::filesystem::path picture;
+  };
+  CLI::App* command = bench.add_subcommand(
+      "trade", "stiffness, error, energy and processor time by rates and local model");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("--fast", flags->options.fast_hz, "fast rates [Hz]")
+      ->delimiter(',')
+      ->capture_default_str();
+  command
+      ->add_option("--slow", flags->options.slow_hz,
+                   "slow rates [Hz]; those that divide the fast one")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--preload", flags->options.preload_n, "into the wall [N]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 100.0));
+  command->add_option("--picture", flags->picture,
+                      "SVG to write: stiffness by slow rate");
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->add_flag("--csv", flags->csv, "comma-separated values on stdout");
+  command->callback([flags] {
+    const std::vector<TradeRow> rows = run_trade(flags->options);
+    if (!flags->picture.empty()) {
+      const std::string svg = trade_picture(rows, WallShape::kNonlinear);
+      AtomicFile file(flags->picture);
+      file.write(std::as_bytes(std::span(svg)));
+      file.commit();
+    }
+    fmt::print("{}", flags->json  ? to_json(rows) + "\n"
+                     : flags->csv ? table_csv(rows)
+                                  : table_text(rows));
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
@@ -145,6 +186,7 @@ void add_bench_command(CLI::App& app) {
   add_fidelity(*command);
   add_step(*command);
   add_potential(*command);
+  add_trade(*command);
   add_search(*command);
   add_stream(*command);
 }
