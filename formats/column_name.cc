@@ -58,6 +58,10 @@ std::optional<double> force_unit_si(std::string_view unit) {
   return known(newtons_per, unit);
 }
 
+std::optional<double> time_unit_si(std::string_view unit) {
+  return known(seconds_per, unit);
+}
+
 ColumnName parse_column_name(std::string_view header) {
   const char end = header.empty() ? ' ' : header.back();
   if (end == ')' || end == ']') {
@@ -70,7 +74,7 @@ ColumnName parse_column_name(std::string_view header) {
   const std::size_t bar = header.find_last_of('_');
   if (bar != std::string_view::npos) {
     const std::string_view unit = header.substr(bar + 1);
-    if (unit == "s" || length_unit_si(unit) || force_unit_si(unit)) {
+    if (time_unit_si(unit) || length_unit_si(unit) || force_unit_si(unit)) {
       return {std::string(header.substr(0, bar)), std::string(unit)};
     }
   }

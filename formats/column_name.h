@@ -22,6 +22,7 @@ struct ColumnName {
 /// Size of a known unit in SI base units; none for an unknown one.
 [[nodiscard]] std::optional<double> length_unit_si(std::string_view unit);
 [[nodiscard]] std::optional<double> force_unit_si(std::string_view unit);
+[[nodiscard]] std::optional<double> time_unit_si(std::string_view unit);
 
 /// Positions of the columns that `name` means: those that equal it; else those that
 /// equal it without regard to case; else those whose quantity does.

@@ -20,18 +20,30 @@ using Cells = std::vector<std::string>;
 
 struct Table {
   char delimiter = ',';
-  Cells header;             // empty where the file has none
-  std::size_t begin = 0;    // first line below the header
-  std::size_t column[2]{};  // depth, force
+  Cells header;                     // empty where the file has none
+  std::size_t begin = 0;            // first line below the header
+  std::vector<std::size_t> column;  // depth, force, and time where it is asked for
 };
 
 struct Request {
   std::string file;  // for messages
-  const MeasurementColumn* column[2];
+  std::vector<const MeasurementColumn*> column;
   HeaderUnits header_units;
 };
 
-constexpr const char* kQuantity[] = {"depth", "force"};
+constexpr const char* kQuantity[] = {"depth", "force", "time"};
+constexpr double (*kUnitSize[])(std::string_view) = {metres_per, newtons_per,
+                                                     seconds_per};
+
+std::optional<double> unit_si(std::size_t which, const std::string& unit) {
+  return which == 0   ? length_unit_si(unit)
+         : which == 1 ? force_unit_si(unit)
+                      : time_unit_si(unit);
+}
+
+bool is_unit(const std::string& text) {
+  return length_unit_si(text) || force_unit_si(text) || time_unit_si(text);
+}
 
 // The column's number counted from 1, where the choice is one.
 std::optional<std::size_t> column_number(const MeasurementColumn& choice) {
@@ -67,7 +79,7 @@ std::optional<Table> first_numbers(std::span<const TextLine> lines, char delimit
   return std::nullopt;
 }
 
-std::optional<std::size_t> resolve(const Request& request, int which,
+std::optional<std::size_t> resolve(const Request& request, std::size_t which,
                                    const Cells& header) {
   const MeasurementColumn& choice = *request.column[which];
   if (const auto number = column_number(choice)) {
@@ -82,17 +94,21 @@ std::optional<std::size_t> resolve(const Request& request, int which,
   return matches.empty() ? std::nullopt : std::optional(matches[0]);
 }
 
-// Both columns by number: the first line in which both are numbers begins the data.
+// All columns by number: the first line in which all are numbers begins the data.
 std::optional<Table> find_by_numbers(const Request& request,
                                      std::span<const TextLine> lines, char delimiter) {
-  const std::size_t column[] = {*column_number(*request.column[0]) - 1,
-                                *column_number(*request.column[1]) - 1};
+  std::vector<std::size_t> column;
+  for (const MeasurementColumn* choice : request.column) {
+    column.push_back(*column_number(*choice) - 1);
+  }
   Cells before;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Cells cells = split_cells(lines[i].text, delimiter);
-    if (numeric(cells, column[0], delimiter) && numeric(cells, column[1], delimiter)) {
+    if (std::all_of(column.begin(), column.end(), [&](std::size_t which) {
+          return numeric(cells, which, delimiter);
+        })) {
       const bool named = before.size() == cells.size();
-      return Table{delimiter, named ? before : Cells{}, i, {column[0], column[1]}};
+      return Table{delimiter, named ? before : Cells{}, i, column};
     }
     before = cells;
   }
@@ -107,10 +123,14 @@ std::optional<Table> find_by_names(const Request& request,
     if (cells.size() < 2) {
       continue;
     }
-    const auto depth = resolve(request, 0, cells);
-    const auto force = resolve(request, 1, cells);
-    if (depth && force) {
-      return Table{delimiter, cells, i + 1, {*depth, *force}};
+    std::vector<std::size_t> column;
+    for (std::size_t which = 0; which < request.column.size(); ++which) {
+      if (const auto found = resolve(request, which, cells)) {
+        column.push_back(*found);
+      }
+    }
+    if (column.size() == request.column.size()) {
+      return Table{delimiter, cells, i + 1, column};
     }
   }
   return std::nullopt;
@@ -123,7 +143,7 @@ std::optional<Table> find_by_names(const Request& request,
     if (!table) {
       continue;
     }
-    for (int which = 0; which < 2; ++which) {
+    for (std::size_t which = 0; which < request.column.size(); ++which) {
       const std::string& name = request.column[which]->column;
       const bool number = column_number(*request.column[which]).has_value();
       if (!number && !resolve(request, which, table->header)) {
@@ -146,8 +166,10 @@ std::optional<Table> find_by_names(const Request& request,
 }
 
 Table find_table(const Request& request, std::span<const TextLine> lines) {
-  const bool numbers =
-      column_number(*request.column[0]) && column_number(*request.column[1]);
+  const bool numbers = std::all_of(request.column.begin(), request.column.end(),
+                                   [](const MeasurementColumn* choice) {
+                                     return column_number(*choice).has_value();
+                                   });
   for (const char delimiter : {'\t', ';', ','}) {
     const auto table = numbers ? find_by_numbers(request, lines, delimiter)
                                : find_by_names(request, lines, delimiter);
@@ -158,19 +180,15 @@ Table find_table(const Request& request, std::span<const TextLine> lines) {
   refuse_columns(request, lines);
 }
 
-// A stated unit of the other kind or of another size is a contradiction; a text that
+// A stated unit of another kind or of another size is a contradiction; a text that
 // is no known unit says nothing.
-void check_unit(const Request& request, int which, const std::string& stated,
+void check_unit(const Request& request, std::size_t which, const std::string& stated,
                 std::string_view where) {
-  if (request.header_units == HeaderUnits::kIgnored) {
+  const std::string& asked = request.column[which]->unit;
+  if (request.header_units == HeaderUnits::kIgnored || asked == kUnitFromHeader) {
     return;
   }
-  const std::string& asked = request.column[which]->unit;
-  const auto length = length_unit_si(stated);
-  const auto force = force_unit_si(stated);
-  const auto same_kind = which == 0 ? length : force;
-  const double size = which == 0 ? metres_per(asked) : newtons_per(asked);
-  if ((length || force) && same_kind != size) {
+  if (is_unit(stated) && unit_si(which, stated) != kUnitSize[which](asked)) {
     throw InputError(
         fmt::format("{}: {} states the unit {}, but the {} unit is given "
                     "as {}",
@@ -178,29 +196,51 @@ void check_unit(const Request& request, int which, const std::string& stated,
   }
 }
 
-// The line below the header, if it holds units; both cells are no numbers then.
+std::string stated_in(const std::string& cell) {
+  const std::string unit = parse_column_name(cell).unit;
+  return unit.empty() ? cell : unit;
+}
+
+// The line below the header, if it holds units; no cell is a number then.
 bool is_unit_line(const Request& request, const Table& table, const TextLine& line) {
   const Cells cells = split_cells(line.text, table.delimiter);
   for (const std::size_t column : table.column) {
     if (column >= cells.size() || numeric(cells, column, table.delimiter) ||
-        cells[column].empty()) {
+        !is_unit(stated_in(cells[column]))) {
       return false;
     }
   }
-  for (int which = 0; which < 2; ++which) {
-    const std::string& cell = cells[table.column[which]];
-    const std::string unit = parse_column_name(cell).unit;
-    const std::string stated = unit.empty() ? cell : unit;
-    if (!length_unit_si(stated) && !force_unit_si(stated)) {
-      return false;
-    }
-    check_unit(request, which, stated, fmt::format("line {}", line.number));
+  for (std::size_t which = 0; which < table.column.size(); ++which) {
+    check_unit(request, which, stated_in(cells[table.column[which]]),
+               fmt::format("line {}", line.number));
   }
   return true;
 }
 
+// SI units in one of the column's: as it was given, or as header or unit line state it.
+double unit_size(const Request& request, const Table& table, std::size_t which,
+                 const std::optional<TextLine>& unit_line) {
+  if (request.column[which]->unit != kUnitFromHeader) {
+    return kUnitSize[which](request.column[which]->unit);
+  }
+  const std::size_t column = table.column[which];
+  std::string stated;
+  if (unit_line) {
+    stated = stated_in(split_cells(unit_line->text, table.delimiter)[column]);
+  } else if (column < table.header.size()) {
+    stated = parse_column_name(table.header[column]).unit;
+  }
+  const auto size = unit_si(which, stated);
+  if (!size) {
+    throw InputError(fmt::format(
+        "{}: the {} unit is to be read from the header, which states {}", request.file,
+        kQuantity[which], stated.empty() ? "none" : fmt::format("{:?}", stated)));
+  }
+  return *size;
+}
+
 double cell_number(const Request& request, const Table& table, const TextLine& line,
-                   const Cells& cells, int which) {
+                   const Cells& cells, std::size_t which) {
   const std::size_t column = table.column[which];
   const std::string name =
       column < table.header.size() ? fmt::format(" \"{}\"", table.header[column]) : "";
@@ -219,56 +259,79 @@ double cell_number(const Request& request, const Table& table, const TextLine& l
   return *value;
 }
 
-bool both_empty(const Table& table, const Cells& cells) {
-  return std::all_of(std::begin(table.column), std::end(table.column),
-                     [&](std::size_t column) {
-                       return column < cells.size() && cells[column].empty();
-                     });
+bool all_empty(const Table& table, const Cells& cells) {
+  return std::all_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
+    return column < cells.size() && cells[column].empty();
+  });
 }
 
-}  // namespace
-
-MeasurementFile read_measurement(const std::filesystem::path& file,
-                                 const MeasurementColumn& depth,
-                                 const MeasurementColumn& force,
-                                 HeaderUnits header_units) {
-  const double metres = metres_per(depth.unit);
-  const double newtons = newtons_per(force.unit);
-  const Request request{file.string(), {&depth, &force}, header_units};
-  for (int which = 0; which < 2; ++which) {
+Request make_request(const std::filesystem::path& file,
+                     const MeasurementColumns& columns, HeaderUnits header_units) {
+  Request request{file.string(), {&columns.depth, &columns.force}, header_units};
+  if (columns.time) {
+    request.column.push_back(&*columns.time);
+  }
+  for (std::size_t which = 0; which < request.column.size(); ++which) {
+    if (request.column[which]->unit != kUnitFromHeader) {
+      (void)kUnitSize[which](request.column[which]->unit);
+    }
     if (column_number(*request.column[which]) == std::size_t{0}) {
       throw InputError(
           fmt::format("{} column 0: columns are counted from 1", kQuantity[which]));
     }
   }
+  return request;
+}
+
+}  // namespace
+
+MeasurementFile read_measurement(const std::filesystem::path& file,
+                                 const MeasurementColumns& columns,
+                                 HeaderUnits header_units) {
+  const Request request = make_request(file, columns, header_units);
   const std::vector<TextLine> lines = read_text_lines(file);
   const Table table = find_table(request, lines);
-
   MeasurementFile result;
-  std::string* name[] = {&result.depth_column, &result.force_column};
-  for (int which = 0; which < 2; ++which) {
+  std::string* name[] = {&result.depth_column, &result.force_column,
+                         &result.time_column};
+  std::vector<double>* samples[] = {&result.samples.depth_m, &result.samples.force_n,
+                                    &result.samples.time_s};
+  std::size_t begin = table.begin;
+  std::optional<TextLine> unit_line;
+  if (begin < lines.size() && is_unit_line(request, table, lines[begin])) {
+    unit_line = lines[begin++];
+  }
+  std::vector<double> size;
+  for (std::size_t which = 0; which < table.column.size(); ++which) {
     if (table.column[which] < table.header.size()) {
       *name[which] = table.header[table.column[which]];
       check_unit(request, which, parse_column_name(*name[which]).unit,
                  fmt::format("column \"{}\"", *name[which]));
     }
+    size.push_back(unit_size(request, table, which, unit_line));
   }
-  for (std::size_t i = table.begin; i < lines.size(); ++i) {
+  for (std::size_t i = begin; i < lines.size(); ++i) {
     const Cells cells = split_cells(lines[i].text, table.delimiter);
-    if (both_empty(table, cells) ||
-        (i == table.begin && is_unit_line(request, table, lines[i]))) {
+    if (all_empty(table, cells)) {
       continue;
     }
-    const double x = cell_number(request, table, lines[i], cells, 0);
-    const double f = cell_number(request, table, lines[i], cells, 1);
-    result.samples.depth_m.push_back(x * metres);
-    result.samples.force_n.push_back(f * newtons);
+    for (std::size_t which = 0; which < table.column.size(); ++which) {
+      samples[which]->push_back(size[which] *
+                                cell_number(request, table, lines[i], cells, which));
+    }
   }
   if (result.samples.depth_m.empty()) {
     throw InputError(
         fmt::format("{}: no rows of numbers below the header", request.file));
   }
   return result;
+}
+
+MeasurementFile read_measurement(const std::filesystem::path& file,
+                                 const MeasurementColumn& depth,
+                                 const MeasurementColumn& force,
+                                 HeaderUnits header_units) {
+  return read_measurement(file, {depth, force, std::nullopt}, header_units);
 }
 
 }  // namespace palpate

@@ -21,6 +21,8 @@ constexpr Unit kLengths[] = {{"m", 1.0},   {"dm", 0.1},  {"cm", 0.01}, {"mm", 1e
 constexpr Unit kForces[] = {{"N", 1.0},      {"mN", 1e-3}, {"uN", 1e-6},
                             {"µN", 1e-6},    {"nN", 1e-9}, {"gf", 9.80665e-3},
                             {"kgf", 9.80665}};
+constexpr Unit kTimes[] = {
+    {"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"µs", 1e-6}, {"ns", 1e-9}};
 
 double find(std::span<const Unit> units, std::string_view name, std::string_view what) {
   std::string known;
@@ -41,6 +43,10 @@ double metres_per(std::string_view unit) {
 
 double newtons_per(std::string_view unit) {
   return find(kForces, unit, "force");
+}
+
+double seconds_per(std::string_view unit) {
+  return find(kTimes, unit, "time");
 }
 
 }  // namespace palpate

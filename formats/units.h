@@ -14,4 +14,8 @@ namespace palpate {
 /// @throws InputError naming the known units.
 [[nodiscard]] double newtons_per(std::string_view unit);
 
+/// Seconds in one of `unit`: s, ms, us, ns. "µ" may stand for "u".
+/// @throws InputError naming the known units.
+[[nodiscard]] double seconds_per(std::string_view unit);
+
 }  // namespace palpate

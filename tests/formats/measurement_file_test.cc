@@ -101,6 +101,29 @@ TEST_F(MeasurementFileTest, RefusesAUnitThatTheHeaderContradicts) {
   EXPECT_DOUBLE_EQ(read.samples.depth_m[0], 1e-3);
 }
 
+TEST_F(MeasurementFileTest, ReadsTimeBesideDepthAndForce) {
+  const auto read = read_measurement(write("t\tx\tf\n0\t1\t2\n500\t1,5\t4\n"),
+                                     {x_, f_, MeasurementColumn{"t", "ms"}});
+  EXPECT_EQ(read.samples.time_s, (std::vector<double>{0.0, 0.5}));
+  EXPECT_EQ(read.time_column, "t");
+}
+
+TEST_F(MeasurementFileTest, TakesUnitsFromHeaderOrUnitLineWhereAsked) {
+  const MeasurementColumns any{{"x", kUnitFromHeader},
+                               {"f", kUnitFromHeader},
+                               MeasurementColumn{"t", kUnitFromHeader}};
+  for (const char* text :
+       {"t_ms,x [um],f (gf)\n500,1000,2\n", "t,x,f\n(ms),[um],gf\n500,1000,2\n"}) {
+    const Measurement m = read_measurement(write(text), any).samples;
+    EXPECT_DOUBLE_EQ(m.time_s[0], 0.5);
+    EXPECT_DOUBLE_EQ(m.depth_m[0], 1e-3);
+    EXPECT_DOUBLE_EQ(m.force_n[0], 2 * 9.80665e-3);
+  }
+  for (const char* text : {"t_ms,x,f (gf)\n1,1,1\n", "t_ms,x (N),f (gf)\n1,1,1\n"}) {
+    EXPECT_THROW((void)read_measurement(write(text), any), InputError) << text;
+  }
+}
+
 TEST_F(MeasurementFileTest, NamesTheBadCell) {
   for (const char* cell : {"nan", "inf", "1,5", "1.2.3", "--", "", "1 2"}) {
     const std::string text = fmt::format("x;f\n1;2\n# c\n2;{}x\n", cell);
