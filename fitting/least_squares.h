@@ -1,0 +1,70 @@
+// Nonlinear least squares within bounds: Levenberg-Marquardt (Ceres) on one dense
+// block.
+//
+//   minimise 1/2 sum_i rho(r_i(q)^2),  lower <= q <= upper
+//
+// rho is the identity, or Cauchy's loss s^2 ln(1 + r^2/s^2), which residuals far beyond
+// the scale s hardly move.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace palpate {
+
+using RowMajorMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+struct LeastSquaresProblem {
+  int residuals = 0;
+  /// Residuals (n) at q (p), and dr/dq (n x p) where it is not null; false where the
+  /// model has no value.
+  std::function<bool(const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> r,
+                     RowMajorMatrix* jacobian)>
+      evaluate;
+  Eigen::VectorXd lower, upper;  ///< (p); empty: unbounded. +-inf where there is none
+  std::vector<bool> held;        ///< (p); empty: all are free
+};
+
+struct LeastSquaresOptions {
+  double loss_scale = 0.0;   ///< s in units of the residuals; 0: plain squares
+  double tolerance = 1e-14;  ///< relative decrease of the cost at which it stops
+  int iterations_max = 200;
+};
+
+struct LeastSquaresReport {
+  Eigen::VectorXd q;  ///< (p)
+  double cost = std::numeric_limits<double>::infinity();
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Parameters are scaled by the columns of the Jacobian. Non-convergence is a result.
+[[nodiscard]] LeastSquaresReport solve_least_squares(
+    const LeastSquaresProblem& problem, const Eigen::VectorXd& start,
+    const LeastSquaresOptions& options = {});
+
+/// The best of several starts.
+[[nodiscard]] LeastSquaresReport solve_from_starts(
+    const LeastSquaresProblem& problem, const std::vector<Eigen::VectorXd>& starts,
+    const LeastSquaresOptions& options = {});
+
+/// (J^T J)^-1 sum of squares / (n - p) at q, p the number of free parameters; rows and
+/// columns of held ones, and of those at a bound, are zero. (p x p); all NaN where the
+/// free ones cannot be told apart.
+[[nodiscard]] Eigen::MatrixXd least_squares_covariance(
+    const LeastSquaresProblem& problem, const Eigen::VectorXd& q);
+
+/// The same from J (n x p) of the free parameters alone.
+[[nodiscard]] Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& jacobian,
+                                            double sum_of_squares);
+
+/// Whether a parameter stands at a bound, within 1e-9 of its size.
+[[nodiscard]] std::vector<bool> at_bound(const LeastSquaresProblem& problem,
+                                         const Eigen::VectorXd& q);
+
+}  // namespace palpate
