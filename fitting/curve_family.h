@@ -1,0 +1,84 @@
+// Families of force curves f(d; q), d >= 0 the depth beyond the contact point, f(0) =
+// 0.
+//
+// Depth and force are scaled: d = 1 is the largest depth measured, f = 1 the range of
+// the force. All families rise (f' >= 0); all but monotone-cubic are convex.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace palpate {
+
+struct FamilyParameter {
+  std::string_view name;
+  std::string_view unit;  ///< SI unit; empty for a pure number
+  double lower, upper;    ///< in scaled units
+  int force_power;        ///< SI value = q (force range)^force_power
+  int length_power;       ///<            (largest depth)^length_power
+};
+
+/// One point of a curve: force, its derivative by depth, and its integral from 0.
+struct FamilyPoint {
+  double force = 0.0;
+  double slope = 0.0;
+  double energy = 0.0;
+};
+
+class CurveFamily {
+ public:
+  virtual ~CurveFamily() = default;
+  [[nodiscard]] virtual std::string_view name() const = 0;
+  [[nodiscard]] const std::vector<FamilyParameter>& parameters() const {
+    return parameters_;
+  }
+
+  /// All zero for d <= 0.
+  [[nodiscard]] virtual FamilyPoint at(std::span<const double> q, double d) const = 0;
+
+  /// df/dq (p) at d; zero for d <= 0.
+  virtual void gradient(std::span<const double> q, double d,
+                        std::span<double> row) const = 0;
+
+  /// Whether f is linear in q, all of which are >= 0: fitted without a start.
+  [[nodiscard]] virtual bool linear() const { return false; }
+
+  /// Where to start from; each reaches about f(1) = 1.
+  [[nodiscard]] virtual std::vector<Eigen::VectorXd> starts() const { return {}; }
+
+ protected:
+  std::vector<FamilyParameter> parameters_;
+};
+
+/// f = k d^2 up to d1, then on along its tangent: k d1 (2 d - d1). (Equation (25).)
+[[nodiscard]] std::shared_ptr<const CurveFamily> quadratic_linear_family();
+
+/// f = F d^p, F the force at the largest depth, p in [1, 4].
+[[nodiscard]] std::shared_ptr<const CurveFamily> power_law_family();
+
+/// f = k d + A (exp(d / l) - 1).
+[[nodiscard]] std::shared_ptr<const CurveFamily> linear_exponential_family();
+
+/// f = sum c_i d^i, i = 1 to 4, c_i >= 0.
+[[nodiscard]] std::shared_ptr<const CurveFamily> polynomial_family();
+
+/// Convex cubic spline: f'(0) >= 0 and f'' >= 0 at `knots` even knots from 0 to 1,
+/// linear between them; linear beyond 1. Every convex, rising cubic spline on these
+/// knots is one.
+[[nodiscard]] std::shared_ptr<const CurveFamily> convex_spline_family(int knots = 10);
+
+/// Monotone C1 cubic (response_curve.h) through (0, 0) and the forces q at these
+/// depths. The gradient is that of the polygon through them.
+/// @param depth (m) rising, > 0
+[[nodiscard]] std::shared_ptr<const CurveFamily> monotone_cubic_family(
+    std::vector<double> depth);
+
+/// By its name of kFamilyNames (session.h); null for "monotone-cubic", whose depths
+/// come from the data. @throws InputError for another name.
+[[nodiscard]] std::shared_ptr<const CurveFamily> family_by_name(std::string_view name);
+
+}  // namespace palpate
