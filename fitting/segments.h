@@ -1,0 +1,31 @@
+// What a machine did, from the displacement alone: presses, holds, releases.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+enum class SegmentKind {
+  kDwell,     ///< still, in the shallowest 5 % of the travel
+  kApproach,  ///< displacement rises
+  kHold,      ///< still, deeper
+  kRetract,   ///< displacement falls
+};
+
+[[nodiscard]] std::string_view segment_name(SegmentKind kind) noexcept;
+
+struct Segment {
+  SegmentKind kind = SegmentKind::kApproach;
+  std::size_t begin = 0, end = 0;  ///< samples [begin, end)
+};
+
+/// Segments of all samples in order, any number. Still is what stays within 0.2 % of
+/// the travel for at least 5 samples and 2 % of them all; the motion turns where it
+/// goes back by more than 1 % of the travel. Compression is positive.
+[[nodiscard]] std::vector<Segment> find_segments(
+    std::span<const double> displacement_m);
+
+}  // namespace palpate
