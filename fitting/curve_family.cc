@@ -84,11 +84,13 @@ class PowerLaw : public CurveFamily {
   }
 };
 
+// B is what the exponential adds at d = 1: with the textbook's factor, B / (e^(1/l) -
+// 1), a short l would need one of 1e-14.
 class LinearExponential : public CurveFamily {
  public:
   LinearExponential() {
     parameters_ = {{"k", "N/m", 0.0, kInf, 1, -1},
-                   {"A", "N", 0.0, kInf, 1, 0},
+                   {"B", "N", 0.0, kInf, 1, 0},
                    {"l", "m", 0.03, 3.0, 0, 1}};
   }
   std::string_view name() const override { return "linear-exponential"; }
@@ -97,7 +99,7 @@ class LinearExponential : public CurveFamily {
     if (d <= 0.0) {
       return {};
     }
-    const double k = q[0], A = q[1], l = q[2];
+    const double k = q[0], l = q[2], A = q[1] / std::expm1(1.0 / l);
     const double rise = std::expm1(d / l);
     return {k * d + A * rise, k + A * (rise + 1.0) / l,
             0.5 * k * d * d + A * (l * rise - d)};
@@ -105,19 +107,19 @@ class LinearExponential : public CurveFamily {
 
   void gradient(std::span<const double> q, double d,
                 std::span<double> row) const override {
-    const double A = q[1], l = q[2];
-    const double rise = d > 0.0 ? std::expm1(d / l) : 0.0;
-    row[0] = std::max(d, 0.0);
-    row[1] = rise;
-    row[2] = d > 0.0 ? -A * d * (rise + 1.0) / (l * l) : 0.0;
+    std::fill(row.begin(), row.end(), 0.0);
+    if (d > 0.0) {
+      const double l = q[2], end = std::expm1(1.0 / l), rise = std::expm1(d / l);
+      row[0] = d;
+      row[1] = rise / end;
+      row[2] =
+          q[1] / (l * l) * (rise / end * (1.0 + 1.0 / end) - d * (rise + 1.0) / end);
+    }
   }
 
   std::vector<Eigen::VectorXd> starts() const override {
-    std::vector<Eigen::VectorXd> all;
-    for (const double l : {0.1, 0.3, 1.0}) {
-      all.push_back(vector_of({0.5, 0.5 / std::expm1(1.0 / l), l}));
-    }
-    return all;
+    return {vector_of({0.5, 0.5, 0.1}), vector_of({0.5, 0.5, 0.3}),
+            vector_of({0.5, 0.5, 1.0})};
   }
 };
 

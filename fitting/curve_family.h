@@ -60,7 +60,7 @@ class CurveFamily {
 /// f = F d^p, F the force at the largest depth, p in [1, 4].
 [[nodiscard]] std::shared_ptr<const CurveFamily> power_law_family();
 
-/// f = k d + A (exp(d / l) - 1).
+/// f = k d + B (exp(d / l) - 1) / (exp(1 / l) - 1).
 [[nodiscard]] std::shared_ptr<const CurveFamily> linear_exponential_family();
 
 /// f = sum c_i d^i, i = 1 to 4, c_i >= 0.

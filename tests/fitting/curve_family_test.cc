@@ -20,7 +20,7 @@ std::vector<FamilyCase> families() {
   std::vector<FamilyCase> all = {
       {quadratic_linear_family(), {1.3, 0.4}},
       {power_law_family(), {0.9, 1.7}},
-      {linear_exponential_family(), {0.3, 0.02, 0.2}},
+      {linear_exponential_family(), {0.3, 0.7, 0.2}},
       {polynomial_family(), {0.1, 0.2, 0.3, 0.4}},
       {convex_spline_family(5), {0.1, 2, 0, 1, 3, 0.5}},
       {monotone_cubic_family({0.2, 0.5, 1.0}), {0.1, 0.4, 1.0}}};

@@ -1,0 +1,61 @@
+// All runs of a session, each fitted in full; a bad one is listed with its reason.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fitting/family_fit.h"
+#include "fitting/moduli.h"
+#include "fitting/rate.h"
+#include "fitting/rating.h"
+#include "fitting/segments.h"
+#include "fitting/session.h"
+
+namespace palpate {
+
+struct RunResult {
+  std::string name, point;
+  std::string bad;  ///< why there is nothing more; empty for a run that was fitted
+  Approach approach;
+  ContactFit contact;   ///< the power law's
+  FamilyChoice choice;  ///< best first
+  Modulus modulus;
+  Relaxation relaxation;
+  LoopFit loop;
+  std::vector<Segment> segments;
+  std::vector<FitFlag> flags;  ///< of the approach, the contact fit and the modulus
+  Rating rating;
+  double seconds = 0.0;  ///< [s] wall time
+
+  [[nodiscard]] const FamilyFit* best() const {
+    return choice.fits.empty() ? nullptr : &choice.fits.front();
+  }
+};
+
+/// Never throws for what a file holds: `bad` says it.
+[[nodiscard]] RunResult fit_run(const Session& session, const SessionRun& run);
+
+struct BatchReport {
+  std::vector<RunResult> runs;  ///< in the session's order
+  double seconds = 0.0;         ///< [s] wall time
+};
+
+/// @param threads at least 1. @param progress called now and then, from one thread at a
+/// time, with the number of runs done.
+[[nodiscard]] BatchReport fit_session(const Session& session, unsigned threads,
+                                      const std::function<void(std::size_t)>& progress);
+
+/// One line per run: verdict, score, contact point, range, family, modulus, flags, ...
+[[nodiscard]] std::string batch_csv(const Session& session, const BatchReport& report);
+
+/// The same and more, for programs.
+[[nodiscard]] std::string batch_json(const Session& session, const BatchReport& report);
+
+/// One HTML file that needs nothing else: a table of all runs and, of at most `most`,
+/// plots of data, fit, band and residuals.
+[[nodiscard]] std::string batch_page(const Session& session, const BatchReport& report,
+                                     std::size_t most = 200);
+
+}  // namespace palpate
