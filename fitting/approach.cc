@@ -15,6 +15,8 @@ namespace {
 constexpr double kHoldTolerance = 1e-3;  // [-] of the travel: a stage's position noise
 constexpr std::size_t kHoldMin = 3;      // samples
 constexpr double kRetractMin = 0.2;      // [-] of the travel: less is no loop
+constexpr double kSlowingShare = 0.1;    // [-] of the travel
+constexpr double kFallDeviations = 5.0;
 constexpr double kSpikeDeviations = 8.0;
 constexpr std::size_t kSpikeReach = 3;  // neighbours on each side
 constexpr double kWorkDeviations = 5.0;
@@ -124,11 +126,32 @@ std::size_t approach_end(const Measurement& m) {
   return static_cast<std::size_t>(first - m.depth_m.begin()) + 1;
 }
 
+// A machine slows down before it holds: where the force has already fallen from its
+// peak in the last part of the travel, relaxation has taken over, and the hold begins
+// at the peak.
+std::size_t before_relaxation(const Measurement& m, std::size_t end, double noise_n) {
+  const auto first = m.force_n.begin();
+  const auto peak =
+      std::max_element(first, first + static_cast<std::ptrdiff_t>(end)) - first;
+  const auto at = static_cast<std::size_t>(peak);
+  const double last = *std::max_element(m.depth_m.begin(), m.depth_m.end()) -
+                      kSlowingShare * extent(m.depth_m);
+  const bool held = end + kHoldMin <= m.depth_m.size() &&
+                    std::abs(m.depth_m[end + kHoldMin - 1] - m.depth_m[end - 1]) <=
+                        2.0 * kHoldTolerance * extent(m.depth_m);
+  return held && m.depth_m[at] >= last &&
+                 m.force_n[end - 1] < m.force_n[at] - kFallDeviations * noise_n
+             ? at + 1
+             : end;
+}
+
 void count_rest(const Measurement& m, std::size_t end, Approach& approach) {
   const double largest = *std::max_element(m.depth_m.begin(), m.depth_m.end());
   const double held = largest - 2.0 * kHoldTolerance * extent(m.depth_m);
+  const std::size_t slowing = approach_end(m);  // between the force's peak and there
   for (std::size_t i = end; i < m.depth_m.size(); ++i) {
-    ++(m.depth_m[i] >= held ? approach.hold_samples : approach.retract_samples);
+    ++(m.depth_m[i] >= held || i < slowing ? approach.hold_samples
+                                           : approach.retract_samples);
   }
   if (approach.hold_samples >= kHoldMin) {
     approach.flags.push_back(FitFlag::kHoldCutOff);
@@ -206,8 +229,9 @@ Approach select_approach(const Measurement& measurement, const FitRange& range) 
   Approach approach;
   Measurement turned = measurement;
   turn_signs(turned, approach);
-  const std::size_t end = approach_end(turned);
+  std::size_t end = approach_end(turned);
   approach.noise_sd_n = noise_standard_deviation(std::span(turned.force_n).first(end));
+  end = before_relaxation(turned, end, approach.noise_sd_n);
   count_rest(turned, end, approach);
   if (goes_back(std::span(turned.depth_m).first(end), kHoldTolerance * travel)) {
     approach.flags.push_back(FitFlag::kNonMonotoneDepth);

@@ -36,10 +36,11 @@ constexpr std::size_t kSamplesMin = 8;
 /// Displacement that falls in total, and force that falls from the first samples to the
 /// deepest, are turned. The approach ends where the displacement first comes within
 /// 0.1 % of its travel to the largest; later samples that stay there are a hold, the
-/// others a retract. A loop whose release gives back more work than its press took
-/// (beyond 5 standard deviations of the noise's work) is flagged. Single readings that
-/// stand out from all of 3 neighbours on each side by more than 8 standard deviations
-/// of noise are spikes.
+/// others a retract. Where the force falls from its peak while the machine slows down
+/// to hold, the approach ends at the peak. A loop whose release gives back more work
+/// than its press took (beyond 5 standard deviations of the noise's work) is flagged.
+/// Single readings that stand out from all of 3 neighbours on each side by more than 8
+/// standard deviations of noise are spikes.
 /// @throws InputError for different counts of both, a value that is not finite, no
 /// travel, an empty range, fewer than kSamplesMin samples left.
 [[nodiscard]] Approach select_approach(const Measurement& measurement,

@@ -40,6 +40,15 @@ double variance(std::span<const double> values) {
   return (v - v.mean()).square().mean();
 }
 
+// d^p without std::pow for the exponents that are tried most.
+double power(double d, double p) {
+  return p == 1.0   ? d
+         : p == 1.5 ? d * std::sqrt(d)
+         : p == 2.0 ? d * d
+         : p == 3.0 ? d * d * d
+                    : std::pow(d, p);
+}
+
 // Linear least squares for the three linear parameters at a given contact and exponent.
 RankedModel linear_fit(const ScaledCurve& curve, double contact, double exponent) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -47,7 +56,7 @@ RankedModel linear_fit(const ScaledCurve& curve, double contact, double exponent
   double squares = 0.0;
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     const double d = curve.x[i] - contact;
-    const Eigen::Vector3d basis(1.0, curve.x[i], d > 0.0 ? std::pow(d, exponent) : 0.0);
+    const Eigen::Vector3d basis(1.0, curve.x[i], d > 0.0 ? power(d, exponent) : 0.0);
     normal.noalias() += basis * basis.transpose();
     right += curve.f[i] * basis;
     squares += curve.f[i] * curve.f[i];
