@@ -236,7 +236,12 @@ void judge(FamilyChoice& choice) {
       std::min_element(choice.fits.begin(), choice.fits.end(), [](auto& a, auto& b) {
         return a.rms_n < b.rms_n;
       });
-  const double n = closest->effective_n;
+  // Never so few that the correction has no value: all would be as bad then.
+  int most = 0;
+  for (const FamilyFit& fit : choice.fits) {
+    most = std::max(most, fit.free_parameters);
+  }
+  const double n = std::max(closest->effective_n, most + 4.0);
   for (FamilyFit& fit : choice.fits) {
     const double k = fit.free_parameters + 1.0;  // and the noise
     const double likelihood = n * std::log(fit.rms_n * fit.rms_n + 1e-300);
