@@ -1,0 +1,96 @@
+// A Gaussian process on a surface, in sparse form, conditioned on scattered data with
+// errors of their own: log force of one depth from probes to every node.
+//
+// Prior (Lindgren, Rue and Lindstrom 2011, alpha = 2: Matern of smoothness 1 in the
+// plane), on linear elements:
+//   value = mu + x,  x ~ N(0, Q^-1),  Q = s (kappa^2 C + G) C^-1 (kappa^2 C + G),
+//   kappa = sqrt(2) / length,  s = 1 / (4 pi kappa^2 sd^2),
+// mu unknown with a flat prior. Data: y = mu + A x + e, e ~ N(0, D^-1), 1 / D_ii =
+// sd_i^2 + nugget^2. Symbols: C lumped mass [m^2], G cotangent stiffness [-], A area
+// coordinates of the data's points (m x n). On bodies smaller than a few lengths the
+// prior's standard deviation differs from `sd`; likelihood and posterior use Q as is.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "fitting/selected_inverse.h"
+#include "fitting/surface_operator.h"
+#include "fitting/surface_point.h"
+#include "formats/surface_mesh.h"
+
+namespace palpate {
+
+struct FieldParameters {
+  double length_m = 0.0;   ///< [m] correlation falls to about 0.45 there
+  double sd = 0.0;         ///< [-] of the field about its mean
+  double nugget_sd = 0.0;  ///< [-] of data, beyond their stated errors
+};
+
+/// One value at each point of a model; points without one are not used.
+struct FieldData {
+  Eigen::VectorXd value;   ///< (m) [-] e.g. log of force over 1 N
+  Eigen::VectorXd sd;      ///< (m) [-] stated standard error, >= 0
+  std::vector<char> used;  ///< (m) whether the posterior may know it
+};
+
+struct FieldPosterior {
+  double mean_level = 0.0;  ///< [-] mu, generalised least squares
+  Eigen::VectorXd mean;     ///< (n) [-] at the nodes
+  Eigen::VectorXd sd;       ///< (n) [-] of the field there, mu's share included
+  /// (m) [-] value minus its prediction from all other used data, in closed form (also
+  /// for data that are not used); NaN where the value is not finite
+  Eigen::VectorXd left_out_residual;
+  /// (m) [-] standard deviation of that residual: field, error and nugget
+  Eigen::VectorXd left_out_sd;
+  double log_likelihood = 0.0;  ///< as log_marginal_likelihood()
+};
+
+class FieldModel {
+ public:
+  /// @throws InputError as surface_operator() does.
+  FieldModel(const SurfaceMesh& mesh, std::vector<SurfacePoint> point);
+
+  /// Log density of the used data, mu integrated out (restricted likelihood):
+  ///   -1/2 [log|V| + log(1^T V^-1 1) + y^T P y + (m - 1) log 2 pi],
+  /// V = A Q^-1 A^T + D^-1, P = V^-1 - V^-1 1 1^T V^-1 / (1^T V^-1 1), by two sparse
+  /// factorisations: |V| = |Q + A^T D A| / (|Q| |D|).
+  /// @throws InputError for parameters or data out of range, fewer than 2 used data;
+  /// NumericalError if a factorisation fails.
+  [[nodiscard]] double log_marginal_likelihood(const FieldParameters& parameters,
+                                               const FieldData& data) const;
+
+  /// Throws as log_marginal_likelihood() does.
+  [[nodiscard]] FieldPosterior posterior(const FieldParameters& parameters,
+                                         const FieldData& data) const;
+
+  /// Q (n x n).
+  [[nodiscard]] SparseSquare prior_precision(const FieldParameters& parameters) const;
+
+  /// A (m x n).
+  [[nodiscard]] const Eigen::SparseMatrix<double>& attachment() const {
+    return attachment_;
+  }
+  [[nodiscard]] const std::vector<SurfacePoint>& point() const { return point_; }
+  [[nodiscard]] const SurfaceMesh& mesh() const { return mesh_; }
+
+ private:
+  struct Conditioned;
+  [[nodiscard]] Conditioned condition(const FieldParameters& parameters,
+                                      const FieldData& data) const;
+  [[nodiscard]] double variance_at(const SelectedInverse& S, std::size_t point) const;
+  void leave_out(const Conditioned& c, const SelectedInverse& S,
+                 const FieldParameters& parameters, const FieldData& data,
+                 FieldPosterior& result) const;
+  [[nodiscard]] SparseSquare elliptic(double kappa_per_m) const;
+  [[nodiscard]] double prior_log_determinant(const FieldParameters& parameters) const;
+
+  SurfaceMesh mesh_;
+  std::vector<SurfacePoint> point_;
+  SurfaceOperator operator_;
+  Eigen::SparseMatrix<double> attachment_;
+};
+
+}  // namespace palpate
