@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -13,14 +12,14 @@
 namespace palpate {
 namespace {
 
-double kappa_per_m(const FieldParameters& p) {
-  return std::numbers::sqrt2 / p.length_m;
+double kappa2_per_m2(const FieldParameters& p) {
+  return 2.0 * p.smoothness / (p.length_m * p.length_m);
 }
 
-// s of the precision [1/m^2 per unit of mass], so that a plane's variance is sd^2.
+// s of the precision, so that a plane's variance is sd^2.
 double precision_scale(const FieldParameters& p) {
-  const double kappa = kappa_per_m(p);
-  return 1.0 / (4.0 * std::numbers::pi * kappa * kappa * p.sd * p.sd);
+  return 1.0 / (4.0 * std::numbers::pi * p.smoothness *
+                std::pow(kappa2_per_m2(p), p.smoothness) * p.sd * p.sd);
 }
 
 double log_determinant(const SparseFactor& factor) {
@@ -32,24 +31,14 @@ double log_determinant(const SparseFactor& factor) {
   return sum;
 }
 
-void factorise(SparseFactor& factor, const SparseSquare& matrix,
-               const FieldParameters& p) {
-  factor.compute(matrix);
-  if (factor.info() != Eigen::Success) {
-    throw NumericalError(
-        fmt::format("field on the surface: the precision is not positive definite at "
-                    "length {:.3g} m, sd {:.3g}, nugget {:.3g}",
-                    p.length_m, p.sd, p.nugget_sd));
-  }
-}
-
 void check(const FieldParameters& p) {
   if (!(p.length_m > 0.0) || !(p.sd > 0.0) || !(p.nugget_sd >= 0.0) ||
-      !std::isfinite(p.length_m + p.sd + p.nugget_sd)) {
+      !std::isfinite(p.length_m + p.sd + p.nugget_sd) ||
+      (p.smoothness != 1 && p.smoothness != 2)) {
     throw InputError(
         fmt::format("field parameters: length {} m and sd {} must be positive, nugget "
-                    "{} must not be negative",
-                    p.length_m, p.sd, p.nugget_sd));
+                    "{} must not be negative, smoothness {} must be 1 or 2",
+                    p.length_m, p.sd, p.nugget_sd, p.smoothness));
   }
 }
 
@@ -91,7 +80,7 @@ Eigen::VectorXd data_precision(const FieldParameters& p, const FieldData& data,
 // The data's part of the algebra, shared by likelihood and posterior.
 struct FieldModel::Conditioned {
   Eigen::VectorXd D;                     // (m)
-  std::unique_ptr<SparseFactor> factor;  // of Q + A^T D A
+  const SparseFactor* factor = nullptr;  // of Q + A^T D A
   Eigen::VectorXd one_node, value_node;  // (n) its inverse times A^T D 1, A^T D y
   Eigen::VectorXd one, value;            // (m) V^-1 1, V^-1 y
   double precision = 0.0;                // 1^T V^-1 1
@@ -101,6 +90,11 @@ struct FieldModel::Conditioned {
 
 FieldModel::FieldModel(const SurfaceMesh& mesh, std::vector<SurfacePoint> point)
     : mesh_(mesh), point_(std::move(point)), operator_(surface_operator(mesh)) {
+  const Eigen::VectorXd inverse_mass = operator_.mass_m2.cwiseInverse();
+  power_[0] = SparseSquare(operator_.mass_m2.asDiagonal());
+  power_[1] = operator_.stiffness;
+  power_[2] = power_[1] * inverse_mass.asDiagonal() * power_[1];
+  power_[3] = power_[2] * inverse_mass.asDiagonal() * power_[1];
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < point_.size(); ++i) {
     for (Eigen::Index c = 0; c < 3; ++c) {
@@ -112,23 +106,39 @@ FieldModel::FieldModel(const SurfaceMesh& mesh, std::vector<SurfacePoint> point)
   attachment_.setFromTriplets(entries.begin(), entries.end());
 }
 
-SparseSquare FieldModel::elliptic(double kappa) const {
-  SparseSquare L = operator_.stiffness;
-  L.diagonal() += kappa * kappa * operator_.mass_m2;
-  return L;
+void FieldModel::factorise(Factor& factor, const SparseSquare& matrix,
+                           const FieldParameters& p) const {
+  if (!factor.analysed) {
+    factor.factor.analyzePattern(matrix);
+    factor.analysed = true;
+  }
+  factor.factor.factorize(matrix);
+  if (factor.factor.info() != Eigen::Success) {
+    throw NumericalError(
+        fmt::format("field on the surface: the precision is not positive definite at "
+                    "length {:.3g} m, sd {:.3g}, nugget {:.3g}",
+                    p.length_m, p.sd, p.nugget_sd));
+  }
 }
 
 SparseSquare FieldModel::prior_precision(const FieldParameters& parameters) const {
   check(parameters);
-  const SparseSquare L = elliptic(kappa_per_m(parameters));
-  return precision_scale(parameters) *
-         SparseSquare(L * operator_.mass_m2.cwiseInverse().asDiagonal() * L);
+  const double k2 = kappa2_per_m2(parameters);
+  const double s = precision_scale(parameters);
+  if (parameters.smoothness == 1) {
+    return (s * k2 * k2) * power_[0] + (2.0 * s * k2) * power_[1] + s * power_[2];
+  }
+  return SparseSquare((s * k2 * k2 * k2) * power_[0] + (3.0 * s * k2 * k2) * power_[1] +
+                      (3.0 * s * k2) * power_[2]) +
+         s * power_[3];
 }
 
 double FieldModel::prior_log_determinant(const FieldParameters& parameters) const {
-  SparseFactor factor;
-  factorise(factor, elliptic(kappa_per_m(parameters)), parameters);
-  return 2.0 * log_determinant(factor) - operator_.mass_m2.array().log().sum() +
+  factorise(elliptic_factor_, kappa2_per_m2(parameters) * power_[0] + power_[1],
+            parameters);
+  const double alpha = parameters.smoothness + 1.0;
+  return alpha * log_determinant(elliptic_factor_.factor) -
+         (alpha - 1.0) * operator_.mass_m2.array().log().sum() +
          static_cast<double>(operator_.mass_m2.size()) *
              std::log(precision_scale(parameters));
 }
@@ -140,8 +150,10 @@ FieldModel::Conditioned FieldModel::condition(const FieldParameters& parameters,
   c.D = data_precision(parameters, data, attachment_.rows());
   const auto& A = attachment_;
   const SparseSquare weighted = A.transpose() * c.D.asDiagonal() * A;
-  c.factor = std::make_unique<SparseFactor>();
-  factorise(*c.factor, prior_precision(parameters) + weighted, parameters);
+  Factor& factor =
+      posterior_factor_[static_cast<std::size_t>(parameters.smoothness - 1)];
+  factorise(factor, prior_precision(parameters) + weighted, parameters);
+  c.factor = &factor.factor;
   const Eigen::VectorXd y = (c.D.array() > 0.0).select(data.value, 0.0);
   c.one_node = c.factor->solve(A.transpose() * c.D);
   c.value_node = c.factor->solve(A.transpose() * c.D.cwiseProduct(y));

@@ -1,16 +1,17 @@
 // A Gaussian process on a surface, in sparse form, conditioned on scattered data with
 // errors of their own: log force of one depth from probes to every node.
 //
-// Prior (Lindgren, Rue and Lindstrom 2011, alpha = 2: Matern of smoothness 1 in the
-// plane), on linear elements:
-//   value = mu + x,  x ~ N(0, Q^-1),  Q = s (kappa^2 C + G) C^-1 (kappa^2 C + G),
-//   kappa = sqrt(2) / length,  s = 1 / (4 pi kappa^2 sd^2),
+// Prior (Lindgren, Rue and Lindstrom 2011, alpha = 2 or 3: Matern of smoothness
+// nu = alpha - 1 in the plane), on linear elements:
+//   value = mu + x,  x ~ N(0, Q^-1),  Q = s L (C^-1 L)^(alpha - 1),  L = kappa^2 C + G,
+//   kappa = sqrt(2 nu) / length,  s = 1 / (4 pi nu kappa^(2 nu) sd^2),
 // mu unknown with a flat prior. Data: y = mu + A x + e, e ~ N(0, D^-1), 1 / D_ii =
 // sd_i^2 + nugget^2. Symbols: C lumped mass [m^2], G cotangent stiffness [-], A area
 // coordinates of the data's points (m x n). On bodies smaller than a few lengths the
 // prior's standard deviation differs from `sd`; likelihood and posterior use Q as is.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,6 +28,7 @@ struct FieldParameters {
   double length_m = 0.0;   ///< [m] correlation falls to about 0.45 there
   double sd = 0.0;         ///< [-] of the field about its mean
   double nugget_sd = 0.0;  ///< [-] of data, beyond their stated errors
+  int smoothness = 1;      ///< [-] nu, 1 or 2: what is smooth is known better
 };
 
 /// One value at each point of a model; points without one are not used.
@@ -48,6 +50,7 @@ struct FieldPosterior {
   double log_likelihood = 0.0;  ///< as log_marginal_likelihood()
 };
 
+/// Not safe for use from several threads at once: factorisations share their pattern.
 class FieldModel {
  public:
   /// @throws InputError as surface_operator() does.
@@ -84,13 +87,23 @@ class FieldModel {
   void leave_out(const Conditioned& c, const SelectedInverse& S,
                  const FieldParameters& parameters, const FieldData& data,
                  FieldPosterior& result) const;
-  [[nodiscard]] SparseSquare elliptic(double kappa_per_m) const;
   [[nodiscard]] double prior_log_determinant(const FieldParameters& parameters) const;
+
+  // Pattern of a factor, found once.
+  struct Factor {
+    SparseFactor factor;
+    bool analysed = false;
+  };
+  void factorise(Factor& factor, const SparseSquare& matrix,
+                 const FieldParameters& parameters) const;
 
   SurfaceMesh mesh_;
   std::vector<SurfacePoint> point_;
   SurfaceOperator operator_;
+  std::array<SparseSquare, 4> power_;  // C, G, G C^-1 G, G C^-1 G C^-1 G
   Eigen::SparseMatrix<double> attachment_;
+  mutable Factor elliptic_factor_;
+  mutable std::array<Factor, 2> posterior_factor_;  // by smoothness
 };
 
 }  // namespace palpate

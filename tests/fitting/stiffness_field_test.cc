@@ -76,11 +76,14 @@ class OnSphere : public testing::Test {
 };
 
 TEST_F(OnSphere, MarginalLikelihoodIsThatOfDenseAlgebra) {
-  for (const double length_m : {0.01, 0.03, 0.2}) {
-    const FieldParameters p{.length_m = length_m, .sd = 0.6, .nugget_sd = 0.05};
-    const double dense = Dense(model_, p, data_).log_likelihood;
-    EXPECT_NEAR(model_.log_marginal_likelihood(p, data_), dense,
-                1e-8 * std::abs(dense));
+  for (const int smoothness : {1, 2}) {
+    for (const double length_m : {0.01, 0.03, 0.2}) {
+      const FieldParameters p{
+          .length_m = length_m, .sd = 0.6, .nugget_sd = 0.05, .smoothness = smoothness};
+      const double dense = Dense(model_, p, data_).log_likelihood;
+      EXPECT_NEAR(model_.log_marginal_likelihood(p, data_), dense,
+                  1e-8 * std::abs(dense));
+    }
   }
 }
 
@@ -146,17 +149,22 @@ TEST_F(OnSphere, UnitDoesNotMatter) {
 }
 
 // The prior's variance on a sphere of radius r in closed form: a sum over spherical
-// harmonics, (4 pi r^2)^-1 sum (2l + 1) / (s (kappa^2 + l (l + 1) / r^2)^2).
-TEST(FieldPrior, VarianceOnASphereConvergesToTheSumOverHarmonics) {
+// harmonics, (4 pi r^2)^-1 sum (2l + 1) / (s (kappa^2 + l (l + 1) / r^2)^alpha).
+class FieldPrior : public testing::TestWithParam<int> {};
+
+TEST_P(FieldPrior, VarianceOnASphereConvergesToTheSumOverHarmonics) {
   constexpr double kRadius = 0.05;
-  const FieldParameters p{.length_m = 0.04, .sd = 0.5, .nugget_sd = 0.1};
-  const double kappa2 = 2.0 / (p.length_m * p.length_m);
+  const int nu = GetParam();
+  const FieldParameters p{
+      .length_m = 0.04, .sd = 0.5, .nugget_sd = 0.1, .smoothness = nu};
+  const double kappa2 = 2.0 * nu / (p.length_m * p.length_m);
   double series = 0.0;
   for (int l = 0; l < 20000; ++l) {
     const double eigenvalue = kappa2 + l * (l + 1.0) / (kRadius * kRadius);
-    series += (2.0 * l + 1.0) / (eigenvalue * eigenvalue);
+    series += (2.0 * l + 1.0) / std::pow(eigenvalue, nu + 1);
   }
-  const double exact = series * kappa2 * p.sd * p.sd / (kRadius * kRadius);
+  const double exact =
+      series * nu * std::pow(kappa2, nu) * p.sd * p.sd / (kRadius * kRadius);
   double previous = 1.0;
   for (const int refinements : {2, 3, 4}) {
     const SurfaceMesh mesh = icosphere(kRadius, refinements);
@@ -169,6 +177,8 @@ TEST(FieldPrior, VarianceOnASphereConvergesToTheSumOverHarmonics) {
   }
   EXPECT_LT(previous, 0.02);
 }
+
+INSTANTIATE_TEST_SUITE_P(Smoothness, FieldPrior, testing::Values(1, 2));
 
 TEST(FieldPosterior, ConvergesUnderRefinement) {
   const auto sd_and_mean = [](int refinements) {
@@ -202,6 +212,7 @@ TEST(FieldModelInput, NamesWhatIsWrong) {
   FieldData data = data_of(model, 1);
   EXPECT_THROW((void)model.posterior({0.0, 1.0, 0.1}, data), InputError);
   EXPECT_THROW((void)model.posterior({0.1, 1.0, NAN}, data), InputError);
+  EXPECT_THROW((void)model.posterior({0.1, 1.0, 0.1, 3}, data), InputError);
   data.value[2] = NAN;
   EXPECT_THROW((void)model.posterior(kParameters, data), InputError);
   data.used = {1, 0, 0, 0, 0};
