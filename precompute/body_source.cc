@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "formats/surface_reader.h"
 #include "precompute/primitive_bodies.h"
 #include "precompute/quality_notes.h"
 #include "precompute/scene_material.h"
 #include "precompute/surface_check.h"
-#include "precompute/surface_reader.h"
 
 namespace palpate {
 namespace {

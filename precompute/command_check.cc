@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "formats/surface_reader.h"
 #include "precompute/bad_faces.h"
 #include "precompute/quality_notes.h"
 #include "precompute/repair.h"
 #include "precompute/surface_check.h"
-#include "precompute/surface_reader.h"
 #include "precompute/surface_writer.h"
 
 namespace palpate {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/surface_reader.h"
 #include "precompute/remesh.h"
-#include "precompute/surface_reader.h"
 #include "precompute/surface_writer.h"
 
 namespace palpate {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "formats/error.h"
-#include "precompute/surface_reader.h"
+#include "formats/surface_reader.h"
 #include "tests/fuzz/input_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

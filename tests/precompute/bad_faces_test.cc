@@ -6,7 +6,7 @@
 
 #include "formats/error.h"
 #include "precompute/primitive_bodies.h"
-#include "precompute/surface_reader.h"
+#include "formats/surface_reader.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
-#include "precompute/surface_reader.h"
+#include "formats/surface_reader.h"
 
 namespace palpate {
 namespace {

@@ -1,4 +1,4 @@
-#include "precompute/surface_reader.h"
+#include "formats/surface_reader.h"
 
 #include <cstring>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "precompute/ply_header.h"
+#include "formats/ply_header.h"
 
 #include <array>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "precompute/obj_reader.h"
+#include "formats/obj_reader.h"
 
 #include <algorithm>
 #include <sstream>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
-#include "precompute/mesh_words.h"
+#include "formats/mesh_words.h"
 
 namespace palpate {
 namespace {

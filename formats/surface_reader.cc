@@ -1,4 +1,4 @@
-#include "precompute/surface_reader.h"
+#include "formats/surface_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,9 @@
 #include <fmt/ranges.h>
 
 #include "formats/error.h"
+#include "formats/polygon_soup_io.h"
+#include "formats/triangulate_polygon.h"
 #include "formats/units.h"
-#include "precompute/polygon_soup_io.h"
-#include "precompute/triangulate_polygon.h"
 
 namespace palpate {
 namespace {

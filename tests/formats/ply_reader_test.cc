@@ -1,6 +1,6 @@
 // PLY files as programs write them, in all three encodings, and what is wrong with
 // others.
-#include "precompute/ply_reader.h"
+#include "formats/ply_reader.h"
 
 #include <algorithm>
 #include <cstring>

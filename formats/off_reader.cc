@@ -1,4 +1,4 @@
-#include "precompute/off_reader.h"
+#include "formats/off_reader.h"
 
 #include <cstdint>
 #include <sstream>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
-#include "precompute/mesh_words.h"
+#include "formats/mesh_words.h"
 
 namespace palpate {
 namespace {

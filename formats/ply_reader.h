@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "precompute/polygon_soup_io.h"
+#include "formats/polygon_soup_io.h"
 
 namespace palpate {
 

@@ -1,4 +1,4 @@
-#include "precompute/ply_reader.h"
+#include "formats/ply_reader.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
-#include "precompute/ply_header.h"
+#include "formats/ply_header.h"
 
 namespace palpate {
 namespace {

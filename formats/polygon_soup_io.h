@@ -1,4 +1,4 @@
-// The polygon file formats; nothing of CGAL, which reads some of them, shows here.
+// The polygon file formats.
 #pragma once
 
 #include <array>

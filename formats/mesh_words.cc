@@ -1,4 +1,4 @@
-#include "precompute/mesh_words.h"
+#include "formats/mesh_words.h"
 
 #include <cmath>
 

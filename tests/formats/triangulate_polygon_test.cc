@@ -1,4 +1,4 @@
-#include "precompute/triangulate_polygon.h"
+#include "formats/triangulate_polygon.h"
 
 #include <cmath>
 #include <numbers>
