@@ -105,16 +105,18 @@ class Search {
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
   [[nodiscard]] int evaluations() const { return evaluations_; }
 
-  // The best of three lengths.
-  Eigen::Vector3d start() {
+  // The best of three lengths; smoother fields have shorter ones.
+  Eigen::Vector3d start(int smoothness) {
     const double diagonal_m = bounding_box(model_.mesh()).diagonal().norm();
     const double spread = spread_of(data_);
-    Eigen::Vector3d best_x;
+    Eigen::Vector3d best_x =
+        inside(Eigen::Array3d(diagonal_m, spread, 0.1 * spread).log().matrix());
     double best = std::numeric_limits<double>::infinity();
-    for (const double share : {0.08, 0.25, 0.8}) {
+    for (const double share :
+         {0.08 / smoothness, 0.25 / smoothness, 0.8 / smoothness}) {
       const Eigen::Vector3d x(std::log(share * diagonal_m), std::log(spread),
                               std::log(0.1 * spread));
-      const double value = cost(x, 1);
+      const double value = cost(x, smoothness);
       if (value < best) {
         best = value;
         best_x = x;
@@ -141,19 +143,21 @@ FieldParametersReport fit_field_parameters(const FieldModel& model,
   }
   const auto begin = std::chrono::steady_clock::now();
   Search search(model, data);
-  const Eigen::Vector3d start =
-      near != nullptr ? search.inside(Eigen::Array3d(near->length_m, near->sd,
-                                                     std::max(near->nugget_sd, 1e-4))
-                                          .log()
-                                          .matrix())
-                      : search.start();
-  const double step = near != nullptr ? 0.15 : 0.4;
-  SimplexReport found = search.from(start, 1, step);
-  int smoothness = 1;
-  const SimplexReport smooth = search.from(search.inside(found.x), 2, 0.3);
-  if (smooth.value < found.value) {
-    found = smooth;
-    smoothness = 2;
+  SimplexReport found;
+  int smoothness = 0;
+  for (const int nu : {1, 2}) {
+    const bool near_fits = near != nullptr && near->smoothness == nu;
+    const Eigen::Vector3d start =
+        near_fits ? search.inside(Eigen::Array3d(near->length_m, near->sd,
+                                                 std::max(near->nugget_sd, 1e-4))
+                                      .log()
+                                      .matrix())
+                  : search.start(nu);
+    const SimplexReport report = search.from(start, nu, near_fits ? 0.15 : 0.4);
+    if (smoothness == 0 || report.value < found.value) {
+      found = report;
+      smoothness = nu;
+    }
   }
   FieldParametersReport report;
   const Eigen::Vector3d x = search.inside(found.x);
