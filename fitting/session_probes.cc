@@ -1,0 +1,57 @@
+#include "fitting/session_probes.h"
+
+#include <fmt/format.h>
+
+#include "formats/error.h"
+#include "formats/surface_reader.h"
+
+namespace palpate {
+namespace {
+
+SurfaceProbe probe_of(const Session& session, const SessionRun& run) {
+  SurfaceProbe probe;
+  probe.name = run.name;
+  probe.position_m = run.position_m.value();
+  if (run.normal) {
+    probe.direction = *run.normal;
+  }
+  probe.measurement = read_run(session, run).samples;
+  probe.approach = select_approach(probe.measurement, session.fit.range);
+  probe.fit = fit_contact(probe.approach);
+  return probe;
+}
+
+}  // namespace
+
+std::vector<SurfaceProbe> session_probes(const Session& session,
+                                         std::vector<LeftOutProbe>& left_out) {
+  std::vector<SurfaceProbe> probes;
+  for (const SessionRun& run : session.run) {
+    if (!run.position_m) {
+      left_out.push_back({run.name, "the session gives it no position_m"});
+      continue;
+    }
+    try {
+      probes.push_back(probe_of(session, run));
+    } catch (const Error& error) {
+      left_out.push_back({run.name, error.what()});
+    }
+  }
+  return probes;
+}
+
+SurfaceMesh session_body(const Session& session) {
+  if (session.mesh.empty()) {
+    throw InputError(fmt::format(
+        "{}: has no [body] with mesh and length_unit, which positions refer to",
+        session.file.string()));
+  }
+  SurfaceMesh body = read_surface(session.mesh, session.length_unit);
+  const bool closed = triangle_neighbours(body.triangle).minCoeff() >= 0;
+  if (closed && enclosed_volume_m3(body) < 0.0) {
+    body.triangle.col(1).swap(body.triangle.col(2));
+  }
+  return body;
+}
+
+}  // namespace palpate

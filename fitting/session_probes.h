@@ -1,0 +1,22 @@
+// The runs of a session as probes of a body.
+#pragma once
+
+#include <vector>
+
+#include "fitting/session.h"
+#include "fitting/surface_fit.h"
+#include "formats/surface_mesh.h"
+
+namespace palpate {
+
+/// Reads and fits every run that has a position (the first approach of each, power law
+/// with its contact point). A run that cannot be read, or has no position, is listed in
+/// `left_out` with its reason; none stops the others.
+[[nodiscard]] std::vector<SurfaceProbe> session_probes(
+    const Session& session, std::vector<LeftOutProbe>& left_out);
+
+/// The surface that the session names; turned if it is closed and inside out.
+/// @throws InputError if it names none, and as read_surface() does.
+[[nodiscard]] SurfaceMesh session_body(const Session& session);
+
+}  // namespace palpate
