@@ -51,8 +51,10 @@ struct Frame {
 std::string axes(const Frame& frame, const std::string& label) {
   std::string svg = fmt::format(
       "<rect x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\" fill=\"none\" "
-      "stroke=\"#999\"/><text x=\"4\" y=\"{:.1f}\" font-size=\"12\">{}</text>",
-      kLeft, frame.top, kWidth - kLeft - kRight, frame.height, frame.top + 12, label);
+      "stroke=\"#999\"/><text transform=\"translate(14 {:.1f}) rotate(-90)\" "
+      "font-size=\"12\" text-anchor=\"middle\">{}</text>",
+      kLeft, frame.top, kWidth - kLeft - kRight, frame.height,
+      frame.top + 0.5 * frame.height, label);
   for (const double tick : axis_ticks(frame.y_low, frame.y_high, 4)) {
     svg += fmt::format(
         "<path d=\"M{} {:.1f}h-4\" stroke=\"#999\"/><text x=\"{}\" y=\"{:.1f}\" "
@@ -149,7 +151,8 @@ std::string plot(const RunResult& run) {
              "<clipPath id=\"c\"><rect x=\"{}\" y=\"8\" width=\"{}\" height=\"240\"/>"
              "</clipPath>",
              kWidth, kWidth, kLeft, kWidth - kLeft - kRight) +
-         axes(main, unit) + dots(main, x, f) + "<g clip-path=\"url(#c)\">" +
+         axes(main, fmt::format("force [{}]", unit)) + dots(main, x, f) +
+         "<g clip-path=\"url(#c)\">" +
          curve_and_band(main, fit, force_size, length_size) +
          fmt::format(
              "<path d=\"M{:.1f} 8V248\" stroke=\"#c33\" "
@@ -177,11 +180,15 @@ std::string run_row(const RunResult& run) {
           ? fmt::format("{:.4g} &plusmn; {:.2g} kPa",
                         1e-3 * run.modulus.youngs_modulus_pa, 1e-3 * run.modulus.sd_pa)
           : "none";
+  const double contact_mm = 1e3 * best->contact_point_m;
+  const double sd_mm = 1e3 * best->contact_point_sd_m;
+  const std::string contact =
+      std::isfinite(sd_mm) ? fmt::format("{:.5g} &plusmn; {:.2g}", contact_mm, sd_mm)
+                           : fmt::format("{:.3f}, assumed", contact_mm);
   return row + fmt::format(
-                   "<td class=\"n\">{:.5g} &plusmn; {:.2g}</td><td>{}</td>"
+                   "<td class=\"n\">{}</td><td>{}</td>"
                    "<td class=\"n\">{:.3g}</td><td>{}</td></tr>\n",
-                   1e3 * best->contact_point_m, 1e3 * best->contact_point_sd_m,
-                   best->family, best->rms_n, modulus);
+                   contact, best->family, best->rms_n, modulus);
 }
 
 std::string article(const RunResult& run) {

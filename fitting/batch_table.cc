@@ -53,7 +53,7 @@ std::string csv_row(const RunResult& run) {
                   quoted(joined(run.rating.gates)));
   const FamilyFit* best = run.best();
   if (best == nullptr) {
-    return row + std::string(20, ',') + quoted(run.bad) + "\n";
+    return row + std::string(21, ',') + quoted(run.bad) + "\n";
   }
   const auto& x = run.choice.displacement_m;
   const auto [from, to] = std::minmax_element(x.begin(), x.end());

@@ -16,6 +16,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOutlierDeviations = 5.0;
 constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fails
+constexpr const char* kSupplest = "convex-spline";
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
 constexpr double kFlatShare = 1.0 / 6.0;  // [-] of the travel
@@ -230,18 +231,15 @@ double cross_validated(const FamilyData& all, const FamilyFit& fit, bool contact
   return all.force_n * std::sqrt(squares / static_cast<double>(n));
 }
 
-// Both criteria with the effective number of samples of the best fit, for all alike.
-void judge(FamilyChoice& choice) {
-  const auto closest =
-      std::min_element(choice.fits.begin(), choice.fits.end(), [](auto& a, auto& b) {
-        return a.rms_n < b.rms_n;
-      });
+// Both criteria with the same number of independent samples for all. What a law misses
+// is no repetition of samples: the largest number that any curve's residuals show.
+void judge(FamilyChoice& choice, double independent) {
   // Never so few that the correction has no value: all would be as bad then.
   int most = 0;
   for (const FamilyFit& fit : choice.fits) {
     most = std::max(most, fit.free_parameters);
   }
-  const double n = std::max(closest->effective_n, most + 4.0);
+  const double n = std::max(independent, most + 4.0);
   for (FamilyFit& fit : choice.fits) {
     const double k = fit.free_parameters + 1.0;  // and the noise
     const double likelihood = n * std::log(fit.rms_n * fit.rms_n + 1e-300);
@@ -304,7 +302,11 @@ FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
     }
     choice.fits.push_back(std::move(fit));
   }
-  judge(choice);
+  double independent = fit_one(data, kSupplest, contact, false).effective_n;
+  for (const FamilyFit& fit : choice.fits) {
+    independent = std::max(independent, fit.effective_n);
+  }
+  judge(choice, independent);
   return choice;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include <boost/math/tools/minima.hpp>
 #include <fmt/format.h>
 
 #include "formats/error.h"
@@ -16,6 +17,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDepthShareMax = 0.25;  // [-] of a sphere's radius
 constexpr double kStrainMax = 0.1;       // [-] of a cylinder under a plate
 constexpr double kExponentApart = 0.1;
+constexpr double kContactShare = 0.4;  // [-] of the depth: how far contact may move
 constexpr double kDeviations = 3.0;
 
 std::string reason_to_refuse(const ContactFit& fit) {
@@ -38,23 +40,44 @@ Modulus refused(std::string why) {
   return modulus;
 }
 
-// Sum over the samples in contact of force times law over law squared: E in F = E g(d).
-double ratio_to_law(const Approach& approach, const ContactFit& fit,
-                    const Indenter& indenter) {
+// Least squares of E in F = E g(x - x0), with the baseline of `fit`.
+struct LayerFit {
+  double youngs_modulus_pa = 0.0;
+  double squares = 0.0;  // [N^2] of the residuals
+};
+
+LayerFit fit_layer(const Approach& approach, const ContactFit& fit,
+                   const Indenter& indenter, double contact_m) {
   const double nu = indenter.poissons_ratio, R = indenter.radius_m;
   const double b0 = fit.parameters[0].value, b1 = fit.parameters[1].value;
-  double product = 0.0, square = 0.0;
+  double product = 0.0, square = 0.0, total = 0.0;
   for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
-    const double x = approach.displacement_m[i], d = x - fit.contact_point_m;
+    const double x = approach.displacement_m[i], d = x - contact_m;
+    const double force = approach.force_n[i] - b0 - b1 * x;
+    total += force * force;
     if (d > 0.0) {
       const double chi = std::sqrt(R * d) / indenter.thickness_m;
       const double g = 4.0 / 3.0 / (1.0 - nu * nu) * std::sqrt(R) * std::pow(d, 1.5) *
                        sphere_layer_factor(chi, nu);
-      product += g * (approach.force_n[i] - b0 - b1 * x);
+      product += g * force;
       square += g * g;
     }
   }
-  return product / square;
+  return {product / square, total - product * product / square};
+}
+
+// A layer stiffens faster than any power of the depth: the power law's contact point is
+// not quite that of the layer's own law.
+double layer_modulus_pa(const Approach& approach, const ContactFit& fit,
+                        const Indenter& indenter) {
+  const double span_m = kContactShare * fit.depth_max_m;
+  const auto [contact_m, squares] = boost::math::tools::brent_find_minima(
+      [&](double x0) {
+        return fit_layer(approach, fit, indenter, x0).squares;
+      },
+      fit.contact_point_m - span_m, fit.contact_point_m + span_m, 24);
+  static_cast<void>(squares);
+  return fit_layer(approach, fit, indenter, contact_m).youngs_modulus_pa;
 }
 
 // E over the coefficient K of the law of this exponent.
@@ -143,8 +166,7 @@ Modulus contact_modulus(const Approach& approach, const ContactFit& free,
   const bool sphere_on_layer = indenter.shape == "sphere" && indenter.thickness_m > 0.0;
   if (sphere_on_layer) {
     const double thick = modulus.youngs_modulus_pa;
-    // Near the contact point Hertz's law holds on a layer too: take it from there.
-    modulus.youngs_modulus_pa = ratio_to_law(approach, free, indenter);
+    modulus.youngs_modulus_pa = layer_modulus_pa(approach, free, indenter);
     modulus.sd_pa *= modulus.youngs_modulus_pa / thick;
   }
   if (indenter.shape == "sphere" &&
