@@ -69,7 +69,7 @@ TEST_F(MaterialSweep, ForceOfALinearBodyGoesWithItsModulus) {
       sweep_materials(scene_, body, body.tool.front(), vertices,
                       {grid_of("youngs_modulus_pa", 2000.0, 8000.0, 3)}, silent);
   ASSERT_EQ(sweep.combinations(), 3U);
-  EXPECT_NEAR(sweep.depth_m.back(), 0.003, 1e-6);
+  EXPECT_NEAR(sweep.depth_m.back(), 0.003, 5e-5);  // past first touch
   for (std::size_t c = 1; c < 3; ++c) {
     for (std::size_t k = 0; k < sweep.depth_m.size(); ++k) {
       const double ratio = sweep.curve_n(0, c)[k] / sweep.curve_n(0, 0)[k];

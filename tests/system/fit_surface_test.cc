@@ -111,7 +111,7 @@ TEST_F(FitSession, BecomesADatabaseOfTheWholeBody) {
 TEST_F(FitSession, NeedsAToolThatCanBeRendered) {
   std::ifstream in(folder_ / "session.toml");
   std::string text((std::istreambuf_iterator<char>(in)), {});
-  text.erase(text.find("shape ="), text.find("[body]") - text.find("shape ="));
+  text.erase(text.find("[indenter]"), text.find("[body]") - text.find("[indenter]"));
   std::ofstream(folder_ / "bare.toml") << text;
   const ToolRun result = run_tool_process(
       "palpate-fit", {"surface", folder_ / "bare.toml", "-o", folder_ / "body.h5"});
