@@ -1,0 +1,66 @@
+// What a page of the live view may ask for: the decoder of its messages, which come
+// from whoever can reach the socket and are believed in nothing.
+//
+// A message is one JSON object of at most kViewMessageBytes bytes, with the keys below
+// and no others:
+//
+//   {"type": "point", "hold": true, "target_m": [x, y, z]}   where the hand wants the
+//                                              tool; hold false lets go (no target_m)
+//   {"type": "set", "model": "potential", "slow_hz": 100, "stiffness_scale": 1,
+//    "friction": 0.3}                          any of them; friction null: the
+//                                              database's
+//   {"type": "run", "do": "pause"}             pause, resume, step, reset
+//   {"type": "node", "node": 12}               the curve of a node
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/local_model.h"
+
+namespace palpate {
+
+constexpr std::size_t kViewMessageBytes = 4096;
+
+enum class ViewAction : std::uint8_t {
+  kPoint,
+  kSet,
+  kPause,
+  kResume,
+  kStep,
+  kReset,
+  kNode
+};
+
+/// Ranges that the decoder holds every number to.
+struct ViewRanges {
+  static constexpr double kTargetM = 10.0;       ///< [m] largest coordinate
+  static constexpr double kSlowHzMin = 1.0;      ///< [Hz]
+  static constexpr double kSlowHzMax = 2000.0;   ///< [Hz]
+  static constexpr double kStiffnessMin = 0.05;  ///< [-] of stiffness_scale
+  static constexpr double kStiffnessMax = 10.0;  ///< [-] of stiffness_scale
+  static constexpr double kFrictionMax = 2.0;    ///< [-] Coulomb coefficient
+};
+
+/// A decoded message; which fields count depends on the action.
+struct ViewRequest {
+  ViewAction action = ViewAction::kPoint;
+  bool hold = false;
+  Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  ///< [m] if hold
+  std::optional<LocalModel> model = {};
+  std::optional<double> slow_hz = {};          ///< [Hz]
+  std::optional<double> stiffness_scale = {};  ///< [-] forces are multiplied by it
+  std::optional<double> friction = {};         ///< [-] for every node
+  bool database_friction = false;              ///< friction as stored again
+  std::int32_t node = -1;                      ///< >= 0; the database may have fewer
+};
+
+/// @throws InputError saying, in one line without any of the message's own text, what
+/// was not allowed.
+[[nodiscard]] ViewRequest decode_view_message(std::string_view text);
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+// Any bytes as a message of the live view's page: decoded within its ranges, or refused
+// with an Error.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "formats/error.h"
+#include "runtime/view_message.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using palpate::ViewRanges;
+  try {
+    const palpate::ViewRequest request =
+        palpate::decode_view_message({reinterpret_cast<const char*>(data), size});
+    const bool target_ok =
+        !(request.target_m.cwiseAbs().maxCoeff() > ViewRanges::kTargetM) &&
+        request.target_m.allFinite();
+    const bool rate_ok =
+        !request.slow_hz || (*request.slow_hz >= ViewRanges::kSlowHzMin &&
+                             *request.slow_hz <= ViewRanges::kSlowHzMax);
+    if (!target_ok || !rate_ok || request.node < -1) {
+      __builtin_trap();
+    }
+  } catch (const palpate::Error&) {
+  }
+  return 0;
+}
