@@ -1,0 +1,93 @@
+// A small web server for the live view: a fixed table of files, and WebSockets to the
+// pages that may use them. The page is the only client meant; every other program on
+// the machine, and every other page in the browser, is a stranger.
+//
+// What it does against strangers: it binds 127.0.0.1 alone; a request must name exactly
+// that host and port (no rebinding of names); a WebSocket must come from the page's own
+// origin and bring a 128-bit token, and so must a request for data; only GET and HEAD,
+// no bodies, headers of at most 8 KiB, 10 s to send them; messages of at most 4 KiB,
+// rates and clients are capped; a strict content policy, nothing cached. A page that is
+// too slow gets the latest frame, never a queue of old ones.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// A file of the page, for everybody who names the right host.
+struct ViewAsset {
+  std::string_view path;  ///< as asked for, "/page.css"
+  std::string_view content_type;
+  std::string_view bytes;  ///< must outlive the server
+};
+
+/// Data of the database, for those with the token.
+struct ViewData {
+  std::string path;
+  std::string content_type;
+  std::string bytes;
+};
+
+struct ViewServerOptions {
+  std::uint16_t port = 0;  ///< 0: any free one
+  std::string token;       ///< 32 hexadecimal digits
+  double frame_hz = 60.0;  ///< [Hz] > 0, calls of frame()
+  std::size_t clients_max = 4;
+  double messages_per_s_max = 240.0;  ///< of one client, before it is dropped
+  std::vector<ViewAsset> assets;
+  std::vector<ViewData> data;
+};
+
+using ViewClient = std::uint64_t;  ///< counts from 1, never used twice
+
+/// What a server is for. All calls come from the thread that runs the server.
+class ViewApplication {
+ public:
+  ViewApplication() = default;
+  virtual ~ViewApplication() = default;
+  ViewApplication(const ViewApplication&) = delete;
+  ViewApplication& operator=(const ViewApplication&) = delete;
+
+  virtual void opened(ViewClient client) = 0;
+  virtual void received(ViewClient client, std::string_view text) = 0;
+  virtual void closed(ViewClient client) = 0;
+  virtual void frame() = 0;  ///< frame_hz times a second, late when the machine is
+};
+
+/// One thread, which calls run(); the other calls may be made before it or from the
+/// application's calls.
+class ViewServer {
+ public:
+  /// Binds and listens. @throws InputError if the port cannot be had or the options are
+  /// out of range.
+  ViewServer(ViewServerOptions options, ViewApplication& application);
+  ~ViewServer();
+  ViewServer(const ViewServer&) = delete;
+  ViewServer& operator=(const ViewServer&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const;
+
+  /// The page's address with the token behind '#', where no server sees it.
+  [[nodiscard]] std::string address() const;
+
+  /// Serves until `stop` is set, which is seen within a frame.
+  void run(const std::atomic<bool>& stop);
+
+  /// Queues a message for one client; a client with 64 of them waiting is dropped.
+  void send(ViewClient client, std::string text);
+
+  /// The latest frame of a client, in place of an older one that has not left yet.
+  void send_latest(ViewClient client, const std::shared_ptr<const std::string>& text);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace palpate
