@@ -7,6 +7,7 @@
 #include "runtime/device.h"
 #include "runtime/element_sender.h"
 #include "runtime/fast/fast_step.h"
+#include "runtime/fast/switch_model.h"
 #include "runtime/render_report.h"
 #include "runtime/telemetry.h"
 #include "runtime/tool_state.h"
@@ -48,6 +49,9 @@ class FastProcess {
   /// lost, after which the force is zero.
   /// @param skipped deadlines that passed without a tick.
   [[nodiscard]] bool tick(std::int64_t skipped) noexcept;
+
+  /// Another local model from the next tick on (switch_model.h).
+  void use(LocalModel model) noexcept { switch_model(state_, model); }
 
   /// The account so far.
   [[nodiscard]] const RenderReport& report() const noexcept { return report_; }

@@ -1,0 +1,35 @@
+#include "runtime/fast/switch_model.h"
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+bool holds(LocalModel model) {
+  return model == LocalModel::kSingle || model == LocalModel::kFirstOrderHold;
+}
+
+}  // namespace
+
+void switch_model(FastState& state, LocalModel model) noexcept {
+  if (model == state.config.model) {
+    return;
+  }
+  PassivityLedger& ledger = state.ledger;
+  if (holds(state.config.model)) {
+    // A held force stores F x, of any sign and size: what counts is the work put in.
+    const double work_j = std::max(0.0, ledger.work_j);
+    ledger = {.work_j = work_j, .tank_j = work_j};
+    state.safety.clamp_gain_j = 0.0;
+  } else {
+    book_change(ledger, 0.0, allowance_j(ledger));
+  }
+  state.config.model = model;
+  state.element = {};
+  state.potential = {};
+  state.scalar = {};
+  state.cache.pinned = -1;
+  state.update_due = state.cache.newest_active >= 0;
+}
+
+}  // namespace palpate
