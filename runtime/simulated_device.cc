@@ -81,6 +81,13 @@ SimulatedDevice::SimulatedDevice(const SimulatedDeviceConfig& config,
   response_ = solution.topRightCorner<3, 1>();
 }
 
+SimulatedDevice::SimulatedDevice(const SimulatedDeviceConfig& config,
+                                 const HandTarget& hand, Clock& clock,
+                                 const SimulatedMotion& start)
+    : SimulatedDevice(config, HandScript{}, clock, start) {
+  hand_ = &hand;
+}
+
 DeviceLimits SimulatedDevice::limits() const {
   return {.damping_n_s_per_m = config_.damping_n_s_per_m,
           .coulomb_n = config_.coulomb_n,
@@ -106,7 +113,9 @@ void SimulatedDevice::advance() noexcept {
 }
 
 void SimulatedDevice::step() noexcept {
-  const HandTarget hand = script_.at((static_cast<double>(steps_) + 0.5) * kStepS);
+  const HandTarget hand =
+      hand_ != nullptr ? *hand_
+                       : script_.at((static_cast<double>(steps_) + 0.5) * kStepS);
   const Eigen::Vector3d pull = acting_n_ + config_.hand_n_per_m * hand.position_m +
                                config_.hand_n_s_per_m * hand.velocity_m_per_s;
   Eigen::Matrix3d state;  // one column per axis

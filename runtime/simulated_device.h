@@ -60,6 +60,11 @@ class SimulatedDevice : public Device {
   SimulatedDevice(const SimulatedDeviceConfig& config, const HandScript& script,
                   Clock& clock, const SimulatedMotion& start);
 
+  /// Held by a hand that somebody else moves: `hand` is read at every step and must
+  /// outlive the device.
+  SimulatedDevice(const SimulatedDeviceConfig& config, const HandTarget& hand,
+                  Clock& clock, const SimulatedMotion& start);
+
   [[nodiscard]] std::string name() const override { return "simulated"; }
   [[nodiscard]] DeviceLimits limits() const override;
   void open() override;
@@ -84,6 +89,7 @@ class SimulatedDevice : public Device {
 
   SimulatedDeviceConfig config_;
   HandScript script_;
+  const HandTarget* hand_ = nullptr;  // instead of the script
   Clock& clock_;
   // (x, v, s) of one axis after a step: transition_ (x, v, s) + response_ * force.
   Eigen::Matrix3d transition_;
