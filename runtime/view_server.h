@@ -60,16 +60,30 @@ class ViewApplication {
   virtual void frame() = 0;  ///< frame_hz times a second, late when the machine is
 };
 
+/// How an application speaks to its pages.
+class ViewOutbox {
+ public:
+  ViewOutbox() = default;
+  virtual ~ViewOutbox() = default;
+  ViewOutbox(const ViewOutbox&) = delete;
+  ViewOutbox& operator=(const ViewOutbox&) = delete;
+
+  /// Queues a message for one client; a client with 64 of them waiting is dropped.
+  virtual void send(ViewClient client, std::string text) = 0;
+
+  /// The latest frame of a client, in place of an older one that has not left yet.
+  virtual void send_latest(ViewClient client,
+                           const std::shared_ptr<const std::string>& text) = 0;
+};
+
 /// One thread, which calls run(); the other calls may be made before it or from the
 /// application's calls.
-class ViewServer {
+class ViewServer : public ViewOutbox {
  public:
   /// Binds and listens. @throws InputError if the port cannot be had or the options are
   /// out of range.
   ViewServer(ViewServerOptions options, ViewApplication& application);
-  ~ViewServer();
-  ViewServer(const ViewServer&) = delete;
-  ViewServer& operator=(const ViewServer&) = delete;
+  ~ViewServer() override;
 
   [[nodiscard]] std::uint16_t port() const;
 
@@ -79,11 +93,9 @@ class ViewServer {
   /// Serves until `stop` is set, which is seen within a frame.
   void run(const std::atomic<bool>& stop);
 
-  /// Queues a message for one client; a client with 64 of them waiting is dropped.
-  void send(ViewClient client, std::string text);
-
-  /// The latest frame of a client, in place of an older one that has not left yet.
-  void send_latest(ViewClient client, const std::shared_ptr<const std::string>& text);
+  void send(ViewClient client, std::string text) override;
+  void send_latest(ViewClient client,
+                   const std::shared_ptr<const std::string>& text) override;
 
  private:
   struct Parts;

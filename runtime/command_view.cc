@@ -1,0 +1,109 @@
+#include "runtime/command_view.h"
+
+#include <atomic>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "formats/error.h"
+#include "runtime/clock.h"
+#include "runtime/live_view.h"
+#include "runtime/page_assets.h"
+#include "runtime/simulation.h"
+#include "runtime/view_policy.h"
+#include "runtime/view_server.h"
+#include "runtime/view_session.h"
+#include "runtime/view_text.h"
+
+namespace palpate {
+namespace {
+
+std::atomic<bool> stop_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+extern "C" void request_view_stop(int /*signal*/) {
+  stop_requested.store(true);
+}
+
+struct Flags {
+  std::string database;
+  std::string model = "potential";
+  std::uint16_t port = 0;
+  double stiffness_scale = 1.0;
+  ViewSessionOptions options;
+};
+
+ViewServerOptions server_options(const Flags& flags, const ViewSession& session) {
+  ViewServerOptions options;
+  options.port = flags.port;
+  options.token = random_token();
+  options.assets.assign(page_assets().begin(), page_assets().end());
+  const std::string name = std::filesystem::path(flags.database).filename();
+  options.data = {{"/body.json", "application/json", body_text(session, name)},
+                  {"/body.bin", "application/octet-stream",
+                   body_bytes(session.database(), session.table())}};
+  return options;
+}
+
+void run(const Flags& flags) {
+  ViewSessionOptions options = flags.options;
+  options.model = requested_model(flags.model);
+  const ResponseDatabase database = read_database(flags.database);
+  ViewSession session(database, options);
+  if (!(flags.stiffness_scale >= ViewRanges::kStiffnessMin &&
+        flags.stiffness_scale <= ViewRanges::kStiffnessMax)) {
+    throw InputError(fmt::format("--stiffness-scale {}: must lie in [{}, {}]",
+                                 flags.stiffness_scale, ViewRanges::kStiffnessMin,
+                                 ViewRanges::kStiffnessMax));
+  }
+  session.set_stiffness_scale(flags.stiffness_scale);
+  MonotonicClock wall;
+  LiveView live(session, wall);
+  ViewServer server(server_options(flags, session), live);
+  live.answer_through(server);
+  std::signal(SIGINT, request_view_stop);
+  std::signal(SIGTERM, request_view_stop);
+  std::signal(SIGHUP, request_view_stop);
+  fmt::print("{}\n", server.address());
+  std::fflush(stdout);  // who reads a pipe waits for it
+  fmt::print(stderr, "open this address in a browser on this machine; Ctrl-C ends\n");
+  server.run(stop_requested);
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "view",
+      "Show a database in a browser: press it with the mouse, on simulated "
+      "time.");
+  const auto flags = std::make_shared<Flags>();
+  ViewSessionOptions& options = flags->options;
+  command->add_option("database", flags->database, "Response database (HDF5)")
+      ->required();
+  command->add_option("--port", flags->port, "On 127.0.0.1; 0: any free one")
+      ->capture_default_str();
+  command->add_option("--model", flags->model, "Local model: " + known_models())
+      ->capture_default_str();
+  command->add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command->add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      ->capture_default_str();
+  command->add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      ->capture_default_str();
+  command->add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      ->capture_default_str();
+  command
+      ->add_option("--stiffness-scale", flags->stiffness_scale,
+                   "Forces are multiplied by it, at the start")
+      ->capture_default_str();
+  command->callback([flags] {
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

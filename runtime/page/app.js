@@ -1,0 +1,216 @@
+// The page of palpate-run view: the runtime's numbers and its body, pressed by mouse or
+// keys. All physics is the runtime's; the page says where the hand is and shows the rest.
+import { BodyView } from "/body_view.js";
+import { CurvePlot, TickPlots } from "/plots.js";
+import { drawColourBar, drawScaleBar, nice } from "/bars.js";
+import { fetchBody, Link } from "/link.js";
+import { History } from "/history.js";
+import { savePicture, saveTable, toggleVideo } from "/save.js";
+import { Settings } from "/settings.js";
+import { Surface } from "/surface.js";
+import { listen } from "/hands.js";
+
+const get = (id) => document.getElementById(id);
+
+class App {
+  constructor(body) {
+    this.body = body;
+    this.surface = new Surface(body);
+    this.history = new History(["time_s", "force_n", "depth_m", "stored_j", "tank_j"]);
+    this.plots = new TickPlots(get("plots"), this.history);
+    this.curve = new CurvePlot(get("curve_plot"));
+    this.pressMax = 2.0 * body.text.depth_max_m;
+    this.press = 0.6 * body.text.depth_max_m;
+    this.place = null;    // the cursor on the surface
+    this.holding = false;
+    this.state = null;
+    this.showNames();
+    this.view = this.makeView();
+    this.link = new Link({
+      state: (message) => this.take(message),
+      curve: (message) => this.showCurve(message),
+      role: (message) => { get("role").textContent = message.role === "controller" ? "steers" : "watches"; },
+      refused: (message) => this.complain(message.why),
+      gone: () => this.lost(),
+    });
+    this.settings = new Settings(body.text, (settings) => this.link.set(settings));
+    this.setPress(this.press);
+    listen(this);
+    requestAnimationFrame(() => this.frame());
+  }
+
+  showNames() {
+    const { text } = this.body;
+    get("what").textContent = `${text.database} · ${text.tool.name}, ${(text.tool.radius_m * 1e3).toPrecision(3)} mm ball · ${this.body.stiffness.length} nodes`;
+    get("what").title = `${text.source}, written by ${text.writer}. ${text.left_out}`;
+    drawColourBar(text.map);
+    this.arrowNewton = nice(text.map.high_n_per_m * text.depth_max_m);
+    get("arrow_text").textContent = "force on the tool";
+    get("template").textContent = "Yielding surface: illustrative template (Hertz); the database holds forces.";
+  }
+
+  makeView() {
+    try {
+      return new BodyView(get("canvas"), this.body);
+    } catch (error) {
+      console.info(`no 3-D view: ${error.message}`);
+      get("no_webgl").hidden = false;
+      for (const id of ["colour_bar", "legend", "scale_bar", "hint"]) {
+        get(id).hidden = true;
+      }
+      return null;
+    }
+  }
+
+  // From the runtime.
+  take(state) {
+    this.state = state;
+    this.history.add(state.trace);
+    this.fresh = true;
+    if (!this.place) {
+      this.setPlace(this.surface.under(state.tool_m));
+    }
+  }
+
+  lost() {
+    this.holding = false;
+    this.state = null;
+    get("state").textContent = "no connection";
+    get("state").dataset.kind = "warn";
+    get("role").textContent = "–";
+  }
+
+  complain(why) {
+    get("message").textContent = why;
+    clearTimeout(this.complaint);
+    this.complaint = setTimeout(() => { get("message").textContent = ""; }, 4000);
+  }
+
+  showCurve(curve) {
+    get("curve_title").textContent = `Response curve of node ${curve.node}`;
+    const flags = curve.flags.length > 0 ? `; ${curve.flags.join(", ")}` : "";
+    const angle = (Math.acos(Math.min(1, Math.abs(curve.normal.reduce((s, v, k) => s + v * curve.direction[k], 0)))) * 180) / Math.PI;
+    get("curve_facts").textContent = curve.depth_m.length > 0
+      ? `${curve.origin}, error ± ${(100 * curve.error_relative).toPrecision(2)} %, force ${angle.toFixed(1)}° off the normal, ` +
+        `largest slope ${curve.stiffness_max_n_per_m.toPrecision(3)} N/m${flags}`
+      : `no response here: ${curve.origin}${flags}`;
+    this.curve.show(curve);
+    this.view?.showPick(curve);
+  }
+
+  // From the user.
+  setPlace(place) {
+    this.place = place;
+    this.view?.showCursor(this.view.vector(place.point), this.view.vector(place.normal));
+  }
+
+  placeOf(hit) {
+    return { point: hit.point.toArray(), normal: hit.normal.toArray(), node: hit.node };
+  }
+
+  // About a fifth of the ball.
+  stepLength() { return 0.2 * this.body.text.tool.radius_m; }
+
+  setPress(depth_m) {
+    this.press = Math.min(this.pressMax, Math.max(0, depth_m));
+    get("press").value = (100 * this.press) / this.pressMax;
+    get("press_text").textContent = `${(this.press * 1e3).toFixed(1)} mm`;
+  }
+
+  hold() {
+    if (!this.holding && this.place) {
+      this.holding = true;
+      this.sendPoint();
+    }
+  }
+
+  letGo() {
+    if (this.holding) {
+      this.holding = false;
+      this.link.letGo();
+    }
+  }
+
+  sendPoint() {
+    this.link.hold(this.surface.target(this.place, this.press));
+  }
+
+  slide(right_m, up_m) {
+    const [right, up] = this.view ? this.view.screenAxes() : [[1, 0, 0], [0, 1, 0]];
+    this.setPlace(this.surface.slide(this.place, right, up, [right_m, up_m]));
+  }
+
+  run(what) {
+    this.link.run(what);
+    if (what === "reset") {
+      this.holding = false;
+    }
+  }
+
+  togglePause() { this.run(this.state?.paused ? "resume" : "pause"); }
+  savePicture() { savePicture(get("canvas")); }
+  saveTable() { saveTable(this.history); }
+  toggleVideo() { get("video").setAttribute("aria-pressed", String(toggleVideo(get("canvas")))); }
+
+  toggleTheme() {
+    const { dataset } = document.documentElement;
+    dataset.theme = dataset.theme === "dark" ? "light" : "dark";
+    this.plots.build();
+    if (this.curve.curve) {
+      this.curve.show(this.curve.curve);
+    }
+    this.view?.recolour();
+  }
+
+  // Sixty times a second, less where the machine is slow.
+  frame() {
+    requestAnimationFrame(() => this.frame());
+    if (this.holding) {
+      this.sendPoint();
+    }
+    if (this.state && this.fresh) {
+      this.fresh = false;
+      this.showState();
+      this.view?.show(this.state, this.arrowNewton);
+    }
+    const now = performance.now();
+    if (now - (this.drawn ?? 0) > 50) {
+      this.drawn = now;
+      this.plots.draw();
+      if (this.state) {
+        this.curve.at(this.state.depth_m * 1e3, Math.hypot(...this.state.force_n));
+      }
+    }
+    if (this.view) {
+      this.view.draw();
+      drawScaleBar(this.view);
+    }
+  }
+
+  showState() {
+    const { state } = this;
+    const put = (id, text) => { if (get(id).textContent !== text) { get(id).textContent = text; } };
+    put("force", Math.hypot(...state.force_n).toFixed(3));
+    put("depth", Math.max(0, state.depth_m * 1e3).toFixed(2));
+    put("energy", (state.stored_j * 1e3).toFixed(3));
+    put("tank", (state.tank_j * 1e3).toFixed(3));
+    put("net", (state.net_j * 1e3).toFixed(3));
+    put("shift", (state.shift_m * 1e3).toFixed(2));
+    put("state", state.fault === "none" ? state.state : `fault: ${state.fault}`);
+    get("state").dataset.kind = state.fault !== "none" || state.state.includes("silent") ? "warn"
+      : state.state === "pressing" ? "contact" : "";
+    put("fast", `${state.settings.fast_hz} Hz`);
+    put("slow", `${Number(state.settings.slow_hz.toPrecision(4))} Hz`);
+    put("step_time", `${(state.run.step_p50_ns / 1e3).toFixed(1)} µs`);
+    put("speed", state.paused ? "paused" : `${state.speed.toFixed(2)} ×`);
+    get("poke").setAttribute("aria-pressed", String(state.holding));
+    get("pause").setAttribute("aria-pressed", String(state.paused));
+    this.settings.show(state.settings);
+  }
+}
+
+fetchBody().then((body) => { window.palpate = new App(body); }, (error) => {
+  get("state").textContent = "cannot start";
+  get("state").dataset.kind = "warn";
+  get("message").textContent = error.message;
+});

@@ -1,0 +1,37 @@
+// Colour bar, scale bar and the arrow's legend: what turns the picture back into numbers.
+
+const get = (id) => document.getElementById(id);
+
+// 1, 2 or 5 times a power of ten, at most `most`.
+export function nice(most) {
+  const power = 10 ** Math.floor(Math.log10(most));
+  return (most / power >= 5 ? 5 : most / power >= 2 ? 2 : 1) * power;
+}
+
+export function drawColourBar(map) {
+  const canvas = get("colours");
+  const pen = canvas.getContext("2d");
+  const gradient = pen.createLinearGradient(0, canvas.height, 0, 0);
+  map.colours.forEach((colour, i) => gradient.addColorStop(i / (map.colours.length - 1), colour));
+  pen.fillStyle = gradient;
+  pen.fillRect(0, 0, canvas.width, canvas.height);
+  const range = map.high_n_per_m - map.low_n_per_m;
+  const step = nice(range / 3);
+  const digits = Math.max(0, -Math.floor(Math.log10(step)));
+  for (let value = Math.ceil(map.low_n_per_m / step) * step; value <= map.high_n_per_m; value += step) {
+    const tick = document.createElement("li");
+    tick.textContent = value.toFixed(digits);
+    tick.style.top = `${canvas.height * (1 - (value - map.low_n_per_m) / range)}px`;
+    get("colour_ticks").append(tick);
+  }
+  get("colour_label").textContent = `N/m at ${(map.depth_m * 1e3).toPrecision(2)} mm`;
+}
+
+export function drawScaleBar(view) {
+  const metres = nice(0.22 * view.viewHeight());
+  get("scale_line").style.width = `${(metres / view.viewHeight()) * view.canvas.clientHeight}px`;
+  const text = metres >= 0.01 ? `${Number((metres * 100).toPrecision(2))} cm` : `${Number((metres * 1e3).toPrecision(2))} mm`;
+  if (get("scale_text").textContent !== text) {
+    get("scale_text").textContent = text;
+  }
+}

@@ -1,0 +1,311 @@
+// The body, the tool and the force in three dimensions.
+import * as three from "/vendor.min.js";
+
+// A ball pressed into an elastic half-space (Hertz; Johnson, Contact Mechanics, 3.4):
+// surface displacement at distance r from the axis, a^2 = R * depth; faded out towards
+// the size of the body, which is held. A template: the database holds forces.
+const kYield = `
+uniform vec3 uContact; uniform vec3 uNormal; uniform float uDepth; uniform float uRadius; uniform float uReach;
+float yieldOf(float r, float a) {
+  float w = r < a ? uDepth - r * r / (2.0 * uRadius)
+                  : ((2.0 * a * a - r * r) * asin(a / r) + a * sqrt(max(r * r - a * a, 0.0))) / (3.14159265 * uRadius);
+  return w * (1.0 - smoothstep(0.25, 1.0, r / uReach));
+}
+vec3 yielded(vec3 p, inout vec3 n) {
+  if (uDepth <= 0.0) return p;
+  vec3 along = p - uContact;
+  float r = length(along);
+  float a = sqrt(uRadius * uDepth);
+  float step = 0.02 * a + 1e-6;
+  float slope = (yieldOf(r + step, a) - yieldOf(max(r - step, 0.0), a)) / (2.0 * step);
+  vec3 flat_along = along - dot(along, uNormal) * uNormal;
+  n = normalize(n + slope * flat_along / max(r, 1e-6));
+  return p - yieldOf(r, a) * uNormal;
+}`;
+
+function css(name) {
+  return new three.Color(getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+}
+
+// Vertex colours by stiffness; grey where there is no response.
+function vertexColours(body) {
+  const { low_n_per_m: low, high_n_per_m: high, colours } = body.text.map;
+  const stops = colours.map((hex) => new three.Color(hex));
+  const values = new Float32Array(3 * body.stiffness.length);
+  const none = new three.Color("#6b7680");
+  body.stiffness.forEach((stiffness, i) => {
+    const c = none.clone();
+    if (Number.isFinite(stiffness)) {
+      const t = Math.min(1, Math.max(0, (stiffness - low) / (high - low))) * (stops.length - 1);
+      const k = Math.min(stops.length - 2, Math.floor(t));
+      c.lerpColors(stops[k], stops[k + 1], t - k);
+    }
+    c.toArray(values, 3 * i);
+  });
+  return values;
+}
+
+function bodyGeometry(body) {
+  const geometry = new three.BufferGeometry();
+  geometry.setAttribute("position", new three.BufferAttribute(body.position, 3));
+  geometry.setAttribute("normal", new three.BufferAttribute(body.normal, 3));
+  geometry.setAttribute("color", new three.BufferAttribute(vertexColours(body), 3));
+  geometry.setIndex(new three.BufferAttribute(body.triangle, 1));
+  geometry.computeBoundingSphere();
+  return geometry;
+}
+
+// A cylinder of unit length along y from the origin.
+function rod(radius, material) {
+  const geometry = new three.CylinderGeometry(radius, radius, 1, 20).translate(0, 0.5, 0);
+  return new three.Mesh(geometry, material);
+}
+
+const kUp = new three.Vector3(0, 1, 0);
+
+// Lays a rod from one point to another.
+function lay(mesh, from, to) {
+  const along = to.clone().sub(from);
+  const length = along.length();
+  mesh.visible = length > 1e-6;
+  mesh.position.copy(from);
+  mesh.scale.set(1, Math.max(length, 1e-9), 1);
+  mesh.quaternion.setFromUnitVectors(kUp, along.normalize());
+}
+
+export class BodyView {
+  // Throws where there is no WebGL.
+  constructor(canvas, body) {
+    this.canvas = canvas;
+    this.body = body;
+    this.renderer = new three.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.scene = new three.Scene();
+    this.uniforms = {
+      uContact: { value: new three.Vector3() }, uNormal: { value: new three.Vector3(0, 0, 1) },
+      uDepth: { value: 0 }, uRadius: { value: body.text.tool.radius_m }, uReach: { value: 1 },
+    };
+    this.addBody();
+    this.addTool();
+    this.addLights();
+    this.addCameras();
+    this.raycaster = new three.Raycaster();
+  }
+
+  yielding(material) {
+    material.onBeforeCompile = (shader) => {
+      Object.assign(shader.uniforms, this.uniforms);
+      shader.vertexShader = shader.vertexShader
+        .replace("#include <common>", `#include <common>\n${kYield}`)
+        .replace("#include <beginnormal_vertex>",
+                 "#include <beginnormal_vertex>\nvec3 yieldedPosition = yielded(position, objectNormal);")
+        .replace("#include <begin_vertex>", "vec3 transformed = yieldedPosition;");
+    };
+    return material;
+  }
+
+  addBody() {
+    const geometry = bodyGeometry(this.body);
+    this.size = geometry.boundingSphere.radius;
+    this.centre = geometry.boundingSphere.center.clone();
+    this.uniforms.uReach.value = 0.9 * this.size;
+    this.surface = new three.Mesh(geometry, this.yielding(new three.MeshStandardMaterial({
+      vertexColors: true, roughness: 0.55, metalness: 0.0, side: three.DoubleSide,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })));
+    this.surface.frustumCulled = false;
+    this.wire = new three.Mesh(geometry, this.yielding(new three.MeshStandardMaterial({
+      color: "#0b1014", wireframe: true, transparent: true, opacity: 0.35 })));
+    this.wire.visible = false;
+    this.normals = this.normalLines();
+    this.normals.visible = false;
+    this.scene.add(this.surface, this.wire, this.normals);
+    const box = geometry.boundingBox ?? (geometry.computeBoundingBox(), geometry.boundingBox);
+    const grid = new three.GridHelper(8 * this.size, 40, "#5a6a74", "#5a6a74");
+    grid.material.transparent = true;
+    grid.material.opacity = 0.16;
+    grid.rotation.x = Math.PI / 2;
+    grid.position.set(this.centre.x, this.centre.y, box.min.z - 0.002 * this.size);
+    this.scene.add(grid);
+  }
+
+  normalLines() {
+    const { position, normal } = this.body;
+    const ends = new Float32Array(2 * position.length);
+    for (let i = 0; i < position.length / 3; ++i) {
+      for (let k = 0; k < 3; ++k) {
+        ends[6 * i + k] = position[3 * i + k];
+        ends[6 * i + 3 + k] = position[3 * i + k] + 0.06 * this.size * normal[3 * i + k];
+      }
+    }
+    const geometry = new three.BufferGeometry();
+    geometry.setAttribute("position", new three.BufferAttribute(ends, 3));
+    return new three.LineSegments(geometry, new three.LineBasicMaterial({ color: "#8fa1ad" }));
+  }
+
+  addTool() {
+    const radius = this.body.text.tool.radius_m;
+    const thin = Math.min(0.012 * this.size, 0.25 * radius);
+    const metal = new three.MeshStandardMaterial({ color: "#cdd6dc", roughness: 0.28, metalness: 0.35 });
+    this.tool = new three.Group();
+    this.ball = new three.Mesh(new three.SphereGeometry(radius, 48, 32), metal);
+    this.shaft = rod(0.28 * radius, metal);
+    this.shaft.scale.y = 0.55 * this.size;
+    this.tool.add(this.ball, this.shaft);
+    // What lies inside the tool or the body is drawn over them.
+    const above = (colour) => new three.MeshBasicMaterial({ color: colour, depthTest: false, transparent: true });
+    this.hand = new three.Mesh(new three.SphereGeometry(1.6 * thin, 24, 16), above(css("hand")));
+    this.band = rod(0.4 * thin, above(css("hand")));
+    this.arrow = rod(0.75 * thin, above(css("force")));
+    this.head = new three.Mesh(new three.ConeGeometry(2.1 * thin, 5 * thin, 24).translate(0, 2.5 * thin, 0), above(css("force")));
+    this.marker = new three.Mesh(new three.SphereGeometry(1.3 * thin, 20, 14), above(css("depth")));
+    this.cursor = new three.Mesh(new three.RingGeometry(2.2 * thin, 3 * thin, 32), above(css("hand")));
+    this.pick = rod(0.4 * thin, above(css("depth")));
+    for (const [order, mesh] of [this.cursor, this.marker, this.pick, this.band, this.hand, this.arrow, this.head].entries()) {
+      mesh.renderOrder = 10 + order;
+      mesh.visible = false;
+    }
+    this.scene.add(this.tool, this.hand, this.band, this.arrow, this.head, this.marker, this.pick, this.cursor);
+  }
+
+  addLights() {
+    this.scene.add(new three.HemisphereLight("#ffffff", "#5b6670", 1.5));
+    this.lamp = new three.DirectionalLight("#ffffff", 2.0);
+    this.scene.add(this.lamp, this.lamp.target);
+  }
+
+  addCameras() {
+    const near = 0.02 * this.size;
+    this.perspective = new three.PerspectiveCamera(32, 1, near, 40 * this.size);
+    this.orthographic = new three.OrthographicCamera(-1, 1, 1, -1, near, 40 * this.size);
+    this.camera = this.perspective;
+    for (const camera of [this.perspective, this.orthographic]) {
+      camera.up.set(0, 0, 1);
+      camera.position.copy(this.centre).add(new three.Vector3(0.9, -2.9, 2.2).multiplyScalar(1.12 * this.size));
+    }
+    this.useCamera(this.perspective);
+  }
+
+  useCamera(camera) {
+    const target = this.orbit ? this.orbit.target.clone() : this.centre.clone();
+    const from = this.camera.position.clone();
+    this.orbit?.dispose();
+    this.camera = camera;
+    camera.position.copy(from);
+    this.orbit = new three.OrbitControls(camera, this.canvas);
+    this.orbit.target.copy(target);
+    this.orbit.enableDamping = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.orbit.dampingFactor = 0.12;
+    this.orbit.minDistance = 0.3 * this.size;
+    this.orbit.maxDistance = 12 * this.size;
+    this.orbit.update();
+  }
+
+  toggleCamera() {
+    this.useCamera(this.camera === this.perspective ? this.orthographic : this.perspective);
+  }
+
+  focusTool() {
+    this.orbit.target.copy(this.tool.position);
+  }
+
+  vector(list) { return new three.Vector3().fromArray(list); }
+
+  // Right and up of the screen in the world.
+  screenAxes() {
+    const e = this.camera.matrixWorld.elements;
+    return [[e[0], e[1], e[2]], [e[4], e[5], e[6]]];
+  }
+
+  // Height of the view [m] at the orbit's target.
+  viewHeight() {
+    const distance = this.camera.position.distanceTo(this.orbit.target);
+    return 2 * distance * Math.tan((this.perspective.fov * Math.PI) / 360);
+  }
+
+  // Where the pointer meets the body at rest: { point, normal, node } or null.
+  hit(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new three.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    this.raycaster.setFromCamera(at, this.camera);
+    const [hit] = this.raycaster.intersectObject(this.surface, false);
+    if (!hit) {
+      return null;
+    }
+    const corners = [hit.face.a, hit.face.b, hit.face.c];
+    const corner = (i) => new three.Vector3().fromArray(this.body.position, 3 * i);
+    corners.sort((i, j) => corner(i).distanceTo(hit.point) - corner(j).distanceTo(hit.point));
+    return { point: hit.point, normal: hit.normal ?? hit.face.normal, node: corners[0] };
+  }
+
+  overTool(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new three.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    this.raycaster.setFromCamera(at, this.camera);
+    return this.raycaster.intersectObjects([this.ball, this.shaft], false).length > 0;
+  }
+
+  showPick(curve) {
+    const at = new three.Vector3().fromArray(curve.position_m);
+    this.marker.position.copy(at);
+    this.marker.visible = true;
+    lay(this.pick, at, at.clone().addScaledVector(new three.Vector3().fromArray(curve.direction), 0.25 * this.size));
+  }
+
+  showCursor(point, normal) {
+    this.cursor.visible = true;
+    this.cursor.position.copy(point).addScaledVector(normal, 0.004 * this.size);
+    this.cursor.quaternion.setFromUnitVectors(new three.Vector3(0, 0, 1), normal);
+  }
+
+  // @param arrowNewton [N] that the arrow of 0.5 sizes stands for.
+  show(state, arrowNewton) {
+    const tool = new three.Vector3().fromArray(state.tool_m);
+    const normal = new three.Vector3().fromArray(state.normal);
+    const contact = new three.Vector3().fromArray(state.contact_m);
+    const force = new three.Vector3().fromArray(state.force_n);
+    this.tool.position.copy(tool);
+    this.shaft.quaternion.setFromUnitVectors(kUp, normal.lengthSq() > 0 ? normal : kUp);
+    const hand = new three.Vector3().fromArray(state.hand_m);
+    this.hand.visible = state.holding;
+    this.hand.position.copy(hand);
+    lay(this.band, tool, hand);
+    this.band.visible &&= state.holding;
+    const radius = this.body.text.tool.radius_m;
+    this.uniforms.uContact.value.copy(contact);
+    this.uniforms.uNormal.value.copy(normal);
+    this.uniforms.uDepth.value = Math.max(0, radius - tool.clone().sub(contact).dot(normal));
+    const end = tool.clone().addScaledVector(force, (0.5 * this.size) / arrowNewton);
+    lay(this.arrow, tool, end);
+    this.head.visible = this.arrow.visible;
+    this.head.position.copy(end);
+    this.head.quaternion.copy(this.arrow.quaternion);
+  }
+
+  recolour() {
+    this.hand.material.color.copy(css("hand"));
+    this.band.material.color.copy(css("hand"));
+    this.cursor.material.color.copy(css("hand"));
+    this.arrow.material.color.copy(css("force"));
+    this.head.material.color.copy(css("force"));
+  }
+
+  draw() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (this.width !== width || this.height !== height) {
+      this.width = width;
+      this.height = height;
+      this.renderer.setSize(width, height, false);
+      this.perspective.aspect = width / Math.max(1, height);
+      this.perspective.updateProjectionMatrix();
+    }
+    if (this.camera === this.orthographic) {
+      const half = this.viewHeight() / 2;
+      Object.assign(this.orthographic, { top: half, bottom: -half, left: (-half * width) / height, right: (half * width) / height });
+      this.orthographic.updateProjectionMatrix();
+    }
+    this.orbit.update();
+    this.lamp.position.copy(this.camera.position).add(new three.Vector3(0.6, 0.2, 1.6).multiplyScalar(this.size));
+    this.lamp.target.position.copy(this.centre);
+    this.renderer.render(this.scene, this.camera);
+  }
+}

@@ -1,0 +1,268 @@
+#include "runtime/view_text.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/colour_map.h"
+#include "formats/error.h"
+#include "formats/stiffness_map.h"
+#include "runtime/fast/safety.h"
+#include "runtime/view_message.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+static_assert(std::endian::native == std::endian::little);  // as all browsers' arrays
+
+template <typename T>
+void append(std::string& bytes, T value) {
+  std::array<char, sizeof(T)> raw;
+  std::memcpy(raw.data(), &value, sizeof(T));
+  bytes.append(raw.data(), raw.size());
+}
+
+Json list(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Eigen::Vector3d row(const Points& points, std::int32_t i) {
+  return points.row(i).transpose();
+}
+
+Json colours() {
+  Json stops = Json::array();
+  constexpr int kStops = 32;
+  for (int i = 0; i <= kStops; ++i) {
+    stops.push_back(hex(viridis(static_cast<double>(i) / kStops)));
+  }
+  return stops;
+}
+
+// Text of a file may be no UTF-8; then its odd bytes are replaced, not thrown at.
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string_view origin_name(std::uint8_t origin) {
+  constexpr std::array<std::string_view, 4> kNames{"none", "simulated", "interpolated",
+                                                   "measured"};
+  return origin < kNames.size() ? kNames[origin] : "unknown";
+}
+
+Json flag_names(std::uint8_t flags) {
+  constexpr std::array<std::string_view, 7> kNames{
+      "falling curve", "force capped", "coarse contact", "error over budget",
+      "failed",        "extrapolated", "truncated path"};
+  Json names = Json::array();
+  for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
+    if ((flags >> bit & 1U) != 0U) {
+      names.push_back(kNames[bit]);
+    }
+  }
+  return names;
+}
+
+// Every tick, as numbers of as many digits as a plot or a table needs.
+std::string trace_text(const std::vector<TickRecord>& ticks) {
+  const auto column = [&](const char* key, auto&& value) {
+    std::string text = fmt::format("\"{}\":[", key);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      fmt::format_to(std::back_inserter(text), "{}{:.6g}", i == 0 ? "" : ",",
+                     value(ticks[i]));
+    }
+    return text + "]";
+  };
+  const auto time_s = [](const TickRecord& t) {
+    return static_cast<double>(t.time_ns) / kNanosecondsPerSecond;
+  };
+  std::string times = "\"time_s\":[";
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    fmt::format_to(std::back_inserter(times), "{}{:.4f}", i == 0 ? "" : ",",
+                   time_s(ticks[i]));
+  }
+  return "{" + times + "]," +
+         column("force_n",
+                [](const TickRecord& t) {
+                  return std::hypot(t.force_n[0], t.force_n[1], t.force_n[2]);
+                }) +
+         "," +
+         column("depth_m",
+                [](const TickRecord& t) {
+                  return t.depth_m;
+                }) +
+         "," +
+         column("stored_j",
+                [](const TickRecord& t) {
+                  return t.stored_j;
+                }) +
+         "," +
+         column("tank_j",
+                [](const TickRecord& t) {
+                  return t.tank_j;
+                }) +
+         "}";
+}
+
+Json run_json(const ViewSession& session) {
+  const RenderReport& r = session.report();
+  return {{"ticks", r.ticks},
+          {"slow_updates", session.slow_updates()},
+          {"starved_ticks", r.starved_ticks},
+          {"extrapolated_ticks", r.extrapolated_ticks},
+          {"step_p50_ns", r.step_time.percentile_ns(0.5)},
+          {"step_p99_ns", r.step_time.percentile_ns(0.99)},
+          {"depth_max_m", r.depth_max_m},
+          {"force_max_n", r.force_max_n}};
+}
+
+Json settings_json(const ViewSession& session) {
+  const auto friction = session.friction();
+  return {{"model", name(session.options().model)},
+          {"slow_hz", session.options().slow_hz},
+          {"fast_hz", session.options().fast_hz},
+          {"stiffness_scale", session.stiffness_scale()},
+          {"friction", friction ? Json(*friction) : Json()}};
+}
+
+Json tool_json(const ViewSession& session) {
+  const ToolShape& tool = session.table().tool;
+  const SimulatedDeviceConfig& device = session.options().device;
+  return {{"name", tool.name},
+          {"radius_m", tool.radius_m},
+          {"friction", tool.friction},
+          {"presliding_m", tool.presliding_m},
+          {"force_max_n", session.options().force_max_n},
+          {"hand_n_per_m", device.hand_n_per_m},
+          {"mass_kg", device.mass_kg}};
+}
+
+}  // namespace
+
+std::string body_bytes(const ResponseDatabase& database, const ResponseTable& table) {
+  const SurfaceMesh& body = database.body;
+  const StiffnessMap map = stiffness_map(table);
+  std::string bytes = "PLPB";
+  append(bytes, static_cast<std::uint32_t>(body.position_m.rows()));
+  append(bytes, static_cast<std::uint32_t>(body.triangle.rows()));
+  for (const Points* points : {&body.position_m, &database.normal}) {
+    for (Eigen::Index i = 0; i < points->size(); ++i) {
+      append(bytes, static_cast<float>(points->data()[i]));
+    }
+  }
+  for (const double stiffness : map.stiffness_n_per_m) {
+    append(bytes, static_cast<float>(stiffness));
+  }
+  for (Eigen::Index i = 0; i < body.triangle.size(); ++i) {
+    append(bytes, static_cast<std::uint32_t>(body.triangle.data()[i]));
+  }
+  return bytes;
+}
+
+std::string body_text(const ViewSession& session, const std::string& database_name) {
+  const StiffnessMap map = stiffness_map(session.table());
+  const ResponseDatabase& database = session.database();
+  Json models = Json::array();
+  for (const LocalModel model : kLocalModels) {
+    models.push_back(name(model));
+  }
+  return dumped(
+      {{"database", database_name},
+       {"writer", database.provenance.writer},
+       {"source", database.provenance.source_file},
+       {"left_out", database.provenance.left_out},
+       {"tool", tool_json(session)},
+       {"models", models},
+       {"depth_max_m", session.table().depth_max_m()},
+       {"map",
+        {{"depth_m", map.depth_m},
+         {"low_n_per_m", map.low_n_per_m},
+         {"high_n_per_m", map.high_n_per_m},
+         {"clipped_low", map.clipped_low},
+         {"clipped_high", map.clipped_high},
+         {"colours", colours()}}},
+       {"ranges",
+        {{"slow_hz", {ViewRanges::kSlowHzMin, session.options().fast_hz}},
+         {"stiffness_scale", {ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax}},
+         {"friction", {0.0, ViewRanges::kFrictionMax}}}}});
+}
+
+std::string frame_text(const ViewSession& session, const ViewMoment& moment,
+                       const std::vector<TickRecord>& ticks) {
+  const TickRecord& now = session.latest();
+  const ViewContact contact = session.contact();
+  Json json{{"type", "state"},
+            {"state", moment.state},
+            {"paused", moment.paused},
+            {"speed", moment.speed},
+            {"clients", moment.clients},
+            {"holding", session.holding()},
+            {"fault", name(session.report().fault)},
+            {"time_s", static_cast<double>(now.time_ns) / kNanosecondsPerSecond},
+            {"tool_m", now.position_m},
+            {"hand_m", list(session.hand().target().position_m)},
+            {"pointer_m", list(session.hand().pointer_m())},
+            {"force_n", now.force_n},
+            {"depth_m", now.depth_m},
+            {"stored_j", now.stored_j},
+            {"tank_j", now.tank_j},
+            {"dissipated_j", now.dissipated_j},
+            {"net_j", session.net_energy_j()},
+            {"shift_m", now.relaxed_shift_m},
+            {"flags", now.flags},
+            {"contact_m", list(contact.point_m)},
+            {"normal", list(contact.normal)},
+            {"run", run_json(session)},
+            {"settings", settings_json(session)}};
+  std::string text = dumped(json);
+  text.pop_back();
+  return text + ",\"trace\":" + trace_text(ticks) + "}";
+}
+
+std::string curve_text(const ViewSession& session, std::int32_t node) {
+  const ResponseTable& table = session.table();
+  if (node < 0 || node >= table.nodes()) {
+    throw InputError(
+        fmt::format("node {} is not there, the body has {}", node, table.nodes()));
+  }
+  const auto i = static_cast<std::size_t>(node);
+  const CurveView curve = table.curve(node);
+  Json json{{"type", "curve"},
+            {"node", node},
+            {"position_m", list(row(session.database().body.position_m, node))},
+            {"normal", list(row(session.database().normal, node))},
+            {"direction", list(row(table.direction, node))},
+            {"direction_spread_rad", table.direction_spread_rad[i]},
+            {"origin", origin_name(table.origin[i])},
+            {"flags", flag_names(table.flags[i])},
+            {"error_relative", table.error_relative[i]},
+            {"stiffness_max_n_per_m", table.stiffness_max_n_per_m[i]},
+            {"touch_offset_m", table.touch_offset_m[i]},
+            {"depth_m", Json::array()},
+            {"force_n", Json::array()}};
+  constexpr int kPoints = 60;  // of the cubic between its samples
+  for (int k = 0; k <= kPoints && !curve.depth_m.empty(); ++k) {
+    const double depth_m = curve.depth_max_m() * k / kPoints;
+    json["depth_m"].push_back(depth_m);
+    json["force_n"].push_back(curve.at(depth_m).force_n);
+  }
+  json["sample_depth_m"] = curve.depth_m;
+  json["sample_force_n"] = curve.force_n;
+  return dumped(json);
+}
+
+std::string role_text(bool controls) {
+  return dumped({{"type", "role"}, {"role", controls ? "controller" : "watcher"}});
+}
+
+std::string refusal_text(std::string_view why) {
+  return dumped({{"type", "refused"}, {"why", why}});
+}
+
+}  // namespace palpate
