@@ -40,8 +40,8 @@ struct ViewServerOptions {
   double frame_hz = 60.0;  ///< [Hz] > 0, calls of frame()
   std::size_t clients_max = 4;
   double messages_per_s_max = 240.0;  ///< of one client, before it is dropped
-  std::vector<ViewAsset> assets;
-  std::vector<ViewData> data;
+  std::vector<ViewAsset> assets = {};
+  std::vector<ViewData> data = {};
 };
 
 using ViewClient = std::uint64_t;  ///< counts from 1, never used twice

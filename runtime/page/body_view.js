@@ -145,7 +145,8 @@ export class BodyView {
   addTool() {
     const radius = this.body.text.tool.radius_m;
     const thin = Math.min(0.012 * this.size, 0.25 * radius);
-    const metal = new three.MeshStandardMaterial({ color: "#cdd6dc", roughness: 0.28, metalness: 0.35 });
+    const metal = new three.MeshStandardMaterial({ color: "#dfe6ea", roughness: 0.25, metalness: 0.1,
+                                                   transparent: true, opacity: 0.62 });
     this.tool = new three.Group();
     this.ball = new three.Mesh(new three.SphereGeometry(radius, 48, 32), metal);
     this.shaft = rod(0.28 * radius, metal);
@@ -180,7 +181,7 @@ export class BodyView {
     this.camera = this.perspective;
     for (const camera of [this.perspective, this.orthographic]) {
       camera.up.set(0, 0, 1);
-      camera.position.copy(this.centre).add(new three.Vector3(0.9, -2.9, 2.2).multiplyScalar(1.12 * this.size));
+      camera.position.copy(this.centre).add(new three.Vector3(0.9, -3.0, 1.75).multiplyScalar(1.08 * this.size));
     }
     this.useCamera(this.perspective);
   }

@@ -28,7 +28,7 @@ function titled(parent, title) {
 
 // From zero, and never a range that makes noise look like a signal.
 function fromZero(least) {
-  return (_, low, high) => [Math.min(0, low ?? 0), Math.max(least, 1.08 * (high ?? 0))];
+  return (_, low, high) => [0, Math.max(least, 1.08 * (high ?? 0))];
 }
 
 const kRows = [
@@ -46,9 +46,9 @@ export class TickPlots {
 
   build() {
     this.parent.replaceChildren();
-    const width = Math.max(240, this.parent.clientWidth);
+    const width = Math.max(240, this.parent.clientWidth - 2);
     this.plots = kRows.map((row, i) => new uPlot({
-      width, height: i === kRows.length - 1 ? 118 : 98, legend: { show: false }, cursor: { show: false },
+      width, height: i === kRows.length - 1 ? 106 : 82, legend: { show: false }, cursor: { show: false },
       padding: [6, 6, 0, 0],
       scales: { x: { time: false }, y: { range: fromZero(row.least) } },
       axes: [axis({ size: i === kRows.length - 1 ? 26 : 8, values: i === kRows.length - 1 ? (_, v) => v.map((s) => `${s} s`) : () => [] }),
@@ -87,7 +87,7 @@ export class CurvePlot {
     }
     const band = (sign) => curve.force_n.map((f) => f * (1 + sign * curve.error_relative));
     const plot = {
-      width: Math.max(240, this.parent.clientWidth), height: 170, legend: { show: false }, cursor: { show: false },
+      width: Math.max(240, this.parent.clientWidth - 2), height: 150, legend: { show: false }, cursor: { show: false },
       padding: [8, 10, 0, 0],
       scales: { x: { time: false, range: (_, low, high) => [0, high] }, y: { range: fromZero(1e-3) } },
       axes: [axis({ size: 36, label: "depth [mm]", labelSize: 14 }), axis({ size: 46, label: "force [N]", labelSize: 14, space: 24 })],

@@ -1,8 +1,8 @@
 // The settings at the left: what they say to the runtime, and what it says they are.
 
 const kModels = {
-  "single": ["zero-order hold", "not passive"],
-  "first-order-hold": ["first-order hold", "not passive"],
+  "single": ["zero-order hold", "may buzz"],
+  "first-order-hold": ["first-order hold", "may buzz"],
   "equal-energy": ["equal energy", "passive"],
   "energy-tank": ["energy tank", "passive"],
   "element": ["element", "passive"],
