@@ -31,10 +31,13 @@ bool same_token(std::string_view a, std::string_view b) noexcept {
 }
 
 bool brings_token(std::string_view protocols, std::string_view token) noexcept {
-  const std::size_t comma = protocols.find(", ");
-  return comma != std::string_view::npos &&
-         protocols.substr(0, comma) == kViewProtocol &&
-         same_token(protocols.substr(comma + 2), token);
+  const std::size_t comma = protocols.find(',');
+  if (comma == std::string_view::npos || protocols.substr(0, comma) != kViewProtocol) {
+    return false;
+  }
+  protocols.remove_prefix(comma + 1);
+  protocols.remove_prefix(protocols.starts_with(' ') ? 1 : 0);
+  return same_token(protocols, token);
 }
 
 std::string content_policy(const std::string& host) {
