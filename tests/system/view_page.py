@@ -1,0 +1,176 @@
+"""Drives the live view's page in headless Chromium and prints what it saw, as JSON.
+
+view_page.py PALPATE-RUN DATABASE [FOLDER for pictures] [--no-3d]
+"""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import websocket
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+PATIENCE_S = 60  # software rendering on a busy machine
+
+
+def browser(flags, size):
+    options = Options()
+    for flag in ["--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", "--no-first-run",
+                 "--disable-background-networking", "--disable-component-update",
+                 "--disable-sync", f"--window-size={size}"] + flags:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+class Watcher:
+    """A second page: what the runtime says, past the first page. It connects anew each
+    time: the server drops a page that does not read."""
+
+    def __init__(self, address):
+        self.host, self.token = address.split("/")[2], address.split("#")[1]
+
+    def __enter__(self):
+        self.socket = websocket.create_connection(
+            f"ws://{self.host}/live", origin=f"http://{self.host}",
+            subprotocols=["palpate.1", self.token], timeout=20)
+        self.role = json.loads(self.socket.recv())["role"]
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+    def next(self, kind):
+        while True:
+            message = json.loads(self.socket.recv())
+            if message["type"] == kind:
+                return message
+
+    def state(self):
+        with self:
+            return self.next("state")
+
+    def refusal(self, message):
+        with self:
+            self.socket.send(json.dumps(message))
+            return self.role, self.next("refused")["why"]
+
+
+class Page:
+    def __init__(self, driver, folder):
+        self.driver, self.folder = driver, folder
+        self.body = driver.find_element(By.TAG_NAME, "body")
+
+    def text(self, element):
+        return self.driver.find_element(By.ID, element).text
+
+    def number(self, element):
+        return float(self.text(element))
+
+    def wait(self, condition):
+        WebDriverWait(self.driver, PATIENCE_S, poll_frequency=0.1).until(lambda _: condition())
+
+    def steady(self, element="force"):
+        """Waits until a number stands still; a stall of the page may let go meanwhile."""
+        last = [None, 0]
+
+        def same():
+            value = self.text(element)
+            last[:] = [value, last[1] + 1 if value == last[0] else 0]
+            return last[1] >= 8 and self.text("state") in ("pressing", "free")
+
+        self.wait(same)
+        return self.number(element)
+
+    def keys(self, keys):
+        self.body.send_keys(keys)
+
+    def picture(self, name):
+        if self.folder:
+            self.driver.save_screenshot(f"{self.folder}/{name}.png")
+
+
+def poke_by_mouse(page, watcher, seen):
+    canvas = page.driver.find_element(By.ID, "canvas")
+    ActionChains(page.driver).key_down(Keys.SHIFT).move_to_element(canvas).click_and_hold().perform()
+    page.wait(lambda: page.number("force") > 0.01)
+    seen["mouse_force_n"] = page.steady()
+    for _ in range(3):
+        page.driver.execute_script(
+            "arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -120, bubbles: true, cancelable: true}))", canvas)
+    page.wait(lambda: page.number("force") > 1.05 * seen["mouse_force_n"])
+    seen["deeper_force_n"] = page.steady()
+    page.keys(Keys.SPACE)
+    page.wait(lambda: page.text("state") == "paused")
+    time.sleep(0.5)
+    state = watcher.state()
+    seen["paused"] = {
+        "shown_force_n": page.text("force"), "shown_depth_mm": page.text("depth"),
+        "shown_energy_mj": page.text("energy"), "force_n": state["force_n"],
+        "depth_m": state["depth_m"], "stored_j": state["stored_j"], "fault": state["fault"]}
+    page.picture("pressed")
+    page.keys(Keys.SPACE)
+    ActionChains(page.driver).release().key_up(Keys.SHIFT).perform()
+    page.wait(lambda: page.text("state") == "free")
+    page.wait(lambda: page.text("force") == "0.000")
+    seen["released_force_n"] = watcher.state()["force_n"]
+
+
+def poke_by_keys(page, seen):
+    page.keys("p")
+    page.wait(lambda: page.number("force") > 0.01)
+    seen["keys_force_n"] = page.steady()
+    page.keys(Keys.ENTER)
+    page.wait(lambda: "node" in page.text("curve_title"))
+    seen["curve"] = page.text("curve_facts")
+    page.keys("]]]]]")
+    page.wait(lambda: page.number("force") > 1.05 * seen["keys_force_n"])
+    page.picture("keys")
+    page.keys(Keys.ESCAPE)
+    page.wait(lambda: page.text("force") == "0.000" and page.text("state") == "free")
+
+
+def main():
+    tool, database, *more = sys.argv[1:]
+    flat = "--no-3d" in more
+    folder = next((one for one in more if not one.startswith("--")), None)
+    view = subprocess.Popen([tool, "view", database], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    driver = None
+    seen = {}
+    try:
+        address = view.stdout.readline().strip()
+        driver = browser(["--disable-3d-apis"] if flat else [], "1500,940" if folder else "1060,640")
+        driver.get(address.split("#")[0])
+        page = Page(driver, folder)
+        page.wait(lambda: page.text("state") == "cannot start")
+        seen["without_token"] = page.text("message")
+        seen["errors_without_token"] = len([e for e in driver.get_log("browser") if e["source"] == "javascript"])
+        driver.get("about:blank")
+        driver.get(address)
+        page = Page(driver, folder)
+        page.wait(lambda: page.text("state") == "free")
+        seen["address"] = driver.current_url
+        watcher = Watcher(address)
+        seen["watcher"], seen["refusal"] = watcher.refusal({"type": "run", "do": "reset"})
+        seen["no_webgl"] = driver.find_element(By.ID, "no_webgl").is_displayed()
+        if not flat:
+            poke_by_mouse(page, watcher, seen)
+        poke_by_keys(page, seen)
+        seen["errors"] = [e["message"] for e in driver.get_log("browser") if e["level"] == "SEVERE"]
+    finally:
+        if driver:
+            driver.quit()
+        view.send_signal(signal.SIGTERM)
+        seen["exit_code"] = view.wait(20)
+    print(json.dumps(seen))
+
+
+main()
