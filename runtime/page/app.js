@@ -37,6 +37,9 @@ class App {
     this.setPress(this.press);
     listen(this);
     requestAnimationFrame(() => this.frame());
+    // Not with the frames, which may be rare: a hold that is not said again within
+    // 250 ms is over. A page that hangs says nothing.
+    setInterval(() => this.holding && this.sendPoint(), 25);
   }
 
   showNames() {
@@ -165,9 +168,6 @@ class App {
   // Sixty times a second, less where the machine is slow.
   frame() {
     requestAnimationFrame(() => this.frame());
-    if (this.holding) {
-      this.sendPoint();
-    }
     if (this.state && this.fresh) {
       this.fresh = false;
       this.showState();

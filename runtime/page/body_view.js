@@ -169,8 +169,8 @@ export class BodyView {
   }
 
   addLights() {
-    this.scene.add(new three.HemisphereLight("#ffffff", "#5b6670", 1.5));
-    this.lamp = new three.DirectionalLight("#ffffff", 2.0);
+    this.scene.add(new three.HemisphereLight("#ffffff", "#3c4650", 1.05));
+    this.lamp = new three.DirectionalLight("#fff6e8", 2.7);
     this.scene.add(this.lamp, this.lamp.target);
   }
 
@@ -290,6 +290,22 @@ export class BodyView {
     this.head.material.color.copy(css("force"));
   }
 
+  // Whether the picture would differ from the last one: without a graphics card drawing
+  // costs the page most of its time.
+  changed() {
+    this.camera.updateMatrixWorld();
+    const numbers = [this.width, this.height, ...this.camera.matrixWorld.elements, ...this.camera.projectionMatrix.elements,
+                     ...this.uniforms.uContact.value.toArray(), this.uniforms.uDepth.value];
+    for (const mesh of [this.wire, this.normals, this.tool, this.hand, this.band, this.arrow, this.marker, this.pick, this.cursor]) {
+      numbers.push(mesh.visible ? 1 : 0, ...mesh.position.toArray(), mesh.scale.y, mesh.quaternion.x, mesh.quaternion.y);
+    }
+    numbers.push(this.arrow.material.color.getHex());
+    const picture = numbers.map((v) => v.toPrecision(7)).join(" ");
+    const differs = picture !== this.picture;
+    this.picture = picture;
+    return differs;
+  }
+
   draw() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (this.width !== width || this.height !== height) {
@@ -305,8 +321,13 @@ export class BodyView {
       this.orthographic.updateProjectionMatrix();
     }
     this.orbit.update();
-    this.lamp.position.copy(this.camera.position).add(new three.Vector3(0.6, 0.2, 1.6).multiplyScalar(this.size));
+    // From the left and above: a low light shows a shallow dimple.
+    const [right, up] = this.screenAxes().map((list) => this.vector(list));
+    this.lamp.position.copy(this.centre).addScaledVector(right, -2.4 * this.size).addScaledVector(up, 1.5 * this.size)
+      .addScaledVector(this.vector([0, 0, 1]), 1.2 * this.size);
     this.lamp.target.position.copy(this.centre);
-    this.renderer.render(this.scene, this.camera);
+    if (this.changed()) {
+      this.renderer.render(this.scene, this.camera);
+    }
   }
 }

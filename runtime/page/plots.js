@@ -64,7 +64,7 @@ export class TickPlots {
       const end = time.length > 0 ? time[time.length - 1] : 0;
       plot.batch(() => {
         plot.setData([time, ...values.map((list) => list.map((v) => v * row.scale))], false);
-        plot.setScale("x", { min: end - kWindowS, max: end });
+        plot.setScale("x", { min: Math.max(0, end - kWindowS), max: Math.max(kWindowS, end) });
         plot.setScale("y", { min: null, max: null });
       });
     });

@@ -85,7 +85,7 @@ class Page:
         def same():
             value = self.text(element)
             last[:] = [value, last[1] + 1 if value == last[0] else 0]
-            return last[1] >= 8 and self.text("state") in ("pressing", "free")
+            return last[1] >= 5 and self.text("state") == "pressing" and float(value) > 0.01
 
         self.wait(same)
         return self.number(element)
@@ -98,6 +98,20 @@ class Page:
             self.driver.save_screenshot(f"{self.folder}/{name}.png")
 
 
+def paused_in_contact(page, watcher):
+    """Pauses; once more where the page stalled just then and so let go."""
+    for _ in range(5):
+        page.keys(Keys.SPACE)
+        page.wait(lambda: page.text("state") == "paused")
+        time.sleep(0.5)
+        state = watcher.state()
+        if any(state["force_n"]):
+            return state
+        page.keys(Keys.SPACE)
+        page.steady()
+    raise RuntimeError("the page stalls too often to press")
+
+
 def poke_by_mouse(page, watcher, seen):
     canvas = page.driver.find_element(By.ID, "canvas")
     ActionChains(page.driver).key_down(Keys.SHIFT).move_to_element(canvas).click_and_hold().perform()
@@ -108,10 +122,7 @@ def poke_by_mouse(page, watcher, seen):
             "arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -120, bubbles: true, cancelable: true}))", canvas)
     page.wait(lambda: page.number("force") > 1.05 * seen["mouse_force_n"])
     seen["deeper_force_n"] = page.steady()
-    page.keys(Keys.SPACE)
-    page.wait(lambda: page.text("state") == "paused")
-    time.sleep(0.5)
-    state = watcher.state()
+    state = paused_in_contact(page, watcher)
     seen["paused"] = {
         "shown_force_n": page.text("force"), "shown_depth_mm": page.text("depth"),
         "shown_energy_mj": page.text("energy"), "force_n": state["force_n"],
