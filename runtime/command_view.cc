@@ -12,6 +12,7 @@
 
 #include "formats/error.h"
 #include "runtime/clock.h"
+#include "runtime/cylinder_body.h"
 #include "runtime/live_view.h"
 #include "runtime/page_assets.h"
 #include "runtime/simulation.h"
@@ -32,18 +33,35 @@ extern "C" void request_view_stop(int /*signal*/) {
 
 struct Flags {
   std::string database;
+  std::string demo;
   std::string model = "potential";
   std::uint16_t port = 0;
   double stiffness_scale = 1.0;
   ViewSessionOptions options;
 };
 
+ResponseDatabase shown(const Flags& flags) {
+  if (flags.demo.empty() == flags.database.empty()) {
+    throw InputError("give a database or --demo cylinder, one of the two");
+  }
+  if (flags.demo.empty()) {
+    return read_database(flags.database);
+  }
+  if (flags.demo != "cylinder") {
+    throw InputError(
+        fmt::format("--demo {}: unknown body; known: cylinder", flags.demo));
+  }
+  return cylinder_body({});
+}
+
 ViewServerOptions server_options(const Flags& flags, const ViewSession& session) {
   ViewServerOptions options;
   options.port = flags.port;
   options.token = random_token();
   options.assets.assign(page_assets().begin(), page_assets().end());
-  const std::string name = std::filesystem::path(flags.database).filename();
+  const std::string name = flags.demo.empty()
+                               ? std::filesystem::path(flags.database).filename()
+                               : std::filesystem::path(flags.demo);
   options.data = {{"/body.json", "application/json", body_text(session, name)},
                   {"/body.bin", "application/octet-stream",
                    body_bytes(session.database(), session.table())}};
@@ -53,7 +71,7 @@ ViewServerOptions server_options(const Flags& flags, const ViewSession& session)
 void run(const Flags& flags) {
   ViewSessionOptions options = flags.options;
   options.model = requested_model(flags.model);
-  const ResponseDatabase database = read_database(flags.database);
+  const ResponseDatabase database = shown(flags);
   ViewSession session(database, options);
   if (!(flags.stiffness_scale >= ViewRanges::kStiffnessMin &&
         flags.stiffness_scale <= ViewRanges::kStiffnessMax)) {
@@ -84,8 +102,9 @@ void add_view_command(CLI::App& app) {
       "time.");
   const auto flags = std::make_shared<Flags>();
   ViewSessionOptions& options = flags->options;
-  command->add_option("database", flags->database, "Response database (HDF5)")
-      ->required();
+  command->add_option("database", flags->database, "Response database (HDF5)");
+  command->add_option("--demo", flags->demo,
+                      "A body without a file: cylinder, the paper's (section 5.2.4)");
   command->add_option("--port", flags->port, "On 127.0.0.1; 0: any free one")
       ->capture_default_str();
   command->add_option("--model", flags->model, "Local model: " + known_models())
