@@ -24,7 +24,8 @@ Eigen::VectorXd vector_of(std::initializer_list<double> values) {
 class QuadraticLinear : public CurveFamily {
  public:
   QuadraticLinear() {
-    parameters_ = {{"k", "N/m^2", 0.0, kInf, 1, -2}, {"d1", "m", 0.02, 1.0, 0, 1}};
+    add_parameter({"k", "N/m^2", 0.0, kInf, 1, -2});
+    add_parameter({"d1", "m", 0.02, 1.0, 0, 1});
   }
   std::string_view name() const override { return "quadratic-linear"; }
 
@@ -59,8 +60,8 @@ class QuadraticLinear : public CurveFamily {
 class PowerLaw : public CurveFamily {
  public:
   PowerLaw() {
-    parameters_ = {{"force_at_depth_max", "N", 0.0, kInf, 1, 0},
-                   {"exponent", "", 1.0, 4.0, 0, 0}};
+    add_parameter({"force_at_depth_max", "N", 0.0, kInf, 1, 0});
+    add_parameter({"exponent", "", 1.0, 4.0, 0, 0});
   }
   std::string_view name() const override { return "power-law"; }
 
@@ -89,9 +90,9 @@ class PowerLaw : public CurveFamily {
 class LinearExponential : public CurveFamily {
  public:
   LinearExponential() {
-    parameters_ = {{"k", "N/m", 0.0, kInf, 1, -1},
-                   {"B", "N", 0.0, kInf, 1, 0},
-                   {"l", "m", 0.03, 3.0, 0, 1}};
+    add_parameter({"k", "N/m", 0.0, kInf, 1, -1});
+    add_parameter({"B", "N", 0.0, kInf, 1, 0});
+    add_parameter({"l", "m", 0.03, 3.0, 0, 1});
   }
   std::string_view name() const override { return "linear-exponential"; }
 
@@ -129,7 +130,7 @@ class Polynomial : public CurveFamily {
     constexpr std::string_view kNames[] = {"c1", "c2", "c3", "c4"};
     constexpr std::string_view kUnits[] = {"N/m", "N/m^2", "N/m^3", "N/m^4"};
     for (int i = 0; i < 4; ++i) {
-      parameters_.push_back({kNames[i], kUnits[i], 0.0, kInf, 1, -(i + 1)});
+      add_parameter({kNames[i], kUnits[i], 0.0, kInf, 1, -(i + 1)});
     }
   }
   std::string_view name() const override { return "polynomial"; }
@@ -163,9 +164,9 @@ class Polynomial : public CurveFamily {
 class ConvexSpline : public CurveFamily {
  public:
   explicit ConvexSpline(int knots) : intervals_(knots - 1) {
-    parameters_.push_back({"slope_at_contact", "N/m", 0.0, kInf, 1, -1});
+    add_parameter({"slope_at_contact", "N/m", 0.0, kInf, 1, -1});
     for (int j = 0; j < knots; ++j) {
-      parameters_.push_back({"curvature", "N/m^2", 0.0, kInf, 1, -2});
+      add_parameter({"curvature", "N/m^2", 0.0, kInf, 1, -2});
     }
   }
   std::string_view name() const override { return "convex-spline"; }
@@ -175,7 +176,7 @@ class ConvexSpline : public CurveFamily {
     FamilyPoint point;
     for (int j = -1; j <= intervals_ && d > 0.0; ++j) {
       const FamilyPoint part = basis(j, d);
-      const double c = q[static_cast<std::size_t>(j + 1)];
+      const double c = q[static_cast<std::size_t>(j) + 1];
       point.force += c * part.force;
       point.slope += c * part.slope;
       point.energy += c * part.energy;
@@ -186,7 +187,7 @@ class ConvexSpline : public CurveFamily {
   void gradient(std::span<const double>, double d,
                 std::span<double> row) const override {
     for (int j = -1; j <= intervals_; ++j) {
-      row[static_cast<std::size_t>(j + 1)] = d > 0.0 ? basis(j, d).force : 0.0;
+      row[static_cast<std::size_t>(j) + 1] = d > 0.0 ? basis(j, d).force : 0.0;
     }
   }
 
@@ -232,7 +233,7 @@ class MonotoneCubic : public CurveFamily {
   explicit MonotoneCubic(std::vector<double> depth) : depth_(std::move(depth)) {
     depth_.insert(depth_.begin(), 0.0);
     for (std::size_t j = 1; j < depth_.size(); ++j) {
-      parameters_.push_back({"force", "N", 0.0, kInf, 1, 0});
+      add_parameter({"force", "N", 0.0, kInf, 1, 0});
     }
   }
   std::string_view name() const override { return "monotone-cubic"; }

@@ -51,6 +51,11 @@ class CurveFamily {
   [[nodiscard]] virtual std::vector<Eigen::VectorXd> starts() const { return {}; }
 
  protected:
+  void add_parameter(const FamilyParameter& parameter) {
+    parameters_.push_back(parameter);
+  }
+
+ private:
   std::vector<FamilyParameter> parameters_;
 };
 
