@@ -45,7 +45,7 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
   switch (request.action) {
     case ViewAction::kPoint:
       if (request.hold) {
-        heard_ns_ = wall_.now_ns();
+        silent_ns_ = 0;
         fell_silent_ = false;
         session_.hold(request.target_m);
       } else {
@@ -98,13 +98,10 @@ void LiveView::step() {
   session_.advance(std::max(1L, std::lround(options.fast_hz / options.slow_hz)));
 }
 
-void LiveView::pass_time(std::int64_t now_ns) {
-  const std::int64_t wall_ns = before_ns_ < 0 ? 0 : now_ns - before_ns_;
-  before_ns_ = now_ns;
+void LiveView::pass_time(std::int64_t wall_ns, std::int64_t passed_ns) {
   if (paused_ || wall_ns <= 0) {
     return;
   }
-  const std::int64_t passed_ns = std::min(wall_ns, kLateNs);
   owed_ticks_ += static_cast<double>(passed_ns) / kNanosecondsPerSecond *
                  session_.options().fast_hz;
   const auto ticks = static_cast<std::int64_t>(owed_ticks_);
@@ -117,10 +114,14 @@ void LiveView::pass_time(std::int64_t now_ns) {
 
 void LiveView::frame() {
   const std::int64_t now_ns = wall_.now_ns();
-  if (session_.holding() && now_ns - heard_ns_ > kSilentNs) {
+  const std::int64_t wall_ns = before_ns_ < 0 ? 0 : now_ns - before_ns_;
+  const std::int64_t passed_ns = std::min(wall_ns, kLateNs);
+  before_ns_ = now_ns;
+  silent_ns_ += passed_ns;
+  if (session_.holding() && silent_ns_ > kSilentNs) {
     let_go(true);
   }
-  pass_time(now_ns);
+  pass_time(wall_ns, passed_ns);
   const ViewMoment moment{.state = state(),
                           .paused = paused_,
                           .speed = paused_ ? 0.0 : speed_,

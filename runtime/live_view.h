@@ -16,7 +16,8 @@ namespace palpate {
 /// The first page steers, the others watch until it is gone; then the one that came
 /// first of them steers. Simulated time follows the wall clock; where the machine is
 /// late by more than kLateNs, time is lost, not made up for. A page that holds the tool
-/// and says nothing for kSilentNs has let go.
+/// and says nothing for kSilentNs has let go; lost time does not count, because what
+/// the page said in it has not been read yet.
 class LiveView : public ViewApplication {
  public:
   static constexpr std::int64_t kSilentNs = 250'000'000;
@@ -37,7 +38,7 @@ class LiveView : public ViewApplication {
   void obey(ViewClient client, const ViewRequest& request);
   void set(const ViewRequest& request);
   void let_go(bool silent);
-  void pass_time(std::int64_t now_ns);
+  void pass_time(std::int64_t wall_ns, std::int64_t passed_ns);
   void step();
   [[nodiscard]] std::string_view state() const;
   [[nodiscard]] bool steers(ViewClient client) const {
@@ -49,7 +50,7 @@ class LiveView : public ViewApplication {
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;  // by age; the first steers
   std::int64_t before_ns_ = -1;      // wall time up to which was simulated
-  std::int64_t heard_ns_ = 0;        // of the page that holds the tool
+  std::int64_t silent_ns_ = 0;       // time since the page that holds the tool spoke
   double owed_ticks_ = 0.0;          // fraction of a tick
   double speed_ = 1.0;
   bool paused_ = false;

@@ -72,9 +72,9 @@ class ViewSession {
   [[nodiscard]] const ResponseDatabase& database() const noexcept { return database_; }
   [[nodiscard]] std::int64_t slow_updates() const noexcept { return slow_updates_; }
 
-  /// Net work of the hand on what was rendered since the start [J]; negative: the
-  /// renderer has created energy.
-  [[nodiscard]] double net_energy_j() const { return report().net_energy_j(); }
+  /// Net work that was put into the local model since the start [J], by its ledger;
+  /// negative: it has created energy, as only the holds can.
+  [[nodiscard]] double net_work_j() const { return report().model_work_j; }
 
   [[nodiscard]] ViewContact contact() const;
 

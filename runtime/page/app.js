@@ -151,7 +151,10 @@ class App {
   }
 
   togglePause() { this.run(this.state?.paused ? "resume" : "pause"); }
-  savePicture() { savePicture(get("canvas")); }
+  savePicture() {
+    this.view?.redraw();
+    savePicture(get("canvas"));
+  }
   saveTable() { saveTable(this.history); }
   toggleVideo() { get("video").setAttribute("aria-pressed", String(toggleVideo(get("canvas")))); }
 
@@ -181,7 +184,8 @@ class App {
         this.curve.at(this.state.depth_m * 1e3, Math.hypot(...this.state.force_n));
       }
     }
-    if (this.view) {
+    if (this.view && now >= (this.nextPicture ?? 0)) {
+      this.nextPicture = this.view.software ? now + 90 : now;
       this.view.draw();
       drawScaleBar(this.view);
     }
@@ -195,6 +199,7 @@ class App {
     put("energy", (state.stored_j * 1e3).toFixed(3));
     put("tank", (state.tank_j * 1e3).toFixed(3));
     put("net", (state.net_j * 1e3).toFixed(3));
+    get("net").classList.toggle("warn", state.net_j < -1e-6);
     put("shift", (state.shift_m * 1e3).toFixed(2));
     put("state", state.fault === "none" ? state.state : `fault: ${state.fault}`);
     get("state").dataset.kind = state.fault !== "none" || state.state.includes("silent") ? "warn"

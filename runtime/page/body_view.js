@@ -73,13 +73,23 @@ function lay(mesh, from, to) {
   mesh.quaternion.setFromUnitVectors(kUp, along.normalize());
 }
 
+// Without a graphics card smooth edges and every pixel cost more than they give.
+function drawsInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 export class BodyView {
   // Throws where there is no WebGL.
   constructor(canvas, body) {
     this.canvas = canvas;
     this.body = body;
-    this.renderer = new three.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.software = drawsInSoftware();
+    this.renderer = new three.WebGLRenderer({ canvas, antialias: !this.software, alpha: true });
+    this.renderer.setPixelRatio(this.software ? 0.75 : Math.min(devicePixelRatio, 2));
     this.scene = new three.Scene();
     this.uniforms = {
       uContact: { value: new three.Vector3() }, uNormal: { value: new three.Vector3(0, 0, 1) },
@@ -169,8 +179,8 @@ export class BodyView {
   }
 
   addLights() {
-    this.scene.add(new three.HemisphereLight("#ffffff", "#3c4650", 1.05));
-    this.lamp = new three.DirectionalLight("#fff6e8", 2.7);
+    this.scene.add(new three.HemisphereLight("#ffffff", "#8c98a2", 1.2));
+    this.lamp = new three.DirectionalLight("#fff6e8", 2.4);
     this.scene.add(this.lamp, this.lamp.target);
   }
 
@@ -306,6 +316,8 @@ export class BodyView {
     return differs;
   }
 
+  redraw() { this.renderer.render(this.scene, this.camera); }
+
   draw() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (this.width !== width || this.height !== height) {
@@ -327,7 +339,7 @@ export class BodyView {
       .addScaledVector(this.vector([0, 0, 1]), 1.2 * this.size);
     this.lamp.target.position.copy(this.centre);
     if (this.changed()) {
-      this.renderer.render(this.scene, this.camera);
+      this.redraw();
     }
   }
 }

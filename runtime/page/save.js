@@ -12,6 +12,7 @@ export function saveTable(history) {
   download(new Blob([history.csv()], { type: "text/csv" }), "palpate.csv");
 }
 
+// To be called right after drawing: the picture is gone with the next frame.
 export function savePicture(canvas) {
   canvas.toBlob((blob) => blob && download(blob, "palpate.png"), "image/png");
 }
