@@ -1,5 +1,6 @@
 #include "runtime/view_text.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -110,6 +111,15 @@ std::string trace_text(const std::vector<TickRecord>& ticks) {
          "}";
 }
 
+// Of any curve, as far as it is rendered; 1 N where there is none.
+double largest_force_n(const ViewSession& session) {
+  const std::vector<double>& force_n = session.table().force_n;
+  const auto most = std::max_element(force_n.begin(), force_n.end());
+  return most != force_n.end() && *most > 0.0
+             ? std::min(*most, session.options().force_max_n)
+             : 1.0;
+}
+
 Json run_json(const ViewSession& session) {
   const RenderReport& r = session.report();
   return {{"ticks", r.ticks},
@@ -180,6 +190,7 @@ std::string body_text(const ViewSession& session, const std::string& database_na
        {"tool", tool_json(session)},
        {"models", models},
        {"depth_max_m", session.table().depth_max_m()},
+       {"force_max_n", largest_force_n(session)},
        {"map",
         {{"depth_m", map.depth_m},
          {"low_n_per_m", map.low_n_per_m},

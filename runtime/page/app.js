@@ -2,7 +2,7 @@
 // keys. All physics is the runtime's; the page says where the hand is and shows the rest.
 import { BodyView } from "/body_view.js";
 import { CurvePlot, TickPlots } from "/plots.js";
-import { drawColourBar, drawScaleBar, nice } from "/bars.js";
+import { drawArrowKey, drawColourBar, drawScaleBar } from "/bars.js";
 import { fetchBody, Link } from "/link.js";
 import { History } from "/history.js";
 import { savePicture, saveTable, toggleVideo } from "/save.js";
@@ -47,8 +47,6 @@ class App {
     get("what").textContent = `${text.database} · ${text.tool.name}, ${(text.tool.radius_m * 1e3).toPrecision(3)} mm ball · ${this.body.stiffness.length} nodes`;
     get("what").title = `${text.source}, written by ${text.writer}. ${text.left_out}`;
     drawColourBar(text.map);
-    this.arrowNewton = nice(text.map.high_n_per_m * text.depth_max_m);
-    get("arrow_text").textContent = "force on the tool";
     get("template").textContent = "Yielding surface: illustrative template (Hertz); the database holds forces.";
   }
 
@@ -174,7 +172,7 @@ class App {
     if (this.state && this.fresh) {
       this.fresh = false;
       this.showState();
-      this.view?.show(this.state, this.arrowNewton);
+      this.view?.show(this.state);
     }
     const now = performance.now();
     if (now - (this.drawn ?? 0) > 50) {
@@ -188,6 +186,7 @@ class App {
       this.nextPicture = this.view.software ? now + 90 : now;
       this.view.draw();
       drawScaleBar(this.view);
+      drawArrowKey(this.view);
     }
   }
 

@@ -35,3 +35,14 @@ export function drawScaleBar(view) {
     get("scale_text").textContent = text;
   }
 }
+
+// How long an arrow so many newtons make.
+export function drawArrowKey(view) {
+  const newton = nice((0.1 * view.viewHeight()) / view.metresPerNewton);
+  const pixels = ((newton * view.metresPerNewton) / view.viewHeight()) * view.canvas.clientHeight;
+  get("arrow_key").style.width = `${pixels}px`;
+  const text = `force on the tool, ${Number(newton.toPrecision(1))} N`;
+  if (get("arrow_text").textContent !== text) {
+    get("arrow_text").textContent = text;
+  }
+}

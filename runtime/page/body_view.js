@@ -118,6 +118,7 @@ export class BodyView {
     const geometry = bodyGeometry(this.body);
     this.size = geometry.boundingSphere.radius;
     this.centre = geometry.boundingSphere.center.clone();
+    this.metresPerNewton = (0.6 * this.size) / this.body.text.force_max_n;
     this.uniforms.uReach.value = 0.9 * this.size;
     this.surface = new three.Mesh(geometry, this.yielding(new three.MeshStandardMaterial({
       vertexColors: true, roughness: 0.55, metalness: 0.0, side: three.DoubleSide,
@@ -268,8 +269,7 @@ export class BodyView {
     this.cursor.quaternion.setFromUnitVectors(new three.Vector3(0, 0, 1), normal);
   }
 
-  // @param arrowNewton [N] that the arrow of 0.5 sizes stands for.
-  show(state, arrowNewton) {
+  show(state) {
     const tool = new three.Vector3().fromArray(state.tool_m);
     const normal = new three.Vector3().fromArray(state.normal);
     const contact = new three.Vector3().fromArray(state.contact_m);
@@ -285,7 +285,7 @@ export class BodyView {
     this.uniforms.uContact.value.copy(contact);
     this.uniforms.uNormal.value.copy(normal);
     this.uniforms.uDepth.value = Math.max(0, radius - tool.clone().sub(contact).dot(normal));
-    const end = tool.clone().addScaledVector(force, (0.5 * this.size) / arrowNewton);
+    const end = tool.clone().addScaledVector(force, this.metresPerNewton);
     lay(this.arrow, tool, end);
     this.head.visible = this.arrow.visible;
     this.head.position.copy(end);
