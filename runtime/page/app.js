@@ -47,7 +47,7 @@ class App {
     get("what").textContent = `${text.database} · ${text.tool.name}, ${(text.tool.radius_m * 1e3).toPrecision(3)} mm ball · ${this.body.stiffness.length} nodes`;
     get("what").title = `${text.source}, written by ${text.writer}. ${text.left_out}`;
     drawColourBar(text.map);
-    get("template").textContent = "Yielding surface: illustrative template (Hertz); the database holds forces.";
+    get("template").textContent = "Dimple: illustrative template (Hertz); the database holds forces.";
   }
 
   makeView() {
@@ -56,7 +56,7 @@ class App {
     } catch (error) {
       console.info(`no 3-D view: ${error.message}`);
       get("no_webgl").hidden = false;
-      for (const id of ["colour_bar", "legend", "scale_bar", "hint"]) {
+      for (const id of ["colour_bar", "legend", "template", "scale_bar", "hint"]) {
         get(id).hidden = true;
       }
       return null;
