@@ -14,7 +14,7 @@ void PointerHand::advance(double dt_s) noexcept {
   goal_m_ =
       length > step ? Eigen::Vector3d(goal_m_ + way * (step / length)) : pointer_m_;
   // y = h - g: y(t) = (y0 + (v0 + w y0) t) exp(-w t)
-  constexpr double w = kFrequencyPerS;
+  const double w = kFrequencyPerS;
   const double decay = std::exp(-w * dt_s);
   const Eigen::Vector3d y = target_.position_m - goal_m_;
   const Eigen::Vector3d slope = target_.velocity_m_per_s + w * y;
