@@ -13,14 +13,18 @@ namespace {
 
 constexpr int kPoses = 20'000;
 
-// Of a cylinder about the middle that holds what the grip reaches.
+// Of a cylinder about the middle, except where a leg is almost stretched: there its
+// rate grows without bound, and no force is transmitted.
+constexpr double kRatesMax = 60.0;  // [rad/m]; 30 in the middle
+
 class FalconGeometry : public ::testing::Test {
  protected:
   Eigen::Vector3d position() {
     for (;;) {
       const Eigen::Vector3d p(0.045 * unit_(random_), 0.045 * unit_(random_),
                               0.125 + 0.045 * unit_(random_));
-      if (p.head<2>().norm() <= 0.045 && inverse(p, pose_)) {
+      if (p.head<2>().norm() <= 0.045 && inverse(p, pose_) &&
+          pose_.rates.norm() < kRatesMax) {
         return p;
       }
     }
@@ -79,7 +83,7 @@ TEST_F(FalconGeometry, ForwardFindsThePositionFromTheMiddle) {
     ASSERT_LT((found.position_m - p).norm(), 1e-10) << p.transpose();
     most = std::max(most, found.iterations);
   }
-  EXPECT_LE(most, 12);
+  EXPECT_LE(most, 9);
 }
 
 TEST_F(FalconGeometry, DoesNotReachEverything) {
