@@ -13,9 +13,10 @@
 // guardian is killed, the renderer stops; if both are, the driver sees the end of its
 // socket.
 //
-// USB (usb_devices.h lists them, none is driven yet): a driver has to hand its
-// descriptor to a Guardian in open(). Nothing that we know of says that their firmware
-// drops the force when the host falls silent.
+// USB (linked_device.h): the thread that speaks to the device, when the fast thread
+// falls silent, ends or faults. Nothing that we know of says that their firmware drops
+// the force when the host is gone: SIGKILL leaves the last force, as no guardian holds
+// their descriptors yet.
 //
 // Against a power failure of the computer only a watchdog in the device itself helps.
 #pragma once
@@ -70,6 +71,9 @@ class Device {
 
   /// Zero force, then gone. Any number of times, in any state.
   virtual void close() noexcept = 0;
+
+  /// Why read() or write() said kLost, for people; empty if there is nothing to say.
+  [[nodiscard]] virtual std::string failure() const { return ""; }
 };
 
 /// Closes a device on every way out of a scope.

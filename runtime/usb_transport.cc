@@ -167,7 +167,6 @@ struct UsbTransport::State {
   }
 
   void open(int descriptor) {
-    demand(libusb_set_option(nullptr, LIBUSB_OPTION_NO_DEVICE_DISCOVERY), "options");
     demand(libusb_init(&context), "start of libusb");
     demand(libusb_wrap_sys_device(context, descriptor, &handle), "open");
     static_cast<void>(libusb_set_auto_detach_kernel_driver(handle, 1));

@@ -32,7 +32,7 @@ TEST(HaplyPacket, AnglesComeBackAsFloats) {
   EXPECT_EQ((*angles)[1], -17.25);
 }
 
-TEST(HaplyPacket, ASreamOutOfStepIsNoAngle) {
+TEST(HaplyPacket, AStreamOutOfStepIsNoAngle) {
   EXPECT_FALSE(decode_angles(5, encode_angles(6, {1.0, 2.0})).has_value());
   EXPECT_FALSE(decode_angles(5, encode_angles(5, {std::nan(""), 2.0})).has_value());
   EXPECT_FALSE(decode_angles(5, encode_angles(5, {1.0, 1e9})).has_value());

@@ -16,14 +16,12 @@ constexpr int kPoses = 20'000;
 
 class Pantograph : public ::testing::TestWithParam<PantographLinks> {
  protected:
-  // A pose that both directions of the kinematics agree on: same side, same elbows.
   PantographPose pose() {
     for (;;) {
-      const Eigen::Vector2d p(0.08 * unit_(random_), 0.11 * unit_(random_));
-      Eigen::Vector2d theta;
+      const Eigen::Vector2d theta(std::numbers::pi * unit_(random_),
+                                  std::numbers::pi * unit_(random_));
       PantographPose found;
-      if (inverse(GetParam(), p, theta) && forward(GetParam(), theta, found) &&
-          found.transmission > 0.05 && (found.position_m - p).norm() < 1e-9) {
+      if (forward(GetParam(), theta, found) && found.transmission > 0.05) {
         return found;
       }
     }

@@ -1,0 +1,154 @@
+#include "runtime/falcon_link.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "runtime/clock.h"
+#include "runtime/falcon_motors.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kResolutionM = 5e-5;  // one count on every leg
+constexpr double kDelayS = 1e-3;       // one USB frame and latency timer
+constexpr int kSlewMax = 1000;         // counts in one exchange: 1 m/s is about 50
+constexpr int kRejectedMax = 20;
+
+std::int64_t after_ns(double wait_s) noexcept {
+  MonotonicClock clock;
+  return clock.now_ns() + std::llround(wait_s * kNanosecondsPerSecond);
+}
+
+}  // namespace
+
+FalconLink::FalconLink(FalconConfig config, std::function<int()> descriptor,
+                       std::function<void(int)> release)
+    : config_(std::move(config)),
+      descriptor_(std::move(descriptor)),
+      release_(std::move(release)) {}
+
+FalconLink::~FalconLink() {
+  close();
+}
+
+DeviceLimits FalconLink::limits() const {
+  return {.damping_n_s_per_m = config_.damping_n_s_per_m,
+          .coulomb_n = config_.coulomb_n,
+          .resolution_m = kResolutionM,
+          .delay_s = kDelayS,
+          .force_max_n = config_.force_max_n};
+}
+
+void FalconLink::open() {
+  close();
+  failure_ = "";
+  known_ = false;
+  rejected_ = 0;
+  framer_.clear();
+  reply_ = {};
+  at_ = {};
+  at_.position_m = falcon_centre_m();
+  try {
+    file_ = descriptor_();
+    usb_ = std::make_unique<UsbTransport>(
+        file_, UsbPair{.interface = 0, .out = 0x02, .in = 0x81, .status_bytes = 2});
+    start();
+    home();
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+LinkStatus FalconLink::give_up(const char* why) noexcept {
+  failure_ = why;
+  return LinkStatus::kLost;
+}
+
+// A stale or garbled reply may look whole: the legs cannot jump.
+bool FalconLink::plausible(const FalconReply& reply) const noexcept {
+  if (!known_) {
+    return true;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (std::abs(reply.encoder[i] - reply_.encoder[i]) > kSlewMax) {
+      return false;
+    }
+  }
+  return true;
+}
+
+LinkStatus FalconLink::exchange(const FalconCommand& command) noexcept {
+  usb_->drop_received();
+  framer_.clear();
+  const std::int64_t deadline_ns = after_ns(config_.answer_s);
+  UsbStatus status = usb_->send(encode(command), deadline_ns);
+  while (status == UsbStatus::kOk) {
+    std::uint8_t byte = 0;
+    std::size_t got = 0;
+    status = usb_->receive({&byte, 1}, got, deadline_ns);
+    const auto packet = got == 1 ? framer_.add(byte) : std::nullopt;
+    const auto reply = packet ? decode_reply(*packet) : std::nullopt;
+    if (!reply) {
+      continue;
+    }
+    if (plausible(*reply)) {
+      reply_ = *reply;
+      rejected_ = 0;
+      return LinkStatus::kOk;
+    }
+    return ++rejected_ > kRejectedMax ? give_up("its encoders jump")
+                                      : LinkStatus::kMissed;
+  }
+  return status == UsbStatus::kLost ? give_up("unplugged, or its wire is broken")
+                                    : LinkStatus::kMissed;
+}
+
+LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
+                                Eigen::Vector3d& position_m) noexcept {
+  FalconCommand command{.motor = {}, .leds = kFalconGreen, .homing = true};
+  Eigen::Vector3d wanted = force_n;
+  const double length = wanted.norm();
+  if (length > config_.force_max_n) {
+    wanted *= config_.force_max_n / length;
+  }
+  if (known_ && reply_.homed == kFalconAllHomed) {
+    command.motor = motors_for(wanted, at_.pose.rates, config_.calibration).command;
+    command.leds = length > 0.0 ? kFalconBlue : kFalconGreen;
+  }
+  const LinkStatus status = exchange(command);
+  if (status != LinkStatus::kOk) {
+    return status;
+  }
+  if (reply_.homed != kFalconAllHomed) {
+    return give_up("it forgot its zero; home it again");
+  }
+  const FalconForward found = forward(angles_of(reply_.encoder), at_.position_m);
+  if (!found.converged) {
+    return ++rejected_ > kRejectedMax ? give_up("its encoders fit no position")
+                                      : LinkStatus::kMissed;
+  }
+  at_ = found;
+  known_ = true;
+  position_m = found.position_m;
+  return LinkStatus::kOk;
+}
+
+void FalconLink::close() noexcept {
+  if (usb_ != nullptr && !usb_->lost()) {
+    for (int i = 0; i < 3; ++i) {  // the first may be lost
+      if (exchange({.motor = {}, .leds = 0, .homing = true}) != LinkStatus::kMissed) {
+        break;
+      }
+    }
+  }
+  usb_.reset();
+  if (file_ >= 0) {
+    release_(file_);
+    file_ = -1;
+  }
+}
+
+}  // namespace palpate
