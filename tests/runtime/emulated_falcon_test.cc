@@ -124,12 +124,14 @@ TEST(EmulatedFalcon, UnpluggedAtAnyByteIsALossWithAName) {
   int in_loop = 0;
   for (int i = 0; i < 200; ++i) {
     EmulatedFalconConfig config = loaded();
-    config.model.loaded = false;
+    config.model.loaded = i % 4 >= 2;
     config.model.homing_ns = 0;
     config.bus.unplug_at_byte = 1 + static_cast<std::int64_t>(random() % 1500);
     config.bus.unplug_is_io_error = i % 2 == 1;
     const auto falcon = std::make_shared<EmulatedFalcon>(config);
-    const auto link = EmulatedFalcon::link(falcon, driver());
+    FalconConfig quick = driver();
+    quick.answer_s = 0.01;
+    const auto link = EmulatedFalcon::link(falcon, quick);
     std::string why;
     try {
       link->open();

@@ -83,7 +83,7 @@ TEST_F(FalconGeometry, ForwardFindsThePositionFromTheMiddle) {
     ASSERT_LT((found.position_m - p).norm(), 1e-10) << p.transpose();
     most = std::max(most, found.iterations);
   }
-  EXPECT_LE(most, 9);
+  EXPECT_LE(most, 10);  // the last step only confirms
 }
 
 TEST_F(FalconGeometry, DoesNotReachEverything) {
