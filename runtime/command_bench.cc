@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/atomic_file.h"
+#include "runtime/bench_device.h"
 #include "runtime/bench_fidelity.h"
 #include "runtime/bench_potential.h"
 #include "runtime/bench_search.h"
@@ -139,6 +140,24 @@ void add_stream(CLI::App& bench) {
   });
 }
 
+void add_device(CLI::App& bench) {
+  struct Flags : DeviceBenchOptions {
+    bool json = false;
+  };
+  CLI::App* command = bench.add_subcommand(
+      "device", "transactions of the emulated Falcon and the work of a wall on it");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("--seconds", flags->duration_s, "of the run [s]")
+      ->capture_default_str();
+  command->add_option("--wall", flags->wall_n_per_m, "stiffness of the wall [N/m]")
+      ->capture_default_str();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    const DeviceBenchReport report = run_device_bench(*flags);
+    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+  });
+}
+
 void add_trade(CLI::App& bench) {
   struct Flags : OutputFlags {
     TradeOptions options;
@@ -189,6 +208,7 @@ void add_bench_command(CLI::App& app) {
   add_trade(*command);
   add_search(*command);
   add_stream(*command);
+  add_device(*command);
 }
 
 }  // namespace palpate

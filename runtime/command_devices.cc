@@ -32,8 +32,14 @@ void add_devices_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("devices", "List the haptic devices that are attached.");
   const auto json = std::make_shared<bool>(false);
+  const auto udev = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "Print the report for programs");
-  command->callback([json] {
+  command->add_flag("--udev", *udev, "Print the rules that permit their use");
+  command->callback([json, udev] {
+    if (*udev) {
+      fmt::print("{}", udev_rules());
+      return;
+    }
     const UsbReport report = find_usb_devices();
     fmt::print("{}", *json ? as_json(report).dump(2) + "\n" : describe(report));
   });

@@ -39,8 +39,8 @@ void check(const SimulationOptions& options, const ToolShape& tool) {
     throw InputError(fmt::format("largest force is {} N, must be positive and finite",
                                  options.force_max_n));
   }
-  if (!options.socket.empty() && !options.real_time) {
-    throw InputError("a device at a socket lives in real time, not in simulated time");
+  if ((!options.socket.empty() || options.attached) && !options.real_time) {
+    throw InputError("a device lives in real time, not in simulated time");
   }
   if (tool.kind != "sphere") {
     throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
@@ -131,7 +131,8 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
     device = std::make_unique<SocketDevice>(options.socket);
   }
   const DeviceLimits limits =
-      device != nullptr
+      options.attached ? options.attached->limits
+      : device != nullptr
           ? device->limits()
           : SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
   config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
@@ -145,13 +146,16 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
 
   const HandScript script = body.script(report.force_scale, device_config.hand_n_per_m);
   const Eigen::Vector3d start_m = script.at(0.0).position_m;
-  if (device == nullptr) {
+  if (options.attached) {
+    device = options.attached->make(script);
+  } else if (device == nullptr) {
     device = std::make_unique<SimulatedDevice>(device_config, script, clock,
                                                SimulatedMotion{.position_m = start_m});
   }
   report.device = device->name();
   sender = body.stream(report.force_scale, start_m);
   render(config, {.device = *device, .stream = *sender, .stop = stop}, clock, report);
+  report.device_failure = device->failure();
   return report;
 }
 

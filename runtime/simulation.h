@@ -8,6 +8,7 @@
 #include <string>
 
 #include "formats/response_database.h"
+#include "runtime/device_choice.h"
 #include "runtime/element_stream.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/render_report.h"
@@ -40,14 +41,16 @@ struct SimulationOptions {
   bool limit_stiffness = false;  ///< scale forces to what the device can render
   SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run
   std::filesystem::path socket;  ///< a driver's instead of the simulated device
+  std::optional<AttachedDevice> attached;  ///< instead of the simulated device
   RecordingRequest recording;
 };
 
 struct SimulationReport {
   SimulationOptions options;
   std::string tool;
-  std::string device;      ///< name
-  std::int32_t node = -1;  ///< pressed
+  std::string device;          ///< name
+  std::string device_failure;  ///< why it was lost; empty if it was not
+  std::int32_t node = -1;      ///< pressed
   RenderedStiffness stiffness;
   StabilityBounds bounds;
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds

@@ -121,6 +121,19 @@ UsbReport find_usb_devices() {
   return report;
 }
 
+std::string udev_rules() {
+  return fmt::format(
+      "# /etc/udev/rules.d/70-palpate.rules; then: udevadm control --reload && udevadm "
+      "trigger\n"
+      "# Novint Falcon\n"
+      "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{:04x}\", "
+      "ATTR{{idProduct}}==\"{:04x}\", "
+      "TAG+=\"uaccess\"\n"
+      "# A Haply's board has the numbers of its maker: palpate-run devices shows "
+      "them\n",
+      kNovintVendor, kFalconProduct);
+}
+
 std::string describe(const UsbReport& report) {
   if (!report.failure.empty()) {
     return fmt::format("no haptic device: the USB bus cannot be read ({})\n",

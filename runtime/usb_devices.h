@@ -39,6 +39,9 @@ struct UsbReport {
 /// for what is or is not attached.
 [[nodiscard]] UsbReport find_usb_devices();
 
+/// Rules for udev that let whoever sits at the machine use the known devices.
+[[nodiscard]] std::string udev_rules();
+
 /// The report for people: a line per device, with what to do where it cannot be used.
 [[nodiscard]] std::string describe(const UsbReport& report);
 

@@ -1,0 +1,61 @@
+// The Haply 2diy over USB: a CDC-ACM board with two motors that move a pantograph in a
+// plane, the x-y plane of the device's frame (z = 0).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "runtime/device_link.h"
+#include "runtime/haply_packet.h"
+#include "runtime/pantograph.h"
+#include "runtime/usb_transport.h"
+
+namespace palpate {
+
+struct HaplyConfig {
+  HaplySetup setup{};
+  PantographLinks links{};
+  UsbPair pair{.interface = 1, .out = 0x02, .in = 0x83, .packet_bytes = 64};
+  double answer_s = 0.01;          ///< [s] > 0 for one reply
+  double force_max_n = 2.0;        ///< [N] > 0
+  double damping_n_s_per_m = 0.1;  ///< [N s/m] assumed, not measured
+  double coulomb_n = 0.02;         ///< [N] assumed, not measured
+  std::string what = "haply-2diy";
+};
+
+/// The board keeps the last torque for ever: every way out sends zero, and the thread
+/// that transacts is its watchdog (linked_device.h). No force where the free links are
+/// nearly in line, and none out of the plane.
+class HaplyLink : public DeviceLink {
+ public:
+  /// @param descriptor and release as FalconLink's. @throws InputError for links that
+  /// cannot be.
+  HaplyLink(HaplyConfig config, std::function<int()> descriptor,
+            std::function<void(int)> release);
+  ~HaplyLink() override;
+
+  [[nodiscard]] std::string name() const override { return config_.what; }
+  [[nodiscard]] DeviceLimits limits() const override;
+  void open() override;
+  [[nodiscard]] LinkStatus transact(const Eigen::Vector3d& force_n,
+                                    Eigen::Vector3d& position_m) noexcept override;
+  void close() noexcept override;
+  [[nodiscard]] std::string failure() const override { return failure_; }
+
+ private:
+  [[nodiscard]] LinkStatus exchange(const std::array<double, 2>& torque_nm) noexcept;
+  [[nodiscard]] LinkStatus give_up(const char* why) noexcept;
+
+  HaplyConfig config_;
+  std::function<int()> descriptor_;
+  std::function<void(int)> release_;
+  int file_ = -1;
+  std::unique_ptr<UsbTransport> usb_;
+  PantographPose pose_;
+  bool known_ = false;
+  int rejected_ = 0;
+  const char* failure_ = "";
+};
+
+}  // namespace palpate
