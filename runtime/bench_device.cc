@@ -10,6 +10,7 @@
 #include "runtime/clock.h"
 #include "runtime/deadlines.h"
 #include "runtime/emulated_falcon.h"
+#include "runtime/real_time.h"
 
 namespace palpate {
 namespace {
@@ -40,6 +41,7 @@ void check(const DeviceBenchOptions& options) {
 
 DeviceBenchReport run_device_bench(const DeviceBenchOptions& options) {
   check(options);
+  static_cast<void>(request_real_time(-1));
   const auto falcon = std::make_shared<EmulatedFalcon>(pressed_falcon());
   FalconConfig driver;
   driver.firmware = emulated_firmware();

@@ -18,6 +18,7 @@
 
 #include "formats/error.h"
 #include "runtime/clock.h"
+#include "runtime/real_time.h"
 
 namespace palpate {
 namespace {
@@ -80,6 +81,7 @@ bool EmulatedUsb::kernel_driver() const {
 }
 
 void EmulatedUsb::run() {
+  static_cast<void>(request_real_time(-1));  // hardware is not late
   std::unique_lock lock(mutex_);
   while (!end_) {
     if (pending_.empty()) {
