@@ -212,9 +212,26 @@ void take_samples(const Measurement& m, std::size_t end, const FitRange& range,
   }
 }
 
+// Contact cannot be found where too few samples are left for it.
+void take_baseline(const FitRange& baseline, Approach& approach) {
+  const auto& x = approach.displacement_m;
+  const auto beyond = std::count_if(x.begin(), x.end(), [&](double value) {
+    return value > baseline.to_m;
+  });
+  if (!(static_cast<std::size_t>(beyond) >= kSamplesMin)) {
+    throw InputError(fmt::format(
+        "the baseline ends at {} m and leaves {} of {} samples beyond it (up to {} m), "
+        "need at least {}",
+        baseline.to_m, beyond, x.size(), *std::max_element(x.begin(), x.end()),
+        kSamplesMin));
+  }
+  approach.contact_from_m = baseline.to_m;
+}
+
 }  // namespace
 
-Approach select_approach(const Measurement& measurement, const FitRange& range) {
+Approach select_approach(const Measurement& measurement, const FitRange& range,
+                         const std::optional<FitRange>& baseline) {
   check_measurement(measurement);
   if (!(range.from_m < range.to_m)) {
     throw InputError(
@@ -246,7 +263,25 @@ Approach select_approach(const Measurement& measurement, const FitRange& range) 
         approach.hold_samples, approach.retract_samples, approach.spikes,
         approach.out_of_range));
   }
+  if (baseline) {
+    take_baseline(*baseline, approach);
+  }
   return approach;
+}
+
+Measurement turned(const Measurement& measurement, const Approach& approach) {
+  const auto has = [&](FitFlag flag) {
+    return std::find(approach.flags.begin(), approach.flags.end(), flag) !=
+           approach.flags.end();
+  };
+  Measurement result = measurement;
+  if (has(FitFlag::kDepthSignTurned)) {
+    turn(result.depth_m);
+  }
+  if (has(FitFlag::kForceSignTurned)) {
+    turn(result.force_n);
+  }
+  return result;
 }
 
 }  // namespace palpate

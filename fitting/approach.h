@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "fitting/fit_flag.h"
@@ -21,6 +22,8 @@ struct FitRange {
 struct Approach {
   std::vector<double> displacement_m;  ///< (n) [m] as measured, n >= kSamplesMin
   std::vector<double> force_n;         ///< (n) [N]
+  /// [m] displacements before it are surely free, as somebody has told
+  double contact_from_m = -std::numeric_limits<double>::infinity();
   double noise_sd_n = 0.0;       ///< [N] standard deviation of the force's white noise
   double press_work_j = 0.0;     ///< [J] over the part that the release covers
   double release_work_j = 0.0;   ///< [J] given back; 0 without a release
@@ -41,9 +44,16 @@ constexpr std::size_t kSamplesMin = 8;
 /// than its press took (beyond 5 standard deviations of the noise's work) is flagged.
 /// Single readings that stand out from all of 3 neighbours on each side by more than 8
 /// standard deviations of noise are spikes.
+/// @param baseline displacements that are surely before contact: its end becomes
+/// contact_from_m.
 /// @throws InputError for different counts of both, a value that is not finite, no
-/// travel, an empty range, fewer than kSamplesMin samples left.
+/// travel, an empty range, fewer than kSamplesMin samples left or beyond the baseline.
 [[nodiscard]] Approach select_approach(const Measurement& measurement,
-                                       const FitRange& range = {});
+                                       const FitRange& range = {},
+                                       const std::optional<FitRange>& baseline = {});
+
+/// All samples of the measurement with the signs that the approach gave it.
+[[nodiscard]] Measurement turned(const Measurement& measurement,
+                                 const Approach& approach);
 
 }  // namespace palpate

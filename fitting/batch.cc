@@ -42,17 +42,17 @@ void collect_flags(RunResult& result) {
 
 void fit(const Session& session, const SessionRun& run, RunResult& result) {
   const Measurement samples = read(session, run).samples;
-  result.approach = select_approach(samples, session.fit.range);
+  result.approach = select_approach(samples, session.fit.range, session.fit.baseline);
   result.contact = fit_contact(result.approach);
   FamilyFitOptions options;
-  options.baseline = session.fit.baseline;
+  options.noise_relative = session.fit.noise_relative;
   options.cross_validate = session.fit.criterion == "cross-validation";
   result.choice = fit_families(result.approach, result.contact, session.fit.families,
                                session.fit.criterion, options);
   result.modulus = find_modulus(result.approach, result.contact, session.indenter);
   result.relaxation = find_relaxation(samples);
   result.loop = find_loop(samples, result.approach, result.contact);
-  result.segments = find_segments(samples.depth_m);
+  result.segments = find_segments(turned(samples, result.approach).depth_m);
   collect_flags(result);
   result.rating = rate(result.approach, result.contact, result.choice);
 }

@@ -59,7 +59,8 @@ MaterialCurve curve_of(const ResponseSweep& sweep, const SurfaceMesh& body,
                        const Session& session, const SessionRun& run) {
   MaterialCurve curve;
   curve.place = place_of(sweep, body, run);
-  curve.approach = select_approach(read_run(session, run).samples, session.fit.range);
+  curve.approach = select_approach(read_run(session, run).samples, session.fit.range,
+                                   session.fit.baseline);
   const ContactFit contact = fit_contact(curve.approach);
   if (contact.has(FitFlag::kEmptyRun)) {
     throw InputError("empty run");

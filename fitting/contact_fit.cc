@@ -62,6 +62,8 @@ Scaling scale(const Approach& approach) {
     s.curve.x.push_back((x[i] - s.x_min_m) / s.length_m);
     s.curve.f.push_back(approach.force_n[i] / s.force_n);
   }
+  s.curve.contact_min =
+      std::max(0.0, (approach.contact_from_m - s.x_min_m) / s.length_m);
   return s;
 }
 
@@ -83,10 +85,11 @@ bool is_empty(const Approach& approach) {
   return !(rise > kEmptyDeviations * sd);
 }
 
-void hold_at_bounds(const ContactModel& model, HeldParameters& held) {
+void hold_at_bounds(const ContactModel& model, double contact_min,
+                    HeldParameters& held) {
   constexpr double kClose = 1e-9;
-  held[kContact] =
-      held[kContact] || model.contact <= kClose || model.contact >= 1.0 - kClose;
+  held[kContact] = held[kContact] || model.contact <= contact_min + kClose ||
+                   model.contact >= 1.0 - kClose;
   held[kExponent] = held[kExponent] || model.exponent <= kExponentMin + kClose ||
                     model.exponent >= kExponentMax - kClose;
   held[kCoefficient] = held[kCoefficient] || model.coefficient <= 2.0 * kCoefficientMin;
@@ -98,6 +101,7 @@ ScaledCurve inliers(const ScaledCurve& curve, const ContactModel& model, double 
   const double limit =
       kOutlierDeviations * std::max(robust_standard_deviation(r), noise) + 1e-12;
   ScaledCurve kept;
+  kept.contact_min = curve.contact_min;
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (std::abs(r[i]) <= limit) {
       kept.x.push_back(curve.x[i]);
@@ -152,11 +156,21 @@ double rms(const Solution& solution) {
   return std::sqrt(squares / static_cast<double>(solution.used.x.size()));
 }
 
+// Whether somebody has said that there is free travel, enough to tell a drift.
+bool told_free(const Scaling& s) {
+  return std::count_if(s.curve.x.begin(), s.curve.x.end(), [&](double x) {
+           return x < s.curve.contact_min;
+         }) >= kFreeSamplesMin;
+}
+
 // A drift that surely lifts the force by more than kDriftShareMax of its range is no
 // drift but the body.
 bool starts_in_contact(const Scaling& s, const Solution& solution) {
+  if (told_free(s)) {
+    return false;
+  }
   HeldParameters held = solution.held;
-  hold_at_bounds(solution.model, held);
+  hold_at_bounds(solution.model, s.curve.contact_min, held);
   const double sd = std::sqrt(contact_covariance(solution.used, solution.model, held)(
       kBaselineSlope, kBaselineSlope));
   return samples_before_contact(s, solution) < kFreeSamplesMin ||
@@ -185,7 +199,8 @@ Solution solve_from_first_sample(const Scaling& s, const ContactFitOptions& opti
   held[kExponent] = options.exponent.has_value();
   std::vector<ContactModel> starts;
   for (const double p : {1.2, 3.0}) {
-    starts.push_back({s.curve.f.front(), 0.0, 0.0, options.exponent.value_or(p), 1.0});
+    starts.push_back({s.curve.f.front(), 0.0, s.curve.contact_min,
+                      options.exponent.value_or(p), 1.0});
   }
   return solve(s.curve, starts, held, noise);
 }
@@ -218,7 +233,8 @@ std::string reason_held(const Solution& solution, int parameter,
   if (!solution.held[static_cast<std::size_t>(parameter)]) {
     return "";
   }
-  const bool upper = (parameter == kContact && m.contact > 0.5) ||
+  const double contact_half = 0.5 * (1.0 + solution.used.contact_min);
+  const bool upper = (parameter == kContact && m.contact > contact_half) ||
                      (parameter == kExponent && m.exponent > 2.0);
   return upper ? "upper bound" : "lower bound";
 }
@@ -329,7 +345,7 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
   if (assumed) {
     solution = solve_from_first_sample(s, options, noise);
   }
-  hold_at_bounds(solution.model, solution.held);
+  hold_at_bounds(solution.model, s.curve.contact_min, solution.held);
   unscale(s, solution, options, assumed, fit);
   judge(approach, s, solution, assumed, fit);
   fit.converged = solution.converged;

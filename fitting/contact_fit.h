@@ -58,7 +58,9 @@ struct ContactFitOptions {
 /// fitted without drift, where that fits as well. Where no free travel can be told from
 /// contact - contact point among the first samples, or a "drift" that lifts the force
 /// by more than 10 % of its range before contact - the contact point is assumed at the
-/// first sample, the drift zero, and that is flagged.
+/// first sample, the drift zero, and that is flagged - unless the approach is known to
+/// be free at first (contact_from_m): the contact point is then not before that, and
+/// the drift is always fitted.
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

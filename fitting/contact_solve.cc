@@ -48,7 +48,7 @@ LeastSquaresProblem contact_problem(const ScaledCurve& curve,
   constexpr double kInf = std::numeric_limits<double>::infinity();
   problem.lower.resize(int{kContactParameters});
   problem.upper.resize(int{kContactParameters});
-  problem.lower << -kInf, -kInf, 0.0, kExponentMin, kCoefficientMin;
+  problem.lower << -kInf, -kInf, curve.contact_min, kExponentMin, kCoefficientMin;
   problem.upper << kInf, kInf, 1.0, kExponentMax, kInf;
   problem.held.assign(held.begin(), held.end());
   return problem;

@@ -73,6 +73,7 @@ RankedModel linear_fit(const ScaledCurve& curve, double contact, double exponent
 ScaledCurve thinned(const ScaledCurve& curve) {
   const std::size_t step = std::max<std::size_t>(1, curve.x.size() / kThinnedSamples);
   ScaledCurve thin;
+  thin.contact_min = curve.contact_min;
   for (std::size_t i = 0; i < curve.x.size(); i += step) {
     thin.x.push_back(curve.x[i]);
     thin.f.push_back(curve.f[i]);
@@ -123,6 +124,9 @@ std::vector<ContactModel> contact_starts(const ScaledCurve& curve,
   }
   for (int i = 0; i < kGrid; ++i) {
     contacts.push_back(static_cast<double>(i) / kGrid);
+  }
+  for (double& contact : contacts) {
+    contact = std::max(contact, curve.contact_min);
   }
   std::vector<RankedModel> ranked;
   for (const double contact : contacts) {

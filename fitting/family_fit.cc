@@ -79,11 +79,9 @@ FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
         noise / std::hypot(noise, options.noise_relative * choice.force_n[k]);
   }
   data.contact_min = data.x.minCoeff();
-  if (options.baseline) {
-    data.contact_min =
-        std::clamp((options.baseline->to_m - data.x_origin_m) / data.length_m,
-                   data.contact_min, 0.9);
-  }
+  data.contact_min =
+      std::clamp((approach.contact_from_m - data.x_origin_m) / data.length_m,
+                 data.contact_min, 0.9);
   data.contact_held = reference.has(FitFlag::kAlreadyInContact);
   data.flat = data.contact_held || !reference.parameters[1].held.empty();
   data.baseline_slope = reference.parameters[1].value * data.length_m / data.force_n;

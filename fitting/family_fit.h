@@ -4,12 +4,11 @@
 //
 // The contact point x0 is fitted with families whose start has a shape of its own;
 // those that could follow any x0 (splines and the polynomial's slope) take the power
-// law's.
+// law's. None is before the approach's contact_from_m.
 #pragma once
 
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,8 +21,7 @@
 namespace palpate {
 
 struct FamilyFitOptions {
-  std::optional<FitRange> baseline = std::nullopt;  ///< before contact: x0 is beyond
-  double noise_relative = 0.0;  ///< [-] part of the noise that grows with force
+  double noise_relative = 0.0;  ///< [-] [0, 1) part of the noise that grows with force
   bool cross_validate = true;
 };
 

@@ -75,7 +75,8 @@ double layer_modulus_pa(const Approach& approach, const ContactFit& fit,
       [&](double x0) {
         return fit_layer(approach, fit, indenter, x0).squares;
       },
-      fit.contact_point_m - span_m, fit.contact_point_m + span_m, 24);
+      std::max(fit.contact_point_m - span_m, approach.contact_from_m),
+      fit.contact_point_m + span_m, 24);
   static_cast<void>(squares);
   return fit_layer(approach, fit, indenter, contact_m).youngs_modulus_pa;
 }

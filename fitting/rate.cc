@@ -41,25 +41,6 @@ LeastSquaresProblem relaxation_problem(const std::vector<double>& t,
   return problem;
 }
 
-Measurement turned(const Measurement& m, const Approach& approach) {
-  const auto has = [&](FitFlag flag) {
-    return std::find(approach.flags.begin(), approach.flags.end(), flag) !=
-           approach.flags.end();
-  };
-  Measurement result = m;
-  if (has(FitFlag::kDepthSignTurned)) {
-    for (double& x : result.depth_m) {
-      x = -x;
-    }
-  }
-  if (has(FitFlag::kForceSignTurned)) {
-    for (double& f : result.force_n) {
-      f = -f;
-    }
-  }
-  return result;
-}
-
 // Samples in contact: depth, speed of pressing, force above the baseline.
 struct Motion {
   std::vector<double> depth_m, speed_m_per_s, force_n;

@@ -36,8 +36,8 @@ constexpr std::string_view kRoundKeys[] = {"radius_m", "thickness_m"};
 constexpr std::string_view kConeKeys[] = {"half_angle_deg"};
 constexpr std::string_view kPlateKeys[] = {"radius_m", "height_m"};
 constexpr std::string_view kBodyKeys[] = {"mesh", "length_unit"};
-constexpr std::string_view kFitKeys[] = {"from_m", "to_m", "baseline_m", "families",
-                                         "criterion"};
+constexpr std::string_view kFitKeys[] = {"from_m",   "to_m",      "baseline_m",
+                                         "families", "criterion", "noise_relative"};
 
 constexpr NumberRule kAny{[](double) {
                             return true;
@@ -51,6 +51,10 @@ constexpr NumberRule kNotNegative{[](double v) {
                                     return v >= 0.0;
                                   },
                                   "zero or more and finite"};
+constexpr NumberRule kShare{[](double v) {
+                              return v >= 0.0 && v < 1.0;
+                            },
+                            "in [0, 1)"};
 constexpr NumberRule kPoisson{[](double v) {
                                 return v > -1.0 && v <= 0.5;
                               },
@@ -257,6 +261,7 @@ void read_fit(const SceneSection& section, Session& session) {
   if (section.find("families") != nullptr) {
     fit.families = read_families(section);
   }
+  fit.noise_relative = section.number_or(0.0, "noise_relative", kShare);
   fit.criterion = section.choice_or(fit.criterion, "criterion", kCriteria);
 }
 

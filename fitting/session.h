@@ -54,6 +54,7 @@ enum class SessionLayout { kText, kAfmHdf5 };
 struct SessionFit {
   FitRange range;
   std::optional<FitRange> baseline;   ///< displacements that are surely before contact
+  double noise_relative = 0.0;        ///< [-] [0, 1) noise that grows with force
   std::vector<std::string> families;  ///< of kFamilyNames, at least one
   std::string criterion = "aicc";     ///< one of kCriteria
 };

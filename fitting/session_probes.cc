@@ -16,7 +16,8 @@ SurfaceProbe probe_of(const Session& session, const SessionRun& run) {
     probe.direction = *run.normal;
   }
   probe.measurement = read_run(session, run).samples;
-  probe.approach = select_approach(probe.measurement, session.fit.range);
+  probe.approach =
+      select_approach(probe.measurement, session.fit.range, session.fit.baseline);
   probe.fit = fit_contact(probe.approach);
   return probe;
 }

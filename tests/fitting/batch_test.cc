@@ -118,7 +118,11 @@ TEST_F(BatchTest, AUnitThatTheHeaderContradictsIsABadFile) {
   EXPECT_EQ(run.rating.verdict, Verdict::kSkip);
 }
 
-TEST_F(BatchTest, DwellHoldAndRetractAreSegmentsAndNotFitted) {
+const std::vector<SegmentKind> kDwellPressHoldRelease{
+    SegmentKind::kDwell, SegmentKind::kApproach, SegmentKind::kHold,
+    SegmentKind::kRetract};
+
+Measurement dwell_press_hold_release() {
   Measurement m;
   const Measurement press = synthetic({}, 1);
   const auto add = [&](double x, double f) {
@@ -137,17 +141,32 @@ TEST_F(BatchTest, DwellHoldAndRetractAreSegmentsAndNotFitted) {
   for (std::size_t i = press.depth_m.size(); i-- > 0;) {
     add(press.depth_m[i], 0.6 * press.force_n[i]);
   }
-  const RunResult run = fit(m);
-  EXPECT_TRUE(has(run, FitFlag::kHoldCutOff));
-  EXPECT_TRUE(has(run, FitFlag::kRetractCutOff));
-  EXPECT_NEAR(run.best()->contact_point_m, 2e-3, 1.5e-4);
+  return m;
+}
+
+std::vector<SegmentKind> kinds_of(const RunResult& run) {
   std::vector<SegmentKind> kinds;
   for (const Segment& segment : run.segments) {
     kinds.push_back(segment.kind);
   }
-  EXPECT_EQ(kinds,
-            (std::vector<SegmentKind>{SegmentKind::kDwell, SegmentKind::kApproach,
-                                      SegmentKind::kHold, SegmentKind::kRetract}));
+  return kinds;
+}
+
+// A displacement that falls under compression is turned before it is cut up.
+TEST_F(BatchTest, SegmentsDoNotKnowTheSignOfTheDisplacement) {
+  write("a.csv", dwell_press_hold_release(), -1e3);
+  const Session s = session(kRead);
+  const RunResult run = fit_run(s, s.run[0]);
+  EXPECT_TRUE(has(run, FitFlag::kDepthSignTurned));
+  EXPECT_EQ(kinds_of(run), kDwellPressHoldRelease);
+}
+
+TEST_F(BatchTest, DwellHoldAndRetractAreSegmentsAndNotFitted) {
+  const RunResult run = fit(dwell_press_hold_release());
+  EXPECT_TRUE(has(run, FitFlag::kHoldCutOff));
+  EXPECT_TRUE(has(run, FitFlag::kRetractCutOff));
+  EXPECT_NEAR(run.best()->contact_point_m, 2e-3, 1.5e-4);
+  EXPECT_EQ(kinds_of(run), kDwellPressHoldRelease);
   // The release gives back 0.6 of the press: (1 - 0.6) / (pi (1 + 0.6)).
   EXPECT_NEAR(run.loop.loss_factor, 0.4 / (1.6 * std::numbers::pi), 1e-3);
 }
@@ -204,6 +223,22 @@ TEST_F(BatchTest, UnitsThatCannotBeAreSkipped) {
   write("a.csv", synthetic({}, 1));
   const Session s = session(units("m", "N"));  // 7 m of travel
   EXPECT_TRUE(has_gate(fit_run(s, s.run[0]), "implausible_units"));
+}
+
+// The session's baseline and relative noise reach both fits of a run.
+TEST_F(BatchTest, TheSessionsBaselineKeepsEveryContactPointBeyondIt) {
+  write("a.csv", synthetic({}, 1));
+  Session s = session(kRead);
+  const RunResult untold = fit_run(s, s.run[0]);
+  s.fit.noise_relative = 0.5;
+  const RunResult weighed = fit_run(s, s.run[0]);
+  EXPECT_EQ(weighed.contact.contact_point_m, untold.contact.contact_point_m);
+  EXPECT_NE(weighed.best()->contact_point_m, untold.best()->contact_point_m);
+  s.fit.baseline = FitRange{0.0, 2.5e-3};
+  const RunResult told = fit_run(s, s.run[0]);
+  EXPECT_NEAR(told.contact.contact_point_m, 2.5e-3, 1e-9);
+  EXPECT_GE(told.best()->contact_point_m, 2.5e-3 - 1e-9);
+  EXPECT_TRUE(has(told, FitFlag::kParameterAtBound));
 }
 
 TEST_F(BatchTest, WithoutAGeometryThereIsNoModulus) {

@@ -139,6 +139,39 @@ TEST(ContactFit, HoldsAndNamesAParameterAtItsBound) {
   EXPECT_TRUE(std::isfinite(result.contact_point_sd_m));
 }
 
+// A tilt that lifts the force by a third looks like a body from the first sample on,
+// unless it is told that the first millimetre is free.
+TEST(ContactFit, ABaselineTellsTiltFromTheBody) {
+  const Measurement m = synthetic({.drift_n = 0.5}, 13);
+  EXPECT_TRUE(fit(m).has(FitFlag::kAlreadyInContact));
+  const ContactFit told = fit_contact(select_approach(m, {}, FitRange{0.0, 1e-3}));
+  EXPECT_FALSE(told.has(FitFlag::kContactPointNotIdentified));
+  EXPECT_NEAR(told.contact_point_m, 2e-3, 4.0 * told.contact_point_sd_m);
+  EXPECT_NEAR(told.parameters[kBaselineSlope].value, 0.5 / 7e-3,
+              4.0 * told.parameters[kBaselineSlope].sd);
+}
+
+TEST(ContactFit, ABaselineHoldsTheContactPointAtItsEndAndNamesIt) {
+  const ContactFit told =
+      fit_contact(select_approach(synthetic({}, 13), {}, FitRange{0.0, 2.5e-3}));
+  EXPECT_NEAR(told.contact_point_m, 2.5e-3, 1e-9);
+  EXPECT_EQ(told.parameters[kContact].held, "lower bound");
+  EXPECT_TRUE(told.has(FitFlag::kParameterAtBound));
+  EXPECT_TRUE(told.has(FitFlag::kContactPointNotIdentified));
+}
+
+TEST(ContactFit, ABaselineThatIsRightChangesNothing) {
+  const Measurement m = synthetic({}, 13);
+  const ContactFit told = fit_contact(select_approach(m, {}, FitRange{0.0, 1e-3}));
+  EXPECT_NEAR(told.contact_point_m, fit(m).contact_point_m, 1e-9);
+}
+
+TEST(ContactFit, ABaselineMustLeaveSamplesForTheContact) {
+  EXPECT_THROW(
+      (void)select_approach(synthetic({}, 1), {}, FitRange{0.0, 6.95e-3}),  // 3 of 350
+      InputError);
+}
+
 TEST(ContactFit, RefusesAnExponentOutOfRange) {
   EXPECT_THROW((void)fit(synthetic({}, 1), {0.5}), InputError);
   EXPECT_THROW((void)fit(synthetic({}, 1), {std::nan("")}), InputError);

@@ -120,13 +120,36 @@ TEST(FamilyFit, BandCoversTheTruth) {
 }
 
 TEST(FamilyFit, BaselineKeepsTheContactPointBeyondIt) {
-  FamilyFitOptions options;
-  options.baseline = FitRange{0.0, 2.5e-3};
+  const Approach approach =
+      select_approach(law(&power, 5e-3, 7), {}, FitRange{0.0, 2.5e-3});
   const FamilyChoice choice =
-      choose(law(&power, 5e-3, 7), {"power-law"}, "aicc", options);
+      fit_families(approach, fit_contact(approach), {"power-law"}, "aicc");
   EXPECT_GE(choice.fits[0].contact_point_m, 2.5e-3 - 1e-12);
   ASSERT_EQ(choice.fits[0].at_bound.size(), 1U);
   EXPECT_EQ(choice.fits[0].at_bound[0], "contact_point");
+}
+
+// Noise that is 3 % of the force: a fit that knows it believes the first, quiet
+// samples.
+TEST(FamilyFit, RelativeNoiseGivesTheShallowSamplesTheirWeight) {
+  double told = 0.0, untold = 0.0;
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    Measurement m = law(&power, 0.0, seed);
+    const Measurement noise = synthetic({.noise_n = 1.0, .samples = 600}, seed);
+    const Measurement none = synthetic({.noise_n = 0.0, .samples = 600}, seed);
+    for (std::size_t i = 0; i < m.force_n.size(); ++i) {
+      const double unit = noise.force_n[i] - none.force_n[i];
+      m.force_n[i] += std::hypot(1e-3, 0.03 * m.force_n[i]) * unit;
+    }
+    for (const double relative : {0.0, 0.03}) {
+      const FamilyChoice choice =
+          choose(m, {"power-law"}, "aicc",
+                 {.noise_relative = relative, .cross_validate = false});
+      (relative > 0.0 ? told : untold) +=
+          std::pow(choice.fits[0].contact_point_m - 2e-3, 2);
+    }
+  }
+  EXPECT_LT(told, 0.5 * untold);
 }
 
 TEST(FamilyFit, RefusesAnotherFamily) {

@@ -59,6 +59,7 @@ TEST_F(SessionTest, ReadsWhatIsThere) {
                 "[body]\nmesh = \"b.obj\"\nlength_unit = \"mm\"\n"
                 "[fit]\nfrom_m = 0.001\nbaseline_m = [0, 0.002]\n"
                 "families = [\"polynomial\"]\ncriterion = \"bic\"\n"
+                "noise_relative = 0.02\n"
                 "[[run]]\nfile = \"a.csv\"\nposition_m = [1, 2, 3]\n"
                 "normal = [0, 0, 2]\npoint = \"A\"\n"));
   EXPECT_EQ(s.name, "liver");
@@ -72,6 +73,7 @@ TEST_F(SessionTest, ReadsWhatIsThere) {
   EXPECT_EQ(s.fit.baseline->to_m, 0.002);
   EXPECT_EQ(s.fit.families, std::vector<std::string>{"polynomial"});
   EXPECT_EQ(s.fit.criterion, "bic");
+  EXPECT_EQ(s.fit.noise_relative, 0.02);
   ASSERT_EQ(s.run.size(), 1U);
   EXPECT_EQ(s.run[0].file, folder_ / "a.csv");
   EXPECT_EQ(*s.run[0].position_m, Eigen::Vector3d(1, 2, 3));
@@ -139,6 +141,7 @@ TEST_F(SessionTest, SaysWhereItIsWrongAndWhatIsRight) {
                    "does not belong to shape \"unknown\"");
   expect_complaint(with(run + "[fit]\nfamilies = [\"spline\"]\n"), "convex-spline");
   expect_complaint(with(run + "[fit]\nfrom_m = 2.0\nto_m = 1.0\n"), "less than");
+  expect_complaint(with(run + "[fit]\nnoise_relative = 1.0\n"), "in [0, 1)");
   expect_complaint(with(run + run), "a second time");
   expect_complaint(with("[[run]]\nfiles = []\n"), "list of texts");
   expect_complaint(kRead, "run");
