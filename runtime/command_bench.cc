@@ -15,7 +15,9 @@
 #include "runtime/bench_stream.h"
 #include "runtime/bench_table1.h"
 #include "runtime/bench_trade.h"
+#include "runtime/bench_walk.h"
 #include "runtime/command_bench_allocations.h"
+#include "runtime/simulation.h"
 
 namespace palpate {
 namespace {
@@ -195,6 +197,30 @@ void add_trade(CLI::App& bench) {
   });
 }
 
+void add_walk(CLI::App& bench) {
+  struct Flags : WalkBenchOptions {
+    std::string model_name = "potential";
+    bool json = false;
+  };
+  CLI::App* command = bench.add_subcommand(
+      "walk", "a long random walk over a database, under everything that can go wrong");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("database", flags->database, "Response database (HDF5)")
+      ->required();
+  command->add_option("--tool", flags->tool,
+                      "of the database; may be left out if there is one");
+  command->add_option("--ticks", flags->ticks, "at 2 kHz")->capture_default_str();
+  command->add_option("--model", flags->model_name, known_models())
+      ->capture_default_str();
+  command->add_option("--seed", flags->seed, "of the walk")->capture_default_str();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    flags->model = requested_model(flags->model_name);
+    const WalkBenchReport report = run_walk_bench(*flags);
+    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
@@ -206,6 +232,7 @@ void add_bench_command(CLI::App& app) {
   add_step(*command);
   add_potential(*command);
   add_trade(*command);
+  add_walk(*command);
   add_search(*command);
   add_stream(*command);
   add_device(*command);

@@ -12,6 +12,7 @@
 #include "runtime/bench_body.h"
 #include "runtime/fast/element.h"
 #include "runtime/fast/local_model.h"
+#include "runtime/wanderer.h"
 
 namespace palpate {
 
@@ -27,16 +28,6 @@ struct FieldWalk {
 /// Over a bench body; starts and ends off it.
 [[nodiscard]] FieldWalk walk_over(const BenchBody& body,
                                   const BenchWalkOptions& options, int ticks_per_slow);
-
-struct DatabaseWalkOptions {
-  int ticks = 200000;
-  int ticks_per_slow = 20;
-  double speed_m_per_s = 0.05;  ///< [m/s] standard deviation of each component
-  double memory_s = 0.1;        ///< [s] > 0, correlation time of the velocity
-  double lift_m = 0.002;        ///< [m] highest above the surface
-  double depth_share = 0.8;     ///< [-] deepest, of the node's curve
-  std::uint32_t seed = 1;
-};
 
 /// Over the nodes of a table that have a response, as the slow process would follow.
 [[nodiscard]] FieldWalk walk_over(const ResponseDatabase& database,
