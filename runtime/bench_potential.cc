@@ -94,10 +94,6 @@ PotentialBenchReport run_potential_bench(const PotentialBenchOptions& options) {
   if (!options.database.empty()) {
     const ResponseDatabase database = read_database(options.database);
     const ResponseTable& table = find_tool(database, options.tool);
-    if (table.tool.kind != "sphere") {
-      throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
-                                   table.tool.name, table.tool.kind));
-    }
     FieldWalk walk =
         walk_over(database, table,
                   {.ticks = options.ticks, .ticks_per_slow = options.ticks_per_slow});

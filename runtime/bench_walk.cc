@@ -13,6 +13,7 @@
 #include "formats/error.h"
 #include "runtime/element_stream.h"
 #include "runtime/fast/fast_step.h"
+#include "runtime/tool_height.h"
 #include "runtime/wanderer.h"
 
 namespace palpate {
@@ -120,7 +121,7 @@ WalkBenchReport run_walk(const ResponseDatabase& database,
   const ResponseTable& table = find_tool(database, options.tool);
   Wanderer tool(database, table, {.seed = options.seed});
   Disturbed world(database, table, options);
-  const auto state = make_state(options.model, table.tool.radius_m);
+  const auto state = make_state(options.model, nominal_height_m(table.tool));
   WalkBenchReport report;
   long double work_j = 0.0L;  // a billion additions
   Eigen::Vector3d last = Eigen::Vector3d::Zero();

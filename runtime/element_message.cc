@@ -4,13 +4,34 @@
 #include <cmath>
 #include <span>
 
+#include <fmt/format.h>
+
+#include "formats/error.h"
 #include "runtime/element_curve.h"
+#include "runtime/tool_height.h"
 
 namespace palpate {
 namespace {
 
 std::array<double, 3> as_array(const Points& points, Eigen::Index row) {
   return {points(row, 0), points(row, 1), points(row, 2)};
+}
+
+// The touch offset of a node for a tool that counts depths from its nominal height.
+double touch_offset_m(const NodeRows& rows, std::int64_t row) {
+  const ToolShape& tool = rows.table.tool;
+  const double offset_m = rows.table.touch_offset_m[static_cast<std::size_t>(row)];
+  if (tool.kind == "sphere") {
+    return offset_m;
+  }
+  const double height_m = height_at_touch_m(tool, rows.normal.row(row).transpose());
+  if (!std::isfinite(height_m)) {
+    throw InputError(
+        fmt::format("tool {:?}: a {} without end lies below its own tip at node {} of "
+                    "the surface; its axis must lean away from it",
+                    tool.name, tool.kind, row));
+  }
+  return offset_m + nominal_height_m(tool) - height_m;
 }
 
 }  // namespace
@@ -23,11 +44,11 @@ ElementNode node_message(const NodeRows& rows, std::int64_t row, double* loss_n)
   message.normal = as_array(rows.normal, row);
   message.friction = table.friction[i];
   message.presliding_m = table.presliding_m[i];
-  message.touch_offset_m = table.touch_offset_m[i];
   const CurveView curve = table.curve(row);
   if (curve.depth_m.empty()) {
     return message;
   }
+  message.touch_offset_m = touch_offset_m(rows, row);
   message.direction = as_array(table.direction, row);
   const double lost_n = set_curve(message, curve) * rows.force_scale;
   if (loss_n != nullptr) {

@@ -33,7 +33,11 @@ struct NodeRows {
 };
 
 /// The message of a row, whose node the caller names. Without response: no samples, no
-/// direction, zero force. @param loss_n where not null, what thinning cost [N].
+/// direction, no touch offset, zero force. Its touch offset is that of a tool whose
+/// reference point stands at nominal_height_m(tool) over a flat surface, so that a tool
+/// of any shape and fixed orientation is followed as a sphere of that radius. @param
+/// loss_n where not null, what thinning cost [N]. @throws InputError for an endless
+/// tool that cannot touch the node.
 [[nodiscard]] ElementNode node_message(const NodeRows& rows, std::int64_t row,
                                        double* loss_n = nullptr);
 

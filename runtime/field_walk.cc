@@ -10,6 +10,7 @@
 
 #include "runtime/element_stream.h"
 #include "runtime/fast/fast_step.h"
+#include "runtime/tool_height.h"
 
 namespace palpate {
 namespace {
@@ -92,7 +93,7 @@ FieldWalk walk_over(const BenchBody& body, const BenchWalkOptions& options,
 FieldWalk walk_over(const ResponseDatabase& database, const ResponseTable& table,
                     const DatabaseWalkOptions& options) {
   FieldWalk walk;
-  walk.tool_radius_m = table.tool.radius_m;
+  walk.tool_radius_m = nominal_height_m(table.tool);
   walk.ticks_per_slow = static_cast<std::size_t>(options.ticks_per_slow);
   Wanderer tool(database, table, options);
   ElementStream stream(database, table);

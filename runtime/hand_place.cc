@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "runtime/tool_height.h"
 
 namespace palpate {
 namespace {
@@ -103,7 +104,7 @@ HandScript script_at(const ResponseDatabase& database, const ResponseTable& tabl
   HandScript script;
   script.surface_m = database.body.position_m.row(node).transpose();
   script.normal = database.normal.row(node).transpose();
-  script.touch_m = table.tool.radius_m;
+  script.touch_m = height_at_touch_m(table.tool, script.normal);
   script.clear_m = std::max(0.005, curve.depth_max_m());
   script.press_m = hand_depth_m(1);
   script.deeper_m = hand_depth_m(2);

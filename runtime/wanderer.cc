@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "runtime/hand_place.h"
+#include "runtime/tool_height.h"
 
 namespace palpate {
 
@@ -18,7 +19,8 @@ Wanderer::Wanderer(const ResponseDatabase& database, const ResponseTable& table,
       search_(database.body) {
   const std::int32_t node = node_to_press(database, table, std::nullopt);
   x_ = database.body.position_m.row(node).transpose() +
-       (table.tool.radius_m + o_.lift_m) * database.normal.row(node).transpose();
+       (nominal_height_m(table.tool) + o_.lift_m) *
+           database.normal.row(node).transpose();
   triangle_ = search_.nearest(x_).triangle;
 }
 
@@ -50,7 +52,7 @@ Eigen::Vector3d Wanderer::step(double tick_s) {
   }
   n.normalize();
   triangle_ = at.triangle;
-  const double height = (x_ - at.position_m).dot(n) - table_.tool.radius_m;
+  const double height = (x_ - at.position_m).dot(n) - nominal_height_m(table_.tool);
   const double kept = std::clamp(height, -o_.depth_share * depth_max, o_.lift_m);
   if (kept != height) {
     x_ += (kept - height) * n;
