@@ -1,9 +1,11 @@
 #include "runtime/command_simulate.h"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,7 @@ struct Flags {
   std::string clock = "simulated";
   std::string stream = "auto";
   double stream_budget_mib = 48.0;
+  std::vector<std::string> tools;
   std::vector<double> at_m;
   std::string record;
   std::string flight_recorder;
@@ -50,11 +53,40 @@ SimulationOptions options_of(const Flags& flags) {
   }
   options.model = requested_model(flags.model);
   options.real_time = flags.clock == "real";
-  if (!flags.at_m.empty()) {
-    options.at_m = Eigen::Vector3d(flags.at_m[0], flags.at_m[1], flags.at_m[2]);
-    if (!options.at_m->allFinite()) {
-      throw InputError("--at: coordinates must be finite");
-    }
+  return options;
+}
+
+// Where the tool of that number presses; none: anywhere.
+std::optional<Eigen::Vector3d> place(const Flags& flags, std::size_t tool) {
+  if (flags.at_m.empty()) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d at_m = Eigen::Map<const Eigen::Vector3d>(&flags.at_m[3 * tool]);
+  if (!at_m.allFinite()) {
+    throw InputError("--at: coordinates must be finite");
+  }
+  return at_m;
+}
+
+// The options of each tool.
+std::vector<SimulationOptions> tools_of(const Flags& flags) {
+  const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
+  if (!flags.at_m.empty() && flags.at_m.size() != 3 * tools) {
+    throw InputError(
+        fmt::format("--at has {} coordinates, must have three for each of "
+                    "{} tools",
+                    flags.at_m.size(), tools));
+  }
+  if (tools > 1 && (!flags.record.empty() || !flags.flight_recorder.empty() ||
+                    !flags.device.empty())) {
+    throw InputError(fmt::format(
+        "--tool names {} tools; --record, --flight-recorder and --device are for one",
+        tools));
+  }
+  std::vector<SimulationOptions> options(tools, options_of(flags));
+  for (std::size_t i = 0; i < tools; ++i) {
+    options[i].tool = flags.tools.empty() ? "" : flags.tools[i];
+    options[i].at_m = place(flags, i);
   }
   return options;
 }
@@ -145,25 +177,46 @@ void heed_signals() {
   std::signal(SIGHUP, request_stop);
 }
 
-SimulationReport render(const Flags& flags, SimulationOptions options) {
+std::vector<SimulationReport> render(const Flags& flags) {
+  std::vector<SimulationOptions> tools = tools_of(flags);
   if (!flags.record.empty() || !flags.flight_recorder.empty()) {
-    options.recording.database_sha256 = database_sha256(flags.database);
+    tools.front().recording.database_sha256 = database_sha256(flags.database);
   }
   if (is_streamed(flags)) {
+    if (tools.size() > 1) {
+      throw InputError(fmt::format(
+          "--tool names {} tools, responses can be streamed for one; --stream off "
+          "keeps them in memory",
+          tools.size()));
+    }
     const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
                                                  static_cast<double>(kMebibyte));
     heed_signals();
-    return simulate_streamed(flags.database, options, budget, stop_requested);
+    return {simulate_streamed(flags.database, tools.front(), budget, stop_requested)};
   }
   const ResponseDatabase database = read_database(flags.database);
   heed_signals();
-  return simulate(database, options, stop_requested);
+  return simulate(database, tools, stop_requested);
 }
 
-void run(const Flags& flags) {
-  const SimulationOptions options = options_of(flags);
-  const SimulationReport report = render(flags, options);
-  fmt::print("{}", flags.json ? as_json(report).dump(2) + "\n" : summary(report));
+void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
+  if (flags.json && reports.size() == 1) {
+    fmt::print("{}\n", as_json(reports.front()).dump(2));
+  } else if (flags.json) {
+    nlohmann::json all = nlohmann::json::array();
+    for (const SimulationReport& report : reports) {
+      all.push_back(as_json(report));
+    }
+    fmt::print("{}\n", nlohmann::json{{"tools", all}}.dump(2));
+  } else {
+    for (std::size_t i = 0; i < reports.size(); ++i) {
+      fmt::print("{}{}", i == 0 ? "" : "\n", summary(reports[i]));
+    }
+  }
+}
+
+// What of a report ends the tool with an error.
+void complain(const SimulationReport& report) {
   if (report.render.fault != Fault::kNone) {
     const std::string what =
         fmt::format("stopped by fault \"{}\" after {:.4g} s", name(report.render.fault),
@@ -187,6 +240,14 @@ void run(const Flags& flags) {
   }
 }
 
+void run(const Flags& flags) {
+  const std::vector<SimulationReport> reports = render(flags);
+  print(flags, reports);
+  for (const SimulationReport& report : reports) {
+    complain(report);
+  }
+}
+
 }  // namespace
 
 void add_simulate_command(CLI::App& app) {
@@ -200,14 +261,20 @@ void add_simulate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--seconds", options.duration_s, "Duration [s]")
       ->capture_default_str();
-  command->add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command
+      ->add_option("--tool", flags->tools,
+                   "Tool, or several at once: a,b; may be left out if there is one")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
       ->capture_default_str();
   command->add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
       ->capture_default_str();
-  command->add_option("--at", flags->at_m, "Where to press: x,y,z [m]")
+  command
+      ->add_option("--at", flags->at_m,
+                   "Where to press: x,y,z [m], for each tool in turn")
       ->delimiter(',')
-      ->expected(3);
+      ->allow_extra_args(false);
   command->add_option("--clock", flags->clock, "simulated (repeatable, fast) or real")
       ->capture_default_str();
   command->add_option("--force-max-n", options.force_max_n, "Largest force [N]")

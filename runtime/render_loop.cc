@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <memory>
+#include <span>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -66,17 +68,6 @@ std::string message_of(const std::exception_ptr& failure) {
   }
 }
 
-RenderReport finish(const FastProcess& fast, const SlowProcess& slow,
-                    const RenderSetup& setup) {
-  RenderReport report = fast.report();
-  report.slow_updates = slow.updates;
-  report.slow_missed_deadlines = slow.missed_deadlines;
-  report.slow_error = slow.failure;
-  report.slow_failure = message_of(slow.failure);
-  report.interrupted = setup.stop.load();
-  return report;
-}
-
 TickOutputs outputs(const RenderSetup& setup) {
   return {
       .trace = setup.trace,
@@ -111,6 +102,151 @@ std::int64_t wait(Deadlines& deadlines, Clock& clock) noexcept {
   return deadlines.begin(clock.now_ns());
 }
 
+// One tool: what its two processes share, and its fast one.
+class Pair {
+ public:
+  explicit Pair(const RenderedTool& tool)
+      : tool_(tool),
+        exchange_(std::make_unique<RenderExchange>()),
+        fast_(std::make_unique<FastProcess>(tool.config.fast, tool.setup.device,
+                                            *exchange_, outputs(tool.setup))),
+        slow_(tool.setup.stream, *exchange_),
+        session_(tool.setup.device),
+        deadlines_(0, tool.config.fast.rate_hz) {}
+
+  void begin(std::int64_t start_ns) {
+    deadlines_ = Deadlines(start_ns, tool_.config.fast.rate_hz);
+    stop_ns_ = end_ns(start_ns, tool_.config.duration_s);
+  }
+
+  [[nodiscard]] Deadlines& deadlines() noexcept { return deadlines_; }
+  [[nodiscard]] std::int64_t next_ns() const noexcept { return deadlines_.next_ns(); }
+
+  [[nodiscard]] bool goes_on() const noexcept {
+    return !over_ && deadlines_.next_ns() < stop_ns_ && !tool_.setup.stop.load();
+  }
+
+  [[nodiscard]] bool is_over() const noexcept { return over_; }
+
+  // Does not look at what the fast thread writes. @param skipped deadlines.
+  void serve(std::int64_t now_ns, std::int64_t skipped) noexcept {
+    slow_.update(now_ns, skipped);
+  }
+
+  void turn(std::int64_t skipped) noexcept { over_ = !fast_->tick(skipped); }
+
+  void drain() {
+    if (tool_.setup.recorder != nullptr && fast_->report().ticks % kDrainTicks == 0) {
+      tool_.setup.recorder->drain();
+    }
+  }
+
+  // The fast thread.
+  void run(std::int64_t start_ns) {
+    grant_ = request_real_time(tool_.config.cpu);
+    MonotonicClock clock;
+    begin(start_ns);
+    deadlines_ = Deadlines(clock.now_ns(), tool_.config.fast.rate_hz);
+    while (goes_on()) {
+      turn(wait(deadlines_, clock));
+    }
+    // Before anybody waits for the slow thread.
+    static_cast<void>(tool_.setup.device.write(Eigen::Vector3d::Zero()));
+  }
+
+  [[nodiscard]] RenderReport report() const {
+    RenderReport report = fast_->report();
+    report.slow_updates = slow_.updates;
+    report.slow_missed_deadlines = slow_.missed_deadlines;
+    report.slow_error = slow_.failure;
+    report.slow_failure = message_of(slow_.failure);
+    report.interrupted = tool_.setup.stop.load();
+    report.scheduling = grant_.remark;
+    return report;
+  }
+
+ private:
+  const RenderedTool& tool_;
+  std::unique_ptr<RenderExchange> exchange_;
+  std::unique_ptr<FastProcess> fast_;
+  SlowProcess slow_;
+  DeviceSession session_;
+  Deadlines deadlines_;
+  std::int64_t stop_ns_ = 0;
+  bool over_ = false;
+  RealTimeGrant grant_;
+};
+
+using Scene = std::vector<std::unique_ptr<Pair>>;
+
+Scene make_scene(std::span<const RenderedTool> tools) {
+  Scene scene;
+  for (const RenderedTool& tool : tools) {
+    scene.push_back(std::make_unique<Pair>(tool));
+  }
+  return scene;
+}
+
+// Whose tick is next; null when all have ended.
+Pair* earliest(const Scene& scene) {
+  Pair* next = nullptr;
+  for (const auto& pair : scene) {
+    if (pair->goes_on() && (next == nullptr || pair->next_ns() < next->next_ns())) {
+      next = pair.get();
+    }
+  }
+  return next;
+}
+
+// One slow turn, for the tools that go on.
+void serve(const Scene& scene, std::int64_t now_ns, std::int64_t skipped) {
+  for (const auto& pair : scene) {
+    if (!pair->is_over()) {
+      pair->serve(now_ns, skipped);
+    }
+  }
+}
+
+// The slow thread.
+void serve(const Scene& scene, const std::atomic<bool>& done, std::int64_t start_ns,
+           double slow_hz) noexcept {
+  request_slow_real_time();
+  MonotonicClock clock;
+  Deadlines deadlines(start_ns, slow_hz);
+  while (!done.load()) {
+    const std::int64_t skipped = wait(deadlines, clock);
+    for (const auto& pair : scene) {
+      pair->serve(clock.now_ns(), skipped);
+    }
+  }
+}
+
+std::vector<RenderReport> reports(const Scene& scene) {
+  std::vector<RenderReport> all;
+  for (const auto& pair : scene) {
+    all.push_back(pair->report());
+  }
+  return all;
+}
+
+void check(std::span<const RenderedTool> tools) {
+  if (tools.empty()) {
+    throw InputError("a scene without a tool cannot be rendered");
+  }
+  const RenderConfig& first = tools.front().config;
+  for (const RenderedTool& tool : tools) {
+    check(tool.config);
+    if (tool.config.slow_hz != first.slow_hz ||
+        tool.config.duration_s != first.duration_s) {
+      throw InputError(fmt::format(
+          "tools of one scene share the slow process and the end: {} Hz and {} s, "
+          "beside {} Hz and {} s",
+          tool.config.slow_hz, tool.config.duration_s, first.slow_hz,
+          first.duration_s));
+    }
+  }
+}
+
 }  // namespace
 
 void check(const RenderConfig& config) {
@@ -130,71 +266,62 @@ void check(const RenderConfig& config) {
 
 RenderReport render_in_turns(const RenderConfig& config, const RenderSetup& setup,
                              Clock& clock) {
-  check(config);
-  const auto exchange = std::make_unique<RenderExchange>();
-  const auto fast = std::make_unique<FastProcess>(config.fast, setup.device, *exchange,
-                                                  outputs(setup));
-  SlowProcess slow(setup.stream, *exchange);
-  const DeviceSession session(setup.device);
-  const std::int64_t start_ns = clock.now_ns();
-  const std::int64_t stop_ns = end_ns(start_ns, config.duration_s);
-  Deadlines fast_deadlines(start_ns, config.fast.rate_hz);
-  Deadlines slow_deadlines(start_ns, config.slow_hz);
-  while (fast_deadlines.next_ns() < stop_ns && !setup.stop.load()) {
-    if (!fast->tick(wait(fast_deadlines, clock))) {
-      break;
-    }
-    if (clock.now_ns() >= slow_deadlines.next_ns()) {
-      slow.update(clock.now_ns(), slow_deadlines.begin(clock.now_ns()));
-    }
-    if (setup.recorder != nullptr && fast->report().ticks % kDrainTicks == 0) {
-      setup.recorder->drain();
-    }
-  }
-  return finish(*fast, slow, setup);
+  const RenderedTool tool{config, setup};
+  return render_in_turns(std::span(&tool, 1), clock).front();
 }
 
 RenderReport render_in_real_time(const RenderConfig& config, const RenderSetup& setup) {
-  check(config);
-  const auto exchange = std::make_unique<RenderExchange>();
-  const auto fast = std::make_unique<FastProcess>(config.fast, setup.device, *exchange,
-                                                  outputs(setup));
-  SlowProcess slow(setup.stream, *exchange);
-  const DeviceSession session(setup.device);
-  if (setup.recorder != nullptr) {
-    setup.recorder->start();
+  const RenderedTool tool{config, setup};
+  return render_in_real_time(std::span(&tool, 1)).front();
+}
+
+std::vector<RenderReport> render_in_turns(std::span<const RenderedTool> tools,
+                                          Clock& clock) {
+  check(tools);
+  const Scene scene = make_scene(tools);
+  const std::int64_t start_ns = clock.now_ns();
+  for (const auto& pair : scene) {
+    pair->begin(start_ns);
+  }
+  Deadlines slow_deadlines(start_ns, tools.front().config.slow_hz);
+  for (Pair* next = earliest(scene); next != nullptr;) {
+    const std::int64_t due_ns = next->next_ns();
+    next->turn(wait(next->deadlines(), clock));
+    next->drain();
+    next = earliest(scene);
+    const bool all = next == nullptr || next->next_ns() > due_ns;
+    if (all && clock.now_ns() >= slow_deadlines.next_ns()) {
+      serve(scene, clock.now_ns(), slow_deadlines.begin(clock.now_ns()));
+    }
+  }
+  return reports(scene);
+}
+
+std::vector<RenderReport> render_in_real_time(std::span<const RenderedTool> tools) {
+  check(tools);
+  const Scene scene = make_scene(tools);
+  for (const RenderedTool& tool : tools) {
+    if (tool.setup.recorder != nullptr) {
+      tool.setup.recorder->start();
+    }
   }
   MonotonicClock clock;
-  RealTimeGrant grant;
   std::atomic<bool> done = false;
   const std::int64_t start_ns = clock.now_ns();
-  const std::int64_t stop_ns = end_ns(start_ns, config.duration_s);
-
-  // The threads touch what is theirs, the exchange and the flags; nothing else.
+  const double slow_hz = tools.front().config.slow_hz;
+  // The threads touch what is theirs, the exchanges and the flags; nothing else.
   {
     const JoinedThread slow_thread(done, std::thread([&] {
-                                     request_slow_real_time();
-                                     Deadlines deadlines(start_ns, config.slow_hz);
-                                     while (!done.load()) {
-                                       const std::int64_t skipped =
-                                           wait(deadlines, clock);
-                                       slow.update(clock.now_ns(), skipped);
-                                     }
+                                     serve(scene, done, start_ns, slow_hz);
                                    }));
-    std::thread fast_thread([&] {
-      grant = request_real_time(config.cpu);
-      Deadlines deadlines(clock.now_ns(), config.fast.rate_hz);
-      while (deadlines.next_ns() < stop_ns && !setup.stop.load() &&
-             fast->tick(wait(deadlines, clock))) {
-      }
-      // Before anybody waits for the slow thread.
-      static_cast<void>(setup.device.write(Eigen::Vector3d::Zero()));
-    });
-    fast_thread.join();
+    std::vector<std::jthread> fast_threads;
+    for (const auto& pair : scene) {
+      fast_threads.emplace_back([&pair, start_ns] {
+        pair->run(start_ns);
+      });
+    }
   }
-  RenderReport report = finish(*fast, slow, setup);
-  report.scheduling = grant.remark;
-  return report;
+  return reports(scene);
 }
 
 }  // namespace palpate

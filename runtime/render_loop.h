@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <span>
 #include <vector>
 
 #include "runtime/clock.h"
@@ -33,6 +34,12 @@ struct RenderSetup {
   FlightLog* flight = nullptr;               ///< keeps the last ticks
 };
 
+/// One of several tools in a scene.
+struct RenderedTool {
+  RenderConfig config;
+  RenderSetup setup;
+};
+
 /// Both processes take turns in the calling thread, by `clock`: with a SimulatedClock
 /// the same input gives the same bits. Ends after duration_s, by `stop` or by a fault;
 /// in any case with zero force. A slow process that throws ends, and
@@ -46,5 +53,17 @@ struct RenderSetup {
 /// and locked memory where permitted (report.scheduling says so). Ends as above.
 [[nodiscard]] RenderReport render_in_real_time(const RenderConfig& config,
                                                const RenderSetup& setup);
+
+/// Several tools at once: to each its device, its elements, its fast process with local
+/// model and ledger; the slow process is one and serves them in their order. A tool
+/// that faults ends alone. Tools do not feel each other: every response is that of the
+/// body pressed by one of them. @param tools at least one; the same durations and slow
+/// rates. @returns a report each. @throws InputError, DeviceError.
+[[nodiscard]] std::vector<RenderReport> render_in_turns(
+    std::span<const RenderedTool> tools, Clock& clock);
+
+/// The same with a thread for each fast process and one for the slow one.
+[[nodiscard]] std::vector<RenderReport> render_in_real_time(
+    std::span<const RenderedTool> tools);
 
 }  // namespace palpate

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,6 +17,7 @@
 #include "runtime/replay.h"
 #include "runtime/socket_device.h"
 #include "runtime/streamed_place.h"
+#include "runtime/tool_height.h"
 
 namespace palpate {
 namespace {
@@ -21,7 +25,7 @@ namespace {
 RenderConfig render_config(const SimulationOptions& options, const ToolShape& tool) {
   RenderConfig config;
   config.fast.fast.model = options.model;
-  config.fast.fast.tool_radius_m = tool.radius_m;
+  config.fast.fast.tool_radius_m = nominal_height_m(tool);
   config.fast.fast.force_max_n = options.force_max_n;
   config.fast.fast.ramp_s = options.ramp_s;
   config.fast.rate_hz = options.fast_hz;
@@ -34,17 +38,13 @@ RenderConfig render_config(const SimulationOptions& options, const ToolShape& to
   return config;
 }
 
-void check(const SimulationOptions& options, const ToolShape& tool) {
+void check(const SimulationOptions& options) {
   if (!(options.force_max_n > 0.0) || !std::isfinite(options.force_max_n)) {
     throw InputError(fmt::format("largest force is {} N, must be positive and finite",
                                  options.force_max_n));
   }
   if ((!options.socket.empty() || options.attached) && !options.real_time) {
     throw InputError("a device lives in real time, not in simulated time");
-  }
-  if (tool.kind != "sphere") {
-    throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
-                                 tool.name, tool.kind));
   }
 }
 
@@ -80,62 +80,49 @@ struct PressedBody {
       stream;
 };
 
-// Renders, and records what is wanted of it.
-void render(const RenderConfig& config, RenderSetup setup, Clock& clock,
-            SimulationReport& report) {
-  const SimulationOptions& options = report.options;
-  const RecordingRequest& wanted = options.recording;
-  const RecordingHeader header =
-      recording_header(report, config.fast, setup.device.limits(), wanted);
+// A run of one tool, ready to be rendered.
+struct PreparedRun {
+  RenderConfig config;
+  SimulationReport report;
+  std::unique_ptr<Device> device;
+  std::unique_ptr<ElementSender> sender;
+  RecordingHeader header;
   std::unique_ptr<Recorder> recorder;
-  if (!wanted.file.empty()) {
-    recorder = std::make_unique<Recorder>(wanted.file, header);
-    setup.recorder = recorder.get();
-  }
   std::unique_ptr<FlightLog> flight;
+};
+
+void prepare_records(PreparedRun& run, const DeviceLimits& limits) {
+  const RecordingRequest& wanted = run.report.options.recording;
+  run.header = recording_header(run.report, run.config.fast, limits, wanted);
+  if (!wanted.file.empty()) {
+    run.recorder = std::make_unique<Recorder>(wanted.file, run.header);
+  }
   if (!wanted.flight_file.empty()) {
-    flight = std::make_unique<FlightLog>();
-    setup.flight = flight.get();
-  }
-  report.render = options.real_time ? render_in_real_time(config, setup)
-                                    : render_in_turns(config, setup, clock);
-  const std::string_view fault = name(report.render.fault);
-  if (recorder != nullptr) {
-    recorder->finish(fault);
-    report.records_dropped = recorder->dropped();
-    report.recording_failure = recorder->failure();
-  }
-  if (flight != nullptr && report.render.fault != Fault::kNone) {
-    write_flight_log(wanted.flight_file, header, *flight, fault);
+    run.flight = std::make_unique<FlightLog>();
   }
 }
 
-// @param sender who sent the elements, for the caller's account of it.
-SimulationReport run(const PressedBody& body, const SimulationOptions& options,
-                     const std::atomic<bool>& stop,
-                     std::unique_ptr<ElementSender>& sender) {
-  RenderConfig config = render_config(options, body.tool);
-  SimulationReport report;
+// Checks the margin. @param clock of all tools.
+PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
+                    Clock& clock) {
+  PreparedRun run;
+  run.config = render_config(options, body.tool);
+  SimulationReport& report = run.report;
   report.options = options;
   report.tool = body.tool.name;
   report.node = body.node;
   report.options.device.tick_s = 1.0 / options.fast_hz;
   report.options.device.force_max_n = options.force_max_n;
   const SimulatedDeviceConfig& device_config = report.options.device;
-
-  MonotonicClock monotonic;
-  SimulatedClock simulated;
-  Clock& clock = options.real_time ? static_cast<Clock&>(monotonic) : simulated;
-  std::unique_ptr<Device> device;
   if (!options.socket.empty()) {
-    device = std::make_unique<SocketDevice>(options.socket);
+    run.device = std::make_unique<SocketDevice>(options.socket);
   }
   const DeviceLimits limits =
       options.attached ? options.attached->limits
-      : device != nullptr
-          ? device->limits()
+      : run.device != nullptr
+          ? run.device->limits()
           : SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
-  config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
+  run.config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
   report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
   report.stiffness = body.stiffness;
   if (!follows_surface(options.model)) {
@@ -147,16 +134,96 @@ SimulationReport run(const PressedBody& body, const SimulationOptions& options,
   const HandScript script = body.script(report.force_scale, device_config.hand_n_per_m);
   const Eigen::Vector3d start_m = script.at(0.0).position_m;
   if (options.attached) {
-    device = options.attached->make(script);
-  } else if (device == nullptr) {
-    device = std::make_unique<SimulatedDevice>(device_config, script, clock,
-                                               SimulatedMotion{.position_m = start_m});
+    run.device = options.attached->make(script);
+  } else if (run.device == nullptr) {
+    run.device = std::make_unique<SimulatedDevice>(
+        device_config, script, clock, SimulatedMotion{.position_m = start_m});
   }
-  report.device = device->name();
-  sender = body.stream(report.force_scale, start_m);
-  render(config, {.device = *device, .stream = *sender, .stop = stop}, clock, report);
-  report.device_failure = device->failure();
-  return report;
+  report.device = run.device->name();
+  run.sender = body.stream(report.force_scale, start_m);
+  prepare_records(run, limits);
+  return run;
+}
+
+// What a run leaves behind: report, recording, flight log.
+void finish(PreparedRun& run, const RenderReport& rendered) {
+  SimulationReport& report = run.report;
+  report.render = rendered;
+  report.device_failure = run.device->failure();
+  const std::string_view fault = name(rendered.fault);
+  if (run.recorder != nullptr) {
+    run.recorder->finish(fault);
+    report.records_dropped = run.recorder->dropped();
+    report.recording_failure = run.recorder->failure();
+  }
+  if (run.flight != nullptr && rendered.fault != Fault::kNone) {
+    write_flight_log(report.options.recording.flight_file, run.header, *run.flight,
+                     fault);
+  }
+}
+
+// Renders all of them at once, and records what is wanted of it.
+void render(std::vector<PreparedRun>& runs, const std::atomic<bool>& stop,
+            Clock& clock) {
+  std::vector<RenderedTool> tools;
+  tools.reserve(runs.size());
+  for (PreparedRun& run : runs) {
+    tools.push_back({run.config,
+                     {.device = *run.device,
+                      .stream = *run.sender,
+                      .stop = stop,
+                      .recorder = run.recorder.get(),
+                      .flight = run.flight.get()}});
+  }
+  const std::vector<RenderReport> rendered = runs.front().report.options.real_time
+                                                 ? render_in_real_time(tools)
+                                                 : render_in_turns(tools, clock);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    finish(runs[i], rendered[i]);
+  }
+}
+
+// The clock that a run goes by.
+std::unique_ptr<Clock> make_clock(const SimulationOptions& options) {
+  if (options.real_time) {
+    return std::make_unique<MonotonicClock>();
+  }
+  return std::make_unique<SimulatedClock>();
+}
+
+// @param sender who sent the elements, for the caller's account of it.
+SimulationReport run(const PressedBody& body, const SimulationOptions& options,
+                     const std::atomic<bool>& stop,
+                     std::unique_ptr<ElementSender>& sender) {
+  const std::unique_ptr<Clock> clock = make_clock(options);
+  std::vector<PreparedRun> runs;
+  runs.push_back(prepare(body, options, *clock));
+  render(runs, stop, *clock);
+  sender = std::move(runs.front().sender);
+  return runs.front().report;
+}
+
+// @param loss of the curves that had to be thinned.
+PressedBody pressed_body(const ResponseDatabase& database,
+                         const SimulationOptions& options, ResampleLoss& loss) {
+  const ResponseTable& table = find_tool(database, options.tool);
+  check(options);
+  const std::int32_t node = node_to_press(database, table, options.at_m);
+  const double force_max_n = options.force_max_n;
+  return {
+      .tool = table.tool,
+      .node = node,
+      .stiffness = rendered_stiffness(table, force_max_n),
+      .script =
+          [&database, &table, node, force_max_n](double scale, double hand_n_per_m) {
+            return script_at(database, table, node, force_max_n, scale, hand_n_per_m);
+          },
+      .stream = [&database, &table, &loss](double scale, const Eigen::Vector3d&)
+          -> std::unique_ptr<ElementSender> {
+        auto stream = std::make_unique<ElementStream>(database, table, scale);
+        loss = stream->resample_loss();
+        return stream;
+      }};
 }
 
 }  // namespace
@@ -187,29 +254,31 @@ double hold_s(LocalModel model, double fast_hz, double slow_hz) {
 SimulationReport simulate(const ResponseDatabase& database,
                           const SimulationOptions& options,
                           const std::atomic<bool>& stop) {
-  const ResponseTable& table = find_tool(database, options.tool);
-  check(options, table.tool);
-  const std::int32_t node = node_to_press(database, table, options.at_m);
-  ResampleLoss loss;
-  const PressedBody body{
-      .tool = table.tool,
-      .node = node,
-      .stiffness = rendered_stiffness(table, options.force_max_n),
-      .script =
-          [&](double scale, double hand_n_per_m) {
-            return script_at(database, table, node, options.force_max_n, scale,
-                             hand_n_per_m);
-          },
-      .stream = [&](double scale,
-                    const Eigen::Vector3d&) -> std::unique_ptr<ElementSender> {
-        auto stream = std::make_unique<ElementStream>(database, table, scale);
-        loss = stream->resample_loss();
-        return stream;
-      }};
-  std::unique_ptr<ElementSender> sender;
-  SimulationReport report = run(body, options, stop, sender);
-  report.resample_loss = loss;
-  return report;
+  return simulate(database, std::span(&options, 1), stop).front();
+}
+
+std::vector<SimulationReport> simulate(const ResponseDatabase& database,
+                                       std::span<const SimulationOptions> tools,
+                                       const std::atomic<bool>& stop) {
+  if (tools.empty()) {
+    throw InputError("a scene without a tool cannot be rendered");
+  }
+  const std::unique_ptr<Clock> clock = make_clock(tools.front());
+  std::vector<PreparedRun> runs;
+  for (const SimulationOptions& options : tools) {
+    if (options.real_time != tools.front().real_time) {
+      throw InputError("tools of one scene share the clock, real or simulated");
+    }
+    ResampleLoss loss;
+    runs.push_back(prepare(pressed_body(database, options, loss), options, *clock));
+    runs.back().report.resample_loss = loss;
+  }
+  render(runs, stop, *clock);
+  std::vector<SimulationReport> reports;
+  for (const PreparedRun& done : runs) {
+    reports.push_back(done.report);
+  }
+  return reports;
 }
 
 SimulationReport simulate_streamed(const std::filesystem::path& file,
@@ -218,7 +287,7 @@ SimulationReport simulate_streamed(const std::filesystem::path& file,
                                    const std::atomic<bool>& stop) {
   const ChunkReader reader(file);
   const std::size_t tool = find_tool(reader.index(), options.tool);
-  check(options, reader.index().tools[tool].tool);
+  check(options);
   const StreamedPlace place = streamed_place(reader, tool, options.at_m);
   const PressedBody body{
       .tool = reader.index().tools[tool].tool,

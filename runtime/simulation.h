@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "formats/response_database.h"
 #include "runtime/device_choice.h"
@@ -80,10 +82,17 @@ struct SimulationReport {
                                         const SimulationOptions& options,
                                         const std::atomic<bool>& stop);
 
-/// The same with responses that stay in the file but for `budget_bytes`. Presses the
-/// node nearest to at_m, or the highest one with a response. The margin's friction is
-/// that of the tool, because the index has none of the nodes. @throws FormatError also
-/// for a damaged chunk that the start needs; a later one is the report's fault.
+/// Several tools of the database at once, each in a hand of its own on a device of its
+/// own, one slow process for all (render_loop.h). @param tools the options of each; the
+/// same clock, duration and slow rate. @returns a report each.
+[[nodiscard]] std::vector<SimulationReport> simulate(
+    const ResponseDatabase& database, std::span<const SimulationOptions> tools,
+    const std::atomic<bool>& stop);
+
+/// With one tool, and responses that stay in the file but for `budget_bytes`. Presses
+/// the node nearest to at_m, or the highest one with a response. The margin's friction
+/// is that of the tool, because the index has none of the nodes. @throws FormatError
+/// also for a damaged chunk that the start needs; a later one is the report's fault.
 [[nodiscard]] SimulationReport simulate_streamed(const std::filesystem::path& file,
                                                  const SimulationOptions& options,
                                                  std::size_t budget_bytes,
