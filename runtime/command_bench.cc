@@ -11,6 +11,7 @@
 #include "runtime/bench_fidelity.h"
 #include "runtime/bench_potential.h"
 #include "runtime/bench_search.h"
+#include "runtime/bench_slide.h"
 #include "runtime/bench_step.h"
 #include "runtime/bench_stream.h"
 #include "runtime/bench_table1.h"
@@ -197,6 +198,34 @@ void add_trade(CLI::App& bench) {
   });
 }
 
+void add_slide(CLI::App& bench) {
+  struct Flags : SlideBenchOptions {
+    std::string model_name = "potential";
+    bool json = false;
+  };
+  CLI::App* command = bench.add_subcommand(
+      "slide", "step time, energy and force error where proxies are measured");
+  auto flags = std::make_shared<Flags>();
+  command->add_option("--triangles", flags->triangles, "of the bodies")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--radius", flags->tool_radius_m, "of the tools [m]")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--friction", flags->friction, "coefficients [-]")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--rounds", flags->rounds, "of each path")->capture_default_str();
+  command->add_option("--model", flags->model_name, "element or potential")
+      ->capture_default_str();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    flags->model = requested_model(flags->model_name);
+    const std::vector<SlideBenchRow> rows = run_slide_bench(*flags);
+    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+  });
+}
+
 void add_walk(CLI::App& bench) {
   struct Flags : WalkBenchOptions {
     std::string model_name = "potential";
@@ -233,6 +262,7 @@ void add_bench_command(CLI::App& app) {
   add_potential(*command);
   add_trade(*command);
   add_walk(*command);
+  add_slide(*command);
   add_search(*command);
   add_stream(*command);
   add_device(*command);
