@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
