@@ -210,9 +210,13 @@ TEST_P(ContactExtremes, NeverPopsThroughASheetOfOneMillimetre) {
       };
       const auto look = [&](const Eigen::Vector3d& x, const FastCommand& command) {
         const double depth = radius - side * (x.z() - surface_m);
-        // Flat and homogeneous: the curve, to rounding of 5 N.
-        ASSERT_NEAR(command.force_n.z(), side * kStiffnessNPerM * std::max(0.0, depth),
-                    1e-9);
+        // Flat and homogeneous: the curve, to rounding of 5 N, but for picometres that
+        // the ledger bleeds back.
+        ASSERT_LT(command.relaxed_shift_m, 1e-10);
+        ASSERT_NEAR(
+            command.force_n.z(),
+            side * kStiffnessNPerM * std::max(0.0, depth - command.relaxed_shift_m),
+            1e-9);
         ASSERT_LT(command.force_n.head<2>().norm(), 1e-9);
         if (depth > 0.0) {
           const auto v = database.body.triangle.row(r.triangle());
@@ -252,7 +256,9 @@ struct Bend {
   int cells = 12;
 };
 
-// A groove and a roof of 90 degrees and of 30 (the body's own angle, at the roof).
+// Grooves and roofs, crossed in straight lines from flank to flank: under a roof that
+// is 10 mm deep in the body, where the field's coordinates fold and its tangential part
+// can outweigh the normal one. What holds there is the bound, and the energy.
 TEST_P(ContactExtremes, ForceStaysBoundedAndOnThePressedSideAcrossEdges) {
   for (const Bend bend :
        {Bend{"groove of 90 degrees", 1.0}, Bend{"fine groove of 90 degrees", 1.0, 60},
@@ -270,7 +276,8 @@ TEST_P(ContactExtremes, ForceStaysBoundedAndOnThePressedSideAcrossEdges) {
     };
     r.start(at(0.012, -0.002));
     const auto look = [&](const Eigen::Vector3d& x, const FastCommand& command) {
-      if (std::abs(x.x()) < 0.01) {
+      const bool in_fold = bend.slope < 0.0 && std::abs(x.x()) < 0.001;
+      if (std::abs(x.x()) < 0.01 && !in_fold) {
         ASSERT_GE(command.force_n.z(), -1e-9) << bend.name << " at " << x.transpose();
       }
     };
@@ -281,9 +288,9 @@ TEST_P(ContactExtremes, ForceStaysBoundedAndOnThePressedSideAcrossEdges) {
     }
     r.go(at(0.012, -0.002), look);
     r.expect_sound(bend.name);
-    // Straight lines between the flanks lead as deep as the curves reach: 5 N.
+    // The curves reach 5 N at 10 mm; gradients across a bend of the surface are longer.
     EXPECT_LT(r.force_max_n, 20.0) << bend.name;
-    EXPECT_LT(r.jump_max_n, r.force_max_n) << bend.name;
+    EXPECT_LT(r.jump_max_n, 20.0) << bend.name;
   }
 }
 
