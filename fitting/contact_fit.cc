@@ -49,6 +49,13 @@ double extent(const std::vector<double>& values) {
   return *high - *low;
 }
 
+// Whether somebody has said that there is free travel, enough to tell a drift.
+bool told_free(const ScaledCurve& curve) {
+  return std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
+           return x < curve.contact_min;
+         }) >= kFreeSamplesMin;
+}
+
 Scaling scale(const Approach& approach) {
   Scaling s;
   const auto& x = approach.displacement_m;
@@ -64,6 +71,11 @@ Scaling scale(const Approach& approach) {
   }
   s.curve.contact_min =
       std::max(0.0, (approach.contact_from_m - s.x_min_m) / s.length_m);
+  // A drift is expected within kDriftShareMax: that decides where a short free travel
+  // cannot tell it from contact, and is lost among the samples where it can.
+  if (!told_free(s.curve)) {
+    s.curve.drift_weight = approach.noise_sd_n / s.force_n / kDriftShareMax;
+  }
   return s;
 }
 
@@ -102,6 +114,7 @@ ScaledCurve inliers(const ScaledCurve& curve, const ContactModel& model, double 
       kOutlierDeviations * std::max(robust_standard_deviation(r), noise) + 1e-12;
   ScaledCurve kept;
   kept.contact_min = curve.contact_min;
+  kept.drift_weight = curve.drift_weight;
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (std::abs(r[i]) <= limit) {
       kept.x.push_back(curve.x[i]);
@@ -156,17 +169,10 @@ double rms(const Solution& solution) {
   return std::sqrt(squares / static_cast<double>(solution.used.x.size()));
 }
 
-// Whether somebody has said that there is free travel, enough to tell a drift.
-bool told_free(const Scaling& s) {
-  return std::count_if(s.curve.x.begin(), s.curve.x.end(), [&](double x) {
-           return x < s.curve.contact_min;
-         }) >= kFreeSamplesMin;
-}
-
 // A drift that surely lifts the force by more than kDriftShareMax of its range is no
 // drift but the body.
 bool starts_in_contact(const Scaling& s, const Solution& solution) {
-  if (told_free(s)) {
+  if (told_free(s.curve)) {
     return false;
   }
   HeldParameters held = solution.held;

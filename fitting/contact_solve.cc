@@ -39,10 +39,20 @@ Eigen::VectorXd as_vector(const ContactModel& m) {
 LeastSquaresProblem contact_problem(const ScaledCurve& curve,
                                     const HeldParameters& held) {
   LeastSquaresProblem problem;
-  problem.residuals = static_cast<int>(curve.x.size());
-  problem.evaluate = [&curve](const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> r,
-                              RowMajorMatrix* jacobian) {
+  const bool weighed = curve.drift_weight > 0.0;
+  problem.residuals = static_cast<int>(curve.x.size()) + (weighed ? 1 : 0);
+  problem.evaluate = [&curve, weighed](const Eigen::VectorXd& q,
+                                       Eigen::Ref<Eigen::VectorXd> r,
+                                       RowMajorMatrix* jacobian) {
     evaluate(curve, q.data(), r.data(), jacobian);
+    const auto last = static_cast<Eigen::Index>(curve.x.size());
+    if (weighed) {
+      r[last] = curve.drift_weight * q[kBaselineSlope];
+    }
+    if (weighed && jacobian != nullptr) {
+      jacobian->row(last).setZero();
+      (*jacobian)(last, kBaselineSlope) = curve.drift_weight;
+    }
     return true;
   };
   constexpr double kInf = std::numeric_limits<double>::infinity();

@@ -74,6 +74,7 @@ ScaledCurve thinned(const ScaledCurve& curve) {
   const std::size_t step = std::max<std::size_t>(1, curve.x.size() / kThinnedSamples);
   ScaledCurve thin;
   thin.contact_min = curve.contact_min;
+  thin.drift_weight = curve.drift_weight;
   for (std::size_t i = 0; i < curve.x.size(); i += step) {
     thin.x.push_back(curve.x[i]);
     thin.f.push_back(curve.f[i]);

@@ -10,9 +10,10 @@ namespace palpate {
 
 /// A curve in its own scale: displacement from 0 to 1, force over its range.
 struct ScaledCurve {
-  std::vector<double> x;     ///< (n) [-]
-  std::vector<double> f;     ///< (n) [-]
-  double contact_min = 0.0;  ///< [-] [0, 1) what is before is surely free
+  std::vector<double> x;      ///< (n) [-]
+  std::vector<double> f;      ///< (n) [-]
+  double contact_min = 0.0;   ///< [-] [0, 1) what is before is surely free
+  double drift_weight = 0.0;  ///< [-] of one more residual, the baseline's slope
 };
 
 /// f = baseline_force + baseline_slope x + coefficient max(x - contact, 0)^exponent

@@ -57,10 +57,18 @@ INSTANTIATE_TEST_SUITE_P(
                     MonteCarloCase{"Noise20", {.noise_n = 0.02}, 0.055e-3},
                     MonteCarloCase{"Drift50", {.drift_n = 0.05}, 0.02e-3},
                     MonteCarloCase{"Exponent25", {.exponent = 2.5}, 0.038e-3},
-                    MonteCarloCase{"ShortFreeTravel", {.free_m = 0.3e-3}, 0.042e-3}),
+                    MonteCarloCase{"ShortFreeTravel", {.free_m = 0.3e-3}, 0.042e-3},
+                    MonteCarloCase{"ShortFreeTravelDrift50",
+                                   {.drift_n = 0.05, .free_m = 0.3e-3},
+                                   0.042e-3}),
     [](const auto& case_info) {
       return case_info.param.name;
     });
+
+// Twenty samples before contact cannot tell a drift; that it is small tells them.
+TEST(ContactFit, ShortFreeTravelIsKnownToAHundredthOfTheDepth) {
+  EXPECT_LT(spread({.free_m = 0.3e-3}).sd_m, 0.06e-3);
+}
 
 TEST(ContactFit, AWrongFixedExponentMovesTheContactPointByMillimetres) {
   EXPECT_GT(spread({.exponent = 2.5}, {1.5}).bias_m, 1.5e-3);
