@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "fitting/session_probes.h"
 #include "formats/error.h"
 
 namespace palpate {
@@ -44,11 +45,7 @@ void fit(const Session& session, const SessionRun& run, RunResult& result) {
   const Measurement samples = read(session, run).samples;
   result.approach = select_approach(samples, session.fit.range, session.fit.baseline);
   result.contact = fit_contact(result.approach);
-  FamilyFitOptions options;
-  options.noise_relative = session.fit.noise_relative;
-  options.cross_validate = session.fit.criterion == "cross-validation";
-  result.choice = fit_families(result.approach, result.contact, session.fit.families,
-                               session.fit.criterion, options);
+  result.choice = choose_family(session.fit, result.approach, result.contact);
   result.modulus = find_modulus(result.approach, result.contact, session.indenter);
   result.relaxation = find_relaxation(samples);
   result.loop = find_loop(samples, result.approach, result.contact);

@@ -25,6 +25,7 @@ struct SurfaceOptions {
 nlohmann::ordered_json to_json(const SurfaceFitReport& report) {
   const FieldParameters& p = report.parameters.parameters;
   nlohmann::ordered_json json{{"probes", report.probes},
+                              {"laws", report.laws},
                               {"length_m", p.length_m},
                               {"sd_log_force", p.sd},
                               {"nugget_log_force", p.nugget_sd},

@@ -7,6 +7,8 @@
 
 #include <Eigen/QR>
 
+#include "fitting/family_solve.h"
+
 namespace palpate {
 namespace {
 
@@ -95,6 +97,27 @@ Eigen::VectorXd log_force_errors(const Approach& approach, const ContactFit& fit
     const Eigen::VectorXd permuted = qr.colsPermutation().transpose() * scaled;
     const Eigen::VectorXd root = R.transpose().solve(permuted);
     errors[k] = std::sqrt(variance * root.squaredNorm());
+  }
+  return errors;
+}
+
+Eigen::VectorXd log_force_errors(const FamilyFit& fit, const Eigen::VectorXd& depth_m) {
+  const Eigen::Index p = fit.scaled.size() - kFamilyShared;
+  const Eigen::VectorXd q = fit.scaled.tail(p);
+  const Eigen::MatrixXd C = fit.covariance.bottomRightCorner(p, p);
+  const bool given = fit.parameters[kFamilyContact].held == "power law";
+  Eigen::VectorXd gradient(p), errors(depth_m.size());
+  for (Eigen::Index k = 0; k < depth_m.size(); ++k) {
+    const auto count = static_cast<std::size_t>(p);
+    fit.curve->gradient({q.data(), count}, depth_m[k] / fit.length_m,
+                        {gradient.data(), count});
+    const FamilyPoint at = family_point(fit, depth_m[k]);
+    const double moved = given ? fit.contact_point_sd_m * at.slope : 0.0;
+    const double shape = fit.force_n * std::sqrt(gradient.dot(C * gradient));
+    const double error = std::hypot(shape, moved) / at.force;
+    errors[k] = at.force > 0.0 && std::isfinite(error)
+                    ? error
+                    : std::numeric_limits<double>::infinity();
   }
   return errors;
 }

@@ -5,6 +5,7 @@
 
 #include "fitting/approach.h"
 #include "fitting/contact_fit.h"
+#include "fitting/family_fit.h"
 
 namespace palpate {
 
@@ -18,6 +19,12 @@ namespace palpate {
 /// @param fit of this approach, not an empty run.
 [[nodiscard]] Eigen::VectorXd log_force_errors(const Approach& approach,
                                                const ContactFit& fit,
+                                               const Eigen::VectorXd& depth_m);
+
+/// The same of a family's curve, from the covariance of its shape. Where the contact
+/// point is the power law's, its error e adds e f' / f. Infinite where the covariance
+/// is not known, or the force is zero.
+[[nodiscard]] Eigen::VectorXd log_force_errors(const FamilyFit& fit,
                                                const Eigen::VectorXd& depth_m);
 
 }  // namespace palpate

@@ -19,10 +19,23 @@ SurfaceProbe probe_of(const Session& session, const SessionRun& run) {
   probe.approach =
       select_approach(probe.measurement, session.fit.range, session.fit.baseline);
   probe.fit = fit_contact(probe.approach);
+  const FamilyChoice choice = choose_family(session.fit, probe.approach, probe.fit);
+  if (!choice.fits.empty()) {
+    probe.curve = choice.fits.front();
+  }
   return probe;
 }
 
 }  // namespace
+
+FamilyChoice choose_family(const SessionFit& session, const Approach& approach,
+                           const ContactFit& reference) {
+  FamilyFitOptions options;
+  options.noise_relative = session.noise_relative;
+  options.cross_validate = session.criterion == "cross-validation";
+  return fit_families(approach, reference, session.families, session.criterion,
+                      options);
+}
 
 std::vector<SurfaceProbe> session_probes(const Session& session,
                                          std::vector<LeftOutProbe>& left_out) {

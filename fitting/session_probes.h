@@ -9,9 +9,15 @@
 
 namespace palpate {
 
-/// Reads and fits every run that has a position (the first approach of each, power law
-/// with its contact point). A run that cannot be read, or has no position, is listed in
-/// `left_out` with its reason; none stops the others.
+/// The session's families fitted to an approach, best first by its criterion.
+/// @param reference the power law's fit of it.
+[[nodiscard]] FamilyChoice choose_family(const SessionFit& session,
+                                         const Approach& approach,
+                                         const ContactFit& reference);
+
+/// Reads and fits every run that has a position: the first approach of each, by the
+/// best of the session's families. A run that cannot be read, or has no position, is
+/// listed in `left_out` with its reason; none stops the others.
 [[nodiscard]] std::vector<SurfaceProbe> session_probes(
     const Session& session, std::vector<LeftOutProbe>& left_out);
 

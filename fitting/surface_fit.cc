@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "fitting/force_error.h"
 #include "fitting/geodesic_distance.h"
 #include "fitting/robust_statistics.h"
 #include "fitting/surface_database.h"
@@ -22,27 +21,11 @@ constexpr double kAttachmentShareMax = 0.1;  // of the body's diagonal
 constexpr double kScoreZ = 1.959964;         // 95 % of a normal distribution
 constexpr int kFirstScored = 2;  // the shallowest depths are a thousandth of the force
 
-// Why a probe cannot be used; empty if it can.
-std::string unusable(const SurfaceProbe& probe) {
-  if (probe.fit.has(FitFlag::kEmptyRun)) {
-    return "empty run";
-  }
-  if (!probe.fit.converged) {
-    return "the fit did not converge";
-  }
-  if (probe.fit.has(FitFlag::kAlreadyInContact)) {
-    return "already in contact: its depths are not known";
-  }
-  return probe.fit.has(FitFlag::kContactPointNotIdentified)
-             ? "contact point not identified"
-             : "";
-}
-
 std::vector<const SurfaceProbe*> usable(std::span<const SurfaceProbe> probes,
                                         std::vector<LeftOutProbe>& left_out) {
   std::vector<const SurfaceProbe*> kept;
   for (const SurfaceProbe& probe : probes) {
-    const std::string reason = unusable(probe);
+    const std::string reason = reason_unusable(probe);
     if (reason.empty()) {
       kept.push_back(&probe);
     } else {
@@ -63,7 +46,7 @@ std::vector<const SurfaceProbe*> usable(std::span<const SurfaceProbe> probes,
 Eigen::VectorXd common_depths_m(const std::vector<const SurfaceProbe*>& probes) {
   std::vector<double> deepest;
   for (const SurfaceProbe* probe : probes) {
-    deepest.push_back(probe->fit.depth_max_m);
+    deepest.push_back(depth_max_m(*probe));
   }
   std::sort(deepest.begin(), deepest.end());
   const auto rank = static_cast<std::size_t>((1.0 - kReach) *
@@ -89,7 +72,7 @@ std::vector<SurfacePoint> attach(const SurfaceMesh& body,
 }
 
 // Log forces of all probes at each depth.
-std::vector<FieldData> log_forces(const std::vector<const SurfaceProbe*>& probes,
+std::vector<FieldData> field_data(const std::vector<const SurfaceProbe*>& probes,
                                   const Eigen::VectorXd& depth_m) {
   const auto m = std::ssize(probes);
   std::vector<FieldData> data(
@@ -97,15 +80,14 @@ std::vector<FieldData> log_forces(const std::vector<const SurfaceProbe*>& probes
       {Eigen::VectorXd(m), Eigen::VectorXd(m), std::vector<char>(probes.size(), 1)});
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const SurfaceProbe& probe = *probes[i];
-    const Eigen::VectorXd error = log_force_errors(probe.approach, probe.fit, depth_m);
+    const LogForces at = log_forces(probe, depth_m);
     const auto row = static_cast<Eigen::Index>(i);
     for (Eigen::Index k = 0; k < depth_m.size(); ++k) {
       FieldData& set = data[static_cast<std::size_t>(k)];
       const bool there =
-          depth_m[k] <= probe.fit.depth_max_m * (1.0 + 1e-9) && error[k] < kErrorMax;
-      set.value[row] = there ? std::log(contact_force_n(probe.fit, depth_m[k]))
-                             : std::numeric_limits<double>::quiet_NaN();
-      set.sd[row] = there ? std::max(error[k], kErrorMin) : kErrorMax;
+          depth_m[k] <= depth_max_m(probe) * (1.0 + 1e-9) && at.sd[k] < kErrorMax;
+      set.value[row] = there ? at.value[k] : std::numeric_limits<double>::quiet_NaN();
+      set.sd[row] = there ? std::max(at.sd[k], kErrorMin) : kErrorMax;
       set.used[i] = there ? 1 : 0;
     }
   }
@@ -242,7 +224,7 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
   for (const SurfacePoint& point : model.point()) {
     report.attachment_max_m = std::max(report.attachment_max_m, point.distance_m);
   }
-  std::vector<FieldData> data = log_forces(kept, depth_m);
+  std::vector<FieldData> data = field_data(kept, depth_m);
   constexpr int kScreened[] = {5, kCommonDepths - 1};  // a sixth of, and full, depth
   const std::vector<FieldData> two = {data[kScreened[0]], data[kScreened[1]]};
   const ScreenedField screened = screen_probes(model, two);
@@ -254,6 +236,9 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
     }
   }
   report.probes = kept.size() - screened.bad.size();
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    report.laws[law_of(*kept[i])] += data.front().used[i] != 0 ? 1U : 0U;
+  }
   const FieldParameters& parameters = screened.parameters.parameters;
   SurfaceFields fields = fields_of(model, parameters, data, depth_m, report);
   const FieldData& shallow = data.front();  // every probe in use says something there
@@ -284,6 +269,9 @@ std::string describe(const SurfaceFitReport& report) {
       report.probes, report.left_out.size(), 1e3 * report.attachment_max_m,
       1e3 * p.length_m, p.sd, p.nugget_sd, p.smoothness, report.parameters.evaluations,
       report.parameters.seconds);
+  for (const auto& [law, probes] : report.laws) {
+    text += fmt::format("law {}: {} probes\n", law, probes);
+  }
   for (const std::string& bound : report.parameters.at_bound) {
     text += fmt::format("parameter at bound: {}\n", bound);
   }

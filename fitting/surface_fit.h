@@ -6,29 +6,18 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "fitting/approach.h"
-#include "fitting/contact_fit.h"
 #include "fitting/probe_screen.h"
+#include "fitting/surface_probe.h"
 #include "formats/response_database.h"
 
 namespace palpate {
-
-/// One measured and fitted indentation of a body.
-struct SurfaceProbe {
-  std::string name;  ///< for lists, e.g. its file
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  /// [-] of the force on the tool, outward; zero: the surface's normal
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  Measurement measurement;
-  Approach approach;
-  ContactFit fit;
-};
 
 /// A probe that is not behind the field.
 struct LeftOutProbe {
@@ -49,8 +38,9 @@ struct SurfaceFitReport {
   FieldParametersReport parameters;
   std::vector<DepthScore> depth;  ///< of all but the first two
   std::vector<LeftOutProbe> left_out;
-  std::size_t probes = 0;         ///< behind the field
-  std::size_t far_nodes = 0;      ///< beyond kFarLengths of every probe
+  std::size_t probes = 0;                   ///< behind the field
+  std::map<std::string, std::size_t> laws;  ///< of those, by name
+  std::size_t far_nodes = 0;                ///< beyond kFarLengths of every probe
   std::size_t straightened = 0;   ///< nodes whose force would have fallen with depth
   double attachment_max_m = 0.0;  ///< [m] farthest probe from the surface
   double error_median = 0.0;      ///< [-] of the nodes' relative errors
@@ -66,11 +56,12 @@ constexpr double kFarLengths = 2.0;  ///< beyond, nodes are flagged as extrapola
 constexpr std::size_t kProbesMin = 8;
 
 /// Common depths are D (k / 12)^2, k = 1 to 12, D the depth that nine of ten probes
-/// reach; probes that do not reach a depth say nothing there. Errors of log forces are
-/// log_force_errors() of each curve. Forces that would fall with depth are held.
-/// Origins are measured at nodes that have a probe, interpolated elsewhere;
-/// error_relative is the largest standard deviation of log force over the deeper half.
-/// Directions deviate from the normals as the probes' do, each within half a length.
+/// reach; probes that do not reach a depth say nothing there. Log forces and
+/// their errors are those of each probe's law (surface_probe.h). Forces that would fall
+/// with depth are held. Origins are measured at nodes that have a probe, interpolated
+/// elsewhere; error_relative is the largest standard deviation of log force over the
+/// deeper half. Directions deviate from the normals as the probes' do, each within half
+/// a length.
 /// @param body closed or open, every vertex in a triangle, outside out.
 /// @throws InputError for fewer than kProbesMin usable probes, a probe farther from the
 /// surface than a tenth of the body's diagonal; NumericalError as FieldModel.

@@ -144,6 +144,56 @@ TEST_F(MeasuredSphere, DirectionsFollowTheProbes) {
   EXPECT_LT(worst, 0.1);  // half of the tilt; the bare normals miss all of it
 }
 
+// F = c(p) (0.3 u + 0.7 (exp(5 u) - 1) / (exp(5) - 1)), u the depth over 4.3 mm.
+double linear_exponential(double depth_m) {
+  const double u = std::max(0.0, depth_m) / 4.3e-3;
+  return 0.3 * u + 0.7 * std::expm1(5.0 * u) / std::expm1(5.0);
+}
+
+double smooth_force_n(const Eigen::Vector3d& p, double depth_m) {
+  return 2.0 * std::exp(8.0 * p.z()) * linear_exponential(depth_m);
+}
+
+// Mean over the nodes of log force off the truth, worst of depths beyond a quarter.
+double worst_bias(const SurfaceMesh& body, const ResponseTable& table) {
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(kCommonDepths + 1);
+  for (Eigen::Index i = 0; i < body.position_m.rows(); ++i) {
+    const CurveView curve = table.curve(i);
+    for (std::size_t k = kCommonDepths / 2; k < curve.depth_m.size(); ++k) {
+      sum[static_cast<Eigen::Index>(k)] += std::log(
+          curve.force_n[k] / smooth_force_n(body.position_m.row(i), curve.depth_m[k]));
+    }
+  }
+  return (sum / static_cast<double>(body.position_m.rows())).abs().maxCoeff();
+}
+
+TEST_F(MeasuredSphere, TakesTheLawThatFitsEachProbe) {
+  std::mt19937 generator(9);
+  std::normal_distribution<double> noise(0.0, 0.002);
+  for (SurfaceProbe& probe : probes_) {
+    Measurement& m = probe.measurement;
+    for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
+      m.force_n[i] =
+          smooth_force_n(probe.position_m, m.depth_m[i] - 1.2e-3) + noise(generator);
+    }
+    probe.approach = select_approach(m);
+    probe.fit = fit_contact(probe.approach);
+  }
+  const double power_law =
+      worst_bias(body_, fit_surface(body_, tool_, probes_).database.tools.at(0));
+  for (SurfaceProbe& probe : probes_) {
+    probe.curve =
+        fit_families(probe.approach, probe.fit, {"power-law", "linear-exponential"},
+                     "aicc", {.cross_validate = false})
+            .fits.at(0);
+  }
+  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  EXPECT_GE(fit.report.laws.at("linear-exponential"), 55U);
+  // The nodes' errors are a few hundredths; those of a wrong law do not average out.
+  EXPECT_LT(worst_bias(body_, fit.database.tools.at(0)), 0.03);
+  EXPECT_GT(power_law, 0.06);
+}
+
 TEST_F(MeasuredSphere, RefusesWhatItCannotPlace) {
   std::vector<SurfaceProbe> few(probes_.begin(), probes_.begin() + 5);
   EXPECT_THROW((void)fit_surface(body_, tool_, few), InputError);
