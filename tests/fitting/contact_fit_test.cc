@@ -171,7 +171,8 @@ TEST(ContactFit, ABaselineHoldsTheContactPointAtItsEndAndNamesIt) {
 TEST(ContactFit, ABaselineThatIsRightChangesNothing) {
   const Measurement m = synthetic({}, 13);
   const ContactFit told = fit_contact(select_approach(m, {}, FitRange{0.0, 1e-3}));
-  EXPECT_NEAR(told.contact_point_m, fit(m).contact_point_m, 1e-9);
+  // But for the drift that is expected to be small without one.
+  EXPECT_NEAR(told.contact_point_m, fit(m).contact_point_m, 1e-6);
 }
 
 TEST(ContactFit, ABaselineMustLeaveSamplesForTheContact) {

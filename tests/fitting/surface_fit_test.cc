@@ -176,7 +176,7 @@ TEST_F(MeasuredSphere, TakesTheLawThatFitsEachProbe) {
       m.force_n[i] =
           smooth_force_n(probe.position_m, m.depth_m[i] - 1.2e-3) + noise(generator);
     }
-    probe.approach = select_approach(m);
+    probe.approach = select_approach(m, {}, FitRange{0.0, 1e-3});
     probe.fit = fit_contact(probe.approach);
   }
   const double power_law =
