@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
-#include "precompute/primitive_bodies.h"
 #include "formats/surface_reader.h"
+#include "precompute/primitive_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
+#include "formats/surface_reader.h"
 #include "precompute/primitive_bodies.h"
 #include "precompute/subdivide.h"
-#include "formats/surface_reader.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
