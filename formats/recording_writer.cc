@@ -141,10 +141,18 @@ class Table {
   std::int64_t rows_ = 0;
 };
 
+// Same run, same bytes, whenever it is written.
+Handle without_times(hid_t kind) {
+  Handle create(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(create.get(), false);
+  return create;
+}
+
 Handle open_file(const fs::path& file, bool create) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-  Handle id(create ? H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get())
+  const Handle made = without_times(H5P_FILE_CREATE);
+  Handle id(create ? H5Fcreate(file.c_str(), H5F_ACC_TRUNC, made.get(), access.get())
                    : H5Fopen(file.c_str(), H5F_ACC_RDWR, access.get()),
             H5Fclose);
   if (!id) {
@@ -178,9 +186,10 @@ class RecordingWriter::File {
     errno = 0;
     id_.emplace(open_file(partial_, true));
     put_header(target_, id_->get(), header);
+    const Handle create = without_times(H5P_GROUP_CREATE);
     for (const char* group : {"/tick", "/arrival"}) {
       const Handle made(
-          H5Gcreate2(id_->get(), group, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+          H5Gcreate2(id_->get(), group, H5P_DEFAULT, create.get(), H5P_DEFAULT),
           H5Gclose);
     }
     for (const Column& column : recording::kTickColumns) {
