@@ -20,8 +20,8 @@ namespace palpate {
 namespace {
 
 // Middles of the workspaces [m].
-const Eigen::Vector3d kFalconRestM(0.0, 0.0, 0.12);
-const Eigen::Vector3d kHaplyRestM(0.0, 0.09, 0.0);
+const Eigen::Vector3d falcon_rest_m(0.0, 0.0, 0.12);
+const Eigen::Vector3d haply_rest_m(0.0, 0.09, 0.0);
 
 FalconConfig falcon_config(const DeviceRequest& request) {
   if (!(request.calibration > 0.0 && request.calibration <= 10.0)) {
@@ -101,7 +101,7 @@ AttachedDevice attach(const DeviceLimits& limits, const Eigen::Vector3d& rest_m,
 
 AttachedDevice falcon(const DeviceRequest& request) {
   const FalconConfig config = falcon_config(request);
-  return attach(FalconLink(config, nullptr, nullptr).limits(), kFalconRestM,
+  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_rest_m,
                 [config, request](const HandScript&) {
                   return std::make_unique<FalconLink>(
                       config,
@@ -120,7 +120,7 @@ AttachedDevice emulated_falcon(const DeviceRequest& request) {
   if (config.firmware.empty()) {
     config.firmware = emulated_firmware();
   }
-  return attach(FalconLink(config, nullptr, nullptr).limits(), kFalconRestM,
+  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_rest_m,
                 [config](const HandScript& hand) {
                   EmulatedFalconConfig emulated;
                   emulated.model.hand = hand;
@@ -143,7 +143,7 @@ HaplyConfig haply_config(const DeviceRequest& request) {
 
 AttachedDevice haply(const DeviceRequest& request) {
   const HaplyConfig config = haply_config(request);
-  return attach(HaplyLink(config, nullptr, nullptr).limits(), kHaplyRestM,
+  return attach(HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
                 [config, request](const HandScript&) {
                   return std::make_unique<HaplyLink>(
                       config,
@@ -158,7 +158,7 @@ AttachedDevice haply(const DeviceRequest& request) {
 
 AttachedDevice emulated_haply(const DeviceRequest& request) {
   const HaplyConfig config = haply_config(request);
-  return attach(HaplyLink(config, nullptr, nullptr).limits(), kHaplyRestM,
+  return attach(HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
                 [config](const HandScript& hand) {
                   HaplyModelConfig emulated;
                   emulated.hand = hand;

@@ -9,14 +9,14 @@
 namespace palpate {
 namespace {
 
-constexpr double a = 0.060;  // [m]
-constexpr double b = 0.1025;
-constexpr double c = 0.01443;
-constexpr double d = 0.01125;
-constexpr double e = 0.01125;
-constexpr double f = -0.025;
-constexpr double r = 0.040;
-constexpr double s = -0.02309;
+const double a = 0.060;  // [m]
+const double b = 0.1025;
+const double c = 0.01443;
+const double d = 0.01125;
+const double e = 0.01125;
+const double f = -0.025;
+const double r = 0.040;
+const double s = -0.02309;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<double, 3> kAzimuth{105.0 * kDegree, -15.0 * kDegree,
