@@ -12,7 +12,7 @@
 #include "fitting/approach.h"
 #include "fitting/contact_fit.h"
 #include "fitting/fitted_response.h"
-#include "fitting/hertz_modulus.h"
+#include "fitting/moduli.h"
 #include "formats/error.h"
 #include "formats/measurement_file.h"
 
@@ -35,11 +35,15 @@ struct CurveResult {
   MeasurementFile measurement;
   Approach approach;
   ContactFit fit;
-  HertzModulus modulus;
+  Modulus modulus;
   std::vector<FitFlag> flags;  // the fit's, then the modulus' own
 };
 
 void check_options(const CurveOptions& options) {
+  if (!(options.poissons_ratio > -1.0 && options.poissons_ratio <= 0.5)) {
+    throw InputError(fmt::format("--poissons-ratio is {}, must lie in (-1, 0.5]",
+                                 options.poissons_ratio));
+  }
   if (!options.tool.empty()) {
     if (options.tool != "sphere") {
       throw InputError(
@@ -81,9 +85,10 @@ CurveResult compute(const CurveOptions& options) {
         std::numeric_limits<double>::quiet_NaN();
     return result;
   }
-  result.modulus = hertz_modulus(result.approach, result.fit, *options.radius_m,
-                                 options.poissons_ratio);
-  for (const FitFlag flag : result.modulus.fit.flags) {
+  Indenter indenter{options.tool, *options.radius_m};
+  indenter.poissons_ratio = options.poissons_ratio;
+  result.modulus = find_modulus(result.approach, result.fit, indenter);
+  for (const FitFlag flag : result.modulus.flags) {
     if (std::find(result.flags.begin(), result.flags.end(), flag) ==
         result.flags.end()) {
       result.flags.push_back(flag);
@@ -155,7 +160,8 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
   }
   if (r.modulus.refused.empty()) {
     print_line("Young's modulus", r.modulus.youngs_modulus_pa, r.modulus.sd_pa,
-               fmt::format("Pa (Hertz, Poisson's ratio {})", options.poissons_ratio));
+               fmt::format("Pa ({}, Poisson's ratio {})", r.modulus.law,
+                           options.poissons_ratio));
   } else {
     fmt::print("{:<24} none: {}\n", "Young's modulus", r.modulus.refused);
   }

@@ -25,7 +25,11 @@ struct Modulus {
   std::vector<FitFlag> flags;  ///< of the law's own fit
 };
 
-/// @param free the fit with a free exponent, for what it says of the contact point.
+/// Refused for an unknown geometry, an empty run, and (but of a plate) without an
+/// identified contact point: E goes with a power of the depth. Flagged where a sphere's
+/// depth passes R/4, and where the free exponent differs from the law's by more than 3
+/// standard deviations and 0.1.
+/// @param free the fit with a free exponent. @param indenter as read_session() checks.
 [[nodiscard]] Modulus find_modulus(const Approach& approach, const ContactFit& free,
                                    const Indenter& indenter);
 

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "formats/response_curve.h"
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -13,32 +12,8 @@ constexpr std::size_t kNeighbours = 6;
 constexpr double kAlikeRadii = 4.0;
 constexpr double kFloor = 0.1;  // of the largest force: smaller ones count as that
 
-// |F| against penetration past first touch.
-ResponseCurve force_curve(const Indentation& path) {
-  std::vector<double> depth;
-  std::vector<double> force;
-  for (const IndentationSample& sample : path.sample) {
-    depth.push_back(sample.penetration_m - path.sample.front().penetration_m);
-    force.push_back(sample.force_n.norm());
-  }
-  force.front() = 0.0;
-  return {depth, force};
-}
-
 double past_touch_m(const Indentation& path, std::size_t k) {
   return path.sample[k].penetration_m - path.sample.front().penetration_m;
-}
-
-// (k x 3), samples matched by number: both are at the same shares of their depths.
-Eigen::MatrixX3d turns(const Indentation& good, const Indentation& cheap) {
-  Eigen::MatrixX3d turn(static_cast<Eigen::Index>(cheap.sample.size()) - 1, 3);
-  for (std::size_t k = 1; k < cheap.sample.size(); ++k) {
-    const std::size_t g = std::min(k, good.sample.size() - 1);
-    turn.row(static_cast<Eigen::Index>(k) - 1) =
-        good.sample[g].force_n.normalized() -
-        cheap.sample[std::min(k, g)].force_n.normalized();
-  }
-  return turn;
 }
 
 Eigen::VectorXd error_weights(const Indentation& path) {
@@ -68,25 +43,17 @@ std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& 
   if (good.sample.size() < 3 || cheap.sample.size() < 3) {
     return std::nullopt;
   }
-  const ResponseCurve curve = force_curve(good);
   const auto samples = static_cast<Eigen::Index>(cheap.sample.size() - 1);
-  PathRatio ratio{.touch_shift_m = good.sample.front().penetration_m -
-                                   cheap.sample.front().penetration_m,
-                  .force = Eigen::VectorXd(samples),
-                  .turn = turns(good, cheap),
+  PathRatio ratio{.force = Eigen::VectorXd(samples),
+                  .turn = Eigen::MatrixX3d(samples, 3),
                   .weight = error_weights(cheap)};
-  // Both paths end at the same penetration; a shift of first touch stretches one.
-  const double stretch =
-      1.0 -
-      ratio.touch_shift_m / (past_touch_m(cheap, cheap.sample.size() - 1) + 1e-300);
-  double last = 1.0;
-  for (std::size_t k = 1; k < cheap.sample.size(); ++k) {
-    const double depth = past_touch_m(cheap, k) * stretch;
-    if (depth <= curve.depth_max_m() * (1.0 + 1e-9)) {
-      last = curve.at(std::min(depth, curve.depth_max_m())).force_n /
-             cheap.sample[k].force_n.norm();
-    }
-    ratio.force[static_cast<Eigen::Index>(k - 1)] = last;
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const std::size_t k =
+        std::min(static_cast<std::size_t>(i) + 1, good.sample.size() - 1);
+    const Eigen::Vector3d& good_n = good.sample[k].force_n;
+    const Eigen::Vector3d& cheap_n = cheap.sample[k].force_n;
+    ratio.force[i] = good_n.norm() / cheap_n.norm();
+    ratio.turn.row(i) = good_n.normalized() - cheap_n.normalized();
   }
   return ratio;
 }
@@ -94,38 +61,31 @@ std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& 
 Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
                    double force_max_n) {
   Indentation path = cheap;
-  const std::size_t last = path.sample.size() - 1;
-  const double stretch =
-      1.0 - ratio.touch_shift_m / (past_touch_m(cheap, last) + 1e-300);
-  const double touch = cheap.sample.front().penetration_m + ratio.touch_shift_m;
-  for (std::size_t k = 0; k <= last; ++k) {
+  path.force_capped = false;
+  for (std::size_t k = 1; k < path.sample.size() && !path.force_capped; ++k) {
     IndentationSample& sample = path.sample[k];
-    sample.penetration_m = touch + past_touch_m(cheap, k) * stretch;
-    if (k > 0) {
-      const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
-      const double force_n = sample.force_n.norm() * ratio.force[i];
-      sample.force_n.normalize();
-      if (ratio.turn.rows() > i) {
-        sample.force_n = (sample.force_n + ratio.turn.row(i).transpose()).normalized();
-      }
-      sample.force_n *= force_n;
-      sample.coarse_force_n *= ratio.force[i];
-      sample.energy_j *= ratio.force[i];
-      if (sample.force_n.norm() > force_max_n) {
-        path.force_capped = true;
-        path.sample.resize(k + 1);
-        return path;
-      }
+    const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
+    const double force_n = sample.force_n.norm() * ratio.force[i];
+    sample.force_n.normalize();
+    if (ratio.turn.rows() > i) {
+      sample.force_n = (sample.force_n + ratio.turn.row(i).transpose()).normalized();
+    }
+    sample.force_n *= force_n;
+    sample.coarse_force_n *= ratio.force[i];
+    sample.energy_j *= ratio.force[i];
+    if (force_n > force_max_n) {
+      path.force_capped = true;
+      path.sample.resize(k + 1);
     }
   }
-  path.force_capped = false;
   return path;
 }
 
 RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& cheap) {
   // Of the secant at the path's end.
-  return {vertex, std::log(cheap.sample.back().force_n.norm() /
-                           past_touch_m(cheap, cheap.sample.size() - 1))};
+  const double force_n =
+      std::max(cheap.sample.back().force_n.norm(), std::numeric_limits<double>::min());
+  return {vertex, std::log(force_n / past_touch_m(cheap, cheap.sample.size() - 1))};
 }
 
 void RatioField::add(std::int32_t vertex, const Indentation& cheap, PathRatio ratio) {
@@ -190,7 +150,6 @@ PathRatio RatioField::mean_at(const Place& place, std::int32_t without) const {
     for (Eigen::Index k = 0; k < mean.force.size(); ++k) {
       mean.force[k] += w.weight * ratio.force[std::min(k, ratio.force.size() - 1)];
     }
-    mean.touch_shift_m += w.weight * ratio.touch_shift_m;
   }
   return mean;
 }

@@ -14,10 +14,9 @@
 
 namespace palpate {
 
-/// Good over cheap along a path, at equal shares of the depth after first touch.
+/// Good over cheap along a path.
 struct PathRatio {
-  double touch_shift_m = 0.0;  ///< [m] good first touch minus the cheap one
-  Eigen::VectorXd force;       ///< (k) [-] at the cheap path's samples but the first
+  Eigen::VectorXd force;  ///< (k) [-] at the cheap path's samples but the first
   /// (k x 3) [-] good direction minus the cheap one, for the same vertex only; else
   /// empty.
   Eigen::MatrixX3d turn;
@@ -26,12 +25,14 @@ struct PathRatio {
   Eigen::VectorXd weight;
 };
 
-/// None where either path has fewer than two samples after the first touch. Where the
-/// good path is shorter its last ratio goes on.
+/// Of two presses on one mesh, so at the same depths: its errors are alike in both and
+/// cancel. None where either path has fewer than two samples after the first touch.
+/// Where the good path is shorter its last ratio goes on.
 [[nodiscard]] std::optional<PathRatio> path_ratio(const Indentation& good,
                                                   const Indentation& cheap);
 
-/// The cheap path, scaled, and turned where the ratio says so.
+/// A cheap path, on any mesh, scaled sample by sample, and turned where the ratio says
+/// so.
 [[nodiscard]] Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
                                  double force_max_n);
 

@@ -151,7 +151,6 @@ class Territory {
           vertex_.begin());
       if (node.failure.empty() && touches(i)) {
         if (auto ratio = path_ratio(node.indentation, node.linear)) {
-          // Errors of the mesh are alike in both and cancel in their ratio.
           const Indentation& cheap = cheap_[i].indentation;
           node.indentation = scaled(cheap, *ratio, scene_.reach.force_max_n);
           field_.add(node.vertex, cheap, std::move(*ratio));

@@ -38,11 +38,6 @@ constexpr UsbRequest kEightBits = request(0x04, 0x0008);
 constexpr UsbRequest kSlowTimer = request(0x09, 16);
 constexpr UsbRequest kFastTimer = request(0x09, 1);
 
-std::int64_t after_ns(double wait_s) {
-  MonotonicClock clock;
-  return clock.now_ns() + std::llround(wait_s * kNanosecondsPerSecond);
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> read_firmware(const std::string& file) {
@@ -65,7 +60,7 @@ std::vector<std::uint8_t> read_firmware(const std::string& file) {
 
 // Bytes until all have come, or the time is over.
 std::size_t FalconLink::listen(std::span<std::uint8_t> bytes, double wait_s) {
-  const std::int64_t until_ns = after_ns(wait_s);
+  const std::int64_t until_ns = deadline_ns_after(wait_s);
   std::size_t count = 0;
   while (count < bytes.size()) {
     std::size_t got = 0;
@@ -148,7 +143,7 @@ void FalconLink::boot_and_load() {
 void FalconLink::ask_boot_loader() {
   for (int i = 0; i < kQuestions; ++i) {
     usb_->drop_received();
-    if (usb_->send(kQuestion, after_ns(0.1)) == UsbStatus::kLost) {
+    if (usb_->send(kQuestion, deadline_ns_after(0.1)) == UsbStatus::kLost) {
       throw DeviceError("falcon: unplugged while it was booted");
     }
     std::array<std::uint8_t, 5> heard{};
@@ -170,7 +165,7 @@ void FalconLink::load() {
   std::array<std::uint8_t, kChunk> echo{};
   const auto send = [&](std::span<const std::uint8_t> chunk, const std::string& where) {
     usb_->drop_received();
-    const UsbStatus status = usb_->send(chunk, after_ns(0.1));
+    const UsbStatus status = usb_->send(chunk, deadline_ns_after(0.1));
     const std::size_t count =
         status == UsbStatus::kOk ? listen({echo.data(), chunk.size()}, 0.2) : 0;
     if (count != chunk.size() ||
@@ -188,7 +183,7 @@ void FalconLink::load() {
 
 void FalconLink::home() {
   bool told = false;
-  const std::int64_t until_ns = after_ns(config_.homing_s);
+  const std::int64_t until_ns = deadline_ns_after(config_.homing_s);
   while (reply_.homed != kFalconAllHomed) {
     if (!told && config_.tell) {
       config_.tell(

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <utility>
 
-#include "runtime/clock.h"
 #include "runtime/falcon_motors.h"
 
 namespace palpate {
@@ -15,11 +14,6 @@ constexpr double kResolutionM = 5e-5;  // one count on every leg
 constexpr double kDelayS = 1e-3;       // one USB frame and latency timer
 constexpr int kSlewMax = 1000;         // counts in one exchange: 1 m/s is about 50
 constexpr int kRejectedMax = 20;
-
-std::int64_t after_ns(double wait_s) noexcept {
-  MonotonicClock clock;
-  return clock.now_ns() + std::llround(wait_s * kNanosecondsPerSecond);
-}
 
 }  // namespace
 
@@ -83,7 +77,7 @@ bool FalconLink::plausible(const FalconReply& reply) const noexcept {
 LinkStatus FalconLink::exchange(const FalconCommand& command) noexcept {
   usb_->drop_received();
   framer_.clear();
-  const std::int64_t deadline_ns = after_ns(config_.answer_s);
+  const std::int64_t deadline_ns = deadline_ns_after(config_.answer_s);
   UsbStatus status = usb_->send(encode(command), deadline_ns);
   while (status == UsbStatus::kOk) {
     std::uint8_t byte = 0;

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
-#include "runtime/clock.h"
 
 namespace palpate {
 namespace {
@@ -16,11 +15,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kDelayS = 5e-4;
 constexpr int kRejectedMax = 20;
 constexpr int kOpenTries = 10;
-
-std::int64_t after_ns(double wait_s) noexcept {
-  MonotonicClock clock;
-  return clock.now_ns() + std::llround(wait_s * kNanosecondsPerSecond);
-}
 
 }  // namespace
 
@@ -56,7 +50,7 @@ void HaplyLink::open() {
     usb_ = std::make_unique<UsbTransport>(file_, config_.pair);
     const auto setup = encode(config_.setup);
     for (int i = 0; i < kOpenTries; ++i) {
-      if (usb_->send(setup, after_ns(0.1)) == UsbStatus::kOk &&
+      if (usb_->send(setup, deadline_ns_after(0.1)) == UsbStatus::kOk &&
           exchange({0.0, 0.0}) == LinkStatus::kOk) {
         return;
       }
@@ -80,7 +74,7 @@ LinkStatus HaplyLink::give_up(const char* why) noexcept {
 
 LinkStatus HaplyLink::exchange(const std::array<double, 2>& torque_nm) noexcept {
   usb_->drop_received();
-  const std::int64_t deadline_ns = after_ns(config_.answer_s);
+  const std::int64_t deadline_ns = deadline_ns_after(config_.answer_s);
   UsbStatus status =
       usb_->send(encode_torques(config_.setup.id, torque_nm), deadline_ns);
   std::array<std::uint8_t, kHaplyReplyBytes> reply{};

@@ -1,6 +1,7 @@
 #include "runtime/usb_transport.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -31,6 +32,10 @@ void demand(int result, const char* step) {
 }
 
 }  // namespace
+
+std::int64_t deadline_ns_after(double wait_s) noexcept {
+  return now_ns() + std::llround(wait_s * kNanosecondsPerSecond);
+}
 
 struct UsbTransport::State {
   UsbPair pair;

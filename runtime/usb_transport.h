@@ -33,6 +33,9 @@ struct UsbRequest {
   std::uint16_t index = 0;
 };
 
+/// [ns] `wait_s` from now, by the clock that the deadlines below are of.
+[[nodiscard]] std::int64_t deadline_ns_after(double wait_s) noexcept;
+
 /// Claims the interface, with the kernel's driver detached, and keeps IN transfers
 /// submitted. All calls from one thread. The destructor cancels what is under way,
 /// releases the interface and attaches the kernel's driver again.

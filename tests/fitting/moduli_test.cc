@@ -1,5 +1,6 @@
 #include "fitting/moduli.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -57,6 +58,56 @@ TEST(Moduli, ComeBackFromTheirOwnLaws) {
   punch.thickness_m = 0.003;
   EXPECT_NEAR(modulus(press(flat), punch).youngs_modulus_pa, kYoung / 2.794,
               2e-3 * kYoung);
+}
+
+constexpr double kSphere = 0.03;  // [m]
+
+Modulus of_sphere(const SyntheticCurve& curve, unsigned seed, double nu = 0.5,
+                  double radius_m = kSphere) {
+  Indenter sphere{"sphere", radius_m};
+  sphere.poissons_ratio = nu;
+  return modulus(select_approach(synthetic(curve, seed)), sphere);
+}
+
+// F = 1 N at 5 mm = 4/3 E/(1 - nu^2) sqrt(R) (5 mm)^1.5
+double exact_pa(double nu) {
+  return 0.75 * (1.0 - nu * nu) / std::sqrt(kSphere) / std::pow(5e-3, 1.5);
+}
+
+TEST(Moduli, InvertHertz) {
+  for (const double nu : {0.0, 0.3, 0.5}) {
+    const Modulus result = of_sphere({.noise_n = 0.0}, 1, nu);
+    EXPECT_EQ(result.refused, "");
+    EXPECT_NEAR(result.youngs_modulus_pa, exact_pa(nu), 1e-6 * exact_pa(nu));
+    EXPECT_TRUE(result.flags.empty());
+  }
+}
+
+// Of 24 runs about 1 lies beyond 2 standard deviations, 4 hardly ever.
+TEST(Moduli, StateHowFarTheyMayBeOff) {
+  int beyond_two = 0;
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    const Modulus result = of_sphere({}, seed);
+    EXPECT_GT(result.sd_pa, 0.0);
+    EXPECT_LT(result.sd_pa, 0.02 * exact_pa(0.5));
+    beyond_two +=
+        std::abs(result.youngs_modulus_pa - exact_pa(0.5)) > 2.0 * result.sd_pa ? 1 : 0;
+  }
+  EXPECT_LE(beyond_two, 4);
+}
+
+TEST(Moduli, SayWhereTheCurveIsNotHertz) {
+  const auto has = [](const Modulus& m, FitFlag flag) {
+    return std::find(m.flags.begin(), m.flags.end(), flag) != m.flags.end();
+  };
+  EXPECT_TRUE(has(of_sphere({.exponent = 2.2}, 1), FitFlag::kHertzExponentRefuted));
+  EXPECT_TRUE(has(of_sphere({}, 1, 0.5, 0.01), FitFlag::kHertzDepthExceeded));
+}
+
+TEST(Moduli, AreRefusedWithoutAContactPoint) {
+  const Modulus result = of_sphere({.exponent = 1.2, .free_m = 0.0}, 1);
+  EXPECT_NE(result.refused.find("already in contact"), std::string::npos);
+  EXPECT_TRUE(std::isnan(result.youngs_modulus_pa));
 }
 
 TEST(Moduli, OfASphereOnALayerTakesTheLayerOff) {
