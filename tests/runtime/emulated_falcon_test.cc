@@ -1,6 +1,7 @@
 // The driver of the Falcon against its model, libusb between them.
 #include "runtime/emulated_falcon.h"
 
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -8,6 +9,7 @@
 
 #include "formats/error.h"
 #include "runtime/clock.h"
+#include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
@@ -209,7 +211,15 @@ TEST(LinkedFalcon, OpensAgainAfterItWasClosed) {
 TEST(Firmware, OfAFileThatCannotBeOneIsRefused) {
   EXPECT_THROW((void)read_firmware("/nonexistent"), InputError);
   EXPECT_THROW((void)read_firmware("/dev/null"), InputError);
-  EXPECT_EQ(read_firmware("tests/pch.cc").empty(), false);
+  const ScratchFolder folder;
+  const auto file = [&](std::size_t bytes) {
+    std::ofstream(folder / "image.bin", std::ios::binary) << std::string(bytes, 'x');
+    return (folder / "image.bin").string();
+  };
+  EXPECT_EQ(read_firmware(file(1000)), std::vector<std::uint8_t>(1000, 'x'));
+  EXPECT_EQ(read_firmware(file(kFirmwareBytesMax)).size(), kFirmwareBytesMax);
+  EXPECT_THROW((void)read_firmware(file(0)), InputError);
+  EXPECT_THROW((void)read_firmware(file(kFirmwareBytesMax + 1)), InputError);
 }
 
 }  // namespace
