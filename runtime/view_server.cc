@@ -1,206 +1,14 @@
-// Longer than most files: Beast, slow to compile, is seen by this one alone.
 #include "runtime/view_server.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <deque>
-#include <map>
-#include <optional>
-#include <utility>  // before asio, which forgets it
+#include <utility>
 
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
 #include "formats/error.h"
-#include "runtime/view_message.h"
-#include "runtime/view_policy.h"
+#include "runtime/view_parts.h"
 
 namespace palpate {
-namespace {
-
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
-using tcp = boost::asio::ip::tcp;
-using Failure = beast::error_code;
-using Request = http::request<http::empty_body>;
-using Response = http::response<http::string_body>;
-using Clock = std::chrono::steady_clock;
-
-constexpr std::size_t kHeaderBytes = 8192;
-constexpr std::size_t kWaitingMax = 64;      // messages for one client
-constexpr std::size_t kConnectionsMax = 32;  // of any kind
-constexpr auto kRequestTime = std::chrono::seconds(10);
-
-std::string_view view(beast::string_view text) {
-  return {text.data(), text.size()};
-}
-
-beast::string_view view(std::string_view text) {
-  return {text.data(), text.size()};
-}
-
-}  // namespace
-
-// Shared by the connections; lives longer than any of them.
-struct ViewServer::Parts {
-  class Connection;
-  class Socket;
-
-  Parts(ViewServerOptions wanted, ViewApplication& app)
-      : options(std::move(wanted)), application(app), acceptor(io), timer(io) {}
-
-  void listen();
-  void accept();
-  void schedule(const std::atomic<bool>& stop);
-  [[nodiscard]] std::optional<http::status> refusal(const Request& request) const;
-  [[nodiscard]] Response answer(const Request& request) const;
-  [[nodiscard]] bool may_upgrade(const Request& request) const;
-
-  ViewServerOptions options;
-  ViewApplication& application;
-  std::string host;    // "127.0.0.1:8080"
-  std::string policy;  // Content-Security-Policy
-  std::map<ViewClient, std::weak_ptr<Socket>> sockets;
-  ViewClient last = 0;
-  std::size_t connections = 0;
-  boost::asio::io_context io{1};  // after what its connections touch when they end
-  tcp::acceptor acceptor;
-  boost::asio::steady_timer timer;
-};
-
-// One WebSocket, from its handshake to its end.
-class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
- public:
-  Socket(Parts& parts, beast::tcp_stream stream, ViewClient client)
-      : parts_(parts),
-        stream_(std::move(stream)),
-        client_(client),
-        rate_(parts.options.messages_per_s_max) {}
-  ~Socket() { --parts_.connections; }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-
-  void start(const Request& request) {
-    websocket::stream_base::timeout times{};
-    times.handshake_timeout = kRequestTime;
-    times.idle_timeout = std::chrono::seconds(20);
-    times.keep_alive_pings = true;
-    beast::get_lowest_layer(stream_).expires_never();
-    stream_.set_option(times);
-    stream_.set_option(websocket::stream_base::decorator([](auto& response) {
-      response.set(http::field::sec_websocket_protocol, view(kViewProtocol));
-    }));
-    stream_.read_message_max(kViewMessageBytes);
-    stream_.text(true);
-    stream_.async_accept(request, [self = shared_from_this()](Failure failure) {
-      if (failure) {
-        self->end();
-        return;
-      }
-      self->open_ = true;
-      self->parts_.application.opened(self->client_);
-      self->read();
-    });
-  }
-
-  void send(std::string text) {
-    if (waiting_.size() >= kWaitingMax) {
-      drop(websocket::close_code::try_again_later);
-      return;
-    }
-    waiting_.push_back(std::make_shared<const std::string>(std::move(text)));
-    write();
-  }
-
-  void send_latest(const std::shared_ptr<const std::string>& text) {
-    latest_ = text;
-    write();
-  }
-
- private:
-  void read() {
-    stream_.async_read(buffer_,
-                       [self = shared_from_this()](Failure failure, std::size_t) {
-                         if (failure || self->closing_) {
-                           self->end();
-                           return;
-                         }
-                         self->take();
-                         self->read();
-                       });
-  }
-
-  void take() {
-    const bool allowed = rate_.allow(Clock::now()) && stream_.got_text();
-    const std::string text = beast::buffers_to_string(buffer_.data());
-    buffer_.consume(buffer_.size());
-    if (!allowed) {
-      drop(websocket::close_code::policy_error);
-      return;
-    }
-    parts_.application.received(client_, text);
-  }
-
-  void write() {
-    if (writing_ != nullptr || closing_ || !open_) {
-      return;
-    }
-    if (!waiting_.empty()) {
-      writing_ = waiting_.front();
-      waiting_.pop_front();
-    } else {
-      writing_ = std::exchange(latest_, nullptr);
-    }
-    if (writing_ == nullptr) {
-      return;
-    }
-    stream_.async_write(boost::asio::buffer(*writing_),
-                        [self = shared_from_this()](Failure failure, std::size_t) {
-                          self->writing_ = nullptr;
-                          if (failure) {
-                            self->end();
-                          } else {
-                            self->write();
-                          }
-                        });
-  }
-
-  // The close waits for nothing but a write that is under way.
-  void drop(websocket::close_code why) {
-    if (std::exchange(closing_, true)) {
-      return;
-    }
-    stream_.async_close(why, [self = shared_from_this()](Failure) {
-      self->end();
-    });
-  }
-
-  void end() {
-    if (std::exchange(open_, false)) {
-      parts_.application.closed(client_);
-    }
-    parts_.sockets.erase(client_);
-    Failure ignored;
-    beast::get_lowest_layer(stream_).socket().close(ignored);
-  }
-
-  Parts& parts_;
-  websocket::stream<beast::tcp_stream, false> stream_;
-  beast::flat_buffer buffer_{kViewMessageBytes};
-  ViewClient client_;
-  MessageRate rate_;
-  std::deque<std::shared_ptr<const std::string>> waiting_;
-  std::shared_ptr<const std::string> latest_;
-  std::shared_ptr<const std::string> writing_;
-  bool open_ = false;
-  bool closing_ = false;
-};
 
 // One TCP connection as long as it speaks HTTP.
 class ViewServer::Parts::Connection : public std::enable_shared_from_this<Connection> {
@@ -341,25 +149,15 @@ Response ViewServer::Parts::answer(const Request& request) const {
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
-  const std::string_view path = view(request.target());
   if (const auto refused = refusal(request)) {
     response.result(*refused);
-  } else if (const auto asset =
-                 std::find_if(options.assets.begin(), options.assets.end(),
-                              [&](const ViewAsset& one) {
-                                return one.path == path;
-                              });
-             asset != options.assets.end()) {
+  } else if (const auto* asset = at_path(options.assets, request)) {
     response.result(http::status::ok);
     response.set(http::field::content_type, view(asset->content_type));
     response.body() = asset->bytes;
-  } else if (const auto data = std::find_if(options.data.begin(), options.data.end(),
-                                            [&](const ViewData& one) {
-                                              return one.path == path;
-                                            });
-             data != options.data.end()) {
-    const std::string wanted = "Bearer " + options.token;
-    const bool known = same_token(view(request[http::field::authorization]), wanted);
+  } else if (const auto* data = at_path(options.data, request)) {
+    const bool known = same_token(view(request[http::field::authorization]),
+                                  "Bearer " + options.token);
     response.result(known ? http::status::ok : http::status::forbidden);
     response.set(http::field::content_type, data->content_type);
     response.body() = known ? data->bytes : "";
@@ -377,8 +175,7 @@ ViewServer::ViewServer(ViewServerOptions options, ViewApplication& application)
   if (o.token.size() != 32 || !(o.frame_hz > 0.0 && o.frame_hz <= 1000.0)) {
     throw InputError(
         fmt::format("live view: frame rate is {} Hz, must lie in (0, 1000], token of "
-                    "{} digits, must "
-                    "have 32",
+                    "{} digits, must have 32",
                     o.frame_hz, o.token.size()));
   }
   parts_->listen();
@@ -401,18 +198,14 @@ void ViewServer::run(const std::atomic<bool>& stop) {
 }
 
 void ViewServer::send(ViewClient client, std::string text) {
-  const auto found = parts_->sockets.find(client);
-  if (const auto socket =
-          found != parts_->sockets.end() ? found->second.lock() : nullptr) {
+  if (const auto socket = parts_->socket(client)) {
     socket->send(std::move(text));
   }
 }
 
 void ViewServer::send_latest(ViewClient client,
                              const std::shared_ptr<const std::string>& text) {
-  const auto found = parts_->sockets.find(client);
-  if (const auto socket =
-          found != parts_->sockets.end() ? found->second.lock() : nullptr) {
+  if (const auto socket = parts_->socket(client)) {
     socket->send_latest(text);
   }
 }
