@@ -1,7 +1,5 @@
 #include "runtime/command_device.h"
 
-#include <atomic>
-#include <csignal>
 #include <memory>
 #include <string>
 
@@ -10,16 +8,11 @@
 
 #include "formats/error.h"
 #include "runtime/simulation.h"
+#include "runtime/simulation_outcome.h"
+#include "runtime/stop_signals.h"
 
 namespace palpate {
 namespace {
-
-std::atomic<bool> device_stop_requested = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-extern "C" void request_device_stop(int /*signal*/) {
-  device_stop_requested.store(true);
-}
 
 struct Flags {
   std::string database;
@@ -29,49 +22,6 @@ struct Flags {
   SimulationOptions options;
 };
 
-nlohmann::json as_json(const SimulationReport& report) {
-  const RenderReport& r = report.render;
-  return {{"device", report.device},
-          {"device_failure", report.device_failure},
-          {"tool", report.tool},
-          {"node", report.node},
-          {"force_scale", report.force_scale},
-          {"renderable_n_per_m", report.bounds.renderable_n_per_m()},
-          {"duration_s", r.duration_s},
-          {"ticks", r.ticks},
-          {"contact_ticks", r.contact_ticks},
-          {"late_reads", r.late_reads},
-          {"missed_deadlines", r.missed_deadlines},
-          {"depth_max_m", r.depth_max_m},
-          {"force_max_n", r.force_max_n},
-          {"net_energy_j", r.net_energy_j()},
-          {"model_work_j", r.model_work_j},
-          {"step_p50_ns", r.step_time.percentile_ns(0.5)},
-          {"step_p99_ns", r.step_time.percentile_ns(0.99)},
-          {"scheduling", r.scheduling},
-          {"fault", name(r.fault)},
-          {"interrupted", r.interrupted}};
-}
-
-void report_end(const SimulationReport& report) {
-  const RenderReport& r = report.render;
-  if (r.fault == Fault::kDeviceLost || r.fault == Fault::kDeviceSilent) {
-    throw DeviceError(fmt::format(
-        "{}: fault \"{}\" after {:.4g} s{}{}", report.device, name(r.fault), r.fault_s,
-        report.device_failure.empty() ? "" : ": ", report.device_failure));
-  }
-  if (r.fault != Fault::kNone) {
-    throw NumericalError(fmt::format("stopped by fault \"{}\" after {:.4g} s",
-                                     name(r.fault), r.fault_s));
-  }
-  if (r.slow_error != nullptr) {
-    std::rethrow_exception(r.slow_error);
-  }
-  if (r.interrupted) {
-    throw Interrupted();
-  }
-}
-
 void run(Flags& flags) {
   flags.device.tell = [](const std::string& text) {
     fmt::print(stderr, "{}\n", text);
@@ -80,13 +30,10 @@ void run(Flags& flags) {
   flags.options.real_time = true;
   flags.options.attached = choose_device(flags.device);
   const ResponseDatabase database = read_database(flags.database);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    std::signal(signal, request_device_stop);
-  }
   const SimulationReport report =
-      simulate(database, flags.options, device_stop_requested);
+      simulate(database, flags.options, heed_stop_signals());
   fmt::print("{}", flags.json ? as_json(report).dump(2) + "\n" : summary(report));
-  report_end(report);
+  throw_what_ended(report);
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 #include "runtime/command_simulate.h"
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,16 +13,11 @@
 #include "formats/error.h"
 #include "formats/recording.h"
 #include "runtime/simulation.h"
+#include "runtime/simulation_outcome.h"
+#include "runtime/stop_signals.h"
 
 namespace palpate {
 namespace {
-
-std::atomic<bool> stop_requested = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-extern "C" void request_stop(int /*signal*/) {
-  stop_requested.store(true);
-}
 
 struct Flags {
   std::string database;
@@ -91,69 +84,6 @@ std::vector<SimulationOptions> tools_of(const Flags& flags) {
   return options;
 }
 
-nlohmann::json as_json(const StreamReport& stream) {
-  return {{"updates", stream.updates},
-          {"starved", stream.starved},
-          {"chunks_loaded", stream.cache.loaded},
-          {"chunks_evicted", stream.cache.evicted},
-          {"chunks_wanted", stream.cache.wanted},
-          {"chunks_hit", stream.cache.hits},
-          {"bytes_max", stream.cache.bytes_max},
-          {"fault", stream.fault}};
-}
-
-nlohmann::json as_json(const SimulationReport& report) {
-  const RenderReport& r = report.render;
-  return {{"model", name(report.options.model)},
-          {"tool", report.tool},
-          {"node", report.node},
-          {"fast_hz", report.options.fast_hz},
-          {"slow_hz", report.options.slow_hz},
-          {"real_time", report.options.real_time},
-          {"stiffness_max_n_per_m", report.stiffness.normal_n_per_m},
-          {"friction_stiffness_n_per_m", report.stiffness.friction_n_per_m},
-          {"passivity_bound_n_per_m", report.bounds.passivity_n_per_m},
-          {"sampling_bound_n_per_m", report.bounds.sampling_n_per_m},
-          {"delay_bound_n_per_m", report.bounds.delay_n_per_m},
-          {"quantisation_bound_n_per_m", report.bounds.quantisation_n_per_m},
-          {"renderable_n_per_m", report.bounds.renderable_n_per_m()},
-          {"force_scale", report.force_scale},
-          {"duration_s", r.duration_s},
-          {"ticks", r.ticks},
-          {"contact_ticks", r.contact_ticks},
-          {"starved_ticks", r.starved_ticks},
-          {"extrapolated_ticks", r.extrapolated_ticks},
-          {"missed_deadlines", r.missed_deadlines},
-          {"slow_updates", r.slow_updates},
-          {"slow_missed_deadlines", r.slow_missed_deadlines},
-          {"slow_stalls", r.slow_stalls},
-          {"elements_dropped", r.elements_dropped},
-          {"depth_max_m", r.depth_max_m},
-          {"force_max_n", r.force_max_n},
-          {"energy_in_j", r.energy_in_j},
-          {"energy_out_j", r.energy_out_j},
-          {"net_energy_j", r.net_energy_j()},
-          {"model_work_j", r.model_work_j},
-          {"stored_j", r.stored_j},
-          {"dissipated_j", r.dissipated_j},
-          {"tank_j", r.tank_j},
-          {"tank_max_j", r.tank_max_j},
-          {"relaxed_shift_max_m", r.relaxed_shift_max_m},
-          {"step_p50_ns", r.step_time.percentile_ns(0.5)},
-          {"step_p99_ns", r.step_time.percentile_ns(0.99)},
-          {"step_p999_ns", r.step_time.percentile_ns(0.999)},
-          {"step_max_ns", r.step_time.max_ns()},
-          {"late_reads", r.late_reads},
-          {"slow_failure", r.slow_failure},
-          {"scheduling", r.scheduling},
-          {"device", report.device},
-          {"records_dropped", report.records_dropped},
-          {"recording_failure", report.recording_failure},
-          {"stream", report.stream ? as_json(*report.stream) : nlohmann::json()},
-          {"fault", name(r.fault)},
-          {"interrupted", r.interrupted}};
-}
-
 // Larger files are streamed: as values in memory they are larger still.
 constexpr std::uintmax_t kStreamFrom = std::uintmax_t{256} << 20;
 
@@ -171,12 +101,6 @@ bool is_streamed(const Flags& flags) {
          (flags.stream == "auto" && !missing && bytes > kStreamFrom);
 }
 
-void heed_signals() {
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
-  std::signal(SIGHUP, request_stop);
-}
-
 std::vector<SimulationReport> render(const Flags& flags) {
   std::vector<SimulationOptions> tools = tools_of(flags);
   if (!flags.record.empty() || !flags.flight_recorder.empty()) {
@@ -191,12 +115,11 @@ std::vector<SimulationReport> render(const Flags& flags) {
     }
     const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
                                                  static_cast<double>(kMebibyte));
-    heed_signals();
-    return {simulate_streamed(flags.database, tools.front(), budget, stop_requested)};
+    return {
+        simulate_streamed(flags.database, tools.front(), budget, heed_stop_signals())};
   }
   const ResponseDatabase database = read_database(flags.database);
-  heed_signals();
-  return simulate(database, tools, stop_requested);
+  return simulate(database, tools, heed_stop_signals());
 }
 
 void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
@@ -215,36 +138,11 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
   }
 }
 
-// What of a report ends the tool with an error.
-void complain(const SimulationReport& report) {
-  if (report.render.fault != Fault::kNone) {
-    const std::string what =
-        fmt::format("stopped by fault \"{}\" after {:.4g} s", name(report.render.fault),
-                    report.render.fault_s);
-    if (report.render.fault == Fault::kDeviceLost) {
-      throw DeviceError(what);
-    }
-    throw NumericalError(what);
-  }
-  if (report.stream && !report.stream->fault.empty()) {
-    throw FormatError(report.stream->fault);
-  }
-  if (report.render.slow_error != nullptr) {
-    std::rethrow_exception(report.render.slow_error);
-  }
-  if (!report.recording_failure.empty()) {
-    throw InputError(report.recording_failure);
-  }
-  if (report.render.interrupted) {
-    throw Interrupted();
-  }
-}
-
 void run(const Flags& flags) {
   const std::vector<SimulationReport> reports = render(flags);
   print(flags, reports);
   for (const SimulationReport& report : reports) {
-    complain(report);
+    throw_what_ended(report);
   }
 }
 

@@ -1,7 +1,6 @@
 #include "runtime/command_view.h"
 
 #include <atomic>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "runtime/live_view.h"
 #include "runtime/page_assets.h"
 #include "runtime/simulation.h"
+#include "runtime/stop_signals.h"
 #include "runtime/view_policy.h"
 #include "runtime/view_server.h"
 #include "runtime/view_session.h"
@@ -23,13 +23,6 @@
 
 namespace palpate {
 namespace {
-
-std::atomic<bool> stop_requested = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-extern "C" void request_view_stop(int /*signal*/) {
-  stop_requested.store(true);
-}
 
 struct Flags {
   std::string database;
@@ -84,13 +77,11 @@ void run(const Flags& flags) {
   LiveView live(session, wall);
   ViewServer server(server_options(flags, session), live);
   live.answer_through(server);
-  std::signal(SIGINT, request_view_stop);
-  std::signal(SIGTERM, request_view_stop);
-  std::signal(SIGHUP, request_view_stop);
+  const std::atomic<bool>& stop = heed_stop_signals();
   fmt::print("{}\n", server.address());
   std::fflush(stdout);  // who reads a pipe waits for it
   fmt::print(stderr, "open this address in a browser on this machine; Ctrl-C ends\n");
-  server.run(stop_requested);
+  server.run(stop);
 }
 
 }  // namespace

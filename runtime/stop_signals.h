@@ -1,0 +1,12 @@
+// A wish to end, from Ctrl-C, a closed terminal or a system that shuts down.
+#pragma once
+
+#include <atomic>
+
+namespace palpate {
+
+/// From now on SIGINT, SIGTERM and SIGHUP set what is returned instead of ending the
+/// process.
+[[nodiscard]] const std::atomic<bool>& heed_stop_signals();
+
+}  // namespace palpate
