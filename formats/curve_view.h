@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 namespace palpate {
@@ -54,26 +53,6 @@ struct CurveView {
   [[nodiscard]] std::size_t interval(double d) const noexcept {
     const auto upper = std::lower_bound(depth_m.begin() + 1, depth_m.end() - 1, d);
     return static_cast<std::size_t>(upper - depth_m.begin()) - 1;
-  }
-
-  /// As at(), for a caller that remembers the interval: `hint` is tried before the
-  /// others, and set.
-  [[nodiscard]] ResponseSample at(double d, std::uint8_t& hint) const noexcept {
-    const std::size_t i = hint;
-    if (i + 1 < depth_m.size() && d > depth_m[i] && d <= depth_m[i + 1]) {
-      return inside(i, d);
-    }
-    return found_at(d, hint);
-  }
-
-  /// As at(), setting the hint. Out of line, so that the way where the hint is right is
-  /// short enough to be inlined.
-  [[gnu::noinline]] ResponseSample found_at(double d,
-                                            std::uint8_t& hint) const noexcept {
-    if (!depth_m.empty() && d > 0.0 && d <= depth_m.back()) {
-      hint = static_cast<std::uint8_t>(std::min<std::size_t>(interval(d), 255));
-    }
-    return at(d);
   }
 
   /// f, f' and E by the cubic of interval i.

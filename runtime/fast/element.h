@@ -42,10 +42,6 @@ struct ElementNode {
   }
 };
 
-/// Curve intervals in which the nodes of an element were evaluated last: any values;
-/// where they are right, evaluation is faster.
-using CurveHints = std::array<std::uint8_t, 3>;
-
 /// A triangle of the surface. Messages are copied whole through the FIFO.
 struct Element {
   std::int32_t triangle = -1;       ///< index in the database; -1: no element

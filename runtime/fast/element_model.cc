@@ -25,7 +25,7 @@ std::int32_t triangle_in(const ElementCache& cache, int slot) {
 
 ElementResponse respond_here(ElementModel& model, const ElementCache& cache,
                              const Eigen::Vector3d& x) {
-  return respond(model, cache, x, model.hint);
+  return respond(model, cache, x, model.pieces);
 }
 
 // Another element where the rules allow it: in free space, or lost beyond an edge, the

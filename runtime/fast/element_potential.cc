@@ -3,11 +3,12 @@
 namespace palpate {
 
 ElementResponse respond(const ElementModel& model, const ElementCache& cache,
-                        const Eigen::Vector3d& x_m, CurveHints& hint) noexcept {
+                        const Eigen::Vector3d& x_m, CurvePieces& pieces) noexcept {
   ElementResponse response;
   if (model.slot < 0) {
     return response;
   }
+  turn_to(pieces, cache, model.slot);
   const Element& element = cache.element[static_cast<std::size_t>(model.slot)];
   const Eigen::Vector3d& u = model.direction;
   const Eigen::Vector3d offset = model.rest_m - x_m;
@@ -22,7 +23,7 @@ ElementResponse respond(const ElementModel& model, const ElementCache& cache,
     const double d_j = d - model.touch_m[j] - model.shift_m;
     response.touching = response.touching || d_j + model.shift_m > 0.0;
     if (d_j > 0.0) {
-      const ResponseSample at = node.curve().at(d_j, hint[j]);
+      const ResponseSample at = evaluate(pieces, node, j, d_j);
       response.loaded = true;
       response.normal_n += weight * at.force_n;
       response.stiffness_n_per_m += weight * at.stiffness_n_per_m;

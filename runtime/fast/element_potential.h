@@ -24,6 +24,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/fast/curve_piece.h"
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/prism.h"
 
@@ -48,7 +49,7 @@ struct ElementModel {
   double shift_m = 0.0;                              ///< [m] delta_0 >= 0
   bool outside = false;  ///< a lies beyond the element's edges
   bool starved = false;  ///< outside, and the neighbour has not arrived
-  CurveHints hint{};
+  CurvePieces pieces;
   std::uint64_t received_seen = 0;    ///< cache.received at the last step
   std::uint64_t received_inside = 0;  ///< cache.received when a was last inside
 };
@@ -67,17 +68,17 @@ struct ElementResponse {
   [[nodiscard]] double potential_j() const noexcept { return normal_j + friction_j; }
 };
 
-/// Evaluates the potential at tool position x_m [m]. @param hint tried, and set.
+/// Evaluates the potential at tool position x_m [m]. @param pieces tried, and set.
 [[nodiscard]] ElementResponse respond(const ElementModel& model,
                                       const ElementCache& cache,
                                       const Eigen::Vector3d& x_m,
-                                      CurveHints& hint) noexcept;
+                                      CurvePieces& pieces) noexcept;
 
 [[nodiscard]] inline ElementResponse respond(const ElementModel& model,
                                              const ElementCache& cache,
                                              const Eigen::Vector3d& x_m) noexcept {
-  CurveHints hint = model.hint;
-  return respond(model, cache, x_m, hint);
+  CurvePieces pieces = model.pieces;
+  return respond(model, cache, x_m, pieces);
 }
 
 /// Force on the tool [N] (29).

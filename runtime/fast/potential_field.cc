@@ -18,11 +18,13 @@ double lean(const ElementNode& node) {
 }  // namespace
 
 FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
-                      double tool_radius_m, double shift_m, CurveHints& hint) noexcept {
+                      double tool_radius_m, double shift_m,
+                      CurvePieces& pieces) noexcept {
   FieldResponse response;
   if (place.slot < 0) {
     return response;
   }
+  turn_to(pieces, cache, place.slot);
   const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
   response.depth_m = tool_radius_m - place.at.height_m;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  // dU by n_1 and n_2 [J]
@@ -39,7 +41,7 @@ FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
       continue;
     }
     const double c = lean(node);
-    const ResponseSample at = node.curve().at(c * (past - shift_m), hint[j]);
+    const ResponseSample at = evaluate(pieces, node, j, c * (past - shift_m));
     response.loaded = response.loaded || weight > 0.0;
     response.extrapolated = response.extrapolated || (at.extrapolated && weight > 0.0);
     response.normal_n += weight * c * at.force_n;

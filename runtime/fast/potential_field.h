@@ -19,6 +19,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/fast/curve_piece.h"
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/field_place.h"
 
@@ -36,10 +37,10 @@ struct FieldResponse {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] F, on the tool
 };
 
-/// @param hint tried, and set.
+/// @param pieces tried, and set.
 [[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
                                     double tool_radius_m, double shift_m,
-                                    CurveHints& hint) noexcept;
+                                    CurvePieces& pieces) noexcept;
 
 /// Largest penetration at which nothing is loaded, d - min t_j over the nodes that
 /// count; delta_0 from there on gives U = 0.

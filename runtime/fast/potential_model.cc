@@ -47,7 +47,7 @@ std::int32_t triangle_in(const ElementCache& cache, int slot) {
 }
 
 FieldResponse respond(PotentialModel& model, const ElementCache& cache, double radius) {
-  return respond(model.place, cache, radius, model.shift_m, model.hint);
+  return respond(model.place, cache, radius, model.shift_m, model.pieces);
 }
 
 // What fixes the continuation of what was rendered at x_k.
@@ -72,8 +72,8 @@ double carried_j(const Rendered& at, const ElementCache& cache, double radius,
   along.folded = true;
   along.at.height_m = at.height_m + at.normal.dot(moved);
   along.frame.weight = at.weight;
-  CurveHints hint{};
-  const double energy = respond(along, cache, radius, shift_m, hint).energy_j;
+  CurvePieces pieces;
+  const double energy = respond(along, cache, radius, shift_m, pieces).energy_j;
   const Eigen::Vector3d& f = at.response.force_n;
   const Eigen::Vector3d along_n = f - f.dot(at.normal) * at.normal;
   return std::max(0.0, energy - along_n.dot(moved));
@@ -98,7 +98,7 @@ double move(PotentialModel& model, const ElementCache& cache, double radius,
   if (place.outside) {
     FieldPlace within = place;
     if (follow_within(within, x)) {
-      energy = respond(within, cache, radius, model.shift_m, model.hint).energy_j;
+      energy = respond(within, cache, radius, model.shift_m, model.pieces).energy_j;
     }
   }
   follow(place, cache, x);
@@ -185,7 +185,8 @@ void pay(PotentialModel& model, const ElementCache& cache, double radius,
   if (model.response.energy_j > allowed_j) {
     model.presliding_m.setZero();
     const auto at_shift = [&](double shift_m) {
-      const FieldResponse at = respond(model.place, cache, radius, shift_m, model.hint);
+      const FieldResponse at =
+          respond(model.place, cache, radius, shift_m, model.pieces);
       return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
     };
     model.shift_m = raised_shift_m(
@@ -205,7 +206,7 @@ void recover(PotentialModel& model, const ElementCache& cache, double radius,
     return;
   }
   const auto at_shift = [&](double shift_m) {
-    const FieldResponse at = respond(model.place, cache, radius, shift_m, model.hint);
+    const FieldResponse at = respond(model.place, cache, radius, shift_m, model.pieces);
     return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
   };
   const double shift = recovered_shift_m(
@@ -264,7 +265,7 @@ Eigen::Vector3d advance(PotentialModel& model, ElementCache& cache,
   }
   double keep = model.response.touching ? model.response.energy_j : 0.0;
   if (model.shift_m > 0.0 && model.response.touching) {
-    keep = respond(model.place, cache, radius, 0.0, model.hint).energy_j;
+    keep = respond(model.place, cache, radius, 0.0, model.pieces).energy_j;
   }
   book_change(ledger, model.response.energy_j + spring_j(model), keep);
   return model.response.force_n - model.friction_n_per_m * model.presliding_m;

@@ -41,7 +41,7 @@ struct PotentialModel {
   Eigen::Vector3d presliding_m = Eigen::Vector3d::Zero();  ///< [m] delta_t
   Eigen::Vector3d tool_m = Eigen::Vector3d::Zero();        ///< [m] x_k
   FieldResponse response;                                  ///< at x_k
-  CurveHints hint{};
+  CurvePieces pieces;
   std::uint64_t received_seen = 0;    ///< cache.received at the last tick
   std::uint64_t received_inside = 0;  ///< cache.received when last inside
 };

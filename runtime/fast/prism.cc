@@ -49,7 +49,7 @@ struct Step {
 };
 
 Step solve(const PrismFrame& frame, const Eigen::Vector3d& r_m) {
-  const double inverse = 1.0 / frame.determinant_m2;
+  const double inverse = frame.inverse_per_m2;
   const Eigen::Vector3d turned_r = frame.normal.cross(r_m);
   return {inverse * frame.along2_m.dot(turned_r),
           -inverse * frame.along1_m.dot(turned_r), inverse * r_m.dot(frame.cross_m2)};
@@ -122,8 +122,9 @@ void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
   frame.along1_m = v.col(1) - v.col(0) + at.height_m * frame.bend1;
   frame.along2_m = v.col(2) - v.col(0) + at.height_m * frame.bend2;
   frame.cross_m2 = frame.along1_m.cross(frame.along2_m);
-  frame.determinant_m2 = frame.cross_m2.dot(frame.normal);
-  frame.scale = frame.determinant_m2 / prism.doubled_area_m2;
+  const double determinant_m2 = frame.cross_m2.dot(frame.normal);
+  frame.inverse_per_m2 = 1.0 / determinant_m2;
+  frame.scale = determinant_m2 / prism.doubled_area_m2;
 }
 
 double newton_step(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
@@ -164,9 +165,9 @@ PrismSolve find_coordinates(const Prism& prism, const Eigen::Vector3d& x_m,
 
 Eigen::Vector3d gradient(const PrismFrame& frame, double by_n1, double by_n2,
                          double by_s_per_m) noexcept {
-  return ((by_n1 * frame.along2_m - by_n2 * frame.along1_m).cross(frame.normal) +
-          by_s_per_m * frame.cross_m2) /
-         frame.determinant_m2;
+  return frame.inverse_per_m2 *
+         ((by_n1 * frame.along2_m - by_n2 * frame.along1_m).cross(frame.normal) +
+          by_s_per_m * frame.cross_m2);
 }
 
 }  // namespace palpate

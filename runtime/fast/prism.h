@@ -55,7 +55,7 @@ struct PrismFrame {
   Eigen::Vector3d bend1 = Eigen::Vector3d::Zero();   ///< [-] dn_out/dn_1
   Eigen::Vector3d bend2 = Eigen::Vector3d::Zero();   ///< [-] dn_out/dn_2
   Eigen::Vector2d growth = Eigen::Vector2d::Zero();  ///< [-] d ln|N| by n_1, n_2
-  double determinant_m2 = 0.0;                       ///< [m^2] of the Jacobian
+  double inverse_per_m2 = 0.0;  ///< [1/m^2] of the Jacobian's determinant
   double scale = 0.0;  ///< [-] determinant over the triangle's; 0: no normal here
 };
 

@@ -55,8 +55,8 @@ FieldPlace place_at(const ElementCache& cache, int slot, const PrismPoint& at) {
 }
 
 FieldResponse response_at(const ElementCache& cache, const FieldPlace& place) {
-  CurveHints hint{};
-  return respond(place, cache, kRadiusM, 0.0, hint);
+  CurvePieces pieces;
+  return respond(place, cache, kRadiusM, 0.0, pieces);
 }
 
 TEST(Prism, CoordinatesAreFoundAgain) {
