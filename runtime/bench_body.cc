@@ -39,7 +39,7 @@ class NodeMaker {
     node.friction = o_.friction_min + (o_.friction_max - o_.friction_min) * unit();
     node.presliding_m = o_.presliding_m;
     set_power_law(node, o_.exponent, o_.force_n * std::pow(o_.contrast, unit() - 0.5),
-                  o_.depth_m);
+                  o_.depth_m, o_.samples);
     return node;
   }
 
@@ -69,12 +69,12 @@ Eigen::Matrix3d corners(const Element& element) {
 
 }  // namespace
 
-void set_power_law(ElementNode& node, double exponent, double force_n, double depth_m) {
-  constexpr int kSamples = 33;
+void set_power_law(ElementNode& node, double exponent, double force_n, double depth_m,
+                   int samples) {
   const double a = force_n / std::pow(depth_m, exponent);
-  node.samples = kSamples;
-  for (std::size_t i = 0; i < kSamples; ++i) {
-    const double d = depth_m * static_cast<double>(i) / (kSamples - 1);
+  node.samples = samples;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(samples); ++i) {
+    const double d = depth_m * static_cast<double>(i) / (samples - 1);
     node.depth_m[i] = d;
     node.force_n[i] = a * std::pow(d, exponent);
     node.stiffness_n_per_m[i] = a * exponent * std::pow(d, exponent - 1.0);

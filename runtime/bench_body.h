@@ -18,6 +18,7 @@ struct BenchBodyOptions {
   double exponent = 1.5;        ///< [-] >= 1, f = a d^exponent
   double force_n = 2.0;         ///< [N] f at depth_m, before contrast
   double depth_m = 0.008;       ///< [m] > 0, last sample of every curve
+  int samples = 33;             ///< [2, kElementSamples] of every curve
   double contrast = 1.0;        ///< [-] >= 1, largest over smallest stiffness
   double tilt_rad = 0.0;        ///< [rad] largest angle of u to n
   double friction_min = 0.0;    ///< [-]
@@ -67,7 +68,8 @@ struct BenchWalkOptions {
     const BenchBody& body, const BenchWalkOptions& options);
 
 /// Samples f = a d^p, a = force_n / depth_m^p, into a node: exact slopes, energies of
-/// the cubic between the samples.
-void set_power_law(ElementNode& node, double exponent, double force_n, double depth_m);
+/// the cubic between the samples. @param samples [2, kElementSamples].
+void set_power_law(ElementNode& node, double exponent, double force_n, double depth_m,
+                   int samples = 33);
 
 }  // namespace palpate

@@ -16,16 +16,17 @@ struct StepBenchOptions {
 
 struct StepBenchRow {
   LocalModel model = LocalModel::kElement;
-  bool friction = true;           ///< the body has any
+  std::string scene;              ///< what the tool moves over
   double median_ns = 0.0;         ///< [ns] of step(), without the clock's own cost
   double p999_ns = 0.0;           ///< [ns] 99.9th percentile, likewise
   double accept_median_ns = 0.0;  ///< [ns] of accept()
   std::uint64_t allocations = 0;  ///< in all steps and accepts
 };
 
-/// Runs every model over the same recorded walk on a wavy body of random stiffness with
-/// friction, those that render friction also without. The clock's own cost, the median
-/// of empty readings, is taken off.
+/// Runs every model over five scenes, each with a recorded walk: two tools and one on a
+/// wavy body of random stiffness with friction, one without friction, a rigid flat
+/// wall, and free space. A tick is one step of every tool. The clock's own cost, the
+/// median of empty readings, is taken off.
 /// @param allocations counter of heap allocations so far in this thread.
 [[nodiscard]] std::vector<StepBenchRow> run_step_bench(const StepBenchOptions& options,
                                                        std::uint64_t (*allocations)());
