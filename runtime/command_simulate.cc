@@ -27,20 +27,15 @@ struct Flags {
   double stream_budget_mib = 48.0;
   std::vector<std::string> tools;
   std::vector<double> at_m;
-  std::string record;
-  std::string flight_recorder;
-  std::string device;
+  std::vector<std::string> records;
+  std::vector<std::string> flight_recorders;
+  std::vector<std::string> devices;
   bool json = false;
   SimulationOptions options;
 };
 
 SimulationOptions options_of(const Flags& flags) {
   SimulationOptions options = flags.options;
-  options.recording = {.file = flags.record,
-                       .flight_file = flags.flight_recorder,
-                       .database = std::filesystem::path(flags.database).filename(),
-                       .database_sha256 = {}};
-  options.socket = flags.device;
   if (flags.clock != "simulated" && flags.clock != "real") {
     throw InputError(fmt::format("--clock {}: must be simulated or real", flags.clock));
   }
@@ -61,6 +56,19 @@ std::optional<Eigen::Vector3d> place(const Flags& flags, std::size_t tool) {
   return at_m;
 }
 
+// What a flag says of the tool of that number; "" where it is not given.
+// @throws InputError unless it is given for every tool or for none.
+std::string said_of(std::size_t tool, std::size_t tools, const char* flag,
+                    const std::vector<std::string>& values) {
+  if (!values.empty() && values.size() != tools) {
+    throw InputError(
+        fmt::format("{} is given {} times, must be given once for each of "
+                    "{} tools",
+                    flag, values.size(), tools));
+  }
+  return values.empty() ? "" : values[tool];
+}
+
 // The options of each tool.
 std::vector<SimulationOptions> tools_of(const Flags& flags) {
   const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
@@ -70,16 +78,19 @@ std::vector<SimulationOptions> tools_of(const Flags& flags) {
                     "{} tools",
                     flags.at_m.size(), tools));
   }
-  if (tools > 1 && (!flags.record.empty() || !flags.flight_recorder.empty() ||
-                    !flags.device.empty())) {
-    throw InputError(fmt::format(
-        "--tool names {} tools; --record, --flight-recorder and --device are for one",
-        tools));
-  }
+  const bool recorded = !flags.records.empty() || !flags.flight_recorders.empty();
+  const RecordingRequest recording{
+      .database = std::filesystem::path(flags.database).filename(),
+      .database_sha256 = recorded ? database_sha256(flags.database) : ""};
   std::vector<SimulationOptions> options(tools, options_of(flags));
   for (std::size_t i = 0; i < tools; ++i) {
     options[i].tool = flags.tools.empty() ? "" : flags.tools[i];
     options[i].at_m = place(flags, i);
+    options[i].socket = said_of(i, tools, "--device", flags.devices);
+    options[i].recording = recording;
+    options[i].recording.file = said_of(i, tools, "--record", flags.records);
+    options[i].recording.flight_file =
+        said_of(i, tools, "--flight-recorder", flags.flight_recorders);
   }
   return options;
 }
@@ -102,24 +113,13 @@ bool is_streamed(const Flags& flags) {
 }
 
 std::vector<SimulationReport> render(const Flags& flags) {
-  std::vector<SimulationOptions> tools = tools_of(flags);
-  if (!flags.record.empty() || !flags.flight_recorder.empty()) {
-    tools.front().recording.database_sha256 = database_sha256(flags.database);
-  }
+  const std::vector<SimulationOptions> tools = tools_of(flags);
   if (is_streamed(flags)) {
-    if (tools.size() > 1) {
-      throw InputError(fmt::format(
-          "--tool names {} tools, responses can be streamed for one; --stream off "
-          "keeps them in memory",
-          tools.size()));
-    }
     const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
                                                  static_cast<double>(kMebibyte));
-    return {
-        simulate_streamed(flags.database, tools.front(), budget, heed_stop_signals())};
+    return simulate_streamed(flags.database, tools, budget, heed_stop_signals());
   }
-  const ResponseDatabase database = read_database(flags.database);
-  return simulate(database, tools, heed_stop_signals());
+  return simulate(read_database(flags.database), tools, heed_stop_signals());
 }
 
 void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
@@ -187,13 +187,17 @@ void add_simulate_command(CLI::App& app) {
       ->add_option("--stream-budget", flags->stream_budget_mib,
                    "Memory for streamed responses [MiB]")
       ->capture_default_str();
-  command->add_option("--record", flags->record,
-                      "Record every tick into this file, for replay");
-  command->add_option("--flight-recorder", flags->flight_recorder,
-                      "On a fault, write the last seconds into this file");
-  command->add_option("--device", flags->device,
-                      "Socket of a device's driver instead of the simulated device "
-                      "(runtime/socket_device.h)");
+  const auto add_each = [&](const char* flag, std::vector<std::string>& values,
+                            const char* what) {
+    command->add_option(flag, values, what)->allow_extra_args(false);
+  };
+  add_each("--record", flags->records,
+           "Record every tick into this file, for replay; once for each tool");
+  add_each("--flight-recorder", flags->flight_recorders,
+           "On a fault, write the last seconds into this file; once for each tool");
+  add_each("--device", flags->devices,
+           "Socket of a device's driver instead of the simulated device "
+           "(runtime/socket_device.h); once for each tool");
   command
       ->add_option("--ramp-s", options.ramp_s,
                    "Time from the start until the largest force is allowed [s]")

@@ -191,16 +191,32 @@ std::unique_ptr<Clock> make_clock(const SimulationOptions& options) {
   return std::make_unique<SimulatedClock>();
 }
 
-// @param sender who sent the elements, for the caller's account of it.
-SimulationReport run(const PressedBody& body, const SimulationOptions& options,
-                     const std::atomic<bool>& stop,
-                     std::unique_ptr<ElementSender>& sender) {
-  const std::unique_ptr<Clock> clock = make_clock(options);
+// Prepares a run for each tool, and renders all of them at once.
+template <typename PrepareOne>
+std::vector<PreparedRun> run_all(std::span<const SimulationOptions> tools,
+                                 const std::atomic<bool>& stop,
+                                 const PrepareOne& prepare_one) {
+  if (tools.empty()) {
+    throw InputError("a scene without a tool cannot be rendered");
+  }
+  const std::unique_ptr<Clock> clock = make_clock(tools.front());
   std::vector<PreparedRun> runs;
-  runs.push_back(prepare(body, options, *clock));
+  for (const SimulationOptions& options : tools) {
+    if (options.real_time != tools.front().real_time) {
+      throw InputError("tools of one scene share the clock, real or simulated");
+    }
+    runs.push_back(prepare_one(options, *clock));
+  }
   render(runs, stop, *clock);
-  sender = std::move(runs.front().sender);
-  return runs.front().report;
+  return runs;
+}
+
+std::vector<SimulationReport> reports(const std::vector<PreparedRun>& runs) {
+  std::vector<SimulationReport> all;
+  for (const PreparedRun& run : runs) {
+    all.push_back(run.report);
+  }
+  return all;
 }
 
 // @param loss of the curves that had to be thinned.
@@ -260,58 +276,50 @@ SimulationReport simulate(const ResponseDatabase& database,
 std::vector<SimulationReport> simulate(const ResponseDatabase& database,
                                        std::span<const SimulationOptions> tools,
                                        const std::atomic<bool>& stop) {
-  if (tools.empty()) {
-    throw InputError("a scene without a tool cannot be rendered");
-  }
-  const std::unique_ptr<Clock> clock = make_clock(tools.front());
-  std::vector<PreparedRun> runs;
-  for (const SimulationOptions& options : tools) {
-    if (options.real_time != tools.front().real_time) {
-      throw InputError("tools of one scene share the clock, real or simulated");
-    }
+  const auto prepare_one = [&](const SimulationOptions& options, Clock& clock) {
     ResampleLoss loss;
-    runs.push_back(prepare(pressed_body(database, options, loss), options, *clock));
-    runs.back().report.resample_loss = loss;
-  }
-  render(runs, stop, *clock);
-  std::vector<SimulationReport> reports;
-  for (const PreparedRun& done : runs) {
-    reports.push_back(done.report);
-  }
-  return reports;
+    PreparedRun run = prepare(pressed_body(database, options, loss), options, clock);
+    run.report.resample_loss = loss;
+    return run;
+  };
+  return reports(run_all(tools, stop, prepare_one));
 }
 
-SimulationReport simulate_streamed(const std::filesystem::path& file,
-                                   const SimulationOptions& options,
-                                   std::size_t budget_bytes,
-                                   const std::atomic<bool>& stop) {
+std::vector<SimulationReport> simulate_streamed(
+    const std::filesystem::path& file, std::span<const SimulationOptions> tools,
+    std::size_t budget_bytes, const std::atomic<bool>& stop) {
   const ChunkReader reader(file);
-  const std::size_t tool = find_tool(reader.index(), options.tool);
-  check(options);
-  const StreamedPlace place = streamed_place(reader, tool, options.at_m);
-  const PressedBody body{
-      .tool = reader.index().tools[tool].tool,
-      .node = place.source_node,
-      .stiffness = streamed_stiffness(reader, tool, options.force_max_n),
-      .script =
-          [&](double scale, double hand_n_per_m) {
-            return script_at(place.around, place.around.tools[0], place.row,
-                             options.force_max_n, scale, hand_n_per_m);
-          },
-      .stream = [&](double scale,
-                    const Eigen::Vector3d& start_m) -> std::unique_ptr<ElementSender> {
-        const CacheOptions cache{
-            .tool = options.tool, .budget_bytes = budget_bytes, .force_scale = scale};
-        return std::make_unique<StreamedElements>(file, cache, start_m,
-                                                  options.real_time);
-      }};
-  std::unique_ptr<ElementSender> sender;
-  SimulationReport report = run(body, options, stop, sender);
-  auto& streamed = dynamic_cast<StreamedElements&>(*sender);
-  streamed.stop();
-  report.stream = streamed.report();
-  report.resample_loss = report.stream->cache.loss;
-  return report;
+  const auto prepare_one = [&](const SimulationOptions& options, Clock& clock) {
+    const std::size_t tool = find_tool(reader.index(), options.tool);
+    check(options);
+    const StreamedPlace place = streamed_place(reader, tool, options.at_m);
+    const PressedBody body{
+        .tool = reader.index().tools[tool].tool,
+        .node = place.source_node,
+        .stiffness = streamed_stiffness(reader, tool, options.force_max_n),
+        .script =
+            [&](double scale, double hand_n_per_m) {
+              return script_at(place.around, place.around.tools[0], place.row,
+                               options.force_max_n, scale, hand_n_per_m);
+            },
+        .stream = [&](double scale, const Eigen::Vector3d& start_m)
+            -> std::unique_ptr<ElementSender> {
+          const CacheOptions cache{.tool = options.tool,
+                                   .budget_bytes = budget_bytes / tools.size(),
+                                   .force_scale = scale};
+          return std::make_unique<StreamedElements>(file, cache, start_m,
+                                                    options.real_time);
+        }};
+    return prepare(body, options, clock);
+  };
+  std::vector<PreparedRun> runs = run_all(tools, stop, prepare_one);
+  for (PreparedRun& run : runs) {
+    auto& streamed = dynamic_cast<StreamedElements&>(*run.sender);
+    streamed.stop();
+    run.report.stream = streamed.report();
+    run.report.resample_loss = run.report.stream->cache.loss;
+  }
+  return reports(runs);
 }
 
 }  // namespace palpate

@@ -89,14 +89,14 @@ struct SimulationReport {
     const ResponseDatabase& database, std::span<const SimulationOptions> tools,
     const std::atomic<bool>& stop);
 
-/// With one tool, and responses that stay in the file but for `budget_bytes`. Presses
-/// the node nearest to at_m, or the highest one with a response. The margin's friction
-/// is that of the tool, because the index has none of the nodes. @throws FormatError
-/// also for a damaged chunk that the start needs; a later one is the report's fault.
-[[nodiscard]] SimulationReport simulate_streamed(const std::filesystem::path& file,
-                                                 const SimulationOptions& options,
-                                                 std::size_t budget_bytes,
-                                                 const std::atomic<bool>& stop);
+/// The same with responses that stay in the file but for `budget_bytes`, of which every
+/// tool has its share. Each presses the node nearest to its at_m, or the highest one
+/// with a response. The margin's friction is that of the tool, because the index has
+/// none of the nodes. @throws FormatError also for a damaged chunk that the start
+/// needs; a later one is the report's fault.
+[[nodiscard]] std::vector<SimulationReport> simulate_streamed(
+    const std::filesystem::path& file, std::span<const SimulationOptions> tools,
+    std::size_t budget_bytes, const std::atomic<bool>& stop);
 
 /// The report for people, aligned lines.
 [[nodiscard]] std::string summary(const SimulationReport& report);

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -86,7 +87,7 @@ TEST_F(Replay, ReproducesARunInRealTimeWhateverItsTiming) {
 
 TEST_F(Replay, ReproducesAStreamedRunFromTheWholeDatabase) {
   SimulationOptions o = options(LocalModel::kElement);
-  (void)simulate_streamed(file_, o, std::size_t{32} << 20, stop_);
+  (void)simulate_streamed(file_, std::span(&o, 1), std::size_t{32} << 20, stop_);
   const ReplayReport report = replay(read_recording(recording_), database_);
   EXPECT_TRUE(report.is_reproduced()) << report.different_in;
   EXPECT_GT(report.force_max_n, 0.1);

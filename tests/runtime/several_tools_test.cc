@@ -4,12 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
+#include "runtime/replay.h"
 #include "runtime/simulation.h"
 #include "tests/runtime/pressed_plate.h"
+#include "tests/support/test_data.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {
 namespace {
+
+[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 class SeveralTools : public testing::Test {
  protected:
@@ -56,6 +60,35 @@ TEST_F(SeveralTools, RenderTogetherWhatEachRendersAlone) {
     EXPECT_NEAR(r.model_work_j, r.stored_j + r.dissipated_j + r.tank_j, 1e-12);
   }
   EXPECT_NE(together[0].render.force_max_n, together[1].render.force_max_n);
+}
+
+// Both in memory and streamed, with a recording each.
+TEST_F(SeveralTools, AreRecordedAndReplayedEachOnItsOwn) {
+  const ScratchFolder scratch;
+  const auto file = scratch / "plate.h5";
+  write_database(file, database_);
+  std::vector<SimulationOptions> both{options("ball"), options("punch")};
+  for (SimulationOptions& o : both) {
+    o.recording = {.file = scratch / (o.tool + ".h5"),
+                   .database = "plate.h5",
+                   .database_sha256 = database_sha256(file)};
+  }
+  for (const bool streamed : {false, true}) {
+    const std::vector<SimulationReport> reports =
+        streamed ? simulate_streamed(file, both, std::size_t{64} << 20, stop_)
+                 : simulate(database_, both, stop_);
+    ASSERT_EQ(reports.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(reports[i].stream.has_value(), streamed);
+      const Recording recording = read_recording(both[i].recording.file);
+      EXPECT_EQ(recording.header.tool, both[i].tool);
+      EXPECT_EQ(static_cast<std::int64_t>(recording.tick.size()),
+                reports[i].render.ticks);
+      const ReplayReport replayed = replay(recording, database_);
+      EXPECT_TRUE(replayed.is_reproduced()) << replayed.different_in;
+      EXPECT_GT(replayed.force_max_n, 0.1);
+    }
+  }
 }
 
 TEST_F(SeveralTools, FaultAlone) {
