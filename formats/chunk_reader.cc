@@ -8,6 +8,7 @@
 #include "formats/error.h"
 #include "formats/hdf5_io.h"
 #include "formats/index_content.h"
+#include "formats/optional_check.h"
 
 namespace palpate {
 namespace {
@@ -108,6 +109,8 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
     }
     require(group + "/origin_count", std::ssize(tool.origin_count), 4);
     require(group + "/flag_count", std::ssize(tool.flag_count), 7);
+    check_relaxation("/tools/" + tool.tool.name + "/relaxation", tool.relaxation,
+                     index.nodes());
   }
 }
 
@@ -121,6 +124,8 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
     ToolIndex& entry = index.tools.emplace_back();
     entry.tool.name = tool;
     content::exchange_shape(file, "/tools/" + tool, entry.tool);
+    content::exchange_relaxation(file, "/tools/" + tool + "/relaxation",
+                                 entry.relaxation);
   }
   content::ReadIndex access{file};
   content::exchange_index(access, index);

@@ -42,6 +42,7 @@ Json to_json(const ToolDifference& tool) {
           {"largest_relative_rms", tool.largest_relative_rms},
           {"largest_depth_m", tool.largest_depth_m},
           {"largest_direction_rad", tool.largest_direction_rad},
+          {"largest_relaxation", tool.largest_relaxation},
           {"worst", worst}};
 }
 
@@ -53,8 +54,10 @@ void print(const ToolDifference& tool) {
       "force      largest difference {:.4g} N, rms {:.4g} N, worst node {:.4g} of its "
       "own force\n",
       tool.largest_n, tool.rms_n, tool.largest_relative_rms);
-  fmt::print("also       direction {:.4g} rad, largest depth {:.4g} mm\n",
-             tool.largest_direction_rad, 1e3 * tool.largest_depth_m);
+  fmt::print(
+      "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
+      "the force held\n",
+      tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation);
   for (const NodeDifference& node : tool.worst) {
     fmt::print(
         "  node {:<8} {:.4g} relative, rms {:.4g} N, largest {:.4g} N to {:.4g} mm\n",

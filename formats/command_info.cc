@@ -22,6 +22,25 @@ struct Flags {
   bool json = false;
 };
 
+Json to_json(const ResponseRelaxation& relaxation) {
+  if (relaxation.empty()) {
+    return nullptr;
+  }
+  Json json{{"rule", relaxation.rule},
+            {"probes", relaxation.probes},
+            {"speed_m_per_s", relaxation.speed_m_per_s},
+            {"seconds", relaxation.seconds}};
+  const auto put = [&](const char* name, const std::vector<double>& values) {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    json[name] = {*low, *high};  // over the nodes
+  };
+  put("g_1", relaxation.terms.g_1);
+  put("g_2", relaxation.terms.g_2);
+  put("tau_1_s", relaxation.terms.tau_1_s);
+  put("tau_2_s", relaxation.terms.tau_2_s);
+  return json;
+}
+
 Json to_json(const ToolSummary& tool) {
   return {{"name", tool.tool.name},
           {"shape", tool.tool.kind},
@@ -44,7 +63,8 @@ Json to_json(const ToolSummary& tool) {
           {"force_max_n", tool.force_max_n},
           {"stiffness_max_n_per_m", tool.stiffness_max_n_per_m},
           {"error_relative_max", tool.error_relative_max},
-          {"direction_spread_max_rad", tool.direction_spread_max_rad}};
+          {"direction_spread_max_rad", tool.direction_spread_max_rad},
+          {"relaxation", to_json(tool.relaxation)}};
 }
 
 // Of all nodes.
@@ -98,6 +118,9 @@ void print(const ToolSummary& tool) {
       "relative error {:.2g}\n",
       1e3 * tool.depth_max_m, tool.force_max_n, tool.stiffness_max_n_per_m,
       tool.error_relative_max);
+  if (!tool.relaxation.empty()) {
+    fmt::print("relaxation {}\n", describe(tool.relaxation));
+  }
 }
 
 void print(const DatabaseIndex& index) {

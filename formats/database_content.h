@@ -130,6 +130,25 @@ void exchange_displacement(File& file, const std::string& group, Field& field) {
   }
 }
 
+template <typename File, typename Terms>
+void exchange_prony(File& file, const std::string& group, Terms& terms) {
+  file.dataset(group + "/g_1", "1", terms.g_1);
+  file.dataset(group + "/g_2", "1", terms.g_2);
+  file.dataset(group + "/tau_1_s", "s", terms.tau_1_s);
+  file.dataset(group + "/tau_2_s", "s", terms.tau_2_s);
+}
+
+template <typename File, typename Relaxation>
+void exchange_relaxation(File& file, const std::string& group, Relaxation& relaxation) {
+  if (file.optional_group(group, !relaxation.empty())) {
+    file.attribute(group, "rule", relaxation.rule);
+    file.attribute(group, "probes", relaxation.probes);
+    file.attribute(group, "speed_m_per_s", relaxation.speed_m_per_s);
+    file.attribute(group, "seconds", relaxation.seconds);
+    exchange_prony(file, group, relaxation.terms);
+  }
+}
+
 // One row per node.
 template <typename File, typename Table>
 void exchange_nodes(File& file, const std::string& group, Table& table) {
@@ -179,6 +198,7 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
   exchange_samples(file, group, table);
   exchange_quality(file, group, table);
   exchange_displacement(file, group + "/displacement", table.displacement);
+  exchange_relaxation(file, group + "/relaxation", table.relaxation);
 }
 
 template <typename File, typename Measured>
@@ -191,6 +211,14 @@ void exchange_measurement(File& file, Measured& measurement) {
   exchange_if_any(file, "/measurement/run_begin", "1", measurement.run_begin);
   exchange_if_any(file, "/measurement/run_node", "1", measurement.run_node);
   exchange_lines(file, "/measurement/run_name", measurement.run_name);
+  auto& relaxation = measurement.relaxation;
+  const std::string group = "/measurement/relaxation";
+  if (file.optional_group(group, relaxation.terms.size() > 0)) {
+    exchange_prony(file, group, relaxation.terms);
+    file.dataset(group + "/speed_m_per_s", "m s-1", relaxation.speed_m_per_s);
+    file.dataset(group + "/seconds", "s", relaxation.seconds);
+    file.dataset(group + "/rms_relative", "1", relaxation.rms_relative);
+  }
 }
 
 // Provenance without the scene, which can be long.

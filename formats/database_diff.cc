@@ -45,6 +45,21 @@ NodeDifference node_difference(const ResponseTable& a, const ResponseTable& b,
   return result;
 }
 
+// What stays of a node's force, at 64 times along the longer of both holds.
+double relaxation_difference(const ResponseRelaxation& a, const ResponseRelaxation& b,
+                             std::size_t node) {
+  constexpr int kTimes = 64;
+  const auto share = [&](const ResponseRelaxation& r, double time_s) {
+    return r.empty() ? 1.0 : relaxed_share(r.terms, r.row_of(node), time_s);
+  };
+  double largest = 0.0;
+  for (int k = 1; k <= kTimes; ++k) {
+    const double time_s = std::max(a.seconds, b.seconds) * k / kTimes;
+    largest = std::max(largest, std::abs(share(a, time_s) - share(b, time_s)));
+  }
+  return largest;
+}
+
 ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
                                std::size_t worst) {
   ToolDifference result;
@@ -65,6 +80,12 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
     result.largest_n = std::max(result.largest_n, node.curve.largest_n);
     result.largest_relative_rms =
         std::max(result.largest_relative_rms, node.relative_rms);
+    if (!a.relaxation.empty() || !b.relaxation.empty()) {
+      result.largest_relaxation =
+          std::max(result.largest_relaxation,
+                   relaxation_difference(a.relaxation, b.relaxation,
+                                         static_cast<std::size_t>(i)));
+    }
     result.largest_direction_rad =
         std::max(result.largest_direction_rad, node.direction_rad);
     result.largest_depth_m =
@@ -116,6 +137,7 @@ CurveDifference difference(const CurveView& a, const CurveView& b) {
 bool ToolDifference::agrees(double tolerance_relative) const {
   return only_first == 0 && only_second == 0 && largest_depth_m == 0.0 &&
          largest_relative_rms <= tolerance_relative &&
+         largest_relaxation <= tolerance_relative &&
          largest_direction_rad <= tolerance_relative;
 }
 

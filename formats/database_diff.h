@@ -38,10 +38,11 @@ struct ToolDifference {
   double largest_relative_rms = 0.0;  ///< [-] of any node
   double largest_depth_m = 0.0;       ///< [m] largest difference of largest depths
   double largest_direction_rad = 0.0;
+  double largest_relaxation = 0.0;  ///< [-] of F(0) while held; unstated: none relaxes
   std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
 
   /// Whether no force differs by more than this part of the node's own, no node has a
-  /// response in one file only, and curves end together.
+  /// response in one file only, curves end together, and they relax alike.
   [[nodiscard]] bool agrees(double tolerance_relative) const;
 };
 

@@ -116,15 +116,26 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
   for (const auto& corner : database.body.triangle.rowwise()) {
     triangles.push_back({corner[0], corner[1], corner[2]});
   }
-  const Json report = {{"tool",
-                        {{"name", table.tool.name},
-                         {"shape", table.tool.kind},
-                         {"radius_m", table.tool.radius_m},
-                         {"friction", table.tool.friction},
-                         {"presliding_m", table.tool.presliding_m}}},
-                       {"position_m", positions},
-                       {"triangle", triangles},
-                       {"response", nodes}};
+  Json report = {{"tool",
+                  {{"name", table.tool.name},
+                   {"shape", table.tool.kind},
+                   {"radius_m", table.tool.radius_m},
+                   {"friction", table.tool.friction},
+                   {"presliding_m", table.tool.presliding_m}}},
+                 {"position_m", positions},
+                 {"triangle", triangles},
+                 {"response", nodes}};
+  const ResponseRelaxation& relaxation = table.relaxation;
+  if (!relaxation.empty()) {
+    report["relaxation"] = {{"rule", relaxation.rule},
+                            {"probes", relaxation.probes},
+                            {"speed_m_per_s", relaxation.speed_m_per_s},
+                            {"seconds", relaxation.seconds},
+                            {"g_1", relaxation.terms.g_1},
+                            {"g_2", relaxation.terms.g_2},
+                            {"tau_1_s", relaxation.terms.tau_1_s},
+                            {"tau_2_s", relaxation.terms.tau_2_s}};
+  }
   return report.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

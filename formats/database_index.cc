@@ -87,6 +87,7 @@ void divide_nodes(const ResponseDatabase& ordered, DatabaseIndex& index) {
 ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index) {
   ToolIndex tool;
   tool.tool = table.tool;
+  tool.relaxation = table.relaxation;
   tool.origin_count.assign(4, 0);
   tool.flag_count.assign(7, 0);
   for (std::size_t i = 0; i < table.origin.size(); ++i) {

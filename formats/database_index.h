@@ -30,6 +30,7 @@ struct ToolIndex {
   std::vector<double> direction_spread_max_rad;  ///< (c) [rad]
   std::vector<std::int64_t> origin_count;        ///< (4) nodes by ResponseOrigin
   std::vector<std::int64_t> flag_count;          ///< (7) nodes by flag bit
+  ResponseRelaxation relaxation;                 ///< as the table's
   Sha256Rows sha256;                             ///< (c x 32) chunk_digest()
 };
 

@@ -41,6 +41,7 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.stiffness_max_n_per_m = largest_of(table.stiffness_max_n_per_m);
   summary.error_relative_max = largest_of(table.error_relative);
   summary.direction_spread_max_rad = largest_of(table.direction_spread_rad);
+  summary.relaxation = table.relaxation;
   return summary;
 }
 
@@ -70,6 +71,7 @@ ToolSummary summarise(const ToolIndex& tool) {
   summary.stiffness_max_n_per_m = largest_of(tool.stiffness_max_n_per_m);
   summary.error_relative_max = largest_of(tool.error_relative_max);
   summary.direction_spread_max_rad = largest_of(tool.direction_spread_max_rad);
+  summary.relaxation = tool.relaxation;
   return summary;
 }
 

@@ -29,6 +29,7 @@ struct ToolSummary {
   double stiffness_max_n_per_m = 0.0;     ///< [N/m] largest slope
   double error_relative_max = 0.0;        ///< [-] worst estimate
   double direction_spread_max_rad = 0.0;  ///< [rad]
+  ResponseRelaxation relaxation;          ///< empty where none is known
 };
 
 [[nodiscard]] ToolSummary summarise(const ResponseTable& table);

@@ -140,6 +140,55 @@ void check_displacement(const std::string& group, const DisplacementField& field
   }
 }
 
+// Terms that one row of Prony's series can have; all not a number where it may be.
+void check_prony(const std::string& group, const PronyTerms& terms,
+                 bool may_be_unknown) {
+  require_rows(group + "/g_2", terms.g_2.size(), terms.size(), false);
+  require_rows(group + "/tau_1_s", terms.tau_1_s.size(), terms.size(), false);
+  require_rows(group + "/tau_2_s", terms.tau_2_s.size(), terms.size(), false);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const double g_1 = terms.g_1[i], g_2 = terms.g_2[i];
+    const double tau_1 = terms.tau_1_s[i], tau_2 = terms.tau_2_s[i];
+    if (may_be_unknown && std::isnan(g_1) && std::isnan(g_2) && std::isnan(tau_1) &&
+        std::isnan(tau_2)) {
+      continue;
+    }
+    if (!(g_1 >= 0.0 && g_2 >= 0.0 && g_1 + g_2 <= 1.0 + kUnitTolerance)) {
+      fail(
+          "{}: row {} has g_1 {} and g_2 {}, must be at least 0 and together at most 1",
+          group, i, g_1, g_2);
+    }
+    if (!(tau_1 > 0.0 && tau_2 >= tau_1 && tau_2 <= kLargest)) {
+      fail(
+          "{}: row {} has tau_1_s {} and tau_2_s {}, must be positive and the second "
+          "not smaller",
+          group, i, tau_1, tau_2);
+    }
+  }
+}
+
+void check_run_relaxation(const RunRelaxation& relaxation, std::size_t runs) {
+  const std::string group = "/measurement/relaxation";
+  const std::size_t rows = relaxation.terms.size();
+  require_rows(group + "/g_1", rows, runs, true);
+  check_prony(group, relaxation.terms, true);
+  const auto require = [&](const char* name, const std::vector<double>& values) {
+    const std::string path = fmt::format("{}/{}", group, name);
+    require_rows(path, values.size(), rows, false);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const bool unknown = std::isnan(relaxation.terms.g_1[i]);
+      if (unknown ? !std::isnan(values[i])
+                  : !(values[i] >= 0.0 && values[i] <= kLargest)) {
+        fail("{}: run {} has {}, must be {}", path, i, values[i],
+             unknown ? "not a number as its terms" : "finite and at least 0");
+      }
+    }
+  };
+  require("speed_m_per_s", relaxation.speed_m_per_s);
+  require("seconds", relaxation.seconds);
+  require("rms_relative", relaxation.rms_relative);
+}
+
 // Runs divide the samples among themselves.
 void check_runs(const Measurement& measurement, std::int64_t nodes) {
   const std::vector<std::int64_t>& begin = measurement.run_begin;
@@ -149,6 +198,7 @@ void check_runs(const Measurement& measurement, std::int64_t nodes) {
   require_range("/measurement/run_node", measurement.run_node, -1.0,
                 static_cast<double>(nodes) - 1.0);
   require_lines("/measurement/run_name", measurement.run_name);
+  check_run_relaxation(measurement.relaxation, runs);
   if (begin.empty()) {
     return;
   }
@@ -161,6 +211,27 @@ void check_runs(const Measurement& measurement, std::int64_t nodes) {
 
 }  // namespace
 
+void check_relaxation(const std::string& group, const ResponseRelaxation& relaxation,
+                      std::int64_t nodes) {
+  check_prony(group, relaxation.terms, false);
+  if (relaxation.empty()) {
+    return;
+  }
+  const auto positive = [&](const char* name, double value) {
+    if (!(value > 0.0 && value <= kLargest)) {
+      fail("{}@{} is {}, must be positive", group, name, value);
+    }
+  };
+  if (relaxation.terms.size() != 1) {
+    require_rows(group + "/g_1", relaxation.terms.size(),
+                 static_cast<std::size_t>(nodes), false);
+  }
+  require_lines(group + "@rule", {relaxation.rule});
+  positive("probes", static_cast<double>(relaxation.probes));
+  positive("speed_m_per_s", relaxation.speed_m_per_s);
+  positive("seconds", relaxation.seconds);
+}
+
 void check_optional(const std::string& group, const ResponseTable& table) {
   const auto n = static_cast<std::size_t>(table.nodes());
   check_verified(group, table, n);
@@ -171,6 +242,7 @@ void check_optional(const std::string& group, const ResponseTable& table) {
   check_sample_directions(group, table, n);
   check_accuracy(group, table.accuracy);
   check_displacement(group + "/displacement", table.displacement, n);
+  check_relaxation(group + "/relaxation", table.relaxation, table.nodes());
 }
 
 void check(const Measurement& measurement, std::int64_t nodes) {

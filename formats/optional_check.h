@@ -12,6 +12,10 @@ namespace palpate {
 /// tool has. @throws FormatError with the first violation.
 void check_optional(const std::string& group, const ResponseTable& table);
 
+/// Of a tool, in the group that holds it. @throws FormatError with the first violation.
+void check_relaxation(const std::string& group, const ResponseRelaxation& relaxation,
+                      std::int64_t nodes);
+
 /// @param nodes of the body. @throws FormatError with the first violation.
 void check(const Measurement& measurement, std::int64_t nodes);
 

@@ -197,6 +197,9 @@ std::string tool_rows(const ResponseTable& table) {
                           all.falling, all.force_capped, all.coarse_contact,
                           all.error_over_budget, all.failed, all.extrapolated,
                           all.truncated_path));
+  if (!table.relaxation.empty()) {
+    text += row("relaxation", describe(table.relaxation));
+  }
   return text + row("accuracy", accuracy_of(table));
 }
 

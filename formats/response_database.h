@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/relaxation.h"
 #include "formats/response_table.h"
 #include "formats/storage.h"
 #include "formats/surface_mesh.h"
@@ -36,6 +37,7 @@ struct Measurement {
   std::vector<std::int64_t> run_begin = {};  ///< (r + 1) run i owns these samples
   std::vector<std::int32_t> run_node = {};   ///< (r) nearest node, -1: unknown
   std::vector<std::string> run_name = {};  ///< (r) e.g. the file it came from, one line
+  RunRelaxation relaxation = {};           ///< (r) of what each run held
 };
 
 struct ResponseDatabase {

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "formats/curve_view.h"
+#include "formats/relaxation.h"
 #include "formats/surface_mesh.h"
 #include "formats/tool_shape.h"
 
@@ -104,6 +105,7 @@ struct ResponseTable {
   Points sample_direction;  ///< (q x 3) [-] ... u at its samples: none or one each
   AccuracyRecord accuracy;
   DisplacementField displacement;
+  ResponseRelaxation relaxation;
 
   [[nodiscard]] std::int64_t nodes() const noexcept {
     return static_cast<std::int64_t>(touch_offset_m.size());

@@ -107,6 +107,11 @@ DisplacementField select_displacement(const DisplacementField& field, Nodes node
   return selected;
 }
 
+PronyTerms select_terms(const PronyTerms& terms, Nodes nodes) {
+  return {rows_of(terms.g_1, nodes), rows_of(terms.g_2, nodes),
+          rows_of(terms.tau_1_s, nodes), rows_of(terms.tau_2_s, nodes)};
+}
+
 }  // namespace
 
 std::vector<std::int32_t> places_of(Nodes order, std::size_t size) {
@@ -143,6 +148,10 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   selected.accuracy = table.accuracy;
   selected.displacement = select_displacement(table.displacement, nodes,
                                               static_cast<std::size_t>(table.nodes()));
+  selected.relaxation = table.relaxation;
+  if (table.relaxation.terms.size() > 1) {
+    selected.relaxation.terms = select_terms(table.relaxation.terms, nodes);
+  }
   return selected;
 }
 

@@ -2,6 +2,7 @@
 #include "formats/optional_check.h"
 
 #include <functional>
+#include <limits>
 
 #include "formats/error.h"
 #include "tests/support/small_database.h"
@@ -22,6 +23,8 @@ void PrintTo(const Violation& violation, std::ostream* out) {
 ResponseTable& tip(ResponseDatabase& database) {
   return database.tools[0];
 }
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class BrokenOptionalRule : public testing::TestWithParam<Violation> {};
 
@@ -98,6 +101,73 @@ const std::vector<Violation> kViolations = {
        tip(d).displacement.error_relative = {0.0};
      },
      "/tools/tip/displacement/node: element 0 is 6, must lie in [0, 5]"},
+    {"RelaxationOfTwoRows",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.terms = {{0.1, 0.1}, {0.1, 0.1}, {1.0, 1.0}, {2.0, 2.0}};
+     },
+     "/tools/tip/relaxation/g_1 has 2 rows, must have 6"},
+    {"RelaxationRowsDiffer",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.terms.tau_2_s.clear();
+     },
+     "/tools/tip/relaxation/tau_2_s has 0 rows, must have 1"},
+    {"MoreRelaxesThanThereIs",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.terms.g_1 = {0.8};
+     },
+     "/tools/tip/relaxation: row 0 has g_1 0.8 and g_2 0.3, must be at least 0 and "
+     "together at most 1"},
+    {"RelaxationNotANumber",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.terms = {{kNan}, {kNan}, {kNan}, {kNan}};
+     },
+     "/tools/tip/relaxation: row 0 has g_1 nan"},
+    {"TimesFall",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.terms.tau_1_s = {5.0};
+     },
+     "/tools/tip/relaxation: row 0 has tau_1_s 5 and tau_2_s 4.5, must be positive"},
+    {"RelaxationWithoutRule",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.rule.clear();
+     },
+     "/tools/tip/relaxation@rule: line 0 is \"\""},
+    {"RelaxationWithoutSpeed",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.speed_m_per_s = 0.0;
+     },
+     "/tools/tip/relaxation@speed_m_per_s is 0, must be positive"},
+    {"RelaxationOfNobody",
+     [](ResponseDatabase& d) {
+       tip(d).relaxation = relaxing();
+       tip(d).relaxation.probes = 0;
+     },
+     "/tools/tip/relaxation@probes is 0, must be positive"},
+    {"RelaxationOfMoreRuns",
+     [](ResponseDatabase& d) {
+       d.measurement = held();
+       d.measurement.relaxation.terms = {{0.1}, {0.1}, {1.0}, {2.0}};
+     },
+     "/measurement/relaxation/g_1 has 1 rows, must have 2"},
+    {"UnknownRunWithASpeed",
+     [](ResponseDatabase& d) {
+       d.measurement = held();
+       d.measurement.relaxation.speed_m_per_s[1] = 1e-3;
+     },
+     "/measurement/relaxation/speed_m_per_s: run 1 has 0.001, must be not a number"},
+    {"KnownRunWithoutHold",
+     [](ResponseDatabase& d) {
+       d.measurement = held();
+       d.measurement.relaxation.seconds[0] = kNan;
+     },
+     "/measurement/relaxation/seconds: run 0 has nan, must be finite"},
     {"RunsDoNotEnd",
      [](ResponseDatabase& d) {
        d.measurement = {{0.0, 0.1}, {0.0, 1.0}};

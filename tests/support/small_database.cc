@@ -1,6 +1,7 @@
 #include "tests/support/small_database.h"
 
 #include <cmath>
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -53,6 +54,26 @@ ResponseDatabase small_database() {
                          "octahedron.obj", std::string(64, 'a'),
                          "node 5: not reachable"};
   return database;
+}
+
+ResponseRelaxation relaxing() {
+  return {.rule = "median of the probes, the same at every node",
+          .probes = 3,
+          .speed_m_per_s = 1e-3,
+          .seconds = 10.0,
+          .terms = {{0.26}, {0.3}, {0.42}, {4.5}}};
+}
+
+Measurement held() {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  Measurement measurement{{0.0, 1e-3, 0.0, 1e-3}, {0.0, 1.0, 0.0, 2.0}};
+  measurement.run_begin = {0, 2, 4};
+  measurement.relaxation = {
+      .terms = {{0.2, kUnknown}, {0.3, kUnknown}, {0.4, kUnknown}, {5.0, kUnknown}},
+      .speed_m_per_s = {1e-3, kUnknown},
+      .seconds = {10.0, kUnknown},
+      .rms_relative = {0.003, kUnknown}};
+  return measurement;
 }
 
 }  // namespace palpate

@@ -12,4 +12,10 @@ namespace palpate {
 /// node to node, one falling curve (node 4), one node without a response (node 5).
 [[nodiscard]] ResponseDatabase small_database();
 
+/// Two terms for all nodes: 0.26 and 0.3 of the force, in 0.42 and 4.5 s.
+[[nodiscard]] ResponseRelaxation relaxing();
+
+/// Two runs of which the first was held.
+[[nodiscard]] Measurement held();
+
 }  // namespace palpate
