@@ -1,8 +1,6 @@
 #include "formats/report_page.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -11,71 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/database_summary.h"
+#include "formats/page_parts.h"
 #include "formats/report_text.h"
 #include "formats/thin_body.h"
 
 namespace palpate {
 namespace {
-
-static_assert(std::endian::native == std::endian::little);  // as all browsers' arrays
-
-std::string base64(std::span<const std::byte> bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t j = 0; j < 3; ++j) {
-      group = group << 8 |
-              (i + j < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + j]) : 0);
-    }
-    for (std::size_t j = 0; j < 4; ++j) {
-      text += i + j > bytes.size() ? '=' : kDigits[group >> (18 - 6 * j) & 63];
-    }
-  }
-  return text;
-}
-
-template <typename T>
-std::string array(const std::string& id, const std::vector<T>& values) {
-  return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id,
-                     base64(std::as_bytes(std::span(values))));
-}
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '&':
-        safe += "&amp;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
-
-// (nodes x 3) as singles.
-std::vector<float> rows(const Points& points, const std::vector<std::int32_t>& nodes) {
-  std::vector<float> values;
-  for (const std::int32_t node : nodes) {
-    for (Eigen::Index j = 0; j < 3; ++j) {
-      values.push_back(static_cast<float>(points(node, j)));
-    }
-  }
-  return values;
-}
 
 std::vector<float> singles(const std::vector<double>& all,
                            const std::vector<std::int32_t>& nodes) {
@@ -109,39 +48,28 @@ std::string table_arrays(const ResponseTable& table, std::size_t tool,
   const auto id = [&](const char* name) {
     return fmt::format("{}{}", name, tool);
   };
-  return array(id("begin"), begin) + array(id("depth"), depth_m) +
-         array(id("force"), force_n) + array(id("slope"), slope_n_per_m) +
-         array(id("slopemax"), singles(table.stiffness_max_n_per_m, nodes)) +
-         array(id("error"), singles(table.error_relative, nodes)) +
-         array(id("verified"), singles(table.verified_error_relative, nodes)) +
-         array(id("origin"), origin);
+  return page_array(id("begin"), begin) + page_array(id("depth"), depth_m) +
+         page_array(id("force"), force_n) + page_array(id("slope"), slope_n_per_m) +
+         page_array(id("slopemax"), singles(table.stiffness_max_n_per_m, nodes)) +
+         page_array(id("error"), singles(table.error_relative, nodes)) +
+         page_array(id("verified"), singles(table.verified_error_relative, nodes)) +
+         page_array(id("origin"), origin);
 }
 
 std::string info(const ResponseDatabase& database) {
-  const Eigen::AlignedBox3d box = bounding_box(database.body);
   nlohmann::ordered_json tools = nlohmann::ordered_json::array();
   for (const ResponseTable& table : database.tools) {
     tools.push_back({{"name", table.tool.name},
                      {"description", describe(table.tool)},
                      {"depth_max_m", table.depth_max_m()}});
   }
-  const auto point = [](const Eigen::Vector3d& p) {
-    return std::vector<double>{p.x(), p.y(), p.z()};
-  };
-  std::string text =
-      nlohmann::ordered_json{{"tools", tools},
-                             {"box", {point(box.min()), point(box.max())}}}
-          .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<')) {
-    text.replace(at, 1, "\\u003c");  // no text ends the script
-  }
-  return "<script type=\"application/json\" id=\"info\">" + text + "</script>\n";
+  return page_info({{"tools", tools}, {"box", page_box(database.body)}});
 }
 
 std::string row(const std::string& name, const std::string& value) {
-  return value.empty()
-             ? ""
-             : fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
+  return value.empty() ? ""
+                       : fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name,
+                                     html_escaped(value));
 }
 
 // The error that this share of the responses does not exceed.
@@ -180,7 +108,7 @@ std::string accuracy_of(const ResponseTable& table) {
 std::string tool_rows(const ResponseTable& table) {
   const ToolSummary all = summarise(table);
   std::string text =
-      row(table.tool.name.empty() ? "tool" : escaped(table.tool.name),
+      row(table.tool.name.empty() ? "tool" : html_escaped(table.tool.name),
           fmt::format("{}, friction {:.3g}, presliding {:.3g} mm", describe(table.tool),
                       table.tool.friction, 1e3 * table.tool.presliding_m));
   text += row("responses", fmt::format("{}: {} simulated, {} interpolated, {} measured",
@@ -224,7 +152,7 @@ std::string tables(const ResponseDatabase& database) {
   text += "</table>";
   if (!from.scene_toml.empty()) {
     text += "<details><summary>The scene as it was read</summary><pre>" +
-            escaped(from.scene_toml) + "</pre></details>";
+            html_escaped(from.scene_toml) + "</pre></details>";
   }
   return text + "</section>\n";
 }
@@ -240,7 +168,7 @@ std::string head(const ResponseDatabase& database, const std::string& name,
       "<title>{0}: responses</title>\n<style>{1}</style></head><body>\n<h1>{0}</h1>\n"
       "<p class=\"sub\">Force-deflection responses of a body of {2} nodes and {3} "
       "triangles, {4:.4g} x {5:.4g} x {6:.4g} mm</p>\n",
-      escaped(name), report_style, database.body.position_m.rows(),
+      html_escaped(name), report_style, database.body.position_m.rows(),
       database.body.triangle.rows(), size_mm.x(), size_mm.y(), size_mm.z());
   if (std::ssize(thin.node) < database.body.position_m.rows()) {
     text += fmt::format(
@@ -260,20 +188,14 @@ std::string report_page(const ResponseDatabase& database, const std::string& nam
   const ThinBody thin =
       thin_body(database.body,
                 std::max<std::int64_t>(1, most_nodes / std::ssize(database.tools)));
-  std::vector<std::int32_t> corner;
-  for (const auto& triangle : thin.triangle.rowwise()) {
-    corner.insert(corner.end(), {triangle[0], triangle[1], triangle[2]});
-  }
   std::string page = head(database, name, thin);
   page += std::string("<main>") + report_body + tables(database) + "</main>\n";
-  page += info(database) +
-          array("position", rows(database.body.position_m, thin.node)) +
-          array("normal", rows(database.normal, thin.node)) +
-          array("triangle", corner) + array("node", thin.node);
+  page += info(database) + page_body(database.body, database.normal, thin) +
+          page_array("node", thin.node);
   for (std::size_t k = 0; k < database.tools.size(); ++k) {
     page += table_arrays(database.tools[k], k, thin.node);
   }
-  return page + "<script>" + report_script + report_controls +
+  return page + "<script>" + turnable_script + report_script + report_controls +
          "</script>\n</body></html>\n";
 }
 

@@ -1,0 +1,43 @@
+// What HTML pages that need nothing else are made of.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/surface_mesh.h"
+#include "formats/thin_body.h"
+
+namespace palpate {
+
+static_assert(std::endian::native == std::endian::little);  // as all browsers' arrays
+
+/// Text that a page shows as it is.
+[[nodiscard]] std::string html_escaped(const std::string& text);
+
+[[nodiscard]] std::string base64(std::span<const std::byte> bytes);
+
+/// Numbers for the page's script, which finds them by the id.
+template <typename T>
+[[nodiscard]] std::string page_array(const std::string& id,
+                                     const std::vector<T>& values) {
+  return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id,
+                     base64(std::as_bytes(std::span(values))));
+}
+
+/// The element `info` that turnable_script reads; it asks for `box`.
+[[nodiscard]] std::string page_info(const nlohmann::ordered_json& info);
+
+/// Two corners of the box around a body [m].
+[[nodiscard]] nlohmann::ordered_json page_box(const SurfaceMesh& body);
+
+/// The arrays that turnable_script draws. @param normal (n x 3)
+[[nodiscard]] std::string page_body(const SurfaceMesh& body, const Points& normal,
+                                    const ThinBody& thin);
+
+}  // namespace palpate
