@@ -4,12 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <thread>
 
 #include <fmt/format.h>
 
+#include "fitting/presses.h"
 #include "fitting/session_probes.h"
 #include "formats/error.h"
 
@@ -41,8 +43,7 @@ void collect_flags(RunResult& result) {
   }
 }
 
-void fit(const Session& session, const SessionRun& run, RunResult& result) {
-  const Measurement samples = read(session, run).samples;
+void fit(const Session& session, const Measurement& samples, RunResult& result) {
   result.approach = select_approach(samples, session.fit.range, session.fit.baseline);
   result.contact = fit_contact(result.approach);
   result.choice = choose_family(session.fit, result.approach, result.contact);
@@ -88,35 +89,62 @@ void compare_repeats(BatchReport& report) {
   }
 }
 
+void fit_or_say(const Session& session, const Measurement& samples,
+                const std::string& unreadable, RunResult& result) {
+  result.bad = unreadable;
+  if (unreadable.empty()) {
+    try {
+      fit(session, samples, result);
+      return;
+    } catch (const std::exception& error) {
+      result.bad = error.what();
+    }
+  }
+  result.rating = Rating{};
+  result.rating.gates.emplace_back("bad_file");
+  result.choice = FamilyChoice{};
+}
+
 }  // namespace
 
-RunResult fit_run(const Session& session, const SessionRun& run) {
+std::vector<RunResult> fit_run(const Session& session, const SessionRun& run) {
+  std::vector<Measurement> presses;
+  std::string unreadable;
   const auto begin = Clock::now();
-  RunResult result;
-  result.name = run.name;
-  result.point = run.point;
   try {
-    fit(session, run, result);
+    presses = split_presses(read(session, run).samples);
   } catch (const std::exception& error) {
-    result.bad = error.what();
-    result.rating = Rating{};
-    result.rating.gates.emplace_back("bad_file");
-    result.choice = FamilyChoice{};
+    unreadable = error.what();
+    presses.resize(1);
   }
-  result.seconds = seconds_since(begin);
-  return result;
+  std::vector<RunResult> results;
+  double told = 0.0;  // reading counts for the first press
+  for (const Measurement& samples : presses) {
+    RunResult& result = results.emplace_back();
+    result.press = results.size();
+    result.presses = presses.size();
+    result.name = result.press == 1
+                      ? run.name
+                      : fmt::format("{} press {}", run.name, result.press);
+    result.point = run.point;
+    result.position_m = run.position_m;
+    fit_or_say(session, samples, unreadable, result);
+    result.seconds = seconds_since(begin) - told;
+    told += result.seconds;
+  }
+  return results;
 }
 
 BatchReport fit_session(const Session& session, unsigned threads,
                         const std::function<void(std::size_t)>& progress) {
   const auto begin = Clock::now();
   BatchReport report;
-  report.runs.resize(session.run.size());
+  std::vector<std::vector<RunResult>> results(session.run.size());
   std::atomic<std::size_t> next{0}, done{0};
   std::mutex telling;
   const auto work = [&] {
     for (std::size_t i = next++; i < session.run.size(); i = next++) {
-      report.runs[i] = fit_run(session, session.run[i]);
+      results[i] = fit_run(session, session.run[i]);
       const std::size_t count = ++done;
       const std::lock_guard<std::mutex> lock(telling);
       progress(count);
@@ -128,6 +156,9 @@ BatchReport fit_session(const Session& session, unsigned threads,
       workers.emplace_back(work);
     }
     work();
+  }
+  for (std::vector<RunResult>& presses : results) {
+    std::move(presses.begin(), presses.end(), std::back_inserter(report.runs));
   }
   compare_repeats(report);
   report.seconds = seconds_since(begin);

@@ -1,4 +1,4 @@
-// The batch as one page: table and plots, drawn here, no script.
+// The batch as one page: a table and plots, drawn here without a script, and the map.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "fitting/batch.h"
+#include "fitting/batch_map.h"
 #include "formats/axis_ticks.h"
+#include "formats/page_parts.h"
 
 namespace palpate {
 namespace {
@@ -23,18 +25,6 @@ constexpr const char* kStyle =
 constexpr double kWidth = 720.0, kLeft = 70.0, kRight = 12.0;
 constexpr std::size_t kDots = 400;  // samples drawn per plot
 constexpr int kPoints = 160;        // of a drawn curve
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    safe += c == '<'   ? "&lt;"
-            : c == '>' ? "&gt;"
-            : c == '&' ? "&amp;"
-            : c == '"' ? "&quot;"
-                       : std::string(1, c);
-  }
-  return safe;
-}
 
 // A plot's frame: from values to places on the page.
 struct Frame {
@@ -169,11 +159,11 @@ std::string run_row(const RunResult& run) {
   const char* verdict = verdict_name(run.rating.verdict).data();
   std::string row =
       fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td><td class=\"n\">{:.2f}</td>",
-                  escaped(run.name), verdict, verdict, run.rating.score);
+                  html_escaped(run.name), verdict, verdict, run.rating.score);
   const FamilyFit* best = run.best();
   if (best == nullptr) {
     return row + "<td colspan=\"4\">" +
-           escaped(run.bad.empty() ? "empty run" : run.bad) + "</td></tr>\n";
+           html_escaped(run.bad.empty() ? "empty run" : run.bad) + "</td></tr>\n";
   }
   const std::string modulus =
       run.modulus.refused.empty()
@@ -191,10 +181,11 @@ std::string run_row(const RunResult& run) {
                    contact, best->family, best->rms_n, modulus);
 }
 
-std::string article(const RunResult& run) {
+std::string article(const RunResult& run, std::size_t index) {
   const FamilyFit& best = *run.best();
-  std::string html = fmt::format("<article><h2>{}</h2><p>{}, chosen before ",
-                                 escaped(run.name), best.family);
+  std::string html =
+      fmt::format("<article id=\"run{}\"><h2>{}</h2><p>{}, chosen before ", index,
+                  html_escaped(run.name), best.family);
   for (std::size_t i = 1; i < run.choice.fits.size(); ++i) {
     const FamilyFit& other = run.choice.fits[i];
     html += fmt::format("{}{} (rms {:.3g} N)", i == 1 ? "" : ", ", other.family,
@@ -203,10 +194,10 @@ std::string article(const RunResult& run) {
   html += run.choice.fits.size() == 1 ? "none</p>" : "</p>";
   for (const FitFlag flag : run.flags) {
     html += fmt::format("<p><b>{}</b>: {}</p>", flag_name(flag),
-                        escaped(std::string(flag_meaning(flag))));
+                        html_escaped(std::string(flag_meaning(flag))));
   }
   if (!run.modulus.refused.empty()) {
-    html += "<p>No modulus: " + escaped(run.modulus.refused) + "</p>";
+    html += "<p>No modulus: " + html_escaped(run.modulus.refused) + "</p>";
   }
   if (run.relaxation.refused.empty()) {
     const Relaxation& r = run.relaxation;
@@ -226,20 +217,21 @@ std::string batch_page(const Session& session, const BatchReport& report,
   std::string page = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-      "style-src 'unsafe-inline'\"><title>{0}: fits</title><style>{1}</style></head>"
+      "script-src 'unsafe-inline'; style-src 'unsafe-inline'\"><title>{0}: "
+      "fits</title><style>{1}</style></head>"
       "<body><h1>{0}</h1>\n<p>{2} runs. Bands are 95 % of the fitted curve, from the "
       "parameters alone; the dashed line is the contact point.</p>\n<table><tr><th>run"
       "</th><th>verdict</th><th>score</th><th>contact point [mm]</th><th>family</th>"
       "<th>rms [N]</th><th>Young's modulus</th></tr>\n",
-      escaped(session.name), kStyle, report.runs.size());
+      html_escaped(session.name), kStyle, report.runs.size());
   for (const RunResult& run : report.runs) {
     page += run_row(run);
   }
-  page += "</table>\n";
+  page += "</table>\n" + batch_map(session, report);
   std::size_t drawn = 0, fitted = 0;
-  for (const RunResult& run : report.runs) {
-    if (run.best() != nullptr) {
-      page += drawn < most ? article(run) : "";
+  for (std::size_t i = 0; i < report.runs.size(); ++i) {
+    if (report.runs[i].best() != nullptr) {
+      page += drawn < most ? article(report.runs[i], i) : "";
       drawn += drawn < most ? 1 : 0;
       ++fitted;
     }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fitting/batch.h"
+#include "fitting/parameter_json.h"
 
 namespace palpate {
 namespace {
@@ -48,7 +49,7 @@ std::string number(double value) {
 std::string csv_row(const RunResult& run) {
   const RatingFeatures& f = run.rating.features;
   std::string row =
-      fmt::format("{},{},{},{},{}", quoted(run.name), quoted(run.point),
+      fmt::format("{},{},{},{},{},{}", quoted(run.name), quoted(run.point), run.press,
                   verdict_name(run.rating.verdict), number(run.rating.score),
                   quoted(joined(run.rating.gates)));
   const FamilyFit* best = run.best();
@@ -74,21 +75,9 @@ std::string csv_row(const RunResult& run) {
          quoted(run.bad) + "\n";
 }
 
-Json parameters(const FamilyFit& fit) {
-  Json list = Json::array();
-  for (const FitParameter& p : fit.parameters) {
-    list.push_back({{"name", p.name},
-                    {"value", p.value},
-                    {"unit", p.unit},
-                    {"standard_deviation", p.sd},
-                    {"held", p.held}});
-  }
-  return list;
-}
-
 Json family_json(const FamilyFit& fit) {
   return {{"family", fit.family},
-          {"parameters", parameters(fit)},
+          {"parameters", to_json(fit.parameters)},
           {"contact_point_m", fit.contact_point_m},
           {"contact_point_sd_m", fit.contact_point_sd_m},
           {"depth_max_m", fit.depth_max_m},
@@ -145,14 +134,14 @@ Json rating_json(const Rating& rating) {
 }
 
 Json run_json(const RunResult& run) {
-  Json json{
-      {"run", run.name}, {"point", run.point}, {"rating", rating_json(run.rating)}};
+  Json json{{"run", run.name},
+            {"point", run.point},
+            {"press", run.press},
+            {"presses", run.presses},
+            {"rating", rating_json(run.rating)}};
   json["bad"] = run.bad;
   json["seconds"] = run.seconds;
-  json["flags"] = Json::array();
-  for (const FitFlag flag : run.flags) {
-    json["flags"].push_back(flag_name(flag));
-  }
+  json["flags"] = to_json(run.flags);
   const FamilyFit* best = run.best();
   if (best == nullptr) {
     return json;
@@ -189,7 +178,8 @@ Json run_json(const RunResult& run) {
 
 std::string batch_csv(const Session&, const BatchReport& report) {
   std::string text =
-      "run,point,verdict,score,gates,contact_point_m,contact_point_sd_m,fit_from_m,"
+      "run,point,press,verdict,score,gates,contact_point_m,contact_point_sd_m,fit_from_"
+      "m,"
       "fit_to_m,depth_max_m,family,rms_n,noise_sd_n,mean_stiffness_n_per_m,"
       "youngs_modulus_pa,youngs_modulus_sd_pa,loss_factor,relaxation_g_inf,"
       "rms_over_noise,runs_z,near_contact_over_noise,repeat_scatter,correlation_max,"

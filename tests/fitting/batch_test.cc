@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "formats/error.h"
 #include "tests/fitting/synthetic_curve.h"
@@ -46,7 +47,7 @@ class BatchTest : public testing::Test {
   RunResult fit(const Measurement& m) const {
     write("a.csv", m);
     const Session s = session(kRead);
-    return fit_run(s, s.run.at(0));
+    return fit_run(s, s.run.at(0)).at(0);
   }
 
   ScratchFolder folder_;
@@ -90,7 +91,7 @@ TEST_F(BatchTest, UnitsOfInstrumentsGiveTheSameCurve) {
   for (const auto& c : cases) {
     write("a.csv", m, c.per_m, c.per_n);
     const Session s = session(units(c.depth, c.force));
-    const RunResult run = fit_run(s, s.run.at(0));
+    const RunResult run = fit_run(s, s.run.at(0)).at(0);
     ASSERT_NE(run.best(), nullptr) << run.bad;
     EXPECT_NEAR(run.best()->contact_point_m, fit(m).best()->contact_point_m, 1e-9);
     EXPECT_NEAR(family_point(*run.best(), 4e-3).force, std::pow(0.8, 1.5), 0.02);
@@ -107,13 +108,13 @@ TEST_F(BatchTest, DecimalCommasAreRead) {
   }
   write("a.csv", text);
   const Session s = session(kRead);
-  EXPECT_NEAR(fit_run(s, s.run[0]).best()->contact_point_m, 2e-3, 1e-4);
+  EXPECT_NEAR(fit_run(s, s.run.at(0)).at(0).best()->contact_point_m, 2e-3, 1e-4);
 }
 
 TEST_F(BatchTest, AUnitThatTheHeaderContradictsIsABadFile) {
   write("a.csv", synthetic({}, 1), 1e3, 1.0, "x [um],f\n");
   const Session s = session(kRead);
-  const RunResult run = fit_run(s, s.run[0]);
+  const RunResult run = fit_run(s, s.run.at(0)).at(0);
   EXPECT_NE(run.bad.find("states the unit um"), std::string::npos);
   EXPECT_EQ(run.rating.verdict, Verdict::kSkip);
 }
@@ -156,7 +157,7 @@ std::vector<SegmentKind> kinds_of(const RunResult& run) {
 TEST_F(BatchTest, SegmentsDoNotKnowTheSignOfTheDisplacement) {
   write("a.csv", dwell_press_hold_release(), -1e3);
   const Session s = session(kRead);
-  const RunResult run = fit_run(s, s.run[0]);
+  const RunResult run = fit_run(s, s.run.at(0)).at(0);
   EXPECT_TRUE(has(run, FitFlag::kDepthSignTurned));
   EXPECT_EQ(kinds_of(run), kDwellPressHoldRelease);
 }
@@ -169,6 +170,42 @@ TEST_F(BatchTest, DwellHoldAndRetractAreSegmentsAndNotFitted) {
   EXPECT_EQ(kinds_of(run), kDwellPressHoldRelease);
   // The release gives back 0.6 of the press: (1 - 0.6) / (pi (1 + 0.6)).
   EXPECT_NEAR(run.loop.loss_factor, 0.4 / (1.6 * std::numbers::pi), 1e-3);
+}
+
+// Twice pressed, the second time deeper and a fifth stiffer.
+TEST_F(BatchTest, EveryPressOfAFileIsARowOfItsOwn) {
+  Measurement m = synthetic({}, 1);
+  const Measurement second = synthetic({}, 2);
+  for (std::size_t i = m.depth_m.size(); i-- > 0;) {
+    m.depth_m.push_back(m.depth_m[i]);
+    m.force_n.push_back(0.8 * m.force_n[i]);
+  }
+  for (std::size_t i = 0; i < second.depth_m.size(); ++i) {
+    m.depth_m.push_back(1.1 * second.depth_m[i]);
+    m.force_n.push_back(1.2 * second.force_n[i]);
+  }
+  write("a.csv", m);
+  write("b.csv", synthetic({}, 3));
+  const Session s = session(kRead);
+  const BatchReport report = fit_session(s, 1, [](std::size_t) {});
+  ASSERT_EQ(report.runs.size(), 3U);
+  const RunResult& deep = report.runs[1];
+  EXPECT_EQ(report.runs[0].name, "a.csv");
+  EXPECT_EQ(deep.name, "a.csv press 2");
+  EXPECT_EQ(deep.press, 2U);
+  EXPECT_EQ(deep.presses, 2U);
+  EXPECT_EQ(report.runs[2].presses, 1U);
+  EXPECT_NEAR(report.runs[0].best()->contact_point_m, 2e-3, 1e-4);
+  EXPECT_NEAR(deep.best()->contact_point_m, 2.2e-3, 1.1e-4);
+  EXPECT_NEAR(family_point(*deep.best(), 5.5e-3).force, 1.2, 0.02);
+  EXPECT_FALSE(has_gate(deep, "non_monotone_depth"));
+  // Presses of one file are repeats at one point: at 80 % of the shallower depth, 4 mm,
+  // the forces are 0.8^1.5 and 1.2 (0.8 / 1.1)^1.5.
+  const double a = std::pow(0.8, 1.5), b = 1.2 * std::pow(0.8 / 1.1, 1.5);
+  EXPECT_NEAR(deep.rating.features.repeat_scatter,
+              std::abs(a - b) / std::sqrt(2.0) / (0.5 * (a + b)), 0.01);
+  const std::string csv = batch_csv(s, report);
+  EXPECT_NE(csv.find("\na.csv press 2,a.csv,2,use"), std::string::npos) << csv;
 }
 
 TEST_F(BatchTest, RepeatedDepthsAndBacklashDoNotStopTheFit) {
@@ -188,7 +225,7 @@ TEST_F(BatchTest, RepeatedDepthsAndBacklashDoNotStopTheFit) {
 TEST_F(BatchTest, NegativeStrainIsTurned) {
   write("a.csv", synthetic({}, 1), -1e3, -1.0);
   const Session s = session(kRead);
-  const RunResult run = fit_run(s, s.run[0]);
+  const RunResult run = fit_run(s, s.run.at(0)).at(0);
   EXPECT_TRUE(has(run, FitFlag::kDepthSignTurned));
   EXPECT_TRUE(has(run, FitFlag::kForceSignTurned));
   EXPECT_EQ(run.rating.verdict, Verdict::kUse);
@@ -222,20 +259,20 @@ TEST_F(BatchTest, ContactFromTheStartIsToBeChecked) {
 TEST_F(BatchTest, UnitsThatCannotBeAreSkipped) {
   write("a.csv", synthetic({}, 1));
   const Session s = session(units("m", "N"));  // 7 m of travel
-  EXPECT_TRUE(has_gate(fit_run(s, s.run[0]), "implausible_units"));
+  EXPECT_TRUE(has_gate(fit_run(s, s.run.at(0)).at(0), "implausible_units"));
 }
 
 // The session's baseline and relative noise reach both fits of a run.
 TEST_F(BatchTest, TheSessionsBaselineKeepsEveryContactPointBeyondIt) {
   write("a.csv", synthetic({}, 1));
   Session s = session(kRead);
-  const RunResult untold = fit_run(s, s.run[0]);
+  const RunResult untold = fit_run(s, s.run.at(0)).at(0);
   s.fit.noise_relative = 0.5;
-  const RunResult weighed = fit_run(s, s.run[0]);
+  const RunResult weighed = fit_run(s, s.run.at(0)).at(0);
   EXPECT_EQ(weighed.contact.contact_point_m, untold.contact.contact_point_m);
   EXPECT_NE(weighed.best()->contact_point_m, untold.best()->contact_point_m);
   s.fit.baseline = FitRange{0.0, 2.5e-3};
-  const RunResult told = fit_run(s, s.run[0]);
+  const RunResult told = fit_run(s, s.run.at(0)).at(0);
   EXPECT_NEAR(told.contact.contact_point_m, 2.5e-3, 1e-9);
   EXPECT_GE(told.best()->contact_point_m, 2.5e-3 - 1e-9);
   EXPECT_TRUE(has(told, FitFlag::kParameterAtBound));
@@ -269,6 +306,41 @@ TEST_F(BatchTest, ABadFileIsListedAndStopsNothing) {
   const std::string page = batch_page(s, report);
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find("http"), page.find("http-equiv"));  // nothing from elsewhere
+}
+
+TEST_F(BatchTest, ThePageShowsWhereOnTheBodyItWasMeasured) {
+  write("a.csv", synthetic({}, 1));
+  write("b.csv", synthetic({}, 2));
+  write("c.csv", "nothing");
+  write("sheet.obj", "v 0 0 0\nv 100 0 0\nv 100 100 0\nv 0 100 0\nf 1 2 3\nf 1 3 4\n");
+  const auto page_of = [&](const std::string& mesh) {
+    write("session.toml",
+          fmt::format("{}{}[body]\nmesh = \"{}\"\nlength_unit = \"mm\"\n"
+                      "[[run]]\nfiles = [\"a.csv\", \"b.csv\"]\n"
+                      "position_m = [0.03, 0.04, 0.001]\n[[run]]\nfiles = \"c.csv\"\n"
+                      "position_m = [0.07, 0.02, 0.0]\n",
+                      kRead, kFamilies, mesh));
+    const Session s = read_session(folder_ / "session.toml");
+    return batch_page(s, fit_session(s, 1, [](std::size_t) {}));
+  };
+  const std::string page = page_of("sheet.obj");
+  const std::string head = "<script type=\"application/json\" id=\"info\">";
+  const std::size_t begin = page.find(head);
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t from = begin + head.size();
+  const auto info =
+      nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+  ASSERT_EQ(info["points"].size(), 2U);
+  const auto& two = info["points"][0];
+  EXPECT_NEAR(two["position_m"][2].get<double>(), 0.0, 1e-12);  // on the sheet
+  EXPECT_EQ(two["runs"].size(), 2U);
+  EXPECT_EQ(two["runs"][1]["name"], "b.csv");
+  EXPECT_EQ(two["verdict"], "use");
+  EXPECT_GT(two["stiffness_n_per_m"].get<double>(), 100.0);
+  EXPECT_EQ(info["points"][1]["verdict"], "skip");
+  EXPECT_TRUE(info["points"][1]["stiffness_n_per_m"].is_null());
+  EXPECT_NE(page.find("<article id=\"run1\">"), std::string::npos);
+  EXPECT_NE(page_of("absent.obj").find("No map of the body: "), std::string::npos);
 }
 
 TEST_F(BatchTest, EveryRowHasACellForEveryColumn) {
