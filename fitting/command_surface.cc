@@ -38,6 +38,15 @@ nlohmann::ordered_json to_json(const SurfaceFitReport& report) {
                               {"error_median", report.error_median},
                               {"far_nodes", report.far_nodes},
                               {"straightened", report.straightened}};
+  json["relaxation"] = nullptr;
+  if (const ResponseRelaxation& r = report.relaxation; !r.empty()) {
+    json["relaxation"] = {{"probes", r.probes},
+                          {"speed_m_per_s", r.speed_m_per_s},
+                          {"seconds", r.seconds},
+                          {"g", {r.terms.g_1[0], r.terms.g_2[0]}},
+                          {"tau_s", {r.terms.tau_1_s[0], r.terms.tau_2_s[0]}},
+                          {"rule", r.rule}};
+  }
   json["left_one_out"] = nlohmann::json::array();
   for (const DepthScore& d : report.depth) {
     json["left_one_out"].push_back({{"depth_m", d.depth_m},

@@ -114,6 +114,20 @@ void fit_hunt_crossley(const Motion& motion, const ContactFit& fit, LoopFit& loo
   loop.rms_n = F * std::sqrt(2.0 * report.cost / problem.residuals);
 }
 
+// Mean speed from half the travel before sample `end` until there.
+double press_speed_m_per_s(const std::vector<double>& x, const std::vector<double>& t,
+                           std::size_t end) {
+  const auto last = x.begin() + static_cast<std::ptrdiff_t>(end);
+  const double half = 0.5 * (*std::min_element(x.begin(), last + 1) + *last);
+  std::size_t begin = end;
+  while (begin > 0 && x[begin] > half) {
+    --begin;
+  }
+  const double travel = x[end] - x[begin], seconds = t[end] - t[begin];
+  return travel > 0.0 && seconds > 0.0 ? travel / seconds
+                                       : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 Relaxation fit_relaxation(std::span<const double> time_s,
@@ -202,8 +216,11 @@ Relaxation find_relaxation(const Measurement& m) {
     none.refused = "the force does not fall while held";
     return none;
   }
-  return fit_relaxation(std::span(m.time_s).subspan(longest.begin + peak, count - peak),
-                        force.subspan(peak));
+  Relaxation found =
+      fit_relaxation(std::span(m.time_s).subspan(longest.begin + peak, count - peak),
+                     force.subspan(peak));
+  found.speed_m_per_s = press_speed_m_per_s(x, m.time_s, longest.begin);
+  return found;
 }
 
 LoopFit find_loop(const Measurement& measurement, const Approach& approach,

@@ -25,6 +25,8 @@ struct Relaxation {
   double end_over_start = 1.0;  ///< [-] as measured
   double rms_relative = 0.0;    ///< [-] of the residuals, over F(0)
   double seconds = 0.0;         ///< [s] length of the hold
+  /// [m/s] mean over the last half of the press before the hold; NaN: not pressed
+  double speed_m_per_s = std::numeric_limits<double>::quiet_NaN();
   bool converged = false;
 };
 

@@ -1,7 +1,10 @@
 #include "fitting/session_probes.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "fitting/presses.h"
 #include "formats/error.h"
 #include "formats/surface_reader.h"
 
@@ -16,9 +19,13 @@ SurfaceProbe probe_of(const Session& session, const SessionRun& run) {
     probe.direction = *run.normal;
   }
   probe.measurement = read_run(session, run).samples;
-  probe.approach =
-      select_approach(probe.measurement, session.fit.range, session.fit.baseline);
+  const Measurement press = split_presses(probe.measurement).front();
+  probe.approach = select_approach(press, session.fit.range, session.fit.baseline);
   probe.fit = fit_contact(probe.approach);
+  Relaxation relaxation = find_relaxation(press);
+  if (relaxation.refused.empty() && relaxation.converged) {
+    probe.relaxation = std::move(relaxation);
+  }
   const FamilyChoice choice = choose_family(session.fit, probe.approach, probe.fit);
   if (!choice.fits.empty()) {
     probe.curve = choice.fits.front();

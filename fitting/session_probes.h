@@ -15,9 +15,9 @@ namespace palpate {
                                          const Approach& approach,
                                          const ContactFit& reference);
 
-/// Reads and fits every run that has a position: the first approach of each, by the
-/// best of the session's families. A run that cannot be read, or has no position, is
-/// listed in `left_out` with its reason; none stops the others.
+/// Reads and fits every run that has a position: the first press of each
+/// (split_presses), by the best of the session's families. A run that cannot be read,
+/// or has no position, is listed in `left_out` with its reason; none stops the others.
 [[nodiscard]] std::vector<SurfaceProbe> session_probes(
     const Session& session, std::vector<LeftOutProbe>& left_out);
 

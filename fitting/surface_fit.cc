@@ -9,6 +9,7 @@
 #include "fitting/geodesic_distance.h"
 #include "fitting/robust_statistics.h"
 #include "fitting/surface_database.h"
+#include "fitting/surface_relaxation.h"
 #include "formats/error.h"
 
 namespace palpate {
@@ -145,6 +146,7 @@ Measurement raw_of(const SurfaceMesh& body, std::span<const SurfaceProbe> probes
         main_vertex(body, closest_surface_point(body, probe.position_m)));
     all.run_name.push_back(probe.name);
   }
+  all.relaxation = run_relaxation(probes);
   return all;
 }
 
@@ -256,6 +258,14 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
   report.straightened = straightened(fields);
   report.error_median = median(result.database.tools.front().error_relative);
   result.database.measurement = raw_of(body, probes);
+  std::vector<const SurfaceProbe*> behind;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (shallow.used[i] != 0) {
+      behind.push_back(kept[i]);
+    }
+  }
+  result.database.tools.front().relaxation = common_relaxation(behind);
+  report.relaxation = result.database.tools.front().relaxation;
   return result;
 }
 
@@ -285,6 +295,9 @@ std::string describe(const SurfaceFitReport& report) {
       "median error of the nodes {:.3g}; {} nodes farther than {} lengths from every "
       "probe; {} nodes whose force would have fallen with depth\n",
       report.error_median, report.far_nodes, kFarLengths, report.straightened);
+  text += fmt::format("relaxation: {}\n", report.relaxation.empty()
+                                              ? "no probe was held with its time known"
+                                              : describe(report.relaxation));
   for (const LeftOutProbe& probe : report.left_out) {
     text += fmt::format("left out {}: {}\n", probe.name, probe.reason);
   }

@@ -44,6 +44,7 @@ struct SurfaceFitReport {
   std::size_t straightened = 0;   ///< nodes whose force would have fallen with depth
   double attachment_max_m = 0.0;  ///< [m] farthest probe from the surface
   double error_median = 0.0;      ///< [-] of the nodes' relative errors
+  ResponseRelaxation relaxation;  ///< the database's; empty without holds
 };
 
 struct SurfaceFit {
@@ -61,7 +62,7 @@ constexpr std::size_t kProbesMin = 8;
 /// with depth are held. Origins are measured at nodes that have a probe, interpolated
 /// elsewhere; error_relative is the largest standard deviation of log force over the
 /// deeper half. Directions deviate from the normals as the probes' do, each within half
-/// a length.
+/// a length. Relaxation is kept by probe, and for the nodes as common_relaxation().
 /// @param body closed or open, every vertex in a triangle, outside out.
 /// @throws InputError for fewer than kProbesMin usable probes, a probe farther from the
 /// surface than a tenth of the body's diagonal; NumericalError as FieldModel.

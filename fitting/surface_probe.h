@@ -9,6 +9,7 @@
 #include "fitting/approach.h"
 #include "fitting/contact_fit.h"
 #include "fitting/family_fit.h"
+#include "fitting/rate.h"
 
 namespace palpate {
 
@@ -22,6 +23,7 @@ struct SurfaceProbe {
   ContactFit fit;
   std::optional<FamilyFit> curve =
       {};  ///< the chosen law; without, the power law's fit
+  std::optional<Relaxation> relaxation = {};  ///< of its hold, where that was fitted
 };
 
 /// Why it says nothing of a depth - empty run, no convergence, already in contact,

@@ -39,6 +39,20 @@ TEST(Relaxation, IsRefusedWithoutTimeAndWithoutAHold) {
   EXPECT_THROW((void)fit_relaxation(m.time_s, m.force_n), InputError);
 }
 
+TEST(Relaxation, StatesTheSpeedOfThePressBeforeTheHold) {
+  Measurement m;
+  for (int i = 0; i < 600; ++i) {  // slow to 2 mm, 3 mm/s to 8 mm, then still
+    const double t = 0.01 * i;
+    const double x = t < 1.0 ? 2e-3 * t : std::min(8e-3, 2e-3 + 3e-3 * (t - 1.0));
+    m.time_s.push_back(t);
+    m.depth_m.push_back(x);
+    m.force_n.push_back(t < 3.0 ? 100.0 * x : 0.8 * (0.5 + 0.5 * std::exp(3.0 - t)));
+  }
+  const Relaxation r = find_relaxation(m);
+  ASSERT_EQ(r.refused, "");
+  EXPECT_NEAR(r.speed_m_per_s, 3e-3, 3e-5);  // a sample of the half is 0.8 %
+}
+
 // Press and release at 10 mm/s along a law with damping.
 Measurement loop(double lambda_s_per_m, double release_gain) {
   Measurement m;

@@ -194,6 +194,48 @@ TEST_F(MeasuredSphere, TakesTheLawThatFitsEachProbe) {
   EXPECT_GT(power_law, 0.06);
 }
 
+// Of a press at 2 mm/s; the amplitudes' scatter has median 1.
+Relaxation hold_of(double amplitude, double seconds) {
+  Relaxation r;
+  r.g = {0.25 * amplitude, 0.15 * amplitude};
+  r.tau_s = {0.4, 5.0};
+  r.seconds = seconds;
+  r.speed_m_per_s = 2e-3;
+  r.converged = true;
+  return r;
+}
+
+TEST_F(MeasuredSphere, KeepsEachProbesRelaxationAndTheMedianAtTheNodes) {
+  for (std::size_t i = 0; i < 9; ++i) {
+    const double off = 0.1 * (static_cast<double>(i) - 4.0);
+    probes_[i].relaxation =
+        hold_of(1.0 + off * off * off, 10.0 + static_cast<double>(i));
+  }
+  probes_[9].relaxation = hold_of(2.0, 1.0);  // too short to be compared
+  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  check(fit.database);
+  const ResponseRelaxation& nodes = fit.database.tools.at(0).relaxation;
+  ASSERT_EQ(nodes.terms.size(), 1U);
+  EXPECT_EQ(nodes.probes, 9);
+  EXPECT_EQ(nodes.seconds, 10.0);
+  EXPECT_EQ(nodes.speed_m_per_s, 2e-3);
+  EXPECT_NEAR(nodes.terms.g_1[0], 0.25, 1e-4);
+  EXPECT_NEAR(nodes.terms.g_2[0], 0.15, 1e-4);
+  EXPECT_NEAR(nodes.terms.tau_1_s[0], 0.4, 1e-3);
+  EXPECT_NEAR(nodes.terms.tau_2_s[0], 5.0, 1e-2);
+  const RunRelaxation& runs = fit.database.measurement.relaxation;
+  ASSERT_EQ(runs.terms.size(), probes_.size());
+  EXPECT_EQ(runs.terms.g_1[9], 0.5);
+  EXPECT_EQ(runs.seconds[8], 18.0);
+  EXPECT_TRUE(std::isnan(runs.terms.g_1[10]));
+}
+
+TEST_F(MeasuredSphere, SaysNothingOfRelaxationWithoutHolds) {
+  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  EXPECT_TRUE(fit.database.tools.at(0).relaxation.empty());
+  EXPECT_EQ(fit.database.measurement.relaxation.terms.size(), 0U);
+}
+
 TEST_F(MeasuredSphere, RefusesWhatItCannotPlace) {
   std::vector<SurfaceProbe> few(probes_.begin(), probes_.begin() + 5);
   EXPECT_THROW((void)fit_surface(body_, tool_, few), InputError);
