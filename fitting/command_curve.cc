@@ -2,6 +2,7 @@
 #include "fitting/command_curve.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +13,9 @@
 #include "fitting/approach.h"
 #include "fitting/contact_fit.h"
 #include "fitting/fitted_response.h"
+#include "fitting/indenter_options.h"
 #include "fitting/moduli.h"
+#include "fitting/parameter_json.h"
 #include "formats/error.h"
 #include "formats/measurement_file.h"
 
@@ -24,9 +27,7 @@ struct CurveOptions {
   MeasurementColumn depth, force;
   bool ignore_header_units = false;
   FitRange range;
-  std::string tool;
-  std::optional<double> radius_m;
-  double poissons_ratio = 0.5;
+  IndenterOptions indenter;
   std::string output;
   bool json = false;
 };
@@ -39,31 +40,7 @@ struct CurveResult {
   std::vector<FitFlag> flags;  // the fit's, then the modulus' own
 };
 
-void check_options(const CurveOptions& options) {
-  if (!(options.poissons_ratio > -1.0 && options.poissons_ratio <= 0.5)) {
-    throw InputError(fmt::format("--poissons-ratio is {}, must lie in (-1, 0.5]",
-                                 options.poissons_ratio));
-  }
-  if (!options.tool.empty()) {
-    if (options.tool != "sphere") {
-      throw InputError(
-          fmt::format("--tool {}: is not available; available: sphere", options.tool));
-    }
-    check(ToolShape{"probe", options.tool, options.radius_m.value_or(1.0), 0.0, 0.0});
-    if (!options.radius_m) {
-      throw InputError("--tool sphere needs its radius: --radius-m R");
-    }
-  } else if (options.radius_m) {
-    throw InputError("--radius-m needs the tool that has it: --tool sphere");
-  }
-  if (!options.output.empty() && options.tool.empty()) {
-    throw InputError(
-        "-o needs the tool that pressed, which the runtime renders: --tool sphere "
-        "--radius-m R");
-  }
-}
-
-CurveResult compute(const CurveOptions& options) {
+CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
   CurveResult result;
   result.measurement = read_measurement(
       options.file, options.depth, options.force,
@@ -79,14 +56,6 @@ CurveResult compute(const CurveOptions& options) {
                                      options.file, result.fit.iterations));
   }
   result.flags = result.fit.flags;
-  if (options.tool.empty()) {
-    result.modulus.refused = "the tool's shape is not given (--tool sphere)";
-    result.modulus.youngs_modulus_pa = result.modulus.sd_pa =
-        std::numeric_limits<double>::quiet_NaN();
-    return result;
-  }
-  Indenter indenter{options.tool, *options.radius_m};
-  indenter.poissons_ratio = options.poissons_ratio;
   result.modulus = find_modulus(result.approach, result.fit, indenter);
   for (const FitFlag flag : result.modulus.flags) {
     if (std::find(result.flags.begin(), result.flags.end(), flag) ==
@@ -100,25 +69,15 @@ CurveResult compute(const CurveOptions& options) {
 void print_json(const CurveResult& r, const CurveOptions& options) {
   nlohmann::ordered_json json;
   json["family"] = r.fit.family;
-  json["parameters"] = nlohmann::json::array();
-  for (const FitParameter& p : r.fit.parameters) {
-    json["parameters"].push_back({{"name", p.name},
-                                  {"value", p.value},
-                                  {"unit", p.unit},
-                                  {"standard_deviation", p.sd},
-                                  {"held", p.held}});
-  }
+  json["parameters"] = to_json(r.fit.parameters);
   json["contact_point_m"] = r.fit.contact_point_m;
   json["contact_point_sd_m"] = r.fit.contact_point_sd_m;
   json["rms_n"] = r.fit.rms_n;
-  json["flags"] = nlohmann::json::array();
-  for (const FitFlag flag : r.flags) {
-    json["flags"].push_back(flag_name(flag));
-  }
+  json["flags"] = to_json(r.flags);
   json["youngs_modulus_pa"] = r.modulus.youngs_modulus_pa;
   json["youngs_modulus_sd_pa"] = r.modulus.sd_pa;
   json["youngs_modulus_refused"] = r.modulus.refused;
-  json["poissons_ratio"] = options.poissons_ratio;
+  json["poissons_ratio"] = options.indenter.poissons_ratio;
   json["mean_stiffness_n_per_m"] = r.fit.mean_stiffness_n_per_m;
   json["depth_max_m"] = r.fit.depth_max_m;
   json["noise_sd_n"] = r.approach.noise_sd_n;
@@ -161,7 +120,7 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
   if (r.modulus.refused.empty()) {
     print_line("Young's modulus", r.modulus.youngs_modulus_pa, r.modulus.sd_pa,
                fmt::format("Pa ({}, Poisson's ratio {})", r.modulus.law,
-                           options.poissons_ratio));
+                           options.indenter.poissons_ratio));
   } else {
     fmt::print("{:<24} none: {}\n", "Young's modulus", r.modulus.refused);
   }
@@ -171,12 +130,15 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
 }
 
 void run(const CurveOptions& options) {
-  check_options(options);
-  const CurveResult result = compute(options);
+  const Indenter indenter = indenter_of(options.indenter);
+  std::optional<ToolShape> tool;  // asked for before the work is done
   if (!options.output.empty()) {
-    const ToolShape tool{"probe", options.tool, *options.radius_m, 0.0, 0.0};
+    tool = tool_of(indenter);
+  }
+  const CurveResult result = compute(options, indenter);
+  if (tool) {
     write_database(options.output, sample_patch(result.fit, result.measurement.samples,
-                                                tool, options.file));
+                                                *tool, options.file));
   }
   options.json ? print_json(result, options) : print_report(result, options);
 }
@@ -200,10 +162,7 @@ void add_curve_command(CLI::App& app) {
                     "trust the flags where the header states other units");
   command->add_option("--from-m", options->range.from_m, "fit from this displacement");
   command->add_option("--to-m", options->range.to_m, "fit up to this displacement");
-  command->add_option("--tool", options->tool, "shape of the tip: sphere");
-  command->add_option("--radius-m", options->radius_m, "of the sphere");
-  command->add_option("--poissons-ratio", options->poissons_ratio, "of the sample")
-      ->capture_default_str();
+  add_indenter_options(*command, options->indenter);
   command->add_option("-o,--output", options->output,
                       "response database of a flat sample with this response");
   command->add_flag("--json", options->json, "report for programs");

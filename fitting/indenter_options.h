@@ -1,0 +1,31 @@
+// The flags by which a tool is told what pressed.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "fitting/session.h"
+
+namespace palpate {
+
+struct IndenterOptions {
+  std::string shape;  ///< of kIndenterShapes but "unknown"; empty: not told
+  std::optional<double> radius_m, half_angle_deg, height_m, thickness_m;
+  double poissons_ratio = 0.5;
+};
+
+/// --tool, --radius-m, --half-angle-deg, --height-m, --thickness-m, --poissons-ratio.
+void add_indenter_options(CLI::App& command, IndenterOptions& options);
+
+/// "unknown" where no shape is told.
+/// @throws InputError for a flag that the shape needs and misses, or does not have, and
+/// for a value out of range.
+[[nodiscard]] Indenter indenter_of(const IndenterOptions& options);
+
+/// The same as the database holds it. @param indenter as indenter_of() gives it.
+/// @throws InputError for a plate and the unknown, which the runtime does not render.
+[[nodiscard]] ToolShape tool_of(const Indenter& indenter);
+
+}  // namespace palpate
