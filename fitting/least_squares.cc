@@ -92,7 +92,13 @@ ceres::Solver::Options solver_options(const LeastSquaresOptions& options) {
   return solver;
 }
 
+thread_local SolverSeconds spent;
+
 }  // namespace
+
+SolverSeconds solver_seconds() noexcept {
+  return spent;
+}
 
 LeastSquaresReport solve_least_squares(const LeastSquaresProblem& problem,
                                        const Eigen::VectorXd& start,
@@ -127,6 +133,9 @@ LeastSquaresReport solve_least_squares(const LeastSquaresProblem& problem,
   }
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(options), &ceres_problem, &summary);
+  spent.total += summary.total_time_in_seconds;
+  spent.evaluations += summary.residual_evaluation_time_in_seconds +
+                       summary.jacobian_evaluation_time_in_seconds;
   report.q(free) = values;
   report.cost = summary.termination_type == ceres::FAILURE
                     ? std::numeric_limits<double>::infinity()

@@ -43,6 +43,13 @@ struct LeastSquaresReport {
   bool converged = false;
 };
 
+/// [s] that this thread has spent in Ceres so far, and of that in the problems' own
+/// evaluations: for benchmarks.
+struct SolverSeconds {
+  double total = 0.0, evaluations = 0.0;
+};
+[[nodiscard]] SolverSeconds solver_seconds() noexcept;
+
 /// Parameters are scaled by the columns of the Jacobian. Non-convergence is a result.
 [[nodiscard]] LeastSquaresReport solve_least_squares(
     const LeastSquaresProblem& problem, const Eigen::VectorXd& start,

@@ -73,15 +73,19 @@ TEST(MeasuredCurves, SpringLoopsAreNotPassiveAndAsStiffAsTheirSprings) {
   for (const auto& [name, stiffness] : springs) {
     const auto read =
         read_measurement(*folder / name, {"travel", "um"}, {"force", "gf"});
-    // Between the preload's step and the end stop.
-    const auto approach = select_approach(read.samples, {0.5e-3, 3.8e-3});
+    // Between the preload's step and 3.2 mm, beyond which coils begin to close.
+    const auto approach = select_approach(read.samples, {0.5e-3, 3.2e-3});
     const auto fit = fit_contact(approach);
     EXPECT_TRUE(fit.has(FitFlag::kNonPassiveLoop)) << name;
     EXPECT_TRUE(fit.has(FitFlag::kRetractCutOff)) << name;
     const double excess = approach.release_work_j / approach.press_work_j - 1.0;
     EXPECT_GT(excess, 0.004) << name;
     EXPECT_LT(excess, 0.010) << name;
-    EXPECT_NEAR(fit.mean_stiffness_n_per_m, stiffness, 0.04 * stiffness) << name;
+    EXPECT_NEAR(fit.mean_stiffness_n_per_m, stiffness, 0.01 * stiffness) << name;
+    // No spring is linear up to its end stop: the last millimetre is 7 to 20 % stiffer,
+    // so that a range which takes it in gives a line 2 to 4 % too steep.
+    const auto end = fit_contact(select_approach(read.samples, {3.0e-3, 3.8e-3}));
+    EXPECT_GT(end.mean_stiffness_n_per_m, 1.05 * stiffness) << name;
   }
 }
 
