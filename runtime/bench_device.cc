@@ -1,29 +1,39 @@
 #include "runtime/bench_device.h"
 
-#include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
-#include "runtime/clock.h"
-#include "runtime/deadlines.h"
+#include "runtime/cylinder_body.h"
 #include "runtime/emulated_falcon.h"
-#include "runtime/real_time.h"
+#include "runtime/simulation.h"
+#include "runtime/simulation_outcome.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kWallM = 0.12;  // z of the surface; the hand comes from above
-constexpr double kTickHz = 1000.0;
-
-EmulatedFalconConfig pressed_falcon() {
-  EmulatedFalconConfig config;
-  config.model.hand = {.surface_m = {0.0, 0.0, kWallM}, .normal = {0.0, 0.0, 1.0}};
-  config.model.start_m = config.model.hand.at(0.0).position_m;
-  config.model.dynamics.resolution_m = 0.0;  // the encoders have their own
-  return config;
+// Keeps the Falcon in `falcon`, whose model has the account of its motors.
+AttachedDevice traced_falcon(const DeviceBenchOptions& options,
+                             std::shared_ptr<EmulatedFalcon>& falcon) {
+  FalconConfig driver;
+  driver.firmware = emulated_firmware();
+  driver.what = "emulated-falcon";
+  driver.event_character = options.event_character;
+  const auto commands = static_cast<std::size_t>(5000.0 * (options.duration_s + 2.0));
+  return attach(FalconLink(driver, nullptr, nullptr).limits(), falcon_centre_m(),
+                [driver, commands, &falcon](const HandScript& hand) {
+                  EmulatedFalconConfig config;
+                  config.model.hand = hand;
+                  config.model.start_m = hand.at(0.0).position_m;
+                  config.model.dynamics.resolution_m = 0.0;  // the encoders' own
+                  config.model.trace_max = commands;
+                  falcon = std::make_shared<EmulatedFalcon>(config);
+                  return EmulatedFalcon::link(falcon, driver);
+                });
 }
 
 void check(const DeviceBenchOptions& options) {
@@ -31,82 +41,104 @@ void check(const DeviceBenchOptions& options) {
     throw InputError(
         fmt::format("--seconds {}: must lie in (0, 3600]", options.duration_s));
   }
-  if (!(options.wall_n_per_m >= 0.0 && options.wall_n_per_m <= 1000.0)) {
+  if (!(options.friction >= 0.0 && options.friction <= 10.0)) {
     throw InputError(
-        fmt::format("--wall {}: must lie in [0, 1000] N/m", options.wall_n_per_m));
+        fmt::format("--friction {}: must lie in [0, 10]", options.friction));
   }
+  if (!(options.stiffness_n_per_m > 0.0) || !std::isfinite(options.stiffness_n_per_m)) {
+    throw InputError(fmt::format("--stiffness {}: must be positive and finite",
+                                 options.stiffness_n_per_m));
+  }
+}
+
+double milliseconds(double ns) {
+  return ns / 1e6;
 }
 
 }  // namespace
 
 DeviceBenchReport run_device_bench(const DeviceBenchOptions& options) {
   check(options);
-  static_cast<void>(request_real_time(-1));
-  const auto falcon = std::make_shared<EmulatedFalcon>(pressed_falcon());
-  FalconConfig driver;
-  driver.firmware = emulated_firmware();
-  LinkedDevice device(EmulatedFalcon::link(falcon, driver), {});
-  device.open();
+  CylinderBodyOptions body;
+  body.stiffness_n_per_m = options.stiffness_n_per_m;
+  body.friction = options.friction;
+  std::shared_ptr<EmulatedFalcon> falcon;
+  SimulationOptions run;
+  run.duration_s = options.duration_s;
+  run.fast_hz = options.fast_hz;
+  run.real_time = true;
+  run.attached = traced_falcon(options, falcon);
+  const std::atomic<bool> stop = false;
+  const SimulationReport done = simulate(cylinder_body(body), run, stop);
+  throw_what_ended(done);
   DeviceBenchReport report;
-  MonotonicClock clock;
-  const std::int64_t begin_ns = clock.now_ns();
-  Deadlines deadlines(begin_ns, kTickHz);
-  const double end_ns =
-      static_cast<double>(begin_ns) + options.duration_s * kNanosecondsPerSecond;
-  while (static_cast<double>(deadlines.next_ns()) < end_ns) {
-    clock.sleep_until_ns(deadlines.next_ns());
-    static_cast<void>(deadlines.begin(clock.now_ns()));
-    DeviceReading reading;
-    if (device.read(reading) == DeviceStatus::kLost) {
-      break;
-    }
-    const double depth_m = std::max(0.0, kWallM - reading.position_m.z());
-    const double force_n = options.wall_n_per_m * depth_m;
-    static_cast<void>(device.write({0.0, 0.0, force_n}));
-    report.contact_ticks += depth_m > 0.0 ? 1 : 0;
-    report.force_max_n = std::max(report.force_max_n, force_n);
+  report.wire = done.wire.value();
+  report.ticks = done.render.ticks;
+  report.contact_ticks = done.render.contact_ticks;
+  report.missed_deadlines = done.render.missed_deadlines;
+  report.force_max_n = done.render.force_max_n;
+  report.model_work_j = done.render.model_work_j;
+  report.stiffness_n_per_m = done.stiffness.largest_n_per_m() * done.force_scale;
+  const DeviceLimits& limits = run.attached->limits;
+  report.energy = wire_energy(falcon->model().trace(), report.stiffness_n_per_m,
+                              report.wire.force_age.max_ns() / kNanosecondsPerSecond,
+                              limits.resolution_m);
+  report.absorbed_j = limits.damping_n_s_per_m * report.energy.squared_speed_m2_per_s;
+  if (!(report.energy.margin_min_j >= 0.0)) {
+    throw NumericalError(
+        fmt::format("emulated falcon: the motors gave {:.4g} mJ more than the "
+                    "wire's delay explains",
+                    -report.energy.margin_min_j * 1e3));
   }
-  const std::string failure = device.failure();
-  device.close();
-  if (!failure.empty()) {
-    throw DeviceError("emulated falcon: " + failure);
-  }
-  const LinkReport& link = device.report();
-  report.duration_s = link.duration_s;
-  report.transactions = link.transactions;
-  report.missed = link.missed;
-  report.rate_hz =
-      static_cast<double>(link.transactions - link.missed) / link.duration_s;
-  report.p50_ns = link.time.percentile_ns(0.5);
-  report.p99_ns = link.time.percentile_ns(0.99);
-  report.max_ns = link.time.max_ns();
-  report.silences = link.silences;
-  report.work_j = falcon->model().tool().rendered_work_j();
   return report;
 }
 
 std::string table_text(const DeviceBenchReport& r) {
+  const LinkReport& w = r.wire;
   return fmt::format(
-      "emulated falcon     {:.4g} s, {} transactions, {} missed, {:.5g} Hz\n"
-      "transaction         p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us\n"
-      "wall                {} ticks in contact, at most {:.3g} N, {} silences\n"
-      "work on the hand    {:.4g} mJ (positive: the wall gave energy)\n",
-      r.duration_s, r.transactions, r.missed, r.rate_hz, r.p50_ns / 1e3, r.p99_ns / 1e3,
-      r.max_ns / 1e3, r.contact_ticks, r.force_max_n, r.silences, r.work_j * 1e3);
+      "emulated falcon     {:.4g} s, {} transactions, {} missed, {:.5g} Hz, {} "
+      "silences\n"
+      "transaction         p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms\n"
+      "age of a force      p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms\n"
+      "fast step           {} ticks, {} missed deadlines, {} in contact, at most "
+      "{:.3g} "
+      "N\n"
+      "ledger              {:.4g} mJ put into the model by the hand\n"
+      "work of the motors  {:.4g} mJ at the end, at most {:.4g} mJ (positive: given)\n"
+      "the wire's bound    {:.4g} mJ = K (A Q + 2 D L) with K {:.4g} N/m: kept\n"
+      "mechanism           {:.4g} mJ absorbed by its damping\n",
+      w.duration_s, w.transactions, w.missed, w.rate_hz(), w.silences,
+      milliseconds(w.time.percentile_ns(0.5)), milliseconds(w.time.percentile_ns(0.99)),
+      milliseconds(w.time.max_ns()), milliseconds(w.force_age.percentile_ns(0.5)),
+      milliseconds(w.force_age.percentile_ns(0.99)), milliseconds(w.force_age.max_ns()),
+      r.ticks, r.missed_deadlines, r.contact_ticks, r.force_max_n, r.model_work_j * 1e3,
+      r.energy.given_end_j * 1e3, r.energy.given_max_j * 1e3,
+      r.energy.bound_end_j * 1e3, r.stiffness_n_per_m, r.absorbed_j * 1e3);
 }
 
 std::string to_json(const DeviceBenchReport& r) {
-  const nlohmann::ordered_json json = {{"duration_s", r.duration_s},
-                                       {"transactions", r.transactions},
-                                       {"missed", r.missed},
-                                       {"rate_hz", r.rate_hz},
-                                       {"p50_ns", r.p50_ns},
-                                       {"p99_ns", r.p99_ns},
-                                       {"max_ns", r.max_ns},
-                                       {"silences", r.silences},
-                                       {"contact_ticks", r.contact_ticks},
-                                       {"force_max_n", r.force_max_n},
-                                       {"work_j", r.work_j}};
+  const LinkReport& w = r.wire;
+  const nlohmann::ordered_json json = {
+      {"duration_s", w.duration_s},
+      {"transactions", w.transactions},
+      {"missed", w.missed},
+      {"rate_hz", w.rate_hz()},
+      {"p50_ns", w.time.percentile_ns(0.5)},
+      {"p99_ns", w.time.percentile_ns(0.99)},
+      {"max_ns", w.time.max_ns()},
+      {"force_age_p50_ns", w.force_age.percentile_ns(0.5)},
+      {"force_age_p99_ns", w.force_age.percentile_ns(0.99)},
+      {"force_age_max_ns", w.force_age.max_ns()},
+      {"silences", w.silences},
+      {"ticks", r.ticks},
+      {"missed_deadlines", r.missed_deadlines},
+      {"contact_ticks", r.contact_ticks},
+      {"force_max_n", r.force_max_n},
+      {"model_work_j", r.model_work_j},
+      {"work_j", r.energy.given_end_j},
+      {"work_max_j", r.energy.given_max_j},
+      {"work_bound_j", r.energy.bound_end_j},
+      {"absorbed_j", r.absorbed_j}};
   return json.dump(2);
 }
 

@@ -1,35 +1,40 @@
-// `palpate-run bench device`: what a device's link costs and keeps, against the
-// emulated Falcon with its line's byte times and latency timer.
+// `palpate-run bench device`: the whole renderer on the emulated Falcon, with its
+// line's byte times and latency timer, libusb between them: what the wire costs, what
+// it keeps of the rate, and whether the motors give more than they may.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
+#include "runtime/link_report.h"
+#include "runtime/wire_energy.h"
+
 namespace palpate {
 
 struct DeviceBenchOptions {
-  double duration_s = 60.0;     ///< [s] (0, 3600]
-  double wall_n_per_m = 200.0;  ///< [N/m] [0, 1000] that a hand presses into
+  double duration_s = 60.0;          ///< [s] (0, 3600]
+  double fast_hz = 1000.0;           ///< [Hz] of the fast step
+  double stiffness_n_per_m = 170.0;  ///< [N/m] of the cylinder
+  double friction = 0.0;             ///< [-] [0, 10]; without it nothing is dissipated
+  bool event_character = false;      ///< FalconConfig's
 };
 
 struct DeviceBenchReport {
-  double duration_s = 0.0;
-  std::int64_t transactions = 0;
-  std::int64_t missed = 0;  ///< no whole answer in time
-  double rate_hz = 0.0;     ///< [Hz] transactions with an answer
-  double p50_ns = 0.0;      ///< [ns] of a transaction
-  double p99_ns = 0.0;
-  double max_ns = 0.0;
-  std::int64_t silences = 0;  ///< times that the link's watchdog took the force away
+  LinkReport wire;
+  std::int64_t ticks = 0;
   std::int64_t contact_ticks = 0;
-  double force_max_n = 0.0;  ///< [N] asked for
-  /// [J] work of the motors on the tool, exact in the model. A force that comes a
-  /// millisecond late makes it positive: the mechanism's own damping has to absorb it.
-  double work_j = 0.0;
+  std::int64_t missed_deadlines = 0;  ///< of the fast step
+  double force_max_n = 0.0;
+  double model_work_j = 0.0;       ///< [J] put into the local model, by the ledger
+  double stiffness_n_per_m = 0.0;  ///< [N/m] largest rendered, for the bound
+  WireEnergy energy;
+  double absorbed_j = 0.0;  ///< [J] by the mechanism's viscous damping
 };
 
-/// A hand presses into a wall, k times its depth, and lets go, again and again.
-/// @throws InputError for options out of range, DeviceError if the stack fails.
+/// A hand presses into a cylinder (cylinder_body.h), slides and lets go, again and
+/// again; rendered by the potential model with ledger and safety. @throws InputError
+/// for options out of range, DeviceError if the stack fails, NumericalError if the
+/// motors gave more energy than the wire's delay explains (wire_energy.h).
 [[nodiscard]] DeviceBenchReport run_device_bench(const DeviceBenchOptions& options);
 
 [[nodiscard]] std::string table_text(const DeviceBenchReport& report);

@@ -148,12 +148,19 @@ void add_device(CLI::App& bench) {
     bool json = false;
   };
   CLI::App* command = bench.add_subcommand(
-      "device", "transactions of the emulated Falcon and the work of a wall on it");
+      "device",
+      "the renderer on the emulated Falcon: transactions, and energy by its motors");
   auto flags = std::make_shared<Flags>();
   command->add_option("--seconds", flags->duration_s, "of the run [s]")
       ->capture_default_str();
-  command->add_option("--wall", flags->wall_n_per_m, "stiffness of the wall [N/m]")
+  command->add_option("--fast-hz", flags->fast_hz, "rate of the fast step [Hz]")
       ->capture_default_str();
+  command->add_option("--stiffness", flags->stiffness_n_per_m, "of the cylinder [N/m]")
+      ->capture_default_str();
+  command->add_option("--friction", flags->friction, "Coulomb coefficient [-]")
+      ->capture_default_str();
+  command->add_flag("--event-character", flags->event_character,
+                    "the chip sends a reply at its last byte");
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] {
     const DeviceBenchReport report = run_device_bench(*flags);

@@ -18,6 +18,8 @@ nlohmann::json as_json(const UsbReport& report) {
                        {"product", device.product},
                        {"bus", device.bus},
                        {"address", device.address},
+                       {"path", device.path},
+                       {"serial_number", device.serial_number},
                        {"serial", device.serial},
                        {"usable", device.access == UsbAccess::kOk},
                        {"failure", device.failure}});

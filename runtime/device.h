@@ -28,6 +28,8 @@
 
 namespace palpate {
 
+struct LinkReport;
+
 /// What a device can render, for the stability bounds.
 struct DeviceLimits {
   double damping_n_s_per_m =
@@ -74,6 +76,9 @@ class Device {
 
   /// Why read() or write() said kLost, for people; empty if there is nothing to say.
   [[nodiscard]] virtual std::string failure() const { return ""; }
+
+  /// The account of the wire (linked_device.h), after close(); null without one.
+  [[nodiscard]] virtual const LinkReport* wire() const { return nullptr; }
 };
 
 /// Closes a device on every way out of a scope.

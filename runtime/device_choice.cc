@@ -3,8 +3,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <utility>
-#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,14 +11,12 @@
 #include "formats/error.h"
 #include "runtime/emulated_falcon.h"
 #include "runtime/haply_model.h"
-#include "runtime/placed_device.h"
-#include "runtime/usb_devices.h"
+#include "runtime/usb_choice.h"
 
 namespace palpate {
 namespace {
 
-// Middles of the workspaces [m].
-const Eigen::Vector3d falcon_rest_m(0.0, 0.0, 0.12);
+// Middle of the workspace [m].
 const Eigen::Vector3d haply_rest_m(0.0, 0.09, 0.0);
 
 FalconConfig falcon_config(const DeviceRequest& request) {
@@ -43,40 +39,16 @@ FalconConfig falcon_config(const DeviceRequest& request) {
   return config;
 }
 
-std::string place_of(const UsbDevice& device) {
-  return fmt::format("{}:{}", device.bus, device.address);
-}
-
 // The usbfs file of the one device that is meant.
 int open_usb(const DeviceRequest& request, bool (*is_meant)(const UsbDevice&)) {
-  const UsbReport report = find_usb_devices();
-  std::vector<UsbDevice> found;
-  std::string places;
-  for (const UsbDevice& device : report.devices) {
-    if (is_meant(device) && (request.usb.empty() || request.usb == place_of(device))) {
-      found.push_back(device);
-      places += (places.empty() ? "" : ", ") + place_of(device);
-    }
-  }
-  if (found.empty()) {
-    throw DeviceError(
-        fmt::format("{}: none is attached{} ({} USB devices seen{}{})", request.name,
-                    request.usb.empty() ? "" : " at " + request.usb, report.seen,
-                    report.failure.empty() ? "" : "; ", report.failure));
-  }
-  if (found.size() > 1) {
-    throw DeviceError(fmt::format("{}: {} are attached; choose by --usb: {}",
-                                  request.name, found.size(), places));
-  }
+  const UsbDevice device =
+      choose_usb_device(find_usb_devices(), request.name, request.usb, is_meant);
   const std::string file =
-      fmt::format("/dev/bus/usb/{:03}/{:03}", found[0].bus, found[0].address);
+      fmt::format("/dev/bus/usb/{:03}/{:03}", device.bus, device.address);
   const int descriptor = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor < 0) {
-    const int error = errno;
-    throw DeviceError(fmt::format(
-        "{}: {}: {}{}", request.name, file, std::strerror(error),
-        error == EACCES ? "; palpate-run devices --udev prints the rule that permits it"
-                        : ""));
+    throw DeviceError(
+        fmt::format("{}: {}: {}", request.name, file, std::strerror(errno)));
   }
   return descriptor;
 }
@@ -85,23 +57,9 @@ void close_usb(int descriptor) {
   ::close(descriptor);
 }
 
-using MakeLink = std::function<std::unique_ptr<DeviceLink>(const HandScript&)>;
-
-AttachedDevice attach(const DeviceLimits& limits, const Eigen::Vector3d& rest_m,
-                      const MakeLink& link) {
-  return {.limits = limits,
-          .make = [link, rest_m](const HandScript& script) -> std::unique_ptr<Device> {
-            const Placement placement = placement_over(script, rest_m);
-            return std::make_unique<PlacedDevice>(
-                std::make_unique<LinkedDevice>(link(in_device_frame(script, placement)),
-                                               LinkTiming{}),
-                placement);
-          }};
-}
-
 AttachedDevice falcon(const DeviceRequest& request) {
   const FalconConfig config = falcon_config(request);
-  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_rest_m,
+  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
                 [config, request](const HandScript&) {
                   return std::make_unique<FalconLink>(
                       config,
@@ -120,7 +78,7 @@ AttachedDevice emulated_falcon(const DeviceRequest& request) {
   if (config.firmware.empty()) {
     config.firmware = emulated_firmware();
   }
-  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_rest_m,
+  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
                 [config](const HandScript& hand) {
                   EmulatedFalconConfig emulated;
                   emulated.model.hand = hand;

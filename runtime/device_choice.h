@@ -2,11 +2,9 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 
-#include "runtime/device.h"
-#include "runtime/hand_script.h"
+#include "runtime/attached_device.h"
 
 namespace palpate {
 
@@ -17,13 +15,6 @@ struct DeviceRequest {
   double calibration = 1.0;  ///< [-] (0, 10] factor on motor commands
   double homing_s = 60.0;    ///< [s] > 0
   std::function<void(const std::string&)> tell;  ///< what the person is to do
-};
-
-/// A driver that is not open yet. For an emulated device the hand that holds it follows
-/// the script, which is in the body's frame; positions and forces are, too.
-struct AttachedDevice {
-  DeviceLimits limits;
-  std::function<std::unique_ptr<Device>(const HandScript&)> make;
 };
 
 /// With commas between them.

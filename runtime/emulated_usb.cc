@@ -100,10 +100,13 @@ void EmulatedUsb::run() {
 
 void EmulatedUsb::complete_due(std::int64_t now) {
   while (!pending_.empty()) {
-    usbdevfs_urb& urb = *pending_.front();
+    usbdevfs_urb& urb = *pending_.front().urb;
+    // The bus takes a packet when it is there; this thread may come to it later.
+    const std::int64_t taken_ns =
+        std::min(now, std::max(model_.next_ns(now), pending_.front().since_ns));
     const int got = model_.receive({static_cast<std::uint8_t*>(urb.buffer),
                                     static_cast<std::size_t>(urb.buffer_length)},
-                                   now);
+                                   taken_ns);
     if (got == -EAGAIN) {
       return;
     }
@@ -128,7 +131,7 @@ int EmulatedUsb::submit(usbdevfs_urb& urb) {
     return 0;
   }
   if ((urb.endpoint & 0x80) != 0) {
-    pending_.push_back(&urb);
+    pending_.push_back({.urb = &urb, .since_ns = now});
     changed_.notify_all();
     return 0;
   }
@@ -144,7 +147,10 @@ int EmulatedUsb::submit(usbdevfs_urb& urb) {
 }
 
 int EmulatedUsb::discard(usbdevfs_urb* urb) {
-  const auto found = std::find(pending_.begin(), pending_.end(), urb);
+  const auto found =
+      std::find_if(pending_.begin(), pending_.end(), [urb](const Waiting& waiting) {
+        return waiting.urb == urb;
+      });
   if (found == pending_.end()) {
     return -EINVAL;
   }

@@ -46,6 +46,12 @@ class EmulatedUsb {
   [[nodiscard]] int answer(unsigned long request, void* argument);
 
  private:
+  // An IN transfer, and since when the bus asks the device for it.
+  struct Waiting {
+    usbdevfs_urb* urb = nullptr;
+    std::int64_t since_ns = 0;
+  };
+
   [[nodiscard]] int submit(usbdevfs_urb& urb);
   [[nodiscard]] int discard(usbdevfs_urb* urb);
   [[nodiscard]] int reap(void* argument);
@@ -59,7 +65,7 @@ class EmulatedUsb {
   int ready_ = -1;  // an eventfd that can be written while something is done
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<usbdevfs_urb*> pending_;  // IN, by submission
+  std::deque<Waiting> pending_;  // by submission
   std::deque<usbdevfs_urb*> done_;
   bool kernel_driver_ = true;
   bool end_ = false;

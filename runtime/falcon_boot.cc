@@ -35,6 +35,7 @@ constexpr UsbRequest kBootRate = request(0x03, 0x4138);
 constexpr UsbRequest kLoadRate = request(0x03, 0x0015);
 constexpr UsbRequest kRunRate = request(0x03, 0x0002);
 constexpr UsbRequest kEightBits = request(0x04, 0x0008);
+constexpr UsbRequest kEventAtEnd = request(0x06, 0x0100 | '>');
 constexpr UsbRequest kSlowTimer = request(0x09, 16);
 constexpr UsbRequest kFastTimer = request(0x09, 1);
 
@@ -81,10 +82,13 @@ void FalconLink::run_line() {
        {kFastTimer, kRunRate, kEightBits, kNoFlowControl, kPurgeReceived, kPurgeSent}) {
     usb_->control(step);
   }
+  if (config_.event_character) {
+    usb_->control(kEventAtEnd);
+  }
 }
 
 bool FalconLink::answers() {
-  constexpr int kTries = 5;
+  constexpr int kTries = 25;
   for (int i = 0; i < kTries; ++i) {
     const LinkStatus status =
         exchange({.motor = {}, .leds = kFalconRed, .homing = true});

@@ -11,8 +11,11 @@ namespace palpate {
 namespace {
 
 constexpr double kResolutionM = 5e-5;  // one count on every leg
-constexpr double kDelayS = 1e-3;       // one USB frame and latency timer
-constexpr int kSlewMax = 1000;         // counts in one exchange: 1 m/s is about 50
+// A position is measured in one exchange, answered with a force by the fast loop while
+// the next runs, and the force goes out with the one after it.
+constexpr double kDelayS = 2e-3;
+constexpr int kSlewMax = 200;  // counts in an exchange: 1 m/s is about 50
+constexpr int kMissedMax = 20;
 constexpr int kRejectedMax = 20;
 
 }  // namespace
@@ -39,6 +42,7 @@ void FalconLink::open() {
   close();
   failure_ = "";
   known_ = false;
+  missed_ = 0;
   rejected_ = 0;
   framer_.clear();
   reply_ = {};
@@ -61,13 +65,15 @@ LinkStatus FalconLink::give_up(const char* why) noexcept {
   return LinkStatus::kLost;
 }
 
-// A stale or garbled reply may look whole: the legs cannot jump.
+// A stale or garbled reply may look whole: the legs cannot jump. An exchange that was
+// missed took up to two periods.
 bool FalconLink::plausible(const FalconReply& reply) const noexcept {
   if (!known_) {
     return true;
   }
+  const int slew_max = kSlewMax * (1 + 2 * std::min(missed_, kMissedMax));
   for (std::size_t i = 0; i < 3; ++i) {
-    if (std::abs(reply.encoder[i] - reply_.encoder[i]) > kSlewMax) {
+    if (std::abs(reply.encoder[i] - reply_.encoder[i]) > slew_max) {
       return false;
     }
   }
@@ -79,6 +85,7 @@ LinkStatus FalconLink::exchange(const FalconCommand& command) noexcept {
   framer_.clear();
   const std::int64_t deadline_ns = deadline_ns_after(config_.answer_s);
   UsbStatus status = usb_->send(encode(command), deadline_ns);
+  bool answered = false;
   while (status == UsbStatus::kOk) {
     std::uint8_t byte = 0;
     std::size_t got = 0;
@@ -88,16 +95,29 @@ LinkStatus FalconLink::exchange(const FalconCommand& command) noexcept {
     if (!reply) {
       continue;
     }
-    if (plausible(*reply)) {
-      reply_ = *reply;
-      rejected_ = 0;
-      return LinkStatus::kOk;
+    if (!plausible(*reply)) {
+      return reject("its encoders jump");
     }
-    return ++rejected_ > kRejectedMax ? give_up("its encoders jump")
-                                      : LinkStatus::kMissed;
+    reply_ = *reply;
+    answered = true;
+    if (missed_ == 0) {
+      break;
+    }
   }
-  return status == UsbStatus::kLost ? give_up("unplugged, or its wire is broken")
-                                    : LinkStatus::kMissed;
+  if (status == UsbStatus::kLost) {
+    return give_up("unplugged, or its wire is broken");
+  }
+  if (!answered) {
+    ++missed_;
+    return LinkStatus::kMissed;
+  }
+  missed_ = 0;
+  return LinkStatus::kOk;
+}
+
+LinkStatus FalconLink::reject(const char* why) noexcept {
+  ++missed_;
+  return ++rejected_ > kRejectedMax ? give_up(why) : LinkStatus::kMissed;
 }
 
 LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
@@ -108,7 +128,7 @@ LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
   if (length > config_.force_max_n) {
     wanted *= config_.force_max_n / length;
   }
-  if (known_ && reply_.homed == kFalconAllHomed) {
+  if (known_ && missed_ == 0 && reply_.homed == kFalconAllHomed) {
     command.motor = motors_for(wanted, at_.pose.rates, config_.calibration).command;
     command.leds = length > 0.0 ? kFalconBlue : kFalconGreen;
   }
@@ -121,11 +141,11 @@ LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
   }
   const FalconForward found = forward(angles_of(reply_.encoder), at_.position_m);
   if (!found.converged) {
-    return ++rejected_ > kRejectedMax ? give_up("its encoders fit no position")
-                                      : LinkStatus::kMissed;
+    return reject("its encoders fit no position");
   }
   at_ = found;
   known_ = true;
+  rejected_ = 0;
   position_m = found.position_m;
   return LinkStatus::kOk;
 }

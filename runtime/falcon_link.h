@@ -26,15 +26,21 @@ struct FalconConfig {
   std::vector<std::uint8_t> firmware;  ///< empty: only one that runs already
   double calibration = 1.0;            ///< [-] > 0, factor on motor commands
   double homing_s = 60.0;              ///< [s] > 0 that a person has to home it
-  double answer_s = 0.01;              ///< [s] > 0 for one packet
+  double answer_s = 0.002;             ///< [s] > 0 for one packet, two periods
   double force_max_n = 8.0;            ///< [N] > 0
   double damping_n_s_per_m = 0.5;      ///< [N s/m] assumed, not measured
   double coulomb_n = 0.03;             ///< [N] assumed, not measured
-  std::string what = "falcon";         ///< name()
+  /// The chip sends a reply at its last byte, not when its timer runs out. Not tried on
+  /// hardware.
+  bool event_character = false;
+  std::string what = "falcon";  ///< name()
   /// Tells the person what to do; may be empty.
   std::function<void(const std::string&)> tell;
 };
 
+/// After an exchange without a whole, plausible answer the next one carries no force:
+/// where the tool is is then not known. It listens for as long as an answer may take,
+/// so that a late answer is not taken for that of the next command.
 class FalconLink : public DeviceLink {
  public:
   /// @param descriptor opens the device's usbfs file and returns it; called in open().
@@ -65,6 +71,7 @@ class FalconLink : public DeviceLink {
   [[nodiscard]] LinkStatus exchange(const FalconCommand& command) noexcept;
   [[nodiscard]] std::size_t listen(std::span<std::uint8_t> bytes, double wait_s);
   [[nodiscard]] LinkStatus give_up(const char* why) noexcept;
+  [[nodiscard]] LinkStatus reject(const char* why) noexcept;
   [[nodiscard]] bool plausible(const FalconReply& reply) const noexcept;
 
   FalconConfig config_;
@@ -76,6 +83,7 @@ class FalconLink : public DeviceLink {
   FalconReply reply_;
   FalconForward at_;
   bool known_ = false;  // at_ holds a position
+  int missed_ = 0;      // exchanges without an answer, in a row: no force
   int rejected_ = 0;    // replies in a row
   const char* failure_ = "";
 };

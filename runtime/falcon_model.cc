@@ -20,7 +20,9 @@ constexpr std::uint8_t kLoadMark = 0x41;
 FalconModel::FalconModel(const FalconModelConfig& config)
     : config_(config),
       tool_(config.dynamics, config.hand, clock_, {.position_m = config.start_m}),
-      running_(config.loaded) {}
+      running_(config.loaded) {
+  trace_.reserve(config.trace_max);
+}
 
 void FalconModel::set_dtr(bool high) {
   if (high && !dtr_) {
@@ -54,8 +56,42 @@ void FalconModel::take(std::uint8_t byte, std::uint16_t divisor, std::int64_t no
           config_.stale_every > 0 && commands_ % config_.stale_every == 0;
       const FalconPacket reply = encode(stale ? last_ : fresh);
       last_ = fresh;
-      answer.assign(reply.begin(), reply.end());
+      const WrongReplies& wrong = config_.wrong;
+      if (commands_ < wrong.from || commands_ >= wrong.from + wrong.count) {
+        answer.assign(reply.begin(), reply.end());
+      } else if (wrong.fault != ReplyFault::kMissing) {
+        const FalconPacket bad = spoilt(reply);
+        answer.assign(bad.begin(), bad.end());
+      }
+      if (commands_ == 1) {
+        first_ = reply;
+      }
     }
+  }
+}
+
+FalconPacket FalconModel::spoilt(FalconPacket reply) {
+  switch (config_.wrong.fault) {
+    case ReplyFault::kStale:
+      return first_;
+    case ReplyFault::kJump:
+      reply[3] = static_cast<std::uint8_t>('A' + ((reply[3] - 'A') ^ 8));  // by 2048
+      return reply;
+    default:
+      for (std::uint8_t& byte : reply) {
+        byte = static_cast<std::uint8_t>(random_() & 0xFF);
+      }
+      return reply;
+  }
+}
+
+void FalconModel::keep(double force_n, std::int64_t now_ns) {
+  if (trace_.size() < config_.trace_max) {
+    trace_.push_back({.time_ns = now_ns,
+                      .force_n = force_n,
+                      .work_j = tool_.rendered_work_j(),
+                      .path_m = tool_.path_m(),
+                      .squared_speed_m2_per_s = tool_.squared_speed_m2_per_s()});
   }
 }
 
@@ -108,10 +144,13 @@ FalconReply FalconModel::obey(const FalconCommand& command, std::int64_t now_ns)
   FalconPose pose;
   if (!inverse(tool_.motion().position_m, pose)) {
     static_cast<void>(tool_.write(Eigen::Vector3d::Zero()));  // beyond its stops
+    keep(0.0, now_ns);
     return last_;
   }
-  static_cast<void>(
-      tool_.write(config_.motor_gain * force_of(command.motor, pose.rates, 1.0)));
+  const Eigen::Vector3d force_n =
+      config_.motor_gain * force_of(command.motor, pose.rates, 1.0);
+  static_cast<void>(tool_.write(force_n));
+  keep(force_n.norm(), now_ns);
   FalconReply reply{.encoder = counts_of(pose.theta1),
                     .buttons = 0,
                     .homed = homed_ ? kFalconAllHomed : std::uint8_t{0}};

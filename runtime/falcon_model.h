@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <random>
 #include <string_view>
 #include <vector>
 
@@ -22,6 +23,20 @@ constexpr std::string_view kEmulatedFirmware =
 inline constexpr UsbIdentity kFalconIdentity{
     .vendor = 0x0403, .product = 0xCB48, .interface = 0, .out = 0x02, .in = 0x81};
 
+/// What is wrong with a run of replies.
+enum class ReplyFault : std::uint8_t {
+  kMissing,  ///< there is none
+  kGarbage,  ///< random bytes
+  kStale,    ///< the first of all
+  kJump,     ///< legs where they cannot be
+};
+
+struct WrongReplies {
+  ReplyFault fault = ReplyFault::kMissing;
+  std::int64_t from = 0;   ///< number of the command, from 1
+  std::int64_t count = 0;  ///< so many in a row
+};
+
 struct FalconModelConfig {
   SimulatedDeviceConfig dynamics{};
   HandScript hand{};                        ///< in the device's frame
@@ -34,6 +49,17 @@ struct FalconModelConfig {
   int echo_errors = 1;              ///< loads in which it is
   bool zero_before_answer = true;   ///< a 00 before the boot loader's answer
   int stale_every = 0;              ///< every nth reply is the one before
+  WrongReplies wrong{};
+  std::size_t trace_max = 0;  ///< commands of the firmware that trace() keeps
+};
+
+/// The motors' account at a command.
+struct MotorRecord {
+  std::int64_t time_ns = 0;
+  double force_n = 0.0;  ///< [N] length of the force, from now on
+  double work_j = 0.0;   ///< [J] on the tool, and the rest as SimulatedDevice's
+  double path_m = 0.0;
+  double squared_speed_m2_per_s = 0.0;
 };
 
 /// A clock that stands where it is put.
@@ -64,11 +90,16 @@ class FalconModel : public SerialEnd {
   /// A motor was driven before the zero of the encoders was known.
   [[nodiscard]] bool driven_unhomed() const noexcept { return driven_unhomed_; }
   [[nodiscard]] const SimulatedDevice& tool() const noexcept { return tool_; }
+  [[nodiscard]] const std::vector<MotorRecord>& trace() const noexcept {
+    return trace_;
+  }
 
  private:
   void boot(std::uint8_t byte, std::vector<std::uint8_t>& answer);
   void load(std::uint8_t byte, std::vector<std::uint8_t>& answer);
   [[nodiscard]] FalconReply obey(const FalconCommand& command, std::int64_t now_ns);
+  [[nodiscard]] FalconPacket spoilt(FalconPacket reply);
+  void keep(double force_n, std::int64_t now_ns);
 
   FalconModelConfig config_;
   SetClock clock_;
@@ -86,6 +117,9 @@ class FalconModel : public SerialEnd {
   bool driven_unhomed_ = false;
   std::int64_t homing_since_ns_ = -1;
   std::int64_t commands_ = 0;
+  std::vector<MotorRecord> trace_;
+  FalconPacket first_{};  // reply
+  std::mt19937 random_{2};
 };
 
 }  // namespace palpate

@@ -29,6 +29,9 @@ int FtdiChip::control(const UsbSetup& setup, std::int64_t /*now_ns*/) {
     case 0x03:
       divisor_ = setup.value;
       return 0;
+    case 0x06:
+      event_ = (setup.value & 0x0100) != 0 ? setup.value & 0xFF : -1;
+      return 0;
     case 0x09:
       latency_ns_ = kMillisecond * std::clamp<std::int64_t>(setup.value, 1, 255);
       return 0;
@@ -53,8 +56,12 @@ void FtdiChip::answered(std::uint8_t byte) {
     return;
   }
   const bool garbled = chance(random_) < faults_.garbage;
-  waiting_.emplace_back(from_end_ns_,
-                        garbled ? static_cast<std::uint8_t>(random_() & 0xFF) : byte);
+  const std::uint8_t heard =
+      garbled ? static_cast<std::uint8_t>(random_() & 0xFF) : byte;
+  waiting_.emplace_back(from_end_ns_, heard);
+  if (heard == event_ && event_ns_ < 0) {
+    event_ns_ = from_end_ns_;
+  }
 }
 
 int FtdiChip::send(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
@@ -76,6 +83,7 @@ int FtdiChip::receive(std::span<std::uint8_t> packet, std::int64_t now_ns) {
     return -EAGAIN;
   }
   packet_ns_ = now_ns;
+  event_ns_ = event_ns_ <= now_ns ? -1 : event_ns_;
   packet[0] = 0x01;
   packet[1] = 0x60;
   std::size_t count = kFtdiStatusBytes;
@@ -89,9 +97,11 @@ int FtdiChip::receive(std::span<std::uint8_t> packet, std::int64_t now_ns) {
 }
 
 std::int64_t FtdiChip::next_ns(std::int64_t /*now_ns*/) {
-  const std::int64_t timer_ns = packet_ns_ + latency_ns_;
-  return waiting_.size() < kPayload ? timer_ns
-                                    : std::min(timer_ns, waiting_[kPayload - 1].first);
+  std::int64_t next_ns = packet_ns_ + latency_ns_;
+  if (waiting_.size() >= kPayload) {
+    next_ns = std::min(next_ns, waiting_[kPayload - 1].first);
+  }
+  return event_ns_ < 0 ? next_ns : std::min(next_ns, event_ns_);
 }
 
 }  // namespace palpate

@@ -34,8 +34,8 @@ struct SerialFaults {
 };
 
 /// Bytes take their time on the line (10 bits each); an IN packet leaves when it is
-/// full or when the latency timer, restarted by every packet, runs out, with or without
-/// data.
+/// full, when the event character has come, or when the latency timer, restarted by
+/// every packet, runs out, with or without data.
 class FtdiChip : public UsbModel {
  public:
   FtdiChip(SerialEnd& end, const UsbIdentity& identity, const SerialFaults& faults)
@@ -63,7 +63,9 @@ class FtdiChip : public UsbModel {
   std::int64_t latency_ns_ = 16'000'000;
   std::int64_t to_end_ns_ = 0;  // the line is busy until
   std::int64_t from_end_ns_ = 0;
-  std::int64_t packet_ns_ = 0;                                   // latest IN packet
+  std::int64_t packet_ns_ = 0;  // latest IN packet
+  int event_ = -1;              // byte that sends what waits; -1: none
+  std::int64_t event_ns_ = -1;  // when it came; -1: it does not wait
   std::deque<std::pair<std::int64_t, std::uint8_t>> waiting_{};  // by arrival
 };
 

@@ -1,5 +1,6 @@
 #include "runtime/haply_link.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -77,18 +78,25 @@ LinkStatus HaplyLink::exchange(const std::array<double, 2>& torque_nm) noexcept 
   const std::int64_t deadline_ns = deadline_ns_after(config_.answer_s);
   UsbStatus status =
       usb_->send(encode_torques(config_.setup.id, torque_nm), deadline_ns);
-  std::array<std::uint8_t, kHaplyReplyBytes> reply{};
+  std::array<std::uint8_t, 3 * kHaplyReplyBytes> heard{};
+  const std::size_t wanted = known_ ? kHaplyReplyBytes : heard.size();
   std::size_t count = 0;
-  while (status == UsbStatus::kOk && count < reply.size()) {
+  while (status == UsbStatus::kOk && count < wanted) {
     std::size_t got = 0;
-    status = usb_->receive(std::span(reply).subspan(count), got, deadline_ns);
+    status = usb_->receive(std::span(heard).subspan(count, wanted - count), got,
+                           deadline_ns);
     count += got;
   }
   if (status == UsbStatus::kLost) {
     return give_up("unplugged, or its wire is broken");
   }
-  const auto angles =
-      count == reply.size() ? decode_angles(config_.setup.id, reply) : std::nullopt;
+  std::array<std::uint8_t, kHaplyReplyBytes> reply{};
+  const bool whole = count > 0 && count % reply.size() == 0;
+  if (whole) {
+    std::copy_n(heard.begin() + static_cast<std::ptrdiff_t>(count - reply.size()),
+                reply.size(), reply.begin());
+  }
+  const auto angles = whole ? decode_angles(config_.setup.id, reply) : std::nullopt;
   const Eigen::Vector2d theta =
       angles ? Eigen::Vector2d(kDegree * Eigen::Vector2d((*angles)[0], (*angles)[1]))
              : Eigen::Vector2d::Zero();

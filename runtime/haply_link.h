@@ -17,7 +17,7 @@ struct HaplyConfig {
   HaplySetup setup{};
   PantographLinks links{};
   UsbPair pair{.interface = 1, .out = 0x02, .in = 0x83, .packet_bytes = 64};
-  double answer_s = 0.01;          ///< [s] > 0 for one reply
+  double answer_s = 0.002;         ///< [s] > 0 for one reply
   double force_max_n = 2.0;        ///< [N] > 0
   double damping_n_s_per_m = 0.1;  ///< [N s/m] assumed, not measured
   double coulomb_n = 0.02;         ///< [N] assumed, not measured
@@ -26,7 +26,8 @@ struct HaplyConfig {
 
 /// The board keeps the last torque for ever: every way out sends zero, and the thread
 /// that transacts is its watchdog (linked_device.h). No force where the free links are
-/// nearly in line, and none out of the plane.
+/// nearly in line, none out of the plane, and none after an exchange without an answer:
+/// the next one listens until no late answer can come, and takes the last.
 class HaplyLink : public DeviceLink {
  public:
   /// @param descriptor and release as FalconLink's. @throws InputError for links that

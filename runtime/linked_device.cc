@@ -53,7 +53,7 @@ DeviceStatus LinkedDevice::read(DeviceReading& reading) noexcept {
     return DeviceStatus::kLost;
   }
   static_cast<void>(reading_.fetch());
-  reading = reading_.latest();
+  reading = reading_.latest().reading;
   MonotonicClock clock;
   const bool stale = clock.now_ns() - reading.time_ns > nanoseconds(timing_.stale_s);
   return stale ? DeviceStatus::kLate : DeviceStatus::kOk;
@@ -61,7 +61,9 @@ DeviceStatus LinkedDevice::read(DeviceReading& reading) noexcept {
 
 DeviceStatus LinkedDevice::write(const Eigen::Vector3d& force_n) noexcept {
   MonotonicClock clock;
-  command_.write({.force_n = force_n, .time_ns = clock.now_ns()});
+  command_.write({.force_n = force_n,
+                  .time_ns = clock.now_ns(),
+                  .measured_ns = reading_.latest().begin_ns});
   return lost_.load() ? DeviceStatus::kLost : DeviceStatus::kOk;
 }
 
@@ -76,13 +78,13 @@ std::string LinkedDevice::failure() const {
   return lost_.load() ? link_->failure() : "";
 }
 
-Eigen::Vector3d LinkedDevice::wanted_n(std::int64_t now_ns) noexcept {
+LinkedDevice::Command LinkedDevice::wanted(std::int64_t now_ns) noexcept {
   static_cast<void>(command_.fetch());
   const Command& command = command_.latest();
   const bool silent = now_ns - command.time_ns > nanoseconds(timing_.silent_s);
   report_.silences += silent && !silent_ && command.time_ns > 0 ? 1 : 0;
   silent_ = silent;
-  return silent ? Eigen::Vector3d::Zero() : command.force_n;
+  return silent ? Command{} : command;
 }
 
 void LinkedDevice::run() noexcept {
@@ -90,15 +92,23 @@ void LinkedDevice::run() noexcept {
   MonotonicClock clock;
   const std::int64_t begin_ns = clock.now_ns();
   const auto period_ns = nanoseconds(1.0 / timing_.rate_max_hz);
+  Command held;  // what the device got last
   while (!stop_.load()) {
     const std::int64_t start_ns = clock.now_ns();
-    DeviceReading reading;
-    const LinkStatus status = link_->transact(wanted_n(start_ns), reading.position_m);
-    reading.time_ns = clock.now_ns();
-    report_.time.add(reading.time_ns - start_ns);
+    Measured measured{.reading = {}, .begin_ns = start_ns};
+    const Command command = wanted(start_ns);
+    const LinkStatus status =
+        link_->transact(command.force_n, measured.reading.position_m);
+    const std::int64_t end_ns = clock.now_ns();
+    measured.reading.time_ns = end_ns;
+    report_.time.add(end_ns - start_ns);
     ++report_.transactions;
+    if (held.force_n != Eigen::Vector3d::Zero()) {
+      report_.force_age.add(end_ns - held.measured_ns);
+    }
     if (status == LinkStatus::kOk) {
-      reading_.write(reading);
+      held = command;
+      reading_.write(measured);
     } else if (status == LinkStatus::kLost) {
       lost_.store(true);
       break;

@@ -9,7 +9,7 @@
 
 #include "runtime/device.h"
 #include "runtime/device_link.h"
-#include "runtime/step_histogram.h"
+#include "runtime/link_report.h"
 #include "runtime/triple_buffer.h"
 
 namespace palpate {
@@ -18,14 +18,6 @@ struct LinkTiming {
   double rate_max_hz = 4000.0;  ///< [Hz] > 0; a device that is faster waits
   double silent_s = 0.02;       ///< [s] > 0 without write(): zero force until the next
   double stale_s = 0.01;        ///< [s] > 0 a reading that old is no answer any more
-};
-
-struct LinkReport {
-  std::int64_t transactions = 0;
-  std::int64_t missed = 0;
-  std::int64_t silences = 0;  ///< times that the host's watchdog took the force away
-  double duration_s = 0.0;
-  StepHistogram time;  ///< of transactions
 };
 
 /// The fast loop's read() and write() only exchange the latest values, wait-free. The
@@ -44,22 +36,26 @@ class LinkedDevice : public Device {
   void close() noexcept override;
   [[nodiscard]] std::string failure() const override;
 
-  /// After close().
-  [[nodiscard]] const LinkReport& report() const noexcept { return report_; }
+  [[nodiscard]] const LinkReport* wire() const override { return &report_; }
 
  private:
   struct Command {
     Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
     std::int64_t time_ns = 0;
+    std::int64_t measured_ns = 0;  // when the position was that it answers
+  };
+  struct Measured {
+    DeviceReading reading;
+    std::int64_t begin_ns = 0;  // of the exchange
   };
 
   void run() noexcept;
-  [[nodiscard]] Eigen::Vector3d wanted_n(std::int64_t now_ns) noexcept;
+  [[nodiscard]] Command wanted(std::int64_t now_ns) noexcept;
 
   std::unique_ptr<DeviceLink> link_;
   LinkTiming timing_;
   TripleBuffer<Command> command_;
-  TripleBuffer<DeviceReading> reading_;
+  TripleBuffer<Measured> reading_;
   std::atomic<bool> stop_ = false;
   std::atomic<bool> lost_ = false;
   bool silent_ = false;

@@ -59,6 +59,7 @@ class PlacedDevice : public Device {
   }
   void close() noexcept override { device_->close(); }
   [[nodiscard]] std::string failure() const override { return device_->failure(); }
+  [[nodiscard]] const LinkReport* wire() const override { return device_->wire(); }
 
  private:
   std::unique_ptr<Device> device_;

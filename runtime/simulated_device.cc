@@ -101,6 +101,8 @@ void SimulatedDevice::open() {
   steps_ = 0;
   writes_ = 0;
   rendered_work_j_ = 0.0;
+  path_m_ = 0.0;
+  squared_speed_m2_per_s_ = 0.0;
   acting_n_.setZero();
   queue_.fill(Eigen::Vector3d::Zero());
 }
@@ -135,7 +137,10 @@ void SimulatedDevice::step() noexcept {
   motion_.position_m = next.row(0).transpose();
   motion_.velocity_m_per_s = next.row(1).transpose();
   motion_.load_stretch_m = next.row(2).transpose();
-  rendered_work_j_ += acting_n_.dot(motion_.position_m - before);
+  const Eigen::Vector3d moved = motion_.position_m - before;
+  rendered_work_j_ += acting_n_.dot(moved);
+  path_m_ += moved.norm();
+  squared_speed_m2_per_s_ += moved.squaredNorm() / kStepS;
 }
 
 DeviceStatus SimulatedDevice::read(DeviceReading& reading) noexcept {

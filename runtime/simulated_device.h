@@ -83,6 +83,13 @@ class SimulatedDevice : public Device {
   /// is constant in a step. Negative: the tool has put energy into what is rendered.
   [[nodiscard]] double rendered_work_j() const noexcept { return rendered_work_j_; }
 
+  /// Length of the tool's way since open() [m], and the integral of its squared speed
+  /// over time [m^2/s]; times the viscous damping: what that has absorbed [J].
+  [[nodiscard]] double path_m() const noexcept { return path_m_; }
+  [[nodiscard]] double squared_speed_m2_per_s() const noexcept {
+    return squared_speed_m2_per_s_;
+  }
+
  private:
   void advance() noexcept;
   void step() noexcept;
@@ -101,6 +108,8 @@ class SimulatedDevice : public Device {
   std::int64_t opened_ns_ = 0;
   std::int64_t steps_ = 0;
   double rendered_work_j_ = 0.0;
+  double path_m_ = 0.0;
+  double squared_speed_m2_per_s_ = 0.0;
 };
 
 }  // namespace palpate

@@ -150,6 +150,9 @@ void finish(PreparedRun& run, const RenderReport& rendered) {
   SimulationReport& report = run.report;
   report.render = rendered;
   report.device_failure = run.device->failure();
+  if (const LinkReport* wire = run.device->wire()) {
+    report.wire = *wire;
+  }
   const std::string_view fault = name(rendered.fault);
   if (run.recorder != nullptr) {
     run.recorder->finish(fault);

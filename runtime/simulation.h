@@ -13,6 +13,7 @@
 #include "runtime/device_choice.h"
 #include "runtime/element_stream.h"
 #include "runtime/fast/local_model.h"
+#include "runtime/link_report.h"
 #include "runtime/render_report.h"
 #include "runtime/simulated_device.h"
 #include "runtime/stability_margin.h"
@@ -58,6 +59,7 @@ struct SimulationReport {
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
   double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
   ResampleLoss resample_loss;
+  std::optional<LinkReport> wire;      ///< of a device that has one
   std::optional<StreamReport> stream;  ///< of a body that was streamed
   std::uint64_t records_dropped = 0;   ///< by the recorder
   std::string recording_failure;       ///< why the recording ended early

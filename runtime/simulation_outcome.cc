@@ -21,6 +21,19 @@ nlohmann::json as_json(const StreamReport& stream) {
           {"fault", stream.fault}};
 }
 
+nlohmann::json as_json(const LinkReport& wire) {
+  return {{"transactions", wire.transactions},
+          {"missed", wire.missed},
+          {"silences", wire.silences},
+          {"rate_hz", wire.rate_hz()},
+          {"p50_ns", wire.time.percentile_ns(0.5)},
+          {"p99_ns", wire.time.percentile_ns(0.99)},
+          {"max_ns", wire.time.max_ns()},
+          {"force_age_p50_ns", wire.force_age.percentile_ns(0.5)},
+          {"force_age_p99_ns", wire.force_age.percentile_ns(0.99)},
+          {"force_age_max_ns", wire.force_age.max_ns()}};
+}
+
 }  // namespace
 
 nlohmann::json as_json(const SimulationReport& report) {
@@ -69,6 +82,7 @@ nlohmann::json as_json(const SimulationReport& report) {
           {"scheduling", r.scheduling},
           {"device", report.device},
           {"device_failure", report.device_failure},
+          {"wire", report.wire ? as_json(*report.wire) : nlohmann::json()},
           {"records_dropped", report.records_dropped},
           {"recording_failure", report.recording_failure},
           {"stream", report.stream ? as_json(*report.stream) : nlohmann::json()},

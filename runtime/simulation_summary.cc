@@ -72,6 +72,21 @@ std::string timing_lines(const RenderReport& r) {
   return text;
 }
 
+std::string wire_lines(const LinkReport& w) {
+  constexpr double kMs = 1e6;
+  return line("wire", fmt::format("{} transactions, {} missed, {:.5g} Hz, {} silences",
+                                  w.transactions, w.missed, w.rate_hz(), w.silences)) +
+         line("  transaction",
+              fmt::format("p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms",
+                          w.time.percentile_ns(0.5) / kMs,
+                          w.time.percentile_ns(0.99) / kMs, w.time.max_ns() / kMs)) +
+         line("  age of a force",
+              fmt::format("p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms",
+                          w.force_age.percentile_ns(0.5) / kMs,
+                          w.force_age.percentile_ns(0.99) / kMs,
+                          w.force_age.max_ns() / kMs));
+}
+
 std::string stream_lines(const StreamReport& s) {
   constexpr double kMib = static_cast<double>(kMebibyte);
   std::string text =
@@ -131,6 +146,9 @@ std::string summary(const SimulationReport& report) {
                                        : fmt::format(", beyond the curves in {} ticks",
                                                      r.extrapolated_ticks)));
   text += energy_lines(r) + timing_lines(r);
+  if (report.wire) {
+    text += wire_lines(*report.wire);
+  }
   if (report.stream) {
     text += stream_lines(*report.stream);
   }

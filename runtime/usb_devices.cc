@@ -1,5 +1,7 @@
 #include "runtime/usb_devices.h"
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <span>
 
@@ -48,11 +50,33 @@ bool offers_serial_port(libusb_device* device) {
   return false;
 }
 
-void try_to_open(libusb_device* device, UsbDevice& found) {
+// "1-4.1": bus 1, port 4 of the root, port 1 of the hub there.
+std::string path_of(libusb_device* device) {
+  std::array<std::uint8_t, 7> port{};
+  const int count =
+      libusb_get_port_numbers(device, port.data(), static_cast<int>(port.size()));
+  std::string path;
+  for (int i = 0; i < count; ++i) {
+    path += fmt::format("{}{}", i == 0 ? "" : ".", port[static_cast<std::size_t>(i)]);
+  }
+  return path.empty() ? "" : fmt::format("{}-{}", libusb_get_bus_number(device), path);
+}
+
+std::string text_of(libusb_device_handle* handle, std::uint8_t index) {
+  std::array<unsigned char, 256> text{};
+  const int count =
+      index == 0 ? 0
+                 : libusb_get_string_descriptor_ascii(handle, index, text.data(),
+                                                      static_cast<int>(text.size()));
+  return {text.begin(), text.begin() + std::max(count, 0)};
+}
+
+void try_to_open(libusb_device* device, std::uint8_t serial_number, UsbDevice& found) {
   libusb_device_handle* handle = nullptr;
   const int result = libusb_open(device, &handle);
   if (result == LIBUSB_SUCCESS) {
     found.access = UsbAccess::kOk;
+    found.serial_number = text_of(handle, serial_number);
     libusb_close(handle);
     return;
   }
@@ -114,7 +138,8 @@ UsbReport find_usb_devices() {
                     .address = libusb_get_device_address(device),
                     .serial = offers_serial_port(device)};
     if (found.serial || !haptic_device_name(found.vendor, found.product).empty()) {
-      try_to_open(device, found);
+      found.path = path_of(device);
+      try_to_open(device, descriptor.iSerialNumber, found);
       report.devices.push_back(found);
     }
   }

@@ -22,7 +22,9 @@ struct UsbDevice {
   int address = 0;
   bool serial = false;  ///< offers a serial port (CDC-ACM)
   UsbAccess access = UsbAccess::kFailed;
-  std::string failure{};  ///< why it cannot be opened; empty if it can
+  std::string failure{};        ///< why it cannot be opened; empty if it can
+  std::string path{};           ///< ports from the root, "1-4.1"; empty if not known
+  std::string serial_number{};  ///< empty if it has none or cannot be opened
 };
 
 struct UsbReport {

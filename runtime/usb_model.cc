@@ -65,15 +65,14 @@ int FaultyUsb::send(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
     }
     return wrong;
   }
-  return reached(faults_.silent_from_byte) ? static_cast<int>(size)
-                                           : model_.send(bytes, now_ns);
+  return silent() ? static_cast<int>(size) : model_.send(bytes, now_ns);
 }
 
 int FaultyUsb::receive(std::span<std::uint8_t> packet, std::int64_t now_ns) {
   if (const int wrong = trouble(); wrong != 0) {
     return wrong;
   }
-  if (reached(faults_.silent_from_byte)) {
+  if (silent()) {
     return -EAGAIN;
   }
   const int got = model_.receive(packet, now_ns);
@@ -82,7 +81,7 @@ int FaultyUsb::receive(std::span<std::uint8_t> packet, std::int64_t now_ns) {
 }
 
 std::int64_t FaultyUsb::next_ns(std::int64_t now_ns) {
-  const bool quiet = reached(faults_.silent_from_byte);
+  const bool quiet = silent();
   return quiet ? now_ns + kMillisecond : model_.next_ns(now_ns);
 }
 

@@ -55,6 +55,7 @@ struct UsbFaults {
   std::int64_t unplug_at_byte = -1;
   bool unplug_is_io_error = false;     ///< some host controllers: errors for ever
   std::int64_t silent_from_byte = -1;  ///< takes everything, answers nothing
+  std::int64_t silent_bytes = -1;      ///< until so many were taken; -1: for ever
   std::int64_t stall_at_byte = -1;     ///< once, until cleared
 };
 
@@ -80,6 +81,12 @@ class FaultyUsb : public UsbModel {
   [[nodiscard]] int trouble() noexcept;  // 0: none
   [[nodiscard]] bool reached(std::int64_t byte) const noexcept {
     return byte >= 0 && bytes_ >= byte;
+  }
+
+  [[nodiscard]] bool silent() const noexcept {
+    return reached(faults_.silent_from_byte) &&
+           (faults_.silent_bytes < 0 ||
+            bytes_ < faults_.silent_from_byte + faults_.silent_bytes);
   }
 
   UsbModel& model_;

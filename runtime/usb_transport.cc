@@ -254,10 +254,11 @@ UsbStatus UsbTransport::receive(std::span<std::uint8_t> bytes, std::size_t& got,
   State& s = *state_;
   got = 0;
   while (s.received_count == 0 && !s.lost) {
-    if (now_ns() >= deadline_ns) {
+    const bool over = now_ns() >= deadline_ns;
+    s.pump(deadline_ns);  // what has come counts, however late this thread is
+    if (over && s.received_count == 0 && !s.lost) {
       return UsbStatus::kTimeout;
     }
-    s.pump(deadline_ns);
   }
   if (s.received_count == 0) {
     return UsbStatus::kLost;

@@ -193,7 +193,7 @@ TEST(LinkedFalcon, TakesTheForceAwayWhenTheHostFallsSilent) {
   EXPECT_TRUE(wait_for(true, &push));
   EXPECT_TRUE(wait_for(false, nullptr));
   device.close();
-  EXPECT_GE(device.report().silences, 1);
+  EXPECT_GE(device.wire()->silences, 1);
   EXPECT_TRUE(falcon->kernel_driver_back());
 }
 

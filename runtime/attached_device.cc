@@ -1,0 +1,20 @@
+#include "runtime/attached_device.h"
+
+#include "runtime/linked_device.h"
+#include "runtime/placed_device.h"
+
+namespace palpate {
+
+AttachedDevice attach(const DeviceLimits& limits, const Eigen::Vector3d& rest_m,
+                      const MakeLink& link) {
+  return {.limits = limits,
+          .make = [link, rest_m](const HandScript& script) -> std::unique_ptr<Device> {
+            const Placement placement = placement_over(script, rest_m);
+            return std::make_unique<PlacedDevice>(
+                std::make_unique<LinkedDevice>(link(in_device_frame(script, placement)),
+                                               LinkTiming{}),
+                placement);
+          }};
+}
+
+}  // namespace palpate
