@@ -15,8 +15,9 @@
 //
 // USB (linked_device.h): the thread that speaks to the device, when the fast thread
 // falls silent, ends or faults. Nothing that we know of says that their firmware drops
-// the force when the host is gone: SIGKILL leaves the last force, as no guardian holds
-// their descriptors yet.
+// the force when the host is gone: after SIGKILL or a crash, and when that thread
+// hangs, a guardian process that shares the open usbfs file writes zero force
+// (usb_guardian.h). When the wire is cut, what the firmware does is all there is.
 //
 // Against a power failure of the computer only a watchdog in the device itself helps.
 #pragma once

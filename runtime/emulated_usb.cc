@@ -208,6 +208,10 @@ int EmulatedUsb::answer(unsigned long request, void* argument) {
     case USBDEVFS_RELEASEINTERFACE:
     case USBDEVFS_CLEAR_HALT:
       return 0;
+    case USBDEVFS_BULK: {
+      const auto& bulk = *static_cast<usbdevfs_bulktransfer*>(argument);
+      return model_.send({static_cast<std::uint8_t*>(bulk.data), bulk.len}, now_ns());
+    }
     case USBDEVFS_SUBMITURB:
       return submit(*static_cast<usbdevfs_urb*>(argument));
     case USBDEVFS_DISCARDURB:

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "runtime/falcon_motors.h"
+#include "runtime/usb_guardian.h"
 
 namespace palpate {
 namespace {
@@ -50,10 +51,12 @@ void FalconLink::open() {
   at_.position_m = falcon_centre_m();
   try {
     file_ = descriptor_();
-    usb_ = std::make_unique<UsbTransport>(
-        file_, UsbPair{.interface = 0, .out = 0x02, .in = 0x81, .status_bytes = 2});
+    usb_ = std::make_unique<UsbTransport>(file_, kFalconPair);
     start();
     home();
+    if (config_.guarded) {
+      guardian_ = std::make_unique<Guardian>(file_, zero_falcon, kGuardianPatienceS);
+    }
   } catch (...) {
     close();
     throw;
@@ -71,7 +74,8 @@ bool FalconLink::plausible(const FalconReply& reply) const noexcept {
   if (!known_) {
     return true;
   }
-  const int slew_max = kSlewMax * (1 + 2 * std::min(missed_, kMissedMax));
+  const int unheard = std::clamp(missed_ - rejected_, 0, kMissedMax);
+  const int slew_max = kSlewMax * (1 + 2 * unheard);
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::abs(reply.encoder[i] - reply_.encoder[i]) > slew_max) {
       return false;
@@ -122,6 +126,9 @@ LinkStatus FalconLink::reject(const char* why) noexcept {
 
 LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
                                 Eigen::Vector3d& position_m) noexcept {
+  if (guardian_ != nullptr && !guardian_->beat()) {
+    return give_up("its guardian process is gone or had to step in");
+  }
   FalconCommand command{.motor = {}, .leds = kFalconGreen, .homing = true};
   Eigen::Vector3d wanted = force_n;
   const double length = wanted.norm();
@@ -159,6 +166,7 @@ void FalconLink::close() noexcept {
     }
   }
   usb_.reset();
+  guardian_.reset();  // while the file is open
   if (file_ >= 0) {
     release_(file_);
     file_ = -1;

@@ -11,6 +11,7 @@
 #include "runtime/device_link.h"
 #include "runtime/falcon_geometry.h"
 #include "runtime/falcon_packet.h"
+#include "runtime/guardian.h"
 #include "runtime/usb_transport.h"
 
 namespace palpate {
@@ -21,6 +22,9 @@ constexpr std::size_t kFirmwareBytesMax = 256 * 1024;
 /// Reads the vendor's image. @throws InputError if the file is missing, empty or larger
 /// than kFirmwareBytesMax.
 [[nodiscard]] std::vector<std::uint8_t> read_firmware(const std::string& file);
+
+constexpr UsbPair kFalconPair{
+    .interface = 0, .out = 0x02, .in = 0x81, .packet_bytes = 64, .status_bytes = 2};
 
 struct FalconConfig {
   std::vector<std::uint8_t> firmware;  ///< empty: only one that runs already
@@ -33,6 +37,7 @@ struct FalconConfig {
   /// The chip sends a reply at its last byte, not when its timer runs out. Not tried on
   /// hardware.
   bool event_character = false;
+  bool guarded = false;  ///< a process of its own zeroes the force if this one dies
   std::string what = "falcon";  ///< name()
   /// Tells the person what to do; may be empty.
   std::function<void(const std::string&)> tell;
@@ -79,6 +84,7 @@ class FalconLink : public DeviceLink {
   std::function<void(int)> release_;
   int file_ = -1;
   std::unique_ptr<UsbTransport> usb_;
+  std::unique_ptr<Guardian> guardian_;
   FalconFramer framer_;
   FalconReply reply_;
   FalconForward at_;

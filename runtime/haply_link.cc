@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "runtime/usb_guardian.h"
 
 namespace palpate {
 namespace {
@@ -53,6 +54,9 @@ void HaplyLink::open() {
     for (int i = 0; i < kOpenTries; ++i) {
       if (usb_->send(setup, deadline_ns_after(0.1)) == UsbStatus::kOk &&
           exchange({0.0, 0.0}) == LinkStatus::kOk) {
+        if (config_.guarded) {
+          guardian_ = std::make_unique<Guardian>(file_, zero_haply, kGuardianPatienceS);
+        }
         return;
       }
       if (usb_->lost()) {
@@ -112,6 +116,9 @@ LinkStatus HaplyLink::exchange(const std::array<double, 2>& torque_nm) noexcept 
 
 LinkStatus HaplyLink::transact(const Eigen::Vector3d& force_n,
                                Eigen::Vector3d& position_m) noexcept {
+  if (guardian_ != nullptr && !guardian_->beat()) {
+    return give_up("its guardian process is gone or had to step in");
+  }
   Eigen::Vector2d torque = Eigen::Vector2d::Zero();
   if (known_) {
     Eigen::Vector2d wanted = force_n.head<2>();
@@ -137,6 +144,7 @@ void HaplyLink::close() noexcept {
     }
   }
   usb_.reset();
+  guardian_.reset();  // while the file is open
   if (file_ >= 0) {
     release_(file_);
     file_ = -1;

@@ -7,20 +7,26 @@
 #include <string>
 
 #include "runtime/device_link.h"
+#include "runtime/guardian.h"
 #include "runtime/haply_packet.h"
 #include "runtime/pantograph.h"
 #include "runtime/usb_transport.h"
 
 namespace palpate {
 
+constexpr std::uint8_t kHaplyId = HaplySetup{}.id;
+constexpr UsbPair kHaplyPair{
+    .interface = 1, .out = 0x02, .in = 0x83, .packet_bytes = 64};
+
 struct HaplyConfig {
   HaplySetup setup{};
   PantographLinks links{};
-  UsbPair pair{.interface = 1, .out = 0x02, .in = 0x83, .packet_bytes = 64};
+  UsbPair pair = kHaplyPair;
   double answer_s = 0.002;         ///< [s] > 0 for one reply
   double force_max_n = 2.0;        ///< [N] > 0
   double damping_n_s_per_m = 0.1;  ///< [N s/m] assumed, not measured
   double coulomb_n = 0.02;         ///< [N] assumed, not measured
+  bool guarded = false;            ///< as FalconConfig's
   std::string what = "haply-2diy";
 };
 
@@ -53,6 +59,7 @@ class HaplyLink : public DeviceLink {
   std::function<void(int)> release_;
   int file_ = -1;
   std::unique_ptr<UsbTransport> usb_;
+  std::unique_ptr<Guardian> guardian_;
   PantographPose pose_;
   bool known_ = false;
   int rejected_ = 0;

@@ -76,6 +76,7 @@ class EmulatedHaply {
       const std::shared_ptr<EmulatedHaply>& haply, const HaplyConfig& config);
 
   [[nodiscard]] const HaplyModel& model() const noexcept { return model_; }
+  [[nodiscard]] const EmulatedUsb& usb() const noexcept { return *usb_; }
   [[nodiscard]] bool kernel_driver_back() const noexcept { return kernel_driver_; }
 
  private:

@@ -87,6 +87,20 @@ LinkedDevice::Command LinkedDevice::wanted(std::int64_t now_ns) noexcept {
   return silent ? Command{} : command;
 }
 
+// While the fast loop writes.
+void LinkedDevice::await_answer(std::int64_t measured_ns) noexcept {
+  constexpr std::int64_t kLookNs = 20'000;
+  MonotonicClock clock;
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds(timing_.answer_s);
+  while (!silent_ && !stop_.load() && clock.now_ns() < until_ns) {
+    static_cast<void>(command_.fetch());
+    if (command_.latest().measured_ns >= measured_ns) {
+      return;
+    }
+    clock.sleep_until_ns(clock.now_ns() + kLookNs);
+  }
+}
+
 void LinkedDevice::run() noexcept {
   static_cast<void>(request_real_time(-1));
   MonotonicClock clock;
@@ -109,6 +123,7 @@ void LinkedDevice::run() noexcept {
     if (status == LinkStatus::kOk) {
       held = command;
       reading_.write(measured);
+      await_answer(start_ns);
     } else if (status == LinkStatus::kLost) {
       lost_.store(true);
       break;

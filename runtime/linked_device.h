@@ -16,8 +16,11 @@ namespace palpate {
 
 struct LinkTiming {
   double rate_max_hz = 4000.0;  ///< [Hz] > 0; a device that is faster waits
-  double silent_s = 0.02;       ///< [s] > 0 without write(): zero force until the next
-  double stale_s = 0.01;        ///< [s] > 0 a reading that old is no answer any more
+  /// [s] >= 0 that the next exchange waits for the force that answers the last one's
+  /// position. A Falcon's reply waits for its timer longer than that.
+  double answer_s = 3e-4;
+  double silent_s = 0.02;  ///< [s] > 0 without write(): zero force until the next
+  double stale_s = 0.01;   ///< [s] > 0 a reading that old is no answer any more
 };
 
 /// The fast loop's read() and write() only exchange the latest values, wait-free. The
@@ -51,6 +54,7 @@ class LinkedDevice : public Device {
 
   void run() noexcept;
   [[nodiscard]] Command wanted(std::int64_t now_ns) noexcept;
+  void await_answer(std::int64_t measured_ns) noexcept;
 
   std::unique_ptr<DeviceLink> link_;
   LinkTiming timing_;

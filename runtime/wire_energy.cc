@@ -21,7 +21,7 @@ WireEnergy wire_energy(std::span<const MotorRecord> trace, double k_n_per_m,
          driven < trace.size() && trace[driven].force_n == 0.0;) {
       ++driven;
     }
-    while (trace[aged + 1].time_ns <= now.time_ns - age_ns) {
+    while (aged + 1 < i && trace[aged + 1].time_ns <= now.time_ns - age_ns) {
       ++aged;
     }
     if (driven < trace.size() && trace[driven].time_ns - now.time_ns <= age_ns) {

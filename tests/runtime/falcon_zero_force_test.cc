@@ -51,9 +51,15 @@ Outcome push(const EmulatedFalconConfig& config, int exchanges) {
   LinkStatus before = LinkStatus::kOk;
   for (int i = 0; i < exchanges && !outcome.lost; ++i) {
     Eigen::Vector3d position;
+    const auto commands = [&] {
+      return falcon->usb().locked([&] {
+        return falcon->model().trace().size();
+      });
+    };
+    const std::size_t taken = commands();
     const LinkStatus status = link->transact({0.0, 0.0, 1.0}, position);
-    const bool force = falcon->usb().locked([&] {
-      return falcon->model().command().motor != std::array<std::int16_t, 3>{};
+    const bool force = commands() > taken && falcon->usb().locked([&] {
+      return driven(falcon->model().trace().back());
     });
     outcome.driven_unanswered += before == LinkStatus::kMissed && force ? 1 : 0;
     outcome.unanswered += status == LinkStatus::kMissed ? 1 : 0;
