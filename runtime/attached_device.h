@@ -3,10 +3,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "runtime/device.h"
 #include "runtime/device_link.h"
 #include "runtime/hand_script.h"
+#include "runtime/placed_device.h"
 
 namespace palpate {
 
@@ -21,9 +23,10 @@ struct AttachedDevice {
 using MakeLink = std::function<std::unique_ptr<DeviceLink>(const HandScript&)>;
 
 /// The device that speaks a protocol in a thread of its own, with its middle placed
-/// over what the script presses. @param rest_m middle of the workspace [m].
+/// over what the script presses. @param rest_m middle of the workspace [m]. @param
+/// plane of the body that the device's x-y plane is.
 [[nodiscard]] AttachedDevice attach(const DeviceLimits& limits,
-                                    const Eigen::Vector3d& rest_m,
-                                    const MakeLink& link);
+                                    const Eigen::Vector3d& rest_m, const MakeLink& link,
+                                    const std::optional<SectionPlane>& plane = {});
 
 }  // namespace palpate

@@ -2,11 +2,15 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "runtime/calibration.h"
+#include "runtime/device_choice.h"
+#include "runtime/reconnect.h"
 #include "runtime/simulation.h"
 #include "runtime/simulation_outcome.h"
 #include "runtime/stop_signals.h"
@@ -17,10 +21,41 @@ namespace {
 struct Flags {
   std::string database;
   std::string model = "potential";
+  std::string calibration = "1";
+  std::vector<double> at_m;
   bool json = false;
+  bool reconnect = false;
   DeviceRequest device;
   SimulationOptions options;
 };
+
+std::vector<SimulationReport> render(const Flags& flags,
+                                     const ResponseDatabase& database) {
+  if (flags.reconnect) {
+    return simulate_and_reconnect(
+        database, flags.options,
+        {.patience_s = 600.0, .look_s = 0.5, .tell = flags.device.tell},
+        heed_stop_signals());
+  }
+  return {simulate(database, flags.options, heed_stop_signals())};
+}
+
+// One object, whose "runs" are there when a reconnection made several.
+void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
+  if (!flags.json) {
+    for (const SimulationReport& report : reports) {
+      fmt::print("{}", summary(report));
+    }
+    return;
+  }
+  nlohmann::json json = as_json(reports.back());
+  if (reports.size() > 1) {
+    for (const SimulationReport& report : reports) {
+      json["runs"].push_back(as_json(report));
+    }
+  }
+  fmt::print("{}\n", json.dump(2));
+}
 
 void run(Flags& flags) {
   flags.device.tell = [](const std::string& text) {
@@ -28,12 +63,44 @@ void run(Flags& flags) {
   };
   flags.options.model = requested_model(flags.model);
   flags.options.real_time = true;
+  flags.device.calibration = motor_factor(flags.calibration, flags.device.name);
   flags.options.attached = choose_device(flags.device);
+  if (!flags.at_m.empty()) {
+    if (flags.at_m.size() != 3) {
+      throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",
+                                   flags.at_m.size()));
+    }
+    flags.options.at_m = Eigen::Vector3d(flags.at_m.data());
+  }
   const ResponseDatabase database = read_database(flags.database);
-  const SimulationReport report =
-      simulate(database, flags.options, heed_stop_signals());
-  fmt::print("{}", flags.json ? as_json(report).dump(2) + "\n" : summary(report));
-  throw_what_ended(report);
+  const std::vector<SimulationReport> reports = render(flags, database);
+  print(flags, reports);
+  throw_what_ended(reports.back());
+}
+
+void add_device_options(CLI::App& command, Flags& flags) {
+  command.add_option("--firmware", flags.device.firmware,
+                     "The vendor's firmware image, for a falcon that has none yet");
+  command.add_option("--usb", flags.device.usb,
+                     "BUS:ADDRESS, port or serial number, where two are alike");
+  command
+      .add_option("--calibration", flags.calibration,
+                  "Factor on motor commands [-], or a file of palpate-run calibrate")
+      ->capture_default_str();
+  command
+      .add_option("--homing-s", flags.device.homing_s, "Time to home the device [s]")
+      ->capture_default_str();
+  command.add_flag("--event-character", flags.device.event_character,
+                   "A falcon's chip sends a reply at its last byte (not tried on "
+                   "hardware): more than 1 kHz");
+  command.add_flag("--reconnect", flags.reconnect,
+                   "After an unplug wait for the device, then go on");
+  command.add_option("--plane", flags.device.plane,
+                     "Section of the body for a device that moves in a plane: x=0.01 "
+                     "[m]; else the one through the pressed node");
+  command.add_option("--at", flags.at_m, "Where to press: x,y,z [m]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
 }
 
 }  // namespace
@@ -48,16 +115,7 @@ void add_device_command(CLI::App& app) {
       ->required();
   command->add_option("--device", flags->device.name, "One of: " + known_device_names())
       ->required();
-  command->add_option("--firmware", flags->device.firmware,
-                      "The vendor's firmware image, for a falcon that has none yet");
-  command->add_option("--usb", flags->device.usb, "BUS:ADDRESS, where two are alike");
-  command
-      ->add_option("--calibration", flags->device.calibration,
-                   "Factor on motor commands [-]")
-      ->capture_default_str();
-  command
-      ->add_option("--homing-s", flags->device.homing_s, "Time to home the device [s]")
-      ->capture_default_str();
+  add_device_options(*command, *flags);
   command->add_option("--model", flags->model, "Local model: " + known_models())
       ->capture_default_str();
   command->add_option("--seconds", options.duration_s, "Duration [s]")

@@ -33,6 +33,22 @@ struct Placement {
 [[nodiscard]] Placement placement_over(const HandScript& script,
                                        const Eigen::Vector3d& centre_m);
 
+/// A section of the body, for a device that moves in a plane.
+struct SectionPlane {
+  int axis = 2;           ///< [0, 2] of the body, along the plane's normal
+  double offset_m = 0.0;  ///< [m] where the plane meets the axis
+};
+
+/// "x=0.01": across the body's x axis, 0.01 m from the origin. @throws InputError.
+[[nodiscard]] SectionPlane parse_plane(const std::string& text);
+
+/// The device's x-y plane is the section; its y axis is the outward normal's part in
+/// it. @throws InputError where the surface is within 30 degrees of the plane, so that
+/// nothing in the plane presses it.
+[[nodiscard]] Placement placement_in(const SectionPlane& plane,
+                                     const HandScript& script,
+                                     const Eigen::Vector3d& centre_m);
+
 /// The same motion as a hand makes it in the device's frame.
 [[nodiscard]] HandScript in_device_frame(const HandScript& script,
                                          const Placement& placement);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "formats/response_database.h"
-#include "runtime/device_choice.h"
+#include "runtime/attached_device.h"
 #include "runtime/element_stream.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/link_report.h"
