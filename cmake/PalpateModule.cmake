@@ -1,14 +1,17 @@
-# palpate_library(<name> DIR <folder> [DEPENDS ...] [PRIVATE_DEPENDS ...])
-# One static library palpate::<name> from every <folder>/*.cc except those of the tool.
+# palpate_library(<name> [PIC] DIR <folder> [DEPENDS ...] [PRIVATE_DEPENDS ...])
+# One static library palpate::<name> from every <folder>/*.cc except those of the tool
+# and of the C interface. PIC: it goes into a shared library, too.
 function(palpate_library name)
-  cmake_parse_arguments(ARG "" "DIR" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "PIC" "DIR" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/${ARG_DIR})
   file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
-  list(FILTER sources EXCLUDE REGEX "/(main|command_[a-z0-9_]+)\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "/(main|command_[a-z0-9_]+|palpate_c)\\.cc$")
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_compile_features(palpate_${name} PUBLIC cxx_std_20)
+  set_target_properties(palpate_${name} PROPERTIES
+    POSITION_INDEPENDENT_CODE ${ARG_PIC})
   target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPENDS}
                                         PRIVATE palpate_warnings ${ARG_PRIVATE_DEPENDS})
   target_precompile_headers(palpate_${name} PRIVATE <Eigen/Core> <Eigen/Geometry> <vector>)

@@ -190,9 +190,14 @@ FastContact contact(const FastState& state) noexcept {
     const Element& element = state.cache.element[static_cast<std::size_t>(used)];
     const Eigen::Vector3d& weight = field ? place.frame.weight : state.element.area;
     for (std::size_t j = 0; j < 3; ++j) {
-      at.point_m +=
-          weight(static_cast<Eigen::Index>(j)) *
-          Eigen::Map<const Eigen::Vector3d>(element.node[j].position_m.data());
+      const double part = weight(static_cast<Eigen::Index>(j));
+      const ElementNode& node = element.node[j];
+      at.point_m += part * Eigen::Map<const Eigen::Vector3d>(node.position_m.data());
+      at.normal += part * Eigen::Map<const Eigen::Vector3d>(node.normal.data());
+    }
+    const double length = at.normal.norm();
+    if (length > 0.0) {
+      at.normal /= length;
     }
     at.triangle = element.triangle;
     at.starved = field ? place.starved : state.element.starved;

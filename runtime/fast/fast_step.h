@@ -65,6 +65,7 @@ struct FastContact {
   std::int64_t time_ns = 0;                           ///< [ns] of the sample
   Eigen::Vector3d tool_m = Eigen::Vector3d::Zero();   ///< [m] tool reference point
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< [m] x_c
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< [-] there, outward unit; or 0
   std::int32_t triangle = -1;  ///< active triangle; -1 before the first
   bool in_contact = false;
   bool starved = false;

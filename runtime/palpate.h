@@ -1,0 +1,164 @@
+/* palpate: force-deflection responses of soft bodies, rendered passively.
+ *
+ * The C interface (C99) for simulators that drive the device themselves: position in,
+ * force out. It needs no other header and no C++.
+ *
+ *   palpate_options options = {0};                       // zero: defaults
+ *   options.struct_size = sizeof options;
+ *   palpate_body* body = palpate_open("liver.h5", &options, error, sizeof error);
+ *   palpate_tool* tool = palpate_tool_add(body);
+ *   for (;;) palpate_force(tool, position, NULL, dt_s, force);   // at the haptic rate
+ *   palpate_close(body);
+ *
+ * Frame: that of the body in its file, at rest; a host moves its device's position into
+ * it, and the force out of it. Lengths and forces in the host's units (options).
+ *
+ * Threads: a body's slow process runs in a thread of the library, unless
+ * PALPATE_OWN_SLOW_STEPS. Every tool is used by one thread at a time, the haptic one;
+ * different tools by different threads. palpate_state_get() may be called from one
+ * other thread meanwhile. palpate_open(), palpate_tool_add(), palpate_slow_step() and
+ * palpate_slow_failure() may wait and allocate; palpate_close() when no other call is
+ * under way. Functions of the haptic thread say so.
+ *
+ * No function throws, prints, or ends the process.
+ */
+#ifndef PALPATE_H
+#define PALPATE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define PALPATE_API __attribute__((visibility("default")))
+#else
+#define PALPATE_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Counts up when a program built against an older header would not work any more. New
+ * members go to the ends of structs, which struct_size tells apart. */
+#define PALPATE_ABI_VERSION 1
+
+/* What palpate_force() returns. A fault is latched: the force is zero until
+ * palpate_reset(). */
+enum palpate_status {
+  PALPATE_FREE = 0,
+  PALPATE_CONTACT = 1,
+  PALPATE_FAULT_NOT_FINITE = -1,   /* NaN or infinity in position or orientation */
+  PALPATE_FAULT_TIME_STEP = -2,    /* dt_s negative, NaN or above one second */
+  PALPATE_FAULT_ENERGY = -3,       /* the energy account did not close */
+  PALPATE_FAULT_SLOW_STALLED = -4, /* in contact, and no element for too long */
+  /* Not of a tool: never latched. */
+  PALPATE_ERROR_INTERNAL = -101, /* a bug in palpate, or no memory */
+  PALPATE_ERROR_INPUT = -102,    /* a null pointer, or a call that is not allowed */
+  PALPATE_ERROR_FORMAT = -103    /* the database is damaged */
+};
+
+enum palpate_flags {
+  /* No thread: the host calls palpate_slow_step(), about 100 times a second. */
+  PALPATE_OWN_SLOW_STEPS = 1,
+  /* Scales forces where the device could not render the body's stiffness, instead of
+   * refusing to open. */
+  PALPATE_LIMIT_STIFFNESS = 2,
+  /* The database stays in its file; what is near the tool is in memory. */
+  PALPATE_STREAMED = 4
+};
+
+/* Zero in any member means its default. */
+typedef struct palpate_options {
+  size_t struct_size;      /* sizeof(palpate_options) */
+  const char* tool_name;   /* NULL: the database's only tool */
+  double metres_per_unit;  /* [m] > 0, host's unit of length; 1 */
+  double newtons_per_unit; /* [N] > 0, host's unit of force; 1 */
+  /* A host that scales its workspace makes the device feel position_gain * force_gain
+   * times the body's stiffness: the stability bound holds there. */
+  double position_gain;            /* [-] > 0, movement here per device movement; 1 */
+  double force_gain;               /* [-] > 0, device force per force given here; 1 */
+  double nominal_tick_s;           /* [s] (0, 1], what dt_s 0 means; 0.001 */
+  double slow_hz;                  /* [Hz] [1, 1000], of the slow process; 100 */
+  double device_damping_n_s_per_m; /* [N s/m] > 0, viscous; 0: unknown, no bound is
+                                      checked */
+  double device_delay_s;           /* [s] >= 0, from command to force; 0 */
+  double force_max_n;              /* [N] > 0, at the device; 8 */
+  double stall_s; /* [s] > 0, in contact without an element: fault; 0.5 */
+  double ramp_s;  /* [s] > 0, from start or reset to the full force; 0.1 */
+  uint32_t flags; /* of enum palpate_flags */
+} palpate_options;
+
+/* The latest tick. Energies are those of the body, not of a scaled device. */
+typedef struct palpate_state {
+  size_t struct_size;      /* sizeof(palpate_state), set by the caller */
+  int32_t status;          /* as palpate_force() returned it */
+  int32_t triangle;        /* of the database, in use; -1: none */
+  double contact_point[3]; /* [host length] on the surface at rest */
+  double normal[3];        /* [-] there, outward; zero: no element yet */
+  double force[3];         /* [host force] on the tool */
+  double depth;            /* [host length] penetration */
+  double work_j;           /* [J] put in by the tool since the start; >= 0: passive */
+  double stored_j;         /* [J] in the local model */
+  double tank_j;           /* [J] >= 0 that changes of the model freed */
+  double dissipated_j;     /* [J] >= 0 by friction and discarded surplus */
+  double relaxed_shift;    /* [host length] >= 0 that the energy account had to take */
+  double force_scale;      /* [-] (0, 1], below 1 by PALPATE_LIMIT_STIFFNESS */
+  double tilt_rad;         /* [rad] between the tool's orientation and the one that the
+                              responses are of; 0 without */
+  int32_t starved;         /* the element under the tool had not arrived */
+  int32_t extrapolated;    /* deeper than the response was computed */
+  uint64_t ticks;          /* since the start or the last reset */
+} palpate_state;
+
+typedef struct palpate_body palpate_body;
+typedef struct palpate_tool palpate_tool;
+
+/* PALPATE_ABI_VERSION that the library was built with. */
+PALPATE_API int palpate_abi_version(void);
+
+/* Opens a response database. NULL on failure, with one line in error (may be NULL):
+ * what, which value, what was allowed. options may be NULL. */
+PALPATE_API palpate_body* palpate_open(const char* file, const palpate_options* options,
+                                       char* error, size_t error_bytes);
+
+/* One for each tool of the host, at most 16 of a body; NULL on failure. Lives as long
+ * as the body. */
+PALPATE_API palpate_tool* palpate_tool_add(palpate_body* body);
+
+/* One turn of the slow process for all tools; only with PALPATE_OWN_SLOW_STEPS. Elements
+ * sent, or an error below zero. */
+PALPATE_API int palpate_slow_step(palpate_body* body);
+
+/* 0 while the slow process is well, else the error that ended it, with a line of text
+ * (may be NULL). */
+PALPATE_API int palpate_slow_failure(palpate_body* body, char* text, size_t text_bytes);
+
+/* Haptic thread: one tick. Never allocates, locks, throws, waits or reads a clock.
+ * position [host length]: of the tool's reference point, a sphere's centre.
+ * quat_xyzw: orientation, of any length; NULL or zero: none. Responses are of one
+ * orientation: another one changes tilt_rad alone.
+ * dt_s: since the last call, at most 1; 0: the nominal tick.
+ * force_out [host force]: on the tool; zero in free space and on a fault.
+ * Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero. */
+PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
+                              const double quat_xyzw[4], double dt_s,
+                              double force_out[3]);
+
+/* Haptic thread, or one other. Fills the first struct_size bytes. */
+PALPATE_API void palpate_state_get(const palpate_tool* tool, palpate_state* state);
+
+/* Haptic thread: clears a fault, the account and what is known of the tool's place, as
+ * after a jump. The next slow step finds the tool again; the force ramps up anew. */
+PALPATE_API void palpate_reset(palpate_tool* tool);
+
+/* "free", "contact", "not-finite", ...: never NULL, lives for ever. Any thread. */
+PALPATE_API const char* palpate_fault_name(int status);
+
+/* Ends the slow process and frees the body with its tools. NULL is allowed. */
+PALPATE_API void palpate_close(palpate_body* body);
+
+#ifdef __cplusplus
+} /* extern "C" */
+#endif
+
+#endif /* PALPATE_H */
