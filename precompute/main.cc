@@ -6,6 +6,7 @@
 #include "precompute/command_indent.h"
 #include "precompute/command_plan.h"
 #include "precompute/command_remesh.h"
+#include "precompute/command_submit.h"
 #include "precompute/command_sweep.h"
 #include "precompute/command_trade.h"
 
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
                            {&palpate::add_body_command, &palpate::add_build_command,
                             &palpate::add_check_command, &palpate::add_indent_command,
                             &palpate::add_plan_command, &palpate::add_remesh_command,
-                            &palpate::add_sweep_command, &palpate::add_trade_command},
+                            &palpate::add_submit_command, &palpate::add_sweep_command,
+                            &palpate::add_trade_command},
                            argc, argv);
 }
