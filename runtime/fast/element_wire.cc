@@ -1,0 +1,235 @@
+#include "runtime/fast/element_wire.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace palpate {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "frames are little-endian");
+
+constexpr std::array<std::byte, 4> kMagic{std::byte{'P'}, std::byte{'L'},
+                                          std::byte{'P'}, std::byte{'E'}};
+constexpr std::size_t kBodyBytes = kWireBytes - sizeof(std::uint32_t);
+
+constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    std::uint32_t value = i;
+    for (int bit = 0; bit < 8; ++bit) {
+      value = (value >> 1) ^ ((value & 1U) != 0 ? 0xEDB88320U : 0U);
+    }
+    table[i] = value;
+  }
+  return table;
+}();
+
+// Values one after another, into a frame or out of it.
+struct Writer {
+  std::byte* at;
+  template <typename T>
+  void operator()(const T& value) noexcept {
+    std::memcpy(at, &value, sizeof value);
+    at += sizeof value;
+  }
+};
+
+struct Reader {
+  const std::byte* at;
+  template <typename T>
+  void operator()(T& value) noexcept {
+    std::memcpy(&value, at, sizeof value);
+    at += sizeof value;
+  }
+};
+
+// The order of a node's values, for both.
+template <typename Pass, typename Node>
+void pass_node(Pass& pass, Node& node) noexcept {
+  pass(node.node);
+  pass(node.samples);
+  pass(node.position_m);
+  pass(node.normal);
+  pass(node.direction);
+  pass(node.touch_offset_m);
+  pass(node.friction);
+  pass(node.presliding_m);
+  pass(node.depth_m);
+  pass(node.force_n);
+  pass(node.stiffness_n_per_m);
+  pass(node.energy_j);
+}
+
+struct Head {
+  std::uint16_t version = kWireVersion;
+  std::uint16_t active = 0;
+  std::uint32_t session = 0;
+  std::uint32_t reserved = 0;
+};
+
+template <typename Pass, typename Message, typename HeadType>
+void pass_frame(Pass& pass, Message& element, HeadType& head) noexcept {
+  pass(head.version);
+  pass(head.active);
+  pass(head.session);
+  pass(element.triangle);
+  pass(element.sequence);
+  pass(element.sent_ns);
+  pass(element.neighbour);
+  pass(head.reserved);
+  for (auto& node : element.node) {
+    pass_node(pass, node);
+  }
+}
+
+void clear_unused(std::array<double, kElementSamples>& values, std::int32_t samples) {
+  std::fill(values.begin() + samples, values.end(), 0.0);
+}
+
+bool all_finite(std::span<const double> values) {
+  return std::all_of(values.begin(), values.end(), [](double value) {
+    return std::isfinite(value);
+  });
+}
+
+// A frame whose checksum holds still comes from somebody else's program.
+bool well_formed(const ElementNode& node) {
+  const auto most = static_cast<std::int32_t>(kElementSamples);
+  return node.samples >= 0 && node.samples != 1 && node.samples <= most &&
+         all_finite(node.position_m) && all_finite(node.normal) &&
+         all_finite(node.direction) && std::isfinite(node.touch_offset_m) &&
+         std::isfinite(node.friction) && std::isfinite(node.presliding_m) &&
+         all_finite(node.depth_m) && all_finite(node.force_n) &&
+         all_finite(node.stiffness_n_per_m) && all_finite(node.energy_j);
+}
+
+bool well_formed(const Element& element, const Head& head) {
+  return head.version == kWireVersion && head.active <= 1 && element.sequence > 0 &&
+         element.triangle >= 0 &&
+         std::all_of(element.node.begin(), element.node.end(),
+                     [](const ElementNode& node) {
+                       return well_formed(node);
+                     });
+}
+
+// Drops bytes of the buffer up to the next that a frame may begin with, at least one.
+void skip(ElementReceiver& receiver) {
+  std::byte* const begin = receiver.buffer.data();
+  std::byte* const end = begin + receiver.filled;
+  std::byte* next = begin + 1;
+  while (next != end) {
+    const auto compared =
+        std::min(static_cast<std::ptrdiff_t>(kMagic.size()), end - next);
+    if (std::equal(next, next + compared, kMagic.begin())) {
+      break;
+    }
+    ++next;
+  }
+  receiver.counts.skipped_bytes += static_cast<std::uint64_t>(next - begin);
+  receiver.filled = static_cast<std::size_t>(end - next);
+  std::memmove(begin, next, receiver.filled);
+}
+
+// Whether the buffer begins as a frame does, as far as it goes.
+bool begins_well(const ElementReceiver& receiver) {
+  const std::size_t compared = std::min(receiver.filled, kMagic.size());
+  return std::equal(kMagic.begin(),
+                    kMagic.begin() + static_cast<std::ptrdiff_t>(compared),
+                    receiver.buffer.begin());
+}
+
+// Reads the full buffer. False: broken.
+bool decode(const WireFrame& frame, Element& element, Head& head) {
+  std::uint32_t checksum = 0;
+  std::memcpy(&checksum, frame.data() + kBodyBytes, sizeof checksum);
+  if (crc32(std::span(frame).first(kBodyBytes)) != checksum) {
+    return false;
+  }
+  Reader read{frame.data() + kMagic.size()};
+  pass_frame(read, element, head);
+  element.active = head.active == 1;
+  return well_formed(element, head);
+}
+
+// Whether an element is newer than all before; counts what it says of the wire.
+bool is_news(ElementReceiver& receiver, std::uint64_t sequence, std::uint32_t session) {
+  WireCounts& counts = receiver.counts;
+  if (counts.sessions == 0 || session != receiver.session) {
+    receiver.session = session;
+    receiver.newest = 0;
+    receiver.seen = 0;
+    ++counts.sessions;
+  }
+  if (sequence > receiver.newest) {
+    const std::uint64_t step = sequence - receiver.newest;
+    counts.lost += step - 1;
+    receiver.seen = step < 64 ? (receiver.seen << step) | 1U : 1U;
+    receiver.newest = sequence;
+    ++counts.accepted;
+    return true;
+  }
+  const std::uint64_t back = receiver.newest - sequence;
+  const std::uint64_t bit = back < 64 ? std::uint64_t{1} << back : 0;
+  ++((receiver.seen & bit) != 0 ? counts.repeated : counts.late);
+  receiver.seen |= bit;
+  return false;
+}
+
+}  // namespace
+
+std::uint32_t crc32(std::span<const std::byte> bytes) noexcept {
+  std::uint32_t value = 0xFFFFFFFFU;
+  for (const std::byte byte : bytes) {
+    value = kCrcTable[(value ^ std::to_integer<std::uint32_t>(byte)) & 0xFFU] ^
+            (value >> 8);
+  }
+  return ~value;
+}
+
+void encode(const Element& element, std::uint32_t session, WireFrame& frame) noexcept {
+  std::copy(kMagic.begin(), kMagic.end(), frame.begin());
+  Element sent = element;
+  for (ElementNode& node : sent.node) {
+    clear_unused(node.depth_m, node.samples);
+    clear_unused(node.force_n, node.samples);
+    clear_unused(node.stiffness_n_per_m, node.samples);
+    clear_unused(node.energy_j, node.samples);
+  }
+  Head head{.active = static_cast<std::uint16_t>(element.active ? 1 : 0),
+            .session = session};
+  Writer write{frame.data() + kMagic.size()};
+  pass_frame(write, sent, head);
+  write(crc32(std::span(frame).first(kBodyBytes)));
+}
+
+bool receive(ElementReceiver& receiver, std::span<const std::byte>& bytes,
+             Element& element) noexcept {
+  while (true) {
+    const std::size_t taken = std::min(bytes.size(), kWireBytes - receiver.filled);
+    std::copy_n(bytes.begin(), taken,
+                receiver.buffer.begin() + static_cast<std::ptrdiff_t>(receiver.filled));
+    receiver.filled += taken;
+    bytes = bytes.subspan(taken);
+    if (!begins_well(receiver)) {
+      skip(receiver);
+      continue;
+    }
+    if (receiver.filled < kWireBytes) {
+      return false;
+    }
+    Head head;
+    if (!decode(receiver.buffer, element, head)) {
+      ++receiver.counts.broken;
+      skip(receiver);
+      continue;
+    }
+    receiver.filled = 0;
+    if (is_news(receiver, element.sequence, head.session)) {
+      return true;
+    }
+  }
+}
+
+}  // namespace palpate
