@@ -4,12 +4,14 @@
 #include <cstdio>
 #include <exception>
 #include <initializer_list>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "formats/error.h"
 #include "formats/hdf5_io.h"
+#include "formats/tool_pages.h"
 
 namespace palpate {
 
@@ -17,6 +19,16 @@ namespace palpate {
 using AddCommand = void (*)(CLI::App&);
 
 namespace internal {
+
+/// "--man" or "--completion" alone: what an installation keeps of the tool.
+inline bool print_page(const CLI::App& app, int argc, char** argv) {
+  const std::string_view wanted = argc == 2 ? argv[1] : "";
+  if (wanted == "--man" || wanted == "--completion") {
+    fmt::print("{}", wanted == "--man" ? man_page(app) : bash_completion(app));
+    return true;
+  }
+  return false;
+}
 
 inline int parse_and_run(CLI::App& app, int argc, char** argv) {
   try {
@@ -44,6 +56,9 @@ inline int run_tool(const char* name, const char* description,
     app.require_subcommand(1);
     for (const AddCommand add : commands) {
       add(app);
+    }
+    if (internal::print_page(app, argc, argv)) {
+      return 0;
     }
     return internal::parse_and_run(app, argc, argv);
   } catch (const Error& error) {
