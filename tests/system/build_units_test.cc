@@ -115,6 +115,15 @@ TEST_F(BuildUnits, ThreeShardsMergedGiveTheSameBytes) {
       << partly.err;
 }
 
+TEST_F(BuildUnits, SubmittedToThisMachineGivesTheSameBytes) {
+  const ToolRun run = run_tool_process(
+      "palpate-precompute",
+      {"submit", path("scene.toml"), "-o", path("submitted.h5"), "--engine", "local",
+       "--nodes", "2", "--workers", "1", "--run"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  expect_whole("submitted.h5");
+}
+
 TEST_F(BuildUnits, KilledAgainAndAgainAndResumedGivesTheSameBytes) {
   int killed = 0;
   for (const std::int64_t units : {0, 1, 3, 4}) {
