@@ -9,7 +9,6 @@
 
 #include "formats/error.h"
 #include "runtime/calibration.h"
-#include "runtime/device_choice.h"
 #include "runtime/reconnect.h"
 #include "runtime/simulation.h"
 #include "runtime/simulation_outcome.h"
@@ -21,21 +20,22 @@ namespace {
 struct Flags {
   std::string database;
   std::string model = "potential";
-  std::string calibration = "1";
-  std::vector<double> at_m;
   bool json = false;
   bool reconnect = false;
-  DeviceRequest device;
+  DeviceFlags device;
   SimulationOptions options;
 };
+
+void tell_person(const std::string& text) {
+  fmt::print(stderr, "{}\n", text);
+}
 
 std::vector<SimulationReport> render(const Flags& flags,
                                      const ResponseDatabase& database) {
   if (flags.reconnect) {
     return simulate_and_reconnect(
         database, flags.options,
-        {.patience_s = 600.0, .look_s = 0.5, .tell = flags.device.tell},
-        heed_stop_signals());
+        {.patience_s = 600.0, .look_s = 0.5, .tell = tell_person}, heed_stop_signals());
   }
   return {simulate(database, flags.options, heed_stop_signals())};
 }
@@ -58,44 +58,33 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
 }
 
 void run(Flags& flags) {
-  flags.device.tell = [](const std::string& text) {
-    fmt::print(stderr, "{}\n", text);
-  };
   flags.options.model = requested_model(flags.model);
-  flags.options.real_time = true;
-  flags.device.calibration = motor_factor(flags.calibration, flags.device.name);
-  flags.options.attached = choose_device(flags.device);
-  if (!flags.at_m.empty()) {
-    if (flags.at_m.size() != 3) {
-      throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",
-                                   flags.at_m.size()));
-    }
-    flags.options.at_m = Eigen::Vector3d(flags.at_m.data());
-  }
+  attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
   const std::vector<SimulationReport> reports = render(flags, database);
   print(flags, reports);
   throw_what_ended(reports.back());
 }
 
-void add_device_options(CLI::App& command, Flags& flags) {
-  command.add_option("--firmware", flags.device.firmware,
+}  // namespace
+
+void add_device_options(CLI::App& command, DeviceFlags& flags) {
+  DeviceRequest& request = flags.request;
+  command.add_option("--device", request.name, "One of: " + known_device_names());
+  command.add_option("--firmware", request.firmware,
                      "The vendor's firmware image, for a falcon that has none yet");
-  command.add_option("--usb", flags.device.usb,
+  command.add_option("--usb", request.usb,
                      "BUS:ADDRESS, port or serial number, where two are alike");
   command
       .add_option("--calibration", flags.calibration,
                   "Factor on motor commands [-], or a file of palpate-run calibrate")
       ->capture_default_str();
-  command
-      .add_option("--homing-s", flags.device.homing_s, "Time to home the device [s]")
+  command.add_option("--homing-s", request.homing_s, "Time to home the device [s]")
       ->capture_default_str();
-  command.add_flag("--event-character", flags.device.event_character,
+  command.add_flag("--event-character", request.event_character,
                    "A falcon's chip sends a reply at its last byte (not tried on "
                    "hardware): more than 1 kHz");
-  command.add_flag("--reconnect", flags.reconnect,
-                   "After an unplug wait for the device, then go on");
-  command.add_option("--plane", flags.device.plane,
+  command.add_option("--plane", request.plane,
                      "Section of the body for a device that moves in a plane: x=0.01 "
                      "[m]; else the one through the pressed node");
   command.add_option("--at", flags.at_m, "Where to press: x,y,z [m]")
@@ -103,7 +92,19 @@ void add_device_options(CLI::App& command, Flags& flags) {
       ->allow_extra_args(false);
 }
 
-}  // namespace
+void attach_device(DeviceFlags& flags, SimulationOptions& options) {
+  flags.request.tell = tell_person;
+  flags.request.calibration = motor_factor(flags.calibration, flags.request.name);
+  options.real_time = true;
+  options.attached = choose_device(flags.request);
+  if (!flags.at_m.empty()) {
+    if (flags.at_m.size() != 3) {
+      throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",
+                                   flags.at_m.size()));
+    }
+    options.at_m = Eigen::Vector3d(flags.at_m.data());
+  }
+}
 
 void add_device_command(CLI::App& app) {
   CLI::App* command =
@@ -113,9 +114,10 @@ void add_device_command(CLI::App& app) {
   options.fast_hz = 1000.0;
   command->add_option("database", flags->database, "Response database (HDF5)")
       ->required();
-  command->add_option("--device", flags->device.name, "One of: " + known_device_names())
-      ->required();
-  add_device_options(*command, *flags);
+  add_device_options(*command, flags->device);
+  command->get_option("--device")->required();
+  command->add_flag("--reconnect", flags->reconnect,
+                    "After an unplug wait for the device, then go on");
   command->add_option("--model", flags->model, "Local model: " + known_models())
       ->capture_default_str();
   command->add_option("--seconds", options.duration_s, "Duration [s]")

@@ -1,9 +1,28 @@
 // `palpate-run device`: renders a database on a haptic device.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
+#include "runtime/device_choice.h"
+#include "runtime/simulation.h"
+
 namespace palpate {
+
+/// What the command line says of a device.
+struct DeviceFlags {
+  DeviceRequest request;
+  std::string calibration = "1";
+  std::vector<double> at_m;
+};
+
+/// --device and what goes with it. @param flags must outlive the command.
+void add_device_options(CLI::App& command, DeviceFlags& flags);
+
+/// Chooses the device, for a run in real time. @throws as choose_device().
+void attach_device(DeviceFlags& flags, SimulationOptions& options);
 
 void add_device_command(CLI::App& app);
 

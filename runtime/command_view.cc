@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <string>
 
@@ -11,15 +12,18 @@
 
 #include "formats/error.h"
 #include "runtime/clock.h"
+#include "runtime/command_device.h"
 #include "runtime/cylinder_body.h"
 #include "runtime/live_view.h"
 #include "runtime/page_assets.h"
 #include "runtime/simulation.h"
+#include "runtime/simulation_outcome.h"
 #include "runtime/stop_signals.h"
 #include "runtime/view_policy.h"
 #include "runtime/view_server.h"
 #include "runtime/view_session.h"
 #include "runtime/view_text.h"
+#include "runtime/watch_view.h"
 
 namespace palpate {
 namespace {
@@ -30,7 +34,11 @@ struct Flags {
   std::string model = "potential";
   std::uint16_t port = 0;
   double stiffness_scale = 1.0;
+  double seconds = 3600.0;  // of a device's run
+  bool limit_stiffness = false;
+  bool fast_hz_given = false;
   ViewSessionOptions options;
+  DeviceFlags device;
 };
 
 ResponseDatabase shown(const Flags& flags) {
@@ -47,41 +55,108 @@ ResponseDatabase shown(const Flags& flags) {
   return cylinder_body({});
 }
 
-ViewServerOptions server_options(const Flags& flags, const ViewSession& session) {
+std::string shown_name(const Flags& flags) {
+  return flags.demo.empty() ? std::filesystem::path(flags.database).filename().string()
+                            : flags.demo;
+}
+
+ViewServerOptions server_options(const Flags& flags, const ViewedBody& body) {
   ViewServerOptions options;
   options.port = flags.port;
   options.token = random_token();
   options.assets.assign(page_assets().begin(), page_assets().end());
-  const std::string name = flags.demo.empty()
-                               ? std::filesystem::path(flags.database).filename()
-                               : std::filesystem::path(flags.demo);
-  options.data = {{"/body.json", "application/json", body_text(session, name)},
-                  {"/body.bin", "application/octet-stream",
-                   body_bytes(session.database(), session.table())}};
+  options.data = {
+      {"/body.json", "application/json", body_text(body)},
+      {"/body.bin", "application/octet-stream", body_bytes(body.database, body.table)}};
   return options;
 }
 
-void run(const Flags& flags) {
-  ViewSessionOptions options = flags.options;
-  options.model = requested_model(flags.model);
-  const ResponseDatabase database = shown(flags);
-  ViewSession session(database, options);
-  if (!(flags.stiffness_scale >= ViewRanges::kStiffnessMin &&
-        flags.stiffness_scale <= ViewRanges::kStiffnessMax)) {
-    throw InputError(fmt::format("--stiffness-scale {}: must lie in [{}, {}]",
-                                 flags.stiffness_scale, ViewRanges::kStiffnessMin,
-                                 ViewRanges::kStiffnessMax));
-  }
-  session.set_stiffness_scale(flags.stiffness_scale);
-  MonotonicClock wall;
-  LiveView live(session, wall);
-  ViewServer server(server_options(flags, session), live);
-  live.answer_through(server);
-  const std::atomic<bool>& stop = heed_stop_signals();
+void say_where(const ViewServer& server) {
   fmt::print("{}\n", server.address());
   std::fflush(stdout);  // who reads a pipe waits for it
   fmt::print(stderr, "open this address in a browser on this machine; Ctrl-C ends\n");
+}
+
+void check_stiffness_scale(double scale) {
+  if (!(scale >= ViewRanges::kStiffnessMin && scale <= ViewRanges::kStiffnessMax)) {
+    throw InputError(fmt::format("--stiffness-scale {}: must lie in [{}, {}]", scale,
+                                 ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax));
+  }
+}
+
+// The page steers, on simulated time.
+void steer(const Flags& flags, const ResponseDatabase& database) {
+  ViewSessionOptions options = flags.options;
+  options.model = requested_model(flags.model);
+  ViewSession session(database, options);
+  check_stiffness_scale(flags.stiffness_scale);
+  session.set_stiffness_scale(flags.stiffness_scale);
+  MonotonicClock wall;
+  LiveView live(session, wall);
+  const ViewedBody body{.database = database,
+                        .table = session.table(),
+                        .name = shown_name(flags),
+                        .device = "",
+                        .fast_hz = options.fast_hz,
+                        .force_max_n = options.force_max_n};
+  ViewServer server(server_options(flags, body), live);
+  live.answer_through(server);
+  const std::atomic<bool>& stop = heed_stop_signals();
+  say_where(server);
   server.run(stop);
+}
+
+SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
+  SimulationOptions options;
+  options.tool = flags.options.tool;
+  options.model = requested_model(flags.model);
+  options.duration_s = flags.seconds;
+  constexpr double kDeviceHz = 1000.0;
+  options.fast_hz = flags.fast_hz_given ? flags.options.fast_hz : kDeviceHz;
+  options.slow_hz = flags.options.slow_hz;
+  options.force_max_n = flags.options.force_max_n;
+  options.limit_stiffness = flags.limit_stiffness;
+  options.watch = &ticks;
+  attach_device(flags.device, options);
+  return options;
+}
+
+// A device steers, in real time; the pages watch until its run is over.
+void watch(Flags& flags, const ResponseDatabase& database) {
+  const auto ticks = std::make_unique<TickQueue>();
+  const SimulationOptions options = watched_options(flags, *ticks);
+  const ViewedBody body{.database = database,
+                        .table = find_tool(database, options.tool),
+                        .name = shown_name(flags),
+                        .device = flags.device.request.name,
+                        .fast_hz = options.fast_hz,
+                        .force_max_n = options.force_max_n};
+  WatchView view(body, options, *ticks);
+  ViewServer server(server_options(flags, body), view);
+  view.answer_through(server);
+  const std::atomic<bool>& stop = heed_stop_signals();
+  say_where(server);
+  std::atomic<bool> over = false;
+  std::future<SimulationReport> run = std::async(std::launch::async, [&] {
+    const auto end = [](std::atomic<bool>* flag) {
+      flag->store(true);
+    };
+    const std::unique_ptr<std::atomic<bool>, decltype(end)> at_end(&over, end);
+    return simulate(database, options, stop);
+  });
+  server.run(over);
+  const SimulationReport report = run.get();
+  fmt::print("{}", summary(report));
+  throw_what_ended(report);
+}
+
+void run(Flags& flags) {
+  const ResponseDatabase database = shown(flags);
+  if (flags.device.request.name.empty()) {
+    steer(flags, database);
+  } else {
+    watch(flags, database);
+  }
 }
 
 }  // namespace
@@ -89,8 +164,8 @@ void run(const Flags& flags) {
 void add_view_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "view",
-      "Show a database in a browser: press it with the mouse, on simulated "
-      "time.");
+      "Show a database in a browser: press it with the mouse, on simulated time, or "
+      "watch a device that presses it.");
   const auto flags = std::make_shared<Flags>();
   ViewSessionOptions& options = flags->options;
   command->add_option("database", flags->database, "Response database (HDF5)");
@@ -111,7 +186,13 @@ void add_view_command(CLI::App& app) {
       ->add_option("--stiffness-scale", flags->stiffness_scale,
                    "Forces are multiplied by it, at the start")
       ->capture_default_str();
-  command->callback([flags] {
+  add_device_options(*command, flags->device);
+  command->add_option("--seconds", flags->seconds, "Duration of a device's run [s]")
+      ->capture_default_str();
+  command->add_flag("--limit-stiffness", flags->limit_stiffness,
+                    "Scale forces to what the device can render");
+  command->callback([flags, command] {
+    flags->fast_hz_given = command->count("--fast-hz") > 0;
     run(*flags);
   });
 }

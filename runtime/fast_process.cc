@@ -146,7 +146,8 @@ void FastProcess::account(const DeviceReading& reading,
 
 void FastProcess::record(const DeviceReading& reading, const FastCommand& command,
                          std::uint8_t raised) noexcept {
-  if (outputs_.telemetry == nullptr && outputs_.flight == nullptr) {
+  if (outputs_.telemetry == nullptr && outputs_.flight == nullptr &&
+      outputs_.watch == nullptr) {
     return;
   }
   const auto flags =
@@ -173,6 +174,9 @@ void FastProcess::record(const DeviceReading& reading, const FastCommand& comman
   }
   if (outputs_.flight != nullptr) {
     outputs_.flight->ticks.add(tick);
+  }
+  if (outputs_.watch != nullptr) {
+    static_cast<void>(outputs_.watch->push(tick));  // who looks on may miss some
   }
 }
 

@@ -35,6 +35,7 @@ struct TickOutputs {
   std::vector<RenderTick>* trace = nullptr;  ///< filled up to its capacity
   Telemetry* telemetry = nullptr;
   FlightLog* flight = nullptr;
+  TickQueue* watch = nullptr;
 };
 
 /// One thread; tick() does not allocate or throw. About 80 kB: lives on the heap.

@@ -9,6 +9,45 @@
 #include "runtime/view_text.h"
 
 namespace palpate {
+namespace {
+
+// What the session shows by itself.
+ViewFrame frame_of(const ViewSession& session) {
+  const RenderReport& r = session.report();
+  const ViewSessionOptions& options = session.options();
+  return {.holding = session.holding(),
+          .hand_m = session.hand().target().position_m,
+          .pointer_m = session.hand().pointer_m(),
+          .fault = name(r.fault),
+          .net_j = session.net_work_j(),
+          .now = session.latest(),
+          .contact = session.contact(),
+          .run = {.ticks = r.ticks,
+                  .slow_updates = session.slow_updates(),
+                  .starved_ticks = r.starved_ticks,
+                  .extrapolated_ticks = r.extrapolated_ticks,
+                  .step_p50_ns = r.step_time.percentile_ns(0.5),
+                  .step_p99_ns = r.step_time.percentile_ns(0.99),
+                  .depth_max_m = r.depth_max_m,
+                  .force_max_n = r.force_max_n},
+          .settings = {.model = options.model,
+                       .slow_hz = options.slow_hz,
+                       .fast_hz = options.fast_hz,
+                       .stiffness_scale = session.stiffness_scale(),
+                       .friction = session.friction()}};
+}
+
+std::string_view tape_text(const HandTape& tape) {
+  if (tape.recording()) {
+    return "recording";
+  }
+  if (tape.playing()) {
+    return "playing";
+  }
+  return tape.empty() ? "empty" : "recorded";
+}
+
+}  // namespace
 
 void LiveView::opened(ViewClient client) {
   clients_.push_back(client);
@@ -36,7 +75,8 @@ void LiveView::received(ViewClient client, std::string_view text) {
 
 void LiveView::obey(ViewClient client, const ViewRequest& request) {
   if (request.action == ViewAction::kNode) {
-    outbox_->send(client, curve_text(session_, request.node));
+    outbox_->send(client,
+                  curve_text(session_.database(), session_.table(), request.node));
     return;
   }
   if (!steers(client)) {
@@ -44,10 +84,11 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
   }
   switch (request.action) {
     case ViewAction::kPoint:
+      if (tape_.playing()) {
+        tape_.stop(0);  // the page's hand goes first
+      }
       if (request.hold) {
-        silent_ns_ = 0;
-        fell_silent_ = false;
-        session_.hold(request.target_m);
+        hold({session_.report().ticks, true, request.target_m});
       } else {
         let_go(false);
       }
@@ -63,8 +104,14 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
       step();
       break;
     case ViewAction::kReset:
-      session_.reset();
-      fell_silent_ = false;
+      tape_.stop(session_.report().ticks);
+      reset();
+      break;
+    case ViewAction::kRecord:
+      record();
+      break;
+    case ViewAction::kReplay:
+      replay();
       break;
     case ViewAction::kNode:
       break;
@@ -86,16 +133,67 @@ void LiveView::set(const ViewRequest& request) {
   }
 }
 
+void LiveView::hold(const HandWish& wish) {
+  silent_ns_ = 0;
+  fell_silent_ = false;
+  session_.hold(wish.target_m);
+  tape_.add(wish);
+}
+
 void LiveView::let_go(bool silent) {
   fell_silent_ = silent;
   session_.let_go();
+  tape_.add({.tick = session_.report().ticks, .hold = false});
+}
+
+void LiveView::reset() {
+  session_.reset();
+  owed_ticks_ = 0.0;
+  fell_silent_ = false;
+}
+
+// Begins, or ends.
+void LiveView::record() {
+  if (tape_.recording()) {
+    tape_.stop(session_.report().ticks);
+    return;
+  }
+  reset();
+  tape_.record();
+}
+
+void LiveView::replay() {
+  tape_.stop(session_.report().ticks);
+  if (tape_.empty()) {
+    throw InputError("nothing is recorded: record first");
+  }
+  reset();
+  tape_.play();
 }
 
 // One slow period, so that a step shows an update.
 void LiveView::step() {
   paused_ = true;
   const ViewSessionOptions& options = session_.options();
-  session_.advance(std::max(1L, std::lround(options.fast_hz / options.slow_hz)));
+  advance(std::max(1L, std::lround(options.fast_hz / options.slow_hz)));
+}
+
+// Ticks pass; what is played takes place between them.
+void LiveView::advance(std::int64_t ticks) {
+  while (tape_.playing() && ticks > 0 && session_.report().fault == Fault::kNone) {
+    const std::int64_t now = session_.report().ticks;
+    const std::optional<HandWish> wish = tape_.take(now);
+    if (wish && wish->hold) {
+      session_.hold(wish->target_m);
+    } else if (wish || !tape_.playing()) {
+      session_.let_go();
+    } else {
+      const std::int64_t part = std::min(ticks, tape_.next_tick() - now);
+      session_.advance(part);
+      ticks -= part;
+    }
+  }
+  session_.advance(ticks);
 }
 
 void LiveView::pass_time(std::int64_t wall_ns, std::int64_t passed_ns) {
@@ -106,7 +204,7 @@ void LiveView::pass_time(std::int64_t wall_ns, std::int64_t passed_ns) {
                  session_.options().fast_hz;
   const auto ticks = static_cast<std::int64_t>(owed_ticks_);
   owed_ticks_ -= static_cast<double>(ticks);
-  session_.advance(ticks);
+  advance(ticks);
   constexpr double kSmoothing = 0.05;
   speed_ += kSmoothing *
             (static_cast<double>(passed_ns) / static_cast<double>(wall_ns) - speed_);
@@ -118,16 +216,18 @@ void LiveView::frame() {
   const std::int64_t passed_ns = std::min(wall_ns, kLateNs);
   before_ns_ = now_ns;
   silent_ns_ += passed_ns;
-  if (session_.holding() && silent_ns_ > kSilentNs) {
+  if (session_.holding() && !tape_.playing() && silent_ns_ > kSilentNs) {
     let_go(true);
   }
   pass_time(wall_ns, passed_ns);
-  const ViewMoment moment{.state = state(),
-                          .paused = paused_,
-                          .speed = paused_ ? 0.0 : speed_,
-                          .clients = clients_.size()};
-  const auto text = std::make_shared<const std::string>(
-      frame_text(session_, moment, session_.take_ticks()));
+  ViewFrame frame = frame_of(session_);
+  frame.state = state();
+  frame.paused = paused_;
+  frame.speed = paused_ ? 0.0 : speed_;
+  frame.clients = clients_.size();
+  frame.tape = tape_text(tape_);
+  const auto text =
+      std::make_shared<const std::string>(frame_text(frame, session_.take_ticks()));
   for (const ViewClient client : clients_) {
     outbox_->send_latest(client, text);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/clock.h"
+#include "runtime/hand_tape.h"
 #include "runtime/view_message.h"
 #include "runtime/view_server.h"
 #include "runtime/view_session.h"
@@ -17,7 +18,8 @@ namespace palpate {
 /// first of them steers. Simulated time follows the wall clock; where the machine is
 /// late by more than kLateNs, time is lost, not made up for. A page that holds the tool
 /// and says nothing for kSilentNs has let go; lost time does not count, because what
-/// the page said in it has not been read yet.
+/// the page said in it has not been read yet. What a page does to the tool can be
+/// recorded and replayed, with the settings of the moment.
 class LiveView : public ViewApplication {
  public:
   static constexpr std::int64_t kSilentNs = 250'000'000;
@@ -37,7 +39,12 @@ class LiveView : public ViewApplication {
  private:
   void obey(ViewClient client, const ViewRequest& request);
   void set(const ViewRequest& request);
+  void hold(const HandWish& wish);
   void let_go(bool silent);
+  void record();
+  void replay();
+  void reset();
+  void advance(std::int64_t ticks);
   void pass_time(std::int64_t wall_ns, std::int64_t passed_ns);
   void step();
   [[nodiscard]] std::string_view state() const;
@@ -51,7 +58,8 @@ class LiveView : public ViewApplication {
   std::vector<ViewClient> clients_;  // by age; the first steers
   std::int64_t before_ns_ = -1;      // wall time up to which was simulated
   std::int64_t silent_ns_ = 0;       // time since the page that holds the tool spoke
-  double owed_ticks_ = 0.0;          // fraction of a tick
+  HandTape tape_;
+  double owed_ticks_ = 0.0;  // fraction of a tick
   double speed_ = 1.0;
   bool paused_ = false;
   bool fell_silent_ = false;

@@ -72,7 +72,8 @@ TickOutputs outputs(const RenderSetup& setup) {
   return {
       .trace = setup.trace,
       .telemetry = setup.recorder == nullptr ? nullptr : &setup.recorder->telemetry(),
-      .flight = setup.flight};
+      .flight = setup.flight,
+      .watch = setup.watch};
 }
 
 // Sets a flag and joins a thread on every way out of a scope.

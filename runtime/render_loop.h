@@ -32,6 +32,7 @@ struct RenderSetup {
   std::vector<RenderTick>* trace = nullptr;  ///< filled up to its capacity
   Recorder* recorder = nullptr;              ///< records the run
   FlightLog* flight = nullptr;               ///< keeps the last ticks
+  TickQueue* watch = nullptr;                ///< shows every tick
 };
 
 /// One of several tools in a scene.

@@ -176,7 +176,8 @@ void render(std::vector<PreparedRun>& runs, const std::atomic<bool>& stop,
                       .stream = *run.sender,
                       .stop = stop,
                       .recorder = run.recorder.get(),
-                      .flight = run.flight.get()}});
+                      .flight = run.flight.get(),
+                      .watch = run.report.options.watch}});
   }
   const std::vector<RenderReport> rendered = runs.front().report.options.real_time
                                                  ? render_in_real_time(tools)

@@ -18,6 +18,7 @@
 #include "runtime/simulated_device.h"
 #include "runtime/stability_margin.h"
 #include "runtime/streamed_elements.h"
+#include "runtime/telemetry.h"
 
 namespace palpate {
 
@@ -46,6 +47,7 @@ struct SimulationOptions {
   std::filesystem::path socket;  ///< a driver's instead of the simulated device
   std::optional<AttachedDevice> attached;  ///< instead of the simulated device
   RecordingRequest recording;
+  TickQueue* watch = nullptr;  ///< every tick goes there, too; outlives the run
 };
 
 struct SimulationReport {

@@ -11,10 +11,13 @@
 
 namespace palpate {
 
+/// From the fast thread to one reader.
+using TickQueue = SpscRing<TickRecord, 8192>;
+
 /// From the fast thread to whoever writes. When a queue is full the record is dropped
 /// and counted: the fast thread never waits. About 1.2 MB; 4 s at 2 kHz.
 struct Telemetry {
-  SpscRing<TickRecord, 8192> ticks;
+  TickQueue ticks;
   SpscRing<ArrivalRecord, 8192> arrivals;
 };
 

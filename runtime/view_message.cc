@@ -121,8 +121,12 @@ ViewRequest run(const Json& message) {
     request.action = ViewAction::kStep;
   } else if (what == "reset") {
     request.action = ViewAction::kReset;
+  } else if (what == "record") {
+    request.action = ViewAction::kRecord;
+  } else if (what == "replay") {
+    request.action = ViewAction::kReplay;
   } else {
-    throw InputError("\"do\" must be pause, resume, step or reset");
+    throw InputError("\"do\" must be pause, resume, step, reset, record or replay");
   }
   return request;
 }

@@ -9,7 +9,8 @@
 //   {"type": "set", "model": "potential", "slow_hz": 100, "stiffness_scale": 1,
 //    "friction": 0.3}                          any of them; friction null: the
 //                                              database's
-//   {"type": "run", "do": "pause"}             pause, resume, step, reset
+//   {"type": "run", "do": "pause"}             pause, resume, step, reset, record,
+//                                              replay
 //   {"type": "node", "node": 12}               the curve of a node
 #pragma once
 
@@ -33,6 +34,8 @@ enum class ViewAction : std::uint8_t {
   kResume,
   kStep,
   kReset,
+  kRecord,
+  kReplay,
   kNode
 };
 

@@ -169,34 +169,15 @@ void ViewSession::reset() {
 }
 
 Eigen::Vector3d ViewSession::clear_of(const Eigen::Vector3d& from_m) const {
-  const SurfacePoint near = latest_.triangle >= 0
-                                ? stream_.search().walk(from_m, latest_.triangle)
-                                : stream_.search().nearest(from_m);
-  if (near.triangle < 0) {
-    return start_m_;
-  }
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (Eigen::Index j = 0; j < 3; ++j) {
-    normal +=
-        near.area_coordinate(j) *
-        database_.normal.row(database_.body.triangle(near.triangle, j)).transpose();
-  }
-  return near.position_m + clearance_m(table_) * normal.normalized();
+  const ViewContact near =
+      view_contact(database_, stream_.search(), from_m, latest_.triangle);
+  return near.triangle < 0 ? start_m_
+                           : near.point_m + clearance_m(table_) * near.normal;
 }
 
 ViewContact ViewSession::contact() const {
   const Eigen::Map<const Eigen::Vector3d> tool(latest_.position_m.data());
-  const SurfacePoint near = latest_.triangle >= 0
-                                ? stream_.search().walk(tool, latest_.triangle)
-                                : stream_.search().nearest(tool);
-  ViewContact at{.point_m = near.position_m, .triangle = near.triangle};
-  for (Eigen::Index j = 0; j < 3 && near.triangle >= 0; ++j) {
-    at.normal +=
-        near.area_coordinate(j) *
-        database_.normal.row(database_.body.triangle(near.triangle, j)).transpose();
-  }
-  at.normal.normalize();
-  return at;
+  return view_contact(database_, stream_.search(), tool, latest_.triangle);
 }
 
 std::vector<TickRecord> ViewSession::take_ticks() {

@@ -18,6 +18,7 @@
 #include "runtime/fast_process.h"
 #include "runtime/pointer_hand.h"
 #include "runtime/simulated_device.h"
+#include "runtime/view_contact.h"
 
 namespace palpate {
 
@@ -28,13 +29,6 @@ struct ViewSessionOptions {
   double slow_hz = 100.0;    ///< [Hz] [1, fast_hz]
   double force_max_n = 8.0;  ///< [N] > 0
   SimulatedDeviceConfig device = {};
-};
-
-/// Where the tool touches, for drawing.
-struct ViewContact {
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< [m] on the body at rest
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< [-] outward, unit
-  std::int32_t triangle = -1;
 };
 
 /// One thread. Time passes in advance() alone.

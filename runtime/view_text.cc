@@ -112,45 +112,49 @@ std::string trace_text(const std::vector<TickRecord>& ticks) {
 }
 
 // Of any curve, as far as it is rendered; 1 N where there is none.
-double largest_force_n(const ViewSession& session) {
-  const std::vector<double>& force_n = session.table().force_n;
+double largest_force_n(const ViewedBody& body) {
+  const std::vector<double>& force_n = body.table.force_n;
   const auto most = std::max_element(force_n.begin(), force_n.end());
-  return most != force_n.end() && *most > 0.0
-             ? std::min(*most, session.options().force_max_n)
-             : 1.0;
+  return most != force_n.end() && *most > 0.0 ? std::min(*most, body.force_max_n) : 1.0;
 }
 
-Json run_json(const ViewSession& session) {
-  const RenderReport& r = session.report();
-  return {{"ticks", r.ticks},
-          {"slow_updates", session.slow_updates()},
-          {"starved_ticks", r.starved_ticks},
-          {"extrapolated_ticks", r.extrapolated_ticks},
-          {"step_p50_ns", r.step_time.percentile_ns(0.5)},
-          {"step_p99_ns", r.step_time.percentile_ns(0.99)},
-          {"depth_max_m", r.depth_max_m},
-          {"force_max_n", r.force_max_n}};
+// null for what there is not.
+template <typename T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
 }
 
-Json settings_json(const ViewSession& session) {
-  const auto friction = session.friction();
-  return {{"model", name(session.options().model)},
-          {"slow_hz", session.options().slow_hz},
-          {"fast_hz", session.options().fast_hz},
-          {"stiffness_scale", session.stiffness_scale()},
-          {"friction", friction ? Json(*friction) : Json()}};
+Json or_null(const std::optional<Eigen::Vector3d>& v) {
+  return v ? list(*v) : Json();
 }
 
-Json tool_json(const ViewSession& session) {
-  const ToolShape& tool = session.table().tool;
-  const SimulatedDeviceConfig& device = session.options().device;
+Json as_json(const ViewRun& run) {
+  return {{"ticks", run.ticks},
+          {"late_ticks", run.late_ticks},
+          {"slow_updates", run.slow_updates},
+          {"starved_ticks", run.starved_ticks},
+          {"extrapolated_ticks", run.extrapolated_ticks},
+          {"step_p50_ns", or_null(run.step_p50_ns)},
+          {"step_p99_ns", or_null(run.step_p99_ns)},
+          {"depth_max_m", run.depth_max_m},
+          {"force_max_n", run.force_max_n}};
+}
+
+Json as_json(const ViewSettings& settings) {
+  return {{"model", name(settings.model)},
+          {"slow_hz", settings.slow_hz},
+          {"fast_hz", settings.fast_hz},
+          {"stiffness_scale", or_null(settings.stiffness_scale)},
+          {"friction", or_null(settings.friction)}};
+}
+
+Json tool_json(const ViewedBody& body) {
+  const ToolShape& tool = body.table.tool;
   return {{"name", tool.name},
           {"radius_m", tool.radius_m},
           {"friction", tool.friction},
           {"presliding_m", tool.presliding_m},
-          {"force_max_n", session.options().force_max_n},
-          {"hand_n_per_m", device.hand_n_per_m},
-          {"mass_kg", device.mass_kg}};
+          {"force_max_n", body.force_max_n}};
 }
 
 }  // namespace
@@ -175,22 +179,23 @@ std::string body_bytes(const ResponseDatabase& database, const ResponseTable& ta
   return bytes;
 }
 
-std::string body_text(const ViewSession& session, const std::string& database_name) {
-  const StiffnessMap map = stiffness_map(session.table());
-  const ResponseDatabase& database = session.database();
+std::string body_text(const ViewedBody& body) {
+  const StiffnessMap map = stiffness_map(body.table);
+  const Provenance& provenance = body.database.provenance;
   Json models = Json::array();
   for (const LocalModel model : kLocalModels) {
     models.push_back(name(model));
   }
   return dumped(
-      {{"database", database_name},
-       {"writer", database.provenance.writer},
-       {"source", database.provenance.source_file},
-       {"left_out", database.provenance.left_out},
-       {"tool", tool_json(session)},
+      {{"database", body.name},
+       {"device", body.device},
+       {"writer", provenance.writer},
+       {"source", provenance.source_file},
+       {"left_out", provenance.left_out},
+       {"tool", tool_json(body)},
        {"models", models},
-       {"depth_max_m", session.table().depth_max_m()},
-       {"force_max_n", largest_force_n(session)},
+       {"depth_max_m", body.table.depth_max_m()},
+       {"force_max_n", largest_force_n(body)},
        {"map",
         {{"depth_m", map.depth_m},
          {"low_n_per_m", map.low_n_per_m},
@@ -199,45 +204,44 @@ std::string body_text(const ViewSession& session, const std::string& database_na
          {"clipped_high", map.clipped_high},
          {"colours", colours()}}},
        {"ranges",
-        {{"slow_hz", {ViewRanges::kSlowHzMin, session.options().fast_hz}},
+        {{"slow_hz", {ViewRanges::kSlowHzMin, body.fast_hz}},
          {"stiffness_scale", {ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax}},
          {"friction", {0.0, ViewRanges::kFrictionMax}}}}});
 }
 
-std::string frame_text(const ViewSession& session, const ViewMoment& moment,
-                       const std::vector<TickRecord>& ticks) {
-  const TickRecord& now = session.latest();
-  const ViewContact contact = session.contact();
-  Json json{{"type", "state"},
-            {"state", moment.state},
-            {"paused", moment.paused},
-            {"speed", moment.speed},
-            {"clients", moment.clients},
-            {"holding", session.holding()},
-            {"fault", name(session.report().fault)},
-            {"time_s", static_cast<double>(now.time_ns) / kNanosecondsPerSecond},
-            {"tool_m", now.position_m},
-            {"hand_m", list(session.hand().target().position_m)},
-            {"pointer_m", list(session.hand().pointer_m())},
-            {"force_n", now.force_n},
-            {"depth_m", now.depth_m},
-            {"stored_j", now.stored_j},
-            {"tank_j", now.tank_j},
-            {"dissipated_j", now.dissipated_j},
-            {"net_j", session.net_work_j()},
-            {"shift_m", now.relaxed_shift_m},
-            {"flags", now.flags},
-            {"contact_m", list(contact.point_m)},
-            {"normal", list(contact.normal)},
-            {"run", run_json(session)},
-            {"settings", settings_json(session)}};
+std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ticks) {
+  const TickRecord& now = frame.now;
+  const Json json{{"type", "state"},
+                  {"state", frame.state},
+                  {"paused", frame.paused},
+                  {"speed", frame.speed},
+                  {"clients", frame.clients},
+                  {"holding", frame.holding},
+                  {"tape", frame.tape},
+                  {"fault", frame.fault},
+                  {"time_s", static_cast<double>(now.time_ns) / kNanosecondsPerSecond},
+                  {"tool_m", now.position_m},
+                  {"hand_m", or_null(frame.hand_m)},
+                  {"pointer_m", or_null(frame.pointer_m)},
+                  {"force_n", now.force_n},
+                  {"depth_m", now.depth_m},
+                  {"stored_j", now.stored_j},
+                  {"tank_j", now.tank_j},
+                  {"dissipated_j", now.dissipated_j},
+                  {"net_j", frame.net_j},
+                  {"shift_m", now.relaxed_shift_m},
+                  {"flags", now.flags},
+                  {"contact_m", list(frame.contact.point_m)},
+                  {"normal", list(frame.contact.normal)},
+                  {"run", as_json(frame.run)},
+                  {"settings", as_json(frame.settings)}};
   std::string text = dumped(json);
   text.pop_back();
   return text + ",\"trace\":" + trace_text(ticks) + "}";
 }
 
-std::string curve_text(const ViewSession& session, std::int32_t node) {
-  const ResponseTable& table = session.table();
+std::string curve_text(const ResponseDatabase& database, const ResponseTable& table,
+                       std::int32_t node) {
   if (node < 0 || node >= table.nodes()) {
     throw InputError(
         fmt::format("node {} is not there, the body has {}", node, table.nodes()));
@@ -246,8 +250,8 @@ std::string curve_text(const ViewSession& session, std::int32_t node) {
   const CurveView curve = table.curve(node);
   Json json{{"type", "curve"},
             {"node", node},
-            {"position_m", list(row(session.database().body.position_m, node))},
-            {"normal", list(row(session.database().normal, node))},
+            {"position_m", list(row(database.body.position_m, node))},
+            {"normal", list(row(database.normal, node))},
             {"direction", list(row(table.direction, node))},
             {"direction_spread_rad", table.direction_spread_rad[i]},
             {"origin", origin_name(table.origin[i])},

@@ -29,7 +29,7 @@ class App {
     this.link = new Link({
       state: (message) => this.take(message),
       curve: (message) => this.showCurve(message),
-      role: (message) => { get("role").textContent = message.role === "controller" ? "steers" : "watches"; },
+      role: (message) => this.showRole(message.role),
       refused: (message) => this.complain(message.why),
       gone: () => this.lost(),
     });
@@ -70,6 +70,18 @@ class App {
     this.fresh = true;
     if (!this.place) {
       this.setPlace(this.surface.under(state.tool_m));
+    }
+  }
+
+  // A page that only watches offers nothing that steers.
+  showRole(role) {
+    const { device } = this.body.text;
+    get("role").textContent = role === "controller" ? "steers" : device ? `watches; the ${device} steers` : "watches";
+    if (device) {
+      for (const part of document.querySelectorAll("#controls fieldset, #pause, #advance, #reset, #record, #replay")) {
+        part.disabled = true;
+      }
+      get("hint").textContent = "drag turns · click picks a node · ? all keys";
     }
   }
 
@@ -119,7 +131,7 @@ class App {
   }
 
   hold() {
-    if (!this.holding && this.place) {
+    if (!this.holding && this.place && !this.body.text.device) {
       this.holding = true;
       this.sendPoint();
     }
@@ -143,7 +155,7 @@ class App {
 
   run(what) {
     this.link.run(what);
-    if (what === "reset") {
+    if (["reset", "record", "replay"].includes(what)) {
       this.holding = false;
     }
   }
@@ -205,10 +217,12 @@ class App {
       : state.state === "pressing" ? "contact" : "";
     put("fast", `${state.settings.fast_hz} Hz`);
     put("slow", `${Number(state.settings.slow_hz.toPrecision(4))} Hz`);
-    put("step_time", `${(state.run.step_p50_ns / 1e3).toFixed(1)} µs`);
+    put("step_time", state.run.step_p50_ns === null ? "–" : `${(state.run.step_p50_ns / 1e3).toFixed(1)} µs`);
     put("speed", state.paused ? "paused" : `${state.speed.toFixed(2)} ×`);
     get("poke").setAttribute("aria-pressed", String(state.holding));
     get("pause").setAttribute("aria-pressed", String(state.paused));
+    get("record").setAttribute("aria-pressed", String(state.tape === "recording"));
+    get("replay").setAttribute("aria-pressed", String(state.tape === "playing"));
     this.settings.show(state.settings);
   }
 }

@@ -276,7 +276,7 @@ export class BodyView {
     const force = new three.Vector3().fromArray(state.force_n);
     this.tool.position.copy(tool);
     this.shaft.quaternion.setFromUnitVectors(kUp, normal.lengthSq() > 0 ? normal : kUp);
-    const hand = new three.Vector3().fromArray(state.hand_m);
+    const hand = new three.Vector3().fromArray(state.hand_m ?? state.tool_m);
     this.hand.visible = state.holding;
     this.hand.position.copy(hand);
     lay(this.band, tool, hand);

@@ -106,6 +106,8 @@ function listenToButtons(app) {
   click("pause", () => app.togglePause());
   click("advance", () => app.run("step"));
   click("reset", () => app.run("reset"));
+  click("record", () => app.run("record"));
+  click("replay", () => app.run("replay"));
   click("poke", () => kKeys.p(app));
   click("shot", () => app.savePicture());
   click("video", () => app.toggleVideo());

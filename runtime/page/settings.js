@@ -47,7 +47,7 @@ export class Settings {
   show(settings) {
     this.radios.get(settings.model).checked = true;
     get("slow_hz_text").textContent = `${Number(settings.slow_hz.toPrecision(4))} Hz`;
-    get("stiffness_text").textContent = `× ${settings.stiffness_scale.toPrecision(3)}`;
+    get("stiffness_text").textContent = settings.stiffness_scale === null ? "the device's" : `× ${settings.stiffness_scale.toPrecision(3)}`;
     const friction = settings.friction ?? this.stored;
     get("friction_text").textContent = friction.toFixed(2);
     get("friction_stored").checked = settings.friction === null;
@@ -56,7 +56,7 @@ export class Settings {
     const nearest = this.slowHz.reduce((best, hz, i) =>
       Math.abs(Math.log(hz / settings.slow_hz)) < Math.abs(Math.log(this.slowHz[best] / settings.slow_hz)) ? i : best, 0);
     place("slow_hz", nearest);
-    place("stiffness", 100 * Math.log10(settings.stiffness_scale));
+    place("stiffness", 100 * Math.log10(settings.stiffness_scale ?? 1));
     place("friction", friction);
   }
 }

@@ -2,10 +2,13 @@
 // are the body's.
 #include "runtime/live_view.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -203,6 +206,57 @@ TEST_F(LiveViewTest, SettingsChangeTheForceWhilePressing) {
   EXPECT_EQ(session_.stiffness_scale(), 0.5);
 }
 
+// What one page did, done again: to the same bits, and with another body.
+TEST_F(LiveViewTest, ARecordedHandIsReplayedToTheBit) {
+  view_.opened(1);
+  view_.received(1, R"({"type":"run","do":"replay"})");
+  EXPECT_TRUE(contains(outbox_.sent[1], "nothing is recorded"));
+  pass(0.3, press_);
+  const auto poke = [&](const std::string& press) {
+    std::vector<std::array<double, 3>> force_n;
+    for (int i = 0; i < 120; ++i) {
+      pass(1.0 / 60.0, i >= 20 && i < 80 ? press : "");
+      if (i == 80 && !press.empty()) {
+        view_.received(1, R"({"type":"point","hold":false})");
+      }
+      force_n.push_back(session_.latest().force_n);
+    }
+    return force_n;
+  };
+  view_.received(1, R"({"type":"run","do":"record"})");
+  const auto first = poke(press_);
+  EXPECT_TRUE(contains(outbox_.frame[1], R"("tape":"recording")"));
+  view_.received(1, R"({"type":"run","do":"record"})");
+  pass(0.3);
+  EXPECT_TRUE(contains(outbox_.frame[1], R"("tape":"recorded")"));
+  view_.received(1, R"({"type":"run","do":"replay"})");
+  const auto second = poke("");
+  double most_n = 0.0;
+  for (const auto& f : first) {
+    most_n = std::max(most_n, f[2]);
+  }
+  EXPECT_GT(most_n, 0.1);
+  EXPECT_EQ(first, second);
+  pass(0.1);
+  EXPECT_TRUE(contains(outbox_.frame[1], R"("tape":"recorded")"));
+  EXPECT_FALSE(session_.holding());
+  view_.received(1, R"({"type":"set","stiffness_scale":0.5})");
+  view_.received(1, R"({"type":"run","do":"replay"})");
+  EXPECT_NE(poke(""), first);
+}
+
+TEST_F(LiveViewTest, ThePagesHandEndsAReplay) {
+  view_.opened(1);
+  view_.received(1, R"({"type":"run","do":"record"})");
+  pass(1.0, press_);
+  view_.received(1, R"({"type":"run","do":"replay"})");
+  pass(0.2);
+  EXPECT_TRUE(contains(outbox_.frame[1], R"("tape":"playing")"));
+  pass(0.1, press_);
+  EXPECT_TRUE(contains(outbox_.frame[1], R"("tape":"recorded")"));
+  EXPECT_TRUE(session_.holding());
+}
+
 TEST_F(LiveViewTest, TheBodysBytesHaveTheirLayout) {
   const std::string bytes = body_bytes(database_, database_.tools[0]);
   const auto n = static_cast<std::size_t>(database_.body.position_m.rows());
@@ -213,7 +267,13 @@ TEST_F(LiveViewTest, TheBodysBytesHaveTheirLayout) {
 
 TEST_F(LiveViewTest, ATextFromAFileCannotBreakTheMessage) {
   database_.provenance.source_file = "\xff\"</script>";
-  EXPECT_TRUE(contains(body_text(session_, "a\"b\n"), R"(a\"b\n)"));
+  const ViewedBody body{.database = database_,
+                        .table = database_.tools[0],
+                        .name = "a\"b\n",
+                        .device = "",
+                        .fast_hz = 2000.0,
+                        .force_max_n = 8.0};
+  EXPECT_TRUE(contains(body_text(body), R"(a\"b\n)"));
 }
 
 }  // namespace
