@@ -22,6 +22,7 @@ AttachedDevice traced_falcon(const DeviceBenchOptions& options,
   FalconConfig driver;
   driver.firmware = emulated_firmware();
   driver.what = "emulated-falcon";
+  driver.answer_s = kEmulatedAnswerS;
   driver.event_character = options.event_character;
   const auto commands = static_cast<std::size_t>(5000.0 * (options.duration_s + 2.0));
   return attach(FalconLink(driver, nullptr, nullptr).limits(), falcon_centre_m(),
@@ -67,6 +68,7 @@ DeviceBenchReport run_device_bench(const DeviceBenchOptions& options) {
   run.duration_s = options.duration_s;
   run.fast_hz = options.fast_hz;
   run.real_time = true;
+  run.limit_stiffness = true;
   run.attached = traced_falcon(options, falcon);
   const std::atomic<bool> stop = false;
   const SimulationReport done = simulate(cylinder_body(body), run, stop);

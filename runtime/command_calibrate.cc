@@ -31,11 +31,10 @@ void check(const Flags& flags) {
 }
 
 // Opens the device, which homes it, and weighs what hangs on it.
-Weight weigh_with(const Flags& flags, double hung_kg) {
-  const auto link = calibration_link(flags.device, hung_kg);
-  link->open();
-  const Weight weight = weigh(*link, falcon_centre_m(), {});
-  link->close();
+Weight opened_and_weighed(DeviceLink& link) {
+  link.open();
+  const Weight weight = weigh(link, falcon_centre_m(), {});
+  link.close();
   return weight;
 }
 
@@ -54,10 +53,13 @@ void run(Flags& flags) {
   flags.device.tell = [](const std::string& text) {
     fmt::print(stderr, "{}\n", text);
   };
+  const auto bare_link = calibration_link(flags.device, 0.0);
   ask(flags, "lay it so that its y axis points up; it will carry its own grip");
-  const Weight bare = weigh_with(flags, 0.0);
-  ask(flags, fmt::format("hang {} kg on the grip and let go", flags.mass_kg));
-  const Weight loaded = weigh_with(flags, flags.mass_kg);
+  const Weight bare = opened_and_weighed(*bare_link);
+  ask(flags, fmt::format("hang {} kg on the grip and support it until it is carried",
+                         flags.mass_kg));
+  const Weight loaded =
+      opened_and_weighed(*calibration_link(flags.device, flags.mass_kg));
   Calibration calibration{.device = flags.device.name, .mass_kg = flags.mass_kg};
   calibration.motor_factor =
       factor_of(bare, loaded, flags.mass_kg, calibration.motor_factor_sd);

@@ -100,7 +100,8 @@ AttachedDevice falcon(const DeviceRequest& request) {
                 });
 }
 
-FalconConfig with_emulated_firmware(FalconConfig config) {
+FalconConfig for_emulation(FalconConfig config) {
+  config.answer_s = kEmulatedAnswerS;
   if (config.firmware.empty()) {
     config.firmware = emulated_firmware();
   }
@@ -120,7 +121,7 @@ std::unique_ptr<FalconLink> emulated_falcon_link(const HandScript& hand,
 }
 
 AttachedDevice emulated_falcon(const DeviceRequest& request) {
-  const FalconConfig config = with_emulated_firmware(falcon_config(request));
+  const FalconConfig config = for_emulation(falcon_config(request));
   return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
                 [config](const HandScript& hand) {
                   return emulated_falcon_link(hand, hand.at(0.0).position_m, {},
@@ -128,9 +129,11 @@ AttachedDevice emulated_falcon(const DeviceRequest& request) {
                 });
 }
 
-// A weak spring from far below pulls like a weight.
+// A weak spring from far below pulls like a weight. The brake lets it sink slowly until
+// it is carried, and cancels over whole periods.
 std::unique_ptr<DeviceLink> weighed_falcon(const FalconConfig& config, double hung_kg) {
-  constexpr double kPull = 0.1;  // [N/m]
+  constexpr double kPull = 0.1;    // [N/m]
+  constexpr double kBrake = 30.0;  // [N s/m]
   constexpr double kGripN = 0.3;
   constexpr double kGravity = 9.80665;  // [m/s^2]
   HandScript pull{.surface_m = falcon_centre_m(),
@@ -140,7 +143,8 @@ std::unique_ptr<DeviceLink> weighed_falcon(const FalconConfig& config, double hu
                   .circle_m = 0.0};
   pull.surface_m.y() -= (kGripN + kGravity * hung_kg) / kPull;
   return emulated_falcon_link(pull, falcon_centre_m(),
-                              {.hand_n_per_m = kPull, .hand_n_s_per_m = 0.5}, config);
+                              {.hand_n_per_m = kPull, .hand_n_s_per_m = kBrake},
+                              config);
 }
 
 HaplyConfig haply_config(const DeviceRequest& request) {
@@ -223,7 +227,7 @@ std::unique_ptr<DeviceLink> calibration_link(const DeviceRequest& request,
     return falcon_link(request, falcon_config(request));
   }
   if (request.name == "emulated-falcon") {
-    return weighed_falcon(with_emulated_firmware(falcon_config(request)), hung_kg);
+    return weighed_falcon(for_emulation(falcon_config(request)), hung_kg);
   }
   throw InputError(
       fmt::format("--device {}: has no factor to calibrate (a Haply takes torques in N "

@@ -44,6 +44,9 @@ class EmulatedFalcon {
   bool kernel_driver_ = true;
 };
 
+/// [s] FalconConfig::answer_s: threads pause where hardware does not.
+constexpr double kEmulatedAnswerS = 0.02;
+
 /// kEmulatedFirmware as bytes.
 [[nodiscard]] std::vector<std::uint8_t> emulated_firmware();
 

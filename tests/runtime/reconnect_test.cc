@@ -49,14 +49,15 @@ TEST(Reconnect, RendersTheRestOfTheTimeOnceTheDeviceIsBack) {
   Unplugged falcon;
   std::string told;
   const std::atomic<bool> stop = false;
-  const auto runs = simulate_and_reconnect(cylinder_body({}), options(falcon.device()),
-                                           {.patience_s = 30.0,
-                                            .look_s = 0.01,
-                                            .tell =
-                                                [&told](const std::string& text) {
-                                                  told += text;
-                                                }},
-                                           stop);
+  const auto runs =
+      simulate_and_reconnect(cylinder_body({.friction = 0.0}), options(falcon.device()),
+                             {.patience_s = 30.0,
+                              .look_s = 0.01,
+                              .tell =
+                                  [&told](const std::string& text) {
+                                    told += text;
+                                  }},
+                             stop);
   ASSERT_EQ(runs.size(), 2U);
   EXPECT_EQ(runs[0].render.fault, Fault::kDeviceLost);
   EXPECT_EQ(runs[1].render.fault, Fault::kNone);
@@ -73,7 +74,7 @@ TEST(Reconnect, GivesUpADeviceThatDoesNotComeBack) {
   Unplugged falcon{.away = 1'000'000};
   const std::atomic<bool> stop = false;
   EXPECT_THROW((void)simulate_and_reconnect(
-                   cylinder_body({}), options(falcon.device()),
+                   cylinder_body({.friction = 0.0}), options(falcon.device()),
                    {.patience_s = 0.05, .look_s = 0.01, .tell = {}}, stop),
                DeviceError);
   EXPECT_GE(falcon.opened, 3);
@@ -87,7 +88,7 @@ TEST(Reconnect, DoesNotWaitForADeviceThatWasNeverThere) {
   };
   const std::atomic<bool> stop = false;
   EXPECT_THROW((void)simulate_and_reconnect(
-                   cylinder_body({}), run,
+                   cylinder_body({.friction = 0.0}), run,
                    {.patience_s = 30.0, .look_s = 0.01, .tell = {}}, stop),
                DeviceError);
 }

@@ -23,7 +23,7 @@ Weight weighed(double hung_n, double motor_gain) {
   config.model.loaded = true;
   config.model.motor_gain = motor_gain;
   config.model.dynamics.hand_n_per_m = kPull;
-  config.model.dynamics.hand_n_s_per_m = 0.5;
+  config.model.dynamics.hand_n_s_per_m = 30.0;  // it sinks slowly until it is carried
   config.model.dynamics.resolution_m = 0.0;
   config.model.hand = {.surface_m = {0.0, -hung_n / kPull, 0.12},
                        .clear_m = 1e-9,
