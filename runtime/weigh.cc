@@ -41,7 +41,7 @@ class Carrier {
     }
     last_m_ = position_m;
     last_s_ = time_s;
-    const double share = std::min(1.0, time_s / options_.settle_s);
+    const double share = std::min(1.0, 2.0 * time_s / options_.settle_s);
     Eigen::Vector3d target_m = from_m_ + share * (centre_m_ - from_m_);
     const double phase = 2.0 * std::numbers::pi * time_s / options_.period_s;
     target_m.y() += share * options_.sweep_m * std::sin(phase);

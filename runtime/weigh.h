@@ -11,7 +11,7 @@ struct WeighOptions {
   double sweep_m = 0.004;            ///< [m] > 0 up and down
   double period_s = 2.0;             ///< [s] > 0 of the sweep
   int periods = 4;                   ///< >= 2 that are averaged
-  double settle_s = 2.0;             ///< [s] > 0 before them; the spring comes gently
+  double settle_s = 3.0;  ///< [s] > 0 before them; for half of it the spring comes
 };
 
 /// Force asked for along the device's y axis [N], upwards.

@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMassKg = 0.15;
-constexpr WeighOptions kQuick{.period_s = 0.5, .periods = 3, .settle_s = 0.8};
+constexpr WeighOptions kQuick{.period_s = 0.5, .periods = 3, .settle_s = 2.4};
 
 // A weak spring from far below pulls like a weight.
 Weight weighed(double hung_n, double motor_gain) {
