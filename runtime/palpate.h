@@ -125,8 +125,8 @@ PALPATE_API palpate_body* palpate_open(const char* file, const palpate_options* 
  * as the body. */
 PALPATE_API palpate_tool* palpate_tool_add(palpate_body* body);
 
-/* One turn of the slow process for all tools; only with PALPATE_OWN_SLOW_STEPS. Elements
- * sent, or an error below zero. */
+/* One turn of the slow process for all tools; only with PALPATE_OWN_SLOW_STEPS.
+ * Elements sent, or an error below zero. */
 PALPATE_API int palpate_slow_step(palpate_body* body);
 
 /* 0 while the slow process is well, else the error that ended it, with a line of text

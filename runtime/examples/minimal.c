@@ -1,7 +1,6 @@
 /* Presses a body at one place and prints what it answers.
  *   minimal DATABASE X Y Z RADIUS DEPTH   (metres; down the z axis) */
 #include <palpate.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -3,9 +3,9 @@
 //
 //   replay SCRIPT RESULT
 //
-// SCRIPT: model (u32), ticks (u32); per tick: bytes of wire (u32), these bytes, position
-// (3 x f64). RESULT: per tick force, depth, stored, tank, dissipated, shift (8 x f64),
-// triangle and fault (2 x i32).
+// SCRIPT: model (u32), ticks (u32); per tick: bytes of wire (u32), these bytes,
+// position (3 x f64). RESULT: per tick force, depth, stored, tank, dissipated, shift (8
+// x f64), triangle and fault (2 x i32).
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -114,12 +114,11 @@ void print(const Cost& cost) {
   const WireCounts& wire = receiver.counts;
   std::printf("ticks %lu contact %lu\n", static_cast<unsigned long>(cost.ticks),
               static_cast<unsigned long>(cost.contacts));
-  std::printf("wire accepted %lu lost %lu late %lu repeated %lu broken %lu\n",
-              static_cast<unsigned long>(wire.accepted),
-              static_cast<unsigned long>(wire.lost),
-              static_cast<unsigned long>(wire.late),
-              static_cast<unsigned long>(wire.repeated),
-              static_cast<unsigned long>(wire.broken));
+  std::printf(
+      "wire accepted %lu lost %lu late %lu repeated %lu broken %lu\n",
+      static_cast<unsigned long>(wire.accepted), static_cast<unsigned long>(wire.lost),
+      static_cast<unsigned long>(wire.late), static_cast<unsigned long>(wire.repeated),
+      static_cast<unsigned long>(wire.broken));
   std::printf("state_bytes %lu\n", static_cast<unsigned long>(sizeof fast));
   if (cost.ticks > 0 && cost.sum > 0) {
     std::printf("instructions mean %lu most %lu\n",
@@ -138,8 +137,8 @@ int main(int argc, char** argv) {
   std::FILE* script = std::fopen(script_name, "rb");
   std::FILE* result = std::fopen(result_name, "wb");
   palpate::Cost cost;
-  const bool done = script != nullptr && result != nullptr &&
-                    palpate::run(script, result, cost);
+  const bool done =
+      script != nullptr && result != nullptr && palpate::run(script, result, cost);
   if (script != nullptr) {
     std::fclose(script);
   }

@@ -1,7 +1,7 @@
 // consumer DATABASE: opens and closes it by the installed library.
-#include <palpate.h>
-
 #include <cstdio>
+
+#include <palpate.h>
 
 int main(int argc, char** argv) {
   char error[256] = "usage: consumer DATABASE";
