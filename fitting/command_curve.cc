@@ -131,12 +131,15 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
 
 void run(const CurveOptions& options) {
   const Indenter indenter = indenter_of(options.indenter);
-  std::optional<ToolShape> tool;  // asked for before the work is done
-  if (!options.output.empty()) {
-    tool = tool_of(indenter);
+  const std::optional<ToolShape> tool = rendered_tool(indenter);
+  if (!options.output.empty() && !tool) {
+    throw InputError(fmt::format(
+        "-o needs the tool that pressed as the runtime renders it, and {}: --tool "
+        "sphere, flat-punch or cone",
+        indenter.shape == "plate" ? "a plate on a cylinder is none" : "none is told"));
   }
   const CurveResult result = compute(options, indenter);
-  if (tool) {
+  if (!options.output.empty()) {
     write_database(options.output, sample_patch(result.fit, result.measurement.samples,
                                                 *tool, options.file));
   }

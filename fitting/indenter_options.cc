@@ -96,20 +96,4 @@ Indenter indenter_of(const IndenterOptions& options) {
   return indenter;
 }
 
-ToolShape tool_of(const Indenter& indenter) {
-  if (indenter.shape == "unknown" || indenter.shape == "plate") {
-    throw InputError(fmt::format(
-        "-o needs the tool that pressed as the runtime renders it, and {}: --tool "
-        "sphere, flat-punch or cone",
-        indenter.shape == "plate" ? "a plate on a cylinder is none" : "none is told"));
-  }
-  ToolShape tool;
-  tool.name = "probe";
-  tool.kind = indenter.shape;
-  tool.radius_m = indenter.radius_m;
-  tool.half_angle_rad = indenter.half_angle_rad;
-  check(tool);
-  return tool;
-}
-
 }  // namespace palpate

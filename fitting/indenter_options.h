@@ -24,8 +24,4 @@ void add_indenter_options(CLI::App& command, IndenterOptions& options);
 /// for a value out of range.
 [[nodiscard]] Indenter indenter_of(const IndenterOptions& options);
 
-/// The same as the database holds it. @param indenter as indenter_of() gives it.
-/// @throws InputError for a plate and the unknown, which the runtime does not render.
-[[nodiscard]] ToolShape tool_of(const Indenter& indenter);
-
 }  // namespace palpate

@@ -205,17 +205,13 @@ void read_indenter(const SceneSection& section, Session& session) {
   if (indenter.shape == "plate") {
     indenter.height_m = section.number("height_m", kPositive);
   }
-  ToolShape tool;
-  tool.friction = section.number_or(0.0, "friction", kFriction);
-  tool.presliding_m = section.number_or(0.0, "presliding_m", kNotNegative);
-  if (indenter.shape == "plate" || indenter.shape == "unknown") {
-    return;
+  const double friction = section.number_or(0.0, "friction", kFriction);
+  const double presliding_m = section.number_or(0.0, "presliding_m", kNotNegative);
+  session.tool = rendered_tool(indenter);
+  if (session.tool) {
+    session.tool->friction = friction;
+    session.tool->presliding_m = presliding_m;
   }
-  tool.name = "probe";
-  tool.kind = indenter.shape;
-  tool.radius_m = indenter.radius_m;
-  tool.half_angle_rad = indenter.half_angle_rad;
-  session.tool = tool;
 }
 
 FitRange read_range(const SceneSection& section, std::string_view key) {
@@ -294,6 +290,18 @@ void read_tables(const Tables& tables, Session& session) {
 }
 
 }  // namespace
+
+std::optional<ToolShape> rendered_tool(const Indenter& indenter) {
+  if (indenter.shape == "plate" || indenter.shape == "unknown") {
+    return std::nullopt;
+  }
+  ToolShape tool;
+  tool.name = "probe";
+  tool.kind = indenter.shape;
+  tool.radius_m = indenter.radius_m;
+  tool.half_angle_rad = indenter.half_angle_rad;
+  return tool;
+}
 
 Session read_session(const std::filesystem::path& file) {
   Session session;

@@ -75,6 +75,10 @@ struct Session {
   std::vector<SessionRun> run;  ///< at least one, in the session's order
 };
 
+/// The indenter as the database holds it, named "probe", without friction; none of a
+/// plate and of the unknown, which the runtime does not render.
+[[nodiscard]] std::optional<ToolShape> rendered_tool(const Indenter& indenter);
+
 /// Files are not opened, but globs are expanded (in the order of the alphabet), and
 /// afmformats files are asked for their curves.
 /// @throws InputError "session.toml:12: ..." naming key, value and what is allowed; for
