@@ -1,10 +1,10 @@
-// The part of a page's program that draws a body and lets the user turn it, by a z-buffer
-// of its own, so that a page needs neither a graphics card nor a library.
+// The part of a page's program that draws a body and lets the user turn it, by a
+// z-buffer of its own, so that a page needs neither a graphics card nor a library.
 //
-// The page gives the elements info (JSON with `box`), position, normal, triangle and the
-// canvas body; and, in the script after this one: colourOf(a, b, c, wa, wb, wc), the colour
-// between three nodes; drawMarks(scale, deep), over the body; clicked(x, y), a place of the
-// window; keys, what further keys do; redraw() to begin with.
+// The page gives the elements info (JSON with `box`), position, normal, triangle and
+// the canvas body; and, in the script after this one: colourOf(a, b, c, wa, wb, wc),
+// the colour between three nodes; drawMarks(scale, deep), over the body; clicked(x, y),
+// a place of the window; keys, what further keys do; redraw() to begin with.
 #include "formats/report_text.h"
 
 namespace palpate {
