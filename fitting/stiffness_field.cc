@@ -75,6 +75,26 @@ Eigen::VectorXd data_precision(const FieldParameters& p, const FieldData& data,
   return D;
 }
 
+// (n) mean squared length of the edges at a vertex, over 16 [m^2].
+Eigen::VectorXd sag_m2(const SurfaceMesh& mesh) {
+  const Eigen::Index n = mesh.position_m.rows();
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const std::int32_t a = mesh.triangle(t, c);
+      const std::int32_t b = mesh.triangle(t, (c + 1) % 3);
+      const double squared =
+          (mesh.position_m.row(a) - mesh.position_m.row(b)).squaredNorm();
+      for (const std::int32_t v : {a, b}) {
+        sum[v] += squared;
+        count[v] += 1.0;
+      }
+    }
+  }
+  return sum.cwiseQuotient(16.0 * count);
+}
+
 }  // namespace
 
 // The data's part of the algebra, shared by likelihood and posterior.
@@ -89,7 +109,10 @@ struct FieldModel::Conditioned {
 };
 
 FieldModel::FieldModel(const SurfaceMesh& mesh, std::vector<SurfacePoint> point)
-    : mesh_(mesh), point_(std::move(point)), operator_(surface_operator(mesh)) {
+    : mesh_(mesh),
+      point_(std::move(point)),
+      operator_(surface_operator(mesh)),
+      sag_m2_(sag_m2(mesh)) {
   const Eigen::VectorXd inverse_mass = operator_.mass_m2.cwiseInverse();
   power_[0] = SparseSquare(operator_.mass_m2.asDiagonal());
   power_[1] = operator_.stiffness;
@@ -230,6 +253,8 @@ FieldPosterior FieldModel::posterior(const FieldParameters& parameters,
   const Eigen::VectorXd loose = 1.0 - c.one_node.array();
   result.sd =
       (S.diagonal().array() + loose.array().square() / c.precision).max(0.0).sqrt();
+  result.sag = sag_m2_.cwiseProduct(operator_.stiffness * result.mean)
+                   .cwiseQuotient(operator_.mass_m2);
   result.left_out_residual.setConstant(attachment_.rows(),
                                        std::numeric_limits<double>::quiet_NaN());
   result.left_out_sd = result.left_out_residual;

@@ -42,6 +42,12 @@ struct FieldPosterior {
   double mean_level = 0.0;  ///< [-] mu, generalised least squares
   Eigen::VectorXd mean;     ///< (n) [-] at the nodes
   Eigen::VectorXd sd;       ///< (n) [-] of the field there, mu's share included
+  /// (n) [-] how far linear elements sag between nodes, and a node that data around it
+  /// pin lies off: e^2 lap(mean) / 16, the mean over triangles of mean squared edge e^2
+  Eigen::VectorXd sag;
+  [[nodiscard]] Eigen::VectorXd error() const {  ///< (n) [-] sd and sag together
+    return (sd.array().square() + sag.array().square()).sqrt();
+  }
   /// (m) [-] value minus its prediction from all other used data, in closed form (also
   /// for data that are not used); NaN where the value is not finite
   Eigen::VectorXd left_out_residual;
@@ -100,6 +106,7 @@ class FieldModel {
   SurfaceMesh mesh_;
   std::vector<SurfacePoint> point_;
   SurfaceOperator operator_;
+  Eigen::VectorXd sag_m2_;             // (n) e^2 / 16
   std::array<SparseSquare, 4> power_;  // C, G, G C^-1 G, G C^-1 G C^-1 G
   Eigen::SparseMatrix<double> attachment_;
   mutable Factor elliptic_factor_;

@@ -206,7 +206,7 @@ SurfaceFields fields_of(const FieldModel& model, const FieldParameters& paramete
     const FieldData& set = data[static_cast<std::size_t>(k)];
     const FieldPosterior posterior = model.posterior(parameters, set);
     fields.log_force.col(k) = posterior.mean;
-    fields.sd.col(k) = posterior.sd;
+    fields.sd.col(k) = posterior.error();
     if (k >= kFirstScored) {
       report.depth.push_back(score_of(model, set, posterior, depth_m[k]));
     }

@@ -201,7 +201,7 @@ Study study_once(const Body& body, std::size_t count, const Kind& kind, unsigned
     exact[i] = truth(body.mesh.position_m.row(i));
   }
   Study study;
-  study.node_coverage = share_covered(posterior.mean - exact, posterior.sd, {});
+  study.node_coverage = share_covered(posterior.mean - exact, posterior.error(), {});
   study.left_out_coverage = share_covered(posterior.left_out_residual,
                                           posterior.left_out_sd, screened.data[0].used);
   study.rms = std::sqrt((posterior.mean - exact).squaredNorm() /

@@ -102,6 +102,12 @@ TEST_F(OnSphere, PosteriorIsThatOfDenseAlgebra) {
   EXPECT_NEAR(sparse.mean_level, mu, 1e-8);
   EXPECT_LT((sparse.mean - mean).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_LT((sparse.sd - variance.cwiseSqrt()).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_GT(sparse.sag.cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_LT((sparse.error().array().square() - sparse.sd.array().square() -
+             sparse.sag.array().square())
+                .abs()
+                .maxCoeff(),
+            1e-15);
 }
 
 TEST_F(OnSphere, ClosedFormLeaveOneOutIsThatOfLeavingEachOut) {
