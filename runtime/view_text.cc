@@ -12,7 +12,7 @@
 #include "formats/colour_map.h"
 #include "formats/error.h"
 #include "formats/stiffness_map.h"
-#include "runtime/fast/safety.h"
+#include "runtime/clock.h"
 #include "runtime/view_message.h"
 
 namespace palpate {

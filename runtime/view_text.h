@@ -41,8 +41,8 @@ struct ViewSettings {
   LocalModel model = LocalModel::kPotential;
   double slow_hz = 0.0;
   double fast_hz = 0.0;
-  std::optional<double> stiffness_scale;  ///< none: what the device can render
-  std::optional<double> friction;         ///< none: the database's
+  std::optional<double> stiffness_scale = {};  ///< none: what the device can render
+  std::optional<double> friction = {};         ///< none: the database's
 };
 
 /// What came of the run so far.
@@ -52,28 +52,28 @@ struct ViewRun {
   std::int64_t slow_updates = 0;
   std::int64_t starved_ticks = 0;
   std::int64_t extrapolated_ticks = 0;
-  std::optional<double> step_p50_ns;  ///< none: not measured
-  std::optional<double> step_p99_ns;
+  std::optional<double> step_p50_ns = {};  ///< none: not measured
+  std::optional<double> step_p99_ns = {};
   double depth_max_m = 0.0;
   double force_max_n = 0.0;
 };
 
 /// One frame: the state now.
 struct ViewFrame {
-  std::string_view state;  ///< "free", "pressing", "paused", ...
+  std::string_view state = "";  ///< "free", "pressing", "paused", ...
   bool paused = false;
   double speed = 1.0;  ///< [-] simulated time over wall time
   std::size_t clients = 0;
-  bool holding = false;                   ///< a page, or its tape, holds the tool
-  std::string_view tape = "empty";        ///< "recording", "recorded", "playing"
-  std::optional<Eigen::Vector3d> hand_m;  ///< [m] of a simulated hand
-  std::optional<Eigen::Vector3d> pointer_m;
+  bool holding = false;                        ///< a page, or its tape, holds the tool
+  std::string_view tape = "empty";             ///< "recording", "recorded", "playing"
+  std::optional<Eigen::Vector3d> hand_m = {};  ///< [m] of a simulated hand
+  std::optional<Eigen::Vector3d> pointer_m = {};
   std::string_view fault = "none";
   double net_j = 0.0;  ///< [J] put into the local model
-  TickRecord now;
-  ViewContact contact;
-  ViewRun run;
-  ViewSettings settings;
+  TickRecord now = {};
+  ViewContact contact = {};
+  ViewRun run = {};
+  ViewSettings settings = {};
 };
 
 /// A frame with every tick since the last one.

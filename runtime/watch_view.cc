@@ -59,7 +59,9 @@ void WatchView::received(ViewClient client, std::string_view text) {
 void WatchView::frame() {
   std::vector<TickRecord> passed;
   while (const TickRecord* tick = ticks_.front()) {
+    first_ns_ = frame_.run.ticks == 0 ? tick->time_ns : first_ns_;
     passed.push_back(*tick);
+    passed.back().time_ns -= first_ns_;
     count(frame_.run, *tick);
     ticks_.pop();
   }

@@ -37,6 +37,7 @@ class WatchView : public ViewApplication {
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;
   ViewFrame frame_;
+  std::int64_t first_ns_ = 0;  // of the run
 };
 
 }  // namespace palpate

@@ -47,7 +47,7 @@ export class Settings {
   show(settings) {
     this.radios.get(settings.model).checked = true;
     get("slow_hz_text").textContent = `${Number(settings.slow_hz.toPrecision(4))} Hz`;
-    get("stiffness_text").textContent = settings.stiffness_scale === null ? "the device's" : `× ${settings.stiffness_scale.toPrecision(3)}`;
+    get("stiffness_text").textContent = settings.stiffness_scale === null ? "–" : `× ${settings.stiffness_scale.toPrecision(3)}`;
     const friction = settings.friction ?? this.stored;
     get("friction_text").textContent = friction.toFixed(2);
     get("friction_stored").checked = settings.friction === null;

@@ -30,7 +30,8 @@ def main():
     tool, database = sys.argv[1:3]
     seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 60.0
     device = sys.argv[4] if len(sys.argv) > 4 else "emulated-falcon"
-    run = subprocess.Popen([tool, "view", database, "--device", device, "--seconds", str(seconds)],
+    run = subprocess.Popen([tool, "view", database, "--device", device, "--limit-stiffness",
+                            "--seconds", str(seconds)],
                            stdout=subprocess.PIPE, text=True)
     address = run.stdout.readline().strip()
     if not address:

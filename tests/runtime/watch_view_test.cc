@@ -42,9 +42,14 @@ class WatchViewTest : public testing::Test {
                    .device = "falcon",
                    .fast_hz = 1000.0,
                    .force_max_n = 8.0};
-  SimulationOptions options_{.fast_hz = 1000.0, .slow_hz = 50.0};
+  static SimulationOptions options() {
+    SimulationOptions o;
+    o.fast_hz = 1000.0;
+    o.slow_hz = 50.0;
+    return o;
+  }
   std::unique_ptr<TickQueue> ticks_ = std::make_unique<TickQueue>();
-  WatchView view_{body_, options_, *ticks_};
+  WatchView view_{body_, options(), *ticks_};
   Outbox outbox_;
 };
 
@@ -54,7 +59,7 @@ TEST_F(WatchViewTest, ShowsEveryTickAndCountsTheLateOnes) {
   EXPECT_EQ(outbox_.frame[1]["state"], "waiting for the device");
   for (int i = 0; i < 40; ++i) {
     TickRecord tick{.tick = i,
-                    .time_ns = i * 1'000'000,
+                    .time_ns = 5'000'000'000 + i * 1'000'000,
                     .position_m = {0.001, 0.002, 0.003},
                     .force_n = {0.0, 0.0, 0.01 * i},
                     .depth_m = 0.002,
@@ -76,6 +81,8 @@ TEST_F(WatchViewTest, ShowsEveryTickAndCountsTheLateOnes) {
   EXPECT_TRUE(frame["settings"]["stiffness_scale"].is_null());
   EXPECT_EQ(frame["settings"]["slow_hz"], 50.0);
   EXPECT_EQ(frame["trace"]["force_n"].size(), 40U);
+  EXPECT_EQ(frame["trace"]["time_s"][0], 0.0);  // since the run's first tick
+  EXPECT_NEAR(frame["time_s"], 0.039, 1e-9);
   EXPECT_NEAR(frame["contact_m"][2], 0.0, 1e-12);  // on the plate
   EXPECT_EQ(frame["net_j"], 1e-3);
   view_.frame();
