@@ -253,8 +253,8 @@ FieldPosterior FieldModel::posterior(const FieldParameters& parameters,
   const Eigen::VectorXd loose = 1.0 - c.one_node.array();
   result.sd =
       (S.diagonal().array() + loose.array().square() / c.precision).max(0.0).sqrt();
-  result.sag = sag_m2_.cwiseProduct(operator_.stiffness * result.mean)
-                   .cwiseQuotient(operator_.mass_m2);
+  result.sag = -sag_m2_.cwiseProduct(operator_.stiffness * result.mean)
+                    .cwiseQuotient(operator_.mass_m2);
   result.left_out_residual.setConstant(attachment_.rows(),
                                        std::numeric_limits<double>::quiet_NaN());
   result.left_out_sd = result.left_out_residual;

@@ -40,13 +40,13 @@ struct FieldData {
 
 struct FieldPosterior {
   double mean_level = 0.0;  ///< [-] mu, generalised least squares
-  Eigen::VectorXd mean;     ///< (n) [-] at the nodes
-  Eigen::VectorXd sd;       ///< (n) [-] of the field there, mu's share included
-  /// (n) [-] how far linear elements sag between nodes, and a node that data around it
-  /// pin lies off: e^2 lap(mean) / 16, the mean over triangles of mean squared edge e^2
+  Eigen::VectorXd mean;     ///< (n) [-] of the linear field at the nodes
+  Eigen::VectorXd sd;       ///< (n) [-] of it, mu's share included
+  /// (n) [-] e^2 lap(mean) / 16, mean squared edge e^2: where a field is curved, a
+  /// linear one that fits it over the triangles lies so far below it at the nodes
   Eigen::VectorXd sag;
-  [[nodiscard]] Eigen::VectorXd error() const {  ///< (n) [-] sd and sag together
-    return (sd.array().square() + sag.array().square()).sqrt();
+  [[nodiscard]] Eigen::VectorXd at_nodes() const {  ///< (n) [-] the field itself
+    return mean + sag;
   }
   /// (m) [-] value minus its prediction from all other used data, in closed form (also
   /// for data that are not used); NaN where the value is not finite

@@ -205,8 +205,8 @@ SurfaceFields fields_of(const FieldModel& model, const FieldParameters& paramete
   for (Eigen::Index k = 0; k < depth_m.size(); ++k) {
     const FieldData& set = data[static_cast<std::size_t>(k)];
     const FieldPosterior posterior = model.posterior(parameters, set);
-    fields.log_force.col(k) = posterior.mean;
-    fields.sd.col(k) = posterior.error();
+    fields.log_force.col(k) = posterior.at_nodes();
+    fields.sd.col(k) = posterior.sd;
     if (k >= kFirstScored) {
       report.depth.push_back(score_of(model, set, posterior, depth_m[k]));
     }

@@ -201,10 +201,10 @@ Study study_once(const Body& body, std::size_t count, const Kind& kind, unsigned
     exact[i] = truth(body.mesh.position_m.row(i));
   }
   Study study;
-  study.node_coverage = share_covered(posterior.mean - exact, posterior.error(), {});
+  study.node_coverage = share_covered(posterior.at_nodes() - exact, posterior.sd, {});
   study.left_out_coverage = share_covered(posterior.left_out_residual,
                                           posterior.left_out_sd, screened.data[0].used);
-  study.rms = std::sqrt((posterior.mean - exact).squaredNorm() /
+  study.rms = std::sqrt((posterior.at_nodes() - exact).squaredNorm() /
                         static_cast<double>(exact.size()));
   rivals(body, probes, exact, study);
   for (const BadProbe& bad : screened.bad) {
