@@ -8,6 +8,7 @@
 #include <cstdarg>
 #include <cstring>
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <linux/usbdevice_fs.h>
 #include <sys/eventfd.h>
@@ -26,6 +27,11 @@ namespace {
 constexpr std::size_t kDescriptors = 4096;
 constexpr std::uint64_t kNothingDone = ~std::uint64_t{0} - 1;  // no room to write
 std::array<std::atomic<EmulatedUsb*>, kDescriptors> emulated{};
+
+// The C library's, or that of a library which was preloaded to emulate devices, too.
+// Found at the start: a guardian process may call nothing that takes a lock.
+using Ioctl = int (*)(int, unsigned long, ...);
+const Ioctl next_ioctl = reinterpret_cast<Ioctl>(::dlsym(RTLD_NEXT, "ioctl"));
 
 std::int64_t now_ns() {
   MonotonicClock clock;
@@ -236,7 +242,9 @@ extern "C" int ioctl(int descriptor, unsigned long request, ...) noexcept {
           ? palpate::emulated[static_cast<std::size_t>(descriptor)].load()
           : nullptr;
   if (usb == nullptr) {
-    return static_cast<int>(::syscall(SYS_ioctl, descriptor, request, argument));
+    return palpate::next_ioctl != nullptr  // else before the start
+               ? palpate::next_ioctl(descriptor, request, argument)
+               : static_cast<int>(::syscall(SYS_ioctl, descriptor, request, argument));
   }
   const int result = usb->answer(request, argument);
   if (result < 0) {

@@ -2,8 +2,8 @@
 // in this process: no root, no kernel module, the same libusb code as with hardware.
 //
 // The program's ioctl() is interposed: requests to the emulator's descriptor are
-// answered here, all others go on to the kernel. Only a program that uses this class
-// links it in.
+// answered here, all others go on to the next ioctl() in line. Only a program that uses
+// this class links it in.
 #pragma once
 
 #include <condition_variable>

@@ -1,0 +1,196 @@
+// The driver, and the tools as users run them, with libusb as it is, on a bus of
+// umockdev's.
+#include "tests/umockdev/usb_bus.h"
+
+#include <fstream>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "formats/error.h"
+#include "runtime/emulated_falcon.h"
+#include "runtime/haply_model.h"
+#include "runtime/usb_choice.h"
+#include "tests/support/run_tool.h"
+
+namespace palpate {
+namespace {
+
+// In whose hand it rests in the middle of its workspace.
+FalconModelConfig held() {
+  FalconModelConfig config;
+  config.hand = {.surface_m = falcon_centre_m(), .press_m = 0.0, .deeper_m = 0.0};
+  config.start_m = config.hand.at(0.0).position_m;
+  return config;
+}
+
+struct Falcon {
+  FalconModel model;
+  FtdiChip chip{model, kFalconIdentity, {}};
+
+  explicit Falcon(const FalconModelConfig& config) : model(config) {}
+  UsbSocket& plug(UsbBus& bus, const UsbPlace& place) {
+    return bus.plug(chip, chip.descriptors(), place);
+  }
+};
+
+// An Arduino Due's native port, with its interface of the abstract control model.
+std::vector<std::uint8_t> board_descriptors() {
+  return {18,   1,    0x00, 0x02, 2,  0,  0,  64,   0x41,
+          0x23, 0x3E, 0,    0,    1,  0,  0,  0,    1,   //
+          9,    2,    55,   0,    2,  1,  0,  0xC0, 50,  //
+          9,    4,    0,    0,    1,  2,  2,  1,    0,   //
+          7,    5,    0x82, 3,    8,  0,  16,            //
+          9,    4,    1,    0,    2,  10, 0,  0,    0,   //
+          7,    5,    0x83, 2,    64, 0,  0,             //
+          7,    5,    0x02, 2,    64, 0,  0};
+}
+
+class UsbBusTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    bus_ = std::make_unique<UsbBus>();
+    if (!bus_->seen()) {
+      GTEST_SKIP() << "not under umockdev: run it by ctest, or by umockdev-wrapper";
+    }
+  }
+  [[nodiscard]] UsbBus& bus() { return *bus_; }
+
+ private:
+  std::unique_ptr<UsbBus> bus_;
+};
+
+bool is_falcon(const UsbDevice& device) {
+  return !haptic_device_name(device.vendor, device.product).empty();
+}
+
+std::string refusal(const std::string& where) {
+  try {
+    static_cast<void>(
+        choose_usb_device(find_usb_devices(), "falcon", where, is_falcon));
+  } catch (const DeviceError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(UsbBusTest, TheToolListsAFalconAndABoard) {
+  Falcon falcon(held());
+  HaplyModel haply({});
+  falcon.plug(bus(), {.port = 2, .address = 9});
+  bus().plug(haply, board_descriptors(), {.port = 4, .address = 11});
+  const ToolRun run = run_tool_process("palpate-run", {"devices"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out,
+            "0403:cb48 bus 1 address 9: Novint Falcon: ready\n"
+            "2341:003e bus 1 address 11: serial board, may be a Haply (its numbers do "
+            "not tell): ready\n");
+}
+
+TEST_F(UsbBusTest, OfTwoAlikeOneIsChosenByItsPort) {
+  Falcon left(held());
+  Falcon right(held());
+  left.plug(bus(), {.port = 2, .address = 9});
+  UsbSocket& socket = right.plug(bus(), {.port = 3, .address = 4});
+  EXPECT_NE(refusal("").find("2 are attached"), std::string::npos) << refusal("");
+  EXPECT_EQ(choose_usb_device(find_usb_devices(), "falcon", "1-3", is_falcon).address,
+            4);
+  bus().unplug(socket);
+  EXPECT_EQ(refusal(""), "");
+  EXPECT_NE(refusal("1-3").find("none is attached at 1-3 (2 USB devices seen; "
+                                "elsewhere: 1:9, port 1-2"),
+            std::string::npos)
+      << refusal("1-3");
+}
+
+// Root may open everything: looks as somebody else.
+TEST_F(UsbBusTest, ANodeThatMayNotBeOpenedIsSaidToBe) {
+  Falcon falcon(held());
+  const UsbSocket& socket = falcon.plug(bus(), {});
+  const std::string node = bus().root() + socket.node();
+  const bool root = ::geteuid() == 0;
+  ASSERT_EQ(::chmod(node.c_str(), 0), 0);
+  ASSERT_EQ(::chmod(bus().root().c_str(), 0777), 0);  // sockets of its own
+  ASSERT_TRUE(!root || ::seteuid(65534) == 0);
+  const std::string text = describe(find_usb_devices());
+  const std::string why = refusal("");
+  ASSERT_TRUE(!root || ::seteuid(0) == 0);
+  EXPECT_NE(text.find("no permission; allow it by a udev rule"), std::string::npos)
+      << text;
+  EXPECT_NE(why.find("no permission to open it (1:2, port 1-1)"), std::string::npos)
+      << why;
+}
+
+FalconConfig driver() {
+  FalconConfig config;
+  config.firmware = emulated_firmware();
+  config.homing_s = 5.0;
+  config.answer_s = 0.05;  // a test machine may pause
+  return config;
+}
+
+std::unique_ptr<FalconLink> link_to(const UsbSocket& socket) {
+  return std::make_unique<FalconLink>(
+      driver(),
+      [node = socket.node()] {
+        return ::open(node.c_str(), O_RDWR | O_CLOEXEC);
+      },
+      [](int file) {
+        ::close(file);
+      });
+}
+
+std::array<std::int16_t, 3> motors(const UsbSocket& socket, const Falcon& falcon) {
+  return socket.locked([&] {
+    return falcon.model.command().motor;
+  });
+}
+
+TEST_F(UsbBusTest, AFalconBootsLoadsHomesRendersAndIsLeftAsItWasFound) {
+  Falcon falcon(held());
+  const UsbSocket& socket = falcon.plug(bus(), {});
+  const auto link = link_to(socket);
+  link->open();
+  EXPECT_FALSE(socket.kernel_driver());
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  int answered = 0;
+  for (int i = 0; i < 300; ++i) {
+    const LinkStatus status = link->transact({0.0, 0.0, 1.0}, position);
+    ASSERT_NE(status, LinkStatus::kLost) << link->failure();
+    answered += status == LinkStatus::kOk ? 1 : 0;
+  }
+  EXPECT_GE(answered, 250);
+  EXPECT_NEAR(position.z(), held().start_m.z(), 0.02);
+  EXPECT_NE(motors(socket, falcon), (std::array<std::int16_t, 3>{}));
+  link->close();
+  EXPECT_EQ(motors(socket, falcon), (std::array<std::int16_t, 3>{}));
+  EXPECT_TRUE(socket.kernel_driver());
+  EXPECT_FALSE(falcon.model.driven_unhomed());
+}
+
+TEST_F(UsbBusTest, AFalconThatIsUnpluggedIsALossWithAName) {
+  FalconModelConfig config = held();
+  config.loaded = true;
+  Falcon falcon(config);
+  UsbSocket& socket = falcon.plug(bus(), {});
+  const auto link = link_to(socket);
+  link->open();
+  Eigen::Vector3d position;
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_NE(link->transact({0.0, 0.0, 1.0}, position), LinkStatus::kLost);
+  }
+  bus().unplug(socket);
+  LinkStatus status = LinkStatus::kOk;
+  for (int i = 0; i < 20 && status != LinkStatus::kLost; ++i) {
+    status = link->transact({0.0, 0.0, 1.0}, position);
+  }
+  EXPECT_EQ(status, LinkStatus::kLost);
+  EXPECT_EQ(link->failure(), "unplugged, or its wire is broken");
+  link->close();
+  EXPECT_NE(refusal("").find("none is attached"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate
