@@ -2,7 +2,7 @@
 // umockdev's.
 #include "tests/umockdev/usb_bus.h"
 
-#include <fstream>
+#include <filesystem>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -83,10 +83,12 @@ TEST_F(UsbBusTest, TheToolListsAFalconAndABoard) {
   bus().plug(haply, board_descriptors(), {.port = 4, .address = 11});
   const ToolRun run = run_tool_process("palpate-run", {"devices"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(run.out,
-            "0403:cb48 bus 1 address 9: Novint Falcon: ready\n"
-            "2341:003e bus 1 address 11: serial board, may be a Haply (its numbers do "
-            "not tell): ready\n");
+  for (const char* line :
+       {"0403:cb48 bus 1 address 9: Novint Falcon: ready\n",
+        "2341:003e bus 1 address 11: serial board, may be a Haply (its numbers do "
+        "not tell): ready\n"}) {
+    EXPECT_NE(run.out.find(line), std::string::npos) << run.out;
+  }
 }
 
 TEST_F(UsbBusTest, OfTwoAlikeOneIsChosenByItsPort) {
@@ -113,6 +115,10 @@ TEST_F(UsbBusTest, ANodeThatMayNotBeOpenedIsSaidToBe) {
   const bool root = ::geteuid() == 0;
   ASSERT_EQ(::chmod(node.c_str(), 0), 0);
   ASSERT_EQ(::chmod(bus().root().c_str(), 0777), 0);  // sockets of its own
+  for (const auto& at :
+       std::filesystem::recursive_directory_iterator(bus().root() + "/ioctl")) {
+    std::filesystem::permissions(at, std::filesystem::perms::all);
+  }
   ASSERT_TRUE(!root || ::seteuid(65534) == 0);
   const std::string text = describe(find_usb_devices());
   const std::string why = refusal("");
