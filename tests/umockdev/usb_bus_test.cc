@@ -2,11 +2,17 @@
 // umockdev's.
 #include "tests/umockdev/usb_bus.h"
 
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
 #include <filesystem>
+#include <thread>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "formats/error.h"
@@ -137,9 +143,10 @@ FalconConfig driver() {
   return config;
 }
 
-std::unique_ptr<FalconLink> link_to(const UsbSocket& socket) {
+std::unique_ptr<FalconLink> link_to(const UsbSocket& socket,
+                                    const FalconConfig& config = driver()) {
   return std::make_unique<FalconLink>(
-      driver(),
+      config,
       [node = socket.node()] {
         return ::open(node.c_str(), O_RDWR | O_CLOEXEC);
       },
@@ -198,5 +205,60 @@ TEST_F(UsbBusTest, AFalconThatIsUnpluggedIsALossWithAName) {
   EXPECT_NE(refusal("").find("none is attached"), std::string::npos);
 }
 
+// Pushes, and is killed with the motors driven, between two exchanges: a request that
+// is cut short would leave half of it in umockdev's connection.
+[[noreturn]] void push_and_be_killed(const UsbSocket& socket) {
+  try {
+    FalconConfig config = driver();
+    config.guarded = true;
+    const auto link = link_to(socket, config);
+    link->open();
+    Eigen::Vector3d position;
+    for (int i = 0; i < 100; ++i) {
+      static_cast<void>(link->transact({0.0, 0.0, 1.0}, position));
+    }
+    ::kill(::getpid(), SIGKILL);
+  } catch (const DeviceError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  ::_exit(1);
+}
+
+TEST_F(UsbBusTest, AfterAKillTheGuardianTakesTheForceAndGivesTheFalconBack) {
+  FalconModelConfig config = held();
+  config.loaded = true;
+  config.trace_max = 10'000;
+  Falcon falcon(config);
+  const UsbSocket& socket = falcon.plug(bus(), {});
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    push_and_be_killed(socket);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) << status;
+  for (int i = 0; i < 5000 && !socket.kernel_driver(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(socket.kernel_driver());  // only the guardian's last act gives it back
+  const std::vector<MotorRecord> trace = socket.locked([&] {
+    return falcon.model.trace();
+  });
+  const auto driven = std::count_if(trace.begin(), trace.end(), [](const auto& record) {
+    return record.force_n > 0.0;
+  });
+  EXPECT_GT(driven, 50);
+  EXPECT_EQ(trace.back().force_n, 0.0);
+  EXPECT_EQ(falcon.model.command().leds, 0);
+}
+
 }  // namespace
 }  // namespace palpate
+
+// A guardian closes all files but its own two, and with them umockdev's connection,
+// through which alone the device can be reached here.
+extern "C" int close_range(unsigned /*first*/, unsigned /*last*/,
+                           int /*flags*/) noexcept {
+  return 0;
+}
