@@ -77,8 +77,6 @@ class UsbSocket {
 
   /// The kernel's own driver is bound to the interface.
   [[nodiscard]] bool kernel_driver() const;
-  /// Programs that have opened the node so far.
-  [[nodiscard]] int openings() const;
 
   /// Runs `look` while nothing moves.
   template <typename Look>
@@ -125,7 +123,6 @@ class UsbSocket {
   std::deque<Transfer> pending_;  // by submission
   std::deque<IoctlData> done_;
   std::size_t read_ = 0;  // of the descriptors
-  int openings_ = 0;
   bool kernel_driver_ = true;
   bool gone_ = false;
 };

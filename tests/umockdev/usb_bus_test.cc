@@ -143,16 +143,19 @@ FalconConfig driver() {
   return config;
 }
 
+std::function<int()> opener(const UsbSocket& socket) {
+  return [node = socket.node()] {
+    return ::open(node.c_str(), O_RDWR | O_CLOEXEC);
+  };
+}
+
+void close_file(int file) {
+  ::close(file);
+}
+
 std::unique_ptr<FalconLink> link_to(const UsbSocket& socket,
                                     const FalconConfig& config = driver()) {
-  return std::make_unique<FalconLink>(
-      config,
-      [node = socket.node()] {
-        return ::open(node.c_str(), O_RDWR | O_CLOEXEC);
-      },
-      [](int file) {
-        ::close(file);
-      });
+  return std::make_unique<FalconLink>(config, opener(socket), close_file);
 }
 
 std::array<std::int16_t, 3> motors(const UsbSocket& socket, const Falcon& falcon) {
@@ -203,6 +206,33 @@ TEST_F(UsbBusTest, AFalconThatIsUnpluggedIsALossWithAName) {
   EXPECT_EQ(link->failure(), "unplugged, or its wire is broken");
   link->close();
   EXPECT_NE(refusal("").find("none is attached"), std::string::npos);
+}
+
+TEST_F(UsbBusTest, ABoardTakesTorquesAndIsLeftWithoutOne) {
+  HaplyModelConfig config;
+  config.hand.surface_m = config.start_m;
+  HaplyModel haply(config);
+  const UsbSocket& socket = bus().plug(haply, board_descriptors(), {});
+  HaplyConfig driver;
+  driver.answer_s = 0.05;
+  HaplyLink link(driver, opener(socket), close_file);
+  link.open();
+  EXPECT_FALSE(socket.kernel_driver());
+  Eigen::Vector3d position;
+  int answered = 0;
+  for (int i = 0; i < 100; ++i) {
+    answered += link.transact({0.0, 0.5, 0.0}, position) == LinkStatus::kOk ? 1 : 0;
+  }
+  EXPECT_GE(answered, 80);
+  const auto torque = [&] {
+    return socket.locked([&] {
+      return haply.torque_nm();
+    });
+  };
+  EXPECT_NE(torque(), (std::array<double, 2>{}));
+  link.close();
+  EXPECT_EQ(torque(), (std::array<double, 2>{}));
+  EXPECT_TRUE(socket.kernel_driver());
 }
 
 // Pushes, and is killed with the motors driven, between two exchanges: a request that
