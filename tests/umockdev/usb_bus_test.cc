@@ -1,12 +1,11 @@
 // The driver, and the tools as users run them, with libusb as it is, on a bus of
 // umockdev's.
-#include "tests/umockdev/usb_bus.h"
-
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include <fcntl.h>
@@ -16,10 +15,14 @@
 #include <unistd.h>
 
 #include "formats/error.h"
+#include "formats/response_database.h"
 #include "runtime/emulated_falcon.h"
 #include "runtime/haply_model.h"
 #include "runtime/usb_choice.h"
 #include "tests/support/run_tool.h"
+#include "tests/support/sample_bodies.h"
+#include "tests/support/test_data.h"
+#include "tests/umockdev/usb_bus.h"
 
 namespace palpate {
 namespace {
@@ -281,6 +284,58 @@ TEST_F(UsbBusTest, AfterAKillTheGuardianTakesTheForceAndGivesTheFalconBack) {
   EXPECT_GT(driven, 50);
   EXPECT_EQ(trace.back().force_n, 0.0);
   EXPECT_EQ(falcon.model.command().leds, 0);
+}
+
+// A tool that renders a soft plate.
+class RenderingTool : public UsbBusTest {
+ protected:
+  void SetUp() override {
+    UsbBusTest::SetUp();
+    write_database(database_, sample_database(
+                                  plate(0.1, 4), ball(0.005, 0.0, 1e-4),
+                                  [](Eigen::Index, double depth_m) {
+                                    return 100.0 * depth_m;
+                                  },
+                                  0.02));
+    std::ofstream(firmware_, std::ios::binary) << kEmulatedFirmware;
+  }
+
+  // Until it ends, or until `now`.
+  [[nodiscard]] ToolRun render(const std::function<bool()>& now) const {
+    return kill_tool_process(
+        "palpate-run",
+        {"device", "--device", "falcon", "--firmware", firmware_, "--homing-s", "20",
+         "--seconds", "10", "--limit-stiffness", database_},
+        now);
+  }
+
+  [[nodiscard]] static bool renders(const UsbSocket& socket, const Falcon& falcon) {
+    return socket.locked([&] {
+      return falcon.model.homed() && falcon.model.commands() > 500;
+    });
+  }
+
+ private:
+  ScratchFolder folder_;
+  std::string database_ = (folder_ / "plate.h5").string();
+  std::string firmware_ = (folder_ / "image.bin").string();
+};
+
+TEST_F(RenderingTool, EndsWithANameWhenTheFalconIsUnplugged) {
+  Falcon falcon(held());
+  UsbSocket& socket = falcon.plug(bus(), {});
+  bool unplugged = false;
+  const ToolRun run = render([&] {
+    if (!unplugged && renders(socket, falcon)) {
+      unplugged = true;
+      bus().unplug(socket);
+    }
+    return false;
+  });
+  EXPECT_TRUE(unplugged);
+  EXPECT_EQ(run.exit_code, 5) << run.err << run.out;
+  EXPECT_NE(run.err.find("unplugged"), std::string::npos) << run.err;
+  EXPECT_FALSE(falcon.model.driven_unhomed());
 }
 
 }  // namespace
