@@ -1,5 +1,7 @@
 // The driver, and the tools as users run them, with libusb as it is, on a bus of
 // umockdev's.
+#include "tests/umockdev/usb_bus.h"
+
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -22,7 +24,6 @@
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
-#include "tests/umockdev/usb_bus.h"
 
 namespace palpate {
 namespace {
