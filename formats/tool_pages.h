@@ -98,7 +98,7 @@ inline void completion_cases(const CLI::App& app, const std::string& path,
 /// Section 1 page (troff) of a tool with its subcommands.
 inline std::string man_page(const CLI::App& app) {
   using internal::roff;
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string page = fmt::format(
       ".TH \"{0}\" 1 \"\" \"palpate {1}\" \"User Commands\"\n.SH NAME\n{0} \\- {2}\n"
       ".SH SYNOPSIS\n.B {0}\n.I command\n[options]\n.SH OPTIONS\n{3}.SH COMMANDS\n",
@@ -113,7 +113,7 @@ inline std::string man_page(const CLI::App& app) {
 
 /// For bash, and for zsh by way of bashcompinit.
 inline std::string bash_completion(const CLI::App& app) {
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string function = name;
   for (char& c : function) {
     c = c == '-' ? '_' : c;
