@@ -138,7 +138,8 @@ WalkBenchReport run_walk(const ResponseDatabase& database,
     }
     last = x;
     count(report, *state, step(*state, {x, 0}, dt_s));
-    if (state->safety.fault != Fault::kNone) {
+    if (state->safety.fault != Fault::kNone ||
+        (options.stop != nullptr && options.stop->load(std::memory_order_relaxed))) {
       break;
     }
   }

@@ -2,6 +2,7 @@
 // everything that can go wrong.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -26,10 +27,11 @@ struct WalkBenchOptions {
   double quantum_m = 2e-5;    ///< [m] its resolution; 0: none
   double friction_max = 1.0;  ///< [-] mu is drawn anew at every slow turn
   std::uint32_t seed = 1;
+  const std::atomic<bool>* stop = nullptr;  ///< set: the walk ends there
 };
 
 struct WalkBenchReport {
-  std::int64_t ticks = 0;  ///< rendered; fewer than asked for after a fault
+  std::int64_t ticks = 0;  ///< rendered; fewer than asked for after a fault or a stop
   std::int64_t contact_ticks = 0;
   std::int64_t starved_ticks = 0;
   std::uint64_t interventions = 0;

@@ -19,6 +19,7 @@
 #include "runtime/bench_walk.h"
 #include "runtime/command_bench_allocations.h"
 #include "runtime/simulation.h"
+#include "runtime/stop_signals.h"
 
 namespace palpate {
 namespace {
@@ -252,6 +253,7 @@ void add_walk(CLI::App& bench) {
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] {
     flags->model = requested_model(flags->model_name);
+    flags->stop = &heed_stop_signals();
     const WalkBenchReport report = run_walk_bench(*flags);
     fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
   });
