@@ -38,6 +38,8 @@
 extern "C" {
 #endif
 
+/* C's names, not C++'s. NOLINTBEGIN(readability-identifier-naming) */
+
 /* Counts up when a program built against an older header would not work any more. New
  * members go to the ends of structs, which struct_size tells apart. */
 #define PALPATE_ABI_VERSION 1
@@ -156,6 +158,8 @@ PALPATE_API const char* palpate_fault_name(int status);
 
 /* Ends the slow process and frees the body with its tools. NULL is allowed. */
 PALPATE_API void palpate_close(palpate_body* body);
+
+/* NOLINTEND(readability-identifier-naming) */
 
 #ifdef __cplusplus
 } /* extern "C" */
