@@ -9,10 +9,11 @@
 namespace palpate {
 
 /// Force, slope and energy of a response at one depth.
-struct ResponseSample {
-  double force_n = 0.0;            ///< [N] f(d)
-  double stiffness_n_per_m = 0.0;  ///< [N/m] f'(d)
-  double energy_j = 0.0;           ///< [J] integral of f from 0 to d
+template <typename Scalar>
+struct BasicResponseSample {
+  Scalar force_n = 0.0;            ///< [N] f(d)
+  Scalar stiffness_n_per_m = 0.0;  ///< [N/m] f'(d)
+  Scalar energy_j = 0.0;           ///< [J] integral of f from 0 to d
   bool extrapolated = false;       ///< d lies beyond the last sample
 };
 
@@ -23,25 +24,26 @@ struct ResponseSample {
 /// antiderivative of the same polynomial, so E' = f to rounding. Zero for d <= 0;
 /// linear with the last slope beyond the last depth. An empty view is a response of
 /// zero.
-struct CurveView {
-  std::span<const double> depth_m;            ///< (n) [m] from 0, strictly increasing
-  std::span<const double> force_n;            ///< (n) [N] from 0
-  std::span<const double> stiffness_n_per_m;  ///< (n) [N/m] Hermite slopes
-  std::span<const double> energy_j;           ///< (n) [J] energy up to each sample
+template <typename Scalar>
+struct BasicCurveView {
+  std::span<const Scalar> depth_m;            ///< (n) [m] from 0, strictly increasing
+  std::span<const Scalar> force_n;            ///< (n) [N] from 0
+  std::span<const Scalar> stiffness_n_per_m;  ///< (n) [N/m] Hermite slopes
+  std::span<const Scalar> energy_j;           ///< (n) [J] energy up to each sample
 
-  [[nodiscard]] double depth_max_m() const noexcept {
+  [[nodiscard]] Scalar depth_max_m() const noexcept {
     return depth_m.empty() ? 0.0 : depth_m.back();
   }
 
   /// f, f' and E at d [m]. NaN gives NaN.
-  [[nodiscard]] ResponseSample at(double d) const noexcept {
+  [[nodiscard]] BasicResponseSample<Scalar> at(Scalar d) const noexcept {
     if (depth_m.empty() || d <= 0.0) {
       return {};
     }
     const std::size_t n = depth_m.size();
     if (d > depth_m[n - 1]) {
-      const double past = d - depth_m[n - 1];
-      const double m = stiffness_n_per_m[n - 1];
+      const Scalar past = d - depth_m[n - 1];
+      const Scalar m = stiffness_n_per_m[n - 1];
       return {force_n[n - 1] + m * past, m,
               energy_j[n - 1] + (force_n[n - 1] + 0.5 * m * past) * past, true};
     }
@@ -50,27 +52,31 @@ struct CurveView {
 
   /// The interval i with d_i < d <= d_{i+1}; the first or last one beyond the ends.
   /// Two samples at least.
-  [[nodiscard]] std::size_t interval(double d) const noexcept {
+  [[nodiscard]] std::size_t interval(Scalar d) const noexcept {
     const auto upper = std::lower_bound(depth_m.begin() + 1, depth_m.end() - 1, d);
     return static_cast<std::size_t>(upper - depth_m.begin()) - 1;
   }
 
   /// f, f' and E by the cubic of interval i.
-  [[nodiscard]] ResponseSample inside(std::size_t i, double d) const noexcept {
-    const double h = depth_m[i + 1] - depth_m[i];
-    const double t = (d - depth_m[i]) / h;
+  [[nodiscard]] BasicResponseSample<Scalar> inside(std::size_t i,
+                                                   Scalar d) const noexcept {
+    const Scalar h = depth_m[i + 1] - depth_m[i];
+    const Scalar t = (d - depth_m[i]) / h;
     // f = f0 + h (m0 t + c2 t^2 + c3 t^3)
-    const double f0 = force_n[i];
-    const double m0 = stiffness_n_per_m[i];
-    const double m1 = stiffness_n_per_m[i + 1];
-    const double s = (force_n[i + 1] - f0) / h;
-    const double c2 = 3.0 * s - 2.0 * m0 - m1;
-    const double c3 = m0 + m1 - 2.0 * s;
+    const Scalar f0 = force_n[i];
+    const Scalar m0 = stiffness_n_per_m[i];
+    const Scalar m1 = stiffness_n_per_m[i + 1];
+    const Scalar s = (force_n[i + 1] - f0) / h;
+    const Scalar c2 = 3.0 * s - 2.0 * m0 - m1;
+    const Scalar c3 = m0 + m1 - 2.0 * s;
     return {
         f0 + h * t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + t * 3.0 * c3),
         energy_j[i] + h * t * (f0 + h * t * (m0 / 2.0 + t * (c2 / 3.0 + t * c3 / 4.0))),
         false};
   }
 };
+
+using ResponseSample = BasicResponseSample<double>;
+using CurveView = BasicCurveView<double>;
 
 }  // namespace palpate

@@ -15,69 +15,67 @@ namespace {
 // Elements that one tick may cross.
 constexpr int kWalkMax = 4;
 // Area coordinates this far below zero still count as inside.
-constexpr double kEdgeSlack = 1e-9;
+constexpr Real kEdgeSlack = rounding(1e-9, 1e-6);
 // Cosine of u and the face normal below which u no longer serves to project.
-constexpr double kGrazing = 0.1;
+constexpr Real kGrazing = 0.1;
 // Longest Newton step, in edges of the element.
-constexpr double kStepMax = 4.0;
+constexpr Real kStepMax = 4.0;
 
 const Element& element_of(const ElementCache& cache, int slot) {
   return cache.element[static_cast<std::size_t>(slot)];
 }
 
-using Triple = std::array<double, 3>;
+using Triple = std::array<Real, 3>;
 
-Eigen::Vector3d vector(const Triple& values) {
-  return Eigen::Map<const Eigen::Vector3d>(values.data());
+Vector3 vector(const Triple& values) {
+  return Eigen::Map<const Vector3>(values.data());
 }
 
-Eigen::Matrix3d corners(const Element& element) {
-  Eigen::Matrix3d v;
+Matrix3 corners(const Element& element) {
+  Matrix3 v;
   v << vector(element.node[0].position_m), vector(element.node[1].position_m),
       vector(element.node[2].position_m);
   return v;
 }
 
-Eigen::Vector3d unit_or_zero(const Eigen::Vector3d& v) {
-  const double length = v.norm();
-  return length > 1e-12 ? Eigen::Vector3d(v / length) : Eigen::Vector3d::Zero();
+Vector3 unit_or_zero(const Vector3& v) {
+  const Real length = v.norm();
+  return length > 1e-12 ? Vector3(v / length) : Vector3::Zero();
 }
 
 // Solves [a b -c] (p, q, s) = r for p and q by Cramer's rule. False where the columns
 // are nearly dependent, measured against the face's own area.
-bool solve_columns(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                   const Eigen::Vector3d& c, const Eigen::Vector3d& r, double face,
-                   Eigen::Vector2d& step) {
-  const double det = a.cross(b).dot(c);
+bool solve_columns(const Vector3& a, const Vector3& b, const Vector3& c,
+                   const Vector3& r, Real face, Vector2& step) {
+  const Real det = a.cross(b).dot(c);
   if (!(det > kGrazing * face)) {
     return false;
   }
-  const Eigen::Vector3d cr = c.cross(r);
+  const Vector3 cr = c.cross(r);
   step = {b.dot(cr) / det, -a.dot(cr) / det};
   return step.cwiseAbs().maxCoeff() <= kStepMax;
 }
 
 // Area coordinates of the anchor for which delta_t = tau.
-Eigen::Vector3d solve_anchor(const ElementModel& model, const Eigen::Vector3d& x,
-                             const Eigen::Vector3d& tau, double radius) {
+Vector3 solve_anchor(const ElementModel& model, const Vector3& x, const Vector3& tau,
+                     Real radius) {
   const Prism& prism = model.prism;
   if (prism.flat) {
     return {1.0, 0.0, 0.0};
   }
-  const auto edge = [](const Eigen::Matrix3d& field, Eigen::Index j) {
-    return Eigen::Vector3d(field.col(j) - field.col(0));
+  const auto edge = [](const Matrix3& field, Eigen::Index j) {
+    return Vector3(field.col(j) - field.col(0));
   };
-  const Eigen::Vector3d e1 = edge(prism.corner_m, 1);
-  const Eigen::Vector3d e2 = edge(prism.corner_m, 2);
-  const Eigen::Vector3d& u = model.direction;
-  const double d = (model.rest_m - x).dot(u);
-  const Eigen::Vector3d r = (x - tau) - (model.rest_m - d * u);
-  Eigen::Vector2d step = Eigen::Vector2d::Zero();
+  const Vector3 e1 = edge(prism.corner_m, 1);
+  const Vector3 e2 = edge(prism.corner_m, 2);
+  const Vector3& u = model.direction;
+  const Real d = (model.rest_m - x).dot(u);
+  const Vector3 r = (x - tau) - (model.rest_m - d * u);
+  Vector2 step = Vector2::Zero();
   bool solved = false;
   if (!model.outside && std::abs(d) <= 2.0 * radius + prism.size_m) {
-    const auto column = [&](const Eigen::Vector3d& e, Eigen::Index j) {
-      return Eigen::Vector3d(e + radius * edge(prism.normal, j) -
-                             d * edge(model.toward, j));
+    const auto column = [&](const Vector3& e, Eigen::Index j) {
+      return Vector3(e + radius * edge(prism.normal, j) - d * edge(model.toward, j));
     };
     solved =
         solve_columns(column(e1, 1), column(e2, 2), u, r, prism.doubled_area_m2, step);
@@ -86,7 +84,7 @@ Eigen::Vector3d solve_anchor(const ElementModel& model, const Eigen::Vector3d& x
     solved = solve_columns(e1, e2, u, r, prism.doubled_area_m2, step);
   }
   if (solved) {
-    return model.anchor_area + Eigen::Vector3d(-step.sum(), step(0), step(1));
+    return model.anchor_area + Vector3(-step.sum(), step(0), step(1));
   }
   return triangle::area_coordinates(prism.corner_m, x - radius * model.normal - tau);
 }
@@ -99,10 +97,10 @@ int slot_containing(const ElementCache& cache, const ElementModel& model) {
       continue;
     }
     const Element& element = element_of(cache, slot);
-    const Eigen::Matrix3d v = corners(element);
-    const Eigen::Vector3d area = triangle::area_coordinates(v, model.anchor_m);
-    const Eigen::Vector3d face = (v.col(1) - v.col(0)).cross(v.col(2) - v.col(0));
-    const Eigen::Vector3d off = v * area - model.anchor_m;
+    const Matrix3 v = corners(element);
+    const Vector3 area = triangle::area_coordinates(v, model.anchor_m);
+    const Vector3 face = (v.col(1) - v.col(0)).cross(v.col(2) - v.col(0));
+    const Vector3 off = v * area - model.anchor_m;
     const bool near = off.squaredNorm() <= 0.25 * face.norm();
     if (area.minCoeff() >= 0.0 && near && face.dot(model.normal) > 0.0) {
       return slot;
@@ -127,8 +125,8 @@ void enter(ElementModel& model, const Element& element, int slot) {
 
 // The element across the edge that the anchor has crossed farthest; -1 if the cache
 // does not hold it. `border`: there is none.
-int next_slot(const ElementCache& cache, const Element& element,
-              const Eigen::Vector3d& area, bool& border) {
+int next_slot(const ElementCache& cache, const Element& element, const Vector3& area,
+              bool& border) {
   int corner = 0;
   area.minCoeff(&corner);
   const std::int32_t across =
@@ -140,7 +138,7 @@ int next_slot(const ElementCache& cache, const Element& element,
 }  // namespace
 
 void place(ElementModel& model, const ElementCache& cache, int slot,
-           const Eigen::Vector3d& area, double tool_radius_m) noexcept {
+           const Vector3& area, Real tool_radius_m) noexcept {
   const Element& element = element_of(cache, slot);
   if (model.slot != slot) {
     enter(model, element, slot);
@@ -156,27 +154,27 @@ void place(ElementModel& model, const ElementCache& cache, int slot,
   model.friction = 0.0;
   model.presliding_m = 0.0;
   for (std::size_t j = 0; j < 3; ++j) {
-    const double weight = model.area(static_cast<Eigen::Index>(j));
+    const Real weight = model.area(static_cast<Eigen::Index>(j));
     model.friction += weight * element.node[j].friction;
     model.presliding_m += weight * element.node[j].presliding_m;
   }
 }
 
-void adopt(ElementModel& model, const ElementCache& cache, int slot,
-           const Eigen::Vector3d& x_m, double tool_radius_m) noexcept {
-  const Eigen::Matrix3d v = corners(element_of(cache, slot));
-  const Eigen::Vector3d area = triangle::area_coordinates(v, x_m);
+void adopt(ElementModel& model, const ElementCache& cache, int slot, const Vector3& x_m,
+           Real tool_radius_m) noexcept {
+  const Matrix3 v = corners(element_of(cache, slot));
+  const Vector3 area = triangle::area_coordinates(v, x_m);
   place(model, cache, slot, triangle::nearest_inside(v, area), tool_radius_m);
-  follow(model, cache, x_m, Eigen::Vector3d::Zero(), tool_radius_m);
-  follow(model, cache, x_m, Eigen::Vector3d::Zero(), tool_radius_m);
+  follow(model, cache, x_m, Vector3::Zero(), tool_radius_m);
+  follow(model, cache, x_m, Vector3::Zero(), tool_radius_m);
 }
 
-void follow(ElementModel& model, const ElementCache& cache, const Eigen::Vector3d& x_m,
-            const Eigen::Vector3d& tau_m, double tool_radius_m) noexcept {
+void follow(ElementModel& model, const ElementCache& cache, const Vector3& x_m,
+            const Vector3& tau_m, Real tool_radius_m) noexcept {
   model.starved = false;
   for (int crossed = 0;; ++crossed) {
     const Element& element = element_of(cache, model.slot);
-    const Eigen::Vector3d area = solve_anchor(model, x_m, tau_m, tool_radius_m);
+    const Vector3 area = solve_anchor(model, x_m, tau_m, tool_radius_m);
     const bool inside = area.minCoeff() >= -kEdgeSlack;
     place(model, cache, model.slot, area, tool_radius_m);
     if (inside || crossed == kWalkMax) {
@@ -191,7 +189,7 @@ void follow(ElementModel& model, const ElementCache& cache, const Eigen::Vector3
       model.starved = !border;
       return;
     }
-    const Eigen::Matrix3d v = corners(element_of(cache, next));
+    const Matrix3 v = corners(element_of(cache, next));
     place(model, cache, next,
           triangle::nearest_inside(v, triangle::area_coordinates(v, model.anchor_m)),
           tool_radius_m);

@@ -5,6 +5,7 @@
 
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/element_potential.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
@@ -13,17 +14,17 @@ namespace palpate {
 /// that depends on x_c: u, n, t_j, mu, delta_L. Leaves k_t, q and delta_0 alone. A
 /// triangle without area holds the anchor at its first corner.
 void place(ElementModel& model, const ElementCache& cache, int slot,
-           const Eigen::Vector3d& area, double tool_radius_m) noexcept;
+           const Vector3& area, Real tool_radius_m) noexcept;
 
 /// Puts the anchor on the element's point nearest to the tool, then follows the tool.
-void adopt(ElementModel& model, const ElementCache& cache, int slot,
-           const Eigen::Vector3d& x_m, double tool_radius_m) noexcept;
+void adopt(ElementModel& model, const ElementCache& cache, int slot, const Vector3& x_m,
+           Real tool_radius_m) noexcept;
 
 /// Moves the anchor so that the tool's tangential deflection becomes tau (one Newton
 /// step of x - tau = a + R n(a) - d u(a); quadratic, and the tool moves little in a
 /// tick), crossing edges into neighbours that the cache holds. Sets outside, starved.
 /// @param tau_m [m] wanted delta_t, tangential; zero without friction.
-void follow(ElementModel& model, const ElementCache& cache, const Eigen::Vector3d& x_m,
-            const Eigen::Vector3d& tau_m, double tool_radius_m) noexcept;
+void follow(ElementModel& model, const ElementCache& cache, const Vector3& x_m,
+            const Vector3& tau_m, Real tool_radius_m) noexcept;
 
 }  // namespace palpate

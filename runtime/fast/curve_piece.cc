@@ -4,21 +4,21 @@
 
 namespace palpate {
 
-CurvePiece piece_around(const CurveView& curve, double d) noexcept {
+CurvePiece piece_around(const ElementCurve& curve, Real d) noexcept {
   const std::size_t last = curve.depth_m.size() - 1;
   if (d > curve.depth_m[last]) {
     return {.from_m = curve.depth_m[last],
-            .to_m = std::numeric_limits<double>::infinity(),
+            .to_m = std::numeric_limits<Real>::infinity(),
             .force_n = curve.force_n[last],
             .stiffness_n_per_m = curve.stiffness_n_per_m[last],
             .energy_j = curve.energy_j[last],
             .extrapolated = true};
   }
   const std::size_t i = curve.interval(d);
-  const double h = curve.depth_m[i + 1] - curve.depth_m[i];
-  const double m0 = curve.stiffness_n_per_m[i];
-  const double m1 = curve.stiffness_n_per_m[i + 1];
-  const double s = (curve.force_n[i + 1] - curve.force_n[i]) / h;
+  const Real h = curve.depth_m[i + 1] - curve.depth_m[i];
+  const Real m0 = curve.stiffness_n_per_m[i];
+  const Real m1 = curve.stiffness_n_per_m[i + 1];
+  const Real s = (curve.force_n[i + 1] - curve.force_n[i]) / h;
   return {.from_m = curve.depth_m[i],
           .to_m = curve.depth_m[i + 1],
           .force_n = curve.force_n[i],

@@ -7,6 +7,7 @@
 
 #include "formats/curve_view.h"
 #include "runtime/fast/element_cache.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
@@ -14,22 +15,22 @@ namespace palpate {
 /// x = d - from, f = f_0 + x (m_0 + x (a + x b)), and the energy its antiderivative.
 /// The same function as CurveView::at there; no division.
 struct CurvePiece {
-  double from_m = 0.0;  ///< [m] the piece holds for from < d <= to
-  double to_m = 0.0;
-  double force_n = 0.0;            ///< [N] f_0
-  double stiffness_n_per_m = 0.0;  ///< [N/m] m_0
-  double bend_n_per_m2 = 0.0;      ///< [N/m^2] a
-  double twist_n_per_m3 = 0.0;     ///< [N/m^3] b
-  double energy_j = 0.0;           ///< [J] energy at `from`
-  bool extrapolated = false;       ///< beyond the last sample
+  Real from_m = 0.0;  ///< [m] the piece holds for from < d <= to
+  Real to_m = 0.0;
+  Real force_n = 0.0;            ///< [N] f_0
+  Real stiffness_n_per_m = 0.0;  ///< [N/m] m_0
+  Real bend_n_per_m2 = 0.0;      ///< [N/m^2] a
+  Real twist_n_per_m3 = 0.0;     ///< [N/m^3] b
+  Real energy_j = 0.0;           ///< [J] energy at `from`
+  bool extrapolated = false;     ///< beyond the last sample
 
-  [[nodiscard]] bool holds(double d) const noexcept { return d > from_m && d <= to_m; }
+  [[nodiscard]] bool holds(Real d) const noexcept { return d > from_m && d <= to_m; }
 
-  [[nodiscard]] ResponseSample at(double d) const noexcept {
-    const double x = d - from_m;
-    const double m = stiffness_n_per_m;
-    const double a = bend_n_per_m2;
-    const double b = twist_n_per_m3;
+  [[nodiscard]] ElementSample at(Real d) const noexcept {
+    const Real x = d - from_m;
+    const Real m = stiffness_n_per_m;
+    const Real a = bend_n_per_m2;
+    const Real b = twist_n_per_m3;
     return {force_n + x * (m + x * (a + x * b)), m + x * (2.0 * a + x * (3.0 * b)),
             energy_j +
                 x * (force_n + x * (0.5 * m + x * (a * (1.0 / 3.0) + x * (0.25 * b)))),
@@ -38,7 +39,7 @@ struct CurvePiece {
 };
 
 /// The piece of a curve of two samples at least around d > 0 [m].
-[[nodiscard]] CurvePiece piece_around(const CurveView& curve, double d) noexcept;
+[[nodiscard]] CurvePiece piece_around(const ElementCurve& curve, Real d) noexcept;
 
 /// The pieces in which the nodes of one element were evaluated last.
 struct CurvePieces {
@@ -57,9 +58,9 @@ inline void turn_to(CurvePieces& pieces, const ElementCache& cache, int slot) no
 
 /// The response of node j at d > 0 [m]. @param pieces of this element; the node's is
 /// changed where d has left it.
-[[nodiscard]] inline ResponseSample evaluate(CurvePieces& pieces,
-                                             const ElementNode& node, std::size_t j,
-                                             double d) noexcept {
+[[nodiscard]] inline ElementSample evaluate(CurvePieces& pieces,
+                                            const ElementNode& node, std::size_t j,
+                                            Real d) noexcept {
   CurvePiece& piece = pieces.node[j];
   if (!piece.holds(d)) {
     piece = piece_around(node.curve(), d);

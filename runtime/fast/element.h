@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "formats/curve_view.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
@@ -17,23 +18,25 @@ namespace palpate {
 /// curves, so that a message has a fixed size.
 constexpr std::size_t kElementSamples = 48;
 
+using ElementSample = BasicResponseSample<Real>;
+using ElementCurve = BasicCurveView<Real>;
+
 /// One node's response inside an element message.
 struct ElementNode {
   std::int32_t node = -1;    ///< index in the database; equal in neighbouring elements
   std::int32_t samples = 0;  ///< [0, kElementSamples]; 0: no response here
-  std::array<double, 3> position_m{};  ///< [m] world frame
-  std::array<double, 3> normal{};      ///< [-] outward unit normal of the body
-  std::array<double, 3>
-      direction{};              ///< [-] unit, force on the tool; 0 without response
-  double touch_offset_m = 0.0;  ///< [m] normal penetration at first touch
-  double friction = 0.0;        ///< [-] [0, 10]
-  double presliding_m = 0.0;    ///< [m] delta_L
-  std::array<double, kElementSamples> depth_m{};
-  std::array<double, kElementSamples> force_n{};
-  std::array<double, kElementSamples> stiffness_n_per_m{};
-  std::array<double, kElementSamples> energy_j{};
+  std::array<Real, 3> position_m{};  ///< [m] world frame
+  std::array<Real, 3> normal{};      ///< [-] outward unit normal of the body
+  std::array<Real, 3> direction{};  ///< [-] unit, force on the tool; 0 without response
+  Real touch_offset_m = 0.0;        ///< [m] normal penetration at first touch
+  Real friction = 0.0;              ///< [-] [0, 10]
+  Real presliding_m = 0.0;          ///< [m] delta_L
+  std::array<Real, kElementSamples> depth_m{};
+  std::array<Real, kElementSamples> force_n{};
+  std::array<Real, kElementSamples> stiffness_n_per_m{};
+  std::array<Real, kElementSamples> energy_j{};
 
-  [[nodiscard]] CurveView curve() const noexcept {
+  [[nodiscard]] ElementCurve curve() const noexcept {
     const auto n = static_cast<std::size_t>(samples);
     return {{depth_m.data(), n},
             {force_n.data(), n},

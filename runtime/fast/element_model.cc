@@ -24,7 +24,7 @@ std::int32_t triangle_in(const ElementCache& cache, int slot) {
 }
 
 ElementResponse respond_here(ElementModel& model, const ElementCache& cache,
-                             const Eigen::Vector3d& x) {
+                             const Vector3& x) {
   return respond(model, cache, x, model.pieces);
 }
 
@@ -32,8 +32,7 @@ ElementResponse respond_here(ElementModel& model, const ElementCache& cache,
 // one the slow process last called active; else a newer copy of the same triangle.
 // True if the model changed.
 bool change_element(ElementModel& model, const ElementCache& cache,
-                    const ElementResponse& old, const Eigen::Vector3d& x,
-                    double radius) {
+                    const ElementResponse& old, const Vector3& x, Real radius) {
   const bool news = cache.received != model.received_seen;
   model.received_seen = cache.received;
   const int active = cache.newest_active;
@@ -61,13 +60,13 @@ bool change_element(ElementModel& model, const ElementCache& cache,
 // The contact point follows the tool: at once where nothing holds it, else so far that
 // the presliding displacement is delta_L again. True if it moved.
 bool slide(ElementModel& model, const ElementCache& cache, const ElementResponse& old,
-           const Eigen::Vector3d& x, double radius) {
+           const Vector3& x, Real radius) {
   if (!old.loaded || !has_friction(model)) {
     release(model);
-    follow(model, cache, x, Eigen::Vector3d::Zero(), radius);
+    follow(model, cache, x, Vector3::Zero(), radius);
     return true;
   }
-  const double stretch = old.presliding_m.norm();
+  const Real stretch = old.presliding_m.norm();
   if (stretch <= model.presliding_m) {
     return false;
   }
@@ -77,9 +76,8 @@ bool slide(ElementModel& model, const ElementCache& cache, const ElementResponse
 }
 
 // Normal energy and force as functions of delta_0.
-auto at_shift(ElementModel& model, const ElementCache& cache,
-              const Eigen::Vector3d& x) {
-  return [&](double shift_m) {
+auto at_shift(ElementModel& model, const ElementCache& cache, const Vector3& x) {
+  return [&](Real shift_m) {
     model.shift_m = shift_m;
     const ElementResponse at = respond_here(model, cache, x);
     return ShiftedEnergy{shift_m, at.normal_j, at.normal_n};
@@ -88,25 +86,24 @@ auto at_shift(ElementModel& model, const ElementCache& cache,
 
 // Raises delta_0 until the normal energy is what is allowed.
 ElementResponse raise_shift(ElementModel& model, const ElementCache& cache,
-                            const Eigen::Vector3d& x, const ElementResponse& response,
-                            double allowed_j) {
-  const double unloaded =
-      response.depth_m -
-      std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
+                            const Vector3& x, const ElementResponse& response,
+                            Real allowed_j) {
+  const Real unloaded = response.depth_m - std::min({model.touch_m[0], model.touch_m[1],
+                                                     model.touch_m[2]});
   model.shift_m = raised_shift_m({model.shift_m, response.normal_j, response.normal_n},
                                  unloaded, allowed_j, at_shift(model, cache, x));
   return respond_here(model, cache, x);
 }
 
 // Brings the changed model down to the allowance: friction spring first, then delta_0.
-void pay(ElementModel& model, const ElementCache& cache, const Eigen::Vector3d& x,
-         double allowed_j, ElementResponse& response) {
+void pay(ElementModel& model, const ElementCache& cache, const Vector3& x,
+         Real allowed_j, ElementResponse& response) {
   if (response.potential_j() <= allowed_j) {
     return;
   }
-  const double spring_j = std::max(0.0, allowed_j - response.normal_j);
+  const Real spring_j = kPaid * std::max(0.0, allowed_j - response.normal_j);
   if (response.friction_j > 0.0) {
-    const double kept = std::sqrt(spring_j / response.friction_j);  // (23)
+    const Real kept = std::sqrt(spring_j / response.friction_j);  // (23)
     model.slip_m += (1.0 - kept) * response.presliding_m;
     response.presliding_m *= kept;
     response.friction_j = spring_j;
@@ -119,14 +116,14 @@ void pay(ElementModel& model, const ElementCache& cache, const Eigen::Vector3d& 
 }
 
 // Bleeds delta_0 back by as much as time and the unspent allowance permit.
-void recover(ElementModel& model, const ElementCache& cache, const Eigen::Vector3d& x,
-             double unspent_j, double shift_max_m, ElementResponse& response) {
-  const double shift = model.shift_m;
-  double back = std::min(shift, shift_max_m);
+void recover(ElementModel& model, const ElementCache& cache, const Vector3& x,
+             Real unspent_j, Real shift_max_m, ElementResponse& response) {
+  const Real shift = model.shift_m;
+  Real back = std::min(shift, shift_max_m);
   for (int attempt = 0; attempt < 2 && back > 0.0; ++attempt) {
     model.shift_m = shift - back;
     const ElementResponse changed = respond_here(model, cache, x);
-    const double cost = changed.potential_j() - response.potential_j();
+    const Real cost = changed.potential_j() - response.potential_j();
     if (cost <= unspent_j) {
       response = changed;
       return;
@@ -138,18 +135,18 @@ void recover(ElementModel& model, const ElementCache& cache, const Eigen::Vector
 
 // Without load delta_0 costs nothing: it sinks until the surface touches the tool.
 void recover_unloaded(ElementModel& model, const ElementResponse& response) {
-  const double touch = std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
+  const Real touch = std::min({model.touch_m[0], model.touch_m[1], model.touch_m[2]});
   model.shift_m = std::clamp(response.depth_m - touch, 0.0, model.shift_m);
 }
 
 // What the curves themselves would store at this depth.
-double storable_j(ElementModel& model, const ElementCache& cache,
-                  const Eigen::Vector3d& x, const ElementResponse& response) {
+Real storable_j(ElementModel& model, const ElementCache& cache, const Vector3& x,
+                const ElementResponse& response) {
   if (!(model.shift_m > 0.0)) {
     return response.normal_j;
   }
-  const double shift = std::exchange(model.shift_m, 0.0);
-  const double whole_j = respond(model, cache, x).normal_j;
+  const Real shift = std::exchange(model.shift_m, 0.0);
+  const Real whole_j = respond(model, cache, x).normal_j;
   model.shift_m = shift;
   return whole_j;
 }
@@ -158,8 +155,8 @@ double storable_j(ElementModel& model, const ElementCache& cache,
 
 ElementResponse advance(ElementModel& model, ElementCache& cache,
                         PassivityLedger& ledger, const ElementModelLimits& limits,
-                        const Eigen::Vector3d& x_m, double dt_s) noexcept {
-  const double radius = limits.tool_radius_m;
+                        const Vector3& x_m, Real dt_s) noexcept {
+  const Real radius = limits.tool_radius_m;
   ElementResponse response = respond_here(model, cache, x_m);
   book_work(ledger, response.potential_j());
 
@@ -184,7 +181,7 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
         0.5 * model.friction_n_per_m * response.presliding_m.squaredNorm();
   }
   note_shortfall(ledger, response.potential_j());
-  const double allowed = allowance_j(ledger);
+  const Real allowed = not_above(allowance_j(ledger));
   pay(model, cache, x_m, allowed, response);
   if (model.shift_m > 0.0 && response.loaded) {
     recover(model, cache, x_m, allowed - response.potential_j(),
@@ -192,7 +189,7 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
   } else if (model.shift_m > 0.0) {
     recover_unloaded(model, response);
   }
-  const double keep = response.touching ? storable_j(model, cache, x_m, response) : 0.0;
+  const Real keep = response.touching ? storable_j(model, cache, x_m, response) : 0.0;
   book_change(ledger, response.potential_j(), keep);
   return response;
 }

@@ -7,12 +7,13 @@
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/element_potential.h"
 #include "runtime/fast/passivity_ledger.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
 struct ElementModelLimits {
-  double tool_radius_m = 0.0;      ///< [m] R >= 0
-  double recovery_m_per_s = 0.01;  ///< [m/s] >= 0, how fast delta_0 is bled back
+  Real tool_radius_m = 0.0;      ///< [m] R >= 0
+  Real recovery_m_per_s = 0.01;  ///< [m/s] >= 0, how fast delta_0 is bled back
 };
 
 /// One tick: books the work of the movement to x_m, then changes the model there (new
@@ -22,6 +23,6 @@ struct ElementModelLimits {
 /// @param x_m finite. @return the response of the changed model at x_m.
 ElementResponse advance(ElementModel& model, ElementCache& cache,
                         PassivityLedger& ledger, const ElementModelLimits& limits,
-                        const Eigen::Vector3d& x_m, double dt_s) noexcept;
+                        const Vector3& x_m, Real dt_s) noexcept;
 
 }  // namespace palpate

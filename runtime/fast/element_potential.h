@@ -27,27 +27,28 @@
 #include "runtime/fast/curve_piece.h"
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/prism.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
 /// Parameters of the potential, constant between two changes.
 struct ElementModel {
-  int slot = -1;  ///< element in the cache; -1: none, E = 0
-  Prism prism;    ///< of that element
-  Eigen::Matrix3d toward = Eigen::Matrix3d::Zero();     ///< [-] its u_j, one per column
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();       ///< [-] n_j(x_c) >= 0, sum 1
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< [-] u; 0: no response
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< [-] n, unit
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();   ///< [m] a, in the plane
-  Eigen::Vector3d anchor_area = Eigen::Vector3d::Zero();  ///< [-] of a; any sign, sum 1
-  Eigen::Vector3d rest_m = Eigen::Vector3d::Zero();  ///< [m] a + R n: x where d = 0
-  Eigen::Vector3d slip_m = Eigen::Vector3d::Zero();  ///< [m] q
-  std::array<double, 3> touch_m{};                   ///< [m] t_j
-  double friction = 0.0;                             ///< [-] mu at x_c
-  double presliding_m = 0.0;                         ///< [m] delta_L at x_c
-  double friction_n_per_m = 0.0;                     ///< [N/m] k_t >= 0
-  double shift_m = 0.0;                              ///< [m] delta_0 >= 0
-  bool outside = false;  ///< a lies beyond the element's edges
+  int slot = -1;                          ///< element in the cache; -1: none, E = 0
+  Prism prism;                            ///< of that element
+  Matrix3 toward = Matrix3::Zero();       ///< [-] its u_j, one per column
+  Vector3 area = Vector3::Zero();         ///< [-] n_j(x_c) >= 0, sum 1
+  Vector3 direction = Vector3::Zero();    ///< [-] u; 0: no response
+  Vector3 normal = Vector3::Zero();       ///< [-] n, unit
+  Vector3 anchor_m = Vector3::Zero();     ///< [m] a, in the plane
+  Vector3 anchor_area = Vector3::Zero();  ///< [-] of a; any sign, sum 1
+  Vector3 rest_m = Vector3::Zero();       ///< [m] a + R n: x where d = 0
+  Vector3 slip_m = Vector3::Zero();       ///< [m] q
+  std::array<Real, 3> touch_m{};          ///< [m] t_j
+  Real friction = 0.0;                    ///< [-] mu at x_c
+  Real presliding_m = 0.0;                ///< [m] delta_L at x_c
+  Real friction_n_per_m = 0.0;            ///< [N/m] k_t >= 0
+  Real shift_m = 0.0;                     ///< [m] delta_0 >= 0
+  bool outside = false;                   ///< a lies beyond the element's edges
   bool starved = false;  ///< outside, and the neighbour has not arrived
   CurvePieces pieces;
   std::uint64_t received_seen = 0;    ///< cache.received at the last step
@@ -56,33 +57,32 @@ struct ElementModel {
 
 /// The potential and what it is made of, at one position of the tool.
 struct ElementResponse {
-  double depth_m = 0.0;            ///< [m] d
-  bool touching = false;           ///< some d_j + delta_0 > 0
-  bool loaded = false;             ///< some d_j > 0
-  bool extrapolated = false;       ///< some d_j beyond its curve
-  double normal_n = 0.0;           ///< [N] (28)
-  double stiffness_n_per_m = 0.0;  ///< [N/m] derivative of (28) with depth
-  double normal_j = 0.0;           ///< [J] sum n_j E_j
-  double friction_j = 0.0;         ///< [J] k_t |delta_t|^2 / 2
-  Eigen::Vector3d presliding_m = Eigen::Vector3d::Zero();  ///< [m] delta_t
-  [[nodiscard]] double potential_j() const noexcept { return normal_j + friction_j; }
+  Real depth_m = 0.0;                      ///< [m] d
+  bool touching = false;                   ///< some d_j + delta_0 > 0
+  bool loaded = false;                     ///< some d_j > 0
+  bool extrapolated = false;               ///< some d_j beyond its curve
+  Real normal_n = 0.0;                     ///< [N] (28)
+  Real stiffness_n_per_m = 0.0;            ///< [N/m] derivative of (28) with depth
+  Real normal_j = 0.0;                     ///< [J] sum n_j E_j
+  Real friction_j = 0.0;                   ///< [J] k_t |delta_t|^2 / 2
+  Vector3 presliding_m = Vector3::Zero();  ///< [m] delta_t
+  [[nodiscard]] Real potential_j() const noexcept { return normal_j + friction_j; }
 };
 
 /// Evaluates the potential at tool position x_m [m]. @param pieces tried, and set.
 [[nodiscard]] ElementResponse respond(const ElementModel& model,
-                                      const ElementCache& cache,
-                                      const Eigen::Vector3d& x_m,
+                                      const ElementCache& cache, const Vector3& x_m,
                                       CurvePieces& pieces) noexcept;
 
 [[nodiscard]] inline ElementResponse respond(const ElementModel& model,
                                              const ElementCache& cache,
-                                             const Eigen::Vector3d& x_m) noexcept {
+                                             const Vector3& x_m) noexcept {
   CurvePieces pieces = model.pieces;
   return respond(model, cache, x_m, pieces);
 }
 
 /// Force on the tool [N] (29).
-[[nodiscard]] Eigen::Vector3d force_n(const ElementModel& model,
-                                      const ElementResponse& response) noexcept;
+[[nodiscard]] Vector3 force_n(const ElementModel& model,
+                              const ElementResponse& response) noexcept;
 
 }  // namespace palpate

@@ -4,14 +4,19 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 namespace palpate {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian");
 
-constexpr std::array<std::byte, 4> kMagic{std::byte{'P'}, std::byte{'L'},
-                                          std::byte{'P'}, std::byte{'E'}};
+using Magic = std::array<std::byte, 4>;
+
+template <typename Scalar>
+constexpr Magic kMagicOf{std::byte{'P'}, std::byte{'L'}, std::byte{'P'},
+                         std::byte{sizeof(Scalar) == 8 ? 'E' : 'S'}};
+constexpr Magic kMagic = kMagicOf<Real>;
 constexpr std::size_t kBodyBytes = kWireBytes - sizeof(std::uint32_t);
 
 constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
@@ -27,12 +32,22 @@ constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
 }();
 
 // Values one after another, into a frame or out of it.
+template <typename Scalar>
 struct Writer {
   std::byte* at;
   template <typename T>
   void operator()(const T& value) noexcept {
     std::memcpy(at, &value, sizeof value);
     at += sizeof value;
+  }
+  void operator()(const Real& value) noexcept requires(!std::is_same_v<Scalar, Real>) {
+    (*this)(static_cast<Scalar>(value));
+  }
+  template <std::size_t kCount>
+  void operator()(const std::array<Real, kCount>& values) noexcept {
+    for (const Real& value : values) {
+      (*this)(value);
+    }
   }
 };
 
@@ -84,12 +99,12 @@ void pass_frame(Pass& pass, Message& element, HeadType& head) noexcept {
   }
 }
 
-void clear_unused(std::array<double, kElementSamples>& values, std::int32_t samples) {
+void clear_unused(std::array<Real, kElementSamples>& values, std::int32_t samples) {
   std::fill(values.begin() + samples, values.end(), 0.0);
 }
 
-bool all_finite(std::span<const double> values) {
-  return std::all_of(values.begin(), values.end(), [](double value) {
+bool all_finite(std::span<const Real> values) {
+  return std::all_of(values.begin(), values.end(), [](Real value) {
     return std::isfinite(value);
   });
 }
@@ -177,6 +192,24 @@ bool is_news(ElementReceiver& receiver, std::uint64_t sequence, std::uint32_t se
   return false;
 }
 
+template <typename Scalar>
+void write_frame(const Element& element, std::uint32_t session,
+                 std::array<std::byte, kFrameBytes<Scalar>>& frame) {
+  std::copy(kMagicOf<Scalar>.begin(), kMagicOf<Scalar>.end(), frame.begin());
+  Element sent = element;
+  for (ElementNode& node : sent.node) {
+    clear_unused(node.depth_m, node.samples);
+    clear_unused(node.force_n, node.samples);
+    clear_unused(node.stiffness_n_per_m, node.samples);
+    clear_unused(node.energy_j, node.samples);
+  }
+  Head head{.active = static_cast<std::uint16_t>(element.active ? 1 : 0),
+            .session = session};
+  Writer<Scalar> write{frame.data() + kMagic.size()};
+  pass_frame(write, sent, head);
+  write(crc32(std::span(frame).first(frame.size() - sizeof(std::uint32_t))));
+}
+
 }  // namespace
 
 std::uint32_t crc32(std::span<const std::byte> bytes) noexcept {
@@ -188,20 +221,14 @@ std::uint32_t crc32(std::span<const std::byte> bytes) noexcept {
   return ~value;
 }
 
-void encode(const Element& element, std::uint32_t session, WireFrame& frame) noexcept {
-  std::copy(kMagic.begin(), kMagic.end(), frame.begin());
-  Element sent = element;
-  for (ElementNode& node : sent.node) {
-    clear_unused(node.depth_m, node.samples);
-    clear_unused(node.force_n, node.samples);
-    clear_unused(node.stiffness_n_per_m, node.samples);
-    clear_unused(node.energy_j, node.samples);
-  }
-  Head head{.active = static_cast<std::uint16_t>(element.active ? 1 : 0),
-            .session = session};
-  Writer write{frame.data() + kMagic.size()};
-  pass_frame(write, sent, head);
-  write(crc32(std::span(frame).first(kBodyBytes)));
+void encode(const Element& element, std::uint32_t session,
+            DoubleFrame& frame) noexcept {
+  write_frame<double>(element, session, frame);
+}
+
+void encode(const Element& element, std::uint32_t session,
+            SingleFrame& frame) noexcept {
+  write_frame<float>(element, session, frame);
 }
 
 bool receive(ElementReceiver& receiver, std::span<const std::byte>& bytes,

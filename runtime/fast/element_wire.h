@@ -2,10 +2,11 @@
 // another. Every frame has the same size; what is lost, repeated, late or broken on the
 // way is counted and does no harm: the fast step goes on with the elements it has.
 //
-// A frame, little-endian, floating point as IEEE 754 binary64:
+// A frame, little-endian, floating point as IEEE 754 binary64 or, for a receiver whose
+// Real is float, binary32; r is their size, 8 or 4:
 //
 //   bytes       what
-//   0   4       magic "PLPE"
+//   0   4       magic "PLPE" (binary64) or "PLPS" (binary32)
 //   4   2       version, 1
 //   6   2       1: active, 0: a neighbour
 //   8   4       session: drawn anew when the sender starts
@@ -14,10 +15,11 @@
 //   24  8       time of sending [ns]
 //   32  3 x 4   neighbours across the edges
 //   44  4       0
-//   48  3 x 1640  nodes: index (4), samples (4), position, normal, direction (3 x 8
-//               each), touch offset, friction, presliding (8 each), then depths,
-//               forces, stiffnesses, energies (48 x 8 each; those past `samples` are 0)
-//   4968  4     CRC-32 (IEEE 802.3) of all before
+//   48  3 x (8 + 204 r)
+//               nodes: index (4), samples (4), position, normal, direction (3 r each),
+//               touch offset, friction, presliding (r each), then depths, forces,
+//               stiffnesses, energies (48 r each; those past `samples` are 0)
+//   at the end 4  CRC-32 (IEEE 802.3) of all before
 //
 // CRC-32 finds every three wrong bits and every burst of 32 in a frame of this length.
 // No allocation, no exception; one thread.
@@ -32,15 +34,23 @@
 
 namespace palpate {
 
-constexpr std::size_t kWireBytes = 4972;
-constexpr std::uint16_t kWireVersion = 1;
+/// Bytes of a frame of this floating point.
+template <typename Scalar>
+constexpr std::size_t kFrameBytes = 52 + 3 * (8 + 204 * sizeof(Scalar));
+using DoubleFrame = std::array<std::byte, kFrameBytes<double>>;  // 4972 bytes
+using SingleFrame = std::array<std::byte, kFrameBytes<float>>;   // 2524 bytes
+
+/// What this program's Real receives.
+constexpr std::size_t kWireBytes = kFrameBytes<Real>;
 using WireFrame = std::array<std::byte, kWireBytes>;
+constexpr std::uint16_t kWireVersion = 1;
 
 /// CRC-32 of IEEE 802.3 (reflected, 0xEDB88320): 0xCBF43926 of "123456789".
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes) noexcept;
 
 /// @param element with sequence >= 1 and well formed counts of samples.
-void encode(const Element& element, std::uint32_t session, WireFrame& frame) noexcept;
+void encode(const Element& element, std::uint32_t session, DoubleFrame& frame) noexcept;
+void encode(const Element& element, std::uint32_t session, SingleFrame& frame) noexcept;
 
 /// What came over a wire.
 struct WireCounts {
@@ -53,7 +63,8 @@ struct WireCounts {
   std::uint64_t sessions = 0;       ///< times that a sender began
 };
 
-/// Frames out of a stream of bytes that may be cut and damaged anywhere. About 5 kB.
+/// Frames out of a stream of bytes that may be cut and damaged anywhere. As large as a
+/// frame.
 struct ElementReceiver {
   WireFrame buffer;
   std::size_t filled = 0;

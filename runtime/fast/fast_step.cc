@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kLongestStepS = 1.0;
+constexpr Real kLongestStepS = 1.0;
 
 bool passive(LocalModel model) {
   return model != LocalModel::kSingle && model != LocalModel::kFirstOrderHold;
@@ -18,18 +18,18 @@ bool passive(LocalModel model) {
 SafetyLimits safety_limits(const FastConfig& config) {
   return {config.force_max_n, config.slew_max_n_per_s,
           passive(config.model) ? config.energy_floor_j
-                                : std::numeric_limits<double>::infinity(),
+                                : std::numeric_limits<Real>::infinity(),
           config.ramp_s};
 }
 
-double scalar_depth_m(const FastState& state, const Eigen::Vector3d& x_m) {
+Real scalar_depth_m(const FastState& state, const Vector3& x_m) {
   return (state.element.rest_m - x_m).dot(state.element.direction);
 }
 
 // Depth at which the first node that counts is touched.
-double touch_m(const ElementModel& model, const ElementCache& cache) {
+Real touch_m(const ElementModel& model, const ElementCache& cache) {
   const Element& element = cache.element[static_cast<std::size_t>(model.slot)];
-  double first = std::numeric_limits<double>::infinity();
+  Real first = std::numeric_limits<Real>::infinity();
   for (std::size_t j = 0; j < 3; ++j) {
     if (element.node[j].samples > 0 && model.area(static_cast<Eigen::Index>(j)) > 0.0) {
       first = std::min(first, model.touch_m[j]);
@@ -40,7 +40,7 @@ double touch_m(const ElementModel& model, const ElementCache& cache) {
 
 // The slow simulation's value: the response of the element last called active. It also
 // fixes the axis along which the scalar model acts from here on.
-void update_scalar(FastState& state, const Eigen::Vector3d& x) {
+void update_scalar(FastState& state, const Vector3& x) {
   state.update_due = false;
   if (state.cache.newest_active < 0) {
     return;
@@ -54,22 +54,22 @@ void update_scalar(FastState& state, const Eigen::Vector3d& x) {
           touch_m(state.element, state.cache)});
 }
 
-Eigen::Vector3d advance_scalar(FastState& state, const Eigen::Vector3d& x, double dt_s,
-                               FastCommand& command) {
+Vector3 advance_scalar(FastState& state, const Vector3& x, Real dt_s,
+                       FastCommand& command) {
   state.scalar.kind = state.config.model;
   advance(state.scalar, state.ledger, scalar_depth_m(state, x), dt_s);
   if (state.update_due) {
     update_scalar(state, x);
   }
-  const double depth = scalar_depth_m(state, x);
-  const double force = force_n(state.scalar, depth);
+  const Real depth = scalar_depth_m(state, x);
+  const Real force = force_n(state.scalar, depth);
   command.depth_m = depth;
   command.in_contact = force > 0.0;
   return force * state.element.direction;
 }
 
-Eigen::Vector3d advance_element(FastState& state, const Eigen::Vector3d& x, double dt_s,
-                                FastCommand& command) {
+Vector3 advance_element(FastState& state, const Vector3& x, Real dt_s,
+                        FastCommand& command) {
   const ElementModelLimits limits{state.config.tool_radius_m,
                                   state.config.recovery_m_per_s};
   const ElementResponse response =
@@ -82,11 +82,11 @@ Eigen::Vector3d advance_element(FastState& state, const Eigen::Vector3d& x, doub
   return force_n(state.element, response);
 }
 
-Eigen::Vector3d advance_potential(FastState& state, const Eigen::Vector3d& x,
-                                  double dt_s, FastCommand& command) {
+Vector3 advance_potential(FastState& state, const Vector3& x, Real dt_s,
+                          FastCommand& command) {
   const ElementModelLimits limits{state.config.tool_radius_m,
                                   state.config.recovery_m_per_s};
-  const Eigen::Vector3d force =
+  const Vector3 force =
       advance(state.potential, state.cache, state.ledger, limits, x, dt_s);
   const FieldResponse& response = state.potential.response;
   command.depth_m = response.depth_m;
@@ -97,8 +97,8 @@ Eigen::Vector3d advance_potential(FastState& state, const Eigen::Vector3d& x,
   return force;
 }
 
-Eigen::Vector3d advance_model(FastState& state, const Eigen::Vector3d& x, double dt_s,
-                              FastCommand& command) {
+Vector3 advance_model(FastState& state, const Vector3& x, Real dt_s,
+                      FastCommand& command) {
   switch (state.config.model) {
     case LocalModel::kElement:
       return advance_element(state, x, dt_s, command);
@@ -110,7 +110,7 @@ Eigen::Vector3d advance_model(FastState& state, const Eigen::Vector3d& x, double
 }
 
 // NaN in dt or position is a fault before it can reach the account.
-void check_input(FastState& state, const FastSample& sample, double dt_s) {
+void check_input(FastState& state, const FastSample& sample, Real dt_s) {
   if (!sample.position_m.allFinite()) {
     raise_fault(state, Fault::kNotFinite);
   }
@@ -148,16 +148,15 @@ void accept(FastState& state, const Element& element) noexcept {
   state.update_due = state.update_due || element.active;
 }
 
-FastCommand step(FastState& state, const FastSample& sample, double dt_s) noexcept {
+FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept {
   FastCommand command;
   check_input(state, sample, dt_s);
   if (state.safety.fault == Fault::kNone) {
-    const Eigen::Vector3d& x = sample.position_m;
-    const Eigen::Vector3d moved = state.sampled
-                                      ? Eigen::Vector3d(x - state.latest.position_m)
-                                      : Eigen::Vector3d::Zero();
+    const Vector3& x = sample.position_m;
+    const Vector3 moved =
+        state.sampled ? Vector3(x - state.latest.position_m) : Vector3::Zero();
     const PassivityLedger before = state.ledger;
-    const Eigen::Vector3d wanted = advance_model(state, x, dt_s, command);
+    const Vector3 wanted = advance_model(state, x, dt_s, command);
     command.force_n = make_safe(state.safety, safety_limits(state.config), state.ledger,
                                 wanted, moved, dt_s);
     if (state.safety.fault == Fault::kNotFinite) {
@@ -188,14 +187,14 @@ FastContact contact(const FastState& state) noexcept {
   const int used = field ? place.slot : state.element.slot;
   if (used >= 0) {
     const Element& element = state.cache.element[static_cast<std::size_t>(used)];
-    const Eigen::Vector3d& weight = field ? place.frame.weight : state.element.area;
+    const Vector3& weight = field ? place.frame.weight : state.element.area;
     for (std::size_t j = 0; j < 3; ++j) {
-      const double part = weight(static_cast<Eigen::Index>(j));
+      const Real part = weight(static_cast<Eigen::Index>(j));
       const ElementNode& node = element.node[j];
-      at.point_m += part * Eigen::Map<const Eigen::Vector3d>(node.position_m.data());
-      at.normal += part * Eigen::Map<const Eigen::Vector3d>(node.normal.data());
+      at.point_m += part * Eigen::Map<const Vector3>(node.position_m.data());
+      at.normal += part * Eigen::Map<const Vector3>(node.normal.data());
     }
-    const double length = at.normal.norm();
+    const Real length = at.normal.norm();
     if (length > 0.0) {
       at.normal /= length;
     }
@@ -205,7 +204,7 @@ FastContact contact(const FastState& state) noexcept {
   return at;
 }
 
-double potential_j(const FastState& state, const Eigen::Vector3d& x_m) noexcept {
+Real potential_j(const FastState& state, const Vector3& x_m) noexcept {
   if (state.config.model == LocalModel::kElement) {
     return respond(state.element, state.cache, x_m).potential_j();
   }

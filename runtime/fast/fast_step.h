@@ -22,6 +22,7 @@
 #include "runtime/fast/local_model.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/potential_model.h"
+#include "runtime/fast/real.h"
 #include "runtime/fast/safety.h"
 #include "runtime/fast/scalar_model.h"
 
@@ -29,12 +30,12 @@ namespace palpate {
 
 struct FastConfig {
   LocalModel model = LocalModel::kElement;
-  double tool_radius_m = 0.0;        ///< [m] [0, inf) sphere; the others have 0
-  double force_max_n = 10.0;         ///< [N] (0, inf] length of the force vector
-  double slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf]
-  double energy_floor_j = 0.01;      ///< [J] (0, inf] what clamping may create
-  double recovery_m_per_s = 0.01;    ///< [m/s] [0, inf) how fast delta_0 is bled back
-  double ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
+  Real tool_radius_m = 0.0;        ///< [m] [0, inf) sphere; the others have 0
+  Real force_max_n = 10.0;         ///< [N] (0, inf] length of the force vector
+  Real slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf]
+  Real energy_floor_j = 0.01;      ///< [J] (0, inf] what clamping may create
+  Real recovery_m_per_s = 0.01;    ///< [m/s] [0, inf) how fast delta_0 is bled back
+  Real ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
 };
 
 /// Null if the configuration is valid, else what is wrong with it, one line.
@@ -42,31 +43,31 @@ struct FastConfig {
 
 /// What the device measured at one tick.
 struct FastSample {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< [m] tool reference point
-  std::int64_t time_ns = 0;                              ///< [ns] monotonic clock
+  Vector3 position_m = Vector3::Zero();  ///< [m] tool reference point
+  std::int64_t time_ns = 0;              ///< [ns] monotonic clock
 };
 
 /// What the device is to do, and the account of this tick.
 struct FastCommand {
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] on the tool; 0 on a fault
+  Vector3 force_n = Vector3::Zero();  ///< [N] on the tool; 0 on a fault
   bool in_contact = false;
   bool starved = false;  ///< x_c left the element and its neighbour had not arrived
   bool extrapolated = false;  ///< deeper than a curve was computed
-  double depth_m = 0.0;       ///< [m] along the response direction
+  Real depth_m = 0.0;         ///< [m] along the response direction
   double stored_j = 0.0;      ///< [J] potential of the local model
   double tank_j = 0.0;        ///< [J] >= 0
   double dissipated_j = 0.0;  ///< [J] >= 0, friction and discarded surplus, since start
-  double relaxed_shift_m = 0.0;  ///< [m] >= 0, delta_0 that the ledger had to take
-  std::uint8_t fault = 0;        ///< Fault, latched; 0 none
+  Real relaxed_shift_m = 0.0;  ///< [m] >= 0, delta_0 that the ledger had to take
+  std::uint8_t fault = 0;      ///< Fault, latched; 0 none
 };
 
 /// Where the fast process is: what it tells the slow one after a step.
 struct FastContact {
-  std::int64_t time_ns = 0;                           ///< [ns] of the sample
-  Eigen::Vector3d tool_m = Eigen::Vector3d::Zero();   ///< [m] tool reference point
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< [m] x_c
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< [-] there, outward unit; or 0
-  std::int32_t triangle = -1;  ///< active triangle; -1 before the first
+  std::int64_t time_ns = 0;           ///< [ns] of the sample
+  Vector3 tool_m = Vector3::Zero();   ///< [m] tool reference point
+  Vector3 point_m = Vector3::Zero();  ///< [m] x_c
+  Vector3 normal = Vector3::Zero();   ///< [-] there, outward unit; or 0
+  std::int32_t triangle = -1;         ///< active triangle; -1 before the first
   bool in_contact = false;
   bool starved = false;
 };
@@ -95,15 +96,14 @@ void accept(FastState& state, const Element& element) noexcept;
 /// not finite, a dt that is negative, NaN or above one second. dt 0 is allowed: the
 /// model follows the sample, the force stays as it was.
 /// @param dt_s [s] since the last step, [0, 1].
-FastCommand step(FastState& state, const FastSample& sample, double dt_s) noexcept;
+FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept;
 
 /// The contact point and active triangle after the latest step.
 [[nodiscard]] FastContact contact(const FastState& state) noexcept;
 
 /// Potential of the present local model with the tool at x_m [J]. The work of a tick
 /// is exactly potential_j(state, x_{k+1}) - potential_j(state, x_k), before step().
-[[nodiscard]] double potential_j(const FastState& state,
-                                 const Eigen::Vector3d& x_m) noexcept;
+[[nodiscard]] Real potential_j(const FastState& state, const Vector3& x_m) noexcept;
 
 /// Latches a fault that was found outside (stalled slow process, lost device, missed
 /// deadlines): the force is zero from the next step on.

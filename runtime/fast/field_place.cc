@@ -14,9 +14,9 @@ namespace {
 // Elements that one tick may cross: around a vertex of high valence, and on.
 constexpr int kWalkMax = 16;
 // Area coordinates this far below zero still count as inside.
-constexpr double kEdgeSlack = 1e-12;
+constexpr Real kEdgeSlack = rounding(1e-12, 1e-6);
 // A normal shorter than this does not tell a direction.
-constexpr double kNoNormal = 1e-3;
+constexpr Real kNoNormal = 1e-3;
 
 const Element& element_of(const ElementCache& cache, int slot) {
   return cache.element[static_cast<std::size_t>(slot)];
@@ -39,10 +39,10 @@ bool same_node(const ElementNode& a, const ElementNode& b) {
 
 // Into a neighbour, at the point of the shared edge that `weight` (>= 0) names.
 void enter(FieldPlace& place, const ElementCache& cache, int slot,
-           const Eigen::Vector3d& weight, const Eigen::Vector3d& x) {
+           const Vector3& weight, const Vector3& x) {
   const Element& from = element_of(cache, place.slot);
   const Element& to = element_of(cache, slot);
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();
+  Vector3 area = Vector3::Zero();
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       if (same_node(from.node[i], to.node[j])) {
@@ -52,28 +52,27 @@ void enter(FieldPlace& place, const ElementCache& cache, int slot,
   }
   place.slot = slot;
   place.prism = make_prism(to);
-  const double sum = area.sum();
-  const Eigen::Matrix3d& v = place.prism.corner_m;
+  const Real sum = area.sum();
+  const Matrix3& v = place.prism.corner_m;
   place.at.area = sum > 0.0
-                      ? Eigen::Vector3d(area / sum)
+                      ? Vector3(area / sum)
                       : triangle::nearest_inside(v, triangle::area_coordinates(v, x));
 }
 
-Eigen::Vector3d inside(const Eigen::Vector3d& area) {
-  const Eigen::Vector3d kept = area.cwiseMax(0.0);
+Vector3 inside(const Vector3& area) {
+  const Vector3 kept = area.cwiseMax(0.0);
   return kept / kept.sum();
 }
 
 // Out of a triangle without area: over the other edge that is nearest to where it was
 // entered. False if the cache holds no way on.
-bool pass(FieldPlace& place, const ElementCache& cache, int from,
-          const Eigen::Vector3d& x) {
+bool pass(FieldPlace& place, const ElementCache& cache, int from, const Vector3& x) {
   const Element& element = element_of(cache, place.slot);
-  const Eigen::Matrix3d& v = place.prism.corner_m;
-  const Eigen::Vector3d p = v * place.at.area;
+  const Matrix3& v = place.prism.corner_m;
+  const Vector3 p = v * place.at.area;
   Crossing way;
-  Eigen::Vector3d weight = place.at.area;
-  double nearest = std::numeric_limits<double>::infinity();
+  Vector3 weight = place.at.area;
+  Real nearest = std::numeric_limits<Real>::infinity();
   for (int corner = 0; corner < 3; ++corner) {
     const Crossing over = across(cache, element, corner);
     if (over.slot < 0 || over.slot == from) {
@@ -81,11 +80,11 @@ bool pass(FieldPlace& place, const ElementCache& cache, int from,
     }
     const int j = (corner + 1) % 3;
     const int k = (corner + 2) % 3;
-    const Eigen::Vector3d edge = v.col(k) - v.col(j);
-    const double length2 = edge.squaredNorm();
-    const double t =
+    const Vector3 edge = v.col(k) - v.col(j);
+    const Real length2 = edge.squaredNorm();
+    const Real t =
         length2 > 0.0 ? std::clamp((p - v.col(j)).dot(edge) / length2, 0.0, 1.0) : 0.0;
-    const double squared = (v.col(j) + t * edge - p).squaredNorm();
+    const Real squared = (v.col(j) + t * edge - p).squaredNorm();
     if (squared < nearest) {
       nearest = squared;
       way = over;
@@ -101,14 +100,13 @@ bool pass(FieldPlace& place, const ElementCache& cache, int from,
 }
 
 // The nearest point of the element's plane, through neighbours while there are any.
-void settle_nearest(FieldPlace& place, const ElementCache& cache,
-                    const Eigen::Vector3d& x) {
+void settle_nearest(FieldPlace& place, const ElementCache& cache, const Vector3& x) {
   int from = -1;
   place.folded = true;
   place.outside = false;
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
-    const Eigen::Matrix3d& v = place.prism.corner_m;
-    const Eigen::Vector3d area = triangle::area_coordinates(v, x);
+    const Matrix3& v = place.prism.corner_m;
+    const Vector3 area = triangle::area_coordinates(v, x);
     int corner = 0;
     const bool beyond = area.minCoeff(&corner) < -kEdgeSlack;
     place.at.area = triangle::nearest_inside(v, area);
@@ -123,10 +121,9 @@ void settle_nearest(FieldPlace& place, const ElementCache& cache,
   }
   PrismFrame frame;
   frame.weight = place.at.area;
-  const Eigen::Vector3d sum = place.prism.normal * frame.weight;
-  const double length = sum.norm();
-  frame.normal =
-      length > kNoNormal ? Eigen::Vector3d(sum / length) : place.frame.normal;
+  const Vector3 sum = place.prism.normal * frame.weight;
+  const Real length = sum.norm();
+  frame.normal = length > kNoNormal ? Vector3(sum / length) : place.frame.normal;
   frame.position_m = x;
   place.at.height_m = (x - place.prism.corner_m * frame.weight).dot(frame.normal);
   place.frame = frame;
@@ -134,7 +131,7 @@ void settle_nearest(FieldPlace& place, const ElementCache& cache,
 
 }  // namespace
 
-bool follow_within(FieldPlace& place, const Eigen::Vector3d& x_m) noexcept {
+bool follow_within(FieldPlace& place, const Vector3& x_m) noexcept {
   PrismPoint at = place.at;
   PrismFrame frame;
   if (place.prism.flat || find_coordinates(place.prism, x_m, Beyond::kHeld, at,
@@ -148,8 +145,7 @@ bool follow_within(FieldPlace& place, const Eigen::Vector3d& x_m) noexcept {
   return true;
 }
 
-void follow(FieldPlace& place, const ElementCache& cache,
-            const Eigen::Vector3d& x_m) noexcept {
+void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) noexcept {
   int from = -1;
   place.starved = false;
   if (!place.folded && !place.outside && place.frame.scale > kScaleMin) {
@@ -194,14 +190,14 @@ void follow(FieldPlace& place, const ElementCache& cache,
 }
 
 void adopt(FieldPlace& place, const ElementCache& cache, int slot,
-           const Eigen::Vector3d& x_m) noexcept {
+           const Vector3& x_m) noexcept {
   place = {};
   place.slot = slot;
   place.prism = make_prism(element_of(cache, slot));
-  const Eigen::Matrix3d& v = place.prism.corner_m;
+  const Matrix3& v = place.prism.corner_m;
   place.at.area = triangle::nearest_inside(v, triangle::area_coordinates(v, x_m));
-  const Eigen::Vector3d sum = place.prism.normal * place.at.area;
-  const double length = sum.norm();
+  const Vector3 sum = place.prism.normal * place.at.area;
+  const Real length = sum.norm();
   place.at.height_m =
       length > kNoNormal ? (x_m - v * place.at.area).dot(sum) / length : 0.0;
   follow(place, cache, x_m);

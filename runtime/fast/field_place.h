@@ -5,6 +5,7 @@
 
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/prism.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
@@ -23,19 +24,17 @@ struct FieldPlace {
 /// Takes the element in `slot`, at its point nearest to the tool, then follows the
 /// tool.
 void adopt(FieldPlace& place, const ElementCache& cache, int slot,
-           const Eigen::Vector3d& x_m) noexcept;
+           const Vector3& x_m) noexcept;
 
 /// Follows the tool to x_m from the present coordinates, through neighbours that the
 /// cache holds and across triangles without area. Without a neighbour the element's
 /// plane is continued (`outside`). Where the coordinates fold, the element nearest to
 /// the tool on the way is kept, at its nearest point (`folded`).
-void follow(FieldPlace& place, const ElementCache& cache,
-            const Eigen::Vector3d& x_m) noexcept;
+void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) noexcept;
 
 /// Follows the tool within the present element and its continued plane alone.
 /// @returns false, the place unchanged, if it has no coordinates there.
-[[nodiscard]] bool follow_within(FieldPlace& place,
-                                 const Eigen::Vector3d& x_m) noexcept;
+[[nodiscard]] bool follow_within(FieldPlace& place, const Vector3& x_m) noexcept;
 
 /// The same place in another copy of the same triangle.
 void move_to_copy(FieldPlace& place, const ElementCache& cache, int slot) noexcept;

@@ -11,37 +11,39 @@
 // goes on by slope and curvature, no steeper than three times k and never falling.
 #pragma once
 
+#include "runtime/fast/real.h"
+
 namespace palpate {
 
 /// One value of a slow simulation.
 struct SlowValue {
-  double x_m = 0.0;        ///< [m] penetration at which it was computed
-  double f_n = 0.0;        ///< [N] f(x)
-  double k_n_per_m = 0.0;  ///< [N/m] f'(x)
-  double energy_j = 0.0;   ///< [J] integral of f from 0 to x
-  double touch_m = 0.0;    ///< [m] penetration below which f is 0
+  Real x_m = 0.0;        ///< [m] penetration at which it was computed
+  Real f_n = 0.0;        ///< [N] f(x)
+  Real k_n_per_m = 0.0;  ///< [N/m] f'(x)
+  Real energy_j = 0.0;   ///< [J] integral of f from 0 to x
+  Real touch_m = 0.0;    ///< [m] penetration below which f is 0
 };
 
 /// The cubic and its continuation; lowered where energy is short (lower()).
 struct LocalCurve {
-  double end_m = 0.0;            ///< [m] x
-  double length_m = 0.0;         ///< [m] l; 0: no response
-  double force_n = 0.0;          ///< [N] f
-  double a1 = 1.0;               ///< [-]
-  double a2 = 0.0;               ///< [-]
-  double a3 = 0.0;               ///< [-]
-  double k_n_per_m = 0.0;        ///< [N/m] slope at x, for the continuation >= 0
-  double bend_n_per_m2 = 0.0;    ///< [N/m^2] curvature at x
-  double shift_m = 0.0;          ///< [m] delta_0 >= 0, the cubic is moved deeper by it
-  double blend = 0.0;            ///< [-] [0, 1], of the tangent's force above x
-  double tangent_n = 0.0;        ///< [N] force of the tangent at x
-  double tangent_n_per_m = 0.0;  ///< [N/m] and its slope
+  Real end_m = 0.0;            ///< [m] x
+  Real length_m = 0.0;         ///< [m] l; 0: no response
+  Real force_n = 0.0;          ///< [N] f
+  Real a1 = 1.0;               ///< [-]
+  Real a2 = 0.0;               ///< [-]
+  Real a3 = 0.0;               ///< [-]
+  Real k_n_per_m = 0.0;        ///< [N/m] slope at x, for the continuation >= 0
+  Real bend_n_per_m2 = 0.0;    ///< [N/m^2] curvature at x
+  Real shift_m = 0.0;          ///< [m] delta_0 >= 0, the cubic is moved deeper by it
+  Real blend = 0.0;            ///< [-] [0, 1], of the tangent's force above x
+  Real tangent_n = 0.0;        ///< [N] force of the tangent at x
+  Real tangent_n_per_m = 0.0;  ///< [N/m] and its slope
 };
 
 struct CurvePoint {
-  double force_n = 0.0;            ///< [N] >= 0
-  double stiffness_n_per_m = 0.0;  ///< [N/m] its slope
-  double energy_j = 0.0;           ///< [J] >= 0, its integral
+  Real force_n = 0.0;            ///< [N] >= 0
+  Real stiffness_n_per_m = 0.0;  ///< [N/m] its slope
+  Real energy_j = 0.0;           ///< [J] >= 0, its integral
 };
 
 /// The curve of a slow value in contact. Where the cubic would pull or be steeper than
@@ -50,12 +52,12 @@ struct CurvePoint {
 /// curve).
 [[nodiscard]] LocalCurve local_curve(const SlowValue& slow) noexcept;
 
-[[nodiscard]] CurvePoint at(const LocalCurve& curve, double x_m) noexcept;
+[[nodiscard]] CurvePoint at(const LocalCurve& curve, Real x_m) noexcept;
 
 /// Makes a fresh curve hold at most allowed_j [J] at x. First its shallower part gives
 /// way to the tangent at x, which stores less where the response is convex: force and
 /// slope at x stay. Where the tangent alone stores too much, the curve is moved deeper,
 /// so that slope and force stay those of one point of the response.
-void lower(LocalCurve& curve, double allowed_j) noexcept;
+void lower(LocalCurve& curve, Real allowed_j) noexcept;
 
 }  // namespace palpate

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "runtime/fast/real.h"
+
 namespace palpate {
 namespace {
 
 // Less than this, relative and absolute, is rounding.
-constexpr double kRoundingRelative = 1e-12;
+constexpr double kRoundingRelative = rounding(1e-12, 1e-6);
 constexpr double kRoundingJ = 1e-15;
 
 }  // namespace
@@ -29,9 +31,9 @@ void book_change(PassivityLedger& ledger, double potential_j,
                  double tank_max_j) noexcept {
   const double left = allowance_j(ledger) - potential_j;
   ledger.stored_j = potential_j;
-  ledger.created_j += std::max(0.0, -left);
-  ledger.tank_j = std::clamp(left, 0.0, std::max(0.0, tank_max_j));
-  ledger.dissipated_j += std::max(0.0, left - ledger.tank_j);
+  ledger.created_j += std::max<double>(0.0, -left);
+  ledger.tank_j = std::clamp<double>(left, 0.0, std::max<double>(0.0, tank_max_j));
+  ledger.dissipated_j += std::max<double>(0.0, left - ledger.tank_j);
 }
 
 }  // namespace palpate

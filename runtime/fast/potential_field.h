@@ -22,30 +22,30 @@
 #include "runtime/fast/curve_piece.h"
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/field_place.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
 /// Energy, force and what they are made of, at one place and relaxed state.
 struct FieldResponse {
-  double depth_m = 0.0;                               ///< [m] d
-  bool touching = false;                              ///< some d - t_j > 0
-  bool loaded = false;                                ///< some d - t_j - delta_0 > 0
-  bool extrapolated = false;                          ///< some node beyond its curve
-  double normal_n = 0.0;                              ///< [N] F . n_out
-  double stiffness_n_per_m = 0.0;                     ///< [N/m] its derivative with d
-  double energy_j = 0.0;                              ///< [J] U
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] F, on the tool
+  Real depth_m = 0.0;                 ///< [m] d
+  bool touching = false;              ///< some d - t_j > 0
+  bool loaded = false;                ///< some d - t_j - delta_0 > 0
+  bool extrapolated = false;          ///< some node beyond its curve
+  Real normal_n = 0.0;                ///< [N] F . n_out
+  Real stiffness_n_per_m = 0.0;       ///< [N/m] its derivative with d
+  Real energy_j = 0.0;                ///< [J] U
+  Vector3 force_n = Vector3::Zero();  ///< [N] F, on the tool
 };
 
 /// @param pieces tried, and set.
 [[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
-                                    double tool_radius_m, double shift_m,
+                                    Real tool_radius_m, Real shift_m,
                                     CurvePieces& pieces) noexcept;
 
 /// Largest penetration at which nothing is loaded, d - min t_j over the nodes that
 /// count; delta_0 from there on gives U = 0.
-[[nodiscard]] double unloading_shift_m(const FieldPlace& place,
-                                       const ElementCache& cache,
-                                       double tool_radius_m) noexcept;
+[[nodiscard]] Real unloading_shift_m(const FieldPlace& place, const ElementCache& cache,
+                                     Real tool_radius_m) noexcept;
 
 }  // namespace palpate

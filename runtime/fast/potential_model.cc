@@ -11,13 +11,13 @@ namespace {
 
 // A field that is one function changes by no more than this many times the force times
 // the movement; more is a leap to another sheet of it.
-constexpr double kLeap = 4.0;
-constexpr double kLeapJ = 1e-15;
+constexpr Real kLeap = 4.0;
+constexpr Real kLeapJ = rounding(1e-15, 1e-8);
 
 // The element's Coulomb coefficient and presliding limit at the contact point.
 struct Friction {
-  double coefficient = 0.0;
-  double presliding_m = 0.0;
+  Real coefficient = 0.0;
+  Real presliding_m = 0.0;
   [[nodiscard]] bool any() const { return coefficient > 0.0 && presliding_m > 0.0; }
 };
 
@@ -25,8 +25,7 @@ Friction friction_at(const FieldPlace& place, const ElementCache& cache) {
   Friction friction;
   const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
   for (std::size_t j = 0; j < 3; ++j) {
-    const double weight =
-        std::max(0.0, place.frame.weight(static_cast<Eigen::Index>(j)));
+    const Real weight = std::max(0.0, place.frame.weight(static_cast<Eigen::Index>(j)));
     friction.coefficient += weight * element.node[j].friction;
     friction.presliding_m += weight * element.node[j].presliding_m;
   }
@@ -38,7 +37,7 @@ void release(PotentialModel& model) {
   model.presliding_m.setZero();
 }
 
-double spring_j(const PotentialModel& model) {
+Real spring_j(const PotentialModel& model) {
   return 0.5 * model.friction_n_per_m * model.presliding_m.squaredNorm();
 }
 
@@ -46,16 +45,16 @@ std::int32_t triangle_in(const ElementCache& cache, int slot) {
   return cache.triangle[static_cast<std::size_t>(slot)];
 }
 
-FieldResponse respond(PotentialModel& model, const ElementCache& cache, double radius) {
+FieldResponse respond(PotentialModel& model, const ElementCache& cache, Real radius) {
   return respond(model.place, cache, radius, model.shift_m, model.pieces);
 }
 
 // What fixes the continuation of what was rendered at x_k.
 struct Rendered {
   int slot = -1;
-  double height_m = 0.0;
-  Eigen::Vector3d weight;
-  Eigen::Vector3d normal;
+  Real height_m = 0.0;
+  Vector3 weight;
+  Vector3 normal;
   FieldResponse response;
 };
 
@@ -65,36 +64,35 @@ Rendered rendered(const PotentialModel& model) {
 }
 
 // What was rendered until now, continued by this movement.
-double carried_j(const Rendered& at, const ElementCache& cache, double radius,
-                 double shift_m, const Eigen::Vector3d& moved) {
+Real carried_j(const Rendered& at, const ElementCache& cache, Real radius, Real shift_m,
+               const Vector3& moved) {
   FieldPlace along;
   along.slot = at.slot;
   along.folded = true;
   along.at.height_m = at.height_m + at.normal.dot(moved);
   along.frame.weight = at.weight;
   CurvePieces pieces;
-  const double energy = respond(along, cache, radius, shift_m, pieces).energy_j;
-  const Eigen::Vector3d& f = at.response.force_n;
-  const Eigen::Vector3d along_n = f - f.dot(at.normal) * at.normal;
+  const Real energy = respond(along, cache, radius, shift_m, pieces).energy_j;
+  const Vector3& f = at.response.force_n;
+  const Vector3 along_n = f - f.dot(at.normal) * at.normal;
   return std::max(0.0, energy - along_n.dot(moved));
 }
 
-bool leapt(const FieldResponse& from, const FieldResponse& to,
-           const Eigen::Vector3d& moved) {
-  const double force2 = std::max(from.force_n.squaredNorm(), to.force_n.squaredNorm());
-  const double most = kLeap * std::sqrt(force2 * moved.squaredNorm()) + kLeapJ;
+bool leapt(const FieldResponse& from, const FieldResponse& to, const Vector3& moved) {
+  const Real force2 = std::max(from.force_n.squaredNorm(), to.force_n.squaredNorm());
+  const Real most = kLeap * std::sqrt(force2 * moved.squaredNorm()) + kLeapJ;
   return !(std::abs(to.energy_j - from.energy_j) <= most);
 }
 
 // Moves the model to x. @return the energy of what was rendered until now, at x; the
 // model's response is that of the field there, which may hold another energy.
-double move(PotentialModel& model, const ElementCache& cache, double radius,
-            const Eigen::Vector3d& x) {
+Real move(PotentialModel& model, const ElementCache& cache, Real radius,
+          const Vector3& x) {
   FieldPlace& place = model.place;
-  const Eigen::Vector3d moved = x - model.tool_m;
+  const Vector3 moved = x - model.tool_m;
   const Rendered before = rendered(model);
   const bool sound = !place.folded && !place.outside && !place.prism.flat;
-  double energy = -1.0;
+  Real energy = -1.0;
   if (place.outside) {
     FieldPlace within = place;
     if (follow_within(within, x)) {
@@ -113,8 +111,8 @@ double move(PotentialModel& model, const ElementCache& cache, double radius,
 
 // Another element where the rules allow it: in free space, or lost beyond an edge, the
 // one the slow process last called active; else a newer copy of the same triangle.
-void change_element(PotentialModel& model, const ElementCache& cache, double radius,
-                    const Eigen::Vector3d& x) {
+void change_element(PotentialModel& model, const ElementCache& cache, Real radius,
+                    const Vector3& x) {
   const bool news = cache.received != model.received_seen;
   model.received_seen = cache.received;
   if (!news && !model.place.outside) {
@@ -152,39 +150,39 @@ void set_spring(PotentialModel& model, const ElementCache& cache) {
     release(model);
     return;
   }
-  const double before = model.friction_n_per_m;
-  const double now =
+  const Real before = model.friction_n_per_m;
+  const Real now =
       friction.coefficient * model.response.normal_n / friction.presliding_m;
   model.friction_n_per_m = now;
-  Eigen::Vector3d& t = model.presliding_m;
-  const double length2 = t.squaredNorm();
+  Vector3& t = model.presliding_m;
+  const Real length2 = t.squaredNorm();
   if (!(length2 > 0.0)) {
     return;
   }
-  const Eigen::Vector3d& n = model.place.frame.normal;
+  const Vector3& n = model.place.frame.normal;
   t -= t.dot(n) * n;
-  const double in_plane2 = t.squaredNorm();
-  const double kept2 = now > before ? length2 * before / now : length2;  // (23)
-  const double limit2 = friction.presliding_m * friction.presliding_m;
+  const Real in_plane2 = t.squaredNorm();
+  const Real kept2 = now > before ? length2 * before / now : length2;  // (23)
+  const Real limit2 = friction.presliding_m * friction.presliding_m;
   if (in_plane2 > 0.0) {
     t *= std::sqrt(std::min(kept2, limit2) / in_plane2);
   }
 }
 
 // Brings the changed model down to the allowance: friction spring first, then delta_0.
-void pay(PotentialModel& model, const ElementCache& cache, double radius,
-         double allowed_j) {
-  const double spring = spring_j(model);
+void pay(PotentialModel& model, const ElementCache& cache, Real radius,
+         Real allowed_j) {
+  const Real spring = spring_j(model);
   if (model.response.energy_j + spring <= allowed_j) {
     return;
   }
   if (spring > 0.0) {
-    const double kept_j = std::max(0.0, allowed_j - model.response.energy_j);
+    const Real kept_j = kPaid * std::max(0.0, allowed_j - model.response.energy_j);
     model.presliding_m *= std::sqrt(kept_j / spring);  // (23)
   }
   if (model.response.energy_j > allowed_j) {
     model.presliding_m.setZero();
-    const auto at_shift = [&](double shift_m) {
+    const auto at_shift = [&](Real shift_m) {
       const FieldResponse at =
           respond(model.place, cache, radius, shift_m, model.pieces);
       return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
@@ -198,18 +196,18 @@ void pay(PotentialModel& model, const ElementCache& cache, double radius,
 
 // delta_0 sinks back: at once where nothing is loaded, else as time and the unspent
 // allowance permit.
-void recover(PotentialModel& model, const ElementCache& cache, double radius,
-             double unspent_j, double step_m) {
+void recover(PotentialModel& model, const ElementCache& cache, Real radius,
+             Real unspent_j, Real step_m) {
   if (!model.response.loaded) {
     model.shift_m =
         std::min(model.shift_m, unloading_shift_m(model.place, cache, radius));
     return;
   }
-  const auto at_shift = [&](double shift_m) {
+  const auto at_shift = [&](Real shift_m) {
     const FieldResponse at = respond(model.place, cache, radius, shift_m, model.pieces);
     return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
   };
-  const double shift = recovered_shift_m(
+  const Real shift = recovered_shift_m(
       {model.shift_m, model.response.energy_j, model.response.normal_n}, step_m,
       unspent_j, at_shift);
   if (shift != model.shift_m) {
@@ -219,18 +217,18 @@ void recover(PotentialModel& model, const ElementCache& cache, double radius,
 }
 
 // The tool's tangential movement stretches the spring.
-void stretch(PotentialModel& model, const Eigen::Vector3d& x) {
+void stretch(PotentialModel& model, const Vector3& x) {
   if (model.friction_n_per_m > 0.0) {
-    const Eigen::Vector3d& n = model.place.frame.normal;
-    const Eigen::Vector3d moved = x - model.tool_m;
+    const Vector3& n = model.place.frame.normal;
+    const Vector3 moved = x - model.tool_m;
     model.presliding_m += moved - moved.dot(n) * n;
   }
 }
 
 }  // namespace
 
-double moved_energy_j(PotentialModel model, const ElementCache& cache,
-                      double tool_radius_m, const Eigen::Vector3d& x_m) noexcept {
+Real moved_energy_j(PotentialModel model, const ElementCache& cache, Real tool_radius_m,
+                    const Vector3& x_m) noexcept {
   if (model.place.slot < 0) {
     return 0.0;
   }
@@ -238,18 +236,18 @@ double moved_energy_j(PotentialModel model, const ElementCache& cache,
   return move(model, cache, tool_radius_m, x_m) + spring_j(model);
 }
 
-Eigen::Vector3d advance(PotentialModel& model, ElementCache& cache,
-                        PassivityLedger& ledger, const ElementModelLimits& limits,
-                        const Eigen::Vector3d& x_m, double dt_s) noexcept {
-  const double radius = limits.tool_radius_m;
+Vector3 advance(PotentialModel& model, ElementCache& cache, PassivityLedger& ledger,
+                const ElementModelLimits& limits, const Vector3& x_m,
+                Real dt_s) noexcept {
+  const Real radius = limits.tool_radius_m;
   if (model.place.slot >= 0) {
     stretch(model, x_m);
-    const double moved_j = move(model, cache, radius, x_m);
+    const Real moved_j = move(model, cache, radius, x_m);
     book_work(ledger, moved_j + spring_j(model));
   }
   change_element(model, cache, radius, x_m);
   if (model.place.slot < 0) {
-    return Eigen::Vector3d::Zero();
+    return Vector3::Zero();
   }
   cache.pinned = model.place.slot;
   if (!model.place.outside) {
@@ -257,13 +255,13 @@ Eigen::Vector3d advance(PotentialModel& model, ElementCache& cache,
   }
   set_spring(model, cache);
   note_shortfall(ledger, model.response.energy_j + spring_j(model));
-  const double allowed = allowance_j(ledger);
+  const Real allowed = not_above(allowance_j(ledger));
   pay(model, cache, radius, allowed);
   if (model.shift_m > 0.0) {
-    const double unspent = allowed - model.response.energy_j - spring_j(model);
+    const Real unspent = allowed - model.response.energy_j - spring_j(model);
     recover(model, cache, radius, unspent, limits.recovery_m_per_s * dt_s);
   }
-  double keep = model.response.touching ? model.response.energy_j : 0.0;
+  Real keep = model.response.touching ? model.response.energy_j : 0.0;
   if (model.shift_m > 0.0 && model.response.touching) {
     keep = respond(model.place, cache, radius, 0.0, model.pieces).energy_j;
   }

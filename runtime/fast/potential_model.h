@@ -30,17 +30,18 @@
 #include "runtime/fast/field_place.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/potential_field.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
 /// Parameters of the field and of the friction spring, and the last tick.
 struct PotentialModel {
   FieldPlace place;
-  double shift_m = 0.0;                                    ///< [m] delta_0 >= 0
-  double friction_n_per_m = 0.0;                           ///< [N/m] k_t >= 0
-  Eigen::Vector3d presliding_m = Eigen::Vector3d::Zero();  ///< [m] delta_t
-  Eigen::Vector3d tool_m = Eigen::Vector3d::Zero();        ///< [m] x_k
-  FieldResponse response;                                  ///< at x_k
+  Real shift_m = 0.0;                      ///< [m] delta_0 >= 0
+  Real friction_n_per_m = 0.0;             ///< [N/m] k_t >= 0
+  Vector3 presliding_m = Vector3::Zero();  ///< [m] delta_t
+  Vector3 tool_m = Vector3::Zero();        ///< [m] x_k
+  FieldResponse response;                  ///< at x_k
   CurvePieces pieces;
   std::uint64_t received_seen = 0;    ///< cache.received at the last tick
   std::uint64_t received_inside = 0;  ///< cache.received when last inside
@@ -48,13 +49,12 @@ struct PotentialModel {
 
 /// One tick: books the work of the movement to x_m, then changes the model there.
 /// @param x_m finite. @return force on the tool [N], friction included.
-Eigen::Vector3d advance(PotentialModel& model, ElementCache& cache,
-                        PassivityLedger& ledger, const ElementModelLimits& limits,
-                        const Eigen::Vector3d& x_m, double dt_s) noexcept;
+Vector3 advance(PotentialModel& model, ElementCache& cache, PassivityLedger& ledger,
+                const ElementModelLimits& limits, const Vector3& x_m,
+                Real dt_s) noexcept;
 
 /// Energy of the model with the tool moved to x_m [J], before anything changes.
-[[nodiscard]] double moved_energy_j(PotentialModel model, const ElementCache& cache,
-                                    double tool_radius_m,
-                                    const Eigen::Vector3d& x_m) noexcept;
+[[nodiscard]] Real moved_energy_j(PotentialModel model, const ElementCache& cache,
+                                  Real tool_radius_m, const Vector3& x_m) noexcept;
 
 }  // namespace palpate

@@ -13,15 +13,17 @@ namespace {
 constexpr int kNewtonMax = 12;
 // A step this small, in area coordinates and edges, is the last: Newton's method
 // squares it.
-constexpr double kLastStep = 1e-7;
+constexpr Real kLastStep = rounding(1e-7, 1e-4);
+// And one that moves a point by this much of its distance from the origin.
+constexpr Real kRounding = rounding(4e-16, 2e-7);
 // A step longer than this, likewise, is not followed.
-constexpr double kFarOut = 16.0;
+constexpr Real kFarOut = 16.0;
 // Length of N below which normals have cancelled.
-constexpr double kNoNormal = 1e-3;
+constexpr Real kNoNormal = 1e-3;
 
 // Weights at the nearest point of the triangle, and how they turn with n.
-void hold(const Prism& prism, const Eigen::Vector3d& area, PrismFrame& frame) {
-  const Eigen::Matrix3d& v = prism.corner_m;
+void hold(const Prism& prism, const Vector3& area, PrismFrame& frame) {
+  const Matrix3& v = prism.corner_m;
   frame.weight = triangle::nearest_inside(v, area);
   frame.turn.setZero();
   int out = 0;
@@ -33,9 +35,9 @@ void hold(const Prism& prism, const Eigen::Vector3d& area, PrismFrame& frame) {
   if (!(frame.weight(j) > 0.0 && frame.weight(k) > 0.0)) {
     return;  // at a corner
   }
-  const Eigen::Vector3d edge = v.col(k) - v.col(j);
+  const Vector3 edge = v.col(k) - v.col(j);
   for (int i = 0; i < 2; ++i) {
-    const double along = (v.col(i + 1) - v.col(0)).dot(edge) / edge.squaredNorm();
+    const Real along = (v.col(i + 1) - v.col(0)).dot(edge) / edge.squaredNorm();
     frame.turn(j, i) = -along;
     frame.turn(k, i) = along;
   }
@@ -43,19 +45,19 @@ void hold(const Prism& prism, const Eigen::Vector3d& area, PrismFrame& frame) {
 
 // What one step of Newton's method changes.
 struct Step {
-  double d1 = 0.0;
-  double d2 = 0.0;
-  double ds_m = 0.0;
+  Real d1 = 0.0;
+  Real d2 = 0.0;
+  Real ds_m = 0.0;
 };
 
-Step solve(const PrismFrame& frame, const Eigen::Vector3d& r_m) {
-  const double inverse = frame.inverse_per_m2;
-  const Eigen::Vector3d turned_r = frame.normal.cross(r_m);
+Step solve(const PrismFrame& frame, const Vector3& r_m) {
+  const Real inverse = frame.inverse_per_m2;
+  const Vector3 turned_r = frame.normal.cross(r_m);
   return {inverse * frame.along2_m.dot(turned_r),
           -inverse * frame.along1_m.dot(turned_r), inverse * r_m.dot(frame.cross_m2)};
 }
 
-double apply(const Step& step, double size_m, PrismPoint& at) {
+Real apply(const Step& step, Real size_m, PrismPoint& at) {
   at.area(0) -= step.d1 + step.d2;
   at.area(1) += step.d1;
   at.area(2) += step.d2;
@@ -64,9 +66,9 @@ double apply(const Step& step, double size_m, PrismPoint& at) {
 }
 
 // dn_out and d ln|N| by n_i, from dN.
-void bend(const PrismFrame& frame, const Eigen::Vector3d& dn, double inverse,
-          Eigen::Vector3d& normal, double& growth) {
-  const double along = dn.dot(frame.normal);
+void bend(const PrismFrame& frame, const Vector3& dn, Real inverse, Vector3& normal,
+          Real& growth) {
+  const Real along = dn.dot(frame.normal);
   normal = inverse * (dn - along * frame.normal);
   growth = inverse * along;
 }
@@ -78,12 +80,11 @@ Prism make_prism(const Element& element) noexcept {
   for (std::size_t j = 0; j < 3; ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     const ElementNode& node = element.node[j];
-    prism.corner_m.col(column) =
-        Eigen::Map<const Eigen::Vector3d>(node.position_m.data());
-    prism.normal.col(column) = Eigen::Map<const Eigen::Vector3d>(node.normal.data());
+    prism.corner_m.col(column) = Eigen::Map<const Vector3>(node.position_m.data());
+    prism.normal.col(column) = Eigen::Map<const Vector3>(node.normal.data());
   }
-  const Eigen::Vector3d e1 = prism.corner_m.col(1) - prism.corner_m.col(0);
-  const Eigen::Vector3d e2 = prism.corner_m.col(2) - prism.corner_m.col(0);
+  const Vector3 e1 = prism.corner_m.col(1) - prism.corner_m.col(0);
+  const Vector3 e2 = prism.corner_m.col(2) - prism.corner_m.col(0);
   prism.doubled_area_m2 = e1.cross(e2).norm();
   prism.size_m = std::sqrt(prism.doubled_area_m2);
   prism.flat = triangle::flat(e1, e2);
@@ -92,10 +93,10 @@ Prism make_prism(const Element& element) noexcept {
 
 void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
                PrismFrame& frame) noexcept {
-  const Eigen::Matrix3d& v = prism.corner_m;
-  const Eigen::Matrix3d& n = prism.normal;
-  Eigen::Vector3d turn1;
-  Eigen::Vector3d turn2;
+  const Matrix3& v = prism.corner_m;
+  const Matrix3& n = prism.normal;
+  Vector3 turn1;
+  Vector3 turn2;
   if (beyond == Beyond::kAnalytic || at.area.minCoeff() >= 0.0) {
     frame.weight = at.area;
     frame.turn << -1.0, -1.0, 1.0, 0.0, 0.0, 1.0;
@@ -106,15 +107,15 @@ void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
     turn1 = n * frame.turn.col(0);
     turn2 = n * frame.turn.col(1);
   }
-  const Eigen::Vector3d sum = n * frame.weight;
-  const double length = sum.norm();
+  const Vector3 sum = n * frame.weight;
+  const Real length = sum.norm();
   if (prism.flat || !(length > kNoNormal)) {
-    const Eigen::Vector3d weight = frame.weight;
-    const Eigen::Matrix<double, 3, 2> turn = frame.turn;
+    const Vector3 weight = frame.weight;
+    const Eigen::Matrix<Real, 3, 2> turn = frame.turn;
     frame = {.weight = weight, .turn = turn};
     return;
   }
-  const double inverse = 1.0 / length;
+  const Real inverse = 1.0 / length;
   frame.normal = inverse * sum;
   bend(frame, turn1, inverse, frame.bend1, frame.growth(0));
   bend(frame, turn2, inverse, frame.bend2, frame.growth(1));
@@ -122,36 +123,36 @@ void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
   frame.along1_m = v.col(1) - v.col(0) + at.height_m * frame.bend1;
   frame.along2_m = v.col(2) - v.col(0) + at.height_m * frame.bend2;
   frame.cross_m2 = frame.along1_m.cross(frame.along2_m);
-  const double determinant_m2 = frame.cross_m2.dot(frame.normal);
+  const Real determinant_m2 = frame.cross_m2.dot(frame.normal);
   frame.inverse_per_m2 = 1.0 / determinant_m2;
   frame.scale = determinant_m2 / prism.doubled_area_m2;
 }
 
-double newton_step(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
-                   PrismPoint& at) noexcept {
+Real newton_step(const PrismFrame& frame, const Vector3& r_m, Real size_m,
+                 PrismPoint& at) noexcept {
   return apply(solve(frame, r_m), size_m, at);
 }
 
-void predict(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
+void predict(const PrismFrame& frame, const Vector3& r_m, Real size_m,
              PrismPoint& at) noexcept {
   const Step first = solve(frame, r_m);
-  const Eigen::Vector3d tau = first.d1 * frame.bend1 + first.d2 * frame.bend2;
-  const double growth = first.d1 * frame.growth(0) + first.d2 * frame.growth(1);
-  const Eigen::Vector3d q = (first.ds_m - at.height_m * growth) * tau -
-                            (0.5 * at.height_m * tau.squaredNorm()) * frame.normal;
+  const Vector3 tau = first.d1 * frame.bend1 + first.d2 * frame.bend2;
+  const Real growth = first.d1 * frame.growth(0) + first.d2 * frame.growth(1);
+  const Vector3 q = (first.ds_m - at.height_m * growth) * tau -
+                    (0.5 * at.height_m * tau.squaredNorm()) * frame.normal;
   (void)apply(solve(frame, r_m - q), size_m, at);
 }
 
-PrismSolve find_coordinates(const Prism& prism, const Eigen::Vector3d& x_m,
-                            Beyond beyond, PrismPoint& at, PrismFrame& frame) noexcept {
-  const double rounding_m = 4e-16 * (x_m.cwiseAbs().maxCoeff() + prism.size_m);
+PrismSolve find_coordinates(const Prism& prism, const Vector3& x_m, Beyond beyond,
+                            PrismPoint& at, PrismFrame& frame) noexcept {
+  const Real rounding_m = kRounding * (x_m.cwiseAbs().maxCoeff() + prism.size_m);
   for (int i = 0; i < kNewtonMax; ++i) {
     set_frame(prism, at, beyond, frame);
     if (!(frame.scale > kScaleMin)) {
       return PrismSolve::kFolded;
     }
-    const Eigen::Vector3d r = x_m - frame.position_m;
-    const double step = newton_step(frame, r, prism.size_m, at);
+    const Vector3 r = x_m - frame.position_m;
+    const Real step = newton_step(frame, r, prism.size_m, at);
     if (step <= kLastStep || r.cwiseAbs().maxCoeff() <= rounding_m) {
       frame.position_m = x_m;
       return PrismSolve::kFound;
@@ -163,8 +164,8 @@ PrismSolve find_coordinates(const Prism& prism, const Eigen::Vector3d& x_m,
   return PrismSolve::kFolded;
 }
 
-Eigen::Vector3d gradient(const PrismFrame& frame, double by_n1, double by_n2,
-                         double by_s_per_m) noexcept {
+Vector3 gradient(const PrismFrame& frame, Real by_n1, Real by_n2,
+                 Real by_s_per_m) noexcept {
   return frame.inverse_per_m2 *
          ((by_n1 * frame.along2_m - by_n2 * frame.along1_m).cross(frame.normal) +
           by_s_per_m * frame.cross_m2);

@@ -16,24 +16,25 @@
 #include <Eigen/Core>
 
 #include "runtime/fast/element.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
 /// What of an element fixes the map.
 struct Prism {
-  Eigen::Matrix3d corner_m = Eigen::Matrix3d::Zero();  ///< [m] v_j, one per column
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();    ///< [-] n_j^out, one per column
-  double doubled_area_m2 = 0.0;                        ///< [m^2] of the triangle
-  double size_m = 0.0;                                 ///< [m] its square root
-  bool flat = true;  ///< no area to speak of: the map has no inverse
+  Matrix3 corner_m = Matrix3::Zero();  ///< [m] v_j, one per column
+  Matrix3 normal = Matrix3::Zero();    ///< [-] n_j^out, one per column
+  Real doubled_area_m2 = 0.0;          ///< [m^2] of the triangle
+  Real size_m = 0.0;                   ///< [m] its square root
+  bool flat = true;                    ///< no area to speak of: the map has no inverse
 };
 
 [[nodiscard]] Prism make_prism(const Element& element) noexcept;
 
 /// Coordinates in a prism.
 struct PrismPoint {
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();  ///< [-] sum 1; any sign
-  double height_m = 0.0;                           ///< [m] s, outside the body > 0
+  Vector3 area = Vector3::Zero();  ///< [-] sum 1; any sign
+  Real height_m = 0.0;             ///< [m] s, outside the body > 0
 };
 
 /// How the map goes on where an area coordinate is negative.
@@ -44,19 +45,19 @@ enum class Beyond : std::uint8_t {
 
 /// The map and its derivatives at a point.
 struct PrismFrame {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< [m] x
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< [-] n_out = dx/ds
-  Eigen::Vector3d along1_m = Eigen::Vector3d::Zero();  ///< [m] dx/dn_1, n_0 giving way
-  Eigen::Vector3d along2_m = Eigen::Vector3d::Zero();  ///< [m] dx/dn_2, likewise
-  Eigen::Vector3d cross_m2 = Eigen::Vector3d::Zero();  ///< [m^2] along1 x along2
-  Eigen::Vector3d weight = Eigen::Vector3d::Zero();    ///< [-] >= 0 if held; sum 1
+  Vector3 position_m = Vector3::Zero();  ///< [m] x
+  Vector3 normal = Vector3::Zero();      ///< [-] n_out = dx/ds
+  Vector3 along1_m = Vector3::Zero();    ///< [m] dx/dn_1, n_0 giving way
+  Vector3 along2_m = Vector3::Zero();    ///< [m] dx/dn_2, likewise
+  Vector3 cross_m2 = Vector3::Zero();    ///< [m^2] along1 x along2
+  Vector3 weight = Vector3::Zero();      ///< [-] >= 0 if held; sum 1
   /// [-] dw/dn_1 and dw/dn_2, one per column.
-  Eigen::Matrix<double, 3, 2> turn = Eigen::Matrix<double, 3, 2>::Zero();
-  Eigen::Vector3d bend1 = Eigen::Vector3d::Zero();   ///< [-] dn_out/dn_1
-  Eigen::Vector3d bend2 = Eigen::Vector3d::Zero();   ///< [-] dn_out/dn_2
-  Eigen::Vector2d growth = Eigen::Vector2d::Zero();  ///< [-] d ln|N| by n_1, n_2
-  double inverse_per_m2 = 0.0;  ///< [1/m^2] of the Jacobian's determinant
-  double scale = 0.0;  ///< [-] determinant over the triangle's; 0: no normal here
+  Eigen::Matrix<Real, 3, 2> turn = Eigen::Matrix<Real, 3, 2>::Zero();
+  Vector3 bend1 = Vector3::Zero();   ///< [-] dn_out/dn_1
+  Vector3 bend2 = Vector3::Zero();   ///< [-] dn_out/dn_2
+  Vector2 growth = Vector2::Zero();  ///< [-] d ln|N| by n_1, n_2
+  Real inverse_per_m2 = 0.0;         ///< [1/m^2] of the Jacobian's determinant
+  Real scale = 0.0;  ///< [-] determinant over the triangle's; 0: no normal here
 };
 
 /// @param frame set whole.
@@ -71,7 +72,7 @@ void set_frame(const Prism& prism, const PrismPoint& at, Beyond beyond,
 }
 
 /// Least scale of a frame in which coordinates are still taken for sound.
-constexpr double kScaleMin = 0.05;
+constexpr Real kScaleMin = 0.05;
 
 enum class PrismSolve : std::uint8_t {
   kFound,
@@ -80,24 +81,25 @@ enum class PrismSolve : std::uint8_t {
 
 /// One step of Newton's method: coordinates of the point r_m [m] away from the frame's.
 /// @returns the largest change, of area coordinates and of the height over size_m [-].
-double newton_step(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
-                   PrismPoint& at) noexcept;
+Real newton_step(const PrismFrame& frame, const Vector3& r_m, Real size_m,
+                 PrismPoint& at) noexcept;
 
 /// Coordinates of the point r_m [m] away from the frame's to second order: with
 /// delta = J^-1 r and tau = d1 bend1 + d2 bend2, the map's second-order part
 /// q = ds tau - s (d ln|N|) tau - s |tau|^2 n / 2 is taken off r.
-void predict(const PrismFrame& frame, const Eigen::Vector3d& r_m, double size_m,
+void predict(const PrismFrame& frame, const Vector3& r_m, Real size_m,
              PrismPoint& at) noexcept;
 
 /// Coordinates of x by Newton's method from `at`, which is left at the last estimate;
-/// `frame` is that of the solution to 1e-7 of the element's size, its position x.
-[[nodiscard]] PrismSolve find_coordinates(const Prism& prism,
-                                          const Eigen::Vector3d& x_m, Beyond beyond,
-                                          PrismPoint& at, PrismFrame& frame) noexcept;
+/// `frame` is that of the solution to 1e-7 (float: 1e-4) of the element's size, its
+/// position x.
+[[nodiscard]] PrismSolve find_coordinates(const Prism& prism, const Vector3& x_m,
+                                          Beyond beyond, PrismPoint& at,
+                                          PrismFrame& frame) noexcept;
 
 /// Gradient at the frame's point [per m] of a function with these derivatives by n_1,
 /// n_2 (n_0 giving way) and s [m].
-[[nodiscard]] Eigen::Vector3d gradient(const PrismFrame& frame, double by_n1,
-                                       double by_n2, double by_s_per_m) noexcept;
+[[nodiscard]] Vector3 gradient(const PrismFrame& frame, Real by_n1, Real by_n2,
+                               Real by_s_per_m) noexcept;
 
 }  // namespace palpate

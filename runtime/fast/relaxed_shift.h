@@ -4,31 +4,35 @@
 
 #include <algorithm>
 
+#include "runtime/fast/real.h"
+
 namespace palpate {
+
+/// Part of an allowance that is spent where rounding must not exceed it.
+constexpr Real kPaid = rounding(1.0, 1.0 - 1e-6);
 
 /// Energy of a local model at one delta_0, and its derivative's negative.
 struct ShiftedEnergy {
-  double shift_m = 0.0;   ///< [m] delta_0
-  double energy_j = 0.0;  ///< [J]
-  double force_n = 0.0;   ///< [N] -dE/d(delta_0)
+  Real shift_m = 0.0;   ///< [m] delta_0
+  Real energy_j = 0.0;  ///< [J]
+  Real force_n = 0.0;   ///< [N] -dE/d(delta_0)
 };
 
 /// Smallest delta_0 for which the energy is at most allowed_j: Newton from below, kept
 /// in its bracket, at most 40 evaluations; ends on the side that is paid for, within
-/// 1e-9 of the allowance.
+/// 1e-9 (float: 1e-5) of the allowance.
 /// @param now more than allowed_j is held at this delta_0.
 /// @param shift_max_m [m] delta_0 at which nothing is held.
 /// @param at_shift delta_0 -> ShiftedEnergy.
 template <typename AtShift>
-[[nodiscard]] double raised_shift_m(ShiftedEnergy now, double shift_max_m,
-                                    double allowed_j,
-                                    const AtShift& at_shift) noexcept {
+[[nodiscard]] Real raised_shift_m(ShiftedEnergy now, Real shift_max_m, Real allowed_j,
+                                  const AtShift& at_shift) noexcept {
   constexpr int kSolveMax = 40;
-  constexpr double kRelative = 1e-9;
-  constexpr double kSmallestJ = 1e-16;
-  const double target_j = std::max(0.0, allowed_j * (1.0 - 0.5 * kRelative));
-  double low = now.shift_m;
-  double high = shift_max_m;
+  constexpr Real kRelative = rounding(1e-9, 1e-5);
+  constexpr Real kSmallestJ = rounding(1e-16, 1e-12);
+  const Real target_j = std::max(0.0, allowed_j * (1.0 - 0.5 * kRelative));
+  Real low = now.shift_m;
+  Real high = shift_max_m;
   for (int i = 0; i < kSolveMax && allowed_j > kSmallestJ; ++i) {
     if (now.energy_j > allowed_j) {
       low = now.shift_m;
@@ -37,7 +41,7 @@ template <typename AtShift>
     } else {
       return now.shift_m;
     }
-    const double newton = now.shift_m + (now.energy_j - target_j) / now.force_n;
+    const Real newton = now.shift_m + (now.energy_j - target_j) / now.force_n;
     const bool in_bracket = newton > low && newton < high;
     now = at_shift(in_bracket ? newton : 0.5 * (low + high));
   }
@@ -48,12 +52,11 @@ template <typename AtShift>
 /// @param now     the present state, of which unspent_j is left.
 /// @param step_m  [m] most that time permits.
 template <typename AtShift>
-[[nodiscard]] double recovered_shift_m(const ShiftedEnergy& now, double step_m,
-                                       double unspent_j,
-                                       const AtShift& at_shift) noexcept {
-  double back = std::min(now.shift_m, step_m);
+[[nodiscard]] Real recovered_shift_m(const ShiftedEnergy& now, Real step_m,
+                                     Real unspent_j, const AtShift& at_shift) noexcept {
+  Real back = std::min(now.shift_m, step_m);
   for (int attempt = 0; attempt < 2 && back > 0.0; ++attempt) {
-    const double cost = at_shift(now.shift_m - back).energy_j - now.energy_j;
+    const Real cost = at_shift(now.shift_m - back).energy_j - now.energy_j;
     if (cost <= unspent_j) {
       return now.shift_m - back;
     }

@@ -9,27 +9,27 @@ namespace {
 
 // Largest part of the energies that ever went through the account that may be missing
 // for rounding, and the same in absolute terms.
-constexpr double kRoundingRelative = 1e-9;
-constexpr double kRoundingJ = 1e-9;
+constexpr double kRoundingRelative = rounding(1e-9, 1e-6);
+constexpr double kRoundingJ = rounding(1e-9, 1e-6);
 
-Eigen::Vector3d clamp_length(const Eigen::Vector3d& v, double length_max) {
+Vector3 clamp_length(const Vector3& v, Real length_max) {
   return v.squaredNorm() > length_max * length_max
-             ? Eigen::Vector3d(v * (length_max / v.norm()))
+             ? Vector3(v * (length_max / v.norm()))
              : v;
 }
 
 // Largest force that may leave [N]: all of it after the start-up ramp.
-double force_allowed_n(const SafetyLimits& limits, double age_s) {
+Real force_allowed_n(const SafetyLimits& limits, Real age_s) {
   return age_s < limits.ramp_s ? limits.force_max_n * (age_s / limits.ramp_s)
                                : limits.force_max_n;
 }
 
 bool account_holds(const PassivityLedger& ledger, const SafetyState& state,
-                   double floor_j) {
+                   Real floor_j) {
   const double tolerance =
       kRoundingJ + kRoundingRelative * (ledger.stored_j + ledger.dissipated_j);
   return std::abs(imbalance_j(ledger)) <= tolerance && ledger.created_j <= tolerance &&
-         ledger.tank_j >= 0.0 && ledger.work_j - state.clamp_gain_j >= -floor_j;
+         ledger.tank_j >= 0 && ledger.work_j - state.clamp_gain_j >= -floor_j;
 }
 
 }  // namespace
@@ -48,15 +48,14 @@ void raise_fault(SafetyState& state, Fault fault) noexcept {
   }
 }
 
-Eigen::Vector3d make_safe(SafetyState& state, const SafetyLimits& limits,
-                          const PassivityLedger& ledger,
-                          const Eigen::Vector3d& wanted_n,
-                          const Eigen::Vector3d& moved_m, double dt_s) noexcept {
-  const double gain_j = (state.force_n - state.model_n).dot(moved_m);
+Vector3 make_safe(SafetyState& state, const SafetyLimits& limits,
+                  const PassivityLedger& ledger, const Vector3& wanted_n,
+                  const Vector3& moved_m, Real dt_s) noexcept {
+  const Real gain_j = (state.force_n - state.model_n).dot(moved_m);
   if (!wanted_n.allFinite() || !std::isfinite(gain_j)) {
     raise_fault(state, Fault::kNotFinite);
   } else {
-    state.clamp_gain_j = std::max(0.0, state.clamp_gain_j + gain_j);
+    state.clamp_gain_j = std::max<double>(0.0, state.clamp_gain_j + double(gain_j));
   }
   if (state.fault == Fault::kNone && std::isfinite(limits.energy_floor_j) &&
       !account_holds(ledger, state, limits.energy_floor_j)) {
@@ -69,10 +68,9 @@ Eigen::Vector3d make_safe(SafetyState& state, const SafetyLimits& limits,
   }
   state.model_n = wanted_n;
   state.age_s += dt_s;
-  const Eigen::Vector3d clamped =
-      clamp_length(wanted_n, force_allowed_n(limits, state.age_s));
+  const Vector3 clamped = clamp_length(wanted_n, force_allowed_n(limits, state.age_s));
   // An infinite slew limit and dt 0 would be NaN; no time, no change.
-  const double change_max = dt_s > 0.0 ? limits.slew_max_n_per_s * dt_s : 0.0;
+  const Real change_max = dt_s > 0.0 ? limits.slew_max_n_per_s * dt_s : 0.0;
   state.force_n += clamp_length(clamped - state.force_n, change_max);
   return state.force_n;
 }

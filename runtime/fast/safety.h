@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "runtime/fast/passivity_ledger.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
@@ -27,17 +28,17 @@ enum class Fault : std::uint8_t {
 [[nodiscard]] std::string_view name(Fault fault) noexcept;
 
 struct SafetyLimits {
-  double force_max_n = 10.0;         ///< [N] (0, inf] length of the force vector
-  double slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf] change of the force vector
-  double energy_floor_j = 0.01;  ///< [J] (0, inf] what the clamps' lag may have created
-  double ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
+  Real force_max_n = 10.0;         ///< [N] (0, inf] length of the force vector
+  Real slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf] change of the force vector
+  Real energy_floor_j = 0.01;  ///< [J] (0, inf] what the clamps' lag may have created
+  Real ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
 };
 
 struct SafetyState {
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] last that left
-  Eigen::Vector3d model_n = Eigen::Vector3d::Zero();  ///< [N] last that was asked for
-  double clamp_gain_j = 0.0;  ///< [J] >= 0 given to the user beyond the model
-  double age_s = 0.0;         ///< [s] since the start, as the steps counted it
+  Vector3 force_n = Vector3::Zero();  ///< [N] last that left
+  Vector3 model_n = Vector3::Zero();  ///< [N] last that was asked for
+  double clamp_gain_j = 0.0;          ///< [J] >= 0 given to the user beyond the model
+  Real age_s = 0.0;                   ///< [s] since the start, as the steps counted it
   Fault fault = Fault::kNone;
 };
 
@@ -56,9 +57,8 @@ void raise_fault(SafetyState& state, Fault fault) noexcept;
 /// @param moved_m  [m] movement of the tool since the last call.
 /// @param dt_s     [s] >= 0 since the last call; 0 leaves the force as it was.
 /// @return the force for the device [N]; zero on any fault.
-Eigen::Vector3d make_safe(SafetyState& state, const SafetyLimits& limits,
-                          const PassivityLedger& ledger,
-                          const Eigen::Vector3d& wanted_n,
-                          const Eigen::Vector3d& moved_m, double dt_s) noexcept;
+Vector3 make_safe(SafetyState& state, const SafetyLimits& limits,
+                  const PassivityLedger& ledger, const Vector3& wanted_n,
+                  const Vector3& moved_m, Real dt_s) noexcept;
 
 }  // namespace palpate

@@ -7,34 +7,34 @@ namespace palpate {
 namespace {
 
 // Below this movement (20) divides by rounding.
-constexpr double kStillM = 1e-9;
+constexpr Real kStillM = rounding(1e-9, 1e-7);
 
 bool holds(const ScalarModel& model) {
   return model.kind == LocalModel::kSingle || model.kind == LocalModel::kFirstOrderHold;
 }
 
-double held_force(const ScalarModel& m) {
+Real held_force(const ScalarModel& m) {
   const bool extrapolates = m.kind == LocalModel::kFirstOrderHold && m.interval_s > 0.0;
   if (!extrapolates) {
     return m.latest.f_n;
   }
-  const double ahead = std::min(m.since_s / m.interval_s, 1.0);
+  const Real ahead = std::min(m.since_s / m.interval_s, 1.0);
   return std::max(0.0, m.latest.f_n + (m.latest.f_n - m.before.f_n) * ahead);
 }
 
 // (20), or 0 where it says nothing about the response.
-double secant_stiffness(const SlowValue& before, const SlowValue& now) {
-  const double dx = now.x_m - before.x_m;
-  const double k = (now.f_n - before.f_n) / dx;
-  const double k_max = 10.0 * std::max(now.k_n_per_m, before.k_n_per_m);
+Real secant_stiffness(const SlowValue& before, const SlowValue& now) {
+  const Real dx = now.x_m - before.x_m;
+  const Real k = (now.f_n - before.f_n) / dx;
+  const Real k_max = 10.0 * std::max(now.k_n_per_m, before.k_n_per_m);
   return std::abs(dx) > kStillM && k > 0.0 && k <= k_max ? k : 0.0;
 }
 
 void update_equal_energy(ScalarModel& model, PassivityLedger& ledger,
                          const SlowValue& slow) {
-  const double e = ledger.stored_j;  // E_{i-1}(x_i)
+  const Real e = not_above(ledger.stored_j);  // E_{i-1}(x_i)
   if (slow.f_n > 0.0 && model.updates > 0) {
-    const double k = secant_stiffness(model.latest, slow);
+    const Real k = secant_stiffness(model.latest, slow);
     model.k_n_per_m = k > 0.0 ? k : model.k_n_per_m;
   } else if (!(e > 0.0)) {  // (24)
     model.k_n_per_m = 0.0;
@@ -53,7 +53,7 @@ void update_energy_tank(ScalarModel& model, PassivityLedger& ledger,
   }
   LocalCurve& curve = model.curve;
   curve = local_curve(slow);
-  const double allowed = allowance_j(ledger);
+  const Real allowed = not_above(allowance_j(ledger));
   note_shortfall(ledger, at(curve, slow.x_m).energy_j);
   lower(curve, allowed);
   book_change(ledger, at(curve, slow.x_m).energy_j, slow.energy_j);
@@ -61,7 +61,7 @@ void update_energy_tank(ScalarModel& model, PassivityLedger& ledger,
 
 }  // namespace
 
-double force_n(const ScalarModel& model, double x_m) noexcept {
+Real force_n(const ScalarModel& model, Real x_m) noexcept {
   if (holds(model)) {
     return held_force(model);
   }
@@ -71,19 +71,19 @@ double force_n(const ScalarModel& model, double x_m) noexcept {
   return model.k_n_per_m * std::max(0.0, x_m - model.c_m);  // (19)
 }
 
-double energy_j(const ScalarModel& model, double x_m) noexcept {
+Real energy_j(const ScalarModel& model, Real x_m) noexcept {
   if (holds(model)) {
     return held_force(model) * x_m;
   }
   if (model.kind == LocalModel::kEnergyTank) {
     return at(model.curve, x_m).energy_j;
   }
-  const double stretch = std::max(0.0, x_m - model.c_m);
+  const Real stretch = std::max(0.0, x_m - model.c_m);
   return 0.5 * model.k_n_per_m * stretch * stretch;  // (21)
 }
 
-void advance(ScalarModel& model, PassivityLedger& ledger, double x_m,
-             double dt_s) noexcept {
+void advance(ScalarModel& model, PassivityLedger& ledger, Real x_m,
+             Real dt_s) noexcept {
   book_work(ledger, energy_j(model, x_m));
   model.since_s += dt_s;
   if (model.kind == LocalModel::kFirstOrderHold) {

@@ -10,33 +10,33 @@
 #include "runtime/fast/local_curve.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/fast/passivity_ledger.h"
+#include "runtime/fast/real.h"
 
 namespace palpate {
 
 struct ScalarModel {
   LocalModel kind = LocalModel::kEnergyTank;  ///< one that does not follow a surface
-  double k_n_per_m = 0.0;                     ///< [N/m] >= 0, equal energy
-  double c_m = 0.0;                           ///< [m] relaxed state, equal energy
+  Real k_n_per_m = 0.0;                       ///< [N/m] >= 0, equal energy
+  Real c_m = 0.0;                             ///< [m] relaxed state, equal energy
   LocalCurve curve;                           ///< energy tank
   SlowValue latest;                           ///< i
   SlowValue before;                           ///< i - 1
   int updates = 0;                            ///< slow values seen, counts up to 2
-  double since_s = 0.0;                       ///< [s] since the latest slow value
-  double interval_s = 0.0;                    ///< [s] between the two latest
+  Real since_s = 0.0;                         ///< [s] since the latest slow value
+  Real interval_s = 0.0;                      ///< [s] between the two latest
 };
 
 /// Force [N] at x [m]. The holds do not look at x.
-[[nodiscard]] double force_n(const ScalarModel& model, double x_m) noexcept;
+[[nodiscard]] Real force_n(const ScalarModel& model, Real x_m) noexcept;
 
 /// Potential [J] at x [m]: (21), and f x for a held force.
-[[nodiscard]] double energy_j(const ScalarModel& model, double x_m) noexcept;
+[[nodiscard]] Real energy_j(const ScalarModel& model, Real x_m) noexcept;
 
 /// The tool has moved to x_m and time has passed: books the work of the movement, then
 /// the first-order hold extrapolates. Extrapolation ends after one interval, and a
 /// wall does not pull, so that a stalled slow process leaves a bounded force.
 /// @param dt_s [s] >= 0.
-void advance(ScalarModel& model, PassivityLedger& ledger, double x_m,
-             double dt_s) noexcept;
+void advance(ScalarModel& model, PassivityLedger& ledger, Real x_m, Real dt_s) noexcept;
 
 /// A slow value arrives, computed where the tool is; advance() has booked the work of
 /// getting there, so ledger.stored_j is E_{i-1}(x_i).

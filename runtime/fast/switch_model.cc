@@ -18,7 +18,7 @@ void switch_model(FastState& state, LocalModel model) noexcept {
   PassivityLedger& ledger = state.ledger;
   if (holds(state.config.model)) {
     // A held force stores F x, of any sign and size: what counts is the work put in.
-    const double work_j = std::max(0.0, ledger.work_j);
+    const double work_j = std::max<double>(0.0, ledger.work_j);
     ledger = {.work_j = work_j, .tank_j = work_j};
     state.safety.clamp_gain_j = 0.0;
   } else {

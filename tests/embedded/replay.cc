@@ -62,12 +62,14 @@ bool take_in(std::FILE* script) {
 
 Result result_of(const FastCommand& command) {
   Result result{};
-  std::memcpy(result.force_n, command.force_n.data(), sizeof result.force_n);
-  result.depth_m = command.depth_m;
+  for (int i = 0; i < 3; ++i) {
+    result.force_n[i] = static_cast<double>(command.force_n(i));
+  }
+  result.depth_m = static_cast<double>(command.depth_m);
   result.stored_j = command.stored_j;
   result.tank_j = command.tank_j;
   result.dissipated_j = command.dissipated_j;
-  result.shift_m = command.relaxed_shift_m;
+  result.shift_m = static_cast<double>(command.relaxed_shift_m);
   result.triangle = contact(fast).triangle;
   result.fault = command.fault;
   return result;
@@ -87,16 +89,18 @@ bool run(std::FILE* script, std::FILE* result, Cost& cost) {
     return false;
   }
   fast.config.model = kLocalModels[head[0]];
-  fast.config.tool_radius_m = 0.005;
+  fast.config.tool_radius_m = Real(0.005);
   for (std::uint32_t tick = 0; tick < head[1]; ++tick) {
     double position[3];
     if (!take_in(script) || !read(script, position, sizeof position)) {
       return false;
     }
     FastSample sample;
-    std::memcpy(sample.position_m.data(), position, sizeof position);
+    for (int i = 0; i < 3; ++i) {
+      sample.position_m(i) = static_cast<Real>(position[i]);
+    }
     board::count_begin();
-    const FastCommand command = step(fast, sample, 0.0005);
+    const FastCommand command = step(fast, sample, Real(0.0005));
     const std::uint32_t instructions = board::count_end();
     cost.sum += instructions;
     cost.most = instructions > cost.most ? instructions : cost.most;
@@ -119,6 +123,7 @@ void print(const Cost& cost) {
       static_cast<unsigned long>(wire.accepted), static_cast<unsigned long>(wire.lost),
       static_cast<unsigned long>(wire.late), static_cast<unsigned long>(wire.repeated),
       static_cast<unsigned long>(wire.broken));
+  std::printf("created_j %.2g\n", fast.ledger.created_j);
   std::printf("state_bytes %lu\n", static_cast<unsigned long>(sizeof fast));
   if (cost.ticks > 0 && cost.sum > 0) {
     std::printf("instructions mean %lu most %lu\n",

@@ -1,13 +1,14 @@
 // Writes a trajectory with the elements that a slow process would have sent, as
 // replay.cc reads it. On the wire some frames are lost, repeated, late and broken.
 //
-//   script MODEL TICKS SCRIPT
+//   script MODEL SCALAR TICKS SCRIPT    SCALAR: double or single, of the frames
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "runtime/bench_body.h"
@@ -19,11 +20,12 @@ namespace {
 
 constexpr int kTicksPerSlow = 20;
 
+template <typename Frame>
 class Sender {
  public:
   // The frames of one slow update, as they arrive.
   std::vector<std::byte> send(std::vector<Element> elements) {
-    std::vector<WireFrame> frames;
+    std::vector<Frame> frames;
     for (std::size_t i = 0; i < elements.size(); ++i) {
       elements[i].sequence = ++sequence_;
       elements[i].active = i == 0;
@@ -43,13 +45,13 @@ class Sender {
         std::swap(frames[pick()], frames[pick()]);
         break;
       case 3:
-        frames[pick()][random_() % kWireBytes] ^= std::byte{0x40};
+        frames[pick()][random_() % sizeof(Frame)] ^= std::byte{0x40};
         break;
       default:
         break;
     }
     std::vector<std::byte> bytes;
-    for (const WireFrame& frame : frames) {
+    for (const Frame& frame : frames) {
       bytes.insert(bytes.end(), frame.begin(), frame.end());
     }
     return bytes;
@@ -66,6 +68,7 @@ void put(std::ofstream& out, const T* values, std::size_t count) {
             static_cast<std::streamsize>(count * sizeof(T)));
 }
 
+template <typename Frame>
 void write_script(LocalModel model, int ticks, std::ofstream& out) {
   const BenchBody body = make_bench_body({.wave_m = 0.004,
                                           .contrast = 9.0,
@@ -75,7 +78,7 @@ void write_script(LocalModel model, int ticks, std::ofstream& out) {
   const std::uint32_t head[2] = {static_cast<std::uint32_t>(model),
                                  static_cast<std::uint32_t>(ticks)};
   put(out, head, 2);
-  Sender sender;
+  Sender<Frame> sender;
   int tick = 0;
   for (const Eigen::Vector3d& x :
        make_bench_walk(body, {.ticks = ticks, .tool_radius_m = 0.005})) {
@@ -94,12 +97,18 @@ void write_script(LocalModel model, int ticks, std::ofstream& out) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  const auto model = argc == 4 ? palpate::local_model(argv[1]) : std::nullopt;
-  if (!model) {
-    std::fprintf(stderr, "usage: script MODEL TICKS SCRIPT\n");
+  const auto model = argc == 5 ? palpate::local_model(argv[1]) : std::nullopt;
+  const std::string_view scalar = argc == 5 ? argv[2] : "";
+  if (!model || (scalar != "double" && scalar != "single")) {
+    std::fprintf(stderr, "usage: script MODEL double|single TICKS SCRIPT\n");
     return 2;
   }
-  std::ofstream out(argv[3], std::ios::binary);
-  palpate::write_script(*model, std::atoi(argv[2]), out);
+  std::ofstream out(argv[4], std::ios::binary);
+  const int ticks = std::atoi(argv[3]);
+  if (scalar == "double") {
+    palpate::write_script<palpate::DoubleFrame>(*model, ticks, out);
+  } else {
+    palpate::write_script<palpate::SingleFrame>(*model, ticks, out);
+  }
   return out.flush() ? 0 : 2;
 }
