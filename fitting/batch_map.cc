@@ -13,6 +13,7 @@
 #include "fitting/session_probes.h"
 #include "fitting/surface_point.h"
 #include "formats/error.h"
+#include "formats/markup.h"
 #include "formats/page_parts.h"
 #include "formats/report_text.h"
 
@@ -169,7 +170,7 @@ std::string batch_map(const Session& session, const BatchReport& report) {
   try {
     return section(session_body(session), places);
   } catch (const Error& error) {
-    return fmt::format("<p>No map of the body: {}</p>\n", html_escaped(error.what()));
+    return fmt::format("<p>No map of the body: {}</p>\n", markup_escaped(error.what()));
   }
 }
 

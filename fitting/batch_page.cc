@@ -8,7 +8,7 @@
 #include "fitting/batch.h"
 #include "fitting/batch_map.h"
 #include "formats/axis_ticks.h"
-#include "formats/page_parts.h"
+#include "formats/markup.h"
 
 namespace palpate {
 namespace {
@@ -159,11 +159,11 @@ std::string run_row(const RunResult& run) {
   const char* verdict = verdict_name(run.rating.verdict).data();
   std::string row =
       fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td><td class=\"n\">{:.2f}</td>",
-                  html_escaped(run.name), verdict, verdict, run.rating.score);
+                  markup_escaped(run.name), verdict, verdict, run.rating.score);
   const FamilyFit* best = run.best();
   if (best == nullptr) {
     return row + "<td colspan=\"4\">" +
-           html_escaped(run.bad.empty() ? "empty run" : run.bad) + "</td></tr>\n";
+           markup_escaped(run.bad.empty() ? "empty run" : run.bad) + "</td></tr>\n";
   }
   const std::string modulus =
       run.modulus.refused.empty()
@@ -185,7 +185,7 @@ std::string article(const RunResult& run, std::size_t index) {
   const FamilyFit& best = *run.best();
   std::string html =
       fmt::format("<article id=\"run{}\"><h2>{}</h2><p>{}, chosen before ", index,
-                  html_escaped(run.name), best.family);
+                  markup_escaped(run.name), best.family);
   for (std::size_t i = 1; i < run.choice.fits.size(); ++i) {
     const FamilyFit& other = run.choice.fits[i];
     html += fmt::format("{}{} (rms {:.3g} N)", i == 1 ? "" : ", ", other.family,
@@ -194,10 +194,10 @@ std::string article(const RunResult& run, std::size_t index) {
   html += run.choice.fits.size() == 1 ? "none</p>" : "</p>";
   for (const FitFlag flag : run.flags) {
     html += fmt::format("<p><b>{}</b>: {}</p>", flag_name(flag),
-                        html_escaped(std::string(flag_meaning(flag))));
+                        markup_escaped(std::string(flag_meaning(flag))));
   }
   if (!run.modulus.refused.empty()) {
-    html += "<p>No modulus: " + html_escaped(run.modulus.refused) + "</p>";
+    html += "<p>No modulus: " + markup_escaped(run.modulus.refused) + "</p>";
   }
   if (run.relaxation.refused.empty()) {
     const Relaxation& r = run.relaxation;
@@ -223,7 +223,7 @@ std::string batch_page(const Session& session, const BatchReport& report,
       "parameters alone; the dashed line is the contact point.</p>\n<table><tr><th>run"
       "</th><th>verdict</th><th>score</th><th>contact point [mm]</th><th>family</th>"
       "<th>rms [N]</th><th>Young's modulus</th></tr>\n",
-      html_escaped(session.name), kStyle, report.runs.size());
+      markup_escaped(session.name), kStyle, report.runs.size());
   for (const RunResult& run : report.runs) {
     page += run_row(run);
   }

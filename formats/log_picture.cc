@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/colour_map.h"
+#include "formats/markup.h"
 
 namespace palpate {
 namespace {
@@ -69,17 +70,6 @@ bool can_be_shown(const LogPoint& point) {
          std::isfinite(point.y);
 }
 
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    safe += c == '<'   ? "&lt;"
-            : c == '>' ? "&gt;"
-            : c == '&' ? "&amp;"
-                       : std::string(1, c);
-  }
-  return safe;
-}
-
 std::string tick_text(double value) {
   return value >= 1e-3 && value < 1e5 ? fmt::format("{:.6g}", value)
                                       : fmt::format("{:.0e}", value);
@@ -126,13 +116,14 @@ std::string draw_axes(const LogPicture& picture, const Axes& axes) {
         "stroke-dasharray=\"6 5\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
         "text-anchor=\"end\" fill=\"#5a6473\">{5}</text>\n",
         kLeft, axes.y(picture.level), kWidth, kLeft + kWidth - 6.0,
-        axes.y(picture.level) - 6.0, escaped(picture.level_name));
+        axes.y(picture.level) - 6.0, markup_escaped(picture.level_name));
   }
   return svg + fmt::format(
                    "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n"
                    "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
-                   kLeft + 0.5 * kWidth, kTop + kHeight + 46.0, escaped(picture.x_name),
-                   kLeft - 50.0, kTop - 12.0, escaped(picture.y_name));
+                   kLeft + 0.5 * kWidth, kTop + kHeight + 46.0,
+                   markup_escaped(picture.x_name), kLeft - 50.0, kTop - 12.0,
+                   markup_escaped(picture.y_name));
 }
 
 std::string draw_series(const LogSeries& series, const Axes& axes,
@@ -153,7 +144,7 @@ std::string draw_series(const LogSeries& series, const Axes& axes,
     if (!point.label.empty()) {
       dots +=
           fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11.5\">{}</text>\n",
-                      x + point.radius_px + 3.0, y - 4.0, escaped(point.label));
+                      x + point.radius_px + 3.0, y - 4.0, markup_escaped(point.label));
     }
   }
   return series.joined && !line.empty()
@@ -176,7 +167,7 @@ std::string log_picture(const LogPicture& picture) {
       "<rect width=\"900\" height=\"600\" rx=\"10\" fill=\"#ffffff\"/>\n"
       "<text x=\"40\" y=\"38\" font-size=\"20\" font-weight=\"600\">{}</text>\n"
       "<text x=\"40\" y=\"60\" fill=\"#5a6473\">{}</text>\n",
-      escaped(picture.title), escaped(picture.subtitle));
+      markup_escaped(picture.title), markup_escaped(picture.subtitle));
   svg += draw_axes(picture, axes);
   const double last =
       static_cast<double>(std::max<std::size_t>(picture.series.size(), 2) - 1);
@@ -189,7 +180,7 @@ std::string log_picture(const LogPicture& picture) {
         "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\"/>"
         "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
         kLeft + kWidth + 24.0, y, colour, kLeft + kWidth + 38.0, y + 4.8,
-        escaped(picture.series[i].name));
+        markup_escaped(picture.series[i].name));
   }
   return svg.append("</svg>\n");
 }

@@ -17,9 +17,6 @@ namespace palpate {
 
 static_assert(std::endian::native == std::endian::little);  // as all browsers' arrays
 
-/// Text that a page shows as it is.
-[[nodiscard]] std::string html_escaped(const std::string& text);
-
 [[nodiscard]] std::string base64(std::span<const std::byte> bytes);
 
 /// Numbers for the page's script, which finds them by the id.

@@ -8,6 +8,7 @@
 #include "formats/axis_ticks.h"
 #include "formats/colour_map.h"
 #include "formats/database_summary.h"
+#include "formats/markup.h"
 #include "formats/picture_body.h"
 #include "formats/picture_curves.h"
 #include "formats/stiffness_map.h"
@@ -19,27 +20,6 @@ constexpr Panel kBody{40.0, 92.0, 500.0, 430.0};
 constexpr Panel kBar{592.0, 150.0, 16.0, 300.0};
 constexpr Panel kPlot{770.0, 128.0, 390.0, 390.0};
 
-// Texts come from files: markup and control characters must not become SVG.
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '&':
-        safe += "&amp;";
-        break;
-      default:
-        safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return safe;
-}
-
 // Names come in any length; the title has room for so much.
 std::string shortened(const std::string& name) {
   constexpr std::size_t kRoom = 40;
@@ -48,9 +28,10 @@ std::string shortened(const std::string& name) {
 
 std::string draw_title(const ResponseDatabase& database, const ResponseTable& table,
                        const StiffnessMap& map) {
-  const std::string body = database.provenance.source_file.empty()
-                               ? "A body"
-                               : escaped(shortened(database.provenance.source_file));
+  const std::string body =
+      database.provenance.source_file.empty()
+          ? "A body"
+          : markup_escaped(shortened(database.provenance.source_file));
   const std::int64_t over = summarise(table).error_over_budget;
   const std::string doubts =
       over == 0 ? "" : fmt::format("; {} are outside the error budget", over);
@@ -61,7 +42,7 @@ std::string draw_title(const ResponseDatabase& database, const ResponseTable& ta
       "others are grey{}</text>\n"
       "<text x=\"{}\" y=\"68\" fill=\"#5a6473\">responses of the numbered "
       "nodes</text>\n",
-      body, escaped(table.tool.name), escaped(table.tool.kind),
+      body, markup_escaped(table.tool.name), markup_escaped(table.tool.kind),
       short_number(1e3 * table.tool.radius_m), map.softest_first.size(), table.nodes(),
       doubts, kPlot.x - 30.0);
 }

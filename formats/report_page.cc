@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/database_summary.h"
+#include "formats/markup.h"
 #include "formats/page_parts.h"
 #include "formats/report_text.h"
 #include "formats/thin_body.h"
@@ -69,7 +70,7 @@ std::string info(const ResponseDatabase& database) {
 std::string row(const std::string& name, const std::string& value) {
   return value.empty() ? ""
                        : fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name,
-                                     html_escaped(value));
+                                     markup_escaped(value));
 }
 
 // The error that this share of the responses does not exceed.
@@ -108,7 +109,7 @@ std::string accuracy_of(const ResponseTable& table) {
 std::string tool_rows(const ResponseTable& table) {
   const ToolSummary all = summarise(table);
   std::string text =
-      row(table.tool.name.empty() ? "tool" : html_escaped(table.tool.name),
+      row(table.tool.name.empty() ? "tool" : markup_escaped(table.tool.name),
           fmt::format("{}, friction {:.3g}, presliding {:.3g} mm", describe(table.tool),
                       table.tool.friction, 1e3 * table.tool.presliding_m));
   text += row("responses", fmt::format("{}: {} simulated, {} interpolated, {} measured",
@@ -152,7 +153,7 @@ std::string tables(const ResponseDatabase& database) {
   text += "</table>";
   if (!from.scene_toml.empty()) {
     text += "<details><summary>The scene as it was read</summary><pre>" +
-            html_escaped(from.scene_toml) + "</pre></details>";
+            markup_escaped(from.scene_toml) + "</pre></details>";
   }
   return text + "</section>\n";
 }
@@ -168,7 +169,7 @@ std::string head(const ResponseDatabase& database, const std::string& name,
       "<title>{0}: responses</title>\n<style>{1}</style></head><body>\n<h1>{0}</h1>\n"
       "<p class=\"sub\">Force-deflection responses of a body of {2} nodes and {3} "
       "triangles, {4:.4g} x {5:.4g} x {6:.4g} mm</p>\n",
-      html_escaped(name), report_style, database.body.position_m.rows(),
+      markup_escaped(name), report_style, database.body.position_m.rows(),
       database.body.triangle.rows(), size_mm.x(), size_mm.y(), size_mm.z());
   if (std::ssize(thin.node) < database.body.position_m.rows()) {
     text += fmt::format(

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "runtime/calibration.h"
 #include "runtime/device_choice.h"
 #include "runtime/falcon_geometry.h"
+#include "runtime/stop_signals.h"
 #include "runtime/weigh.h"
 
 namespace palpate {
@@ -30,11 +32,13 @@ void check(const Flags& flags) {
   }
 }
 
-// Opens the device, which homes it, and weighs what hangs on it.
-Weight opened_and_weighed(DeviceLink& link) {
-  link.open();
-  const Weight weight = weigh(link, falcon_centre_m(), {});
-  link.close();
+// Opens the device, which homes it, and weighs what hangs on it. A signal ends the
+// process at once except while there is force: then the link is closed first.
+Weight opened_and_weighed(const std::unique_ptr<DeviceLink> link) {
+  link->open();
+  const Weight weight = weigh(*link, falcon_centre_m(), {}, heed_stop_signals());
+  link->close();
+  release_stop_signals();
   return weight;
 }
 
@@ -53,13 +57,13 @@ void run(Flags& flags) {
   flags.device.tell = [](const std::string& text) {
     fmt::print(stderr, "{}\n", text);
   };
-  const auto bare_link = calibration_link(flags.device, 0.0);
+  auto bare_link = calibration_link(flags.device, 0.0);
   ask(flags, "lay it so that its y axis points up; it will carry its own grip");
-  const Weight bare = opened_and_weighed(*bare_link);
+  const Weight bare = opened_and_weighed(std::move(bare_link));
   ask(flags, fmt::format("hang {} kg on the grip and support it until it is carried",
                          flags.mass_kg));
   const Weight loaded =
-      opened_and_weighed(*calibration_link(flags.device, flags.mass_kg));
+      opened_and_weighed(calibration_link(flags.device, flags.mass_kg));
   Calibration calibration{.device = flags.device.name, .mass_kg = flags.mass_kg};
   calibration.motor_factor =
       factor_of(bare, loaded, flags.mass_kg, calibration.motor_factor_sd);

@@ -1,6 +1,7 @@
 #include "runtime/command_view.h"
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -135,7 +136,6 @@ void watch(Flags& flags, const ResponseDatabase& database) {
   ViewServer server(server_options(flags, body), view);
   view.answer_through(server);
   const std::atomic<bool>& stop = heed_stop_signals();
-  say_where(server);
   std::atomic<bool> over = false;
   std::future<SimulationReport> run = std::async(std::launch::async, [&] {
     const auto end = [](std::atomic<bool>* flag) {
@@ -144,6 +144,10 @@ void watch(Flags& flags, const ResponseDatabase& database) {
     const std::unique_ptr<std::atomic<bool>, decltype(end)> at_end(&over, end);
     return simulate(database, options, stop);
   });
+  // Refusals come before the device is opened: there is nothing to look at then.
+  if (run.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout) {
+    say_where(server);
+  }
   server.run(over);
   const SimulationReport report = run.get();
   fmt::print("{}", summary(report));

@@ -60,6 +60,13 @@ FalconConfig falcon_config(const DeviceRequest& request) {
   return config;
 }
 
+// Of a real one.
+FalconConfig guarded_falcon_config(const DeviceRequest& request) {
+  FalconConfig config = falcon_config(request);
+  config.guarded = true;
+  return config;
+}
+
 // The usbfs file of the one device that is meant.
 int open_usb(const DeviceRequest& request, bool (*is_meant)(const UsbDevice&)) {
   const UsbDevice device =
@@ -92,8 +99,7 @@ std::unique_ptr<FalconLink> falcon_link(const DeviceRequest& request,
 }
 
 AttachedDevice falcon(const DeviceRequest& request) {
-  FalconConfig config = falcon_config(request);
-  config.guarded = true;
+  const FalconConfig config = guarded_falcon_config(request);
   return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
                 [config, request](const HandScript&) {
                   return falcon_link(request, config);
@@ -224,7 +230,7 @@ bool is_emulated(const std::string& name) {
 std::unique_ptr<DeviceLink> calibration_link(const DeviceRequest& request,
                                              double hung_kg) {
   if (request.name == "falcon") {
-    return falcon_link(request, falcon_config(request));
+    return falcon_link(request, guarded_falcon_config(request));
   }
   if (request.name == "emulated-falcon") {
     return weighed_falcon(for_emulation(falcon_config(request)), hung_kg);

@@ -12,13 +12,21 @@ extern "C" void request_stop(int /*signal*/) {
   stop_requested.store(true);
 }
 
+void on_stop_signals(void (*action)(int)) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    std::signal(signal, action);
+  }
+}
+
 }  // namespace
 
 const std::atomic<bool>& heed_stop_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    std::signal(signal, request_stop);
-  }
+  on_stop_signals(request_stop);
   return stop_requested;
+}
+
+void release_stop_signals() {
+  on_stop_signals(SIG_DFL);
 }
 
 }  // namespace palpate

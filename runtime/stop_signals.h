@@ -9,4 +9,7 @@ namespace palpate {
 /// process.
 [[nodiscard]] const std::atomic<bool>& heed_stop_signals();
 
+/// From now on they end the process again.
+void release_stop_signals();
+
 }  // namespace palpate

@@ -77,7 +77,7 @@ Weight mean_of(const std::vector<double>& impulse_n_s, double period_s) {
 }  // namespace
 
 Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
-             const WeighOptions& options) {
+             const WeighOptions& options, const std::atomic<bool>& stop) {
   Carrier carrier(centre_m, options);
   MonotonicClock clock;
   const std::int64_t begin_ns = clock.now_ns();
@@ -87,6 +87,9 @@ Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
   std::int64_t exchanges = 0;
   std::int64_t answered = 0;
   for (double now_s = 0.0; now_s < end_s;) {
+    if (stop) {
+      throw Interrupted();
+    }
     Eigen::Vector3d position_m;
     const LinkStatus status = link.transact(force_n, position_m);
     const double then_s = seconds(clock.now_ns() - begin_ns);

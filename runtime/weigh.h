@@ -1,6 +1,8 @@
 // How much force a device must be asked for to carry what hangs on it.
 #pragma once
 
+#include <atomic>
+
 #include "runtime/device_link.h"
 
 namespace palpate {
@@ -22,10 +24,11 @@ struct Weight {
 
 /// Carries the tool on a spring about `centre_m`, sweeps it up and down, and averages
 /// the force over whole periods: dry friction, damping and inertia cancel. Nobody holds
-/// the tool. @param link open. @throws DeviceError if it is lost or answers fewer than
-/// half of the exchanges.
+/// the tool. @param link open. @param stop ends it. @throws DeviceError if the link is lost
+/// or answers fewer than half of the exchanges; Interrupted when stopped: who called then
+/// closes the link, which until then holds the last force.
 [[nodiscard]] Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
-                           const WeighOptions& options);
+                           const WeighOptions& options, const std::atomic<bool>& stop);
 
 /// Factor on motor commands [-] from the force asked for with and without `mass_kg` on
 /// the tool, at factor 1: more was asked for than the mass weighs where the motors give

@@ -95,7 +95,7 @@ TEST(StiffnessPicture, ShowsTheSameForTheSameInput) {
 
 TEST(StiffnessPicture, TextsFromFilesCannotBecomeMarkup) {
   ResponseDatabase database = small_database();
-  database.provenance.source_file = "<script>&\n";
+  database.provenance.source_file = "<script>&\x01";
   const std::string svg = stiffness_picture(database, database.tools[0]);
   EXPECT_EQ(svg.find("<script"), std::string::npos);
   EXPECT_NE(svg.find("&lt;script&gt;&amp; "), std::string::npos);

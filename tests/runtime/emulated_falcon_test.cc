@@ -9,26 +9,11 @@
 
 #include "formats/error.h"
 #include "runtime/clock.h"
+#include "tests/support/held_falcon.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-FalconConfig driver() {
-  FalconConfig config;
-  config.firmware = emulated_firmware();
-  config.homing_s = 5.0;
-  config.answer_s = 0.05;  // a test machine may pause
-  return config;
-}
-
-EmulatedFalconConfig loaded() {
-  EmulatedFalconConfig config;
-  config.model.loaded = true;
-  config.model.hand = {.surface_m = {0.0, 0.0, 0.12}, .press_m = 0.0, .deeper_m = 0.0};
-  config.model.start_m = config.model.hand.at(0.0).position_m;
-  return config;
-}
 
 // The tests of a run that ends well; true if it opened.
 void open_and_push(const std::shared_ptr<EmulatedFalcon>& falcon,
@@ -57,36 +42,36 @@ void open_and_push(const std::shared_ptr<EmulatedFalcon>& falcon,
 }
 
 TEST(EmulatedFalcon, BootsLoadsHomesRendersAndIsLeftAsItWasFound) {
-  EmulatedFalconConfig config = loaded();
+  EmulatedFalconConfig config = held_loaded_falcon();
   config.model.loaded = false;
-  open_and_push(std::make_shared<EmulatedFalcon>(config), driver());
+  open_and_push(std::make_shared<EmulatedFalcon>(config), patient_driver());
 }
 
 TEST(EmulatedFalcon, NeedsNoFirmwareWhereOneRuns) {
-  FalconConfig config = driver();
+  FalconConfig config = patient_driver();
   config.firmware.clear();
-  open_and_push(std::make_shared<EmulatedFalcon>(loaded()), config);
+  open_and_push(std::make_shared<EmulatedFalcon>(held_loaded_falcon()), config);
 }
 
 TEST(EmulatedFalcon, LoadsAgainAfterAWrongEcho) {
-  EmulatedFalconConfig config = loaded();
+  EmulatedFalconConfig config = held_loaded_falcon();
   config.model.loaded = false;
   config.model.echo_error_at = 70;
   config.model.echo_errors = 2;
-  open_and_push(std::make_shared<EmulatedFalcon>(config), driver());
+  open_and_push(std::make_shared<EmulatedFalcon>(config), patient_driver());
 }
 
 TEST(EmulatedFalcon, LivesWithSplitGarbledAndStaleReplies) {
-  EmulatedFalconConfig config = loaded();
+  EmulatedFalconConfig config = held_loaded_falcon();
   config.line = {.split_bytes = 7, .garbage = 0.002, .drop = 0.002};
   config.model.stale_every = 5;
-  open_and_push(std::make_shared<EmulatedFalcon>(config), driver());
+  open_and_push(std::make_shared<EmulatedFalcon>(config), patient_driver());
 }
 
 TEST(EmulatedFalcon, LivesWithAStall) {
-  EmulatedFalconConfig config = loaded();
+  EmulatedFalconConfig config = held_loaded_falcon();
   config.bus.stall_at_byte = 400;
-  open_and_push(std::make_shared<EmulatedFalcon>(config), driver());
+  open_and_push(std::make_shared<EmulatedFalcon>(config), patient_driver());
 }
 
 std::string message_of_open(const EmulatedFalconConfig& emulated,
@@ -104,17 +89,17 @@ std::string message_of_open(const EmulatedFalconConfig& emulated,
 }
 
 TEST(EmulatedFalcon, SaysWhatIsWrongWhenItCannotBeOpened) {
-  EmulatedFalconConfig cold = loaded();
+  EmulatedFalconConfig cold = held_loaded_falcon();
   cold.model.loaded = false;
-  FalconConfig config = driver();
+  FalconConfig config = patient_driver();
   config.firmware.clear();
   EXPECT_NE(message_of_open(cold, config).find("--firmware"), std::string::npos);
   config.firmware.assign(100, 7);
   EXPECT_NE(message_of_open(cold, config).find("not loaded in 10 tries"),
             std::string::npos);
-  EmulatedFalconConfig unhomed = loaded();
+  EmulatedFalconConfig unhomed = held_loaded_falcon();
   unhomed.model.homing_ns = -1;
-  config = driver();
+  config = patient_driver();
   config.homing_s = 0.05;
   EXPECT_NE(message_of_open(unhomed, config).find("not homed"), std::string::npos);
 }
@@ -125,13 +110,13 @@ TEST(EmulatedFalcon, UnpluggedAtAnyByteIsALossWithAName) {
   std::mt19937 random(1);
   int in_loop = 0;
   for (int i = 0; i < 200; ++i) {
-    EmulatedFalconConfig config = loaded();
+    EmulatedFalconConfig config = held_loaded_falcon();
     config.model.loaded = i % 4 >= 2;
     config.model.homing_ns = 0;
     config.bus.unplug_at_byte = 1 + static_cast<std::int64_t>(random() % 1500);
     config.bus.unplug_is_io_error = i % 2 == 1;
     const auto falcon = std::make_shared<EmulatedFalcon>(config);
-    FalconConfig quick = driver();
+    FalconConfig quick = patient_driver();
     quick.answer_s = 0.01;
     const auto link = EmulatedFalcon::link(falcon, quick);
     std::string why;
@@ -156,9 +141,9 @@ TEST(EmulatedFalcon, UnpluggedAtAnyByteIsALossWithAName) {
 }
 
 TEST(EmulatedFalcon, ADeviceThatStopsAnsweringIsNeverWaitedForLong) {
-  EmulatedFalconConfig config = loaded();
+  EmulatedFalconConfig config = held_loaded_falcon();
   config.bus.silent_from_byte = 800;
-  FalconConfig quick = driver();
+  FalconConfig quick = patient_driver();
   quick.answer_s = 0.005;
   const auto link =
       EmulatedFalcon::link(std::make_shared<EmulatedFalcon>(config), quick);
@@ -172,8 +157,8 @@ TEST(EmulatedFalcon, ADeviceThatStopsAnsweringIsNeverWaitedForLong) {
 }
 
 TEST(LinkedFalcon, TakesTheForceAwayWhenTheHostFallsSilent) {
-  const auto falcon = std::make_shared<EmulatedFalcon>(loaded());
-  LinkedDevice device(EmulatedFalcon::link(falcon, driver()), {});
+  const auto falcon = std::make_shared<EmulatedFalcon>(held_loaded_falcon());
+  LinkedDevice device(EmulatedFalcon::link(falcon, patient_driver()), {});
   device.open();
   const auto driven = [&] {
     return falcon->usb().locked([&] {
@@ -198,8 +183,8 @@ TEST(LinkedFalcon, TakesTheForceAwayWhenTheHostFallsSilent) {
 }
 
 TEST(LinkedFalcon, OpensAgainAfterItWasClosed) {
-  const auto falcon = std::make_shared<EmulatedFalcon>(loaded());
-  LinkedDevice device(EmulatedFalcon::link(falcon, driver()), {});
+  const auto falcon = std::make_shared<EmulatedFalcon>(held_loaded_falcon());
+  LinkedDevice device(EmulatedFalcon::link(falcon, patient_driver()), {});
   for (int i = 0; i < 3; ++i) {
     device.open();
     DeviceReading reading;

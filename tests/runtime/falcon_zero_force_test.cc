@@ -6,26 +6,15 @@
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
-#include "runtime/emulated_falcon.h"
+#include "tests/support/held_falcon.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::int64_t kWrongFrom = 100;  // command whose reply is the first wrong one
 
-FalconConfig driver() {
-  FalconConfig config;
-  config.firmware = emulated_firmware();
-  config.homing_s = 5.0;
-  config.answer_s = 0.05;  // a test machine may pause: commands are counted
-  return config;
-}
-
-EmulatedFalconConfig held() {
-  EmulatedFalconConfig config;
-  config.model.loaded = true;
-  config.model.hand = {.surface_m = {0.0, 0.0, 0.12}, .press_m = 0.0, .deeper_m = 0.0};
-  config.model.start_m = config.model.hand.at(0.0).position_m;
+EmulatedFalconConfig traced() {
+  EmulatedFalconConfig config = held_loaded_falcon();
   config.model.trace_max = 100'000;
   return config;
 }
@@ -45,7 +34,7 @@ struct Outcome {
 // Pushes with 1 N until the end or the loss; then leaves as every way out does.
 Outcome push(const EmulatedFalconConfig& config, int exchanges) {
   const auto falcon = std::make_shared<EmulatedFalcon>(config);
-  const auto link = EmulatedFalcon::link(falcon, driver());
+  const auto link = EmulatedFalcon::link(falcon, patient_driver());
   link->open();
   Outcome outcome;
   LinkStatus before = LinkStatus::kOk;
@@ -79,7 +68,7 @@ class FalconReplyFault : public testing::TestWithParam<ReplyFault> {};
 
 // The command whose reply is wrong is the first period, the one after it is the second.
 TEST_P(FalconReplyFault, PutsTheForceToZeroWithTheNextCommandAndNotForGood) {
-  EmulatedFalconConfig config = held();
+  EmulatedFalconConfig config = traced();
   config.model.wrong = {.fault = GetParam(), .from = kWrongFrom, .count = 5};
   const Outcome outcome = push(config, 400);
   const auto wrong = static_cast<std::size_t>(kWrongFrom - 1);
@@ -110,7 +99,7 @@ TEST(FalconZeroForce, AReplyIsWaitedForTwoPeriodsAtMost) {
 }
 
 TEST(FalconZeroForce, LegsThatJumpForGoodAreALossWithZeroForce) {
-  EmulatedFalconConfig config = held();
+  EmulatedFalconConfig config = traced();
   config.model.wrong = {
       .fault = ReplyFault::kJump, .from = kWrongFrom, .count = 100'000};
   const Outcome outcome = push(config, 400);
@@ -119,7 +108,7 @@ TEST(FalconZeroForce, LegsThatJumpForGoodAreALossWithZeroForce) {
 }
 
 TEST(FalconZeroForce, AfterASilenceOfTheWireTheFirstCommandIsZero) {
-  EmulatedFalconConfig config = held();
+  EmulatedFalconConfig config = traced();
   config.bus.silent_from_byte = 5000;
   config.bus.silent_bytes = 160;
   const Outcome outcome = push(config, 400);
@@ -140,7 +129,7 @@ TEST(FalconZeroForce, AfterASilenceOfTheWireTheFirstCommandIsZero) {
 
 TEST(FalconZeroForce, AfterAStallNoUnansweredExchangeIsFollowedByForce) {
   for (const std::int64_t byte : {5000, 5008, 5016, 5024}) {
-    EmulatedFalconConfig config = held();
+    EmulatedFalconConfig config = traced();
     config.bus.stall_at_byte = byte;
     const Outcome outcome = push(config, 300);
     EXPECT_FALSE(outcome.lost);
@@ -151,8 +140,8 @@ TEST(FalconZeroForce, AfterAStallNoUnansweredExchangeIsFollowedByForce) {
 
 // The thread that speaks to the device takes the force away when the session ends.
 TEST(FalconZeroForce, AnExceptionInTheLoopLeavesNoForceNoLightAndTheKernelsDriver) {
-  const auto falcon = std::make_shared<EmulatedFalcon>(held());
-  LinkedDevice device(EmulatedFalcon::link(falcon, driver()), {});
+  const auto falcon = std::make_shared<EmulatedFalcon>(traced());
+  LinkedDevice device(EmulatedFalcon::link(falcon, patient_driver()), {});
   const auto loop = [&] {
     const DeviceSession session(device);
     for (int i = 0; i < 20'000; ++i) {
@@ -175,18 +164,18 @@ TEST(FalconZeroForce, AnExceptionInTheLoopLeavesNoForceNoLightAndTheKernelsDrive
 }
 
 TEST(FalconZeroForce, ADriverThatCouldNotHomeOrWasDroppedLeavesTheDeviceAsItWas) {
-  EmulatedFalconConfig config = held();
+  EmulatedFalconConfig config = traced();
   config.model.homing_ns = -1;
-  FalconConfig quick = driver();
+  FalconConfig quick = patient_driver();
   quick.homing_s = 0.05;
   const auto unhomed = std::make_shared<EmulatedFalcon>(config);
   EXPECT_THROW(EmulatedFalcon::link(unhomed, quick)->open(), DeviceError);
   EXPECT_EQ(unhomed->model().command().leds, 0);
   EXPECT_TRUE(unhomed->kernel_driver_back());
 
-  const auto falcon = std::make_shared<EmulatedFalcon>(held());
+  const auto falcon = std::make_shared<EmulatedFalcon>(traced());
   {
-    const auto link = EmulatedFalcon::link(falcon, driver());
+    const auto link = EmulatedFalcon::link(falcon, patient_driver());
     link->open();
     Eigen::Vector3d position;
     for (int i = 0; i < 5; ++i) {

@@ -1,13 +1,18 @@
 // Calibration of an emulated Falcon by a hung mass; and its file.
 #include "runtime/weigh.h"
 
+#include <array>
+#include <atomic>
+#include <chrono>
 #include <fstream>
+#include <memory>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "formats/error.h"
 #include "runtime/calibration.h"
-#include "runtime/emulated_falcon.h"
+#include "tests/support/held_falcon.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -17,7 +22,7 @@ constexpr double kMassKg = 0.15;
 constexpr WeighOptions kQuick{.period_s = 0.5, .periods = 3, .settle_s = 2.4};
 
 // A weak spring from far below pulls like a weight.
-Weight weighed(double hung_n, double motor_gain) {
+std::shared_ptr<EmulatedFalcon> falcon_that_carries(double hung_n, double motor_gain) {
   constexpr double kPull = 0.1;  // [N/m]
   EmulatedFalconConfig config;
   config.model.loaded = true;
@@ -30,12 +35,14 @@ Weight weighed(double hung_n, double motor_gain) {
                        .press_m = 0.0,
                        .deeper_m = 0.0,
                        .circle_m = 0.0};
-  FalconConfig driver;
-  driver.answer_s = 0.05;  // a test machine may pause
-  const auto link =
-      EmulatedFalcon::link(std::make_shared<EmulatedFalcon>(config), driver);
+  return std::make_shared<EmulatedFalcon>(config);
+}
+
+Weight weighed(const std::shared_ptr<EmulatedFalcon>& falcon,
+               const std::atomic<bool>& stop) {
+  const auto link = EmulatedFalcon::link(falcon, patient_driver());
   link->open();
-  return weigh(*link, falcon_centre_m(), kQuick);
+  return weigh(*link, falcon_centre_m(), kQuick, stop);
 }
 
 // 2 %: half the tool's dry friction of 0.03 N against 1.5 N, and the pauses of a
@@ -43,11 +50,37 @@ Weight weighed(double hung_n, double motor_gain) {
 TEST(Weigh, FindsTheFactorThatUndoesTheMotorsGainAndNotTheMechanismsWeight) {
   for (const double gain : {0.8, 1.25}) {
     double sd = 0.0;
-    const double factor = factor_of(
-        weighed(0.3, gain), weighed(0.3 + kMassKg * 9.80665, gain), kMassKg, sd);
+    const Weight bare = weighed(falcon_that_carries(0.3, gain), false);
+    const Weight loaded =
+        weighed(falcon_that_carries(0.3 + kMassKg * 9.80665, gain), false);
+    const double factor = factor_of(bare, loaded, kMassKg, sd);
     EXPECT_NEAR(factor * gain, 1.0, 0.02);
     EXPECT_LT(sd, 0.05);
   }
+}
+
+TEST(Weigh, StoppedItLeavesNoForce) {
+  const auto falcon = falcon_that_carries(1.0, 1.0);
+  auto link = EmulatedFalcon::link(falcon, patient_driver());
+  link->open();
+  const auto has_force = [&] {
+    return falcon->model().command().motor != std::array<std::int16_t, 3>{};
+  };
+  std::atomic<bool> stop = false;
+  std::atomic<bool> had_force = false;
+  std::jthread person([&] {
+    for (int i = 0; i < 10'000 && !had_force; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      had_force = falcon->usb().locked(has_force);
+    }
+    stop = true;
+  });
+  EXPECT_THROW((void)weigh(*link, falcon_centre_m(), kQuick, stop), Interrupted);
+  person.join();
+  EXPECT_TRUE(had_force);
+  EXPECT_TRUE(falcon->usb().locked(has_force));
+  link.reset();
+  EXPECT_FALSE(has_force());
 }
 
 TEST(Weigh, AFactorThatNoDeviceHasIsRefused) {

@@ -18,23 +18,15 @@
 
 #include "formats/error.h"
 #include "formats/response_database.h"
-#include "runtime/emulated_falcon.h"
 #include "runtime/haply_model.h"
 #include "runtime/usb_choice.h"
+#include "tests/support/held_falcon.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-// In whose hand it rests in the middle of its workspace.
-FalconModelConfig held() {
-  FalconModelConfig config;
-  config.hand = {.surface_m = falcon_centre_m(), .press_m = 0.0, .deeper_m = 0.0};
-  config.start_m = config.hand.at(0.0).position_m;
-  return config;
-}
 
 struct Falcon {
   FalconModel model;
@@ -87,7 +79,7 @@ std::string refusal(const std::string& where) {
 }
 
 TEST_F(UsbBusTest, TheToolListsAFalconAndABoard) {
-  Falcon falcon(held());
+  Falcon falcon(held_falcon());
   HaplyModel haply({});
   falcon.plug(bus(), {.port = 2, .address = 9});
   bus().plug(haply, board_descriptors(), {.port = 4, .address = 11});
@@ -102,8 +94,8 @@ TEST_F(UsbBusTest, TheToolListsAFalconAndABoard) {
 }
 
 TEST_F(UsbBusTest, OfTwoAlikeOneIsChosenByItsPort) {
-  Falcon left(held());
-  Falcon right(held());
+  Falcon left(held_falcon());
+  Falcon right(held_falcon());
   left.plug(bus(), {.port = 2, .address = 9});
   UsbSocket& socket = right.plug(bus(), {.port = 3, .address = 4});
   EXPECT_NE(refusal("").find("2 are attached"), std::string::npos) << refusal("");
@@ -119,7 +111,7 @@ TEST_F(UsbBusTest, OfTwoAlikeOneIsChosenByItsPort) {
 
 // Root may open everything: looks as somebody else.
 TEST_F(UsbBusTest, ANodeThatMayNotBeOpenedIsSaidToBe) {
-  Falcon falcon(held());
+  Falcon falcon(held_falcon());
   const UsbSocket& socket = falcon.plug(bus(), {});
   const std::string node = bus().root() + socket.node();
   const bool root = ::geteuid() == 0;
@@ -139,14 +131,6 @@ TEST_F(UsbBusTest, ANodeThatMayNotBeOpenedIsSaidToBe) {
       << why;
 }
 
-FalconConfig driver() {
-  FalconConfig config;
-  config.firmware = emulated_firmware();
-  config.homing_s = 5.0;
-  config.answer_s = 0.05;  // a test machine may pause
-  return config;
-}
-
 std::function<int()> opener(const UsbSocket& socket) {
   return [node = socket.node()] {
     return ::open(node.c_str(), O_RDWR | O_CLOEXEC);
@@ -158,7 +142,7 @@ void close_file(int file) {
 }
 
 std::unique_ptr<FalconLink> link_to(const UsbSocket& socket,
-                                    const FalconConfig& config = driver()) {
+                                    const FalconConfig& config = patient_driver()) {
   return std::make_unique<FalconLink>(config, opener(socket), close_file);
 }
 
@@ -169,7 +153,7 @@ std::array<std::int16_t, 3> motors(const UsbSocket& socket, const Falcon& falcon
 }
 
 TEST_F(UsbBusTest, AFalconBootsLoadsHomesRendersAndIsLeftAsItWasFound) {
-  Falcon falcon(held());
+  Falcon falcon(held_falcon());
   const UsbSocket& socket = falcon.plug(bus(), {});
   const auto link = link_to(socket);
   link->open();
@@ -182,7 +166,7 @@ TEST_F(UsbBusTest, AFalconBootsLoadsHomesRendersAndIsLeftAsItWasFound) {
     answered += status == LinkStatus::kOk ? 1 : 0;
   }
   EXPECT_GE(answered, 250);
-  EXPECT_NEAR(position.z(), held().start_m.z(), 0.02);
+  EXPECT_NEAR(position.z(), held_falcon().start_m.z(), 0.02);
   EXPECT_NE(motors(socket, falcon), (std::array<std::int16_t, 3>{}));
   link->close();
   EXPECT_EQ(motors(socket, falcon), (std::array<std::int16_t, 3>{}));
@@ -191,7 +175,7 @@ TEST_F(UsbBusTest, AFalconBootsLoadsHomesRendersAndIsLeftAsItWasFound) {
 }
 
 TEST_F(UsbBusTest, AFalconThatIsUnpluggedIsALossWithAName) {
-  FalconModelConfig config = held();
+  FalconModelConfig config = held_falcon();
   config.loaded = true;
   Falcon falcon(config);
   UsbSocket& socket = falcon.plug(bus(), {});
@@ -243,7 +227,7 @@ TEST_F(UsbBusTest, ABoardTakesTorquesAndIsLeftWithoutOne) {
 // is cut short would leave half of it in umockdev's connection.
 [[noreturn]] void push_and_be_killed(const UsbSocket& socket) {
   try {
-    FalconConfig config = driver();
+    FalconConfig config = patient_driver();
     config.guarded = true;
     const auto link = link_to(socket, config);
     link->open();
@@ -259,7 +243,7 @@ TEST_F(UsbBusTest, ABoardTakesTorquesAndIsLeftWithoutOne) {
 }
 
 TEST_F(UsbBusTest, AfterAKillTheGuardianTakesTheForceAndGivesTheFalconBack) {
-  FalconModelConfig config = held();
+  FalconModelConfig config = held_falcon();
   config.loaded = true;
   config.trace_max = 10'000;
   Falcon falcon(config);
@@ -323,7 +307,7 @@ class RenderingTool : public UsbBusTest {
 };
 
 TEST_F(RenderingTool, EndsWithANameWhenTheFalconIsUnplugged) {
-  Falcon falcon(held());
+  Falcon falcon(held_falcon());
   UsbSocket& socket = falcon.plug(bus(), {});
   bool unplugged = false;
   const ToolRun run = render([&] {
