@@ -139,12 +139,17 @@ class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
   void read() {
     stream_.async_read(buffer_,
                        [self = shared_from_this()](Failure failure, std::size_t) {
-                         if (failure || self->closing_) {
+                         if (failure) {
                            self->end();
                            return;
                          }
-                         self->take();
-                         self->read();
+                         if (!self->closing_) {
+                           self->take();
+                         }
+                         if (!self->closing_) {
+                           self->read();
+                         }  // else the close reads on: closing unread input at once
+                            // would take the reason from the client
                        });
   }
 
@@ -183,7 +188,6 @@ class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
                         });
   }
 
-  // The close waits for nothing but a write that is under way.
   void drop(websocket::close_code why) {
     if (std::exchange(closing_, true)) {
       return;
