@@ -25,7 +25,7 @@ Real force_allowed_n(const SafetyLimits& limits, Real age_s) {
 }
 
 bool account_holds(const PassivityLedger& ledger, const SafetyState& state,
-                   Real floor_j) {
+                   double floor_j) {
   const double tolerance =
       kRoundingJ + kRoundingRelative * (ledger.stored_j + ledger.dissipated_j);
   return std::abs(imbalance_j(ledger)) <= tolerance && ledger.created_j <= tolerance &&

@@ -123,7 +123,8 @@ void print(const Cost& cost) {
       static_cast<unsigned long>(wire.accepted), static_cast<unsigned long>(wire.lost),
       static_cast<unsigned long>(wire.late), static_cast<unsigned long>(wire.repeated),
       static_cast<unsigned long>(wire.broken));
-  std::printf("created_j %.2g\n", fast.ledger.created_j);
+  std::printf("created_pj %lu\n",
+              static_cast<unsigned long>(fast.ledger.created_j * double(1e12)));
   std::printf("state_bytes %lu\n", static_cast<unsigned long>(sizeof fast));
   if (cost.ticks > 0 && cost.sum > 0) {
     std::printf("instructions mean %lu most %lu\n",
