@@ -3,9 +3,10 @@
 //
 //   replay SCRIPT RESULT
 //
-// SCRIPT: model (u32), ticks (u32); per tick: bytes of wire (u32), these bytes,
-// position (3 x f64). RESULT: per tick force, depth, stored, tank, dissipated, shift (8
-// x f64), triangle and fault (2 x i32).
+// SCRIPT: model (u32), ticks (u32), tool's radius [m] and time of a tick [s] (f64
+// each); per tick: bytes of wire (u32), these bytes, position (3 x f64). RESULT: per
+// tick force, depth, stored, tank, dissipated, shift (8 x f64), triangle and fault (2 x
+// i32).
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -85,11 +86,14 @@ struct Cost {
 
 bool run(std::FILE* script, std::FILE* result, Cost& cost) {
   std::uint32_t head[2] = {0, 0};
-  if (!read(script, head, sizeof head) || head[0] >= kLocalModels.size()) {
+  double config[2] = {0.0, 0.0};
+  if (!read(script, head, sizeof head) || head[0] >= kLocalModels.size() ||
+      !read(script, config, sizeof config)) {
     return false;
   }
   fast.config.model = kLocalModels[head[0]];
-  fast.config.tool_radius_m = Real(0.005);
+  fast.config.tool_radius_m = static_cast<Real>(config[0]);
+  const auto dt_s = static_cast<Real>(config[1]);
   for (std::uint32_t tick = 0; tick < head[1]; ++tick) {
     double position[3];
     if (!take_in(script) || !read(script, position, sizeof position)) {
@@ -100,7 +104,7 @@ bool run(std::FILE* script, std::FILE* result, Cost& cost) {
       sample.position_m(i) = static_cast<Real>(position[i]);
     }
     board::count_begin();
-    const FastCommand command = step(fast, sample, Real(0.0005));
+    const FastCommand command = step(fast, sample, dt_s);
     const std::uint32_t instructions = board::count_end();
     cost.sum += instructions;
     cost.most = instructions > cost.most ? instructions : cost.most;
