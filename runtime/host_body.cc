@@ -21,7 +21,7 @@ namespace {
 // Limits of the force inside the host, so that they hold at the device.
 FastConfig fast_config(const HostOptions& options, const ToolShape& tool) {
   FastConfig fast;
-  fast.model = LocalModel::kPotential;
+  fast.model = options.model;
   fast.tool_radius_m = nominal_height_m(tool);
   fast.force_max_n = options.force_max_n / options.force_gain;
   fast.slew_max_n_per_s /= options.force_gain;

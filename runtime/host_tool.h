@@ -14,9 +14,10 @@ namespace palpate {
 
 /// How a host measures, and what its device can do.
 struct HostOptions {
-  std::string tool = {};           ///< empty: the only one
-  double metres_per_unit = 1.0;    ///< [m] > 0
-  double newtons_per_unit = 1.0;   ///< [N] > 0
+  std::string tool = {};                      ///< empty: the only one
+  LocalModel model = LocalModel::kPotential;  ///< a passive one
+  double metres_per_unit = 1.0;               ///< [m] > 0
+  double newtons_per_unit = 1.0;              ///< [N] > 0
   double position_gain = 1.0;      ///< [-] > 0 movement here per device movement
   double force_gain = 1.0;         ///< [-] > 0 device force per force here
   double tick_s = 0.001;           ///< [s] (0, 1]

@@ -88,6 +88,9 @@ typedef struct palpate_options {
   double stall_s; /* [s] > 0, in contact without an element: fault; 0.5 */
   double ramp_s;  /* [s] > 0, from start or reset to the full force; 0.1 */
   uint32_t flags; /* of enum palpate_flags */
+  /* Local model, of the passive ones: "potential" (NULL), "element", "energy-tank",
+   * "equal-energy". */
+  const char* model;
 } palpate_options;
 
 /* The latest tick. Energies are those of the body, not of a scaled device. */

@@ -11,10 +11,6 @@ namespace {
 
 constexpr Real kLongestStepS = 1.0;
 
-bool passive(LocalModel model) {
-  return model != LocalModel::kSingle && model != LocalModel::kFirstOrderHold;
-}
-
 SafetyLimits safety_limits(const FastConfig& config) {
   return {config.force_max_n, config.slew_max_n_per_s,
           passive(config.model) ? config.energy_floor_j

@@ -28,6 +28,11 @@ constexpr std::array<LocalModel, 6> kLocalModels{
   return model == LocalModel::kElement || model == LocalModel::kPotential;
 }
 
+/// Whether the model creates no energy, whatever the tool does and when updates come.
+[[nodiscard]] constexpr bool passive(LocalModel model) noexcept {
+  return model != LocalModel::kSingle && model != LocalModel::kFirstOrderHold;
+}
+
 /// The model's name, as the flag --model and the reports spell it.
 [[nodiscard]] constexpr std::string_view name(LocalModel model) noexcept {
   constexpr std::array<std::string_view, 6> kNames{"single",       "first-order-hold",

@@ -10,7 +10,7 @@ namespace {
 constexpr Real kStillM = rounding(1e-9, 1e-7);
 
 bool holds(const ScalarModel& model) {
-  return model.kind == LocalModel::kSingle || model.kind == LocalModel::kFirstOrderHold;
+  return !passive(model.kind);
 }
 
 Real held_force(const ScalarModel& m) {

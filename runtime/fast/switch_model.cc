@@ -3,20 +3,13 @@
 #include <algorithm>
 
 namespace palpate {
-namespace {
-
-bool holds(LocalModel model) {
-  return model == LocalModel::kSingle || model == LocalModel::kFirstOrderHold;
-}
-
-}  // namespace
 
 void switch_model(FastState& state, LocalModel model) noexcept {
   if (model == state.config.model) {
     return;
   }
   PassivityLedger& ledger = state.ledger;
-  if (holds(state.config.model)) {
+  if (!passive(state.config.model)) {
     // A held force stores F x, of any sign and size: what counts is the work put in.
     const double work_j = std::max<double>(0.0, ledger.work_j);
     ledger = {.work_j = work_j, .tank_j = work_j};
