@@ -6,6 +6,7 @@
 #include <string>
 
 #include "formats/error.h"
+#include "runtime/view_field.h"
 #include "runtime/view_text.h"
 
 namespace palpate {
@@ -79,6 +80,10 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
                   curve_text(session_.database(), session_.table(), request.node));
     return;
   }
+  if (request.action == ViewAction::kField) {
+    outbox_->send(client, field_text(session_.table(), request.node));
+    return;
+  }
   if (!steers(client)) {
     throw InputError("another page steers, this one watches");
   }
@@ -114,6 +119,7 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
       replay();
       break;
     case ViewAction::kNode:
+    case ViewAction::kField:
       break;
   }
 }

@@ -131,14 +131,14 @@ ViewRequest run(const Json& message) {
   return request;
 }
 
-ViewRequest node(const Json& message) {
+ViewRequest node(const Json& message, ViewAction action) {
   check_keys(message, {"type", "node"});
   const Json& found = value(message, "node");
   if (!found.is_number_integer()) {
     throw InputError("\"node\" must be a whole number");
   }
   constexpr double kMost = std::numeric_limits<std::int32_t>::max();
-  ViewRequest request{.action = ViewAction::kNode};
+  ViewRequest request{.action = action};
   request.node = static_cast<std::int32_t>(number(found, "node", 0.0, kMost));
   return request;
 }
@@ -165,9 +165,12 @@ ViewRequest decode_view_message(std::string_view text_in) {
     return run(message);
   }
   if (type == "node") {
-    return node(message);
+    return node(message, ViewAction::kNode);
   }
-  throw InputError("\"type\" must be point, set, run or node");
+  if (type == "field") {
+    return node(message, ViewAction::kField);
+  }
+  throw InputError("\"type\" must be point, set, run, node or field");
 }
 
 }  // namespace palpate

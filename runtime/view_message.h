@@ -12,6 +12,7 @@
 //   {"type": "run", "do": "pause"}             pause, resume, step, reset, record,
 //                                              replay
 //   {"type": "node", "node": 12}               the curve of a node
+//   {"type": "field", "node": 12}              how the surface moves under it
 #pragma once
 
 #include <cstddef>
@@ -36,7 +37,8 @@ enum class ViewAction : std::uint8_t {
   kReset,
   kRecord,
   kReplay,
-  kNode
+  kNode,
+  kField
 };
 
 /// Ranges that the decoder holds every number to.

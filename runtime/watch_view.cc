@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "runtime/view_field.h"
 #include "runtime/view_message.h"
 
 namespace palpate {
@@ -47,10 +48,13 @@ void WatchView::closed(ViewClient client) {
 void WatchView::received(ViewClient client, std::string_view text) {
   try {
     const ViewRequest request = decode_view_message(text);
-    if (request.action != ViewAction::kNode) {
+    if (request.action == ViewAction::kNode) {
+      outbox_->send(client, curve_text(body_.database, body_.table, request.node));
+    } else if (request.action == ViewAction::kField) {
+      outbox_->send(client, field_text(body_.table, request.node));
+    } else {
       throw InputError(fmt::format("the {} steers, pages watch", body_.device));
     }
-    outbox_->send(client, curve_text(body_.database, body_.table, request.node));
   } catch (const InputError& error) {
     outbox_->send(client, refusal_text(error.what()));
   }

@@ -30,6 +30,15 @@ TEST(ViewMessage, SetCarriesWhatIsThereAndNothingElse) {
   EXPECT_FALSE(request.stiffness_scale);
 }
 
+TEST(ViewMessage, NodesAreAskedForTheirCurvesOrFields) {
+  const ViewRequest curve = decode_view_message(R"({"type":"node","node":12})");
+  EXPECT_EQ(curve.action, ViewAction::kNode);
+  EXPECT_EQ(curve.node, 12);
+  const ViewRequest field = decode_view_message(R"({"type":"field","node":0})");
+  EXPECT_EQ(field.action, ViewAction::kField);
+  EXPECT_EQ(field.node, 0);
+}
+
 TEST(ViewMessage, EveryModelHasItsName) {
   for (const LocalModel model : kLocalModels) {
     const std::string text =
@@ -61,23 +70,23 @@ TEST_P(RefusedMessage, IsAnInputErrorOfOneLineWithoutItsText) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, RefusedMessage,
-    testing::Values("", "null", "[]", "{", "{}", "\xff\xfe", R"({"type":1})",
-                    R"({"type":"evil"})", R"({"type":"point"})",
-                    R"({"type":"point","hold":1})", R"({"type":"point","hold":true})",
-                    R"({"type":"point","hold":true,"target_m":[0,0]})",
-                    R"({"type":"point","hold":true,"target_m":[0,0,1e300]})",
-                    R"({"type":"point","hold":true,"target_m":[0,0,1e999]})",
-                    R"({"type":"point","hold":true,"target_m":[0,0,NaN]})",
-                    R"({"type":"point","hold":true,"target_m":[0,0,"evil"]})",
-                    R"({"type":"point","hold":false,"evil":0})", R"({"type":"set"})",
-                    R"({"type":"set","slow_hz":0})", R"({"type":"set","slow_hz":2001})",
-                    R"({"type":"set","slow_hz":null})",
-                    R"({"type":"set","model":"evil"})",
-                    R"({"type":"set","friction":-0.1})",
-                    R"({"type":"set","stiffness_scale":0})", R"({"type":"run"})",
-                    R"({"type":"run","do":"evil"})", R"({"type":"node"})",
-                    R"({"type":"node","node":-1})", R"({"type":"node","node":1.5})",
-                    R"({"type":"node","node":4294967296})"));
+    testing::Values(
+        "", "null", "[]", "{", "{}", "\xff\xfe", R"({"type":1})", R"({"type":"evil"})",
+        R"({"type":"point"})", R"({"type":"point","hold":1})",
+        R"({"type":"point","hold":true})",
+        R"({"type":"point","hold":true,"target_m":[0,0]})",
+        R"({"type":"point","hold":true,"target_m":[0,0,1e300]})",
+        R"({"type":"point","hold":true,"target_m":[0,0,1e999]})",
+        R"({"type":"point","hold":true,"target_m":[0,0,NaN]})",
+        R"({"type":"point","hold":true,"target_m":[0,0,"evil"]})",
+        R"({"type":"point","hold":false,"evil":0})", R"({"type":"set"})",
+        R"({"type":"set","slow_hz":0})", R"({"type":"set","slow_hz":2001})",
+        R"({"type":"set","slow_hz":null})", R"({"type":"set","model":"evil"})",
+        R"({"type":"set","friction":-0.1})", R"({"type":"set","stiffness_scale":0})",
+        R"({"type":"run"})", R"({"type":"run","do":"evil"})", R"({"type":"node"})",
+        R"({"type":"node","node":-1})", R"({"type":"node","node":1.5})",
+        R"({"type":"node","node":4294967296})", R"({"type":"field"})",
+        R"({"type":"field","node":-1})", R"({"type":"field","node":0,"evil":0})"));
 
 }  // namespace
 }  // namespace palpate

@@ -101,6 +101,8 @@ TEST_F(WatchViewTest, LetsNoPageSteer) {
   view_.received(1, R"({"type":"node","node":3})");
   EXPECT_EQ(outbox_.sent[1]["type"], "curve");
   EXPECT_EQ(outbox_.sent[1]["node"], 3);
+  view_.received(1, R"({"type":"field","node":3})");
+  EXPECT_EQ(outbox_.sent[1]["type"], "field");
 }
 
 TEST_F(WatchViewTest, ForgetsAPageThatIsGone) {
