@@ -8,17 +8,14 @@
 
 #include "formats/error.h"
 #include "runtime/hand_place.h"
+#include "runtime/tool_height.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t kTicksKept = 8191;
 
-void check(const ViewSessionOptions& options, const ToolShape& tool) {
-  if (tool.kind != "sphere") {
-    throw InputError(fmt::format("tool {:?} is a {}, only spheres can be rendered",
-                                 tool.name, tool.kind));
-  }
+void check(const ViewSessionOptions& options) {
   if (!(options.fast_hz >= 100.0 && options.fast_hz <= 20000.0)) {
     throw InputError(
         fmt::format("fast rate is {} Hz, must lie in [100, 20000]", options.fast_hz));
@@ -34,23 +31,25 @@ void check(const ViewSessionOptions& options, const ToolShape& tool) {
 }
 
 // Clear of the body: above touch by the deepest curve, at least 5 mm.
-double clearance_m(const ResponseTable& table) {
-  return table.tool.radius_m + std::max(0.005, table.depth_max_m());
+Eigen::Vector3d lifted_m(const ResponseTable& table, const Eigen::Vector3d& point_m,
+                         const Eigen::Vector3d& normal) {
+  return point_m +
+         (drawn_height_m(table.tool, normal) + std::max(0.005, table.depth_max_m())) *
+             normal;
 }
 
 Eigen::Vector3d above_start(const ResponseDatabase& database,
                             const ResponseTable& table) {
   const std::int32_t node = node_to_press(database, table, std::nullopt);
-  return (database.body.position_m.row(node) +
-          clearance_m(table) * database.normal.row(node))
-      .transpose();
+  return lifted_m(table, database.body.position_m.row(node).transpose(),
+                  database.normal.row(node).transpose());
 }
 
 FastProcessConfig fast_config(const ViewSessionOptions& options,
                               const ToolShape& tool) {
   FastProcessConfig config;
   config.fast.model = options.model;
-  config.fast.tool_radius_m = tool.radius_m;
+  config.fast.tool_radius_m = nominal_height_m(tool);
   config.fast.force_max_n = options.force_max_n;
   config.rate_hz = options.fast_hz;
   // The slow rate may be set to 1 Hz while this lasts.
@@ -72,7 +71,7 @@ ViewSession::ViewSession(const ResponseDatabase& database,
       hand_(start_m_),
       fast_deadlines_(0, options.fast_hz),
       slow_deadlines_(0, options.slow_hz) {
-  check(options, table_.tool);
+  check(options);
   options_.device.tick_s = 1.0 / options.fast_hz;
   options_.device.force_max_n = options.force_max_n;
   start(start_m_);
@@ -170,14 +169,13 @@ void ViewSession::reset() {
 
 Eigen::Vector3d ViewSession::clear_of(const Eigen::Vector3d& from_m) const {
   const ViewContact near =
-      view_contact(database_, stream_.search(), from_m, latest_.triangle);
-  return near.triangle < 0 ? start_m_
-                           : near.point_m + clearance_m(table_) * near.normal;
+      view_contact(database_, table_.tool, stream_.search(), from_m, latest_.triangle);
+  return near.triangle < 0 ? start_m_ : lifted_m(table_, near.point_m, near.normal);
 }
 
 ViewContact ViewSession::contact() const {
   const Eigen::Map<const Eigen::Vector3d> tool(latest_.position_m.data());
-  return view_contact(database_, stream_.search(), tool, latest_.triangle);
+  return view_contact(database_, table_.tool, stream_.search(), tool, latest_.triangle);
 }
 
 std::vector<TickRecord> ViewSession::take_ticks() {

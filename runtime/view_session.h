@@ -34,8 +34,7 @@ struct ViewSessionOptions {
 /// One thread. Time passes in advance() alone.
 class ViewSession {
  public:
-  /// `database` must outlive the session. @throws InputError for options out of range
-  /// and tools that are not spheres.
+  /// `database` must outlive the session. @throws InputError for options out of range.
   ViewSession(const ResponseDatabase& database, const ViewSessionOptions& options);
 
   /// The hand takes the tool to where the pointer is [m].

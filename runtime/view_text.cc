@@ -13,6 +13,7 @@
 #include "formats/error.h"
 #include "formats/stiffness_map.h"
 #include "runtime/clock.h"
+#include "runtime/tool_outline.h"
 #include "runtime/view_message.h"
 
 namespace palpate {
@@ -148,10 +149,56 @@ Json as_json(const ViewSettings& settings) {
           {"friction", or_null(settings.friction)}};
 }
 
+template <typename Derived>
+Json flat_list(const Eigen::MatrixBase<Derived>& rows) {
+  Json values = Json::array();
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    for (Eigen::Index j = 0; j < rows.cols(); ++j) {
+      values.push_back(rows(i, j));
+    }
+  }
+  return values;
+}
+
+// Smooth pieces of an outline to turn about the axis, or a mesh; how far it reaches
+// from the axis and along it.
+Json shape_json(const ToolShape& tool, double handle_m) {
+  double width_m = 0.0;
+  double top_m = 0.0;
+  Json pieces = Json::array();
+  for (const OutlinePiece& piece : tool_outline_m(tool, handle_m)) {
+    Json points = Json::array();
+    for (const Eigen::Vector2d& p : piece) {
+      points.push_back({p.x(), p.y()});
+      width_m = std::max(width_m, p.x());
+      top_m = std::max(top_m, p.y());
+    }
+    pieces.push_back(points);
+  }
+  Json shape{{"outline_m", pieces}};
+  if (tool.kind == "mesh") {
+    const Points& position = tool.mesh.position_m;
+    width_m = position.leftCols<2>().rowwise().norm().maxCoeff();
+    top_m = position.col(2).maxCoeff();
+    shape["position_m"] = flat_list(position);
+    shape["triangle"] = flat_list(tool.mesh.triangle);
+  }
+  shape["half_width_m"] = width_m;
+  shape["top_m"] = top_m;
+  return shape;
+}
+
 Json tool_json(const ViewedBody& body) {
   const ToolShape& tool = body.table.tool;
+  constexpr double kHandle = 0.275;  // of the body's diagonal
+  const double handle_m = kHandle * bounding_box(body.database.body).diagonal().norm();
   return {{"name", tool.name},
+          {"description", describe(tool)},
+          {"kind", tool.kind},
           {"radius_m", tool.radius_m},
+          {"half_angle_rad", tool.half_angle_rad},
+          {"shape", shape_json(tool, handle_m)},
+          {"handle_m", handle_m},
           {"friction", tool.friction},
           {"presliding_m", tool.presliding_m},
           {"force_max_n", body.force_max_n}};
@@ -173,6 +220,10 @@ std::string body_bytes(const ResponseDatabase& database, const ResponseTable& ta
   for (const double stiffness : map.stiffness_n_per_m) {
     append(bytes, static_cast<float>(stiffness));
   }
+  for (Eigen::Index i = 0; i < database.normal.rows(); ++i) {
+    append(bytes, static_cast<float>(
+                      drawn_height_m(table.tool, database.normal.row(i).transpose())));
+  }
   for (Eigen::Index i = 0; i < body.triangle.size(); ++i) {
     append(bytes, static_cast<std::uint32_t>(body.triangle.data()[i]));
   }
@@ -193,6 +244,7 @@ std::string body_text(const ViewedBody& body) {
        {"source", provenance.source_file},
        {"left_out", provenance.left_out},
        {"tool", tool_json(body)},
+       {"displacement_fields", body.table.displacement.node.size()},
        {"models", models},
        {"depth_max_m", body.table.depth_max_m()},
        {"force_max_n", largest_force_n(body)},
@@ -211,30 +263,36 @@ std::string body_text(const ViewedBody& body) {
 
 std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ticks) {
   const TickRecord& now = frame.now;
-  const Json json{{"type", "state"},
-                  {"state", frame.state},
-                  {"paused", frame.paused},
-                  {"speed", frame.speed},
-                  {"clients", frame.clients},
-                  {"holding", frame.holding},
-                  {"tape", frame.tape},
-                  {"fault", frame.fault},
-                  {"time_s", static_cast<double>(now.time_ns) / kNanosecondsPerSecond},
-                  {"tool_m", now.position_m},
-                  {"hand_m", or_null(frame.hand_m)},
-                  {"pointer_m", or_null(frame.pointer_m)},
-                  {"force_n", now.force_n},
-                  {"depth_m", now.depth_m},
-                  {"stored_j", now.stored_j},
-                  {"tank_j", now.tank_j},
-                  {"dissipated_j", now.dissipated_j},
-                  {"net_j", frame.net_j},
-                  {"shift_m", now.relaxed_shift_m},
-                  {"flags", now.flags},
-                  {"contact_m", list(frame.contact.point_m)},
-                  {"normal", list(frame.contact.normal)},
-                  {"run", as_json(frame.run)},
-                  {"settings", as_json(frame.settings)}};
+  const Eigen::Quaterniond& turn = frame.contact.turn;
+  const Json json{
+      {"type", "state"},
+      {"state", frame.state},
+      {"paused", frame.paused},
+      {"speed", frame.speed},
+      {"clients", frame.clients},
+      {"holding", frame.holding},
+      {"tape", frame.tape},
+      {"fault", frame.fault},
+      {"time_s", static_cast<double>(now.time_ns) / kNanosecondsPerSecond},
+      {"tool_m", now.position_m},
+      {"hand_m", or_null(frame.hand_m)},
+      {"pointer_m", or_null(frame.pointer_m)},
+      {"force_n", now.force_n},
+      {"depth_m", now.depth_m},
+      {"stored_j", now.stored_j},
+      {"tank_j", now.tank_j},
+      {"dissipated_j", now.dissipated_j},
+      {"net_j", frame.net_j},
+      {"shift_m", now.relaxed_shift_m},
+      {"flags", now.flags},
+      {"contact_m", list(frame.contact.point_m)},
+      {"normal", list(frame.contact.normal)},
+      {"contact_nodes", frame.contact.node},
+      {"contact_shares", list(frame.contact.share)},
+      {"penetration_m", frame.contact.penetration_m},
+      {"tool_turn", std::array<double, 4>{turn.x(), turn.y(), turn.z(), turn.w()}},
+      {"run", as_json(frame.run)},
+      {"settings", as_json(frame.settings)}};
   std::string text = dumped(json);
   text.pop_back();
   return text + ",\"trace\":" + trace_text(ticks) + "}";

@@ -19,7 +19,8 @@ namespace palpate {
 
 /// The body as little-endian bytes: "PLPB", then as uint32 the number of vertices n and
 /// of triangles t; float32 positions [m] (3 n), outward normals (3 n), stiffness at the
-/// map's depth [N/m] (n, NaN without response); uint32 corners (3 t).
+/// map's depth [N/m] (n, NaN without response), heights of the tool's reference point
+/// where it touches a vertex [m] (n); uint32 corners (3 t).
 [[nodiscard]] std::string body_bytes(const ResponseDatabase& database,
                                      const ResponseTable& table);
 

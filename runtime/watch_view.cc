@@ -73,7 +73,8 @@ void WatchView::frame() {
     frame_.now = passed.back();
     const Eigen::Map<const Eigen::Vector3d> tool(frame_.now.position_m.data());
     if (tool.allFinite()) {
-      frame_.contact = view_contact(body_.database, search_, tool, frame_.now.triangle);
+      frame_.contact = view_contact(body_.database, body_.table.tool, search_, tool,
+                                    frame_.now.triangle);
     }
   }
   frame_.state = state();

@@ -29,6 +29,7 @@ class App {
     this.link = new Link({
       state: (message) => this.take(message),
       curve: (message) => this.showCurve(message),
+      field: (message) => this.view?.yielding.take(message),
       role: (message) => this.showRole(message.role),
       refused: (message) => this.complain(message.why),
       gone: () => this.lost(),
@@ -44,15 +45,14 @@ class App {
 
   showNames() {
     const { text } = this.body;
-    get("what").textContent = `${text.database} · ${text.tool.name}, ${(text.tool.radius_m * 1e3).toPrecision(3)} mm ball · ${this.body.stiffness.length} nodes`;
+    get("what").textContent = `${text.database} · ${text.tool.name}, ${text.tool.description} · ${this.body.stiffness.length} nodes`;
     get("what").title = `${text.source}, written by ${text.writer}. ${text.left_out}`;
     drawColourBar(text.map);
-    get("template").textContent = "Dimple: illustrative template (Hertz); the database holds forces.";
   }
 
   makeView() {
     try {
-      return new BodyView(get("canvas"), this.body);
+      return new BodyView(get("canvas"), this.body, (node) => this.link.field(node));
     } catch (error) {
       console.info(`no 3-D view: ${error.message}`);
       get("no_webgl").hidden = false;
@@ -88,6 +88,7 @@ class App {
   lost() {
     this.holding = false;
     this.state = null;
+    this.view?.yielding.forget();
     get("state").textContent = "no connection";
     get("state").dataset.kind = "warn";
     get("role").textContent = "–";
@@ -121,8 +122,8 @@ class App {
     return { point: hit.point.toArray(), normal: hit.normal.toArray(), node: hit.node };
   }
 
-  // About a fifth of the ball.
-  stepLength() { return 0.2 * this.body.text.tool.radius_m; }
+  // About a tenth of the tool's width.
+  stepLength() { return 0.2 * this.body.text.tool.shape.half_width_m; }
 
   setPress(depth_m) {
     this.press = Math.min(this.pressMax, Math.max(0, depth_m));
@@ -223,6 +224,9 @@ class App {
     get("pause").setAttribute("aria-pressed", String(state.paused));
     get("record").setAttribute("aria-pressed", String(state.tape === "recording"));
     get("replay").setAttribute("aria-pressed", String(state.tape === "playing"));
+    if (this.view) {
+      put("template", this.view.yielding.label());
+    }
     this.settings.show(state.settings);
   }
 }

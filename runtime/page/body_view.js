@@ -1,27 +1,7 @@
 // The body, the tool and the force in three dimensions.
 import * as three from "/vendor.min.js";
-
-// A ball pressed into an elastic half-space (Hertz; Johnson, Contact Mechanics, 3.4):
-// surface displacement at distance r from the axis, a^2 = R * depth; faded out towards
-// the size of the body, which is held. A template: the database holds forces.
-const kYield = `
-uniform vec3 uContact; uniform vec3 uNormal; uniform float uDepth; uniform float uRadius; uniform float uReach;
-float yieldOf(float r, float a) {
-  float w = r < a ? uDepth - r * r / (2.0 * uRadius)
-                  : ((2.0 * a * a - r * r) * asin(a / r) + a * sqrt(max(r * r - a * a, 0.0))) / (3.14159265 * uRadius);
-  return w * (1.0 - smoothstep(0.25, 1.0, r / uReach));
-}
-vec3 yielded(vec3 p, inout vec3 n) {
-  if (uDepth <= 0.0) return p;
-  vec3 along = p - uContact;
-  float r = length(along);
-  float a = sqrt(uRadius * uDepth);
-  float step = 0.02 * a + 1e-6;
-  float slope = (yieldOf(r + step, a) - yieldOf(max(r - step, 0.0), a)) / (2.0 * step);
-  vec3 flat_along = along - dot(along, uNormal) * uNormal;
-  n = normalize(n + slope * flat_along / max(r, 1e-6));
-  return p - yieldOf(r, a) * uNormal;
-}`;
+import { toolGeometries } from "/tool_shape.js";
+import { Yielding } from "/yielding.js";
 
 function css(name) {
   return new three.Color(getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
@@ -45,10 +25,10 @@ function vertexColours(body) {
   return values;
 }
 
-function bodyGeometry(body) {
+function bodyGeometry(body, position, normal) {
   const geometry = new three.BufferGeometry();
-  geometry.setAttribute("position", new three.BufferAttribute(body.position, 3));
-  geometry.setAttribute("normal", new three.BufferAttribute(body.normal, 3));
+  geometry.setAttribute("position", new three.BufferAttribute(position, 3));
+  geometry.setAttribute("normal", new three.BufferAttribute(normal, 3));
   geometry.setAttribute("color", new three.BufferAttribute(vertexColours(body), 3));
   geometry.setIndex(new three.BufferAttribute(body.triangle, 1));
   geometry.computeBoundingSphere();
@@ -83,49 +63,38 @@ function drawsInSoftware() {
 }
 
 export class BodyView {
-  // Throws where there is no WebGL.
-  constructor(canvas, body) {
+  // Throws where there is no WebGL. @param ask as Yielding's.
+  constructor(canvas, body, ask) {
     this.canvas = canvas;
     this.body = body;
     this.software = drawsInSoftware();
     this.renderer = new three.WebGLRenderer({ canvas, antialias: !this.software, alpha: true });
     this.renderer.setPixelRatio(this.software ? 0.75 : Math.min(devicePixelRatio, 2));
     this.scene = new three.Scene();
-    this.uniforms = {
-      uContact: { value: new three.Vector3() }, uNormal: { value: new three.Vector3(0, 0, 1) },
-      uDepth: { value: 0 }, uRadius: { value: body.text.tool.radius_m }, uReach: { value: 1 },
-    };
-    this.addBody();
+    this.addBody(ask);
     this.addTool();
     this.addLights();
     this.addCameras();
     this.raycaster = new three.Raycaster();
+    this.presses = 0;  // pictures of the yielding body
   }
 
-  yielding(material) {
-    material.onBeforeCompile = (shader) => {
-      Object.assign(shader.uniforms, this.uniforms);
-      shader.vertexShader = shader.vertexShader
-        .replace("#include <common>", `#include <common>\n${kYield}`)
-        .replace("#include <beginnormal_vertex>",
-                 "#include <beginnormal_vertex>\nvec3 yieldedPosition = yielded(position, objectNormal);")
-        .replace("#include <begin_vertex>", "vec3 transformed = yieldedPosition;");
-    };
-    return material;
-  }
-
-  addBody() {
-    const geometry = bodyGeometry(this.body);
+  addBody(ask) {
+    // Where the pointer meets the body counts at rest.
+    const geometry = bodyGeometry(this.body, this.body.position, this.body.normal);
+    this.rest = new three.Mesh(geometry);
     this.size = geometry.boundingSphere.radius;
     this.centre = geometry.boundingSphere.center.clone();
     this.metresPerNewton = (0.6 * this.size) / this.body.text.force_max_n;
-    this.uniforms.uReach.value = 0.9 * this.size;
-    this.surface = new three.Mesh(geometry, this.yielding(new three.MeshStandardMaterial({
+    this.yielding = new Yielding(this.body, 0.9 * this.size, ask);
+    const pressed = bodyGeometry(this.body, this.yielding.position, this.yielding.normal);
+    this.surface = new three.Mesh(pressed, new three.MeshStandardMaterial({
       vertexColors: true, roughness: 0.55, metalness: 0.0, side: three.DoubleSide,
-      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })));
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
     this.surface.frustumCulled = false;
-    this.wire = new three.Mesh(geometry, this.yielding(new three.MeshStandardMaterial({
-      color: "#0b1014", wireframe: true, transparent: true, opacity: 0.35 })));
+    this.wire = new three.Mesh(pressed, new three.MeshStandardMaterial({
+      color: "#0b1014", wireframe: true, transparent: true, opacity: 0.35 }));
+    this.wire.frustumCulled = false;
     this.wire.visible = false;
     this.normals = this.normalLines();
     this.normals.visible = false;
@@ -154,15 +123,17 @@ export class BodyView {
   }
 
   addTool() {
-    const radius = this.body.text.tool.radius_m;
-    const thin = Math.min(0.012 * this.size, 0.25 * radius);
+    const { shape, handle_m: handle } = this.body.text.tool;
+    const thin = Math.min(0.012 * this.size, 0.25 * shape.half_width_m);
     const metal = new three.MeshStandardMaterial({ color: "#dfe6ea", roughness: 0.25, metalness: 0.1,
                                                    transparent: true, opacity: 0.62 });
     this.tool = new three.Group();
-    this.ball = new three.Mesh(new three.SphereGeometry(radius, 48, 32), metal);
-    this.shaft = rod(0.28 * radius, metal);
-    this.shaft.scale.y = 0.55 * this.size;
-    this.tool.add(this.ball, this.shaft);
+    this.tool.add(...toolGeometries(shape).map((geometry) => new three.Mesh(geometry, metal)));
+    if (handle > shape.top_m) {
+      const shaft = rod(0.28 * shape.half_width_m, metal);
+      lay(shaft, new three.Vector3(0, 0, shape.top_m), new three.Vector3(0, 0, handle));
+      this.tool.add(shaft);
+    }
     // What lies inside the tool or the body is drawn over them.
     const above = (colour) => new three.MeshBasicMaterial({ color: colour, depthTest: false, transparent: true });
     this.hand = new three.Mesh(new three.SphereGeometry(1.6 * thin, 24, 16), above(css("hand")));
@@ -239,7 +210,7 @@ export class BodyView {
     const box = this.canvas.getBoundingClientRect();
     const at = new three.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
     this.raycaster.setFromCamera(at, this.camera);
-    const [hit] = this.raycaster.intersectObject(this.surface, false);
+    const [hit] = this.raycaster.intersectObject(this.rest, false);
     if (!hit) {
       return null;
     }
@@ -253,7 +224,7 @@ export class BodyView {
     const box = this.canvas.getBoundingClientRect();
     const at = new three.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
     this.raycaster.setFromCamera(at, this.camera);
-    return this.raycaster.intersectObjects([this.ball, this.shaft], false).length > 0;
+    return this.raycaster.intersectObject(this.tool, true).length > 0;
   }
 
   showPick(curve) {
@@ -271,20 +242,15 @@ export class BodyView {
 
   show(state) {
     const tool = new three.Vector3().fromArray(state.tool_m);
-    const normal = new three.Vector3().fromArray(state.normal);
-    const contact = new three.Vector3().fromArray(state.contact_m);
     const force = new three.Vector3().fromArray(state.force_n);
     this.tool.position.copy(tool);
-    this.shaft.quaternion.setFromUnitVectors(kUp, normal.lengthSq() > 0 ? normal : kUp);
+    this.tool.quaternion.fromArray(state.tool_turn);
+    this.state = state;
     const hand = new three.Vector3().fromArray(state.hand_m ?? state.tool_m);
     this.hand.visible = state.holding;
     this.hand.position.copy(hand);
     lay(this.band, tool, hand);
     this.band.visible &&= state.holding;
-    const radius = this.body.text.tool.radius_m;
-    this.uniforms.uContact.value.copy(contact);
-    this.uniforms.uNormal.value.copy(normal);
-    this.uniforms.uDepth.value = Math.max(0, radius - tool.clone().sub(contact).dot(normal));
     const end = tool.clone().addScaledVector(force, this.metresPerNewton);
     lay(this.arrow, tool, end);
     this.head.visible = this.arrow.visible;
@@ -305,7 +271,7 @@ export class BodyView {
   changed() {
     this.camera.updateMatrixWorld();
     const numbers = [this.width, this.height, ...this.camera.matrixWorld.elements, ...this.camera.projectionMatrix.elements,
-                     ...this.uniforms.uContact.value.toArray(), this.uniforms.uDepth.value];
+                     this.presses];
     for (const mesh of [this.wire, this.normals, this.tool, this.hand, this.band, this.arrow, this.marker, this.pick, this.cursor]) {
       numbers.push(mesh.visible ? 1 : 0, ...mesh.position.toArray(), mesh.scale.y, mesh.quaternion.x, mesh.quaternion.y);
     }
@@ -314,6 +280,16 @@ export class BodyView {
     const differs = picture !== this.picture;
     this.picture = picture;
     return differs;
+  }
+
+  // The body under the tool.
+  yieldNow() {
+    if (this.state && this.yielding.press(this.state)) {
+      const { position, normal } = this.surface.geometry.attributes;
+      position.needsUpdate = true;
+      normal.needsUpdate = true;
+      ++this.presses;
+    }
   }
 
   redraw() { this.renderer.render(this.scene, this.camera); }
@@ -338,6 +314,7 @@ export class BodyView {
     this.lamp.position.copy(this.centre).addScaledVector(right, -2.4 * this.size).addScaledVector(up, 1.5 * this.size)
       .addScaledVector(this.vector([0, 0, 1]), 1.2 * this.size);
     this.lamp.target.position.copy(this.centre);
+    this.yieldNow();
     if (this.changed()) {
       this.redraw();
     }

@@ -25,7 +25,8 @@ async function data(path) {
   return answer;
 }
 
-// What does not change, and the body: { text, position, normal, stiffness, triangle }.
+// What does not change, and the body: { text, position, normal, stiffness,
+// height, triangle }.
 export async function fetchBody() {
   const [text, bytes] = await Promise.all([
     data("/body.json").then((answer) => answer.json()),
@@ -43,6 +44,7 @@ export async function fetchBody() {
     position: take(Float32Array, 3 * n),
     normal: take(Float32Array, 3 * n),
     stiffness: take(Float32Array, n),
+    height: take(Float32Array, n),
     triangle: take(Uint32Array, 3 * t),
   };
 }
@@ -75,6 +77,7 @@ export class Link {
   set(settings) { this.send({ type: "set", ...settings }); }
   run(what) { this.send({ type: "run", do: what }); }
   node(node) { this.send({ type: "node", node }); }
+  field(node) { this.send({ type: "field", node }); }
   hold(target) { this.send({ type: "point", hold: true, target_m: target }); }
   letGo() { this.send({ type: "point", hold: false }); }
 }

@@ -36,9 +36,9 @@ export class Surface {
     return { point: add(p, normal, -dot(sub(p, this.vertex(node)), normal)), normal, node };
   }
 
-  // Where the tool's centre is to go, pressed in by `depth_m`.
+  // Where the tool's reference point is to go, pressed in by `depth_m`.
   target(place, depth_m) {
-    return add(place.point, place.normal, this.body.text.tool.radius_m - depth_m);
+    return add(place.point, place.normal, this.body.height[place.node] - depth_m);
   }
 
   // Slides by [m] along directions of the screen, laid into the tangent plane.

@@ -261,8 +261,19 @@ TEST_F(LiveViewTest, TheBodysBytesHaveTheirLayout) {
   const std::string bytes = body_bytes(database_, database_.tools[0]);
   const auto n = static_cast<std::size_t>(database_.body.position_m.rows());
   const auto t = static_cast<std::size_t>(database_.body.triangle.rows());
-  EXPECT_EQ(bytes.size(), 12 + 4 * (7 * n + 3 * t));
+  EXPECT_EQ(bytes.size(), 12 + 4 * (8 * n + 3 * t));
   EXPECT_EQ(bytes.substr(0, 4), "PLPB");
+}
+
+TEST_F(LiveViewTest, EveryPageMayAskForCurvesAndFields) {
+  view_.opened(1);
+  view_.opened(2);
+  view_.received(2, R"({"type":"node","node":3})");
+  EXPECT_TRUE(contains(outbox_.sent[2], R"("type":"curve")"));
+  view_.received(2, R"({"type":"field","node":3})");
+  EXPECT_TRUE(contains(outbox_.sent[2], R"("type":"field")"));
+  view_.received(2, R"({"type":"field","node":121})");
+  EXPECT_TRUE(contains(outbox_.sent[2], "node 121 is not there, the body has 121"));
 }
 
 TEST_F(LiveViewTest, ATextFromAFileCannotBreakTheMessage) {

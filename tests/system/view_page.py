@@ -1,6 +1,6 @@
 """Drives the live view's page in headless Chromium and prints what it saw, as JSON.
 
-view_page.py PALPATE-RUN DATABASE [FOLDER for pictures] [--no-3d]
+view_page.py PALPATE-RUN DATABASE [FOLDER for pictures] [--no-3d | --dimple]
 """
 
 import json
@@ -149,6 +149,44 @@ def poke_by_keys(page, seen):
     page.wait(lambda: page.text("force") == "0.000" and page.text("state") == "free")
 
 
+# The surface and the tool as they are drawn, beside what the runtime said of them.
+DRAWN = """
+const { view, body, state } = window.palpate;
+const now = view.surface.geometry.attributes.position.array;
+let lowest = Infinity;
+view.tool.updateMatrixWorld(true);
+view.tool.traverse((part) => {
+  const corner = part.geometry?.attributes.position;
+  for (let i = 0; i < (corner?.count ?? 0); ++i) {
+    lowest = Math.min(lowest, view.centre.clone().fromBufferAttribute(corner, i).applyMatrix4(part.matrixWorld).z);
+  }
+});
+return {
+  moved_m: Array.from(now, (x, i) => x - body.position[i]), lowest_m: lowest,
+  tool_m: state.tool_m, nodes: state.contact_nodes, shares: state.contact_shares,
+  contact_m: state.contact_m, penetration_m: state.penetration_m,
+  label: document.getElementById("template").textContent,
+};
+"""
+
+
+def dimples(page, watcher, seen):
+    """Presses at three places, each further to the right."""
+    seen["dimples"] = []
+    for name, slide in [("left", 2 * Keys.ARROW_RIGHT + Keys.ARROW_UP), ("middle", 2 * Keys.ARROW_RIGHT),
+                        ("right", 4 * Keys.ARROW_RIGHT)]:
+        page.keys(slide)
+        page.keys("p")
+        page.steady()
+        paused_in_contact(page, watcher)
+        time.sleep(1)
+        page.picture(f"dimple_{name}")
+        seen["dimples"].append(page.driver.execute_script(DRAWN))
+        page.keys(Keys.ESCAPE)
+        page.keys(Keys.SPACE)
+        page.wait(lambda: page.text("state") == "free")
+
+
 def main():
     tool, database, *more = sys.argv[1:]
     flat = "--no-3d" in more
@@ -172,9 +210,12 @@ def main():
         watcher = Watcher(address)
         seen["watcher"], seen["refusal"] = watcher.refusal({"type": "run", "do": "reset"})
         seen["no_webgl"] = driver.find_element(By.ID, "no_webgl").is_displayed()
-        if not flat:
-            poke_by_mouse(page, watcher, seen)
-        poke_by_keys(page, seen)
+        if "--dimple" in more:
+            dimples(page, watcher, seen)
+        else:
+            if not flat:
+                poke_by_mouse(page, watcher, seen)
+            poke_by_keys(page, seen)
         seen["errors"] = [e["message"] for e in driver.get_log("browser") if e["level"] == "SEVERE"]
     finally:
         if driver:

@@ -1,0 +1,175 @@
+// How the surface yields under the tool: as the database's displacement fields say,
+// blended between the contact's nodes; where it holds none, by a template.
+
+const kCacheBytes = 64e6;
+
+// Depth of the surface at distance r from the axis of a tool pressed into an elastic
+// half-space without friction: a ball (Hertz), a flat punch (Boussinesq), a sharp cone
+// (Love); Johnson, Contact Mechanics, 3.4 and 5.2. Capsules and meshes: as a ball.
+function dimple(tool, depth) {
+  const { asin, sqrt, tan, PI } = Math;
+  if (tool.kind === "flat-punch") {
+    const a = tool.radius_m;
+    return (r) => (r < a ? depth : (2 / PI) * depth * asin(a / r));
+  }
+  if (tool.kind === "cone") {
+    const a = (2 / PI) * depth * tan(tool.half_angle_rad);
+    return (r) => (r < a ? depth - r / tan(tool.half_angle_rad)
+                         : (2 / PI) * depth * (asin(a / r) + (sqrt(r * r - a * a) - r) / a));
+  }
+  const radius = tool.kind === "mesh" ? tool.shape.half_width_m : tool.radius_m;
+  const a = sqrt(radius * depth);
+  return (r) => (r < a ? depth - (r * r) / (2 * radius)
+                       : ((2 * a * a - r * r) * asin(a / r) + a * sqrt(r * r - a * a)) / (PI * radius));
+}
+
+// Sums of the triangles' normals at each vertex, as unit vectors.
+function normalsOf(position, triangle) {
+  const sum = new Float32Array(position.length);
+  for (let t = 0; t < triangle.length; t += 3) {
+    const [a, b, c] = [3 * triangle[t], 3 * triangle[t + 1], 3 * triangle[t + 2]];
+    const ux = position[b] - position[a], uy = position[b + 1] - position[a + 1], uz = position[b + 2] - position[a + 2];
+    const vx = position[c] - position[a], vy = position[c + 1] - position[a + 1], vz = position[c + 2] - position[a + 2];
+    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    for (const i of [a, b, c]) {
+      sum[i] += nx;
+      sum[i + 1] += ny;
+      sum[i + 2] += nz;
+    }
+  }
+  return unit(sum);
+}
+
+function unit(rows) {
+  for (let i = 0; i < rows.length; i += 3) {
+    const length = Math.hypot(rows[i], rows[i + 1], rows[i + 2]) || 1;
+    rows[i] /= length;
+    rows[i + 1] /= length;
+    rows[i + 2] /= length;
+  }
+  return rows;
+}
+
+function steps(base64) {
+  const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  return new Int16Array(bytes.buffer);
+}
+
+export class Yielding {
+  // @param reach [m] at which a template has faded out: the body is held somewhere.
+  // @param ask called with a node whose field is needed; the answer goes to take().
+  constructor(body, reach, ask) {
+    Object.assign(this, { body, reach, ask });
+    this.position = body.position.slice();  // as the surface is now
+    this.normal = body.normal.slice();
+    this.flat = normalsOf(body.position, body.triangle);
+    this.fields = new Map();  // of nodes, the last one used last; null: none is stored
+    this.asked = -1;
+    this.stored = 0;  // share of the dimple that is the database's
+    this.drawn = "";
+  }
+
+  take(field) {
+    this.asked = -1;
+    this.drawn = "";
+    this.fields.set(field.node, field.depth_m === null ? null
+      : { depth_m: field.depth_m, scale_m: field.scale_m, step: steps(field.displacement) });
+    const most = Math.max(8, kCacheBytes / (2 * this.position.length));
+    if (this.fields.size > most) {
+      this.fields.delete(this.fields.keys().next().value);
+    }
+  }
+
+  // The connection is new: what was asked is not answered.
+  forget() { this.asked = -1; }
+
+  // The fields under a point with these area coordinates, each with its share; null is
+  // the template. While a field is on its way the others take its place.
+  parts(nodes, shares) {
+    if (this.body.text.displacement_fields === 0 || nodes[0] < 0) {
+      return [[null, 1]];
+    }
+    const corners = nodes.map((node, j) => [node, shares[j]]).filter(([, share]) => share > 0).sort((a, b) => b[1] - a[1]);
+    const missing = corners.find(([node]) => !this.fields.has(node));
+    if (missing && this.asked < 0) {
+      [this.asked] = missing;
+      this.ask(this.asked);
+    }
+    const known = corners.filter(([node]) => this.fields.has(node));
+    const sum = known.reduce((all, [, share]) => all + share, 0);
+    return known.length === 0 ? [[null, 1]] : known.map(([node, share]) => {
+      const field = this.fields.get(node);
+      this.fields.delete(node);
+      this.fields.set(node, field);
+      return [field, share / sum];
+    });
+  }
+
+  // The surface under the tool; true if it has changed.
+  press({ contact_nodes: nodes, contact_shares: shares, contact_m: point, normal, penetration_m: depth }) {
+    const parts = this.parts(nodes, shares);
+    const drawn = depth > 0 ? [nodes, shares, point, normal, depth].join() : "";
+    this.stored = parts.reduce((all, [field, share]) => all + (field ? share : 0), 0);
+    if (drawn === this.drawn) {
+      return false;
+    }
+    this.drawn = drawn;
+    this.position.set(this.body.position);
+    if (depth > 0) {
+      for (const [field, share] of parts) {
+        if (field) {
+          this.addField(field, share * depth);
+        }
+      }
+      this.addTemplate(point, normal, depth, 1 - this.stored);
+    }
+    this.turnNormals();
+    return true;
+  }
+
+  // As FORMAT.md has it: in proportion to the normal penetration.
+  addField({ depth_m: at, scale_m: scale, step }, depth) {
+    const { position } = this;
+    const factor = (depth / at) * scale;
+    for (let i = 0; i < position.length; ++i) {
+      position[i] += factor * step[i];
+    }
+  }
+
+  addTemplate(point, normal, depth, share) {
+    if (!(share > 1e-6)) {
+      return;
+    }
+    const { position, reach, body: { position: rest, text } } = this;
+    const sink = dimple(text.tool, depth);
+    for (let i = 0; i < position.length; i += 3) {
+      const r = Math.hypot(rest[i] - point[0], rest[i + 1] - point[1], rest[i + 2] - point[2]);
+      const x = Math.min(1, Math.max(0, (r / reach - 0.25) / 0.75));
+      const down = share * sink(r) * (1 - x * x * (3 - 2 * x));
+      for (let k = 0; k < 3; ++k) {
+        position[i + k] -= down * normal[k];
+      }
+    }
+  }
+
+  // The database's own normals, turned as far as the triangles have turned.
+  turnNormals() {
+    const { normal, flat, body } = this;
+    const now = normalsOf(this.position, body.triangle);
+    for (let i = 0; i < normal.length; ++i) {
+      normal[i] = body.normal[i] + now[i] - flat[i];
+    }
+    unit(normal);
+  }
+
+  label() {
+    const template = "illustrative template (elastic half-space)";
+    if (this.body.text.displacement_fields === 0) {
+      return `Dimple: ${template}; the database holds no displacements.`;
+    }
+    const share = Math.round(100 * this.stored);
+    return share === 100 ? "Dimple: computed displacement, interpolated between nodes and in depth."
+      : share === 0 ? `Dimple: ${template}; no displacement is stored here.`
+        : `Dimple: ${share} % computed displacement, else ${template}.`;
+  }
+}
