@@ -29,8 +29,9 @@ ViewContact view_contact(const ResponseDatabase& database, const ToolShape& tool
   if (at.normal.isZero()) {
     return at;  // no response near
   }
-  at.penetration_m =
-      drawn_height_m(tool, at.normal) - (x_m - at.point_m).dot(at.normal);
+  const double height_m = drawn_height_m(tool, at.normal);
+  at.penetration_m = height_m - (x_m - at.point_m).dot(at.normal);
+  at.over_nominal_m = height_m - nominal_height_m(tool);
   const bool along_normal = tool.kind == "sphere" || !tool.axis;
   at.turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
                                                along_normal ? at.normal : *tool.axis);

@@ -21,6 +21,8 @@ struct ViewContact {
   Eigen::Vector3d share =
       Eigen::Vector3d::Zero();  ///< [-] ... and the point's area coordinates
   double penetration_m = 0.0;  ///< [m] of the tool's lowest point along -normal, signed
+  /// [m] the tool's height here over its nominal height, which ticks count depths from
+  double over_nominal_m = 0.0;
   Eigen::Quaterniond turn =
       Eigen::Quaterniond::Identity();  ///< [-] from the tool's frame to the world
 };

@@ -72,7 +72,7 @@ Json flag_names(std::uint8_t flags) {
 }
 
 // Every tick, as numbers of as many digits as a plot or a table needs.
-std::string trace_text(const std::vector<TickRecord>& ticks) {
+std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal_m) {
   const auto column = [&](const char* key, auto&& value) {
     std::string text = fmt::format("\"{}\":[", key);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -96,8 +96,8 @@ std::string trace_text(const std::vector<TickRecord>& ticks) {
                 }) +
          "," +
          column("depth_m",
-                [](const TickRecord& t) {
-                  return t.depth_m;
+                [&](const TickRecord& t) {
+                  return t.depth_m + over_nominal_m;
                 }) +
          "," +
          column("stored_j",
@@ -278,7 +278,7 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
       {"hand_m", or_null(frame.hand_m)},
       {"pointer_m", or_null(frame.pointer_m)},
       {"force_n", now.force_n},
-      {"depth_m", now.depth_m},
+      {"depth_m", now.depth_m + frame.contact.over_nominal_m},
       {"stored_j", now.stored_j},
       {"tank_j", now.tank_j},
       {"dissipated_j", now.dissipated_j},
@@ -295,7 +295,7 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
       {"settings", as_json(frame.settings)}};
   std::string text = dumped(json);
   text.pop_back();
-  return text + ",\"trace\":" + trace_text(ticks) + "}";
+  return text + ",\"trace\":" + trace_text(ticks, frame.contact.over_nominal_m) + "}";
 }
 
 std::string curve_text(const ResponseDatabase& database, const ResponseTable& table,

@@ -45,6 +45,7 @@ TEST_F(ViewContactTest, AToolWithoutAxisStandsAlongTheNormal) {
     EXPECT_LT((at.turn * Eigen::Vector3d::UnitZ() - at.normal).norm(), 1e-15);
     EXPECT_NEAR(at.penetration_m,
                 nominal_height_m(tool) - (place_m - at.point_m).dot(at.normal), 1e-15);
+    EXPECT_NEAR(at.over_nominal_m, 0.0, 1e-15);
   }
 }
 
@@ -56,6 +57,7 @@ TEST_F(ViewContactTest, AToolOfFixedAxisStandsAlongItAndTouchesWithItsSide) {
   EXPECT_LT((at.turn * Eigen::Vector3d::UnitZ() - *tool.axis).norm(), 1e-15);
   // The upper end is the lower one: 0.8 of the length below the reference point.
   EXPECT_NEAR(at.penetration_m, 0.003 + 0.8 * 0.02 - 0.01, 2e-5);  // facets of a ball
+  EXPECT_NEAR(at.over_nominal_m, 0.8 * 0.02, 1e-5);
 }
 
 TEST_F(ViewContactTest, WithoutANormalTheToolDoesNotPress) {

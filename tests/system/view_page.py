@@ -164,7 +164,7 @@ view.tool.traverse((part) => {
 return {
   moved_m: Array.from(now, (x, i) => x - body.position[i]), lowest_m: lowest,
   tool_m: state.tool_m, nodes: state.contact_nodes, shares: state.contact_shares,
-  contact_m: state.contact_m, penetration_m: state.penetration_m,
+  contact_m: state.contact_m, penetration_m: state.penetration_m, depth_m: state.depth_m,
   label: document.getElementById("template").textContent,
 };
 """

@@ -222,6 +222,8 @@ TEST(ViewPage, AToolThatIsNoBallIsDrawnAsItIsAndStands) {
                 drawn["tool_m"][2].get<double>() - height_m, 1e-5);
     EXPECT_NEAR(drawn["penetration_m"].get<double>(),
                 height_m - drawn["tool_m"][2].get<double>(), 1e-12);
+    EXPECT_NEAR(drawn["depth_m"].get<double>(), drawn["penetration_m"].get<double>(),
+                1e-12);
     EXPECT_TRUE(says(drawn, "template"));
   }
 }
