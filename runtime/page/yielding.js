@@ -27,22 +27,20 @@ function dimple(tool, depth) {
 function normalsOf(position, triangle) {
   const sum = new Float32Array(position.length);
   for (let t = 0; t < triangle.length; t += 3) {
-    const [a, b, c] = [3 * triangle[t], 3 * triangle[t + 1], 3 * triangle[t + 2]];
+    const a = 3 * triangle[t], b = 3 * triangle[t + 1], c = 3 * triangle[t + 2];
     const ux = position[b] - position[a], uy = position[b + 1] - position[a + 1], uz = position[b + 2] - position[a + 2];
     const vx = position[c] - position[a], vy = position[c + 1] - position[a + 1], vz = position[c + 2] - position[a + 2];
     const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    for (const i of [a, b, c]) {
-      sum[i] += nx;
-      sum[i + 1] += ny;
-      sum[i + 2] += nz;
-    }
+    sum[a] += nx; sum[a + 1] += ny; sum[a + 2] += nz;
+    sum[b] += nx; sum[b + 1] += ny; sum[b + 2] += nz;
+    sum[c] += nx; sum[c + 1] += ny; sum[c + 2] += nz;
   }
   return unit(sum);
 }
 
 function unit(rows) {
   for (let i = 0; i < rows.length; i += 3) {
-    const length = Math.hypot(rows[i], rows[i + 1], rows[i + 2]) || 1;
+    const length = Math.sqrt(rows[i] ** 2 + rows[i + 1] ** 2 + rows[i + 2] ** 2) || 1;
     rows[i] /= length;
     rows[i + 1] /= length;
     rows[i + 2] /= length;
@@ -143,7 +141,7 @@ export class Yielding {
     const { position, reach, body: { position: rest, text } } = this;
     const sink = dimple(text.tool, depth);
     for (let i = 0; i < position.length; i += 3) {
-      const r = Math.hypot(rest[i] - point[0], rest[i + 1] - point[1], rest[i + 2] - point[2]);
+      const r = Math.sqrt((rest[i] - point[0]) ** 2 + (rest[i + 1] - point[1]) ** 2 + (rest[i + 2] - point[2]) ** 2);
       const x = Math.min(1, Math.max(0, (r / reach - 0.25) / 0.75));
       const down = share * sink(r) * (1 - x * x * (3 - 2 * x));
       for (let k = 0; k < 3; ++k) {
@@ -169,7 +167,7 @@ export class Yielding {
     }
     const share = Math.round(100 * this.stored);
     return share === 100 ? "Dimple: computed displacement, interpolated between nodes and in depth."
-      : share === 0 ? `Dimple: ${template}; no displacement is stored here.`
+      : share === 0 ? `Dimple: ${template}; ${this.asked < 0 ? "no displacement is stored here" : "the stored one is on its way"}.`
         : `Dimple: ${share} % computed displacement, else ${template}.`;
   }
 }

@@ -203,29 +203,40 @@ TEST(ViewPage, TheSurfaceMovesByTheStoredDisplacementAndElseByATemplate) {
   }
 }
 
-TEST(ViewPage, AToolThatIsNoBallIsDrawnAsItIsAndStands) {
-  if (!has_browser()) {
-    GTEST_SKIP() << "no chromium, chromium-driver, python3-selenium, python3-websocket";
-  }
-  constexpr double kHalfAngle = 0.5, kTip = 0.001, kHeight = 0.02;
-  ToolShape tool = cone(kHalfAngle, kTip, kHeight);
-  tool.axis = Eigen::Vector3d(0.96, 0.0, 0.28);  // it lies on its flank's upper end
+// The lowest point of the drawn tool is as far below its pose as its height at touch,
+// which ends its way into the plate.
+void expect_drawn_standing(const ToolShape& tool, double height_m) {
   const nlohmann::json seen = seen_on_page(pressed_plate(tool), "--dimple");
   ASSERT_TRUE(seen.is_object());
   EXPECT_EQ(seen["errors"], nlohmann::json::array());
   for (const nlohmann::json& drawn : seen["dimples"]) {
-    // Its lowest point is as far below its pose as its height at touch. It is drawn
-    // with 64 sides, and its tip, of 1 mm, as a polygon of steps of 0.06 rad.
-    const double height_m =
-        kTip * (1.0 - 0.28) + kHeight * (std::tan(kHalfAngle) * 0.96 - 0.28);
-    EXPECT_NEAR(drawn["lowest_m"].get<double>(),
-                drawn["tool_m"][2].get<double>() - height_m, 1e-5);
-    EXPECT_NEAR(drawn["penetration_m"].get<double>(),
-                height_m - drawn["tool_m"][2].get<double>(), 1e-12);
-    EXPECT_NEAR(drawn["depth_m"].get<double>(), drawn["penetration_m"].get<double>(),
-                1e-12);
-    EXPECT_TRUE(says(drawn, "template"));
+    const double tool_m = drawn["tool_m"][2];
+    // Drawn with 64 sides, roundings of 1 mm as polygons of steps of 0.06 rad.
+    EXPECT_NEAR(drawn["lowest_m"].get<double>(), tool_m - height_m, 1e-5);
+    EXPECT_NEAR(drawn["penetration_m"].get<double>(), height_m - tool_m, 1e-12);
+    EXPECT_NEAR(drawn["depth_m"].get<double>(), height_m - tool_m, 1e-12);
+    EXPECT_TRUE(says(drawn, "template")) << drawn["label"];
   }
+}
+
+TEST(ViewPage, AConeThatLiesOnTheUpperEndOfItsFlankIsDrawnSo) {
+  if (!has_browser()) {
+    GTEST_SKIP() << "no chromium, chromium-driver, python3-selenium, python3-websocket";
+  }
+  constexpr double kHalfAngle = 0.5, kTip = 0.001, kLength = 0.02;
+  ToolShape tool = cone(kHalfAngle, kTip, kLength);
+  tool.axis = Eigen::Vector3d(0.96, 0.0, 0.28);
+  expect_drawn_standing(
+      tool, kTip * (1.0 - 0.28) + kLength * (std::tan(kHalfAngle) * 0.96 - 0.28));
+}
+
+TEST(ViewPage, AMeshThatStandsOnItsEdgeIsDrawnSo) {
+  if (!has_browser()) {
+    GTEST_SKIP() << "no chromium, chromium-driver, python3-selenium, python3-websocket";
+  }
+  ToolShape tool = box_tool({0.01, 0.012, 0.008});
+  tool.axis = Eigen::Vector3d(0.6, 0.0, 0.8);
+  expect_drawn_standing(tool, 0.5 * 0.01 * 0.6);
 }
 
 TEST(ViewPage, WithoutWebGlNumbersAndKeysRemain) {
