@@ -1,6 +1,7 @@
-# cmake -D DIR=<folder> -D OUTPUT=<file.cc> -P EmbedPage.cmake
-# Writes the files of a page as arrays of bytes and the table that page_assets.h promises.
+# cmake -D DIR=<folder> [-D MORE=<file>] -D OUTPUT=<file.cc> -P EmbedPage.cmake
+# Writes the files of a page, and one from elsewhere, as arrays of bytes and the table that page_assets.h promises.
 file(GLOB files ${DIR}/*.html ${DIR}/*.css ${DIR}/*.js ${DIR}/*.txt)
+list(APPEND files ${MORE})
 list(SORT files)
 set(arrays "")
 set(rows "")

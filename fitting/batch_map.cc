@@ -94,7 +94,7 @@ function clicked(x, y) {
 const keys = {n: () => choose((chosen + 1) % points.length),
   p: () => choose((Math.max(chosen, 0) + points.length - 1) % points.length)};
 const mark = (verdict, count) => `<span><svg width="16" height="16"><circle cx="8" cy="8" r="6" fill="#eee" stroke="${edges[verdict]}" stroke-width="${verdict === 'use' ? 1.2 : 2.6}"/>${verdict === 'skip' ? '<path d="M4 4l8 8M4 12l8 -8" stroke="#c00" stroke-width="2"/>' : ''}</svg> ${verdict}: ${count}</span>`;
-$('legend').innerHTML = (known.length ? `<span>${tell(low)}</span><b style="background:linear-gradient(90deg,${Array.from({length: 11}, (_, i) => css(viridis(i / 10))).join()})"></b><span>${tell(high)} N/m</span>` : '') + ['use', 'check', 'skip'].map(v => mark(v, points.filter(p => p.verdict === v).length)).join(' ');
+$('legend').innerHTML = (known.length ? `<span>${tell(low)}</span><b style="background:linear-gradient(90deg,${info.colours.join()})"></b><span>${tell(high)} N/m</span>` : '') + ['use', 'check', 'skip'].map(v => mark(v, points.filter(p => p.verdict === v).length)).join(' ');
 redraw();
 )js";
 
@@ -149,10 +149,10 @@ std::string section(const SurfaceMesh& body,
   const Json info{{"box", page_box(body)}, {"points", places_json(body, places)}};
   return fmt::format(
       "<section id=\"map\"><style>{}</style><h2>Measured places</h2>{}</section>\n{}{}"
-      "<script>{}{}</script>\n",
+      "{}",
       kStyle, kBody, page_info(info),
       page_body(body, vertex_normals(body), thin_body(body, kMostNodes)),
-      turnable_script, kScript);
+      page_script({figures_script, turnable_script, kScript}));
 }
 
 }  // namespace

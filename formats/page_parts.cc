@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "formats/colour_map.h"
+
 namespace palpate {
 namespace {
 
@@ -37,12 +39,30 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
-std::string page_info(const nlohmann::ordered_json& info) {
+nlohmann::ordered_json page_colours() {
+  nlohmann::ordered_json stops = nlohmann::ordered_json::array();
+  constexpr int kSteps = 32;
+  for (int i = 0; i <= kSteps; ++i) {
+    stops.push_back(hex(viridis(static_cast<double>(i) / kSteps)));
+  }
+  return stops;
+}
+
+std::string page_info(nlohmann::ordered_json info) {
+  info["colours"] = page_colours();
   std::string text = info.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<')) {
     text.replace(at, 1, "\\u003c");  // no text ends the script
   }
   return "<script type=\"application/json\" id=\"info\">" + text + "</script>\n";
+}
+
+std::string page_script(std::initializer_list<std::string_view> parts) {
+  std::string text = "<script>'use strict';\n";
+  for (const std::string_view part : parts) {
+    text += part;
+  }
+  return text + "</script>\n";
 }
 
 nlohmann::ordered_json page_box(const SurfaceMesh& body) {

@@ -3,8 +3,10 @@
 
 #include <bit>
 #include <cstddef>
+#include <initializer_list>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -27,8 +29,15 @@ template <typename T>
                      base64(std::as_bytes(std::span(values))));
 }
 
-/// The element `info` that turnable_script reads; it asks for `box`.
-[[nodiscard]] std::string page_info(const nlohmann::ordered_json& info);
+/// Stops of the colour map, from 0 to 1 in equal steps, as pages know colours.
+[[nodiscard]] nlohmann::ordered_json page_colours();
+
+/// The element `info` that turnable_script reads; it asks for `box`. The colours are
+/// added.
+[[nodiscard]] std::string page_info(nlohmann::ordered_json info);
+
+/// One script of several parts.
+[[nodiscard]] std::string page_script(std::initializer_list<std::string_view> parts);
 
 /// Two corners of the box around a body [m].
 [[nodiscard]] nlohmann::ordered_json page_box(const SurfaceMesh& body);

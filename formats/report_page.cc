@@ -196,8 +196,8 @@ std::string report_page(const ResponseDatabase& database, const std::string& nam
   for (std::size_t k = 0; k < database.tools.size(); ++k) {
     page += table_arrays(database.tools[k], k, thin.node);
   }
-  return page + "<script>" + turnable_script + report_script + report_controls +
-         "</script>\n</body></html>\n";
+  return page + page_script({figures_script, turnable_script, report_script}) +
+         "</body></html>\n";
 }
 
 }  // namespace palpate

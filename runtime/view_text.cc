@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/colour_map.h"
 #include "formats/error.h"
+#include "formats/page_parts.h"
 #include "formats/stiffness_map.h"
 #include "runtime/clock.h"
 #include "runtime/tool_outline.h"
@@ -36,15 +36,6 @@ Json list(const Eigen::Vector3d& v) {
 
 Eigen::Vector3d row(const Points& points, std::int32_t i) {
   return points.row(i).transpose();
-}
-
-Json colours() {
-  Json stops = Json::array();
-  constexpr int kStops = 32;
-  for (int i = 0; i <= kStops; ++i) {
-    stops.push_back(hex(viridis(static_cast<double>(i) / kStops)));
-  }
-  return stops;
 }
 
 // Text of a file may be no UTF-8; then its odd bytes are replaced, not thrown at.
@@ -254,7 +245,7 @@ std::string body_text(const ViewedBody& body) {
          {"high_n_per_m", map.high_n_per_m},
          {"clipped_low", map.clipped_low},
          {"clipped_high", map.clipped_high},
-         {"colours", colours()}}},
+         {"colours", page_colours()}}},
        {"ranges",
         {{"slow_hz", {ViewRanges::kSlowHzMin, body.fast_hz}},
          {"stiffness_scale", {ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax}},

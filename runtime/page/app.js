@@ -173,9 +173,6 @@ class App {
     const { dataset } = document.documentElement;
     dataset.theme = dataset.theme === "dark" ? "light" : "dark";
     this.plots.build();
-    if (this.curve.curve) {
-      this.curve.show(this.curve.curve);
-    }
     this.view?.recolour();
   }
 

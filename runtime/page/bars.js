@@ -1,12 +1,8 @@
 // Colour bar, scale bar and the arrow's legend: what turns the picture back into numbers.
 
-const get = (id) => document.getElementById(id);
+import { nice, tell, ticks } from "/figures.js";
 
-// 1, 2 or 5 times a power of ten, at most `most`.
-export function nice(most) {
-  const power = 10 ** Math.floor(Math.log10(most));
-  return (most / power >= 5 ? 5 : most / power >= 2 ? 2 : 1) * power;
-}
+const get = (id) => document.getElementById(id);
 
 export function drawColourBar(map) {
   const canvas = get("colours");
@@ -16,11 +12,9 @@ export function drawColourBar(map) {
   pen.fillStyle = gradient;
   pen.fillRect(0, 0, canvas.width, canvas.height);
   const range = map.high_n_per_m - map.low_n_per_m;
-  const step = nice(range / 3);
-  const digits = Math.max(0, -Math.floor(Math.log10(step)));
-  for (let value = Math.ceil(map.low_n_per_m / step) * step; value <= map.high_n_per_m; value += step) {
+  for (const value of ticks(map.low_n_per_m, map.high_n_per_m, 5)) {
     const tick = document.createElement("li");
-    tick.textContent = value.toFixed(digits);
+    tick.textContent = tell(value, 4);
     tick.style.top = `${canvas.height * (1 - (value - map.low_n_per_m) / range)}px`;
     get("colour_ticks").append(tick);
   }

@@ -1,5 +1,6 @@
 // The body, the tool and the force in three dimensions.
 import * as three from "/vendor.min.js";
+import { colourRamp } from "/figures.js";
 import { toolGeometries } from "/tool_shape.js";
 import { Yielding } from "/yielding.js";
 
@@ -10,15 +11,13 @@ function css(name) {
 // Vertex colours by stiffness; grey where there is no response.
 function vertexColours(body) {
   const { low_n_per_m: low, high_n_per_m: high, colours } = body.text.map;
-  const stops = colours.map((hex) => new three.Color(hex));
+  const ramp = colourRamp(colours);
   const values = new Float32Array(3 * body.stiffness.length);
   const none = new three.Color("#6b7680");
   body.stiffness.forEach((stiffness, i) => {
     const c = none.clone();
     if (Number.isFinite(stiffness)) {
-      const t = Math.min(1, Math.max(0, (stiffness - low) / (high - low))) * (stops.length - 1);
-      const k = Math.min(stops.length - 2, Math.floor(t));
-      c.lerpColors(stops[k], stops[k + 1], t - k);
+      c.setRGB(...ramp((stiffness - low) / (high - low)).map((v) => v / 255), three.SRGBColorSpace);
     }
     c.toArray(values, 3 * i);
   });

@@ -1,5 +1,6 @@
 // Plots of what the fast process did, and of a node's curve.
 import { uPlot } from "/vendor.min.js";
+import { Plot } from "/figures.js";
 
 const kWindowS = 8;
 const kPoints = 1600;
@@ -75,49 +76,29 @@ export class TickPlots {
 export class CurvePlot {
   constructor(parent) {
     this.parent = parent;
-    this.curve = null;
   }
 
   show(curve) {
-    this.curve = curve;
-    this.now = null;
+    this.plot = null;
     this.parent.replaceChildren();
     if (curve.depth_m.length === 0) {
       return;
     }
-    const band = (sign) => curve.force_n.map((f) => f * (1 + sign * curve.error_relative));
-    const plot = {
-      width: Math.max(240, this.parent.clientWidth - 2), height: 150, legend: { show: false }, cursor: { show: false },
-      padding: [8, 10, 0, 0],
-      scales: { x: { time: false, range: (_, low, high) => [0, high] }, y: { range: fromZero(1e-3) } },
-      axes: [axis({ size: 36, label: "depth [mm]", labelSize: 14 }), axis({ size: 46, label: "force [N]", labelSize: 14, space: 24 })],
-      series: [{}, { width: 0, stroke: "transparent", points: { show: false } }, { width: 0, stroke: "transparent", points: { show: false } },
-               { stroke: colour("force"), width: 2, points: { show: false } }],
-      bands: [{ series: [1, 2], fill: colour("force") + "40" }],
-      hooks: { draw: [(u) => this.marks(u)] },
-    };
-    this.plot = new uPlot(plot, [curve.depth_m.map((d) => d * 1e3), band(1), band(-1), curve.force_n], this.parent);
-  }
-
-  marks(u) {
-    const dot = (x, y, radius, fill) => {
-      u.ctx.beginPath();
-      u.ctx.arc(u.valToPos(x, "x", true), u.valToPos(y, "y", true), radius * devicePixelRatio, 0, 2 * Math.PI);
-      u.ctx.fillStyle = fill;
-      u.ctx.fill();
-    };
-    const { sample_depth_m: depth, sample_force_n: force } = this.curve;
-    depth.forEach((d, i) => dot(d * 1e3, force[i], 1.8, colour("text")));
-    if (this.now) {
-      dot(this.now[0], this.now[1], 4.5, colour("hand"));
-    }
+    const points = (depth, force) => depth.map((d, i) => [d * 1e3, force[i]]);
+    const most = Math.max(1e-3, ...curve.force_n, ...curve.sample_force_n) * (1 + Math.min(0.5, curve.error_relative));
+    this.plot = new Plot(this.parent, {
+      width: Math.max(240, this.parent.clientWidth - 2), height: 170,
+      x: [0, curve.depth_m.at(-1) * 1e3], y: [0, 1.05 * most], xName: "depth [mm]", yName: "force [N]" });
+    this.plot.curve(points(curve.depth_m, curve.force_n), curve.error_relative, points(curve.sample_depth_m, curve.sample_force_n));
+    this.mark = this.plot.add("circle", { class: "now", r: 4.5, visibility: "hidden" });
   }
 
   // The tool now [mm, N]; off the curve's node it lies beside the curve.
   at(depth_mm, force_n) {
-    if (this.plot && this.curve && (this.now?.[0] !== depth_mm || this.now?.[1] !== force_n)) {
-      this.now = depth_mm > 0 ? [depth_mm, force_n] : null;
-      this.plot.redraw(false);
+    if (this.plot) {
+      this.mark.setAttribute("visibility", depth_mm > 0 ? "visible" : "hidden");
+      this.mark.setAttribute("cx", this.plot.px(depth_mm));
+      this.mark.setAttribute("cy", this.plot.py(force_n));
     }
   }
 }

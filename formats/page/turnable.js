@@ -1,15 +1,12 @@
-// The part of a page's program that draws a body and lets the user turn it, by a
+// The part of a report's script that draws a body and lets the user turn it, by a
 // z-buffer of its own, so that a page needs neither a graphics card nor a library.
+// Comes after figures.js.
 //
-// The page gives the elements info (JSON with `box`), position, normal, triangle and
-// the canvas body; and, in the script after this one: colourOf(a, b, c, wa, wb, wc),
-// the colour between three nodes; drawMarks(scale, deep), over the body; clicked(x, y),
-// a place of the window; keys, what further keys do; redraw() to begin with.
-#include "formats/report_text.h"
-
-namespace palpate {
-
-const char* const turnable_script = R"js('use strict';
+// The page gives the elements info (JSON with `box` and `colours`), position, normal,
+// triangle and the canvas body; and, in the script after this one:
+// colourOf(a, b, c, wa, wb, wc), the colour between three nodes; drawMarks(scale, deep),
+// over the body; clicked(x, y), a place of the window; keys, what further keys do;
+// redraw() to begin with.
 const info = JSON.parse(document.getElementById('info').textContent);
 const $ = id => document.getElementById(id);
 const bytesOf = id => Uint8Array.from(atob($(id).textContent.trim()), c => c.charCodeAt(0));
@@ -17,15 +14,8 @@ const f32 = id => new Float32Array(bytesOf(id).buffer);
 const i32 = id => new Int32Array(bytesOf(id).buffer);
 const position = f32('position'), normal = f32('normal'), triangle = i32('triangle');
 const n = position.length / 3;
-const stops = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140],
-  [34, 168, 132], [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
-const viridis = t => {
-  const at = Math.min(Math.max(t, 0), 1) * 10, i = Math.min(9, Math.floor(at)), r = at - i;
-  return stops[i].map((c, j) => c * (1 - r) + stops[i + 1][j] * r);
-};
+const viridis = colourRamp(info.colours);
 const table = Array.from({length: 256}, (_, i) => viridis(i / 255));
-const tell = (x, digits = 3) => Number.isFinite(x) ? String(+x.toPrecision(digits)) : '–';
-const css = c => `rgb(${c.map(Math.round).join()})`;
 const turned = {angle: [0.6, -1.1], zoom: 1};
 
 const canvas = $('body'), context = canvas.getContext('2d', {willReadFrequently: true});
@@ -137,6 +127,3 @@ canvas.addEventListener('keydown', e => {
   if (act) { e.preventDefault(); act(); }
 });
 window.addEventListener('resize', redraw);
-)js";
-
-}  // namespace palpate

@@ -1,9 +1,5 @@
-// The report page's own program, after the one that draws the body.
-#include "formats/report_text.h"
-
-namespace palpate {
-
-const char* const report_script = R"js(const nodeName = i32('node');
+// The report page's own script, after figures.js and turnable.js.
+const nodeName = i32('node');
 const tools = info.tools.map((t, k) => ({...t, begin: i32(`begin${k}`), depth: f32(`depth${k}`),
   force: f32(`force${k}`), slope: f32(`slope${k}`), slopeMax: f32(`slopemax${k}`),
   error: f32(`error${k}`), verified: f32(`verified${k}`), origin: bytesOf(`origin${k}`)}));
@@ -68,24 +64,7 @@ function drawMarks(scale, deep) {
   }
 }
 
-function ticks(low, high, wanted) {
-  const raw = (high - low) / wanted || 1, power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map(k => k * power).find(s => s >= raw * (1 - 1e-9)), list = [];
-  for (let k = Math.ceil(low / step - 1e-5); k * step <= high + 1e-5 * step; ++k) list.push(k * step);
-  return list;
-}
-// An empty plot and its scales: x and y from and to, names of the axes.
-function plot(id, x, y, xName, yName) {
-  const W = 460, H = 250, l = 62, r = 12, t = 12, b = 42;
-  const px = v => l + (v - x[0]) / (x[1] - x[0] || 1) * (W - l - r);
-  const py = v => H - b - (v - y[0]) / (y[1] - y[0] || 1) * (H - t - b);
-  let svg = '';
-  for (const v of ticks(x[0], x[1], 6)) svg += `<line class="grid" x1="${px(v)}" x2="${px(v)}" y1="${t}" y2="${H - b}"/><text x="${px(v)}" y="${H - b + 16}" text-anchor="middle">${tell(v)}</text>`;
-  for (const v of ticks(y[0], y[1], 5)) svg += `<line class="grid" x1="${l}" x2="${W - r}" y1="${py(v)}" y2="${py(v)}"/><text x="${l - 6}" y="${py(v) + 4}" text-anchor="end">${tell(v)}</text>`;
-  svg += `<text x="${(l + W - r) / 2}" y="${H - 6}" text-anchor="middle">${xName}</text>`;
-  svg += `<text transform="translate(14 ${(t + H - b) / 2}) rotate(-90)" text-anchor="middle">${yName}</text>`;
-  return {px, py, show: inner => { $(id).innerHTML = `<svg viewBox="0 0 ${W} ${H}">${svg}${inner}</svg>`; }};
-}
+const kPlot = {width: 460, height: 250};
 
 function drawCurve() {
   const tool = tools[state.tool], i = state.node;
@@ -99,15 +78,11 @@ function drawCurve() {
     return;
   }
   const end = tool.depth[b - 1], top = Math.max(...tool.force.subarray(a, b)) || 1;
-  const p = plot('curve', [0, 1e3 * end], [0, 1.05 * top], 'depth d [mm]', 'force f [N]');
-  let path = '', dots = '';
-  for (let k = 0; k <= 200; ++k) {
-    const d = end * k / 200;
-    path += `${k ? 'L' : 'M'}${p.px(1e3 * d).toFixed(1)} ${p.py(response(tool, i, d).force).toFixed(1)}`;
-  }
-  for (let k = a; k < b; ++k) dots += `<circle cx="${p.px(1e3 * tool.depth[k])}" cy="${p.py(tool.force[k])}" r="2.6"/>`;
+  const p = new Plot($('curve'), {...kPlot, x: [0, 1e3 * end], y: [0, 1.05 * top], xName: 'depth d [mm]', yName: 'force f [N]'});
   const at = response(tool, i, state.depth), mark = p.px(1e3 * Math.min(state.depth, end));
-  p.show(`<line class="mark" x1="${mark}" x2="${mark}" y1="${p.py(0)}" y2="${p.py(1.05 * top)}"/><path class="curve" d="${path}"/>${dots}`);
+  p.add('line', {class: 'mark', x1: mark, x2: mark, y1: p.py(0), y2: p.py(1.05 * top)});
+  const points = Array.from({length: 201}, (_, k) => [1e3 * end * k / 200, response(tool, i, end * k / 200).force]);
+  p.curve(points, tool.error[i], Array.from(tool.depth.subarray(a, b), (d, k) => [1e3 * d, tool.force[a + k]]));
   text += `, estimated error ${tell(100 * tool.error[i], 2)} %. At ${tell(1e3 * state.depth)} mm: ${tell(at.force)} N, ${tell(at.force / state.depth)} N/m${at.extrapolated ? ' (beyond the last sample)' : ''}.`;
   $('said').textContent = text;
 }
@@ -117,8 +92,7 @@ function drawLegend(known) {
   if (state.colour === 'origin') {
     $('legend').innerHTML = origins.map((name, k) => `<span><i style="background:${css(originColour[k])}"></i>${name}</span>`).join(' ');
   } else {
-    const bar = Array.from({length: 11}, (_, i) => css(viridis(i / 10))).join();
-    $('legend').innerHTML = `<span>${tell(range[0])}</span><b style="background:linear-gradient(90deg,${bar})"></b><span>${tell(range[1])} ${kind.unit}</span> <span><i style="background:${css(originColour[0])}"></i>none</span>`;
+    $('legend').innerHTML = `<span>${tell(range[0])}</span><b style="background:linear-gradient(90deg,${info.colours.join()})"></b><span>${tell(range[1])} ${kind.unit}</span> <span><i style="background:${css(originColour[0])}"></i>none</span>`;
   }
   const tool = tools[state.tool], stiff = [];
   for (let i = 0; i < n; ++i) { const v = kinds.stiffness.at(tool, i); if (Number.isFinite(v)) stiff.push(v); }
@@ -126,16 +100,17 @@ function drawLegend(known) {
   if (!stiff.length) { $('histogram').innerHTML = '<p class="hint">No responses.</p>'; return; }
   const low = stiff[0], high = stiff[stiff.length - 1] > low * (1 + 1e-6) ? stiff[stiff.length - 1] : low + Math.max(1e-9, 0.1 * Math.abs(low));
   for (const v of stiff) ++counts[Math.min(29, Math.floor(30 * (v - low) / (high - low)))];
-  const most = Math.max(...counts), p = plot('histogram', [low, high], [0, 1.05 * most], `stiffness f/d at ${tell(1e3 * state.depth)} mm [N/m]`, 'nodes');
-  p.show(counts.map((c, k) => {
+  const most = Math.max(...counts), p = new Plot($('histogram'), {...kPlot, x: [low, high], y: [0, 1.05 * most],
+    xName: `stiffness f/d at ${tell(1e3 * state.depth)} mm [N/m]`, yName: 'nodes'});
+  counts.forEach((c, k) => {
     const from = low + (high - low) * k / 30, to = low + (high - low) * (k + 1) / 30;
-    const colour = state.colour === 'stiffness' ? css(viridis(place((from + to) / 2))) : '#7a8794';
-    return `<rect x="${p.px(from) + 0.5}" width="${p.px(to) - p.px(from) - 1}" y="${p.py(c)}" height="${p.py(0) - p.py(c)}" fill="${colour}"><title>${tell(from)} to ${tell(to)} N/m: ${c} nodes</title></rect>`;
-  }).join(''));
+    const bar = p.add('rect', {x: p.px(from) + 0.5, width: p.px(to) - p.px(from) - 1, y: p.py(c), height: p.py(0) - p.py(c),
+      fill: state.colour === 'stiffness' ? css(viridis(place((from + to) / 2))) : '#7a8794'});
+    bar.append(document.createElementNS(bar.namespaceURI, 'title'));
+    bar.firstChild.textContent = `${tell(from)} to ${tell(to)} N/m: ${c} nodes`;
+  });
 }
-)js";
 
-const char* const report_controls = R"js(
 function choose(node) {
   state.node = node;
   drawCurve();
@@ -167,6 +142,3 @@ $('tool').addEventListener('change', e => setTool(+e.target.value));
 $('colour').addEventListener('change', e => { state.colour = e.target.value; evaluate(); });
 $('depth').addEventListener('input', e => setDepth((tools[state.tool].depth_max_m || 1e-3) * e.target.value / 100));
 setTool(0);
-)js";
-
-}  // namespace palpate
