@@ -16,11 +16,6 @@ const std::vector<FidelityRow>& rows() {
   return kRows;
 }
 
-bool passive(LocalModel model) {
-  return model == LocalModel::kEqualEnergy || model == LocalModel::kEnergyTank ||
-         follows_surface(model);
-}
-
 TEST(Fidelity, EnergyTankIsWithinHalfAPercent) {
   for (const FidelityRow& row : rows()) {
     if (row.model == LocalModel::kEnergyTank) {
