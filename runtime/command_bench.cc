@@ -20,6 +20,7 @@
 #include "runtime/command_bench_allocations.h"
 #include "runtime/simulation.h"
 #include "runtime/stop_signals.h"
+#include "runtime/trade_page.h"
 
 namespace palpate {
 namespace {
@@ -169,10 +170,17 @@ void add_device(CLI::App& bench) {
   });
 }
 
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  AtomicFile file(path);
+  file.write(std::as_bytes(std::span(text)));
+  file.commit();
+}
+
 void add_trade(CLI::App& bench) {
   struct Flags : OutputFlags {
     TradeOptions options;
     std::filesystem::path picture;
+    std::filesystem::path page;
   };
   CLI::App* command = bench.add_subcommand(
       "trade", "stiffness, error, energy and processor time by rates and local model");
@@ -190,15 +198,17 @@ void add_trade(CLI::App& bench) {
       ->check(CLI::Range(0.001, 100.0));
   command->add_option("--picture", flags->picture,
                       "SVG to write: stiffness by slow rate");
+  command->add_option("--page", flags->page,
+                      "HTML to write: all of it by slow rate, to choose from");
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->add_flag("--csv", flags->csv, "comma-separated values on stdout");
   command->callback([flags] {
     const std::vector<TradeRow> rows = run_trade(flags->options);
     if (!flags->picture.empty()) {
-      const std::string svg = trade_picture(rows, WallShape::kNonlinear);
-      AtomicFile file(flags->picture);
-      file.write(std::as_bytes(std::span(svg)));
-      file.commit();
+      write_text(flags->picture, trade_picture(rows, WallShape::kNonlinear));
+    }
+    if (!flags->page.empty()) {
+      write_text(flags->page, trade_page(rows));
     }
     fmt::print("{}", flags->json  ? to_json(rows) + "\n"
                      : flags->csv ? table_csv(rows)

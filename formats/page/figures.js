@@ -36,22 +36,38 @@ export function ticks(low, high, wanted) {
   return list;
 }
 
-// A plot with its axes in place of what `parent` holds; x and y are [from, to]. Colours
-// are the style sheet's: .grid, .curve, .band, .mark, circle, text.
+// 1, 2 and 5 times the powers of ten from low to high, both above zero.
+export function logTicks(low, high) {
+  const list = [];
+  for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); ++k) {
+    list.push(...[1, 2, 5].map((step) => step * 10 ** k).filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9)));
+  }
+  return list;
+}
+
+// Where a value lies between two places.
+function scale([low, high], from, to, log) {
+  const of = log ? Math.log10 : (v) => v;
+  return (v) => from + ((of(v) - of(low)) / (of(high) - of(low) || 1)) * (to - from);
+}
+
+// A plot with its axes in place of what `parent` holds; x and y are [from, to], along a
+// logarithmic axis above zero. Colours are the style sheet's: .grid, .curve, .band,
+// .mark, circle, text.
 export class Plot {
-  constructor(parent, { width, height, x, y, xName, yName }) {
-    const [left, right, top, bottom] = [62, width - 12, 12, height - 42];
-    this.px = (v) => left + ((v - x[0]) / (x[1] - x[0] || 1)) * (right - left);
-    this.py = (v) => bottom - ((v - y[0]) / (y[1] - y[0] || 1)) * (bottom - top);
+  constructor(parent, { width, height, x, y, xName, yName, xLog = false, yLog = false }) {
+    const [left, right, top, bottom] = [62, width - 20, 12, height - 42];
+    this.px = scale(x, left, right, xLog);
+    this.py = scale(y, bottom, top, yLog);
     this.inside = (v) => Math.min(y[1], Math.max(y[0], v));
     parent.innerHTML = "<svg></svg>";  // the parser knows SVG's name space
     this.svg = parent.firstChild;
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    for (const v of ticks(x[0], x[1], width / 75)) {
+    for (const v of xLog ? logTicks(...x) : ticks(x[0], x[1], width / 75)) {
       this.add("line", { class: "grid", x1: this.px(v), x2: this.px(v), y1: top, y2: bottom });
       this.add("text", { x: this.px(v), y: bottom + 16, "text-anchor": "middle" }, tell(v));
     }
-    for (const v of ticks(y[0], y[1], height / 50)) {
+    for (const v of yLog ? logTicks(...y) : ticks(y[0], y[1], height / 50)) {
       this.add("line", { class: "grid", x1: left, x2: right, y1: this.py(v), y2: this.py(v) });
       this.add("text", { x: left - 6, y: this.py(v) + 4, "text-anchor": "end" }, tell(v));
     }

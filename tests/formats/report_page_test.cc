@@ -2,14 +2,12 @@
 #include "formats/report_page.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "formats/hdf5_io.h"
 #include "formats/thin_body.h"
+#include "tests/support/page_visit.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
@@ -20,11 +18,9 @@ namespace {
 
 [[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
-// What a user does, and what there is to be seen then; printed into the page.
-constexpr const char* kVisit = R"js(<script>
-window.addEventListener('load', () => setTimeout(() => {
+// What a user does, and what there is to be seen then.
+constexpr const char* kVisit = R"js(
   const canvas = document.getElementById('body'), box = canvas.getBoundingClientRect();
-  const seen = {};
   const pixels = () => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
   const drawn = p => { let count = 0; for (let i = 3; i < p.length; i += 4) count += p[i] > 0; return count / (p.length / 4); };
   const sum = p => p.reduce((s, v, i) => (s + v * (i % 8191)) % 1e9, 0);
@@ -60,65 +56,9 @@ window.addEventListener('load', () => setTimeout(() => {
   seen.tools = tool.options.length;
   tool.value = tool.options.length - 1;
   tool.dispatchEvent(new Event('change'));
-  seen.requests = performance.getEntriesByType('resource').length;
-  const result = document.createElement('pre');
-  result.id = 'seen';
-  result.textContent = JSON.stringify(seen);
-  document.body.append(result);
-}, 300));
-</script></body>)js";
+)js";
 
-struct Visit {
-  nlohmann::json seen;
-  std::string complaints;  ///< console messages and failures
-};
-
-// The program to run, or empty.
-std::string browser() {
-  for (const char* name : {"chromium-headless-shell", "chromium", "chromium-browser"}) {
-    if (std::system(fmt::format("command -v {} >/dev/null 2>&1", name).c_str()) == 0) {
-      return name;
-    }
-  }
-  return "";
-}
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-Visit visit(const std::string& page) {
-  const ScratchFolder folder;
-  std::string visited = page;
-  visited.replace(visited.rfind("</body>"), 7, kVisit);
-  std::ofstream(folder / "page.html", std::ios::binary) << visited;
-  const std::string command = fmt::format(
-      "HOME='{0}' timeout 120 {1} --headless --no-sandbox --disable-gpu "
-      "--user-data-dir='{0}/profile' --enable-logging=stderr --window-size=1200,1000 "
-      "--virtual-time-budget=3000 --dump-dom 'file://{0}/page.html' >'{0}/dom' "
-      "2>'{0}/log'",
-      folder.path().string(), browser());
-  Visit result;
-  EXPECT_EQ(std::system(command.c_str()), 0) << text_of(folder / "log");
-  const std::string dom = text_of(folder / "dom");
-  const std::string begin = "<pre id=\"seen\">";
-  const std::size_t at = dom.rfind(begin);
-  if (at != std::string::npos) {
-    const std::size_t from = at + begin.size();
-    result.seen = nlohmann::json::parse(
-        dom.substr(from, dom.find("</pre>", from) - from), nullptr, false);
-  }
-  std::istringstream log(text_of(folder / "log"));
-  for (std::string line; std::getline(log, line);) {
-    if (line.find("CONSOLE") != std::string::npos) {
-      result.complaints += line + '\n';
-    }
-  }
-  return result;
-}
-
-void expect_a_working_page(const Visit& visit) {
+void expect_a_working_page(const PageVisit& visit) {
   EXPECT_EQ(visit.complaints, "");
   ASSERT_TRUE(visit.seen.is_object()) << visit.seen;
   const nlohmann::json& seen = visit.seen;
@@ -137,28 +77,29 @@ void expect_a_working_page(const Visit& visit) {
 }
 
 TEST(ReportPage, WorksInABrowser) {
-  if (browser().empty()) {
+  if (page_browser().empty()) {
     GTEST_SKIP() << "no chromium-headless-shell and no chromium";
   }
   ResponseDatabase database = sphere_database(12, 9);
   database.provenance.scene_toml = "# </script> & \"quotes\"\n";
-  expect_a_working_page(visit(report_page(database, "a </title> of\"quotes\".h5")));
+  expect_a_working_page(
+      visit_page(report_page(database, "a </title> of\"quotes\".h5"), kVisit));
 }
 
 TEST(ReportPage, ShowsAThinnedBodyToo) {
-  if (browser().empty()) {
+  if (page_browser().empty()) {
     GTEST_SKIP() << "no chromium-headless-shell and no chromium";
   }
   const std::string page = report_page(sphere_database(40, 5), "a.h5", 500);
   EXPECT_NE(page.find("Thinned for this page"), std::string::npos);
-  expect_a_working_page(visit(page));
+  expect_a_working_page(visit_page(page, kVisit));
 }
 
 TEST(ReportPage, ShowsSeveralToolsAndNodesWithoutAResponse) {
-  if (browser().empty()) {
+  if (page_browser().empty()) {
     GTEST_SKIP() << "no chromium-headless-shell and no chromium";
   }
-  const Visit page = visit(report_page(small_database(), "a.h5"));
+  const PageVisit page = visit_page(report_page(small_database(), "a.h5"), kVisit);
   EXPECT_EQ(page.complaints, "");
   EXPECT_EQ(page.seen.at("tools"), 2) << page.seen;
 }
