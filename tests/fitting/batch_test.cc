@@ -12,6 +12,7 @@
 
 #include "formats/error.h"
 #include "tests/fitting/synthetic_curve.h"
+#include "tests/support/page_visit.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -341,6 +342,20 @@ TEST_F(BatchTest, ThePageShowsWhereOnTheBodyItWasMeasured) {
   EXPECT_TRUE(info["points"][1]["stiffness_n_per_m"].is_null());
   EXPECT_NE(page.find("<article id=\"run1\">"), std::string::npos);
   EXPECT_NE(page_of("absent.obj").find("No map of the body: "), std::string::npos);
+  if (page_browser().empty()) {
+    GTEST_SKIP() << "no chromium-headless-shell and no chromium";
+  }
+  const PageVisit visit = visit_page(page, R"js(
+    const canvas = document.getElementById('body');
+    canvas.dispatchEvent(new KeyboardEvent('keydown', {key: 'n', bubbles: true}));
+    seen.said = document.getElementById('said').textContent;
+    seen.legend = document.getElementById('legend').textContent;
+  )js");
+  EXPECT_EQ(visit.complaints, "");
+  ASSERT_TRUE(visit.seen.is_object());
+  EXPECT_NE(visit.seen["said"].get<std::string>().find("b.csv: use"),
+            std::string::npos);
+  EXPECT_NE(visit.seen["legend"].get<std::string>().find("skip: 1"), std::string::npos);
 }
 
 TEST_F(BatchTest, EveryRowHasACellForEveryColumn) {
