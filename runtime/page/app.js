@@ -76,6 +76,7 @@ class App {
   // A page that only watches offers nothing that steers.
   showRole(role) {
     const { device } = this.body.text;
+    this.view?.yielding.forget();  // a connection begins with this message
     get("role").textContent = role === "controller" ? "steers" : device ? `watches; the ${device} steers` : "watches";
     if (device) {
       for (const part of document.querySelectorAll("#controls fieldset, #pause, #advance, #reset, #record, #replay")) {
@@ -88,7 +89,6 @@ class App {
   lost() {
     this.holding = false;
     this.state = null;
-    this.view?.yielding.forget();
     get("state").textContent = "no connection";
     get("state").dataset.kind = "warn";
     get("role").textContent = "–";

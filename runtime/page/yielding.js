@@ -78,7 +78,7 @@ export class Yielding {
     }
   }
 
-  // The connection is new: what was asked is not answered.
+  // The connection is new: what was asked before is not answered.
   forget() { this.asked = -1; }
 
   // The fields under a point with these area coordinates, each with its share; null is
