@@ -70,10 +70,11 @@ double growth_for(const Scene& scene) {
 
 }  // namespace
 
-ContactFocus contact_focus(const Scene& scene) {
+ContactFocus contact_focus(const Scene& scene, const BodySource& body) {
   ContactFocus focus{.growth = growth_for(scene),
                      .finest_m = std::numeric_limits<double>::infinity()};
-  for (const ToolShape& tool : scene.tool) {
+  for (const auto& surface : body.tool) {
+    const ToolShape& tool = surface->shape();
     const double depth = scene.reach.depth_max_m;
     const double largest = expected_contact_radius_m(tool, depth);
     double smallest =
@@ -95,11 +96,11 @@ ContactFocus finer(ContactFocus focus, double times) {
   return focus;
 }
 
-double uniform_spacing_m(const Scene& scene, bool nonlinear) {
+double uniform_spacing_m(const Scene& scene, const BodySource& body, bool nonlinear) {
   double contact_m = std::numeric_limits<double>::infinity();
-  for (const ToolShape& tool : scene.tool) {
-    contact_m =
-        std::min(contact_m, expected_contact_radius_m(tool, scene.reach.depth_max_m));
+  for (const auto& tool : body.tool) {
+    contact_m = std::min(
+        contact_m, expected_contact_radius_m(tool->shape(), scene.reach.depth_max_m));
   }
   return contact_m * std::min(1.0, growth_for(scene)) * (nonlinear ? 0.33 : 0.5);
 }

@@ -9,6 +9,7 @@
 
 #include "formats/scene.h"
 #include "formats/surface_mesh.h"
+#include "precompute/body_source.h"
 #include "precompute/longest_edge.h"
 
 namespace palpate {
@@ -29,14 +30,15 @@ struct ContactFocus {
 /// From the scene's tools, largest depth and accuracy budget. With gradings measured on
 /// spheres (growth 0.5, 0.8, 1.1: force errors of 0.5, 1, 3 %), the mesh takes about
 /// half of the budget.
-[[nodiscard]] ContactFocus contact_focus(const Scene& scene);
+[[nodiscard]] ContactFocus contact_focus(const Scene& scene, const BodySource& body);
 
 /// The same, some times finer (or coarser below 1).
 [[nodiscard]] ContactFocus finer(ContactFocus focus, double times);
 
 /// Distance of contact nodes [m] that a uniformly fine surface should have. A nonlinear
 /// correction leaves less of the budget to it.
-[[nodiscard]] double uniform_spacing_m(const Scene& scene, bool nonlinear);
+[[nodiscard]] double uniform_spacing_m(const Scene& scene, const BodySource& body,
+                                       bool nonlinear);
 
 /// Wanted edges for a mesh that serves all the given vertices.
 [[nodiscard]] EdgeLength wanted_edges(const SurfaceMesh& surface,

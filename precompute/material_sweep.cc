@@ -117,7 +117,8 @@ std::vector<PressedNode> pressed_with(const Scene& scene, const BodySource& body
                                       std::span<const std::int32_t> vertices) {
   const PressMode mode{.nonlinear = is_nonlinear(scene, body),
                        .options = nonlinear_options(scene, tool)};
-  return press_on_own_mesh(scene, body, tool, vertices, contact_focus(scene), mode);
+  return press_on_own_mesh(scene, body, tool, vertices, contact_focus(scene, body),
+                           mode);
 }
 
 void sample_curves(const std::vector<ResponseCurve>& curves, int samples,

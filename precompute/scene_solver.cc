@@ -18,8 +18,8 @@ Approach choose_approach(const Scene& scene, const BodySource& body) {
       });
   approach.nonlinear =
       scene.accuracy.method == "nonlinear" || is_nonlinear(scene, body) || sticking;
-  approach.focus = contact_focus(scene);
-  const double wanted_m = uniform_spacing_m(scene, approach.nonlinear);
+  approach.focus = contact_focus(scene, body);
+  const double wanted_m = uniform_spacing_m(scene, body, approach.nonlinear);
   const UniformSurface uniform = uniform_surface(body, wanted_m);
   approach.subdivisions = uniform.subdivisions;
   approach.spacing_m = uniform.node_spacing_m;

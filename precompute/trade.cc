@@ -182,7 +182,7 @@ void TradeRun::solve_reference() {
   Scene scene = scene_at(report_.reference_resolution, nonlinear_);
   scene.force_relative = std::min(scene.force_relative, 0.005);  // of the solvers
   const auto presses = press_on_own_meshes(
-      scene, body_, contact_focus(scene), report_.vertex,
+      scene, body_, contact_focus(scene, body_), report_.vertex,
       std::span(&report_.reference_depths, 1), {nonlinear_, /*every_depth=*/true});
   reference_ = responses_of(scene, presses.front());
   std::size_t missing = 0;

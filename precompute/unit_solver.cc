@@ -40,7 +40,7 @@ class Territory {
         vertex_(unit.vertex),
         cheap_(solver.cheap(tool, unit.vertex)),
         good_(unit.vertex.size()),
-        field_(body.surface, body.normal, contact_focus(scene).contact_m) {}
+        field_(body.surface, body.normal, contact_focus(scene, body).contact_m) {}
 
   void solve_all() {
     std::vector<std::size_t> all(vertex_.size());
