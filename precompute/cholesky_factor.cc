@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "precompute/machine_memory.h"
 
 // OpenBLAS; its own header is not needed for one call.
 extern "C" void openblas_set_num_threads(int threads);
@@ -76,6 +77,15 @@ CholeskyFactor::CholeskyFactor(const Stiffness& lower)
     throw NumericalError(fmt::format(
         "the stiffness matrix of {} unknowns could not be ordered: out of memory",
         lower.rows()));
+  }
+  const double bytes = sizeof(double) * static_cast<double>(impl_->factor->xsize);
+  // The system grants what it does not have, and kills who then uses it.
+  if (const auto free = static_cast<double>(free_memory_bytes()); bytes > free) {
+    throw NumericalError(fmt::format(
+        "the factor of {} unknowns takes {:.3g} GB, {:.3g} GB are free: solve parts of "
+        "the body ([cutout] radius_m), use a coarser surface or a lower "
+        "contact_resolution",
+        lower.rows(), 1e-9 * bytes, 1e-9 * free));
   }
   cholmod_l_factorize(&A, impl_->factor, &c);
   if (c.status == CHOLMOD_OUT_OF_MEMORY) {
