@@ -74,9 +74,9 @@ void count(const UnitPlan& plan, const UnitNode& node, Assembly& assembly) {
 std::string left_out(const UnitPlan& plan, const Assembly& assembly) {
   return fmt::format(
       "{} nodes held or outside reach, {} failed, {} untouched; depths beyond {} m and "
-      "forces beyond {} N",
+      "forces beyond {} N{}{}",
       assembly.outside_reach, assembly.failed, assembly.untouched, plan.depth_max_m,
-      plan.force_max_n);
+      plan.force_max_n, plan.left_out.empty() ? "" : "; ", plan.left_out);
 }
 
 }  // namespace

@@ -140,6 +140,7 @@ void to_json(json& j, const UnitPlan& plan) {
        {"scene_toml", from.scene_toml},
        {"source_file", from.source_file},
        {"source_sha256", from.source_sha256}};
+  j["left_out"] = plan.left_out;
   for (const ToolShape& tool : plan.tool) {
     j["tool"].push_back(to_json(tool));
   }
@@ -155,6 +156,7 @@ void from_json(const json& j, UnitPlan& plan) {
           .reachable = j.at("reachable"),
           .depth_max_m = j.at("depth_max_m"),
           .force_max_n = j.at("force_max_n"),
+          .left_out = j.value("left_out", ""),
           .provenance = {.writer = j.at("writer"),
                          .scene_toml = j.at("scene_toml"),
                          .source_file = j.at("source_file"),

@@ -44,7 +44,8 @@ struct UnitPlan {
   std::int64_t reachable = 0;   ///< vertices, of each tool
   double depth_max_m = 0.0;
   double force_max_n = 0.0;
-  Provenance provenance;  ///< but `left_out`
+  std::string left_out = {};  ///< of every response; counts are added to it
+  Provenance provenance;      ///< but `left_out`
 };
 
 [[nodiscard]] std::vector<std::byte> to_bytes(const UnitOutcome& unit);

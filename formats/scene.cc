@@ -33,6 +33,9 @@ constexpr std::string_view kRefinements[] = {"auto", "global", "local"};
 constexpr std::string_view kSolved[] = {"auto", "all"};
 constexpr std::string_view kDrawingKeys[] = {"displacement", "error_relative"};
 
+constexpr std::string_view kCutoutKeys[] = {"radius_m", "exterior", "coarse_edge_m"};
+constexpr std::string_view kExteriors[] = {"coarse", "clamped"};
+
 constexpr NumberRule kResolution{[](double v) {
                                    return v == 0.0 || (v >= 0.5 && v <= 16.0);
                                  },
@@ -83,6 +86,32 @@ void read_drawing(const Sections& sections, Scene& scene) {
       drawing.number_or(scene.drawing.error_relative, "error_relative", kFraction);
 }
 
+void read_cutout(const Sections& sections, Scene& scene) {
+  if (!sections.has("cutout")) {
+    return;
+  }
+  const SceneSection section = sections.one("cutout", kCutoutKeys);
+  SceneCutout cutout{.radius_m = section.number("radius_m", kPositive)};
+  cutout.exterior = section.choice_or(cutout.exterior, "exterior", kExteriors);
+  if (cutout.exterior == "coarse") {
+    cutout.coarse_edge_m =
+        section.number_or(0.5 * cutout.radius_m, "coarse_edge_m", kPositive);
+  } else if (const toml::node* edge = section.find("coarse_edge_m")) {
+    section.fail(*edge, "coarse_edge_m belongs to exterior = \"coarse\"");
+  }
+  if (scene.accuracy.refine == "local") {
+    section.fail(
+        "[cutout] takes parts of one mesh: accuracy.refine is \"local\", must be "
+        "\"auto\" or \"global\"");
+  }
+  if (scene.drawing.displacement) {
+    section.fail(
+        "[cutout] knows nothing of the body far away: drawing.displacement is true, "
+        "must be false");
+  }
+  scene.cutout = cutout;
+}
+
 std::string read_text(const std::filesystem::path& file) {
   errno = 0;
   std::ifstream in(file, std::ios::binary);
@@ -126,6 +155,7 @@ Scene read_scene(const std::filesystem::path& file) {
   read_reach(sections, scene);
   read_accuracy(sections, scene);
   read_drawing(sections, scene);
+  read_cutout(sections, scene);
   return scene;
 }
 

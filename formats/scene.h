@@ -100,6 +100,15 @@ struct SceneAccuracy {
   int verify = 8;               ///< [-] [0, 1000000] nodes solved again one level finer
 };
 
+/// Every node is answered by a part of the body around it, cut out of the body's tets,
+/// so that the work of a node does not grow with the body.
+struct SceneCutout {
+  double radius_m = 0.0;            ///< [m] (0, inf) from the node to the cut
+  std::string exterior = "coarse";  ///< what the cut stands on: coarse or clamped
+  /// [m] (0, inf) edges of the coarse body that tells how far the cut gives way.
+  double coarse_edge_m = 0.0;
+};
+
 /// Displacements of the surface for viewers, stored beside the responses.
 struct SceneDrawing {
   bool displacement = false;
@@ -122,7 +131,8 @@ struct Scene {
   double contact_resolution = 0.0;
   SceneAccuracy accuracy;
   SceneDrawing drawing;
-  std::string text;  ///< the file as read, for provenance
+  std::optional<SceneCutout> cutout;  ///< none: every node is answered by all the body
+  std::string text;                   ///< the file as read, for provenance
 };
 
 /// Reads and checks a scene file (TOML). Relative mesh paths are taken from the scene

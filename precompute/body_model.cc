@@ -11,16 +11,13 @@
 #include "formats/error.h"
 #include "precompute/coarsen_surface.h"
 #include "precompute/longest_edge.h"
+#include "precompute/machine_memory.h"
 #include "precompute/subdivide.h"
 #include "precompute/tetrahedralise.h"
 #include "precompute/tool_surface.h"
 
 namespace palpate {
 namespace {
-
-// Past this many surface triangles a body of compact shape has some 200 000 quadratic
-// nodes, and its factor outgrows the memory of a small machine.
-constexpr Eigen::Index kMostTriangles = 30000;
 
 // Edges of the far surface over what the mesh would have there.
 constexpr double kFarShare = 0.6;
@@ -68,6 +65,23 @@ bool in_a_line(const std::vector<Eigen::Vector3d>& points, double extent_m) {
   return !(std::sqrt(moments.eigenvalues()[1]) > 1e-6 * extent_m);
 }
 
+}  // namespace
+
+UniformSurface uniform_surface(const BodySource& body, double spacing_m,
+                               Eigen::Index triangles_max) {
+  UniformSurface fine{.surface = body.surface};
+  while (0.5 * mean_edge_m(fine.surface) > spacing_m) {
+    if (4 * fine.surface.triangle.rows() > triangles_max) {
+      fine.fine_enough = false;
+      break;
+    }
+    fine.surface = subdivide_midpoint(fine.surface);
+    ++fine.subdivisions;
+  }
+  fine.node_spacing_m = 0.5 * mean_edge_m(fine.surface);
+  return fine;
+}
+
 void check_held(const Scene& scene, const BodyModel& model) {
   const Eigen::Vector3d low = model.mesh.position_m.colwise().minCoeff();
   const Eigen::Vector3d high = model.mesh.position_m.colwise().maxCoeff();
@@ -80,49 +94,41 @@ void check_held(const Scene& scene, const BodyModel& model) {
   }
 }
 
-}  // namespace
+Supports scene_supports(const Scene& scene, const QuadraticMesh& mesh) {
+  return hold_where(mesh, [&](const Eigen::Vector3d& p) {
+    return is_held(scene, p);
+  });
+}
 
-UniformSurface uniform_surface(const BodySource& body, double spacing_m) {
-  UniformSurface fine{.surface = body.surface};
-  while (0.5 * mean_edge_m(fine.surface) > spacing_m) {
-    if (4 * fine.surface.triangle.rows() > kMostTriangles) {
-      fine.fine_enough = false;
-      break;
+Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
+                          std::span<const Material> material) {
+  Stiffness K = assemble_stiffness(mesh, material);
+  for (const SceneSupport& support : scene.support) {
+    if (!support.is_fixed()) {
+      add_foundation(K, mesh, support.stiffness_pa_per_m,
+                     [&](const Eigen::Vector3d& p) {
+                       return holds(support, p);
+                     });
     }
-    fine.surface = subdivide_midpoint(fine.surface);
-    ++fine.subdivisions;
   }
-  fine.node_spacing_m = 0.5 * mean_edge_m(fine.surface);
-  return fine;
+  return K;
 }
 
 BodyModel make_body_model(const Scene& scene, const BodySource& body,
                           const SurfaceMesh& surface) {
+  require_memory(surface.triangle.rows());
   BodyModel model;
   const TetMesh tets = tetrahedralise(surface, {}, body.inner);
   model.min_dihedral_deg =
       tet_quality(tets).smallest_dihedral_rad * 180.0 / std::numbers::pi;
   model.mesh = make_quadratic(tets, surface.triangle);
   model.material = body.material;
-  model.supports = hold_where(model.mesh, [&](const Eigen::Vector3d& p) {
-    return std::any_of(scene.support.begin(), scene.support.end(),
-                       [&](const SceneSupport& s) {
-                         return s.is_fixed() && holds(s, p);
-                       });
-  });
+  model.supports = scene_supports(scene, model.mesh);
   check_held(scene, model);
-  Stiffness K = assemble_stiffness(model.mesh, model.material);
-  for (const SceneSupport& support : scene.support) {
-    if (!support.is_fixed()) {
-      add_foundation(K, model.mesh, support.stiffness_pa_per_m,
-                     [&](const Eigen::Vector3d& p) {
-                       return holds(support, p);
-                     });
-    }
-  }
   model.contact = make_contact_surface(model.mesh);
   model.contact_spacing_m = 0.5 * mean_edge_m(surface);
-  model.factor.emplace(reduce(K, model.supports));
+  model.factor.emplace(
+      reduce(scene_stiffness(scene, model.mesh, model.material), model.supports));
   return model;
 }
 
@@ -130,16 +136,15 @@ std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
   return model.corner.empty() ? vertex : model.corner.at(vertex);
 }
 
-namespace {
-
-// Which supports a point belongs to, as bits.
-int support_part(const Scene& scene, const Eigen::Vector3d& p) {
+int support_part(const Scene& scene, const Eigen::Vector3d& p_m) {
   int part = 0;
   for (std::size_t i = 0; i < scene.support.size(); ++i) {
-    part |= holds(scene.support[i], p) ? 1 << (i % 31) : 0;
+    part |= holds(scene.support[i], p_m) ? 1 << (i % 31) : 0;
   }
   return part;
 }
+
+namespace {
 
 // Coarse where it is far, and no finer than before where it is near.
 CoarsenedSurface far_coarsened(const Scene& scene, const BodySource& body,

@@ -18,6 +18,10 @@
 
 namespace palpate {
 
+/// Past this many surface triangles a body of compact shape has some 200 000 quadratic
+/// nodes, and its factor outgrows the memory of a small machine.
+inline constexpr Eigen::Index kMostTriangles = 30000;
+
 struct BodyModel {
   QuadraticMesh mesh;
   /// Corner of the mesh that a vertex of the body is; empty: the first nodes are the
@@ -39,11 +43,28 @@ struct UniformSurface {
   double node_spacing_m = 0.0;  ///< [m] mean distance of contact nodes
   bool fine_enough = true;  ///< false: stopped at the most triangles that are sensible
 };
-[[nodiscard]] UniformSurface uniform_surface(const BodySource& body, double spacing_m);
+[[nodiscard]] UniformSurface uniform_surface(
+    const BodySource& body, double spacing_m,
+    Eigen::Index triangles_max = kMostTriangles);
+
+/// Surface nodes of the mesh that the scene holds.
+[[nodiscard]] Supports scene_supports(const Scene& scene, const QuadraticMesh& mesh);
+
+/// Stiffness of the mesh and of the foundations that it stands on.
+/// @param material by region.
+[[nodiscard]] Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
+                                        std::span<const Material> material);
+
+/// Which supports a point belongs to, as bits.
+[[nodiscard]] int support_part(const Scene& scene, const Eigen::Vector3d& p_m);
+
+/// @throws InputError if the model's supports do not hold it.
+void check_held(const Scene& scene, const BodyModel& model);
 
 /// Tetrahedralises, holds, assembles and factorises.
 /// @param surface of the body, refined; its first vertices are the body's.
-/// @throws InputError where the supports do not hold the body, NumericalError where
+/// @throws InputError where the supports do not hold the body or its factor would not
+/// fit into this machine's memory (require_memory), NumericalError where
 /// meshing or factorisation failed.
 [[nodiscard]] BodyModel make_body_model(const Scene& scene, const BodySource& body,
                                         const SurfaceMesh& surface);

@@ -61,6 +61,7 @@ UnitPlan plan_of(const Scene& scene, const BodySource& body,
       .reachable = static_cast<std::int64_t>(reachable),
       .depth_max_m = scene.reach.depth_max_m,
       .force_max_n = scene.reach.force_max_n,
+      .left_out = cut_out_text(scene),
       .provenance = {.writer = fmt::format("palpate-precompute {}", PALPATE_VERSION),
                      .scene_toml = scene.text,
                      .source_file = scene.mesh.filename().string(),
@@ -129,6 +130,9 @@ class UnitRun {
 
  private:
   static void describe(const SceneSolver& solver, BuildReport& report) {
+    if (const CutOutSolver* cut_out = solver.cut_out()) {
+      report.notes.push_back(cut_out->text());
+    }
     if (const BodyModel* shared = solver.shared()) {
       report.tets = shared->mesh.tet.rows();
       report.unknowns = shared->supports.free;

@@ -39,6 +39,7 @@ nlohmann::ordered_json to_json(const PlanReport& plan) {
           {"checks", plan.checks},
           {"nonlinear", plan.nonlinear},
           {"shared_mesh", plan.shared_mesh},
+          {"cut_out", plan.cut_out},
           {"graded", plan.graded},
           {"subdivisions", plan.subdivisions},
           {"node_spacing_m", plan.spacing_m},
@@ -65,6 +66,11 @@ void print_meshes(const PlanReport& plan) {
         "contact nodes {:.3g} mm apart\n",
         plan.tets, plan.unknowns, plan.columns, plan.subdivisions,
         1e3 * plan.spacing_m);
+  } else if (plan.cut_out) {
+    fmt::print(
+        "parts         cut out around groups of neighbours, about {} tets, {} unknowns "
+        "each; contact nodes {:.3g} mm apart\n",
+        plan.tets, plan.unknowns, 1e3 * plan.spacing_m);
   } else {
     fmt::print(
         "own meshes    of groups of neighbours, about {} tets, {} unknowns each; "

@@ -14,6 +14,7 @@
 #include "precompute/interrupt.h"
 #include "precompute/material_sweep.h"
 #include "precompute/node_detail.h"
+#include "precompute/scene_solver.h"
 
 namespace palpate {
 namespace {
@@ -98,6 +99,7 @@ void run(const Flags& flags) {
   const auto begin = std::chrono::steady_clock::now();
   std::vector<SweepParameter> parameters = parameters_of(flags);
   const Scene scene = read_scene(flags.scene);
+  require_whole_body(scene, "sweep");
   const BodySource body = read_body(scene);
   const std::vector<std::int32_t> vertices = vertices_of(flags, scene, body);
   Progress progress(stderr);

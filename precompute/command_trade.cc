@@ -10,6 +10,7 @@
 
 #include "formats/atomic_file.h"
 #include "precompute/interrupt.h"
+#include "precompute/scene_solver.h"
 #include "precompute/trade.h"
 
 namespace palpate {
@@ -85,6 +86,7 @@ void write_text(const std::string& path, const std::string& text) {
 void run(const Flags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
+  require_whole_body(scene, "trade");
   { const AtomicFile place(flags.output + ".csv"); }  // said before the work
   Progress progress(stderr);
   TradeOptions options = flags.options;

@@ -283,7 +283,8 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     response.sample_direction.front() = response.sample_direction[1];
   }
   const IndentationSample& last = indentation.sample.back();
-  response.error_relative = estimated_error(indentation);
+  response.error_relative =
+      std::hypot(estimated_error(indentation), indentation.exterior_error_relative);
   const auto flag_if = [&](bool set, ResponseFlag flag) {
     response.flags = static_cast<std::uint8_t>(response.flags | (set ? flag : 0));
   };

@@ -43,7 +43,9 @@ struct IndentationSample {
 struct Indentation {
   std::vector<IndentationSample> sample;
   double node_spacing_m = 0.0;  ///< [m] contact nodes' mean distance around the vertex
-  int iterations = 0;           ///< of the complementarity solver, all depths
+  /// [-] of the force at the last depth, by what is left out of the body around
+  double exterior_error_relative = 0.0;
+  int iterations = 0;  ///< of the complementarity solver, all depths
   bool converged = true;
   bool reached_patch_edge =
       false;                  ///< contact grew to the last node that was considered

@@ -269,6 +269,7 @@ BalanceChecks check_balance(const Scene& scene, const BodyModel& model,
 NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
                            const SharedTool& tool, std::int64_t vertex,
                            const NonlinearOptions& options, Progress& progress) {
+  require_whole_body(scene, "indent");
   const std::int32_t v = checked_vertex(scene, body, vertex);
   progress.stage("indentation");
   const Approach approach = choose_approach(scene, body);

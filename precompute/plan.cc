@@ -13,6 +13,7 @@
 #include "precompute/column_sample.h"
 #include "precompute/node_press.h"
 #include "precompute/peak_memory.h"
+#include "precompute/plan_cut_outs.h"
 #include "precompute/plan_left_out.h"
 #include "precompute/scene_solver.h"
 #include "precompute/share_above.h"
@@ -42,13 +43,12 @@ class Planner {
 
   PlanReport run() {
     describe_scene();
-    if (approach_.shared_mesh) {
-      time_shared_mesh();
+    if (approach_.cut_out) {
+      plan_cut_outs(scene_, body_, approach_, reachable_, units_, workers_, progress_,
+                    report_);
     } else {
-      time_cheap_on_own_meshes();
+      time_whole_bodies();
     }
-    time_good();
-    time_checks();
     count_responses();
     report_.left_out = left_out_of(scene_, approach_, report_);
     for (const PlanCost& cost : report_.cost) {
@@ -59,6 +59,15 @@ class Planner {
 
  private:
   void describe_scene();
+  void time_whole_bodies() {
+    if (approach_.shared_mesh) {
+      time_shared_mesh();
+    } else {
+      time_cheap_on_own_meshes();
+    }
+    time_good();
+    time_checks();
+  }
   void time_shared_mesh();
   void time_columns(std::span<const PressedNode> placed);
   void time_linear_presses();
@@ -148,10 +157,11 @@ void Planner::describe_scene() {
   });
   report_.nonlinear = approach_.nonlinear;
   report_.shared_mesh = approach_.shared_mesh;
+  report_.cut_out = approach_.cut_out;
+  const bool one_mesh = approach_.shared_mesh || approach_.cut_out;
   report_.graded = approach_.graded && !approach_.cheap_is_good;
-  report_.subdivisions = approach_.shared_mesh ? approach_.subdivisions : 0;
-  report_.spacing_m =
-      approach_.shared_mesh ? approach_.spacing_m : 0.5 * approach_.focus.finest_m;
+  report_.subdivisions = one_mesh ? approach_.subdivisions : 0;
+  report_.spacing_m = one_mesh ? approach_.spacing_m : 0.5 * approach_.focus.finest_m;
   report_.depths = scene_.accuracy.depths;
   report_.nonlinear_depths =
       approach_.nonlinear ? nonlinear_depths(scene_.accuracy.depths) : 0;

@@ -38,10 +38,11 @@ struct PlanReport {
   std::int64_t checks = 0;
   bool nonlinear = false;
   bool shared_mesh = false;
+  bool cut_out = false;    ///< parts of one mesh, without a factor of the whole
   bool graded = false;     ///< good presses have meshes of their own
   int subdivisions = 0;    ///< of the shared mesh's surface
   double spacing_m = 0.0;  ///< [m] contact nodes: shared mesh, else under the contact
-  std::int64_t tets = 0;   ///< shared mesh, else the first of the own meshes
+  std::int64_t tets = 0;   ///< shared mesh, else the first own mesh or part
   std::int64_t unknowns = 0;  ///< of the same
   std::int64_t columns = 0;   ///< solves for the surface compliance of the shared mesh
   int depths = 0;             ///< samples of a curve

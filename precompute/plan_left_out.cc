@@ -37,7 +37,8 @@ std::vector<std::string> left_out_of(const Scene& scene, const Approach& approac
           100 * scene.force_relative));
   say(approach.shared_mesh && report.columns > 0,
       "fine elements away from the surface: tets grow inwards");
-  say(!approach.shared_mesh,
+  say(approach.cut_out, cut_out_text(scene));
+  say(!approach.shared_mesh && !approach.cut_out,
       "fine elements away from the contact: every group of "
       "nodes has a mesh graded to it");
   say(!scene.drawing.displacement,

@@ -1,15 +1,44 @@
 #include "precompute/scene_solver.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "formats/error.h"
 #include "precompute/interrupt.h"
 
 namespace palpate {
+namespace {
+
+using Group = std::vector<std::int32_t>;
+
+// Presses groups side by side; by vertex, ascending.
+std::vector<PressedNode> in_groups(
+    const std::vector<Group>& groups,
+    const std::function<std::vector<PressedNode>(const Group&)>& press) {
+  std::vector<std::vector<PressedNode>> pressed(groups.size());
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
+      check_interrupted();
+      pressed[i] = press(groups[i]);
+    });
+  });
+  std::vector<PressedNode> nodes;
+  for (auto& group : pressed) {
+    std::move(group.begin(), group.end(), std::back_inserter(nodes));
+  }
+  std::sort(nodes.begin(), nodes.end(), [](const PressedNode& a, const PressedNode& b) {
+    return a.vertex < b.vertex;
+  });
+  return nodes;
+}
+
+}  // namespace
+
 Approach choose_approach(const Scene& scene, const BodySource& body) {
   Approach approach;
   const bool sticking =
@@ -19,17 +48,26 @@ Approach choose_approach(const Scene& scene, const BodySource& body) {
   approach.nonlinear =
       scene.accuracy.method == "nonlinear" || is_nonlinear(scene, body) || sticking;
   approach.focus = contact_focus(scene, body);
+  approach.cut_out = scene.cutout.has_value();
+  if (approach.cut_out && approach.nonlinear) {
+    throw InputError(fmt::format(
+        "[cutout] is for linear responses: {}",
+        sticking ? "a tool's contact is \"sticking\", must be \"frictionless\""
+                 : "set accuracy.method to \"linear\", or take [cutout] out"));
+  }
   const double wanted_m = uniform_spacing_m(scene, body, approach.nonlinear);
-  const UniformSurface uniform = uniform_surface(body, wanted_m);
+  const UniformSurface uniform = uniform_surface(
+      body, wanted_m, approach.cut_out ? kMostCutTriangles : kMostTriangles);
   approach.subdivisions = uniform.subdivisions;
   approach.spacing_m = uniform.node_spacing_m;
   approach.surface = uniform.surface;
   const std::string& refine = scene.accuracy.refine;
   approach.shared_mesh =
-      refine == "global" || (refine == "auto" && uniform.fine_enough);
-  approach.graded = refine != "global";
+      !approach.cut_out &&
+      (refine == "global" || (refine == "auto" && uniform.fine_enough));
+  approach.graded = !approach.cut_out && refine != "global";
   approach.cheap_is_good = !approach.nonlinear;
-  if (approach.shared_mesh && !uniform.fine_enough) {
+  if ((approach.shared_mesh || approach.cut_out) && !uniform.fine_enough) {
     approach.notes.push_back(fmt::format(
         "contact nodes are {:.3g} mm apart where the scene asks for {:.3g} mm: a finer "
         "surface would be too large; refine = \"local\" meshes the contact alone",
@@ -38,11 +76,23 @@ Approach choose_approach(const Scene& scene, const BodySource& body) {
   return approach;
 }
 
+void require_whole_body(const Scene& scene, const std::string& task) {
+  if (scene.cutout) {
+    throw InputError(fmt::format(
+        "{} presses the whole body: the scene has [cutout], must have none", task));
+  }
+}
+
 SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
                          const Approach& approach,
                          std::span<const std::int32_t> vertices,
                          std::span<const std::int32_t> pressed, Progress& progress)
     : scene_(scene), body_(body), approach_(approach) {
+  if (approach.cut_out) {
+    progress.stage("mesh to cut from, coarse body");
+    cut_out_ = std::make_unique<const CutOutSolver>(scene, body, approach.surface,
+                                                    approach.spacing_m, vertices);
+  }
   if (!approach.shared_mesh) {
     return;
   }
@@ -78,35 +128,36 @@ std::vector<PressedNode> SceneSolver::cheap(
     }
     return nodes;
   }
-  return on_own_meshes(tool, vertices, approach_.focus, false);
+  return approach_.cut_out ? on_cut_outs(tool, vertices, 1.0)
+                           : on_own_meshes(tool, vertices, approach_.focus, false);
+}
+
+std::vector<PressedNode> SceneSolver::on_cut_outs(
+    const SharedTool& tool, std::span<const std::int32_t> vertices,
+    double times_wider) const {
+  return in_groups(cut_out_->groups(vertices), [&](const Group& group) {
+    return cut_out_->press(tool, group, times_wider);
+  });
 }
 
 std::vector<PressedNode> SceneSolver::on_own_meshes(
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const ContactFocus& focus, bool nonlinear) const {
-  const auto groups = group_presses(body_.surface, vertices, focus, nonlinear);
-  std::vector<std::vector<PressedNode>> pressed(groups.size());
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
-      check_interrupted();
-      pressed[i] = press_on_own_mesh(
-          scene_, body_, tool, groups[i], focus,
-          {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
-    });
-  });
-  std::vector<PressedNode> nodes;
-  for (auto& group : pressed) {
-    std::move(group.begin(), group.end(), std::back_inserter(nodes));
-  }
-  std::sort(nodes.begin(), nodes.end(), [](const PressedNode& a, const PressedNode& b) {
-    return a.vertex < b.vertex;
-  });
-  return nodes;
+  return in_groups(
+      group_presses(body_.surface, vertices, focus, nonlinear),
+      [&](const Group& group) {
+        return press_on_own_mesh(
+            scene_, body_, tool, group, focus,
+            {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
+      });
 }
 
 std::vector<PressedNode> SceneSolver::good(const SharedTool& tool,
                                            std::span<const std::int32_t> vertices,
                                            double times_finer) const {
+  if (approach_.cut_out) {
+    return on_cut_outs(tool, vertices, times_finer == 1.0 ? 1.0 : kCutStep);
+  }
   if (approach_.graded || times_finer != 1.0) {
     return on_own_meshes(tool, vertices, finer(approach_.focus, times_finer),
                          approach_.nonlinear);

@@ -12,6 +12,7 @@
 #include "formats/scene.h"
 #include "precompute/body_model.h"
 #include "precompute/body_source.h"
+#include "precompute/cut_out_press.h"
 #include "precompute/node_press.h"
 #include "precompute/progress.h"
 
@@ -23,17 +24,23 @@ struct Approach {
   /// Cheap presses share one uniformly fine mesh and its factor; else every group of
   /// neighbours has a mesh of its own.
   bool shared_mesh = true;
+  /// Cheap presses are on parts cut out of one mesh, good ones the same; no
+  /// shared_mesh.
+  bool cut_out = false;
   bool graded = true;  ///< good presses have a mesh of their own, graded to the contact
   /// Cheap presses are all that is wanted, or as good as good ones.
   bool cheap_is_good = false;
-  int subdivisions = 0;    ///< of the shared mesh's surface
-  SurfaceMesh surface;     ///< of the shared mesh
-  double spacing_m = 0.0;  ///< [m] contact nodes of the shared mesh
+  int subdivisions = 0;    ///< of the surface of the shared mesh, or of that to be cut
+  SurfaceMesh surface;     ///< of that mesh
+  double spacing_m = 0.0;  ///< [m] contact nodes of that mesh
   ContactFocus focus;      ///< of meshes of good presses
   std::vector<std::string> notes;
 };
 
 [[nodiscard]] Approach choose_approach(const Scene& scene, const BodySource& body);
+
+/// @throws InputError if the scene wants cut-outs, which `task` does not know.
+void require_whole_body(const Scene& scene, const std::string& task);
 
 class SceneSolver {
  public:
@@ -55,6 +62,9 @@ class SceneSolver {
   /// None where no mesh is shared.
   [[nodiscard]] const BodyModel* shared() const { return model_ ? &*model_ : nullptr; }
 
+  /// None where nothing is cut out.
+  [[nodiscard]] const CutOutSolver* cut_out() const { return cut_out_.get(); }
+
  private:
   [[nodiscard]] std::vector<PressedNode> on_own_meshes(
       const SharedTool& tool, std::span<const std::int32_t> vertices,
@@ -63,6 +73,11 @@ class SceneSolver {
   const Scene& scene_;
   const BodySource& body_;
   const Approach& approach_;
+  [[nodiscard]] std::vector<PressedNode> on_cut_outs(
+      const SharedTool& tool, std::span<const std::int32_t> vertices,
+      double times_wider) const;
+
+  std::unique_ptr<const CutOutSolver> cut_out_;
   std::optional<BodyModel> model_;
   std::optional<SurfaceCompliance> compliance_;
 };

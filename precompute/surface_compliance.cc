@@ -29,20 +29,6 @@ void add_load(const ContactNode& node, const Supports& supports,
   }
 }
 
-double average_displacement(const ContactNode& node, const Supports& supports,
-                            const Eigen::Ref<const Eigen::VectorXd>& u) {
-  double sum = 0.0;
-  for (const NodalForce& entry : node.load) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t dof = free_index(supports, entry.node, axis);
-      if (dof >= 0) {
-        sum += entry.force[axis] * u[dof];
-      }
-    }
-  }
-  return sum;
-}
-
 // Nodes of `nodes` within the radius of each of them, ascending: a sweep along x.
 std::vector<std::vector<std::int32_t>> near_pairs(
     const ContactSurface& surface, const std::vector<std::int32_t>& nodes,
@@ -128,6 +114,20 @@ void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per
       }
     }
   }
+}
+
+double average_displacement(const ContactNode& node, const Supports& supports,
+                            const Eigen::Ref<const Eigen::VectorXd>& u_m) {
+  double sum = 0.0;
+  for (const NodalForce& entry : node.load) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t dof = free_index(supports, entry.node, axis);
+      if (dof >= 0) {
+        sum += entry.force[axis] * u_m[dof];
+      }
+    }
+  }
+  return sum;
 }
 
 Stiffness reduce(const Stiffness& lower, const Supports& supports) {
@@ -220,6 +220,20 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                         solve_block(i * kBlock);
                       }
                     });
+}
+
+void SurfaceCompliance::add(std::span<const std::int32_t> nodes,
+                            const Eigen::MatrixXd& more) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto v = static_cast<std::size_t>(nodes[i]);
+    for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
+      const auto k = static_cast<std::size_t>(at);
+      const auto w = std::lower_bound(nodes.begin(), nodes.end(), neighbour_[k]);
+      if (w != nodes.end() && *w == neighbour_[k]) {
+        value_[k] += more(static_cast<Eigen::Index>(i), w - nodes.begin());
+      }
+    }
+  }
 }
 
 Eigen::MatrixXd SurfaceCompliance::among(std::span<const std::int32_t> nodes) const {

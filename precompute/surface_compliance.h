@@ -31,6 +31,13 @@ using Where = std::function<bool(const Eigen::Vector3d& p_m)>;
 void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
                     const Where& where);
 
+/// Average inward displacement [m] over the hat of a contact node along the normals:
+/// what its unit pressure force works on. @param u_m of the free degrees of freedom;
+/// the held ones do not move.
+[[nodiscard]] double average_displacement(const ContactNode& node,
+                                          const Supports& supports,
+                                          const Eigen::Ref<const Eigen::VectorXd>& u_m);
+
 /// K without the rows and columns of held degrees of freedom.
 [[nodiscard]] Stiffness reduce(const Stiffness& lower, const Supports& supports);
 
@@ -53,6 +60,10 @@ class SurfaceCompliance {
                     const ContactSurface& surface, std::vector<std::int32_t> nodes,
                     double radius_m, std::span<const char> wanted,
                     const std::function<void(std::size_t)>& progress);
+
+  /// Adds to the compliance among the given contact nodes, where it is kept.
+  /// @param nodes ascending. @param more (n x n) [m/N], symmetric.
+  void add(std::span<const std::int32_t> nodes, const Eigen::MatrixXd& more);
 
   /// Compliance among the given contact nodes, (n x n). Pairs farther apart than the
   /// radius are zero; every node must be one of those that were solved for.

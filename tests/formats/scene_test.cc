@@ -57,6 +57,38 @@ TEST(Scene, OptionalKeysHaveDefaults) {
   EXPECT_EQ(scene.tool[0].friction, 0.0);
 }
 
+TEST(Scene, ACutOutsCoarseEdgesAreHalfItsRadius) {
+  EXPECT_FALSE(read_scene_text(kScene).cutout.has_value());
+  const Scene scene =
+      read_scene_text(std::string(kScene) + "[cutout]\nradius_m = 0.03\n");
+  ASSERT_TRUE(scene.cutout.has_value());
+  EXPECT_EQ(scene.cutout->radius_m, 0.03);
+  EXPECT_EQ(scene.cutout->exterior, "coarse");
+  EXPECT_EQ(scene.cutout->coarse_edge_m, 0.015);
+}
+
+TEST(Scene, CutOutsThatContradictTheSceneAreRefused) {
+  const auto refusal = [](const std::string& more) {
+    try {
+      (void)read_scene_text(kScene + more);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refusal("refine = \"local\"\n[cutout]\nradius_m = 0.03\n")
+                .find("accuracy.refine is \"local\", must be \"auto\" or \"global\""),
+            std::string::npos);
+  EXPECT_NE(refusal("[cutout]\nradius_m = 0.03\n[drawing]\ndisplacement = true\n")
+                .find("drawing.displacement is true, must be false"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal(
+          "[cutout]\nradius_m = 0.03\nexterior = \"clamped\"\ncoarse_edge_m = 0.01\n")
+          .find("coarse_edge_m belongs to exterior = \"coarse\""),
+      std::string::npos);
+}
+
 class SceneMistake : public SceneMistakeTest {};
 
 TEST_P(SceneMistake, IsNamedWithItsLine) {
