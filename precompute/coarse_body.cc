@@ -60,11 +60,15 @@ CoarseLoads coarse_loads(const BodyModel& coarse, const TetLocator& where,
                          const BodyModel& part, std::span<const std::int32_t> nodes) {
   std::vector<std::map<std::int64_t, double>> row(nodes.size());
   std::map<std::int64_t, Eigen::Index> column;
+  std::map<std::int32_t, TetLocator::Place> places;  // by node of the part
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const NodalForce& entry :
          part.contact.node[static_cast<std::size_t>(nodes[i])].load) {
-      const TetLocator::Place place =
-          where.place(part.mesh.position_m.row(entry.node).transpose());
+      const auto [at, is_new] = places.try_emplace(entry.node);
+      if (is_new) {
+        at->second = where.place(part.mesh.position_m.row(entry.node).transpose());
+      }
+      const TetLocator::Place& place = at->second;
       for (std::size_t a = 0; a < 10; ++a) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const std::int64_t dof =

@@ -49,7 +49,7 @@ std::int64_t free_memory_bytes() {
 }
 
 double expected_memory_bytes(std::int64_t triangles) {
-  return 2.83e4 * std::pow(static_cast<double>(triangles), 1.158);
+  return 1.06e4 * std::pow(static_cast<double>(triangles), 1.240);
 }
 
 void require_memory(std::int64_t triangles) {

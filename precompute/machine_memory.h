@@ -10,10 +10,10 @@ namespace palpate {
 /// number where the system does not say.
 [[nodiscard]] std::int64_t free_memory_bytes();
 
-/// Peak memory [bytes] of meshing and factorising a compact body in quadratic tets that
-/// grow inwards from a surface of so many triangles: a power fitted to bodies of 1,000
-/// to 65,000 triangles, within 15 % of each (tests/bench/factor_study.cc). Thin bodies
-/// take less, bodies of equal tets more.
+/// Peak memory [bytes] of factorising a compact body in quadratic tets that grow
+/// inwards from a surface of so many triangles: a power fitted to cylinders of 1,500 to
+/// 15,000 triangles, within 4 % of each (tests/bench/factor_study.cc). Thin bodies take
+/// less, bodies of equal tets more.
 [[nodiscard]] double expected_memory_bytes(std::int64_t triangles);
 
 /// @throws InputError saying what to do if a body of so many surface triangles would

@@ -37,6 +37,9 @@ TetLocator::TetLocator(const QuadraticMesh& mesh) : mesh_(mesh) {
   tets_.resize(static_cast<std::size_t>(cells_.prod()));
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
     const Eigen::Matrix<double, 4, 3> corner = tet_corners(mesh, t);
+    Eigen::Matrix4d A;
+    A << corner.transpose(), Eigen::RowVector4d::Ones();
+    area_.emplace_back(A.inverse());
     const Cell from = cell_of(corner.colwise().minCoeff().transpose());
     const Cell to = cell_of(corner.colwise().maxCoeff().transpose());
     for (int x = from.x(); x <= to.x(); ++x) {
@@ -62,13 +65,6 @@ std::size_t TetLocator::number_of(const Cell& cell) const {
                                   cell.x());
 }
 
-Eigen::Vector4d TetLocator::inside(std::int32_t tet, const Eigen::Vector3d& p_m) const {
-  Eigen::Matrix4d A;
-  A.topRows<3>() = tet_corners(mesh_, tet).transpose();
-  A.row(3).setOnes();
-  return A.partialPivLu().solve(Eigen::Vector4d(p_m.x(), p_m.y(), p_m.z(), 1.0));
-}
-
 TetLocator::Place TetLocator::place(const Eigen::Vector3d& p_m) const {
   const Cell centre = cell_of(p_m);
   std::int32_t best = -1;
@@ -76,7 +72,7 @@ TetLocator::Place TetLocator::place(const Eigen::Vector3d& p_m) const {
   Eigen::Vector4d best_at;
   const auto look_into = [&](const Cell& cell) {
     for (const std::int32_t t : tets_[number_of(cell)]) {
-      const Eigen::Vector4d at = inside(t, p_m);
+      const Eigen::Vector4d at = area_[static_cast<std::size_t>(t)] * p_m.homogeneous();
       if (at.minCoeff() > best_least) {
         best_least = at.minCoeff();
         best = t;

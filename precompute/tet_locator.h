@@ -29,13 +29,11 @@ class TetLocator {
   using Cell = Eigen::Array3i;
   [[nodiscard]] Cell cell_of(const Eigen::Vector3d& p_m) const;
   [[nodiscard]] std::size_t number_of(const Cell& cell) const;
-  [[nodiscard]] Eigen::Vector4d inside(std::int32_t tet,
-                                       const Eigen::Vector3d& p_m) const;
-
   const QuadraticMesh& mesh_;
   Eigen::Vector3d low_m_;
   double cell_m_ = 0.0;
   Cell cells_;
+  std::vector<Eigen::Matrix4d> area_;  // (n_tets) area coordinates of (x, y, z, 1)
   std::vector<std::vector<std::int32_t>> tets_;  // by cell: whose boxes meet it
 };
 
