@@ -1,7 +1,9 @@
 #include "precompute/coarse_body.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,38 +17,43 @@
 namespace palpate {
 namespace {
 
-// Edges over the distance from the nearest pressed vertex: at a cut twice as far away
-// as the shortest edges are long they are still the shortest.
-constexpr double kGrowth = 0.5;
+// Edges over the distance from the nearest pressed vertex. At a cut twice as far away
+// as the shortest edges are long they are still the shortest. Thin bodies may not be
+// meshed well with edges much longer than they are thick: they get shorter ones.
+constexpr std::array<double, 3> kGrowths{0.5, 0.25, 0.125};
 
 SurfaceMesh coarse_surface(const Scene& scene, const BodySource& body,
-                           std::span<const std::int32_t> vertices, double edge_m) {
-  const EdgeLength wanted =
-      wanted_edges(body.surface, vertices, {.growth = kGrowth, .finest_m = edge_m});
+                           const EdgeLength& wanted, double edge_m) {
   const CoarsenedSurface coarse =
       coarsen_surface(body.surface, wanted, {}, [&](const Eigen::Vector3d& p) {
         return support_part(scene, p);
       });
-  return refine_longest_edge(coarse.surface, wanted, kMostTriangles);
-}
-
-BodyModel coarse_model(const Scene& scene, const BodySource& body,
-                       std::span<const std::int32_t> vertices, double edge_m) {
-  const SurfaceMesh surface = coarse_surface(scene, body, vertices, edge_m);
+  SurfaceMesh surface = refine_longest_edge(coarse.surface, wanted, kMostTriangles);
   if (surface.triangle.rows() > kMostTriangles) {
     throw InputError(fmt::format(
         "[cutout] coarse_edge_m is {} m: the coarse body would have {} triangles or "
         "more, at most {} are allowed; choose longer edges",
         edge_m, surface.triangle.rows(), kMostTriangles));
   }
-  try {
-    return make_body_model(scene, body, surface);
-  } catch (const NumericalError& error) {
-    throw NumericalError(fmt::format(
-        "[cutout] coarse_edge_m is {} m: the coarse body cannot be made ({}); "
-        "choose shorter edges",
-        edge_m, error.what()));
+  return surface;
+}
+
+BodyModel coarse_model(const Scene& scene, const BodySource& body,
+                       std::span<const std::int32_t> vertices, double edge_m) {
+  std::string failure;
+  for (const double growth : kGrowths) {
+    const EdgeLength wanted =
+        wanted_edges(body.surface, vertices, {.growth = growth, .finest_m = edge_m});
+    try {
+      return make_body_model(scene, body, coarse_surface(scene, body, wanted, edge_m));
+    } catch (const NumericalError& error) {
+      failure = error.what();
+    }
   }
+  throw NumericalError(fmt::format(
+      "[cutout] coarse_edge_m is {} m: the coarse body cannot be made ({}); choose "
+      "shorter edges",
+      edge_m, failure));
 }
 
 // The contact nodes' unit pressure forces as forces on the coarse body: those degrees

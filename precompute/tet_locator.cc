@@ -61,8 +61,9 @@ TetLocator::Cell TetLocator::cell_of(const Eigen::Vector3d& p_m) const {
 }
 
 std::size_t TetLocator::number_of(const Cell& cell) const {
-  return static_cast<std::size_t>((cell.z() * cells_.y() + cell.y()) * cells_.x() +
-                                  cell.x());
+  const auto n = cells_.cast<std::size_t>().eval();
+  const auto at = cell.cast<std::size_t>().eval();
+  return (at.z() * n.y() + at.y()) * n.x() + at.x();
 }
 
 TetLocator::Place TetLocator::place(const Eigen::Vector3d& p_m) const {
