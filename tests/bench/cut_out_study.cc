@@ -161,9 +161,9 @@ Body slab(const std::string& name, double half_width, double depth) {
           held({-1, -1, -1}, {1, 1, -depth * kContact_m * (1.0 - 1e-9)})};
 }
 
-// Held along its sides alone: it bends.
+// Held along one side alone: it bends.
 Body plate(double half_width, double depth) {
-  Body body = slab("plate held at its rim, 32 a wide, 4 a thick", half_width, depth);
+  Body body = slab("plate held at one side, 32 a wide, 4 a thick", half_width, depth);
   body.support = {
       .box_m = {},
       .plane = ScenePlane{Eigen::Vector3d(-half_width * kContact_m * (1 - 1e-9), 0, 0),
@@ -188,9 +188,31 @@ void study_errors() {
   study_error(plate(16.0, 4.0));
 }
 
+constexpr double kEdge = 0.5;  // of the slabs, over contact radii
+
+// Meshes, factorises and presses all of the body.
+void print_whole(const Body& body, const Scene& scene, const BodySource& source) {
+  const std::int32_t vertex = 0;
+  restart_peak_memory();
+  std::optional<BodyModel> whole;
+  const double whole_s = seconds_of([&] {
+    whole.emplace(make_body_model(scene, source, body.surface));
+  });
+  whole->contact_spacing_m = 0.5 * kEdge * kContact_m;
+  double f = 0.0;
+  const double press_s = seconds_of([&] {
+    f = force_n(
+        press_on_model(scene, source, *whole, source.tool[0], std::span(&vertex, 1), {})
+            .front());
+  });
+  fmt::print("{:>9} {:>9} {:>8} {:9.1f} {:9.2f} {:>9} {:10.2f} {:>10} {:10.6f}\n",
+             "whole", "", "", whole_s, 1e-9 * static_cast<double>(peak_memory_bytes()),
+             "", press_s, "", f);
+  std::fflush(stdout);
+}
+
 void study_scale() {
   constexpr double kCut = 10.0;      // R over contact radii
-  constexpr double kEdge = 0.5;      // over contact radii
   constexpr double kDepth = 6.0;     // of the slab, in contact radii
   constexpr int kCells = 64;         // of the smallest slab
   constexpr int kMostWhole = 40000;  // triangles
@@ -233,21 +255,7 @@ void study_scale() {
     if (body.surface.triangle.rows() > kMostWhole) {
       continue;
     }
-    restart_peak_memory();
-    std::optional<BodyModel> whole;
-    const double whole_s = seconds_of([&] {
-      whole.emplace(make_body_model(scene, source, body.surface));
-    });
-    whole->contact_spacing_m = 0.5 * kEdge * kContact_m;
-    const double press_s = seconds_of([&] {
-      f = force_n(press_on_model(scene, source, *whole, source.tool[0],
-                                 std::span(&vertex, 1), {})
-                      .front());
-    });
-    fmt::print("{:>9} {:>9} {:>8} {:9.1f} {:9.2f} {:>9} {:10.2f} {:>10} {:10.6f}\n",
-               "  whole", "", "", whole_s,
-               1e-9 * static_cast<double>(peak_memory_bytes()), "", press_s, "", f);
-    std::fflush(stdout);
+    print_whole(body, scene, source);
   }
 }
 
