@@ -202,7 +202,10 @@ void Planner::time_columns(std::span<const PressedNode> placed) {
                         nullptr);
   });
   const double some = seconds_of([&] {
-    compliance_.emplace(compliance_of(*shared_, placed, sample.wanted, nullptr));
+    compliance_.emplace(compliance_of(*shared_, placed, sample.wanted,
+                                      [&](std::size_t done, std::size_t total) {
+                                        progress_.advance(done, total, "columns");
+                                      }));
   });
   once("find pairs of near contact nodes", none);
   extrapolate("columns of the surface compliance", sample.all, sample.solved,
