@@ -14,15 +14,12 @@
 #include "fitting/presses.h"
 #include "fitting/session_probes.h"
 #include "formats/error.h"
+#include "formats/stopwatch.h"
 
 namespace palpate {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 MeasurementFile read(const Session& session, const SessionRun& run) {
   if (session.layout != SessionLayout::kAfmHdf5) {

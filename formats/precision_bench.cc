@@ -10,6 +10,7 @@
 
 #include "formats/error.h"
 #include "formats/precision.h"
+#include "formats/stopwatch.h"
 
 namespace palpate {
 namespace {
@@ -37,11 +38,6 @@ class ErrorSum {
 
 double largest(std::span<const double> values) {
   return *std::max_element(values.begin(), values.end());
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-      .count();
 }
 
 // Seconds per evaluation, over every curve at a few depths in turn.

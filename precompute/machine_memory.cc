@@ -60,8 +60,7 @@ void require_memory(std::int64_t triangles) {
         "the factor of a body of {} surface triangles needs about {:.3g} GB, {:.3g} GB "
         "are free: solve parts of it ([cutout] radius_m), refine under the tool alone "
         "(accuracy.refine = \"local\"), or make the surface coarser "
-        "(palpate-precompute "
-        "remesh)",
+        "(palpate-precompute remesh)",
         triangles, 1e-9 * needed, 1e-9 * free));
   }
 }

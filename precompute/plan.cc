@@ -1,7 +1,6 @@
 #include "precompute/plan.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
+#include "formats/stopwatch.h"
 #include "precompute/column_sample.h"
 #include "precompute/node_press.h"
 #include "precompute/peak_memory.h"
@@ -21,13 +21,6 @@
 
 namespace palpate {
 namespace {
-
-double seconds_of(const std::function<void()>& work) {
-  const auto began = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
-      .count();
-}
 
 constexpr std::size_t kSamples = 3;  // that every worker presses
 

@@ -9,17 +9,13 @@
 
 #include <tbb/parallel_for.h>
 
+#include "formats/stopwatch.h"
 #include "precompute/cut_out_press.h"
 
 namespace palpate {
 namespace {
 
 using Groups = std::vector<std::vector<std::int32_t>>;
-
-double seconds_since(std::chrono::steady_clock::time_point began) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
-      .count();
-}
 
 // Presses some groups, evenly spread, at once.
 PlanCost price(const CutOutSolver& solver, const BodySource& body,

@@ -3,16 +3,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "formats/stopwatch.h"
 #include "precompute/interrupt.h"
 
 namespace palpate {
 namespace {
 
 constexpr auto kRedraw = std::chrono::milliseconds(100);
-
-double seconds_since(std::chrono::steady_clock::time_point then) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-}
 
 }  // namespace
 

@@ -12,7 +12,6 @@
 // scale: a slab of equal triangles, 1, 4 and 16 times larger, cut at the same distance:
 // seconds and memory of the mesh and the coarse body (once), of a node, and of the
 // whole body's factor where it is small enough.
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -23,6 +22,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/stopwatch.h"
 #include "precompute/cut_out_press.h"
 #include "precompute/longest_edge.h"
 #include "precompute/peak_memory.h"
@@ -69,14 +69,6 @@ BodySource source_of(const Body& body, const Scene& scene) {
       linear(scene.material[0].youngs_modulus_pa, scene.material[0].poissons_ratio)};
   source.tool = {std::make_shared<const ToolSurface>(scene.tool[0])};
   return source;
-}
-
-template <class Work>
-double seconds_of(const Work& work) {
-  const auto began = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
-      .count();
 }
 
 double force_n(const PressedNode& node) {

@@ -5,13 +5,13 @@
 // Threads run over blocks in both, all cores. "ratio" is columns over solves, each the
 // least of the repetitions so far; the median of a few counts.
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 #include <tbb/parallel_for.h>
 
+#include "formats/stopwatch.h"
 #include "precompute/contact_surface.h"
 #include "precompute/linear_elasticity.h"
 #include "precompute/quadratic_mesh.h"
@@ -59,14 +59,6 @@ Gel make_gel(int cells) {
   }
   return {std::move(mesh), std::move(supports), std::move(contact), std::move(factor),
           std::move(top)};
-}
-
-template <class Work>
-double seconds_of(const Work& work) {
-  const auto began = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
-      .count();
 }
 
 void solve_columns(const Gel& gel) {

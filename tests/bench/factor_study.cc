@@ -7,7 +7,6 @@
 // grow inwards, as a build's shared mesh; and a box of equal tets, the most that a body
 // of so many unknowns can need. Fitted are powers, y = c x^p, by least squares of the
 // logarithms over the larger half of the rows; they say the largest body for a memory.
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -18,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/stopwatch.h"
 #include "precompute/cholesky_factor.h"
 #include "precompute/linear_elasticity.h"
 #include "precompute/peak_memory.h"
@@ -49,14 +49,6 @@ struct Row {
   double block_s = 0.0;
   double peak_bytes = 0.0;
 };
-
-template <class Work>
-double seconds_of(const Work& work) {
-  const auto began = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
-      .count();
-}
 
 Solid cylinder_of(int row) {
   const int rings = static_cast<int>(std::lround(5.0 * std::pow(kCylinderStep, row)));

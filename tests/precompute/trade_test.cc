@@ -8,24 +8,14 @@
 
 #include "precompute/primitive_bodies.h"
 #include "precompute/surface_writer.h"
+#include "tests/support/organ_scene.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
 
 // Gel that is linear, on a table.
-constexpr const char* kScene = R"([body]
-mesh = "organ.obj"
-length_unit = "m"
-[[material]]
-region = "body"
-law = "linear"
-youngs_modulus_pa = 6000.0
-poissons_ratio = 0.45
-[[support]]
-box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 0.002]]
-kind = "fixed"
-[[tool]]
+constexpr const char* kScene = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
 radius_m = 0.02
@@ -42,7 +32,7 @@ class Trade : public testing::Test {
   static void SetUpTestSuite() {
     const ScratchFolder folder;
     write_obj(organ(2), folder / "organ.obj", "");
-    std::ofstream(folder / "scene.toml") << kScene;
+    std::ofstream(folder / "scene.toml") << organ_on_table("linear") << kScene;
     Progress progress(nullptr);
     report_ =
         trade(read_scene(folder / "scene.toml"),

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
 
@@ -16,18 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Three territories and three checks.
-constexpr const char* kScene = R"([body]
-mesh = "organ.obj"
-length_unit = "m"
-[[material]]
-region = "body"
-law = "neo-hookean"
-youngs_modulus_pa = 6000.0
-poissons_ratio = 0.45
-[[support]]
-box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 0.002]]
-kind = "fixed"
-[[tool]]
+constexpr const char* kScene = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
 radius_m = 0.03
@@ -51,7 +41,7 @@ class BuildUnits : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
-    std::ofstream(path("scene.toml")) << kScene;
+    std::ofstream(path("scene.toml")) << organ_on_table("neo-hookean") << kScene;
     const ToolRun body =
         run_tool_process("palpate-precompute",
                          {"body", "organ", "--levels", "2", "-o", path("organ.obj")});

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/response_database.h"
+#include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
 
@@ -20,18 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = R"([body]
-mesh = "organ.obj"
-length_unit = "m"
-[[material]]
-region = "body"
-law = "linear"
-youngs_modulus_pa = 6000.0
-poissons_ratio = 0.45
-[[support]]
-box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 0.002]]
-kind = "fixed"
-[[tool]]
+constexpr const char* kScene = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
 radius_m = 0.02
@@ -60,8 +50,8 @@ class CutOutBuild : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
-    std::ofstream(path("parts.toml")) << kScene << kCutOut;
-    std::ofstream(path("whole.toml")) << kScene << kWhole;
+    std::ofstream(path("parts.toml")) << organ_on_table("linear") << kScene << kCutOut;
+    std::ofstream(path("whole.toml")) << organ_on_table("linear") << kScene << kWhole;
     const ToolRun body =
         run_tool_process("palpate-precompute",
                          {"body", "organ", "--levels", "2", "-o", path("organ.obj")});

@@ -5,24 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "formats/response_database.h"
+#include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
 
-constexpr const char* kScene = R"([body]
-mesh = "organ.obj"
-length_unit = "m"
-[[material]]
-region = "body"
-law = "linear"
-youngs_modulus_pa = 6000.0
-poissons_ratio = 0.45
-[[support]]
-box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 0.002]]
-kind = "fixed"
-[reach]
+constexpr const char* kScene = R"([reach]
 box_m = [[-1.0, -1.0, 0.022], [1.0, 1.0, 1.0]]
 depth_max_m = 0.003
 [accuracy]
@@ -60,7 +50,7 @@ TEST(MeshTool, PressesTheBody) {
   const auto path = [&](const char* name) {
     return (folder / name).string();
   };
-  std::ofstream(path("scene.toml")) << kScene;
+  std::ofstream(path("scene.toml")) << organ_on_table("linear") << kScene;
   std::ofstream(path("box.obj")) << kBox;
   const ToolRun body =
       run_tool_process("palpate-precompute",
