@@ -210,10 +210,12 @@ Assembly assemble(const UnitPlan& plan, std::span<const UnitOutcome> units) {
   const auto nodes = static_cast<std::size_t>(plan.body.position_m.rows());
   std::vector<ToolAnswers> answers(plan.tool.size(), ToolAnswers(nodes));
   // Checks come last in a plan, and compare with what was taken before.
-  for (const UnitOutcome* unit : in_order(units)) {
-    take(plan, *unit, answers);
-    for (const UnitNode& node : unit->node) {
-      if (!unit->is_check) {
+  for (const UnitOutcome* given : in_order(units)) {
+    UnitOutcome unit = *given;
+    std::for_each(unit.node.begin(), unit.node.end(), fail_if_broken);
+    take(plan, unit, answers);
+    for (const UnitNode& node : unit.node) {
+      if (!unit.is_check) {
         count(plan, node, assembly);
       }
     }

@@ -10,6 +10,7 @@
 #include "formats/atomic_file.h"
 #include "formats/error.h"
 #include "formats/response_json.h"
+#include "formats/response_rules.h"
 #include "formats/sha256.h"
 
 namespace palpate {
@@ -67,6 +68,23 @@ bool begins_as_shard(std::span<const std::byte> bytes) {
 }
 
 }  // namespace
+
+void fail_if_broken(UnitNode& node) {
+  const std::string broken = broken_rule(node.response);
+  if (!broken.empty()) {
+    node.failure = fmt::format("its response was dropped: {}", broken);
+    node.response = {};
+  }
+  if (!node.failure.empty() && node.response.origin == ResponseOrigin::kNone) {
+    node.response.flags = kFailed;
+  }
+}
+
+bool is_sound(const UnitOutcome& unit) {
+  return std::all_of(unit.node.begin(), unit.node.end(), [](const UnitNode& node) {
+    return broken_rule(node.response).empty();
+  });
+}
 
 std::vector<std::byte> to_bytes(const UnitOutcome& unit) {
   return to_cbor(unit);

@@ -25,6 +25,10 @@ struct UnitNode {
   std::string failure;  ///< why the path ends early, or is missing; else empty
 };
 
+/// A response that breaks a rule (broken_rule) becomes that of a failed node, without a
+/// curve, and the failure says which; a node that failed without a curve is flagged.
+void fail_if_broken(UnitNode& node);
+
 struct UnitOutcome {
   std::int64_t index = -1;
   /// Solutions one level finer of nodes that other units answer: they measure the
@@ -82,8 +86,12 @@ struct Assembly {
   std::vector<std::string> failures;  ///< "vertex 12, tool ball: reason"
 };
 
-/// Puts the units together; their order does not matter. @throws InputError naming the
-/// units that are missing, that come twice, or whose nodes the body does not have.
+/// Whether a unit's nodes all keep the rules: what a checkpoint may give back.
+[[nodiscard]] bool is_sound(const UnitOutcome& unit);
+
+/// Puts the units together; their order does not matter. A node whose response breaks a
+/// rule becomes a failed one (fail_if_broken). @throws InputError naming the units that
+/// are missing, that come twice, or whose nodes the body does not have.
 [[nodiscard]] Assembly assemble(const UnitPlan& plan,
                                 std::span<const UnitOutcome> units);
 

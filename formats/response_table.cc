@@ -7,19 +7,16 @@
 
 #include "formats/error.h"
 #include "formats/response_curve.h"
+#include "formats/response_rules.h"
 
 namespace palpate {
 namespace {
 
-// A unit vector to this accuracy: rounding of a normalisation, with room for float32.
-constexpr double kUnitTolerance = 1e-6;
-
 void append_curve(ResponseTable& table, const NodeResponse& response,
                   std::size_t node) {
-  const double length = response.direction.norm();
-  if (!(std::abs(length - 1.0) <= kUnitTolerance)) {
-    throw InputError(fmt::format("node {}: response direction has length {}, must be 1",
-                                 node, length));
+  const std::string broken = broken_rule(response);
+  if (!broken.empty()) {
+    throw InputError(fmt::format("node {}: {}", node, broken));
   }
   try {
     const ResponseCurve curve(response.depth_m, response.force_n);

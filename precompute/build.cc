@@ -14,6 +14,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/error.h"
+#include "formats/precision.h"
 #include "formats/precision_bench.h"
 #include "formats/sha256.h"
 #include "precompute/checkpoint.h"
@@ -116,9 +117,7 @@ class UnitRun {
     std::atomic<std::size_t> done = 0;
     std::mutex reporting;
     tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
-      outcome[place[i]] =
-          solve_unit(scene_, body_, approach_, solver, open[i], solve_all_);
-      checkpoint_.keep(outcome[place[i]]);
+      outcome[place[i]] = solved_or_failed(solver, open[i]);
       ++done;
       if (reporting.try_lock()) {
         const std::lock_guard lock(reporting, std::adopt_lock);
@@ -129,6 +128,27 @@ class UnitRun {
   }
 
  private:
+  // A unit that cannot be computed at all does not end the build. It is not kept, so
+  // that --resume tries again.
+  UnitOutcome solved_or_failed(const SceneSolver& solver, const Unit& unit) const {
+    std::string reason;
+    try {
+      UnitOutcome outcome =
+          solve_unit(scene_, body_, approach_, solver, unit, solve_all_);
+      checkpoint_.keep(outcome);
+      return outcome;
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      reason = "its unit needed more memory than there is";
+    } catch (const std::exception& error) {
+      reason = error.what();
+    } catch (...) {
+      reason = "its unit ended by an unknown exception";
+    }
+    return failed_unit(unit, body_.tool.size(), reason);
+  }
+
   static void describe(const SceneSolver& solver, BuildReport& report) {
     if (const CutOutSolver* cut_out = solver.cut_out()) {
       report.notes.push_back(cut_out->text());
@@ -152,6 +172,43 @@ class UnitRun {
   bool solve_all_;
   Progress& progress_;
 };
+
+// Displacements are for drawing: where they cannot be had the responses are written
+// without.
+void add_fields_or_note(const Scene& scene, const BodySource& body,
+                        const Approach& approach,
+                        std::span<const std::int32_t> reachable, BuildReport& report,
+                        Progress& progress) {
+  try {
+    add_surface_fields(scene, body, approach, reachable, report.assembly.database,
+                       progress);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    for (ResponseTable& table : report.assembly.database.tools) {
+      table.displacement = {};
+    }
+    report.notes.push_back(
+        fmt::format("no displacements for drawing are stored: {}", error.what()));
+  }
+}
+
+// The precision that was asked for, if it can hold the responses; else the next.
+void choose_possible_precision(std::optional<Precision> wanted, BuildReport& report) {
+  ResponseDatabase& database = report.assembly.database;
+  choose_precision(database, wanted);
+  while (database.storage.precision != Precision::kFloat64) {
+    try {
+      (void)rounded(database);
+      return;
+    } catch (const InputError& error) {
+      report.notes.push_back(error.what());
+      database.storage.precision = database.storage.precision == Precision::kInt16
+                                       ? Precision::kFloat32
+                                       : Precision::kFloat64;
+    }
+  }
+}
 
 }  // namespace
 
@@ -197,10 +254,9 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
     report.assembly = assemble(plan, outcomes);
     require_responses(plan, report.assembly);
     if (scene.drawing.displacement) {
-      add_surface_fields(scene, body, approach, reachable, report.assembly.database,
-                         progress);
+      add_fields_or_note(scene, body, approach, reachable, report, progress);
     }
-    choose_precision(report.assembly.database, options.precision);
+    choose_possible_precision(options.precision, report);
     write_database(options.output, report.assembly.database);
   }
   checkpoint.remove();

@@ -44,8 +44,12 @@ struct BuildReport {
 
 /// Solves the units of this shard, each kept as soon as it is done, and writes the
 /// output: the database, or for one shard of several a file for `palpate-db merge`.
+/// Every number is checked where a stage hands it on; a node that cannot be answered is
+/// stored as failed, with its reason, and the others are written.
 /// @throws InputError if units of an earlier run are there and `resume` is not given,
-/// or they belong to another scene, body or version.
+/// or they belong to another scene, body or version; as read_body() and
+/// require_meshable(), before anything is computed; NumericalError if no node at all has
+/// a response.
 BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress);
 
 }  // namespace palpate

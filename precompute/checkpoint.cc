@@ -100,7 +100,15 @@ std::optional<UnitOutcome> Checkpoint::load(std::int64_t unit) const {
       text_of(std::span(bytes).first(kDigestLength)) != sum.hex()) {
     return std::nullopt;
   }
-  return unit_from_bytes(body, file.string());
+  try {
+    UnitOutcome outcome = unit_from_bytes(body, file.string());
+    if (outcome.index == unit && is_sound(outcome)) {
+      return outcome;
+    }
+  } catch (const FormatError&) {
+    // Of another layout: as good as missing.
+  }
+  return std::nullopt;
 }
 
 void Checkpoint::keep(const UnitOutcome& unit) const {

@@ -19,7 +19,8 @@ class Checkpoint {
   Checkpoint(const Checkpoint&) = delete;
   Checkpoint& operator=(const Checkpoint&) = delete;
 
-  /// A unit that was kept; none if it is missing or damaged.
+  /// A unit that was kept; none if it is missing or damaged, or if one of its nodes
+  /// breaks a rule (is_sound): such a unit is computed again.
   [[nodiscard]] std::optional<UnitOutcome> load(std::int64_t unit) const;
 
   /// Keeps a unit: whole or not at all, whenever the power goes. Safe from several

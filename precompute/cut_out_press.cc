@@ -205,8 +205,10 @@ void CutOutSolver::estimate(std::span<PressedNode> nodes,
     if (narrow[i].indentation.sample.size() > 1) {
       const double wide_n = wide.sample.back().force_n.norm();
       const double narrow_n = narrow[i].indentation.sample.back().force_n.norm();
-      wide.exterior_error_relative =
-          std::abs(narrow_n / wide_n - 1.0) / (kCutStep - 1.0);
+      if (wide_n > 0.0) {
+        wide.exterior_error_relative =
+            std::abs(narrow_n / wide_n - 1.0) / (kCutStep - 1.0);
+      }
     }
   }
 }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <unordered_map>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "precompute/complementarity.h"
 #include "precompute/tool_gap.h"
@@ -13,7 +15,7 @@
 namespace palpate {
 namespace {
 
-// Faces turned more than this from the vertex's normal are another side of the body.
+// Faces turned more than this from the press are another side of the body.
 constexpr double kFacingCosine = 0.1;
 
 struct Gaps {
@@ -43,23 +45,20 @@ Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
   return gaps;
 }
 
-// Penetration at which the smallest gap closes: Newton on a function that falls with
-// penetration, each step taken from the node that is nearest to the tool.
+// Penetration at which the first gap closes. The tool moves along the press, and so does
+// the height of its near side above every point (tool_gap.h): gaps are linear in the
+// penetration, gap(delta) = gap(0) - rate delta.
 double first_touch_m(const ContactSurface& surface, std::span<const std::int32_t> patch,
                      const IndentationPath& path) {
-  double penetration = 0.0;
-  for (int i = 0; i < 50; ++i) {
-    const Gaps gaps = gaps_at(surface, patch, path, penetration);
-    Eigen::Index nearest = 0;
-    const double gap = gaps.distance_m.minCoeff(&nearest);
-    const double rate = gaps.by_centre.row(nearest).dot(path.outward);
-    const double step = gap / std::max(rate, kFacingCosine);
-    penetration += step;
-    if (std::abs(step) < 1e-10 * path.depth_max_m) {
-      break;
+  const Gaps gaps = gaps_at(surface, patch, path, 0.0);
+  double touch = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < gaps.distance_m.size(); ++i) {
+    const double rate = gaps.by_centre.row(i).dot(path.outward);
+    if (rate > 0.0) {
+      touch = std::min(touch, gaps.distance_m[i] / rate);
     }
   }
-  return penetration;
+  return touch;
 }
 
 // Pressure at the faces' corners only, from that at all nodes: the hat of a corner on
@@ -145,16 +144,29 @@ double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
 // The error of a mesh is 1/(2^p - 1) of its difference to one twice as coarse, where
 // the order is p: one at the edge of the contact, two inside. Between them lies a half.
 constexpr double kErrorPerDifference = 0.5;
+constexpr double kErrorFloor = 0.1;  // of the largest force
 
+double largest_force_n(const Indentation& indentation) {
+  double largest = 0.0;
+  for (const IndentationSample& sample : indentation.sample) {
+    largest = std::max(largest, sample.force_n.norm());
+  }
+  return largest;
+}
+
+// @param indentation with some force.
 double estimated_error(const Indentation& indentation) {
   const double touch = indentation.sample.front().penetration_m;
   const double halfway = 0.5 * (touch + indentation.sample.back().penetration_m);
+  // Where the tool has left contact again an error relative to nothing says nothing.
+  const double least_n = kErrorFloor * largest_force_n(indentation);
   double sum = 0.0;
   int count = 0;
   for (const IndentationSample& sample : indentation.sample) {
     if (sample.penetration_m >= halfway) {
       const double force = sample.force_n.norm();
-      const double difference = (sample.coarse_force_n - force) / force;
+      const double difference =
+          (sample.coarse_force_n - force) / std::max(force, least_n);
       sum += difference * difference;
       ++count;
     }
@@ -172,8 +184,12 @@ double patch_radius_m(const IndentationPath& path, double node_spacing_m) {
 
 std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
                                         const Supports& supports, std::int32_t start,
+                                        const Eigen::Vector3d& outward,
                                         double radius_m) {
   const ContactNode& centre = node_of(surface, start);
+  const auto faces_tool = [&](const ContactNode& node) {
+    return node.normal.dot(outward) > kFacingCosine;
+  };
   std::vector<std::int32_t> patch;
   std::vector<std::int32_t> queue{start};
   std::unordered_map<std::int32_t, bool> seen{{start, true}};
@@ -181,14 +197,13 @@ std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
     const std::int32_t v = queue.back();
     queue.pop_back();
     const ContactNode& node = node_of(surface, v);
-    if (!is_held(supports, node)) {
+    if (!is_held(supports, node) && faces_tool(node)) {
       patch.push_back(v);
     }
     for (const std::int32_t w : node.neighbours) {
       const ContactNode& next = node_of(surface, w);
       if ((next.position_m - centre.position_m).norm() <= radius_m &&
-          next.normal.dot(centre.normal) > kFacingCosine &&
-          seen.emplace(w, true).second) {
+          faces_tool(next) && seen.emplace(w, true).second) {
         queue.push_back(w);
       }
     }
@@ -205,6 +220,9 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
   }
   const Eigen::MatrixXd A = compliance.among(patch);
   const double touch = first_touch_m(surface, patch, path);
+  if (!std::isfinite(touch)) {
+    return result;
+  }
   result.sample.push_back({.penetration_m = touch});
   if (!(touch < path.depth_max_m)) {
     return result;
@@ -244,11 +262,35 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
   return result;
 }
 
+std::string broken_rule(const Indentation& indentation) {
+  for (std::size_t k = 0; k < indentation.sample.size(); ++k) {
+    const IndentationSample& sample = indentation.sample[k];
+    const double at_m = sample.penetration_m;
+    if (!std::isfinite(at_m) ||
+        (k > 0 && !(at_m > indentation.sample[k - 1].penetration_m))) {
+      return fmt::format("its penetration at sample {} is {} m, must grow", k, at_m);
+    }
+    for (const double value :
+         {sample.force_n.norm(), sample.energy_j, sample.contact_radius_m,
+          sample.coarse_force_n}) {
+      if (!std::isfinite(value)) {
+        return fmt::format("a force or energy at {:.4g} mm is not finite", 1e3 * at_m);
+      }
+    }
+  }
+  return std::isfinite(indentation.exterior_error_relative)
+             ? ""
+             : "the error of what is left out around it is not finite";
+}
+
 NodeResponse to_response(const Indentation& indentation, const IndentationPath& path,
                          double force_relative_budget) {
   NodeResponse response;
   if (indentation.sample.size() < 2 || !indentation.converged) {
     response.flags = indentation.converged ? 0 : kFailed;
+    return response;
+  }
+  if (largest_force_n(indentation) == 0.0) {
     return response;
   }
   response.origin = ResponseOrigin::kSimulated;

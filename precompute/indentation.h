@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -53,10 +54,13 @@ struct Indentation {
 };
 
 /// Contact nodes that the tool may touch: joined to `start` over the surface, within
-/// `radius_m` of it, facing the same way, and not held.
+/// `radius_m` of it, facing the tool (their normals are within 84 degrees of
+/// `outward`), and not held. What faces away is no obstacle to the press along
+/// -outward: its gap would neither close nor carry force on the tool.
 [[nodiscard]] std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
                                                       const Supports& supports,
                                                       std::int32_t start,
+                                                      const Eigen::Vector3d& outward,
                                                       double radius_m);
 
 /// Radius of the patch for contact_patch [m]: what the path's tool, pressed to its
@@ -72,11 +76,23 @@ struct Indentation {
                                  std::span<const std::int32_t> patch,
                                  const IndentationPath& path);
 
+/// Whether all numbers of a press are finite and its penetrations grow: the end of a
+/// sentence that says what is not, or empty.
+[[nodiscard]] std::string broken_rule(const Indentation& indentation);
+
 /// The stored form: |F| against displacement along one direction, the mean of the force
-/// along the path. Origin kSimulated, or kNone where the tool met nothing. The
-/// estimated error is half the rms relative difference that pressure on a mesh twice as
-/// coarse makes over the deeper half of the path: what is left at an order of 1.6. An
-/// estimate, not a bound: see the tests on Hertz's problem.
+/// along the path. Origin kSimulated, or kNone where the tool met nothing, which is also
+/// so where no depth carries force.
+///
+/// The curve is stored as it was pressed. Its first sample is the first touch of the
+/// path, which may be at a negative penetration (a cup touches the tool's side first),
+/// without force; a tool that loses contact on its way, or touches twice, has depths of
+/// zero force between others, and a falling curve.
+///
+/// The estimated error is half the rms difference that pressure on a mesh twice as
+/// coarse makes over the deeper half of the path, relative to the force or to a tenth of
+/// the path's largest, whichever is more: what is left at an order of 1.6. An estimate,
+/// not a bound: see the tests on Hertz's problem.
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -6,7 +6,12 @@
 #include <limits>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "formats/error.h"
+#include "precompute/fault_point.h"
 #include "precompute/lock_step.h"
+#include "precompute/path_ratio.h"
 #include "precompute/relative_correction.h"
 #include "precompute/tool_gap.h"
 
@@ -52,6 +57,13 @@ std::vector<PressStep> steps_of(const PressedNode& node,
   return steps;
 }
 
+void spoil(const PressedNode& node, NonlinearIndentation& result) {
+  for (NonlinearSample& sample : result.sample) {
+    fault_point(FaultPlace::kCorrection, node.vertex,
+                {sample.force_n.data(), std::size_t{3}});
+  }
+}
+
 // Ends the path where its force passes the largest that the scene wants.
 void cap_force(PressedNode& node, double force_max_n) {
   auto& samples = node.indentation.sample;
@@ -64,6 +76,9 @@ void cap_force(PressedNode& node, double force_max_n) {
   }
 }
 
+// Solved depths take the solved force; between them the linear force is corrected by
+// what the solved ones differ by, relative to it. Where the linear press carries no
+// force nothing is relative to it: such paths are solved at every depth.
 void correct(PressedNode& node, std::span<const std::size_t> samples,
              const NonlinearIndentation& result) {
   node.failure = result.failure;
@@ -77,8 +92,11 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
     node.checks.gradients += solved.gradients;
     node.checks.smallest_jacobian =
         std::min(node.checks.smallest_jacobian, solved.smallest_jacobian);
-    knots.push_back({linear.penetration_m,
-                     (solved.force_n - linear.force_n) / linear.force_n.norm()});
+    const double linear_n = linear.force_n.norm();
+    if (linear_n > 0.0) {
+      knots.push_back(
+          {linear.penetration_m, (solved.force_n - linear.force_n) / linear_n});
+    }
     linear.energy_j = solved.energy_j;
     linear.contact_radius_m = std::sqrt(solved.contact_area_m2 / std::numbers::pi);
   }
@@ -91,6 +109,13 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
       const double before_n = sample.force_n.norm();
       sample.force_n += before_n * correction.at(sample.penetration_m);
       sample.coarse_force_n *= before_n > 0.0 ? sample.force_n.norm() / before_n : 1.0;
+    }
+  }
+  for (std::size_t i = 0; i < result.sample.size(); ++i) {
+    IndentationSample& sample = path[samples[i]];
+    sample.force_n = result.sample[i].force_n;
+    if (node.linear.sample[samples[i]].force_n.norm() == 0.0) {
+      sample.coarse_force_n = sample.force_n.norm();
     }
   }
   cap_force(node, node.path.force_max_n);
@@ -117,6 +142,34 @@ int nonlinear_depths(int samples) {
       corrected_samples(static_cast<std::size_t>(samples) + 1, false).size());
 }
 
+void contain(PressedNode& node, const std::function<void()>& work) {
+  const auto fail = [&](const std::string& reason) {
+    node.failure = reason;
+    node.patch.clear();
+    node.indentation = {};
+    node.nonlinear.reset();
+  };
+  try {
+    work();
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    fail("its press needed more memory than there is");
+  } catch (const std::exception& error) {
+    fail(error.what());
+  } catch (...) {
+    fail("its press ended by an unknown exception");
+  }
+}
+
+void drop_if_broken(PressedNode& node, const char* stage) {
+  const std::string broken = broken_rule(node.indentation);
+  if (!broken.empty()) {
+    node.failure = fmt::format("{}: {}", stage, broken);
+    node.indentation = {};
+  }
+}
+
 PressedNode placed_node(const Scene& scene, const BodySource& body,
                         const BodyModel& model, const SharedTool& tool,
                         std::int32_t vertex) {
@@ -127,14 +180,22 @@ PressedNode placed_node(const Scene& scene, const BodySource& body,
                             .depth_max_m = scene.reach.depth_max_m,
                             .force_max_n = scene.reach.force_max_n,
                             .samples = scene.accuracy.depths}};
-  const double radius_m = patch_radius_m(node.path, model.contact_spacing_m);
-  if (std::isfinite(radius_m)) {
-    const std::int32_t start =
-        model.contact.of_mesh_node[static_cast<std::size_t>(corner_of(model, vertex))];
-    node.patch = contact_patch(model.contact, model.supports, start, radius_m);
-  } else {
-    node.failure = "the tool's handle would be in the body";
+  if (!(std::abs(node.path.outward.norm() - 1.0) < 1e-6)) {
+    node.failure = "its faces look into opposite directions: no normal to press along";
+    return node;
   }
+  contain(node, [&] {
+    const double radius_m = patch_radius_m(node.path, model.contact_spacing_m);
+    if (std::isfinite(radius_m)) {
+      const std::int32_t start =
+          model.contact
+              .of_mesh_node[static_cast<std::size_t>(corner_of(model, vertex))];
+      node.patch = contact_patch(model.contact, model.supports, start,
+                                 node.path.outward, radius_m);
+    } else {
+      node.failure = "the tool's handle would be in the body";
+    }
+  });
   return node;
 }
 
@@ -169,11 +230,19 @@ SurfaceCompliance compliance_of(
 
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
                   PressedNode& node) {
-  node.indentation = indent(model.contact, compliance, node.patch, node.path);
-  if (!node.indentation.converged) {
-    node.failure = "the contact's complementarity problem did not converge";
-    node.indentation.sample.clear();
-  }
+  contain(node, [&] {
+    fault_point(FaultPlace::kWorker, node.vertex);
+    node.indentation = indent(model.contact, compliance, node.patch, node.path);
+    for (IndentationSample& sample : node.indentation.sample) {
+      fault_point(FaultPlace::kPress, node.vertex,
+                  {sample.force_n.data(), std::size_t{3}});
+    }
+    if (!node.indentation.converged) {
+      node.failure = "the contact's complementarity problem did not converge";
+      node.indentation.sample.clear();
+    }
+  });
+  drop_if_broken(node, "linear press");
 }
 
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
@@ -191,20 +260,26 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
     std::vector<std::function<void(const RestSolve&)>> tasks;
     for (std::size_t i = first; i < last; ++i) {
       tasks.emplace_back([&, node = pressed[i]](const RestSolve& solve) {
-        const auto samples =
-            corrected_samples(node->indentation.sample.size(), every_depth);
-        const auto place = [&](double penetration_m) {
-          return tool_at(node->path, penetration_m);
-        };
-        NonlinearIndentation result =
-            indent_nonlinear(body, node->patch, compliance.among(node->patch),
-                             steps_of(*node, samples), place, solve, options);
-        node->linear = node->indentation;
-        correct(*node, samples, result);
-        if (every_depth) {
-          node->nonlinear =
-              std::make_shared<const NonlinearIndentation>(std::move(result));
-        }
+        contain(*node, [&] {
+          const auto samples =
+              corrected_samples(node->indentation.sample.size(),
+                                every_depth || !is_guide(node->indentation));
+          const auto place = [&](double penetration_m) {
+            return tool_at(node->path, penetration_m);
+          };
+          NonlinearIndentation result =
+              indent_nonlinear(body, node->patch, compliance.among(node->patch),
+                               node->indentation.sample.front().penetration_m,
+                               steps_of(*node, samples), place, solve, options);
+          spoil(*node, result);
+          node->linear = node->indentation;
+          correct(*node, samples, result);
+          if (every_depth) {
+            node->nonlinear =
+                std::make_shared<const NonlinearIndentation>(std::move(result));
+          }
+        });
+        drop_if_broken(*node, "nonlinear press");
       });
     }
     run_in_lock_step(*model.factor, tasks);
@@ -240,9 +315,22 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
                                            std::span<const std::int32_t> vertices,
                                            const ContactFocus& focus,
                                            const PressMode& mode) {
+  const auto coarser = [&](int attempt) {
+    return finer(focus, std::pow(0.5, attempt));
+  };
+  const auto model_of = [&](int attempt) -> BodyModel {
+    for (;; ++attempt) {
+      try {
+        return make_graded_model(scene, body, vertices, coarser(attempt));
+      } catch (const NumericalError&) {
+        if (attempt >= kFallbacks) {
+          throw;
+        }
+      }
+    }
+  };
   std::vector<PressedNode> nodes =
-      press_on_model(scene, body, make_graded_model(scene, body, vertices, focus), tool,
-                     vertices, mode);
+      press_on_model(scene, body, model_of(0), tool, vertices, mode);
   if (!mode.nonlinear) {
     return nodes;
   }
@@ -251,12 +339,14 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
   for (PressedNode& node : nodes) {
     for (int attempt = 1; attempt <= kFallbacks && !node.failure.empty(); ++attempt) {
       // Elements that do not follow a sharp edge so far.
-      const ContactFocus coarser = finer(focus, std::pow(0.5, attempt));
       const std::span<const std::int32_t> one(&node.vertex, 1);
-      PressedNode again =
-          press_on_model(scene, body, make_graded_model(scene, body, one, coarser),
-                         tool, one, patient)
-              .front();
+      PressedNode again{.vertex = node.vertex, .path = node.path};
+      contain(again, [&] {
+        again = press_on_model(scene, body,
+                               make_graded_model(scene, body, one, coarser(attempt)),
+                               tool, one, patient)
+                    .front();
+      });
       if (again.failure.empty() ||
           again.indentation.sample.size() > node.indentation.sample.size()) {
         node = std::move(again);

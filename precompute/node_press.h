@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -53,7 +54,16 @@ struct PressedNode {
 [[nodiscard]] NonlinearOptions nonlinear_options(const Scene& scene,
                                                  const SharedTool& tool);
 
-/// The path and the patch of a vertex, not pressed yet.
+/// Does a part of a node's work. Whatever it throws, but Interrupted, becomes the node's
+/// failure, and what it has computed is dropped: a node's fault is its own.
+void contain(PressedNode& node, const std::function<void()>& work);
+
+/// Drops what a node has computed where a number of it breaks a rule (broken_rule), and
+/// says so as its failure. @param stage "linear press", for the message.
+void drop_if_broken(PressedNode& node, const char* stage);
+
+/// The path and the patch of a vertex, not pressed yet. A vertex that cannot be pressed
+/// has a failure and no patch.
 [[nodiscard]] PressedNode placed_node(const Scene& scene, const BodySource& body,
                                       const BodyModel& model, const SharedTool& tool,
                                       std::int32_t vertex);
@@ -69,10 +79,10 @@ struct PressedNode {
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
                   PressedNode& node);
 
-/// Corrects linear presses by the nonlinear body's response at some of their depths
-/// (all of them if `every_depth`): the difference of the force vectors, relative to the
-/// linear force, is interpolated in between and zero at first touch. Nodes go in lock
-/// step, blocks of at most 32.
+/// Corrects linear presses by the nonlinear body's response at some of their depths:
+/// the difference of the force vectors, relative to the linear force, is interpolated in
+/// between and zero at first touch. Every depth is solved if `every_depth`, and where
+/// the linear press is no guide (is_guide). Nodes go in lock step, blocks of at most 32.
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
                      std::span<PressedNode> nodes, const NonlinearOptions& options,
                      bool every_depth);
@@ -83,15 +93,17 @@ struct PressMode {
   NonlinearOptions options = {};  ///< but for sticking, which is the tool's
 };
 
-/// Presses the vertices on a model that was made for them.
+/// Presses the vertices on a model that was made for them. A vertex that fails has its
+/// reason; the others are what they would be without it.
 [[nodiscard]] std::vector<PressedNode> press_on_model(
     const Scene& scene, const BodySource& body, const BodyModel& model,
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const PressMode& mode);
 
-/// Meshes the body around the vertices and presses them with the tool. A nonlinear
-/// press that fails is tried again on meshes two and four times coarser; the estimated
-/// error of its forces is of the mesh that was taken.
+/// Meshes the body around the vertices and presses them with the tool. Where that mesh
+/// cannot be made, and for a nonlinear press that fails, meshes two and four times
+/// coarser are tried; the estimated error of forces is of the mesh that was taken.
+/// @throws as make_graded_model() where none of the meshes can be made.
 [[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
     const Scene& scene, const BodySource& body, const SharedTool& tool,
     std::span<const std::int32_t> vertices, const ContactFocus& focus,

@@ -48,7 +48,8 @@ std::vector<std::int32_t> contact_mesh_nodes(const NonlinearBody& body,
 class Press {
  public:
   Press(const NonlinearBody& body, std::span<const std::int32_t> patch,
-        const Eigen::MatrixXd& compliance, std::span<const PressStep> steps,
+        const Eigen::MatrixXd& compliance, double touch_m,
+        std::span<const PressStep> steps,
         const std::function<PlacedTool(double)>& place, const RestSolve& solve,
         const NonlinearOptions& options)
       : body_(body),
@@ -61,7 +62,9 @@ class Press {
         near_(body.mesh, body.material, body.supports, near_tet_,
               contact_mesh_nodes(body, patch)),
         contact_(body.surface, body.mesh, patch, near_),
-        equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium) {
+        equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium),
+        at_m_(touch_m),
+        before_m_(touch_m) {
     multipliers_.spring_n_per_m =
         options.spring_factor * compliance.diagonal().cwiseInverse();
     multipliers_.pressure_n = Eigen::VectorXd::Zero(contact_.nodes());
@@ -114,6 +117,10 @@ class Press {
     state_.displacement_m = solve_(near_.dof(), source);
     state_.source_n = std::move(source);
     multipliers_.pressure_n = steps_.front().linear_pressure_n;
+    if (!state_.displacement_m.allFinite()) {  // no start at all: from rest
+      state_.displacement_m.setZero();
+      state_.source_n.setZero();
+    }
     double scale = 1.0;
     while (!std::isfinite(near_.excess_energy_j(scale * state_.displacement_m))) {
       scale *= 0.5;
@@ -194,20 +201,18 @@ class Press {
       if (depth == options_.bisections_max || newton_ > newton_limit()) {
         return false;
       }
-      const double from = reached_ == 0 ? 0.0 : at_m_;
-      return reach(0.5 * (from + penetration_m), sample, depth + 1) &&
+      return reach(0.5 * (at_m_ + penetration_m), sample, depth + 1) &&
              reach(penetration_m, sample, depth + 1);
     }
     const ContactState& contact = last_.contact;
     tie(tool, contact.pressure_n, state.displacement_m, multipliers);
     before_ = std::move(state_);
-    before_m_ = reached_ == 0 ? 0.0 : at_m_;
+    before_m_ = at_m_;
     pressure_before_ = multipliers_.pressure_n;
     if (reached_ == 0) {
       before_.source_n.setZero();
       before_.displacement_m.setZero();
       pressure_before_.setZero();
-      before_m_ = 0.0;
     }
     state_ = std::move(state);
     multipliers_ = std::move(multipliers);
@@ -241,8 +246,8 @@ class Press {
   NearState state_;
   NearState before_;
   Eigen::VectorXd pressure_before_;
-  double at_m_ = 0.0;
-  double before_m_ = 0.0;
+  double at_m_;  // penetration of state_, and of the one before
+  double before_m_;
   int reached_ = 0;
   int newton_ = 0;
   bool stiff_ = false;
@@ -255,11 +260,11 @@ class Press {
 NonlinearIndentation indent_nonlinear(const NonlinearBody& body,
                                       std::span<const std::int32_t> patch,
                                       const Eigen::MatrixXd& compliance,
-                                      std::span<const PressStep> steps,
+                                      double touch_m, std::span<const PressStep> steps,
                                       const std::function<PlacedTool(double)>& place,
                                       const RestSolve& solve,
                                       const NonlinearOptions& options) {
-  return Press(body, patch, compliance, steps, place, solve, options).follow();
+  return Press(body, patch, compliance, touch_m, steps, place, solve, options).follow();
 }
 
 }  // namespace palpate

@@ -72,13 +72,16 @@ struct NonlinearIndentation {
 };
 
 /// Follows the path through its steps, of growing penetration. A step that does not
-/// converge is cut in halves; one that fails for good ends the path.
+/// converge is cut in halves; one that fails for good ends the path. Contact may be lost
+/// on the way and found again: a depth without it has no force.
 /// @param patch contact nodes, as for indent().
 /// @param compliance (n_patch x n_patch) [m/N] among them.
+/// @param touch_m penetration at first touch [m], below the steps', where nothing is
+/// deformed yet: negative in a concave place.
 /// @param place the tool at a penetration, for cut steps.
 [[nodiscard]] NonlinearIndentation indent_nonlinear(
     const NonlinearBody& body, std::span<const std::int32_t> patch,
-    const Eigen::MatrixXd& compliance, std::span<const PressStep> steps,
+    const Eigen::MatrixXd& compliance, double touch_m, std::span<const PressStep> steps,
     const std::function<PlacedTool(double penetration_m)>& place,
     const RestSolve& solve, const NonlinearOptions& options);
 

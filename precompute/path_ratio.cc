@@ -11,6 +11,10 @@ constexpr std::size_t kNeighbours = 6;
 // Contact radii that normals a radian apart count as, or stiffnesses e times apart.
 constexpr double kAlikeRadii = 4.0;
 constexpr double kFloor = 0.1;  // of the largest force: smaller ones count as that
+constexpr double kNoForce = 1e-9;  // of the largest force: rounding, not contact
+// Presses of one vertex on one mesh that differ by more do not follow one mechanism.
+constexpr double kAlike = 10.0;
+constexpr double kUnlikeError = 1.0;
 
 double past_touch_m(const Indentation& path, std::size_t k) {
   return path.sample[k].penetration_m - path.sample.front().penetration_m;
@@ -39,8 +43,21 @@ double ratio_difference(const PathRatio& a, const PathRatio& b) {
 
 }  // namespace
 
+bool is_guide(const Indentation& path) {
+  double largest = 0.0;
+  for (const IndentationSample& sample : path.sample) {
+    largest = std::max(largest, sample.force_n.norm());
+  }
+  return path.sample.size() >= 3 && std::isfinite(largest) &&
+         std::all_of(path.sample.begin() + 1, path.sample.end(),
+                     [&](const IndentationSample& sample) {
+                       return std::isfinite(sample.penetration_m) &&
+                              sample.force_n.norm() > kNoForce * largest;
+                     });
+}
+
 std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& cheap) {
-  if (good.sample.size() < 3 || cheap.sample.size() < 3) {
+  if (!is_guide(good) || !is_guide(cheap)) {
     return std::nullopt;
   }
   const auto samples = static_cast<Eigen::Index>(cheap.sample.size() - 1);
@@ -54,6 +71,9 @@ std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& 
     const Eigen::Vector3d& cheap_n = cheap.sample[k].force_n;
     ratio.force[i] = good_n.norm() / cheap_n.norm();
     ratio.turn.row(i) = good_n.normalized() - cheap_n.normalized();
+  }
+  if (!(ratio.force.minCoeff() > 1.0 / kAlike && ratio.force.maxCoeff() < kAlike)) {
+    return std::nullopt;
   }
   return ratio;
 }
@@ -88,7 +108,9 @@ RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& c
   return {vertex, std::log(force_n / past_touch_m(cheap, cheap.sample.size() - 1))};
 }
 
-void RatioField::add(std::int32_t vertex, const Indentation& cheap, PathRatio ratio) {
+void RatioField::add(std::int32_t vertex, const Indentation& cheap,
+                     std::optional<PathRatio> ratio) {
+  ratios_ += ratio ? 1 : 0;
   known_.push_back({place_of(vertex, cheap), std::move(ratio)});
 }
 
@@ -106,10 +128,11 @@ double RatioField::distance_m(const Place& a, const Place& b) const {
 }
 
 std::vector<RatioField::Weight> RatioField::weights(const Place& place,
-                                                    std::int32_t without) const {
+                                                    std::int32_t without,
+                                                    Of of) const {
   std::vector<Weight> weights;
   for (std::size_t i = 0; i < known_.size(); ++i) {
-    if (known_[i].place.vertex != without) {
+    if (known_[i].place.vertex != without && (of == Of::kAll || known_[i].ratio)) {
       weights.push_back({i, 0.0, distance_m(place, known_[i].place)});
     }
   }
@@ -138,8 +161,8 @@ PathRatio RatioField::at(std::int32_t vertex, const Indentation& cheap,
 
 PathRatio RatioField::mean_at(const Place& place, std::int32_t without) const {
   PathRatio mean;
-  for (const Weight& w : weights(place, without)) {
-    const PathRatio& ratio = known_[w.known].ratio;
+  for (const Weight& w : weights(place, without, Of::kRatios)) {
+    const PathRatio& ratio = *known_[w.known].ratio;
     if (mean.force.size() < ratio.force.size()) {
       // A longer path goes on where shorter ones end.
       const Eigen::Index before = mean.force.size();
@@ -158,7 +181,9 @@ std::vector<double> RatioField::leave_one_out() const {
   std::vector<double> errors;
   for (const Known& known : known_) {
     errors.push_back(
-        ratio_difference(mean_at(known.place, known.place.vertex), known.ratio));
+        known.ratio && ratios_ > 1
+            ? ratio_difference(mean_at(known.place, known.place.vertex), *known.ratio)
+            : kUnlikeError);
   }
   return errors;
 }
@@ -166,7 +191,7 @@ std::vector<double> RatioField::leave_one_out() const {
 double RatioField::error_at(std::int32_t vertex, const Indentation& cheap,
                             std::span<const double> leave_one_out) const {
   double sum = 0.0;
-  for (const Weight& w : weights(place_of(vertex, cheap), -1)) {
+  for (const Weight& w : weights(place_of(vertex, cheap), -1, Of::kAll)) {
     sum += w.weight * leave_one_out[w.known] * leave_one_out[w.known];
   }
   return std::sqrt(sum);

@@ -1,5 +1,14 @@
 // How a good solution of a node's press compares with a cheap one, and what that says
 // about its neighbours.
+//
+// A ratio needs two forces that mean the same thing. A press is a guide where it carries
+// force at every depth after the first touch; where it carries none (the tool leaves
+// contact on its way, or touches twice) nothing can be divided by it and nothing scaled.
+// Two guides are alike where the ratio of their forces lies between 1/10 and 10 at every
+// depth; where it does not, the good press follows another mechanism than the cheap one
+// (it lost contact, or a fold closed), and its ratio says nothing about other vertices,
+// but that they may be as odd. Such vertices keep their own good press, and those around
+// them are not interpolated without more solves.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +34,13 @@ struct PathRatio {
   Eigen::VectorXd weight;
 };
 
+/// Whether a path can be scaled, or divided by: at least two samples after the first
+/// touch, all numbers finite, force at each of them (above 1e-9 of the largest).
+[[nodiscard]] bool is_guide(const Indentation& path);
+
 /// Of two presses on one mesh, so at the same depths: its errors are alike in both and
-/// cancel. None where either path has fewer than two samples after the first touch.
-/// Where the good path is shorter its last ratio goes on.
+/// cancel. None where either path is no guide, or they are not alike. Where the good
+/// path is shorter its last ratio goes on.
 [[nodiscard]] std::optional<PathRatio> path_ratio(const Indentation& good,
                                                   const Indentation& cheap);
 
@@ -43,18 +56,22 @@ class RatioField {
   RatioField(const SurfaceMesh& surface, const Points& normal, double contact_m)
       : surface_(surface), normal_(normal), contact_m_(contact_m) {}
 
-  /// @param cheap the vertex's.
-  void add(std::int32_t vertex, const Indentation& cheap, PathRatio ratio);
+  /// @param cheap the vertex's, a guide.
+  /// @param ratio none where the presses are not alike: then the vertex counts in
+  /// errors, as wrong by all of its force, but not in means.
+  void add(std::int32_t vertex, const Indentation& cheap,
+           std::optional<PathRatio> ratio);
 
-  [[nodiscard]] std::size_t size() const { return known_.size(); }
+  /// Vertices whose ratio is known.
+  [[nodiscard]] std::size_t size() const { return ratios_; }
 
   /// How far apart two vertices are for ratios [m]: in space, and so much more as they
   /// face elsewhere or as the cheap path of one is stiffer than the other's.
   [[nodiscard]] double distance_m(std::int32_t a, const Indentation& cheap_a,
                                   std::int32_t b, const Indentation& cheap_b) const;
 
-  /// Mean of the nearest known ratios, weighted by inverse squares of distance.
-  /// @param without a vertex that must not count.
+  /// Mean of the nearest known ratios, weighted by inverse squares of distance; there
+  /// must be one. @param without a vertex that must not count.
   [[nodiscard]] PathRatio at(std::int32_t vertex, const Indentation& cheap,
                              std::int32_t without = -1) const;
 
@@ -74,7 +91,7 @@ class RatioField {
   };
   struct Known {
     Place place;
-    PathRatio ratio;
+    std::optional<PathRatio> ratio;
   };
   struct Weight {
     std::size_t known = 0;
@@ -84,13 +101,16 @@ class RatioField {
   [[nodiscard]] static Place place_of(std::int32_t vertex, const Indentation& cheap);
   [[nodiscard]] double distance_m(const Place& a, const Place& b) const;
   [[nodiscard]] PathRatio mean_at(const Place& place, std::int32_t without) const;
-  [[nodiscard]] std::vector<Weight> weights(const Place& place,
-                                            std::int32_t without) const;
+  // Of the nearest known vertices; of all, or only of those with a ratio.
+  enum class Of { kAll, kRatios };
+  [[nodiscard]] std::vector<Weight> weights(const Place& place, std::int32_t without,
+                                            Of of) const;
 
   const SurfaceMesh& surface_;
   const Points& normal_;
   double contact_m_;
   std::vector<Known> known_;
+  std::size_t ratios_ = 0;
 };
 
 }  // namespace palpate

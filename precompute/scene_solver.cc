@@ -16,6 +16,32 @@ namespace {
 
 using Group = std::vector<std::int32_t>;
 
+// Presses a group; where that throws, its vertices one by one, so that one that cannot
+// be meshed or pressed does not cost the others theirs.
+std::vector<PressedNode> contained(
+    const Group& group,
+    const std::function<std::vector<PressedNode>(const Group&)>& press) {
+  std::vector<PressedNode> nodes;
+  PressedNode whole;
+  contain(whole, [&] {
+    nodes = press(group);
+  });
+  if (whole.failure.empty()) {
+    return nodes;
+  }
+  nodes.clear();
+  if (group.size() == 1) {
+    whole.vertex = group.front();
+    nodes.push_back(std::move(whole));
+    return nodes;
+  }
+  for (const std::int32_t vertex : group) {
+    check_interrupted();
+    nodes.push_back(contained({vertex}, press).front());
+  }
+  return nodes;
+}
+
 // Presses groups side by side; by vertex, ascending.
 std::vector<PressedNode> in_groups(
     const std::vector<Group>& groups,
@@ -24,7 +50,7 @@ std::vector<PressedNode> in_groups(
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
       check_interrupted();
-      pressed[i] = press(groups[i]);
+      pressed[i] = contained(groups[i], press);
     });
   });
   std::vector<PressedNode> nodes;

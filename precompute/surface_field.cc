@@ -133,7 +133,8 @@ void add_surface_fields(const Scene& scene, const BodySource& body,
     std::vector<PressedNode> nodes = solver.cheap(body.tool[t], solved[t]);
     std::erase_if(nodes, [](const PressedNode& node) {
       const auto& sample = node.indentation.sample;
-      return sample.size() < 2 || !(sample.back().pressure_n.sum() > 0.0);
+      return sample.size() < 2 || !(sample.back().pressure_n.sum() > 0.0) ||
+             !sample.back().pressure_n.allFinite();
     });
     database.tools[t].displacement =
         compress_fields(surface_displacements_m(*solver.shared(),

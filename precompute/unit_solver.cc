@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "precompute/fault_point.h"
 #include "precompute/path_ratio.h"
 
 namespace palpate {
@@ -64,7 +65,11 @@ class Territory {
       if (!(worst > scene_.force_relative)) {
         return;
       }
-      solve(farthest(kMoreSamples, error));
+      const std::vector<std::size_t> more = farthest(kMoreSamples, error);
+      if (more.empty()) {
+        return;
+      }
+      solve(more);
     }
   }
 
@@ -78,15 +83,13 @@ class Territory {
         node.failure = good_[i]->failure;
       } else {
         node.failure = cheap_[i].failure;
-        if (field_.size() > 0) {
+        if (touches(i) && field_.size() > 0 && is_guide(cheap_[i].indentation)) {
           node.response = interpolated(i, left_out);
         } else if (touches(i)) {
           node.failure = "no neighbour was solved that it could be interpolated from";
         }
       }
-      if (!node.failure.empty() && node.response.origin == ResponseOrigin::kNone) {
-        node.response.flags = kFailed;
-      }
+      fail_if_broken(node);
       nodes.push_back(std::move(node));
     }
   }
@@ -113,25 +116,24 @@ class Territory {
     return cheap_[i].indentation.sample.size() > 1;
   }
 
+  // Infinite where only a solve can tell.
   [[nodiscard]] double expected_error(std::size_t i,
                                       std::span<const double> left_out) const {
-    return left_out.size() < 2
+    return field_.size() < 2 || !is_guide(cheap_[i].indentation)
                ? std::numeric_limits<double>::infinity()
                : field_.error_at(vertex_[i], cheap_[i].indentation, left_out);
   }
 
   [[nodiscard]] NodeResponse interpolated(std::size_t i,
                                           std::span<const double> left_out) const {
-    if (!touches(i)) {
-      return {};
-    }
     const Indentation& cheap = cheap_[i].indentation;
     const Indentation path =
         scaled(cheap, field_.at(vertex_[i], cheap), scene_.reach.force_max_n);
     NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
     response.origin = ResponseOrigin::kInterpolated;
-    response.error_relative =
-        std::hypot(response.error_relative, expected_error(i, left_out));
+    response.error_relative = std::hypot(
+        response.error_relative, field_.error_at(vertex_[i], cheap, left_out));
+    fault_point(FaultPlace::kInterpolation, vertex_[i], response.force_n);
     response.flags = static_cast<std::uint8_t>(
         (response.flags & ~(kErrorOverBudget | kCoarseContact)) |
         (response.error_relative > scene_.force_relative ? kErrorOverBudget : 0));
@@ -150,13 +152,30 @@ class Territory {
           std::lower_bound(vertex_.begin(), vertex_.end(), node.vertex) -
           vertex_.begin());
       if (node.failure.empty() && touches(i)) {
-        if (auto ratio = path_ratio(node.indentation, node.linear)) {
-          const Indentation& cheap = cheap_[i].indentation;
-          node.indentation = scaled(cheap, *ratio, scene_.reach.force_max_n);
-          field_.add(node.vertex, cheap, std::move(*ratio));
-        }
+        take_ratio(i, node);
       }
       good_[i] = std::move(node);
+    }
+  }
+
+  // What a good press says about its neighbours; its own path becomes the cheap one
+  // times the ratio, which is the good one on the cheap one's mesh. A press without a
+  // ratio stays as it is.
+  void take_ratio(std::size_t i, PressedNode& node) {
+    const Indentation& cheap = cheap_[i].indentation;
+    if (!is_guide(cheap)) {
+      return;
+    }
+    auto ratio = path_ratio(node.indentation, node.linear);
+    if (ratio) {
+      fault_point(
+          FaultPlace::kRatio, node.vertex,
+          {ratio->force.data(), static_cast<std::size_t>(ratio->force.size())});
+      node.indentation = scaled(cheap, *ratio, scene_.reach.force_max_n);
+      drop_if_broken(node, "ratio of nonlinear and linear force");
+    }
+    if (node.failure.empty()) {
+      field_.add(node.vertex, cheap, std::move(ratio));
     }
   }
 
@@ -222,6 +241,7 @@ UnitOutcome solve_check(const Scene& scene, const BodySource& body,
            .vertex = node.vertex,
            .response = to_response(node.indentation, node.path, scene.force_relative),
            .failure = node.failure});
+      fail_if_broken(outcome.node.back());
     }
   }
   return outcome;
@@ -252,6 +272,21 @@ std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
     units.push_back({static_cast<std::int64_t>(units.size()), true, {order[i]}});
   }
   return units;
+}
+
+UnitOutcome failed_unit(const Unit& unit, std::size_t tools,
+                        const std::string& reason) {
+  UnitOutcome outcome{.index = unit.index, .is_check = unit.is_check, .node = {}};
+  for (std::size_t t = 0; t < tools; ++t) {
+    for (const std::int32_t vertex : unit.vertex) {
+      outcome.node.push_back({.tool = static_cast<std::int32_t>(t),
+                              .vertex = vertex,
+                              .response = {},
+                              .failure = reason});
+      fail_if_broken(outcome.node.back());
+    }
+  }
+  return outcome;
 }
 
 UnitOutcome solve_unit(const Scene& scene, const BodySource& body,

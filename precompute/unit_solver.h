@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "formats/response_shard.h"
@@ -36,11 +37,18 @@ struct Unit {
 
 /// Solves a unit for every tool. Nodes are solved well until the ratio of good and
 /// cheap solutions, interpolated between them, predicts each left-out one within the
-/// budget; the rest is cheap times ratio.
+/// budget; the rest is cheap times ratio. A vertex whose cheap press is no guide
+/// (is_guide) is solved. Every node of the outcome keeps the rules of responses
+/// (broken_rule), or has failed and says why; a node that fails leaves the others as they
+/// are, but for what would have been interpolated from it.
 /// @param solve_all no interpolation.
 [[nodiscard]] UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
                                      const Approach& approach,
                                      const SceneSolver& solver, const Unit& unit,
                                      bool solve_all);
+
+/// The outcome of a unit of which nothing could be computed.
+[[nodiscard]] UnitOutcome failed_unit(const Unit& unit, std::size_t tools,
+                                      const std::string& reason);
 
 }  // namespace palpate

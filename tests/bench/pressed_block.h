@@ -125,7 +125,7 @@ class Bench {
              .force_max_n = std::numeric_limits<double>::infinity(),
              .samples = 1};
     patch_ = contact_patch(surface_, supports_, surface_.of_mesh_node[0],
-                           patch_radius_m(path_, spacing_m));
+                           path_.outward, patch_radius_m(path_, spacing_m));
     compliance_ = std::make_unique<SurfaceCompliance>(
         *factor_, supports_, surface_, patch_, std::numeric_limits<double>::infinity(),
         std::span<const char>{}, nullptr);
@@ -152,7 +152,7 @@ class Bench {
     options.equilibrium.multiplier_relative = 1e-3;
     const NonlinearIndentation result = indent_nonlinear(
         {mesh_, material_, supports_, surface_}, patch_, compliance_->among(patch_),
-        steps,
+        0.0, steps,
         [this](double depth) {
           return tool_at(path_, depth);
         },
@@ -172,7 +172,7 @@ class Bench {
     }
     const NonlinearIndentation result =
         indent_nonlinear({mesh_, material_, supports_, surface_}, patch_,
-                         compliance_->among(patch_), steps,
+                         compliance_->among(patch_), 0.0, steps,
                          [this](double depth) {
                            return tool_at(path_, depth);
                          },

@@ -180,7 +180,7 @@ TEST(ResponseTable, NamesTheNodeThatIsWrong) {
     (void)make_table(ball, responses);
     FAIL() << "accepted a direction of length 2";
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "node 2: response direction has length 2, must be 1");
+    EXPECT_STREQ(error.what(), "node 2: its direction has length 2, must be 1");
   }
   responses[2].direction /= 2.0;
   responses[2].force_n[1] = std::nan("");

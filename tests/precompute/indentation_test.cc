@@ -47,7 +47,7 @@ struct Block {
         centre = static_cast<std::int32_t>(i);
       }
     }
-    patch = contact_patch(surface, supports, centre,
+    patch = contact_patch(surface, supports, centre, Eigen::Vector3d::UnitZ(),
                           patch_radius_m(straight_down(), fine_m / 2));
     compliance = std::make_unique<SurfaceCompliance>(
         factor, supports, surface, patch, 1.0, std::span<const char>{}, nullptr);
@@ -211,7 +211,8 @@ TEST_F(IndentationOnBlock, AToolThatNeverTouchesGivesNoResponse) {
 
 TEST_F(IndentationOnBlock, HeldNodesTakeNoPartInTheContact) {
   for (const std::int32_t v :
-       contact_patch(block_->surface, block_->supports, block_->centre, 1.0)) {
+       contact_patch(block_->surface, block_->supports, block_->centre,
+                     Eigen::Vector3d::UnitZ(), 1.0)) {
     EXPECT_GT(block_->surface.node[static_cast<std::size_t>(v)].position_m.z(), -kHalf);
   }
 }
