@@ -82,6 +82,43 @@ UniformSurface uniform_surface(const BodySource& body, double spacing_m,
   return fine;
 }
 
+UniformSurface pressed_surface(const BodySource& body,
+                               std::span<const std::int32_t> vertices, double spacing_m,
+                               double reach_m, Eigen::Index triangles_max) {
+  constexpr double kGrowth = 0.5;
+  // Halving leaves edges between a half and the whole of what is wanted: with this
+  // their mean is twice the spacing.
+  const ContactFocus focus{.growth = kGrowth,
+                           .finest_m = 1.4 * 2.0 * spacing_m,
+                           .core_m = reach_m};
+  UniformSurface fine;
+  fine.surface = refine_longest_edge(
+      body.surface, wanted_edges(body.surface, vertices, focus), triangles_max);
+  fine.fine_enough = fine.surface.triangle.rows() <= triangles_max;
+  fine.node_spacing_m = spacing_m;
+  return fine;
+}
+
+std::int64_t contact_nodes_near(const SurfaceMesh& surface, const BodySource& body,
+                                std::span<const std::int32_t> vertices,
+                                double reach_m) {
+  // Edges grow from nothing beyond the reach: what is wanted there is positive.
+  const EdgeLength beyond = wanted_edges(
+      body.surface, vertices, {.growth = 1.0, .finest_m = 0.0, .core_m = reach_m});
+  std::int64_t count = 0;
+  for (Eigen::Index v = 0; v < surface.position_m.rows(); ++v) {
+    count += beyond(surface.position_m.row(v).transpose()) > 0.0 ? 0 : 2;
+  }
+  for (Eigen::Index t = 0; t < surface.triangle.rows(); ++t) {
+    for (int j = 0; j < 3; ++j) {
+      const auto a = surface.position_m.row(surface.triangle(t, j));
+      const auto b = surface.position_m.row(surface.triangle(t, (j + 1) % 3));
+      count += beyond(0.5 * (a + b).transpose()) > 0.0 ? 0 : 1;  // seen from both sides
+    }
+  }
+  return count / 2;
+}
+
 void check_held(const Scene& scene, const BodyModel& model) {
   const Eigen::Vector3d low = model.mesh.position_m.colwise().minCoeff();
   const Eigen::Vector3d high = model.mesh.position_m.colwise().maxCoeff();
@@ -159,6 +196,16 @@ CoarsenedSurface far_coarsened(const Scene& scene, const BodySource& body,
 }
 
 }  // namespace
+
+SurfaceMesh graded_surface(const Scene& scene, const BodySource& body,
+                           std::span<const std::int32_t> vertices,
+                           const ContactFocus& focus) {
+  const auto wanted = wanted_edges(body.surface, vertices, focus);
+  return refine_longest_edge(
+      body.inner.empty() ? far_coarsened(scene, body, vertices, focus).surface
+                         : body.surface,
+      wanted, 4 * kMostTriangles);
+}
 
 BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                             std::span<const std::int32_t> vertices,

@@ -47,6 +47,20 @@ struct UniformSurface {
     const BodySource& body, double spacing_m,
     Eigen::Index triangles_max = kMostTriangles);
 
+/// The body's surface with edges halved where they are longer than contact nodes so far
+/// apart want them, within `reach_m` of the given vertices; beyond, they may grow by half
+/// of the distance. For bodies of which only a part is pressed.
+[[nodiscard]] UniformSurface pressed_surface(
+    const BodySource& body, std::span<const std::int32_t> vertices, double spacing_m,
+    double reach_m, Eigen::Index triangles_max = kMostTriangles);
+
+/// Contact nodes (vertices and edge middles) of a surface within reach_m of any of the
+/// body's given vertices.
+[[nodiscard]] std::int64_t contact_nodes_near(const SurfaceMesh& surface,
+                                              const BodySource& body,
+                                              std::span<const std::int32_t> vertices,
+                                              double reach_m);
+
 /// Surface nodes of the mesh that the scene holds.
 [[nodiscard]] Supports scene_supports(const Scene& scene, const QuadraticMesh& mesh);
 
@@ -71,6 +85,11 @@ void check_held(const Scene& scene, const BodyModel& model);
 
 /// Corner of the model's mesh that a vertex is.
 [[nodiscard]] std::int32_t corner_of(const BodyModel& model, std::int32_t vertex);
+
+/// The surface that make_graded_model() meshes first.
+[[nodiscard]] SurfaceMesh graded_surface(const Scene& scene, const BodySource& body,
+                                         std::span<const std::int32_t> vertices,
+                                         const ContactFocus& focus);
 
 /// The model on a surface that is refined around the given vertices, and coarsened
 /// farther away where the body is finer than its contact can feel: with edges that stay

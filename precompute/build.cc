@@ -229,7 +229,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   progress.stage("body");
   const BodySource body = read_body(scene, options.repair);
   const std::vector<std::int32_t> reachable = reachable_vertices(scene, body);
-  const Approach approach = choose_approach(scene, body);
+  const Approach approach = choose_approach(scene, body, reachable);
   const std::vector<Unit> units = units_of(scene, body, reachable);
   const UnitPlan plan = plan_of(scene, body, options, reachable.size(), units.size());
   std::vector<Unit> mine;

@@ -61,6 +61,11 @@ std::uint32_t morton(const Eigen::Vector3d& unit) {
   return code;
 }
 
+// Vertices that share a mesh of their own: on a liver of 1170 vertices the CPU time of a
+// linear press is 0.23 s with 1 to 4 of them, 0.31 s with 8, 0.57 s with 16, because
+// columns and the factor's non-zeros grow together.
+constexpr double kMostInGroup = 4.0;
+
 double growth_for(const Scene& scene) {
   if (scene.contact_resolution > 0.0) {
     return std::clamp(2.0 / scene.contact_resolution, 0.05, 1.0);
@@ -156,7 +161,7 @@ std::vector<std::vector<std::int32_t>> group_vertices(
                      (0.5 + std::log(outer / inner));
   const double size = static_cast<double>(surface.triangle.rows()) / own;
   return in_neighbourhoods(surface, vertices,
-                           static_cast<std::size_t>(std::clamp(size, 1.0, 16.0)));
+                           static_cast<std::size_t>(std::clamp(size, 1.0, kMostInGroup)));
 }
 
 std::vector<std::vector<std::int32_t>> group_presses(

@@ -272,7 +272,7 @@ NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
   require_whole_body(scene, "indent");
   const std::int32_t v = checked_vertex(scene, body, vertex);
   progress.stage("indentation");
-  const Approach approach = choose_approach(scene, body);
+  const Approach approach = choose_approach(scene, body, std::span(&v, 1));
   NodeDetail detail;
   detail.model = make_graded_model(scene, body, std::span(&v, 1), approach.focus);
   detail.pressed = std::move(

@@ -57,6 +57,10 @@ std::vector<PressStep> steps_of(const PressedNode& node,
   return steps;
 }
 
+ContactFocus coarser(const ContactFocus& focus, int attempt) {
+  return finer(focus, std::pow(0.5, attempt));
+}
+
 void spoil(const PressedNode& node, NonlinearIndentation& result) {
   for (NonlinearSample& sample : result.sample) {
     fault_point(FaultPlace::kCorrection, node.vertex,
@@ -310,27 +314,28 @@ std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& bo
   return nodes;
 }
 
+BodyModel make_own_model(const Scene& scene, const BodySource& body,
+                         std::span<const std::int32_t> vertices,
+                         const ContactFocus& focus) {
+  for (int attempt = 0;; ++attempt) {
+    try {
+      return make_graded_model(scene, body, vertices, coarser(focus, attempt));
+    } catch (const NumericalError&) {
+      if (attempt == kFallbacks) {
+        throw;
+      }
+    }
+  }
+}
+
 std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource& body,
                                            const SharedTool& tool,
                                            std::span<const std::int32_t> vertices,
                                            const ContactFocus& focus,
                                            const PressMode& mode) {
-  const auto coarser = [&](int attempt) {
-    return finer(focus, std::pow(0.5, attempt));
-  };
-  const auto model_of = [&](int attempt) -> BodyModel {
-    for (;; ++attempt) {
-      try {
-        return make_graded_model(scene, body, vertices, coarser(attempt));
-      } catch (const NumericalError&) {
-        if (attempt >= kFallbacks) {
-          throw;
-        }
-      }
-    }
-  };
   std::vector<PressedNode> nodes =
-      press_on_model(scene, body, model_of(0), tool, vertices, mode);
+      press_on_model(scene, body, make_own_model(scene, body, vertices, focus), tool,
+                     vertices, mode);
   if (!mode.nonlinear) {
     return nodes;
   }
@@ -343,7 +348,8 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
       PressedNode again{.vertex = node.vertex, .path = node.path};
       contain(again, [&] {
         again = press_on_model(scene, body,
-                               make_graded_model(scene, body, one, coarser(attempt)),
+                               make_graded_model(scene, body, one,
+                                                 coarser(focus, attempt)),
                                tool, one, patient)
                     .front();
       });

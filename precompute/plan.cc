@@ -134,7 +134,7 @@ void Planner::describe_scene() {
   once("read and check the body", seconds_of([&] {
          body_ = read_body(scene_, repair_);
          reachable_ = reachable_vertices(scene_, body_);
-         approach_ = choose_approach(scene_, body_);
+         approach_ = choose_approach(scene_, body_, reachable_);
          units_ = units_of(scene_, body_, reachable_);
        }));
   report_.nodes = body_.surface.position_m.rows();

@@ -9,7 +9,9 @@
 #include <tbb/task_arena.h>
 
 #include "formats/error.h"
+#include "precompute/column_sample.h"
 #include "precompute/interrupt.h"
+#include "precompute/press_cost.h"
 
 namespace palpate {
 namespace {
@@ -65,7 +67,64 @@ std::vector<PressedNode> in_groups(
 
 }  // namespace
 
-Approach choose_approach(const Scene& scene, const BodySource& body) {
+namespace {
+
+constexpr std::size_t kTriedFirst = 3;
+
+// One surface for all presses: uniformly fine, or only around what is pressed where that
+// makes it smaller.
+UniformSurface shared_surface(const Scene& scene, const BodySource& body,
+                              std::span<const std::int32_t> pressed, double spacing_m,
+                              bool everywhere, Eigen::Index most_triangles) {
+  constexpr double kMuchSmaller = 0.7;
+  UniformSurface uniform = uniform_surface(body, spacing_m, most_triangles);
+  if (everywhere || (uniform.subdivisions == 0 && uniform.fine_enough)) {
+    return uniform;
+  }
+  UniformSurface around =
+      pressed_surface(body, pressed, spacing_m,
+                      touched_radius_m(scene, body, spacing_m), most_triangles);
+  const bool smaller =
+      static_cast<double>(around.surface.triangle.rows()) <
+      kMuchSmaller * static_cast<double>(uniform.surface.triangle.rows());
+  return around.fine_enough && (smaller || !uniform.fine_enough) ? around : uniform;
+}
+
+bool sharing_costs_less(const Scene& scene, const BodySource& body,
+                        std::span<const std::int32_t> pressed,
+                        const UniformSurface& shared, const ContactFocus& focus) {
+  const double triangles = static_cast<double>(shared.surface.triangle.rows());
+  const std::int64_t columns =
+      contact_nodes_near(shared.surface, body, pressed,
+                         touched_radius_m(scene, body, shared.node_spacing_m));
+  const double shared_s = expected_cpu_s({triangles, static_cast<double>(columns)});
+  constexpr double kNothing = 1.0;  // [s] not worth a second look
+  return shared_s < kNothing ||
+         shared_s < expected_own_meshes_cpu_s(scene, body, pressed, focus);
+}
+
+// Meshes some vertices' bodies; a body that cannot be held or meshed at all is refused
+// here, before any unit. Where some can be meshed, others fail alone.
+void require_own_meshes(const Scene& scene, const BodySource& body,
+                        std::span<const std::int32_t> vertices,
+                        const ContactFocus& focus) {
+  const auto tried = spread_over(vertices, kTriedFirst);
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    try {
+      (void)make_own_model(scene, body, {&tried[i], 1}, focus);
+      return;
+    } catch (const NumericalError&) {
+      if (i + 1 == tried.size()) {
+        throw;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Approach choose_approach(const Scene& scene, const BodySource& body,
+                         std::span<const std::int32_t> pressed) {
   Approach approach;
   const bool sticking =
       std::any_of(scene.tool.begin(), scene.tool.end(), [](const ToolShape& tool) {
@@ -82,22 +141,26 @@ Approach choose_approach(const Scene& scene, const BodySource& body) {
                  : "set accuracy.method to \"linear\", or take [cutout] out"));
   }
   const double wanted_m = uniform_spacing_m(scene, body, approach.nonlinear);
-  const UniformSurface uniform = uniform_surface(
-      body, wanted_m, approach.cut_out ? kMostCutTriangles : kMostTriangles);
-  approach.subdivisions = uniform.subdivisions;
-  approach.spacing_m = uniform.node_spacing_m;
-  approach.surface = uniform.surface;
   const std::string& refine = scene.accuracy.refine;
+  const UniformSurface shared =
+      shared_surface(scene, body, pressed, wanted_m,
+                     approach.cut_out || refine == "global",
+                     approach.cut_out ? kMostCutTriangles : kMostTriangles);
+  approach.subdivisions = shared.subdivisions;
+  approach.spacing_m = shared.node_spacing_m;
+  approach.surface = shared.surface;
   approach.shared_mesh =
       !approach.cut_out &&
-      (refine == "global" || (refine == "auto" && uniform.fine_enough));
+      (refine == "global" ||
+       (refine == "auto" && shared.fine_enough &&
+        sharing_costs_less(scene, body, pressed, shared, approach.focus)));
   approach.graded = !approach.cut_out && refine != "global";
   approach.cheap_is_good = !approach.nonlinear;
-  if ((approach.shared_mesh || approach.cut_out) && !uniform.fine_enough) {
+  if ((approach.shared_mesh || approach.cut_out) && !shared.fine_enough) {
     approach.notes.push_back(fmt::format(
         "contact nodes are {:.3g} mm apart where the scene asks for {:.3g} mm: a finer "
         "surface would be too large; refine = \"local\" meshes the contact alone",
-        1e3 * uniform.node_spacing_m, 1e3 * wanted_m));
+        1e3 * shared.node_spacing_m, 1e3 * wanted_m));
   }
   return approach;
 }
@@ -120,10 +183,14 @@ SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
                                                     approach.spacing_m, vertices);
   }
   if (!approach.shared_mesh) {
+    if (!approach.cut_out) {
+      require_own_meshes(scene, body, pressed, approach.focus);
+    }
     return;
   }
   progress.stage("shared mesh and factor");
   model_.emplace(make_body_model(scene, body, approach.surface));
+  model_->contact_spacing_m = approach.spacing_m;
   progress.stage("surface compliance");
   std::vector<PressedNode> placed;
   std::vector<char> wanted(model_->contact.node.size(), 0);

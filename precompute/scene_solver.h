@@ -37,7 +37,12 @@ struct Approach {
   std::vector<std::string> notes;
 };
 
-[[nodiscard]] Approach choose_approach(const Scene& scene, const BodySource& body);
+/// @param pressed vertices that a build presses. A mesh that they share is as fine as
+/// the contact wants only around them; with `refine = "auto"` it is chosen where its
+/// factor and columns cost less than a mesh for each group of neighbours, by
+/// expected_cpu_s().
+[[nodiscard]] Approach choose_approach(const Scene& scene, const BodySource& body,
+                                       std::span<const std::int32_t> pressed);
 
 /// @throws InputError if the scene wants cut-outs, which `task` does not know.
 void require_whole_body(const Scene& scene, const std::string& task);
@@ -46,6 +51,8 @@ class SceneSolver {
  public:
   /// @param vertices every reachable vertex; pressed ones are among them.
   /// @param pressed whose shared columns will be needed.
+  /// @throws InputError, NumericalError where the body cannot be held or meshed: the
+  /// shared mesh, or those of its own for each of a few vertices.
   SceneSolver(const Scene& scene, const BodySource& body, const Approach& approach,
               std::span<const std::int32_t> vertices,
               std::span<const std::int32_t> pressed, Progress& progress);

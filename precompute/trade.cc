@@ -149,7 +149,7 @@ void TradeRun::choose_vertices() {
     report_.vertex.insert(report_.vertex.end(), chosen.begin(), chosen.end());
   }
   std::sort(report_.vertex.begin(), report_.vertex.end());
-  const Approach approach = choose_approach(scene_, body_);
+  const Approach approach = choose_approach(scene_, body_, reachable_);
   nonlinear_ = approach.nonlinear;
   report_.reachable = static_cast<std::int64_t>(reachable_.size());
   report_.force_relative = scene_.force_relative;
@@ -240,7 +240,7 @@ void TradeRun::press_at(double resolution) {
     }
   };
   const Scene linear = scene_at(resolution, false);
-  const Approach linear_way = choose_approach(linear, body_);
+  const Approach linear_way = choose_approach(linear, body_, reachable_);
   std::vector<PricedPresses> cheap =
       pressed(linear, linear_way, linear_way.shared_mesh, false);
   add_all(linear, linear_way, cheap, false);
@@ -248,7 +248,7 @@ void TradeRun::press_at(double resolution) {
     return;
   }
   const Scene full = scene_at(resolution, true);
-  const Approach way = choose_approach(full, body_);
+  const Approach way = choose_approach(full, body_, reachable_);
   const auto good = pressed(full, way, way.shared_mesh && !way.graded, true);
   add_all(full, way, good, true);
   // What good presses are compared with may want a finer shared mesh.

@@ -1,0 +1,51 @@
+#include "precompute/press_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "precompute/body_model.h"
+#include "precompute/indentation.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kTriangles = 25920.0;
+constexpr double kFactorS = 25.0;
+constexpr double kColumnS = 0.047;
+
+}  // namespace
+
+double expected_cpu_s(const MeshWork& work) {
+  const double size = work.triangles / kTriangles;
+  return kFactorS * std::pow(size, 1.48) +
+         kColumnS * work.columns * std::pow(size, 1.24);
+}
+
+double touched_radius_m(const Scene& scene, const BodySource& body,
+                        double node_spacing_m) {
+  double radius_m = 0.0;
+  for (const auto& tool : body.tool) {
+    const IndentationPath path{.vertex_m = Eigen::Vector3d::Zero(),
+                               .outward = Eigen::Vector3d::UnitZ(),
+                               .tool = tool,
+                               .depth_max_m = scene.reach.depth_max_m};
+    const double touched_m = patch_radius_m(path, node_spacing_m);
+    radius_m = std::isfinite(touched_m) ? std::max(radius_m, touched_m) : radius_m;
+  }
+  return radius_m;
+}
+
+double expected_own_meshes_cpu_s(const Scene& scene, const BodySource& body,
+                                 std::span<const std::int32_t> vertices,
+                                 const ContactFocus& focus) {
+  const auto groups = group_vertices(body.surface, vertices, focus);
+  const auto& group = groups[groups.size() / 2];
+  const SurfaceMesh surface = graded_surface(scene, body, group, focus);
+  const double reach_m = touched_radius_m(scene, body, 0.5 * focus.finest_m);
+  const MeshWork work{
+      static_cast<double>(surface.triangle.rows()),
+      static_cast<double>(contact_nodes_near(surface, body, group, reach_m))};
+  return static_cast<double>(groups.size() * body.tool.size()) * expected_cpu_s(work);
+}
+
+}  // namespace palpate

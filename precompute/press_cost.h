@@ -1,0 +1,40 @@
+// What linear presses on a mesh cost, counted before anything is meshed.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "formats/scene.h"
+#include "precompute/body_source.h"
+#include "precompute/contact_focus.h"
+
+namespace palpate {
+
+/// One mesh: its surface triangles, and the columns of the surface compliance that its
+/// presses need.
+struct MeshWork {
+  double triangles = 0.0;
+  double columns = 0.0;
+};
+
+/// CPU seconds of one core of a machine of 2026 for a mesh, its factor and its columns:
+/// a T^1.48 + b columns T^1.24 with T the surface triangles of a compact body, whose
+/// factor has non-zeros in proportion to T^1.24 (machine_memory.h). Constants from a
+/// sphere of 25,920 triangles (25 s of factor, 0.047 s a column), which are right within
+/// a factor of 2 at 500 triangles. For choosing between meshes, where only the ratio of
+/// two of them counts.
+[[nodiscard]] double expected_cpu_s(const MeshWork& work);
+
+/// What the tools, pressed to the scene's depth, may touch around a vertex [m]: the
+/// largest patch_radius_m() on a flat surface of contact nodes so far apart.
+[[nodiscard]] double touched_radius_m(const Scene& scene, const BodySource& body,
+                                      double node_spacing_m);
+
+/// CPU seconds of linear presses of all vertices on meshes of their own: one group's
+/// surface is made and counted, and stands for all.
+[[nodiscard]] double expected_own_meshes_cpu_s(const Scene& scene,
+                                               const BodySource& body,
+                                               std::span<const std::int32_t> vertices,
+                                               const ContactFocus& focus);
+
+}  // namespace palpate
