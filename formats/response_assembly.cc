@@ -66,6 +66,7 @@ void count(const UnitPlan& plan, const UnitNode& node, Assembly& assembly) {
                                                         : assembly.solved);
     assembly.error.push_back(response.error_relative);
     assembly.over_budget += (response.flags & kErrorOverBudget) != 0 ? 1 : 0;
+    assembly.reaching_elsewhere += node.reaches_elsewhere ? 1 : 0;
   } else if (node.failure.empty()) {
     ++assembly.untouched;
   }

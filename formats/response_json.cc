@@ -79,6 +79,7 @@ json to_json(const UnitNode& node) {
   return {{"tool", node.tool},
           {"vertex", node.vertex},
           {"failure", node.failure},
+          {"elsewhere", node.reaches_elsewhere},
           {"direction", list(response.direction)},
           {"direction_spread_rad", response.direction_spread_rad},
           {"touch_offset_m", response.touch_offset_m},
@@ -102,7 +103,8 @@ UnitNode node_of(const json& j) {
                              .origin = static_cast<ResponseOrigin>(
                                  j.at("origin").get<std::uint8_t>()),
                              .flags = j.at("flags")},
-                .failure = j.at("failure")};
+                .failure = j.at("failure"),
+                .reaches_elsewhere = j.value("elsewhere", false)};
   for (const json& direction : j.at("sample_direction")) {
     node.response.sample_direction.push_back(vector_of(direction));
   }

@@ -21,8 +21,10 @@ namespace palpate {
 struct UnitNode {
   std::int32_t tool = 0;  ///< index
   std::int32_t vertex = -1;
-  NodeResponse response;
-  std::string failure;  ///< why the path ends early, or is missing; else empty
+  NodeResponse response = {};
+  std::string failure = {};  ///< why the path ends early, or is missing; else empty
+  /// The tool also met a part of the body whose contact is not in the response.
+  bool reaches_elsewhere = false;
 };
 
 /// A response that breaks a rule (broken_rule) becomes that of a failed node, without a
@@ -81,6 +83,7 @@ struct Assembly {
   std::int64_t untouched = 0;  ///< reachable, but the tool met nothing to press
   std::int64_t outside_reach = 0;
   std::int64_t over_budget = 0;
+  std::int64_t reaching_elsewhere = 0;  ///< the tool also met another part of the body
   std::vector<double> error;          ///< [-] estimates, ascending
   std::vector<double> checked;        ///< [-] errors against finer solutions, ascending
   std::vector<std::string> failures;  ///< "vertex 12, tool ball: reason"

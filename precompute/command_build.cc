@@ -58,6 +58,7 @@ nlohmann::ordered_json to_json(const BuildReport& report) {
           {"untouched", all.untouched},
           {"outside_reach", all.outside_reach},
           {"over_budget", all.over_budget},
+          {"reaching_elsewhere", all.reaching_elsewhere},
           {"error_median", quantile(all.error, 0.5)},
           {"error_p95", quantile(all.error, 0.95)},
           {"checked", all.checked},
@@ -97,6 +98,12 @@ void print_errors(const Assembly& all, double budget) {
     fmt::print(
         "warning       {} of {} responses are estimated outside the budget of {} %\n",
         all.over_budget, all.solved + all.interpolated, 100 * budget);
+  }
+  if (all.reaching_elsewhere > 0) {
+    fmt::print(
+        "warning       at {} nodes the tool also reaches into another part of the body "
+        "(a fold, a step, a held face): that contact is not in their force\n",
+        all.reaching_elsewhere);
   }
   if (quantile(all.checked, 1.0) > budget) {
     fmt::print("warning       {} of {} checked nodes are outside the budget of {} %\n",

@@ -332,9 +332,9 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
   };
   flag_if(indentation.force_capped, kForceCapped);
   flag_if(last.contact_radius_m < 1.5 * indentation.node_spacing_m, kCoarseContact);
-  flag_if(
-      response.error_relative > force_relative_budget || indentation.reached_patch_edge,
-      kErrorOverBudget);
+  flag_if(response.error_relative > force_relative_budget ||
+              indentation.reached_patch_edge || indentation.reaches_elsewhere,
+          kErrorOverBudget);
   return response;
 }
 

@@ -51,6 +51,9 @@ struct Indentation {
   bool reached_patch_edge =
       false;                  ///< contact grew to the last node that was considered
   bool force_capped = false;  ///< ended at force_max_n
+  /// The tool also meets a part of the body whose contact is not in the force
+  /// (other_contact.h).
+  bool reaches_elsewhere = false;
 };
 
 /// Contact nodes that the tool may touch: joined to `start` over the surface, within
@@ -88,6 +91,9 @@ struct Indentation {
 /// path, which may be at a negative penetration (a cup touches the tool's side first),
 /// without force; a tool that loses contact on its way, or touches twice, has depths of
 /// zero force between others, and a falling curve.
+///
+/// kErrorOverBudget is set where the estimate is above the budget, where the contact
+/// grew to the end of the patch, and where the tool also reaches elsewhere.
 ///
 /// The estimated error is half the rms difference that pressure on a mesh twice as
 /// coarse makes over the deeper half of the path, relative to the force or to a tenth of

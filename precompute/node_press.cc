@@ -11,6 +11,7 @@
 #include "formats/error.h"
 #include "precompute/fault_point.h"
 #include "precompute/lock_step.h"
+#include "precompute/other_contact.h"
 #include "precompute/path_ratio.h"
 #include "precompute/relative_correction.h"
 #include "precompute/tool_gap.h"
@@ -23,6 +24,7 @@ constexpr std::size_t kLockStep = 32;
 // What a node that fails is tried with.
 constexpr int kFallbacks = 2;
 constexpr int kPatientNewton = 100;
+constexpr int kFinerForTouch = 3;  // meshes, each twice as fine
 
 // Depths that are solved nonlinear, as shares of a path's samples.
 constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
@@ -55,6 +57,10 @@ std::vector<PressStep> steps_of(const PressedNode& node,
                      sample.pressure_n});
   }
   return steps;
+}
+
+bool late_on_this_mesh(const PressedNode& node) {
+  return node.failure.empty() && touches_late(node);
 }
 
 ContactFocus coarser(const ContactFocus& focus, int attempt) {
@@ -126,6 +132,14 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
 }
 
 }  // namespace
+
+bool touches_late(const PressedNode& node) {
+  constexpr double kLate = 0.25;
+  const auto& sample = node.indentation.sample;
+  return !node.patch.empty() &&
+         (sample.size() < 2 ||
+          sample.front().penetration_m > kLate * node.path.depth_max_m);
+}
 
 bool is_nonlinear(const Scene& scene, const BodySource& body) {
   return scene.accuracy.method != "linear" &&
@@ -241,6 +255,11 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
       fault_point(FaultPlace::kPress, node.vertex,
                   {sample.force_n.data(), std::size_t{3}});
     }
+    if (node.indentation.sample.size() > 1) {
+      node.indentation.reaches_elsewhere =
+          reaches_elsewhere(model.contact, node.patch, node.path,
+                            node.indentation.sample.front().penetration_m);
+    }
     if (!node.indentation.converged) {
       node.failure = "the contact's complementarity problem did not converge";
       node.indentation.sample.clear();
@@ -328,6 +347,26 @@ BodyModel make_own_model(const Scene& scene, const BodySource& body,
   }
 }
 
+namespace {
+
+void press_in_small_steps(const Scene& scene, const BodySource& body,
+                          const SharedTool& tool, const ContactFocus& focus,
+                          PressMode mode, PressedNode& node) {
+  mode.every_depth = true;
+  const std::span<const std::int32_t> one(&node.vertex, 1);
+  PressedNode again{.vertex = node.vertex, .path = node.path};
+  contain(again, [&] {
+    again = press_on_model(scene, body, make_own_model(scene, body, one, focus), tool,
+                           one, mode)
+                .front();
+  });
+  if (again.indentation.sample.size() > 1) {
+    node = std::move(again);
+  }
+}
+
+}  // namespace
+
 std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource& body,
                                            const SharedTool& tool,
                                            std::span<const std::int32_t> vertices,
@@ -336,6 +375,17 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
   std::vector<PressedNode> nodes =
       press_on_model(scene, body, make_own_model(scene, body, vertices, focus), tool,
                      vertices, mode);
+  for (PressedNode& node : nodes) {
+    for (int attempt = 1; attempt <= kFinerForTouch && late_on_this_mesh(node);
+         ++attempt) {
+      const std::span<const std::int32_t> one(&node.vertex, 1);
+      node = press_on_model(
+                 scene, body,
+                 make_own_model(scene, body, one, finer(focus, std::exp2(attempt))),
+                 tool, one, mode)
+                 .front();
+    }
+  }
   if (!mode.nonlinear) {
     return nodes;
   }
@@ -353,10 +403,18 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
                                tool, one, patient)
                     .front();
       });
-      if (again.failure.empty() ||
+      // A coarser mesh on which the tool meets nothing is no answer.
+      const bool whole = again.failure.empty() && !touches_late(again);
+      if (whole ||
           again.indentation.sample.size() > node.indentation.sample.size()) {
         node = std::move(again);
       }
+    }
+    if (!node.failure.empty() && node.indentation.sample.size() < 2 &&
+        !node.patch.empty()) {
+      // The first of a few depths is too far for one step: in small ones, as far as it
+      // comes.
+      press_in_small_steps(scene, body, tool, focus, patient, node);
     }
   }
   return nodes;

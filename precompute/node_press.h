@@ -42,6 +42,12 @@ struct PressedNode {
   std::shared_ptr<const NonlinearIndentation> nonlinear = {};
 };
 
+/// Whether the mesh is too coarse for the vertex: where the tool's end has reached the
+/// vertex, at zero penetration, it touches the body, but gaps are averaged over the hats
+/// of contact nodes, and around a corner or on a spike the average lies behind. True
+/// where the first touch comes after a quarter of the largest depth, or not at all.
+[[nodiscard]] bool touches_late(const PressedNode& node);
+
 /// Whether the scene's materials and method ask for nonlinear solutions.
 [[nodiscard]] bool is_nonlinear(const Scene& scene, const BodySource& body);
 
@@ -108,7 +114,8 @@ struct PressMode {
 
 /// Meshes the body around the vertices and presses them with the tool. Where that mesh
 /// cannot be made, and for a nonlinear press that fails, meshes two and four times
-/// coarser are tried; the estimated error of forces is of the mesh that was taken.
+/// coarser are tried, and where the tool touches late (touches_late) finer ones; the
+/// estimated error of forces is of the mesh that was taken.
 /// @throws as make_own_model().
 [[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
     const Scene& scene, const BodySource& body, const SharedTool& tool,

@@ -11,10 +11,12 @@
 
 #include "formats/stopwatch.h"
 #include "precompute/column_sample.h"
+#include "precompute/machine_memory.h"
 #include "precompute/node_press.h"
 #include "precompute/peak_memory.h"
 #include "precompute/plan_cut_outs.h"
 #include "precompute/plan_left_out.h"
+#include "precompute/press_cost.h"
 #include "precompute/scene_solver.h"
 #include "precompute/share_above.h"
 #include "precompute/unit_solver.h"
@@ -23,6 +25,10 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kSamples = 3;  // that every worker presses
+// What would take longer is told from something smaller, so that a plan takes seconds.
+constexpr double kFactorCpuS = 1.5;
+constexpr double kColumnsCpuS = 2.0;
+constexpr double kChecksCpuS = 2.0;
 
 class Planner {
  public:
@@ -62,9 +68,10 @@ class Planner {
     time_checks();
   }
   void time_shared_mesh();
-  void time_columns(std::span<const PressedNode> placed);
-  void time_linear_presses();
-  void time_nonlinear_on_shared_mesh();
+  [[nodiscard]] SurfaceMesh sample_surface() const;
+  void time_columns(std::span<const PressedNode> placed, std::size_t columns);
+  void time_linear_presses(const std::vector<std::int32_t>& samples);
+  void time_nonlinear_on_shared_mesh(const std::vector<std::int32_t>& samples);
   void time_cheap_on_own_meshes();
   void time_good();
   void time_checks();
@@ -74,19 +81,24 @@ class Planner {
   void once(const std::string& work, double seconds) {
     report_.cost.push_back({work, 1, 1, seconds, seconds});
   }
-  // Some of many, timed.
+  // Done once, timed on something smaller.
+  void once_scaled(const std::string& work, double seconds, double times) {
+    report_.cost.push_back({work, 1, 1, seconds, times * seconds});
+  }
+  // Some of many, timed; one of the others takes so many times longer.
   void extrapolate(const std::string& work, std::size_t count, std::size_t timed,
-                   double seconds) {
+                   double seconds, double times = 1.0) {
     const double share = static_cast<double>(count) / static_cast<double>(timed);
     report_.cost.push_back({work, static_cast<std::int64_t>(count),
                             static_cast<std::int64_t>(timed), seconds,
-                            share * seconds});
+                            times * share * seconds});
   }
   // Own meshes for vertices of several territories, as many at once as there are
   // workers; of `count` groups of vertices.
   void time_own_meshes(const std::string& work,
                        const std::vector<std::vector<std::int32_t>>& groups,
-                       std::size_t count, const ContactFocus& focus, bool nonlinear);
+                       std::size_t count, const ContactFocus& focus, bool nonlinear,
+                       double times = 1.0);
   [[nodiscard]] std::vector<const Unit*> territories() const;
   [[nodiscard]] std::size_t good_of(const Unit& territory) const;
   [[nodiscard]] std::vector<std::vector<std::int32_t>> first_groups(
@@ -107,6 +119,8 @@ class Planner {
   std::optional<SurfaceCompliance> compliance_;
   // Cheap presses outside the budget, which are done again on meshes of their own.
   double again_share_ = 0.0;
+  // Triangles of the shared surface over those of the one that is timed in its place.
+  double times_larger_ = 1.0;
 };
 
 std::vector<const Unit*> Planner::territories() const {
@@ -163,13 +177,45 @@ void Planner::describe_scene() {
                        approach_.notes.end());
 }
 
+// The shared surface, or one so much coarser that its factor is made in seconds.
+SurfaceMesh Planner::sample_surface() const {
+  const auto seconds = [](const SurfaceMesh& surface) {
+    return expected_cpu_s({static_cast<double>(surface.triangle.rows()), 0.0});
+  };
+  SurfaceMesh surface = approach_.surface;
+  const double reach_m = touched_radius_m(scene_, body_, approach_.spacing_m);
+  for (double spacing_m = approach_.spacing_m; seconds(surface) > kFactorCpuS;) {
+    spacing_m *= 1.5;
+    const Eigen::Index before = surface.triangle.rows();
+    surface = pressed_surface(body_, reachable_, spacing_m, reach_m).surface;
+    if (surface.triangle.rows() == before ||
+        surface.triangle.rows() == body_.surface.triangle.rows()) {
+      break;
+    }
+  }
+  return surface;
+}
+
 void Planner::time_shared_mesh() {
   progress_.stage("shared mesh and factor");
-  once("shared mesh and factor", seconds_of([&] {
-         shared_.emplace(make_body_model(scene_, body_, approach_.surface));
-       }));
-  report_.tets = shared_->mesh.tet.rows();
-  report_.unknowns = shared_->supports.free;
+  const SurfaceMesh surface = sample_surface();
+  times_larger_ = static_cast<double>(approach_.surface.triangle.rows()) /
+                  static_cast<double>(surface.triangle.rows());
+  const double seconds = seconds_of([&] {
+    shared_.emplace(make_body_model(scene_, body_, surface));
+  });
+  shared_->contact_spacing_m = approach_.spacing_m * std::sqrt(times_larger_);
+  once_scaled("shared mesh and factor", seconds,
+              expected_cpu_s({times_larger_, 0.0}) / expected_cpu_s({1.0, 0.0}));
+  report_.tets = static_cast<std::int64_t>(
+      times_larger_ * static_cast<double>(shared_->mesh.tet.rows()));
+  report_.unknowns = static_cast<std::int64_t>(
+      times_larger_ * static_cast<double>(shared_->supports.free));
+  if (times_larger_ > 1.0) {
+    require_memory(approach_.surface.triangle.rows());
+    report_.peak_memory_bytes = static_cast<std::int64_t>(
+        expected_memory_bytes(approach_.surface.triangle.rows()));
+  }
   std::vector<PressedNode> placed;
   once("place the tools", seconds_of([&] {
          for (const SharedTool& tool : body_.tool) {
@@ -178,15 +224,32 @@ void Planner::time_shared_mesh() {
            }
          }
        }));
-  time_columns(placed);
+  const double reach_m = touched_radius_m(scene_, body_, approach_.spacing_m);
+  const auto near = [&](const SurfaceMesh& mesh) {
+    return static_cast<double>(contact_nodes_near(mesh, body_, reachable_, reach_m));
+  };
+  const ColumnSample all = column_sample(*shared_, placed, {});
+  const double more_columns =
+      times_larger_ > 1.0 ? near(approach_.surface) / std::max(near(surface), 1.0) : 1.0;
+  time_columns(placed, static_cast<std::size_t>(std::lround(
+                           more_columns * static_cast<double>(all.all))));
 }
 
-void Planner::time_columns(std::span<const PressedNode> placed) {
+void Planner::time_columns(std::span<const PressedNode> placed, std::size_t columns) {
   progress_.stage("a few columns");
-  const std::vector<std::int32_t> samples =
-      spread_over(reachable_, kSamples * workers_);
-  const ColumnSample sample = column_sample(*shared_, placed, samples);
-  report_.columns = static_cast<std::int64_t>(sample.all);
+  report_.columns = static_cast<std::int64_t>(columns);
+  const double triangles = static_cast<double>(approach_.surface.triangle.rows());
+  // As many vertices' columns as take seconds, one vertex's at least.
+  std::vector<std::int32_t> samples;
+  ColumnSample sample;
+  for (std::size_t count = kSamples * workers_; count > 0; --count) {
+    samples = spread_over(reachable_, count);
+    sample = column_sample(*shared_, placed, samples);
+    if (expected_cpu_s({triangles / times_larger_,
+                        static_cast<double>(sample.solved)}) < kColumnsCpuS) {
+      break;
+    }
+  }
   if (sample.solved == 0) {
     return;
   }
@@ -201,18 +264,17 @@ void Planner::time_columns(std::span<const PressedNode> placed) {
                                       }));
   });
   once("find pairs of near contact nodes", none);
-  extrapolate("columns of the surface compliance", sample.all, sample.solved,
-              std::max(some - none, 0.0));
-  time_linear_presses();
+  extrapolate("columns of the surface compliance", columns, sample.solved,
+              std::max(some - none, 0.0),
+              expected_column_cpu_s(times_larger_) / expected_column_cpu_s(1.0));
+  time_linear_presses(samples);
   if (approach_.nonlinear && !approach_.graded) {
-    time_nonlinear_on_shared_mesh();
+    time_nonlinear_on_shared_mesh(samples);
   }
 }
 
-void Planner::time_linear_presses() {
+void Planner::time_linear_presses(const std::vector<std::int32_t>& samples) {
   progress_.stage("a few linear presses");
-  const std::vector<std::int32_t> samples =
-      spread_over(reachable_, kSamples * workers_);
   std::vector<double> error(samples.size(), 0.0);
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
@@ -232,16 +294,15 @@ void Planner::time_linear_presses() {
   }
 }
 
-void Planner::time_nonlinear_on_shared_mesh() {
+void Planner::time_nonlinear_on_shared_mesh(
+    const std::vector<std::int32_t>& samples) {
   progress_.stage("a few nonlinear presses");
-  const std::vector<std::int32_t> samples =
-      spread_over(reachable_, kSamples * workers_);
   const SharedTool& tool = body_.tool.front();
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, workers_, [&](std::size_t w) {
       std::vector<PressedNode> nodes;
-      for (std::size_t i = w; i < samples.size(); i += workers_) {
-        nodes.push_back(placed_node(scene_, body_, *shared_, tool, samples[i]));
+      if (w < samples.size()) {
+        nodes.push_back(placed_node(scene_, body_, *shared_, tool, samples[w]));
         press_linear(*shared_, *compliance_, nodes.back());
       }
       press_nonlinear(*shared_, *compliance_, nodes, nonlinear_options(scene_, tool),
@@ -252,7 +313,9 @@ void Planner::time_nonlinear_on_shared_mesh() {
   for (const Unit* territory : territories()) {
     count += good_of(*territory);
   }
-  extrapolate("nonlinear presses", count * body_.tool.size(), samples.size(), seconds);
+  extrapolate("nonlinear presses", count * body_.tool.size(),
+              std::min(samples.size(), workers_), seconds,
+              expected_column_cpu_s(times_larger_) / expected_column_cpu_s(1.0));
 }
 
 std::vector<std::vector<std::int32_t>> Planner::first_groups(
@@ -271,7 +334,7 @@ std::vector<std::vector<std::int32_t>> Planner::first_groups(
 void Planner::time_own_meshes(const std::string& work,
                               const std::vector<std::vector<std::int32_t>>& groups,
                               std::size_t count, const ContactFocus& focus,
-                              bool nonlinear) {
+                              bool nonlinear, double times) {
   progress_.stage("one of: " + work);
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
@@ -281,7 +344,7 @@ void Planner::time_own_meshes(const std::string& work,
           {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
     });
   });
-  extrapolate(work, count * body_.tool.size(), groups.size(), seconds);
+  extrapolate(work, count * body_.tool.size(), groups.size(), seconds, times);
 }
 
 void Planner::time_cheap_on_own_meshes() {
@@ -345,8 +408,24 @@ void Planner::time_checks() {
   }
   const std::size_t count = checks.size();
   checks.resize(std::min(count, workers_));
+  // A linear press costs as its factor and columns do; a nonlinear one as its elements.
+  const auto work = [&](const ContactFocus& focus) -> MeshWork {
+    const auto& vertex = checks.front();
+    const SurfaceMesh surface = graded_surface(scene_, body_, vertex, focus);
+    const double reach_m = touched_radius_m(scene_, body_, 0.5 * focus.finest_m);
+    return {static_cast<double>(surface.triangle.rows()),
+            static_cast<double>(contact_nodes_near(surface, body_, vertex, reach_m))};
+  };
+  const ContactFocus fine = finer(approach_.focus, kCheckTimesFiner);
+  const MeshWork here = work(approach_.focus);
+  const MeshWork there = work(fine);
+  const bool affordable =
+      !approach_.nonlinear && expected_cpu_s(there) < kChecksCpuS;
+  const double times = affordable           ? 1.0
+                       : approach_.nonlinear ? there.triangles / here.triangles
+                                             : expected_cpu_s(there) / expected_cpu_s(here);
   time_own_meshes("checks one level finer", checks, count,
-                  finer(approach_.focus, kCheckTimesFiner), approach_.nonlinear);
+                  affordable ? fine : approach_.focus, approach_.nonlinear, times);
 }
 
 void Planner::count_responses() {
@@ -384,7 +463,8 @@ PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progre
   progress.finish();
   report.plan_seconds = seconds;
   // Every kind of work was done by all workers at once, beside what all of them share.
-  report.peak_memory_bytes = peak_memory_bytes();
+  report.peak_memory_bytes =
+      std::max(report.peak_memory_bytes, peak_memory_bytes());
   return report;
 }
 

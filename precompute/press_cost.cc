@@ -16,9 +16,12 @@ constexpr double kColumnS = 0.047;
 }  // namespace
 
 double expected_cpu_s(const MeshWork& work) {
-  const double size = work.triangles / kTriangles;
-  return kFactorS * std::pow(size, 1.48) +
-         kColumnS * work.columns * std::pow(size, 1.24);
+  return kFactorS * std::pow(work.triangles / kTriangles, 1.48) +
+         work.columns * expected_column_cpu_s(work.triangles);
+}
+
+double expected_column_cpu_s(double triangles) {
+  return kColumnS * std::pow(triangles / kTriangles, 1.24);
 }
 
 double touched_radius_m(const Scene& scene, const BodySource& body,

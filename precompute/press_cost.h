@@ -25,6 +25,9 @@ struct MeshWork {
 /// two of them counts.
 [[nodiscard]] double expected_cpu_s(const MeshWork& work);
 
+/// Of one column alone.
+[[nodiscard]] double expected_column_cpu_s(double triangles);
+
 /// What the tools, pressed to the scene's depth, may touch around a vertex [m]: the
 /// largest patch_radius_m() on a flat surface of contact nodes so far apart.
 [[nodiscard]] double touched_radius_m(const Scene& scene, const BodySource& body,

@@ -52,12 +52,13 @@ class Territory {
   }
 
   void solve_within_budget() {
+    solve(only_by_solving());
     solve(farthest(kFirstSamples, {}));
     while (true) {
       const std::vector<double> left_out = field_.leave_one_out();
       std::vector<double> error(vertex_.size(), 0.0);
       for (std::size_t i = 0; i < vertex_.size(); ++i) {
-        if (!good_[i] && touches(i)) {
+        if (!good_[i] && is_like_others(i)) {
           error[i] = expected_error(i, left_out);
         }
       }
@@ -76,14 +77,16 @@ class Territory {
   void answer(std::int32_t tool, std::vector<UnitNode>& nodes) const {
     const std::vector<double> left_out = field_.leave_one_out();
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
-      UnitNode node{.tool = tool, .vertex = vertex_[i], .response = {}, .failure = {}};
+      UnitNode node{.tool = tool, .vertex = vertex_[i]};
       if (good_[i]) {
         node.response =
             to_response(good_[i]->indentation, good_[i]->path, scene_.force_relative);
         node.failure = good_[i]->failure;
+        node.reaches_elsewhere = good_[i]->indentation.reaches_elsewhere;
       } else {
         node.failure = cheap_[i].failure;
-        if (touches(i) && field_.size() > 0 && is_guide(cheap_[i].indentation)) {
+        node.reaches_elsewhere = cheap_[i].indentation.reaches_elsewhere;
+        if (is_like_others(i) && field_.size() > 0) {
           node.response = interpolated(i, left_out);
         } else if (touches(i)) {
           node.failure = "no neighbour was solved that it could be interpolated from";
@@ -102,7 +105,8 @@ class Territory {
       const double error =
           to_response(cheap_[i].indentation, cheap_[i].path, scene_.force_relative)
               .error_relative;
-      if (again && touches(i) && error > scene_.force_relative) {
+      if (again && !cheap_[i].patch.empty() &&
+          (error > scene_.force_relative || touches_late(cheap_[i]))) {
         outside.push_back(i);
       } else {
         good_[i] = cheap_[i];
@@ -116,10 +120,26 @@ class Territory {
     return cheap_[i].indentation.sample.size() > 1;
   }
 
+  // Whether ratios of others may scale the cheap press.
+  [[nodiscard]] bool is_like_others(std::size_t i) const {
+    return is_guide(cheap_[i].indentation) && !touches_late(cheap_[i]);
+  }
+
+  // Vertices about whose response neither the cheap press nor neighbours say anything.
+  [[nodiscard]] std::vector<std::size_t> only_by_solving() const {
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < vertex_.size(); ++i) {
+      if (!cheap_[i].patch.empty() && !is_like_others(i)) {
+        which.push_back(i);
+      }
+    }
+    return which;
+  }
+
   // Infinite where only a solve can tell.
   [[nodiscard]] double expected_error(std::size_t i,
                                       std::span<const double> left_out) const {
-    return field_.size() < 2 || !is_guide(cheap_[i].indentation)
+    return field_.size() < 2
                ? std::numeric_limits<double>::infinity()
                : field_.error_at(vertex_[i], cheap_[i].indentation, left_out);
   }
@@ -136,7 +156,9 @@ class Territory {
     fault_point(FaultPlace::kInterpolation, vertex_[i], response.force_n);
     response.flags = static_cast<std::uint8_t>(
         (response.flags & ~(kErrorOverBudget | kCoarseContact)) |
-        (response.error_relative > scene_.force_relative ? kErrorOverBudget : 0));
+        (response.error_relative > scene_.force_relative || cheap.reaches_elsewhere
+             ? kErrorOverBudget
+             : 0));
     return response;
   }
 
@@ -151,7 +173,7 @@ class Territory {
       const auto i = static_cast<std::size_t>(
           std::lower_bound(vertex_.begin(), vertex_.end(), node.vertex) -
           vertex_.begin());
-      if (node.failure.empty() && touches(i)) {
+      if (node.failure.empty() && is_like_others(i)) {
         take_ratio(i, node);
       }
       good_[i] = std::move(node);
@@ -163,9 +185,6 @@ class Territory {
   // ratio stays as it is.
   void take_ratio(std::size_t i, PressedNode& node) {
     const Indentation& cheap = cheap_[i].indentation;
-    if (!is_guide(cheap)) {
-      return;
-    }
     auto ratio = path_ratio(node.indentation, node.linear);
     if (ratio) {
       fault_point(
@@ -187,7 +206,7 @@ class Territory {
                                  std::numeric_limits<double>::infinity());
     const auto take = [&](std::size_t chosen) {
       for (std::size_t i = 0; i < vertex_.size(); ++i) {
-        if (touches(i) && touches(chosen)) {
+        if (is_like_others(i) && is_like_others(chosen)) {
           distance[i] =
               std::min(distance[i],
                        field_.distance_m(vertex_[i], cheap_[i].indentation,
@@ -206,7 +225,7 @@ class Territory {
       double most = 0.0;
       for (std::size_t i = 0; i < vertex_.size(); ++i) {
         const double worth = distance[i] * (error.empty() ? 1.0 : error[i]);
-        if (!good_[i] && touches(i) && worth > most) {
+        if (!good_[i] && is_like_others(i) && worth > most) {
           best = i;
           most = worth;
         }
