@@ -12,6 +12,7 @@
 #include "precompute/coarsen_surface.h"
 #include "precompute/longest_edge.h"
 #include "precompute/machine_memory.h"
+#include "precompute/press_cost.h"
 #include "precompute/subdivide.h"
 #include "precompute/tetrahedralise.h"
 #include "precompute/tool_surface.h"
@@ -151,8 +152,32 @@ Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
   return K;
 }
 
+namespace {
+
+// Unknowns of the mesh's near nodes; none where they are most of all.
+std::vector<std::int64_t> near_unknowns(const BodyModel& model, const IsNear& near) {
+  constexpr double kMost = 0.6;
+  std::vector<std::int64_t> unknowns;
+  for (Eigen::Index node = 0; near && node < model.mesh.position_m.rows(); ++node) {
+    if (near(model.mesh.position_m.row(node).transpose())) {
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const std::int64_t dof =
+            model.supports.free_index[static_cast<std::size_t>(3 * node + axis)];
+        if (dof >= 0) {
+          unknowns.push_back(dof);
+        }
+      }
+    }
+  }
+  const bool most = static_cast<double>(unknowns.size()) >
+                    kMost * static_cast<double>(model.supports.free);
+  return most ? std::vector<std::int64_t>{} : unknowns;
+}
+
+}  // namespace
+
 BodyModel make_body_model(const Scene& scene, const BodySource& body,
-                          const SurfaceMesh& surface) {
+                          const SurfaceMesh& surface, const IsNear& near) {
   require_memory(surface.triangle.rows());
   BodyModel model;
   const TetMesh tets = tetrahedralise(surface, {}, body.inner);
@@ -165,7 +190,8 @@ BodyModel make_body_model(const Scene& scene, const BodySource& body,
   model.contact = make_contact_surface(model.mesh);
   model.contact_spacing_m = 0.5 * mean_edge_m(surface);
   model.factor.emplace(
-      reduce(scene_stiffness(scene, model.mesh, model.material), model.supports));
+      reduce(scene_stiffness(scene, model.mesh, model.material), model.supports),
+      near_unknowns(model, near));
   return model;
 }
 
@@ -211,9 +237,19 @@ BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                             std::span<const std::int32_t> vertices,
                             const ContactFocus& focus) {
   const auto wanted = wanted_edges(body.surface, vertices, focus);
+  // What the tool touches and what strains around it: two contact radii more.
+  const EdgeLength beyond = wanted_edges(
+      body.surface, vertices,
+      {.growth = 1.0,
+       .finest_m = 0.0,
+       .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m) +
+                 2.0 * focus.contact_m});
   const auto model_on = [&](const SurfaceMesh& surface) {
     BodyModel model = make_body_model(
-        scene, body, refine_longest_edge(surface, wanted, 4 * kMostTriangles));
+        scene, body, refine_longest_edge(surface, wanted, 4 * kMostTriangles),
+        [&](const Eigen::Vector3d& p) {
+          return beyond(p) <= 0.0;
+        });
     model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
     return model;
   };

@@ -1,7 +1,9 @@
 #include "precompute/cholesky_factor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 
 #include <cholmod.h>
 #include <fmt/format.h>
@@ -54,25 +56,151 @@ cholmod_sparse view(const Stiffness& lower) {
   return A;
 }
 
+// METIS draws from the process's one random sequence: two orderings at a time would
+// share it out between them by chance.
+std::mutex& ordering_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+using Permutation = std::vector<SuiteSparse_long>;
+
+// METIS' order with the near unknowns moved to the end, and both parts in postorder of
+// the elimination tree, as supernodes need it. Empty if CHOLMOD fails.
+Permutation near_last(cholmod_sparse& A, std::span<const std::int64_t> near,
+                      cholmod_common& c) {
+  const std::size_t n = A.nrow;
+  std::vector<char> is_near(n, 0);
+  for (const std::int64_t i : near) {
+    is_near[static_cast<std::size_t>(i)] = 1;
+  }
+  const auto far_first = [&](Permutation& order) {
+    std::stable_partition(order.begin(), order.end(), [&](SuiteSparse_long i) {
+      return is_near[static_cast<std::size_t>(i)] == 0;
+    });
+  };
+  Permutation order(n);
+  {
+    const std::lock_guard lock(ordering_mutex());
+    if (cholmod_l_metis(&A, nullptr, 0, 1, order.data(), &c) == 0) {
+      return {};
+    }
+  }
+  far_first(order);
+  Permutation parent(n);
+  Permutation post(n);
+  Permutation count(n);
+  Permutation first(n);
+  Permutation level(n);
+  if (cholmod_l_analyze_ordering(&A, CHOLMOD_GIVEN, order.data(), nullptr, 0,
+                                 parent.data(), post.data(), count.data(), first.data(),
+                                 level.data(), &c) == 0) {
+    return {};
+  }
+  Permutation ordered(n);
+  std::transform(post.begin(), post.end(), ordered.begin(), [&](SuiteSparse_long i) {
+    return order[static_cast<std::size_t>(i)];
+  });
+  far_first(ordered);
+  return ordered;
+}
+
+cholmod_factor* analyse(cholmod_sparse& A, std::span<const std::int64_t> near,
+                        cholmod_common& c) {
+  if (near.empty()) {
+    const std::lock_guard lock(ordering_mutex());
+    return cholmod_l_analyze(&A, &c);
+  }
+  Permutation order = near_last(A, near, c);
+  if (order.empty()) {
+    return nullptr;
+  }
+  c.method[0].ordering = CHOLMOD_GIVEN;
+  c.postorder = 0;
+  return cholmod_l_analyze_p(&A, order.data(), nullptr, 0, &c);
+}
+
+Eigen::MatrixXd solved(cholmod_factor* factor, const Eigen::MatrixXd& B) {
+  thread_local Common common;  // a workspace per thread; the factor is only read
+  cholmod_dense b{};
+  b.nrow = static_cast<std::size_t>(B.rows());
+  b.ncol = static_cast<std::size_t>(B.cols());
+  b.nzmax = b.nrow * b.ncol;
+  b.d = b.nrow;
+  b.x = const_cast<double*>(B.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, factor, &b, &common.c);
+  if (x == nullptr) {
+    throw NumericalError(
+        fmt::format("out of memory in a solve with {} right-hand sides", B.cols()));
+  }
+  Eigen::MatrixXd X =
+      Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(x->x), B.rows(), B.cols());
+  cholmod_l_free_dense(&x, &common.c);
+  return X;
+}
+
+// The last supernodes of a factor, as a factor of their own: the trailing block of L is
+// the factor of the near unknowns' Schur complement. Shares the numbers.
+struct LastSupernodes {
+  cholmod_factor factor{};
+  std::vector<SuiteSparse_long> super, pi, px, s, perm;
+
+  LastSupernodes(const cholmod_factor& whole, std::size_t columns) {
+    const auto* all_super = static_cast<const SuiteSparse_long*>(whole.super);
+    const auto* all_pi = static_cast<const SuiteSparse_long*>(whole.pi);
+    const auto* all_px = static_cast<const SuiteSparse_long*>(whole.px);
+    const auto* all_s = static_cast<const SuiteSparse_long*>(whole.s);
+    // The supernode that holds the first of the last columns.
+    const auto wanted = static_cast<SuiteSparse_long>(whole.n - columns);
+    const std::size_t from =
+        static_cast<std::size_t>(
+            std::upper_bound(all_super, all_super + whole.nsuper + 1, wanted) -
+            all_super) -
+        1;
+    const SuiteSparse_long first = all_super[from];
+    for (std::size_t k = from; k <= whole.nsuper; ++k) {
+      super.push_back(all_super[k] - first);
+      pi.push_back(all_pi[k] - all_pi[from]);
+      px.push_back(all_px[k]);
+    }
+    for (SuiteSparse_long k = all_pi[from]; k < all_pi[whole.nsuper]; ++k) {
+      s.push_back(all_s[k] - first);
+    }
+    perm.resize(whole.n - static_cast<std::size_t>(first));
+    std::iota(perm.begin(), perm.end(), SuiteSparse_long{0});
+    factor = whole;
+    factor.n = perm.size();
+    factor.minor = factor.n;
+    factor.nsuper = super.size() - 1;
+    factor.ssize = s.size();
+    factor.super = super.data();
+    factor.pi = pi.data();
+    factor.px = px.data();
+    factor.s = s.data();
+    factor.Perm = perm.data();
+    factor.IPerm = nullptr;
+    factor.ordering = CHOLMOD_NATURAL;
+  }
+};
+
 }  // namespace
 
 struct CholeskyFactor::Impl {
   Common common;
   cholmod_factor* factor = nullptr;
+  std::unique_ptr<LastSupernodes> near;
+  std::vector<std::int64_t> near_row;
   ~Impl() { cholmod_l_free_factor(&factor, &common.c); }
 };
 
-CholeskyFactor::CholeskyFactor(const Stiffness& lower)
+CholeskyFactor::CholeskyFactor(const Stiffness& lower,
+                               std::span<const std::int64_t> near)
     : impl_(std::make_unique<Impl>()) {
   cholmod_common& c = impl_->common.c;
   cholmod_sparse A = view(lower);
-  {
-    // METIS draws from the process's one random sequence: two orderings at a time would
-    // share it out between them by chance.
-    static std::mutex ordering;
-    const std::lock_guard lock(ordering);
-    impl_->factor = cholmod_l_analyze(&A, &c);
-  }
+  impl_->factor = analyse(A, near, c);
   if (impl_->factor == nullptr) {
     throw NumericalError(fmt::format(
         "the stiffness matrix of {} unknowns could not be ordered: out of memory",
@@ -102,6 +230,28 @@ CholeskyFactor::CholeskyFactor(const Stiffness& lower)
         "in "
         "fewer than three points that are not in a line");
   }
+  if (!near.empty()) {
+    impl_->near = std::make_unique<LastSupernodes>(*impl_->factor, near.size());
+    const std::size_t first = impl_->factor->n - impl_->near->factor.n;
+    const auto* order = static_cast<const SuiteSparse_long*>(impl_->factor->Perm);
+    impl_->near_row.assign(impl_->factor->n, -1);
+    for (std::size_t k = first; k < impl_->factor->n; ++k) {
+      impl_->near_row[static_cast<std::size_t>(order[k])] =
+          static_cast<std::int64_t>(k - first);
+    }
+  }
+}
+
+const std::vector<std::int64_t>& CholeskyFactor::near_row() const {
+  return impl_->near_row;
+}
+
+Eigen::Index CholeskyFactor::near_size() const {
+  return impl_->near ? static_cast<Eigen::Index>(impl_->near->factor.n) : 0;
+}
+
+Eigen::MatrixXd CholeskyFactor::solve_near(const Eigen::MatrixXd& B) const {
+  return solved(&impl_->near->factor, B);
 }
 
 CholeskyFactor::~CholeskyFactor() = default;
@@ -117,24 +267,7 @@ std::int64_t CholeskyFactor::factor_nonzeros() const {
 }
 
 Eigen::MatrixXd CholeskyFactor::solve(const Eigen::MatrixXd& B) const {
-  thread_local Common common;  // a workspace per thread; the factor is only read
-  cholmod_dense b{};
-  b.nrow = static_cast<std::size_t>(B.rows());
-  b.ncol = static_cast<std::size_t>(B.cols());
-  b.nzmax = b.nrow * b.ncol;
-  b.d = b.nrow;
-  b.x = const_cast<double*>(B.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-  b.xtype = CHOLMOD_REAL;
-  b.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, impl_->factor, &b, &common.c);
-  if (x == nullptr) {
-    throw NumericalError(
-        fmt::format("out of memory in a solve with {} right-hand sides", B.cols()));
-  }
-  Eigen::MatrixXd X =
-      Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(x->x), B.rows(), B.cols());
-  cholmod_l_free_dense(&x, &common.c);
-  return X;
+  return solved(impl_->factor, B);
 }
 
 }  // namespace palpate

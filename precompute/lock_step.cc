@@ -1,6 +1,8 @@
 #include "precompute/lock_step.h"
 
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include <boost/coroutine2/coroutine.hpp>
 
@@ -17,19 +19,48 @@ struct Request {
   Eigen::VectorXd result;
 };
 
-void scatter(const Request& request, Eigen::Ref<Eigen::VectorXd> column) {
+// Where unknowns stand in a solve: of all of them, or of the near ones alone.
+class Rows {
+ public:
+  Rows(const CholeskyFactor& factor, bool near) : factor_(factor), near_(near) {}
+  [[nodiscard]] std::int64_t of(std::int64_t dof) const {
+    return near_ ? factor_.near_row()[static_cast<std::size_t>(dof)] : dof;
+  }
+  [[nodiscard]] Eigen::Index count() const {
+    return near_ ? factor_.near_size() : factor_.size();
+  }
+  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const {
+    return near_ ? factor_.solve_near(B) : factor_.solve(B);
+  }
+
+ private:
+  const CholeskyFactor& factor_;
+  bool near_;
+};
+
+bool is_near(const CholeskyFactor& factor, const Request& request) {
+  const std::vector<std::int64_t>& row = factor.near_row();
+  return !row.empty() && request.dof.size() <= row.size() &&
+         std::all_of(request.dof.begin(), request.dof.end(), [&](std::int64_t dof) {
+           return dof < 0 || row[static_cast<std::size_t>(dof)] >= 0;
+         });
+}
+
+void scatter(const Request& request, const Rows& rows,
+             Eigen::Ref<Eigen::VectorXd> column) {
   for (std::size_t i = 0; i < request.dof.size(); ++i) {
     if (request.dof[i] >= 0) {
-      column[request.dof[i]] = (*request.source)[static_cast<Eigen::Index>(i)];
+      column[rows.of(request.dof[i])] = (*request.source)[static_cast<Eigen::Index>(i)];
     }
   }
 }
 
-void gather(const Eigen::Ref<const Eigen::VectorXd>& column, Request& request) {
+void gather(const Eigen::Ref<const Eigen::VectorXd>& column, const Rows& rows,
+            Request& request) {
   request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
   for (std::size_t i = 0; i < request.dof.size(); ++i) {
     request.result[static_cast<Eigen::Index>(i)] =
-        request.dof[i] >= 0 ? column[request.dof[i]] : 0.0;
+        request.dof[i] >= 0 ? column[rows.of(request.dof[i])] : 0.0;
   }
 }
 
@@ -39,14 +70,18 @@ struct Running {
 };
 
 void serve(const CholeskyFactor& factor, const std::vector<Running*>& waiting) {
+  const Rows rows(factor,
+                  std::all_of(waiting.begin(), waiting.end(), [&](const Running* r) {
+                    return is_near(factor, r->request);
+                  }));
   Eigen::MatrixXd B =
-      Eigen::MatrixXd::Zero(factor.size(), static_cast<Eigen::Index>(waiting.size()));
+      Eigen::MatrixXd::Zero(rows.count(), static_cast<Eigen::Index>(waiting.size()));
   for (std::size_t k = 0; k < waiting.size(); ++k) {
-    scatter(waiting[k]->request, B.col(static_cast<Eigen::Index>(k)));
+    scatter(waiting[k]->request, rows, B.col(static_cast<Eigen::Index>(k)));
   }
-  const Eigen::MatrixXd X = factor.solve(B);
+  const Eigen::MatrixXd X = rows.solve(B);
   for (std::size_t k = 0; k < waiting.size(); ++k) {
-    gather(X.col(static_cast<Eigen::Index>(k)), waiting[k]->request);
+    gather(X.col(static_cast<Eigen::Index>(k)), rows, waiting[k]->request);
   }
 }
 
@@ -55,9 +90,10 @@ void serve(const CholeskyFactor& factor, const std::vector<Running*>& waiting) {
 RestSolve single_solves(const CholeskyFactor& factor) {
   return [&factor](std::span<const std::int64_t> dof, const Eigen::VectorXd& source) {
     Request request{.dof = dof, .source = &source, .result = {}};
-    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(factor.size(), 1);
-    scatter(request, b.col(0));
-    gather(factor.solve(b).col(0), request);
+    const Rows rows(factor, is_near(factor, request));
+    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(rows.count(), 1);
+    scatter(request, rows, b.col(0));
+    gather(rows.solve(b).col(0), rows, request);
     return std::move(request.result);
   };
 }

@@ -163,6 +163,34 @@ Stiffness reduce(const Stiffness& lower, const Supports& supports) {
   return K;
 }
 
+Supports near_supports(const CholeskyFactor& factor, const Supports& supports,
+                       const ContactSurface& surface,
+                       std::span<const std::int32_t> nodes) {
+  const std::vector<std::int64_t>& row = factor.near_row();
+  if (row.empty()) {
+    return {};
+  }
+  Supports near = supports;
+  near.free = factor.near_size();
+  constexpr std::int64_t kFar = -2;
+  for (std::int64_t& dof : near.free_index) {
+    if (dof >= 0) {
+      const std::int64_t at = row[static_cast<std::size_t>(dof)];
+      dof = at >= 0 ? at : kFar;
+    }
+  }
+  for (const std::int32_t v : nodes) {
+    for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (free_index(near, entry.node, axis) == kFar) {
+          return {};
+        }
+      }
+    }
+  }
+  return near;
+}
+
 SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      const Supports& supports,
                                      const ContactSurface& surface,
@@ -177,6 +205,9 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
   }
   value_.assign(neighbour_.size(), 0.0);
 
+  const Supports near_ones = near_supports(factor, supports, surface, nodes);
+  const bool is_near = !near_ones.free_index.empty();
+  const Supports& unknowns = is_near ? near_ones : supports;
   std::atomic<std::size_t> done = 0;
   std::mutex reporting;
   const auto solve_block = [&](std::size_t first) {
@@ -192,19 +223,19 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
       return;
     }
     Eigen::MatrixXd B =
-        Eigen::MatrixXd::Zero(factor.size(), static_cast<Eigen::Index>(count));
+        Eigen::MatrixXd::Zero(unknowns.free, static_cast<Eigen::Index>(count));
     for (std::size_t k = 0; k < count; ++k) {
-      add_load(surface.node[static_cast<std::size_t>(nodes[first + k])], supports,
+      add_load(surface.node[static_cast<std::size_t>(nodes[first + k])], unknowns,
                B.col(static_cast<Eigen::Index>(k)));
     }
-    const Eigen::MatrixXd X = factor.solve(B);
+    const Eigen::MatrixXd X = is_near ? factor.solve_near(B) : factor.solve(B);
     for (std::size_t k = 0; k < count; ++k) {
       const auto v = static_cast<std::size_t>(nodes[first + k]);
       for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
         const auto w =
             static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)]);
         value_[static_cast<std::size_t>(at)] = average_displacement(
-            surface.node[w], supports, X.col(static_cast<Eigen::Index>(k)));
+            surface.node[w], unknowns, X.col(static_cast<Eigen::Index>(k)));
       }
     }
     done += count;
