@@ -23,6 +23,14 @@ BlockMatrix::BlockMatrix(std::int32_t nodes, const NodeGroups& groups)
     begin_.push_back(static_cast<std::int64_t>(column_.size()));
   }
   value_.assign(9 * column_.size(), 0.0);
+  for (Eigen::Index g = 0; g < groups_.rows(); ++g) {
+    for (Eigen::Index i = 0; i < groups_.cols(); ++i) {
+      for (Eigen::Index j = 0; j < groups_.cols(); ++j) {
+        const bool lower = groups_(g, j) <= groups_(g, i);
+        slot_.push_back(lower ? slot(groups_(g, i), groups_(g, j)) : -1);
+      }
+    }
+  }
 }
 
 void BlockMatrix::scale(double factor) {
@@ -38,11 +46,12 @@ std::int64_t BlockMatrix::slot(std::int32_t a, std::int32_t b) const {
 }
 
 void BlockMatrix::add(Eigen::Index group, const Eigen::Ref<const Eigen::MatrixXd>& K) {
-  for (Eigen::Index i = 0; i < groups_.cols(); ++i) {
-    for (Eigen::Index j = 0; j < groups_.cols(); ++j) {
-      if (groups_(group, j) <= groups_(group, i)) {
-        const std::int64_t at = slot(groups_(group, i), groups_(group, j));
-        Eigen::Map<Eigen::Matrix3d>(value_.data() + 9 * at) +=
+  const Eigen::Index n = groups_.cols();
+  auto at = slot_.begin() + group * n * n;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j, ++at) {
+      if (*at >= 0) {
+        Eigen::Map<Eigen::Matrix3d>(value_.data() + 9 * *at) +=
             K.block<3, 3>(3 * i, 3 * j);
       }
     }

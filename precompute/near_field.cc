@@ -15,17 +15,10 @@ namespace {
 // them.
 constexpr double kNegligible = 0.01;  // [-] of the mean diagonal
 
-void clip_negative(ElementMatrix& stiffness) {
+bool is_definite(const ElementMatrix& stiffness) {
   ElementMatrix shifted = stiffness;
   shifted.diagonal().array() += kNegligible * stiffness.diagonal().mean();
-  if (Eigen::LLT<ElementMatrix>(shifted).info() == Eigen::Success) {
-    return;
-  }
-  const Eigen::SelfAdjointEigenSolver<ElementMatrix> eigen(stiffness);
-  if (eigen.eigenvalues()[0] < 0.0) {
-    stiffness = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-                eigen.eigenvectors().transpose();
-  }
+  return Eigen::LLT<ElementMatrix>(shifted).info() == Eigen::Success;
 }
 
 void sort_unique(std::vector<std::int32_t>& list) {
@@ -117,10 +110,10 @@ void NearField::linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n,
   change_.multiply_add(u_m, force_n);
   for (Eigen::Index e = 0; e < element_.rows(); ++e) {
     const auto i = static_cast<std::size_t>(e);
-    ElementResponse response = element_response(
-        geometry_[i], materials_[static_cast<std::size_t>(region_[i])], gather(e, u_m));
-    if (convex) {
-      clip_negative(response.stiffness);
+    const Material& material = materials_[static_cast<std::size_t>(region_[i])];
+    ElementResponse response = element_response(geometry_[i], material, gather(e, u_m));
+    if (convex && !is_definite(response.stiffness)) {
+      response = element_response(geometry_[i], material, gather(e, u_m), true);
     }
     change_.add(e, response.stiffness);
     for (Eigen::Index j = 0; j < 10; ++j) {

@@ -54,8 +54,8 @@ class NearField {
   [[nodiscard]] double excess_energy_j(const Eigen::VectorXd& u_m) const;
 
   /// Adds d(excess)/du to `force` (3 m) and sets `change` to d2(excess)/du2.
-  /// @param convex every element's tangent is replaced by the nearest one without
-  /// negative eigenvalues (Teran et al. 2005), along which a step always descends.
+  /// @param convex tangents of elements that have negative eigenvalues are replaced by
+  /// such without (element_response), along which a step always descends.
   void linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n, bool convex);
   /// y += (K(u) - K(0)) x of the last linearise().
   void add_change(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {

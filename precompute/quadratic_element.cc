@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <fmt/format.h>
 
@@ -68,6 +70,15 @@ void mirror(ElementMatrix& K) {
   }
 }
 
+void clip_negative(Tangent& tangent) {
+  if (Eigen::LLT<Tangent>(tangent).info() == Eigen::Success) {
+    return;
+  }
+  const Eigen::SelfAdjointEigenSolver<Tangent> eigen(tangent);
+  tangent = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+            eigen.eigenvectors().transpose();
+}
+
 double mean_theta(VolumeMeasure measure, const std::array<Eigen::Matrix3d, 4>& F) {
   double sum = 0.0;
   for (const Eigen::Matrix3d& F_q : F) {
@@ -129,7 +140,8 @@ double element_energy(const ElementGeometry& geometry, const Material& material,
 }
 
 ElementResponse element_response(const ElementGeometry& geometry,
-                                 const Material& material, const ElementVector& u_m) {
+                                 const Material& material, const ElementVector& u_m,
+                                 bool convex) {
   ElementResponse response{.force_n = ElementVector::Zero(),
                            .stiffness = ElementMatrix::Zero()};
   const std::array<Eigen::Matrix3d, 4> F = all_gradients(geometry, u_m);
@@ -147,6 +159,9 @@ ElementResponse element_response(const ElementGeometry& geometry,
       add_force(geometry.gradient[q], volume.gradient, weight, d_theta);
       local.stress += k * theta * volume.gradient;
       local.tangent += k * theta * volume.curvature;
+    }
+    if (convex) {
+      clip_negative(local.tangent);
     }
     add_force(geometry.gradient[q], local.stress, weight, response.force_n);
     add_stiffness(geometry.gradient[q], local.tangent, weight, response.stiffness);

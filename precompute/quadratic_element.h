@@ -41,9 +41,12 @@ struct ElementResponse {
 [[nodiscard]] double element_energy(const ElementGeometry& geometry,
                                     const Material& material, const ElementVector& u_m);
 
+/// @param convex negative eigenvalues of the laws' tangents (9 x 9) are set to zero at
+/// each of the four points (Teran et al. 2005): the stiffness has none then.
 [[nodiscard]] ElementResponse element_response(const ElementGeometry& geometry,
                                                const Material& material,
-                                               const ElementVector& u_m);
+                                               const ElementVector& u_m,
+                                               bool convex = false);
 
 /// Largest Frobenius norm of the displacement gradient at the four points [-].
 [[nodiscard]] double largest_gradient(const ElementGeometry& geometry,

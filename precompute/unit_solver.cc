@@ -39,21 +39,55 @@ class Territory {
         solver_(solver),
         tool_(tool),
         vertex_(unit.vertex),
-        cheap_(solver.cheap(tool, unit.vertex)),
+        cheap_(unit.vertex.size()),
         good_(unit.vertex.size()),
         field_(body.surface, body.normal, contact_focus(scene, body).contact_m) {}
 
-  void solve_all() {
-    std::vector<std::size_t> all(vertex_.size());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      all[i] = i;
+  void press_cheap() { cheap_ = solver_.cheap(tool_, vertex_); }
+
+  void solve_all() { solve(unsolved()); }
+
+  // Without cheap presses: for those that cost about as much as good ones and are wanted
+  // only where others can be interpolated.
+  void solve_all_alone() { solve_alone(unsolved()); }
+
+  // A few good presses tell whether the others can be interpolated from them; only then
+  // are cheap ones worth their time.
+  void solve_few_first() {
+    solve_alone(far_apart(kFirstSamples));
+    RatioField trial(body_.surface, body_.normal, contact_focus(scene_, body_).contact_m);
+    bool alike = true;
+    for (const auto& node : good_) {
+      if (node) {
+        auto ratio = path_ratio(node->indentation, node->linear);
+        alike = alike && node->failure.empty() && ratio;
+        if (alike) {
+          trial.add(node->vertex, node->linear, std::move(ratio));
+        }
+      }
     }
-    solve(all);
+    const std::vector<double> error = trial.leave_one_out();
+    if (!alike || !(*std::max_element(error.begin(), error.end()) <
+                    scene_.force_relative)) {
+      solve_alone(unsolved());
+      return;
+    }
+    press_cheap();
+    for (std::size_t i = 0; i < good_.size(); ++i) {
+      if (good_[i] && is_like_others(i)) {
+        take_ratio(i, *good_[i]);
+      }
+    }
+    solve_until_within_budget();
   }
 
   void solve_within_budget() {
     solve(only_by_solving());
     solve(farthest(kFirstSamples, {}));
+    solve_until_within_budget();
+  }
+
+  void solve_until_within_budget() {
     while (true) {
       const std::vector<double> left_out = field_.leave_one_out();
       std::vector<double> error(vertex_.size(), 0.0);
@@ -170,14 +204,60 @@ class Territory {
     }
     std::sort(vertices.begin(), vertices.end());
     for (PressedNode& node : solver_.good(tool_, vertices)) {
-      const auto i = static_cast<std::size_t>(
-          std::lower_bound(vertex_.begin(), vertex_.end(), node.vertex) -
-          vertex_.begin());
+      const std::size_t i = index_of(node.vertex);
       if (node.failure.empty() && is_like_others(i)) {
         take_ratio(i, node);
       }
       good_[i] = std::move(node);
     }
+  }
+
+  [[nodiscard]] std::vector<std::size_t> unsolved() const {
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < good_.size(); ++i) {
+      if (!good_[i]) {
+        which.push_back(i);
+      }
+    }
+    return which;
+  }
+
+  void solve_alone(const std::vector<std::size_t>& which) {
+    std::vector<std::int32_t> vertices;
+    for (const std::size_t i : which) {
+      vertices.push_back(vertex_[i]);
+    }
+    std::sort(vertices.begin(), vertices.end());
+    for (PressedNode& node : solver_.good(tool_, vertices)) {
+      good_[index_of(node.vertex)] = std::move(node);
+    }
+  }
+
+  [[nodiscard]] std::size_t index_of(std::int32_t vertex) const {
+    return static_cast<std::size_t>(
+        std::lower_bound(vertex_.begin(), vertex_.end(), vertex) - vertex_.begin());
+  }
+
+  // The first vertex, and each time the farthest from those before.
+  [[nodiscard]] std::vector<std::size_t> far_apart(std::size_t count) const {
+    std::vector<std::size_t> chosen{0};
+    const auto apart_m = [&](std::size_t i) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const std::size_t c : chosen) {
+        least = std::min(least, (body_.surface.position_m.row(vertex_[i]) -
+                                 body_.surface.position_m.row(vertex_[c]))
+                                    .norm());
+      }
+      return least;
+    };
+    while (chosen.size() < std::min(count, vertex_.size())) {
+      std::size_t best = 0;
+      for (std::size_t i = 1; i < vertex_.size(); ++i) {
+        best = apart_m(i) > apart_m(best) ? i : best;
+      }
+      chosen.push_back(best);
+    }
+    return chosen;
   }
 
   // What a good press says about its neighbours; its own path becomes the cheap one
@@ -317,11 +397,20 @@ UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
   UnitOutcome outcome{.index = unit.index, .is_check = false, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     Territory territory(scene, body, solver, body.tool[t], unit);
+    const bool own_meshes = !approach.shared_mesh && !approach.cut_out;
     if (approach.cheap_is_good) {
+      territory.press_cheap();
       territory.keep_cheap_within_budget(approach.graded && approach.shared_mesh);
+    } else if (solve_all && own_meshes) {
+      territory.solve_all_alone();
     } else if (solve_all) {
+      territory.press_cheap();
       territory.solve_all();
+    } else if (own_meshes &&
+               unit.vertex.size() <= expected_samples(scene.force_relative)) {
+      territory.solve_few_first();
     } else {
+      territory.press_cheap();
       territory.solve_within_budget();
     }
     territory.answer(static_cast<std::int32_t>(t), outcome.node);
