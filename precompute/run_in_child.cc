@@ -166,6 +166,8 @@ ChildResult run_in_child(const std::function<std::vector<char>()>& work,
   }
   const int status = wait_for(pid);
   result.done = in_time && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  result.at_limit =
+      !in_time || (WIFEXITED(status) && WEXITSTATUS(status) == kOutOfMemory);
   if (!in_time) {
     result.failure = fmt::format("it took longer than {:.3g} s", limits.time_s);
   } else if (!result.done) {

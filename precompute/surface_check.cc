@@ -70,21 +70,11 @@ bool degenerate(const SurfaceMesh& mesh, Eigen::Index t) {
   return !(a.cross(b).norm() > 1e-10 * longest2);
 }
 
-double smallest_angle(const SurfaceMesh& mesh, Eigen::Index t) {
-  double smallest = std::numbers::pi;
-  for (int j = 0; j < 3; ++j) {
-    const Eigen::Vector3d a = corner_m(mesh, t, j + 1) - corner_m(mesh, t, j);
-    const Eigen::Vector3d b = corner_m(mesh, t, j + 2) - corner_m(mesh, t, j);
-    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
-  }
-  return smallest;
-}
-
 void find_triangle_defects(const SurfaceMesh& mesh, SurfaceReport& report) {
   report.smallest_angle_rad = std::numbers::pi / 3.0;
   for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
     report.smallest_angle_rad =
-        std::min(report.smallest_angle_rad, smallest_angle(mesh, t));
+        std::min(report.smallest_angle_rad, smallest_angle_rad(mesh, t));
     if (degenerate(mesh, t)) {
       report.degenerate_triangles.add(middle_m(mesh, t));
     }
@@ -250,6 +240,16 @@ std::string accepted_verdict(const SurfaceReport& report) {
 }
 
 }  // namespace
+
+double smallest_angle_rad(const SurfaceMesh& mesh, Eigen::Index t) {
+  double smallest = std::numbers::pi;
+  for (int j = 0; j < 3; ++j) {
+    const Eigen::Vector3d a = corner_m(mesh, t, j + 1) - corner_m(mesh, t, j);
+    const Eigen::Vector3d b = corner_m(mesh, t, j + 2) - corner_m(mesh, t, j);
+    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
+  }
+  return smallest;
+}
 
 void SurfaceDefect::add(const Eigen::Vector3d& at_m) {
   ++count;

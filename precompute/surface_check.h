@@ -52,6 +52,9 @@ struct SurfaceReport {
   [[nodiscard]] std::string verdict() const;
 };
 
+/// Smallest of a triangle's three angles [rad].
+[[nodiscard]] double smallest_angle_rad(const SurfaceMesh& mesh, Eigen::Index triangle);
+
 /// One kind of defect: where the report holds it and how it is named.
 struct DefectKind {
   SurfaceDefect SurfaceReport::*defect;

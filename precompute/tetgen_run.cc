@@ -78,12 +78,33 @@ void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
 // Y: the surfaces are left alone; M: coplanar triangles stay apart. Dihedral angles
 // below 8 degrees are refined and above 130 swapped away, as far as the surface lets
 // them. No O for more levels of swapping: it gains nothing and never ends on needles.
-std::string switches(const TetOptions& options, double scale) {
-  std::string text = fmt::format("pYMQq{:.4f}/8o/130", options.radius_edge_max);
+std::string switches(const TetOptions& options, double scale, const TetTry& how) {
+  std::string text = "pYMQ";
+  if (how.graded) {
+    text += fmt::format("q{:.4f}", options.radius_edge_max);
+  }
+  if (how.graded && how.improved) {
+    text += "/8o/130";
+  }
   if (std::isfinite(options.edge_max_m)) {
     text += fmt::format("a{:.12f}", regular_tet_volume(scale * options.edge_max_m));
   }
   return text;
+}
+
+// Pseudo-random in [-1, 1], the same for the same index (Steele, Lea and Flood 2014).
+double noise(std::uint64_t index) {
+  std::uint64_t x = index + 0x9e3779b97f4a7c15ULL;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  x ^= x >> 31;
+  return static_cast<double>(x >> 11) * 0x1.0p-52 - 1.0;
+}
+
+void move(double by, tetgenio& in) {
+  for (int i = 0; by > 0.0 && i < 3 * in.numberofpoints; ++i) {
+    in.pointlist[i] += by * noise(static_cast<std::uint64_t>(i));
+  }
 }
 
 template <typename T>
@@ -107,15 +128,16 @@ double regular_tet_volume(double edge) {
 }
 
 std::vector<char> tetgen_run(const SurfaceMesh& surface, const TetOptions& options,
-                             double scale) {
+                             double scale, const TetTry& how) {
   tetgenio in;
   tetgenio out;
   fill_input(surface, scale, in);
+  move(how.moved, in);
   if (options.size) {
     g_size = {.options = &options, .scale = scale};
     in.tetunsuitable = &too_large;
   }
-  std::string text = switches(options, scale);
+  std::string text = switches(options, scale, how);
   Header header;
   try {
     ::tetrahedralize(text.data(), &in, &out);
@@ -143,9 +165,15 @@ TetMesh tetgen_unpack(const std::vector<char>& bytes, const TetOptions& options,
         fmt::format("tetrahedra: the wanted sizes need more than the {} allowed",
                     options.tets_max));
   }
+  constexpr int kMemory = 1;
+  constexpr int kCrossing = 3;
+  const std::string gave_up =
+      fmt::format("tetrahedra: the mesher gave up: {}", tetgen_failure(header.code));
+  if (header.code == kMemory || header.code == kCrossing) {
+    throw HopelessTry(gave_up);
+  }
   if (header.code != 0) {
-    throw NumericalError(
-        fmt::format("tetrahedra: the mesher gave up: {}", tetgen_failure(header.code)));
+    throw NumericalError(gave_up);
   }
   const std::size_t point_bytes = static_cast<std::size_t>(header.points) * 3 * 8;
   const std::size_t tet_bytes = static_cast<std::size_t>(header.tets) * 4 * 4;

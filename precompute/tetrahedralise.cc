@@ -1,8 +1,10 @@
 #include "precompute/tetrahedralise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 
 #include "formats/error.h"
 #include "precompute/run_in_child.h"
+#include "precompute/surface_check.h"
 #include "precompute/tet_regions.h"
 #include "precompute/tetgen_run.h"
 
@@ -161,6 +164,71 @@ void check_boundary(const SurfaceMesh& surface, const Walls& walls,
   }
 }
 
+constexpr std::array<TetTry, 6> kTries{{{},
+                                       {.improved = false},
+                                       {.improved = false, .moved = 1e-9},
+                                       {.improved = false, .moved = 1e-7},
+                                       {.graded = false},
+                                       {.graded = false, .moved = 1e-9}}};
+
+TetMesh filled(const SurfaceMesh& surface, const Walls& walls, const TetOptions& options,
+               const TetTry& how) {
+  const double scale = scale_to_one(surface);
+  const ChildResult result = run_in_child(
+      [&] {
+        return tetgen_run(walls.all, options, scale, how);
+      },
+      {.time_s = options.time_limit_s, .memory_bytes = options.memory_limit_bytes});
+  if (!result.done) {
+    const std::string failed =
+        fmt::format("tetrahedra: the mesher failed: {}", result.failure);
+    if (result.at_limit) {
+      throw HopelessTry(failed);
+    }
+    throw NumericalError(failed);
+  }
+  TetMesh mesh = tetgen_unpack(result.bytes, options, scale);
+  mesh.surface_vertices = surface.position_m.rows();
+  if (how.moved > 0.0 && mesh.position_m.rows() >= walls.all.position_m.rows()) {
+    mesh.position_m.topRows(walls.all.position_m.rows()) = walls.all.position_m;
+  }
+  check_vertices(walls.all, mesh);
+  TetRegions regions = tet_regions(mesh.tet, walls.inner);
+  mesh.region = std::move(regions.region);
+  check_volumes(surface, walls, regions.around, mesh);
+  const std::span hollow(walls.hollow.get(), walls.region.size());
+  if (std::find(hollow.begin(), hollow.end(), true) != hollow.end()) {
+    remove_regions(hollow, walls.all.position_m.rows(), mesh);
+  }
+  check_boundary(surface, walls, mesh);
+  return mesh;
+}
+
+// What a user can do about a surface that passes our check and does not mesh: where its
+// poorest triangle is, and the commands that make a better one.
+std::string advice(const SurfaceMesh& surface) {
+  double poorest = std::numbers::pi;
+  Eigen::Index at = 0;
+  for (Eigen::Index t = 0; t < surface.triangle.rows(); ++t) {
+    const double angle = smallest_angle_rad(surface, t);
+    if (angle < poorest) {
+      poorest = angle;
+      at = t;
+    }
+  }
+  const Eigen::Vector3d middle =
+      (surface.position_m.row(surface.triangle(at, 0)) +
+       surface.position_m.row(surface.triangle(at, 1)) +
+       surface.position_m.row(surface.triangle(at, 2)))
+          .transpose() /
+      3.0;
+  return fmt::format(
+      "the poorest triangle has an angle of {:.2g} deg and lies at ({:.6g}, {:.6g}, "
+      "{:.6g}) m: try an even surface, palpate-precompute remesh MESH -o OUT, or "
+      "--repair=safe",
+      poorest * 180.0 / std::numbers::pi, middle.x(), middle.y(), middle.z());
+}
+
 }  // namespace
 
 double estimated_tets(const SurfaceMesh& surface, const TetOptions& options) {
@@ -179,28 +247,18 @@ TetMesh tetrahedralise(const SurfaceMesh& surface, const TetOptions& options,
   check_estimate(surface, options);
   const std::vector<InnerSurface> checked = check_inner_surfaces(surface, inner);
   const Walls walls = make_walls(surface, checked);
-  const double scale = scale_to_one(surface);
-  const ChildResult result = run_in_child(
-      [&] {
-        return tetgen_run(walls.all, options, scale);
-      },
-      {.time_s = options.time_limit_s, .memory_bytes = options.memory_limit_bytes});
-  if (!result.done) {
-    throw NumericalError(
-        fmt::format("tetrahedra: the mesher failed: {}", result.failure));
+  std::string first_reason;
+  for (const TetTry& how : kTries) {
+    try {
+      return filled(surface, walls, options, how);
+    } catch (const HopelessTry& error) {
+      first_reason = first_reason.empty() ? error.what() : first_reason;
+      break;
+    } catch (const NumericalError& error) {
+      first_reason = first_reason.empty() ? error.what() : first_reason;
+    }
   }
-  TetMesh mesh = tetgen_unpack(result.bytes, options, scale);
-  mesh.surface_vertices = surface.position_m.rows();
-  check_vertices(walls.all, mesh);
-  TetRegions regions = tet_regions(mesh.tet, walls.inner);
-  mesh.region = std::move(regions.region);
-  check_volumes(surface, walls, regions.around, mesh);
-  const std::span hollow(walls.hollow.get(), walls.region.size());
-  if (std::find(hollow.begin(), hollow.end(), true) != hollow.end()) {
-    remove_regions(hollow, walls.all.position_m.rows(), mesh);
-  }
-  check_boundary(surface, walls, mesh);
-  return mesh;
+  throw NumericalError(fmt::format("{}; {}", first_reason, advice(walls.all)));
 }
 
 }  // namespace palpate

@@ -39,6 +39,11 @@ struct TetOptions {
 /// because it can abort, exit or run away; same input, same result. Several disjoint
 /// parts are all filled.
 ///
+/// Where TetGen dies or gives up, or what it made does not pass the checks, it is tried
+/// again: without improving tets, with vertices moved by 1e-9 and 1e-7 of the extent
+/// while tets are made (and put back: bit for bit as before), and without grading. The
+/// first result that passes is taken; in a failure the first reason is named.
+///
 /// Inner surfaces part the tets into regions, see TetMesh::region: each of their
 /// triangles is a face between two tets, or on the boundary if the surface is a cavity,
 /// which holds no tets. Vertices: those of the surface, those of inner[0], inner[1] and
@@ -46,7 +51,8 @@ struct TetOptions {
 /// @throws InputError if the options are out of range, the estimate is above tets_max,
 ///   or an inner surface is refused (see check_inner_surfaces()).
 /// @throws NumericalError naming TetGen's reason, or the limit that it reached, or the
-///   check of the result that failed (volume of a region to 1e-6, vertices, faces).
+///   check of the result that failed (volume of a region to 1e-6, vertices, faces), the
+///   surface's poorest triangle and what can be done about it.
 [[nodiscard]] TetMesh tetrahedralise(const SurfaceMesh& surface,
                                      const TetOptions& options = {},
                                      std::span<const InnerSurface> inner = {});
