@@ -92,11 +92,12 @@ void run_shards(const Flags& flags) {
         all.over_budget, bytes);
   }
   if (all.failed + all.truncated > 0) {
-    fmt::print(stderr,
-               "palpate-db: warning: of {} nodes {} have no response and {} only a part "
-               "of it; all others are in {}\n",
-               all.solved + all.interpolated + all.failed, all.failed, all.truncated,
-               flags.output);
+    fmt::print(
+        stderr,
+        "palpate-db: warning: of {} nodes {} have no response and {} only a part "
+        "of it; all others are in {}\n",
+        all.solved + all.interpolated + all.failed, all.failed, all.truncated,
+        flags.output);
   }
 }
 

@@ -18,9 +18,10 @@ bool is_unit(const Eigen::Vector3d& v) {
 std::string broken_sample(const NodeResponse& response) {
   const std::size_t n = response.depth_m.size();
   if (n < 2 || response.force_n.size() != n) {
-    return fmt::format("its curve has {} depths and {} forces, at least two of both "
-                       "are needed",
-                       n, response.force_n.size());
+    return fmt::format(
+        "its curve has {} depths and {} forces, at least two of both "
+        "are needed",
+        n, response.force_n.size());
   }
   if (response.depth_m.front() != 0.0 || response.force_n.front() != 0.0) {
     return fmt::format("its curve begins at {} m and {} N, must begin at 0",
@@ -29,14 +30,13 @@ std::string broken_sample(const NodeResponse& response) {
   for (std::size_t k = 0; k < n; ++k) {
     const double depth_m = response.depth_m[k];
     const double force_n = response.force_n[k];
-    if (!std::isfinite(depth_m) ||
-        (k > 0 && !(depth_m > response.depth_m[k - 1]))) {
+    if (!std::isfinite(depth_m) || (k > 0 && !(depth_m > response.depth_m[k - 1]))) {
       return fmt::format("its depth at sample {} is {} m after {} m, must be larger", k,
                          depth_m, k > 0 ? response.depth_m[k - 1] : 0.0);
     }
     if (!std::isfinite(force_n) || !(force_n >= 0.0)) {
-      return fmt::format("its force at sample {} is {} N, must be finite and at least 0",
-                         k, force_n);
+      return fmt::format(
+          "its force at sample {} is {} N, must be finite and at least 0", k, force_n);
     }
   }
   const std::size_t directions = response.sample_direction.size();

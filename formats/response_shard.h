@@ -84,7 +84,7 @@ struct Assembly {
   std::int64_t outside_reach = 0;
   std::int64_t over_budget = 0;
   std::int64_t reaching_elsewhere = 0;  ///< the tool also met another part of the body
-  std::vector<double> error;          ///< [-] estimates, ascending
+  std::vector<double> error;            ///< [-] estimates, ascending
   std::vector<double> checked;        ///< [-] errors against finer solutions, ascending
   std::vector<std::string> failures;  ///< "vertex 12, tool ball: reason"
 };

@@ -56,7 +56,7 @@ class BlockMatrix {
   std::vector<std::int64_t> begin_{0};  // (n + 1) first block of each row
   std::vector<std::int32_t> column_;    // ascending within a row
   std::vector<double> value_;           // (9 n_blocks)
-  std::vector<std::int64_t> slot_;      // of each pair of a group, -1 above the diagonal
+  std::vector<std::int64_t> slot_;  // of each pair of a group, -1 above the diagonal
   NodeGroups groups_;
 };
 

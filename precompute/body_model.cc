@@ -89,9 +89,8 @@ UniformSurface pressed_surface(const BodySource& body,
   constexpr double kGrowth = 0.5;
   // Halving leaves edges between a half and the whole of what is wanted: with this
   // their mean is twice the spacing.
-  const ContactFocus focus{.growth = kGrowth,
-                           .finest_m = 1.4 * 2.0 * spacing_m,
-                           .core_m = reach_m};
+  const ContactFocus focus{
+      .growth = kGrowth, .finest_m = 1.4 * 2.0 * spacing_m, .core_m = reach_m};
   UniformSurface fine;
   fine.surface = refine_longest_edge(
       body.surface, wanted_edges(body.surface, vertices, focus), triangles_max);
@@ -227,10 +226,10 @@ SurfaceMesh graded_surface(const Scene& scene, const BodySource& body,
                            std::span<const std::int32_t> vertices,
                            const ContactFocus& focus) {
   const auto wanted = wanted_edges(body.surface, vertices, focus);
-  return refine_longest_edge(
-      body.inner.empty() ? far_coarsened(scene, body, vertices, focus).surface
-                         : body.surface,
-      wanted, 4 * kMostTriangles);
+  return refine_longest_edge(body.inner.empty()
+                                 ? far_coarsened(scene, body, vertices, focus).surface
+                                 : body.surface,
+                             wanted, 4 * kMostTriangles);
 }
 
 BodyModel make_graded_model(const Scene& scene, const BodySource& body,

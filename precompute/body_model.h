@@ -49,8 +49,8 @@ struct UniformSurface {
     Eigen::Index triangles_max = kMostTriangles);
 
 /// The body's surface with edges halved where they are longer than contact nodes so far
-/// apart want them, within `reach_m` of the given vertices; beyond, they may grow by half
-/// of the distance. For bodies of which only a part is pressed.
+/// apart want them, within `reach_m` of the given vertices; beyond, they may grow by
+/// half of the distance. For bodies of which only a part is pressed.
 [[nodiscard]] UniformSurface pressed_surface(
     const BodySource& body, std::span<const std::int32_t> vertices, double spacing_m,
     double reach_m, Eigen::Index triangles_max = kMostTriangles);

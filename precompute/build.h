@@ -48,8 +48,8 @@ struct BuildReport {
 /// stored as failed, with its reason, and the others are written.
 /// @throws InputError if units of an earlier run are there and `resume` is not given,
 /// or they belong to another scene, body or version; as read_body() and
-/// require_meshable(), before anything is computed; NumericalError if no node at all has
-/// a response.
+/// require_meshable(), before anything is computed; NumericalError if no node at all
+/// has a response.
 BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress);
 
 }  // namespace palpate

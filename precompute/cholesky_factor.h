@@ -15,9 +15,9 @@ namespace palpate {
 /// K = L L^T of a symmetric positive definite matrix (CHOLMOD, supernodal, METIS).
 ///
 /// Near unknowns are eliminated last. Where a right-hand side acts on them alone and
-/// only their displacement is wanted, substitution begins at their first column of L and
-/// ends there: solve_near() costs what their block of L holds, whatever else the body
-/// has.
+/// only their displacement is wanted, substitution begins at their first column of L
+/// and ends there: solve_near() costs what their block of L holds, whatever else the
+/// body has.
 class CholeskyFactor {
  public:
   /// @param lower lower triangle of K. @param near unknowns, any order; none: no

@@ -179,12 +179,12 @@ void run(const Flags& flags) {
     print(report, flags, scene.force_relative);
   }
   if (options.shards == 1 && report.assembly.failed + report.assembly.truncated > 0) {
-    fmt::print(stderr,
-               "palpate-precompute: warning: of {} nodes {} have no response and {} "
-               "only a part of it; all others are in {}\n",
-               report.assembly.solved + report.assembly.interpolated +
-                   report.assembly.failed,
-               report.assembly.failed, report.assembly.truncated, flags.output);
+    fmt::print(
+        stderr,
+        "palpate-precompute: warning: of {} nodes {} have no response and {} "
+        "only a part of it; all others are in {}\n",
+        report.assembly.solved + report.assembly.interpolated + report.assembly.failed,
+        report.assembly.failed, report.assembly.truncated, flags.output);
   }
   if (flags.strict && options.shards == 1 &&
       misses_budget(report.assembly, scene.force_relative)) {

@@ -61,8 +61,8 @@ std::uint32_t morton(const Eigen::Vector3d& unit) {
   return code;
 }
 
-// Vertices that share a mesh of their own: on a liver of 1170 vertices the CPU time of a
-// linear press is 0.23 s with 1 to 4 of them, 0.31 s with 8, 0.57 s with 16, because
+// Vertices that share a mesh of their own: on a liver of 1170 vertices the CPU time of
+// a linear press is 0.23 s with 1 to 4 of them, 0.31 s with 8, 0.57 s with 16, because
 // columns and the factor's non-zeros grow together.
 constexpr double kMostInGroup = 4.0;
 
@@ -160,8 +160,8 @@ std::vector<std::vector<std::int32_t>> group_vertices(
   const double own = 2.0 * std::numbers::pi / (0.43 * focus.growth * focus.growth) *
                      (0.5 + std::log(outer / inner));
   const double size = static_cast<double>(surface.triangle.rows()) / own;
-  return in_neighbourhoods(surface, vertices,
-                           static_cast<std::size_t>(std::clamp(size, 1.0, kMostInGroup)));
+  return in_neighbourhoods(
+      surface, vertices, static_cast<std::size_t>(std::clamp(size, 1.0, kMostInGroup)));
 }
 
 std::vector<std::vector<std::int32_t>> group_presses(

@@ -45,9 +45,9 @@ Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
   return gaps;
 }
 
-// Penetration at which the first gap closes. The tool moves along the press, and so does
-// the height of its near side above every point (tool_gap.h): gaps are linear in the
-// penetration, gap(delta) = gap(0) - rate delta.
+// Penetration at which the first gap closes. The tool moves along the press, and so
+// does the height of its near side above every point (tool_gap.h): gaps are linear in
+// the penetration, gap(delta) = gap(0) - rate delta.
 double first_touch_m(const ContactSurface& surface, std::span<const std::int32_t> patch,
                      const IndentationPath& path) {
   const Gaps gaps = gaps_at(surface, patch, path, 0.0);
@@ -270,9 +270,8 @@ std::string broken_rule(const Indentation& indentation) {
         (k > 0 && !(at_m > indentation.sample[k - 1].penetration_m))) {
       return fmt::format("its penetration at sample {} is {} m, must grow", k, at_m);
     }
-    for (const double value :
-         {sample.force_n.norm(), sample.energy_j, sample.contact_radius_m,
-          sample.coarse_force_n}) {
+    for (const double value : {sample.force_n.norm(), sample.energy_j,
+                               sample.contact_radius_m, sample.coarse_force_n}) {
       if (!std::isfinite(value)) {
         return fmt::format("a force or energy at {:.4g} mm is not finite", 1e3 * at_m);
       }

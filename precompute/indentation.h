@@ -84,8 +84,8 @@ struct Indentation {
 [[nodiscard]] std::string broken_rule(const Indentation& indentation);
 
 /// The stored form: |F| against displacement along one direction, the mean of the force
-/// along the path. Origin kSimulated, or kNone where the tool met nothing, which is also
-/// so where no depth carries force.
+/// along the path. Origin kSimulated, or kNone where the tool met nothing, which is
+/// also so where no depth carries force.
 ///
 /// The curve is stored as it was pressed. Its first sample is the first touch of the
 /// path, which may be at a negative penetration (a cup touches the tool's side first),
@@ -96,9 +96,9 @@ struct Indentation {
 /// grew to the end of the patch, and where the tool also reaches elsewhere.
 ///
 /// The estimated error is half the rms difference that pressure on a mesh twice as
-/// coarse makes over the deeper half of the path, relative to the force or to a tenth of
-/// the path's largest, whichever is more: what is left at an order of 1.6. An estimate,
-/// not a bound: see the tests on Hertz's problem.
+/// coarse makes over the deeper half of the path, relative to the force or to a tenth
+/// of the path's largest, whichever is more: what is left at an order of 1.6. An
+/// estimate, not a bound: see the tests on Hertz's problem.
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -372,9 +372,8 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
                                            std::span<const std::int32_t> vertices,
                                            const ContactFocus& focus,
                                            const PressMode& mode) {
-  std::vector<PressedNode> nodes =
-      press_on_model(scene, body, make_own_model(scene, body, vertices, focus), tool,
-                     vertices, mode);
+  std::vector<PressedNode> nodes = press_on_model(
+      scene, body, make_own_model(scene, body, vertices, focus), tool, vertices, mode);
   for (PressedNode& node : nodes) {
     for (int attempt = 1; attempt <= kFinerForTouch && late_on_this_mesh(node);
          ++attempt) {
@@ -397,16 +396,15 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
       const std::span<const std::int32_t> one(&node.vertex, 1);
       PressedNode again{.vertex = node.vertex, .path = node.path};
       contain(again, [&] {
-        again = press_on_model(scene, body,
-                               make_graded_model(scene, body, one,
-                                                 coarser(focus, attempt)),
-                               tool, one, patient)
-                    .front();
+        again =
+            press_on_model(scene, body,
+                           make_graded_model(scene, body, one, coarser(focus, attempt)),
+                           tool, one, patient)
+                .front();
       });
       // A coarser mesh on which the tool meets nothing is no answer.
       const bool whole = again.failure.empty() && !touches_late(again);
-      if (whole ||
-          again.indentation.sample.size() > node.indentation.sample.size()) {
+      if (whole || again.indentation.sample.size() > node.indentation.sample.size()) {
         node = std::move(again);
       }
     }

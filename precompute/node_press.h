@@ -43,9 +43,10 @@ struct PressedNode {
 };
 
 /// Whether the mesh is too coarse for the vertex: where the tool's end has reached the
-/// vertex, at zero penetration, it touches the body, but gaps are averaged over the hats
-/// of contact nodes, and around a corner or on a spike the average lies behind. True
-/// where the first touch comes after a quarter of the largest depth, or not at all.
+/// vertex, at zero penetration, it touches the body, but gaps are averaged over the
+/// hats of contact nodes, and around a corner or on a spike the average lies behind.
+/// True where the first touch comes after a quarter of the largest depth, or not at
+/// all.
 [[nodiscard]] bool touches_late(const PressedNode& node);
 
 /// Whether the scene's materials and method ask for nonlinear solutions.
@@ -60,8 +61,8 @@ struct PressedNode {
 [[nodiscard]] NonlinearOptions nonlinear_options(const Scene& scene,
                                                  const SharedTool& tool);
 
-/// Does a part of a node's work. Whatever it throws, but Interrupted, becomes the node's
-/// failure, and what it has computed is dropped: a node's fault is its own.
+/// Does a part of a node's work. Whatever it throws, but Interrupted, becomes the
+/// node's failure, and what it has computed is dropped: a node's fault is its own.
 void contain(PressedNode& node, const std::function<void()>& work);
 
 /// Drops what a node has computed where a number of it breaks a rule (broken_rule), and
@@ -86,9 +87,10 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
                   PressedNode& node);
 
 /// Corrects linear presses by the nonlinear body's response at some of their depths:
-/// the difference of the force vectors, relative to the linear force, is interpolated in
-/// between and zero at first touch. Every depth is solved if `every_depth`, and where
-/// the linear press is no guide (is_guide). Nodes go in lock step, blocks of at most 32.
+/// the difference of the force vectors, relative to the linear force, is interpolated
+/// in between and zero at first touch. Every depth is solved if `every_depth`, and
+/// where the linear press is no guide (is_guide). Nodes go in lock step, blocks of at
+/// most 32.
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
                      std::span<PressedNode> nodes, const NonlinearOptions& options,
                      bool every_depth);
@@ -106,8 +108,9 @@ struct PressMode {
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const PressMode& mode);
 
-/// The body meshed around the vertices (make_graded_model), or, where that mesh cannot be
-/// made, two or four times coarser there. @throws as make_graded_model() where none can.
+/// The body meshed around the vertices (make_graded_model), or, where that mesh cannot
+/// be made, two or four times coarser there. @throws as make_graded_model() where none
+/// can.
 [[nodiscard]] BodyModel make_own_model(const Scene& scene, const BodySource& body,
                                        std::span<const std::int32_t> vertices,
                                        const ContactFocus& focus);

@@ -259,8 +259,8 @@ class Press {
 
 NonlinearIndentation indent_nonlinear(const NonlinearBody& body,
                                       std::span<const std::int32_t> patch,
-                                      const Eigen::MatrixXd& compliance,
-                                      double touch_m, std::span<const PressStep> steps,
+                                      const Eigen::MatrixXd& compliance, double touch_m,
+                                      std::span<const PressStep> steps,
                                       const std::function<PlacedTool(double)>& place,
                                       const RestSolve& solve,
                                       const NonlinearOptions& options) {

@@ -72,8 +72,8 @@ struct NonlinearIndentation {
 };
 
 /// Follows the path through its steps, of growing penetration. A step that does not
-/// converge is cut in halves; one that fails for good ends the path. Contact may be lost
-/// on the way and found again: a depth without it has no force.
+/// converge is cut in halves; one that fails for good ends the path. Contact may be
+/// lost on the way and found again: a depth without it has no force.
 /// @param patch contact nodes, as for indent().
 /// @param compliance (n_patch x n_patch) [m/N] among them.
 /// @param touch_m penetration at first touch [m], below the steps', where nothing is

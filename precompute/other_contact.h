@@ -15,9 +15,9 @@ namespace palpate {
 /// What it does there is not in the response: its force is too small.
 ///
 /// True if at the first touch a contact node outside the patch lies in the tool, or at
-/// the largest depth one that faces it (tool's normal . node's normal < 0), by more than
-/// a tenth of the largest depth, all on the body at rest. The far side of a thin part,
-/// which the tool passes through there, does not face it.
+/// the largest depth one that faces it (tool's normal . node's normal < 0), by more
+/// than a tenth of the largest depth, all on the body at rest. The far side of a thin
+/// part, which the tool passes through there, does not face it.
 /// @param patch ascending.
 [[nodiscard]] bool reaches_elsewhere(const ContactSurface& surface,
                                      std::span<const std::int32_t> patch,

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kNeighbours = 6;
 // Contact radii that normals a radian apart count as, or stiffnesses e times apart.
 constexpr double kAlikeRadii = 4.0;
-constexpr double kFloor = 0.1;  // of the largest force: smaller ones count as that
+constexpr double kFloor = 0.1;     // of the largest force: smaller ones count as that
 constexpr double kNoForce = 1e-9;  // of the largest force: rounding, not contact
 // Presses of one vertex on one mesh that differ by more do not follow one mechanism.
 constexpr double kAlike = 10.0;
@@ -128,8 +128,7 @@ double RatioField::distance_m(const Place& a, const Place& b) const {
 }
 
 std::vector<RatioField::Weight> RatioField::weights(const Place& place,
-                                                    std::int32_t without,
-                                                    Of of) const {
+                                                    std::int32_t without, Of of) const {
   std::vector<Weight> weights;
   for (std::size_t i = 0; i < known_.size(); ++i) {
     if (known_[i].place.vertex != without && (of == Of::kAll || known_[i].ratio)) {

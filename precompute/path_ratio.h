@@ -1,14 +1,14 @@
 // How a good solution of a node's press compares with a cheap one, and what that says
 // about its neighbours.
 //
-// A ratio needs two forces that mean the same thing. A press is a guide where it carries
-// force at every depth after the first touch; where it carries none (the tool leaves
-// contact on its way, or touches twice) nothing can be divided by it and nothing scaled.
-// Two guides are alike where the ratio of their forces lies between 1/10 and 10 at every
-// depth; where it does not, the good press follows another mechanism than the cheap one
-// (it lost contact, or a fold closed), and its ratio says nothing about other vertices,
-// but that they may be as odd. Such vertices keep their own good press, and those around
-// them are not interpolated without more solves.
+// A ratio needs two forces that mean the same thing. A press is a guide where it
+// carries force at every depth after the first touch; where it carries none (the tool
+// leaves contact on its way, or touches twice) nothing can be divided by it and nothing
+// scaled. Two guides are alike where the ratio of their forces lies between 1/10 and 10
+// at every depth; where it does not, the good press follows another mechanism than the
+// cheap one (it lost contact, or a fold closed), and its ratio says nothing about other
+// vertices, but that they may be as odd. Such vertices keep their own good press, and
+// those around them are not interpolated without more solves.
 #pragma once
 
 #include <cstdint>

@@ -230,9 +230,10 @@ void Planner::time_shared_mesh() {
   };
   const ColumnSample all = column_sample(*shared_, placed, {});
   const double more_columns =
-      times_larger_ > 1.0 ? near(approach_.surface) / std::max(near(surface), 1.0) : 1.0;
-  time_columns(placed, static_cast<std::size_t>(std::lround(
-                           more_columns * static_cast<double>(all.all))));
+      times_larger_ > 1.0 ? near(approach_.surface) / std::max(near(surface), 1.0)
+                          : 1.0;
+  time_columns(placed, static_cast<std::size_t>(
+                           std::lround(more_columns * static_cast<double>(all.all))));
 }
 
 void Planner::time_columns(std::span<const PressedNode> placed, std::size_t columns) {
@@ -294,8 +295,7 @@ void Planner::time_linear_presses(const std::vector<std::int32_t>& samples) {
   }
 }
 
-void Planner::time_nonlinear_on_shared_mesh(
-    const std::vector<std::int32_t>& samples) {
+void Planner::time_nonlinear_on_shared_mesh(const std::vector<std::int32_t>& samples) {
   progress_.stage("a few nonlinear presses");
   const SharedTool& tool = body_.tool.front();
   const double seconds = seconds_of([&] {
@@ -419,11 +419,11 @@ void Planner::time_checks() {
   const ContactFocus fine = finer(approach_.focus, kCheckTimesFiner);
   const MeshWork here = work(approach_.focus);
   const MeshWork there = work(fine);
-  const bool affordable =
-      !approach_.nonlinear && expected_cpu_s(there) < kChecksCpuS;
-  const double times = affordable           ? 1.0
-                       : approach_.nonlinear ? there.triangles / here.triangles
-                                             : expected_cpu_s(there) / expected_cpu_s(here);
+  const bool affordable = !approach_.nonlinear && expected_cpu_s(there) < kChecksCpuS;
+  const double times = affordable ? 1.0
+                       : approach_.nonlinear
+                           ? there.triangles / here.triangles
+                           : expected_cpu_s(there) / expected_cpu_s(here);
   time_own_meshes("checks one level finer", checks, count,
                   affordable ? fine : approach_.focus, approach_.nonlinear, times);
 }
@@ -463,8 +463,7 @@ PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progre
   progress.finish();
   report.plan_seconds = seconds;
   // Every kind of work was done by all workers at once, beside what all of them share.
-  report.peak_memory_bytes =
-      std::max(report.peak_memory_bytes, peak_memory_bytes());
+  report.peak_memory_bytes = std::max(report.peak_memory_bytes, peak_memory_bytes());
   return report;
 }
 

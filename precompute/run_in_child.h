@@ -15,9 +15,9 @@ struct ChildLimits {
 };
 
 struct ChildResult {
-  bool done = false;    ///< the work returned, `bytes` is what it returned
+  bool done = false;      ///< the work returned, `bytes` is what it returned
   bool at_limit = false;  ///< not done because of a limit of time or memory
-  std::string failure;  ///< else: why not, as the end of a sentence
+  std::string failure;    ///< else: why not, as the end of a sentence
   std::vector<char> bytes;
 };
 

@@ -71,8 +71,8 @@ namespace {
 
 constexpr std::size_t kTriedFirst = 3;
 
-// One surface for all presses: uniformly fine, or only around what is pressed where that
-// makes it smaller.
+// One surface for all presses: uniformly fine, or only around what is pressed where
+// that makes it smaller.
 UniformSurface shared_surface(const Scene& scene, const BodySource& body,
                               std::span<const std::int32_t> pressed, double spacing_m,
                               bool everywhere, Eigen::Index most_triangles) {
@@ -142,10 +142,9 @@ Approach choose_approach(const Scene& scene, const BodySource& body,
   }
   const double wanted_m = uniform_spacing_m(scene, body, approach.nonlinear);
   const std::string& refine = scene.accuracy.refine;
-  const UniformSurface shared =
-      shared_surface(scene, body, pressed, wanted_m,
-                     approach.cut_out || refine == "global",
-                     approach.cut_out ? kMostCutTriangles : kMostTriangles);
+  const UniformSurface shared = shared_surface(
+      scene, body, pressed, wanted_m, approach.cut_out || refine == "global",
+      approach.cut_out ? kMostCutTriangles : kMostTriangles);
   approach.subdivisions = shared.subdivisions;
   approach.spacing_m = shared.node_spacing_m;
   approach.surface = shared.surface;

@@ -20,8 +20,8 @@ class HopelessTry : public NumericalError {
 struct TetTry {
   bool improved = true;  ///< poor dihedral angles are refined and swapped away
   bool graded = true;    ///< the ratio of radius and edge is kept
-  /// [-] of the extent: vertices are moved by up to so much while tets are made, and put
-  /// back after.
+  /// [-] of the extent: vertices are moved by up to so much while tets are made, and
+  /// put back after.
   double moved = 0.0;
 };
 

@@ -165,14 +165,14 @@ void check_boundary(const SurfaceMesh& surface, const Walls& walls,
 }
 
 constexpr std::array<TetTry, 6> kTries{{{},
-                                       {.improved = false},
-                                       {.improved = false, .moved = 1e-9},
-                                       {.improved = false, .moved = 1e-7},
-                                       {.graded = false},
-                                       {.graded = false, .moved = 1e-9}}};
+                                        {.improved = false},
+                                        {.improved = false, .moved = 1e-9},
+                                        {.improved = false, .moved = 1e-7},
+                                        {.graded = false},
+                                        {.graded = false, .moved = 1e-9}}};
 
-TetMesh filled(const SurfaceMesh& surface, const Walls& walls, const TetOptions& options,
-               const TetTry& how) {
+TetMesh filled(const SurfaceMesh& surface, const Walls& walls,
+               const TetOptions& options, const TetTry& how) {
   const double scale = scale_to_one(surface);
   const ChildResult result = run_in_child(
       [&] {
@@ -216,12 +216,11 @@ std::string advice(const SurfaceMesh& surface) {
       at = t;
     }
   }
-  const Eigen::Vector3d middle =
-      (surface.position_m.row(surface.triangle(at, 0)) +
-       surface.position_m.row(surface.triangle(at, 1)) +
-       surface.position_m.row(surface.triangle(at, 2)))
-          .transpose() /
-      3.0;
+  const Eigen::Vector3d middle = (surface.position_m.row(surface.triangle(at, 0)) +
+                                  surface.position_m.row(surface.triangle(at, 1)) +
+                                  surface.position_m.row(surface.triangle(at, 2)))
+                                     .transpose() /
+                                 3.0;
   return fmt::format(
       "the poorest triangle has an angle of {:.2g} deg and lies at ({:.6g}, {:.6g}, "
       "{:.6g}) m: try an even surface, palpate-precompute remesh MESH -o OUT, or "

@@ -47,15 +47,16 @@ class Territory {
 
   void solve_all() { solve(unsolved()); }
 
-  // Without cheap presses: for those that cost about as much as good ones and are wanted
-  // only where others can be interpolated.
+  // Without cheap presses: for those that cost about as much as good ones and are
+  // wanted only where others can be interpolated.
   void solve_all_alone() { solve_alone(unsolved()); }
 
   // A few good presses tell whether the others can be interpolated from them; only then
   // are cheap ones worth their time.
   void solve_few_first() {
     solve_alone(far_apart(kFirstSamples));
-    RatioField trial(body_.surface, body_.normal, contact_focus(scene_, body_).contact_m);
+    RatioField trial(body_.surface, body_.normal,
+                     contact_focus(scene_, body_).contact_m);
     bool alike = true;
     for (const auto& node : good_) {
       if (node) {
@@ -67,8 +68,8 @@ class Territory {
       }
     }
     const std::vector<double> error = trial.leave_one_out();
-    if (!alike || !(*std::max_element(error.begin(), error.end()) <
-                    scene_.force_relative)) {
+    if (!alike ||
+        !(*std::max_element(error.begin(), error.end()) < scene_.force_relative)) {
       solve_alone(unsolved());
       return;
     }
@@ -185,8 +186,8 @@ class Territory {
         scaled(cheap, field_.at(vertex_[i], cheap), scene_.reach.force_max_n);
     NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
     response.origin = ResponseOrigin::kInterpolated;
-    response.error_relative = std::hypot(
-        response.error_relative, field_.error_at(vertex_[i], cheap, left_out));
+    response.error_relative = std::hypot(response.error_relative,
+                                         field_.error_at(vertex_[i], cheap, left_out));
     fault_point(FaultPlace::kInterpolation, vertex_[i], response.force_n);
     response.flags = static_cast<std::uint8_t>(
         (response.flags & ~(kErrorOverBudget | kCoarseContact)) |
@@ -267,9 +268,8 @@ class Territory {
     const Indentation& cheap = cheap_[i].indentation;
     auto ratio = path_ratio(node.indentation, node.linear);
     if (ratio) {
-      fault_point(
-          FaultPlace::kRatio, node.vertex,
-          {ratio->force.data(), static_cast<std::size_t>(ratio->force.size())});
+      fault_point(FaultPlace::kRatio, node.vertex,
+                  {ratio->force.data(), static_cast<std::size_t>(ratio->force.size())});
       node.indentation = scaled(cheap, *ratio, scene_.reach.force_max_n);
       drop_if_broken(node, "ratio of nonlinear and linear force");
     }

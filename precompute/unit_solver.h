@@ -38,9 +38,10 @@ struct Unit {
 /// Solves a unit for every tool. Nodes are solved well until the ratio of good and
 /// cheap solutions, interpolated between them, predicts each left-out one within the
 /// budget; the rest is cheap times ratio. A vertex whose cheap press is no guide
-/// (is_guide), or touches late (touches_late), is solved. Every node of the outcome keeps the rules of responses
-/// (broken_rule), or has failed and says why; a node that fails leaves the others as they
-/// are, but for what would have been interpolated from it.
+/// (is_guide), or touches late (touches_late), is solved. Every node of the outcome
+/// keeps the rules of responses (broken_rule), or has failed and says why; a node that
+/// fails leaves the others as they are, but for what would have been interpolated from
+/// it.
 /// @param solve_all no interpolation.
 [[nodiscard]] UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
                                      const Approach& approach,

@@ -124,8 +124,8 @@ class Bench {
              .depth_max_m = depth_m,
              .force_max_n = std::numeric_limits<double>::infinity(),
              .samples = 1};
-    patch_ = contact_patch(surface_, supports_, surface_.of_mesh_node[0],
-                           path_.outward, patch_radius_m(path_, spacing_m));
+    patch_ = contact_patch(surface_, supports_, surface_.of_mesh_node[0], path_.outward,
+                           patch_radius_m(path_, spacing_m));
     compliance_ = std::make_unique<SurfaceCompliance>(
         *factor_, supports_, surface_, patch_, std::numeric_limits<double>::infinity(),
         std::span<const char>{}, nullptr);

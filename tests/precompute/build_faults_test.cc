@@ -248,8 +248,8 @@ TEST_F(BuildFaults, EveryNodeFailingIsSaidWithTheReason) {
 void spoil_unit(const fs::path& file, std::int32_t vertex) {
   constexpr std::size_t kDigest = 64;
   const std::string kept = read(file);
-  UnitOutcome outcome = unit_from_bytes(
-      std::as_bytes(std::span(kept)).subspan(kDigest), file.string());
+  UnitOutcome outcome =
+      unit_from_bytes(std::as_bytes(std::span(kept)).subspan(kDigest), file.string());
   for (UnitNode& node : outcome.node) {
     if (node.vertex == vertex) {
       node.response.direction[1] = kNaN;

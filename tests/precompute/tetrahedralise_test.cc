@@ -1,6 +1,8 @@
 #include "precompute/tetrahedralise.h"
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -9,6 +11,7 @@
 #include "formats/surface_reader.h"
 #include "precompute/primitive_bodies.h"
 #include "precompute/subdivide.h"
+#include "precompute/surface_check.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -157,6 +160,27 @@ TEST(TetQuality, RegularTetHasDihedralArccosOneThird) {
   EXPECT_NEAR(quality.volume_m3, 8.0 / 3.0, 1e-15);
   EXPECT_NEAR(quality.smallest_dihedral_rad, std::acos(1.0 / 3.0), 1e-15);
   EXPECT_NEAR(quality.largest_dihedral_rad, std::acos(1.0 / 3.0), 1e-15);
+}
+
+// A machine part of 161 vertices on which TetGen 1.5 aborts while it improves tets;
+// from Debian's libcgal-demo.
+TEST(Tetrahedralise, IsTriedAgainWhereTheMesherAborts) {
+  const std::string archive = "/usr/share/doc/libcgal-dev/data.tar.gz";
+  if (!std::filesystem::exists(archive)) {
+    GTEST_SKIP() << "no " << archive << " (package libcgal-demo)";
+  }
+  const ScratchFolder folder;
+  const std::string command = "tar xzf " + archive + " -C " + folder.path().string() +
+                              " data/meshes/dragknob.off";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const SurfaceMesh surface =
+      require_body(read_surface(folder / "data/meshes/dragknob.off", "m"), "a knob")
+          .mesh;
+  for (SurfaceMesh finer : {surface, subdivide_midpoint(surface)}) {
+    const TetMesh mesh = tetrahedralise(finer);
+    EXPECT_EQ(mesh.position_m.topRows(finer.position_m.rows()), finer.position_m);
+    EXPECT_NEAR(tet_quality(mesh).volume_m3 / enclosed_volume_m3(finer), 1.0, 1e-9);
+  }
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/response_shard.h"
+#include "formats/sha256.h"
 #include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
@@ -134,6 +136,50 @@ TEST_F(BuildUnits, KilledAgainAndAgainAndResumedGivesTheSameBytes) {
   const ToolRun resumed = build("killed.h5", {"--resume"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   expect_whole("killed.h5");
+}
+
+// A kept unit whose first node has failed, as if its press had.
+void fail_first_node(const fs::path& unit) {
+  constexpr std::size_t kDigest = 64;
+  const std::string kept = read(unit);
+  UnitOutcome outcome =
+      unit_from_bytes(std::as_bytes(std::span(kept)).subspan(kDigest), unit.string());
+  ASSERT_FALSE(outcome.is_check);
+  outcome.node.front().response = {};
+  outcome.node.front().failure = "the needle broke";
+  fail_if_broken(outcome.node.front());
+  const std::vector<std::byte> body = to_bytes(outcome);
+  Sha256 sum;
+  sum.update(body);
+  std::ofstream out(unit, std::ios::binary);
+  out << sum.hex();
+  out.write(reinterpret_cast<const char*>(body.data()),
+            static_cast<std::streamsize>(body.size()));
+}
+
+TEST_F(BuildUnits, AFailedNodeIsAWarningAndAFailureOnlyIfThatIsAsked) {
+  for (const bool strict : {false, true}) {
+    const std::string output = strict ? "strict.h5" : "warned.h5";
+    const fs::path unit = path(output) + ".partial/unit-000000";
+    (void)kill_tool_process("palpate-precompute", arguments(output, {}), [&] {
+      return fs::exists(unit);
+    });
+    if (!fs::exists(unit)) {
+      GTEST_SKIP() << "the build ended before it could be killed";
+    }
+    fail_first_node(unit);
+    std::vector<std::string> flags{"--resume"};
+    if (strict) {
+      flags.emplace_back("--strict");
+    }
+    const ToolRun run = build(output, flags);
+    EXPECT_EQ(run.exit_code, strict ? 4 : 0) << run.err;
+    EXPECT_NE(run.err.find("warning: of "), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("1 have no response"), std::string::npos) << run.err;
+    EXPECT_NE(run.out.find("the needle broke"), std::string::npos) << run.out;
+    const ToolRun check = run_tool_process("palpate-db", {"check", path(output)});
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,246 @@
+// Presses that are not a ball on a flat place: a cup, a fin, a fold, a sharp corner,
+// two lobes. What their curves are, and that nothing in them is not a number.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "precompute/node_press.h"
+#include "precompute/path_ratio.h"
+#include "precompute/scene_solver.h"
+#include "precompute/surface_writer.h"
+#include "tests/support/odd_bodies.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kHalf = 0.02;
+constexpr int kCells = 16;  // 2.5 mm
+
+class OddPresses : public testing::Test {
+ protected:
+  // Presses vertices of a body that is held at its floor, each on a mesh of its own.
+  std::vector<PressedNode> press(const SurfaceMesh& body,
+                                 const std::vector<std::int32_t>& vertices,
+                                 const std::string& law, double radius_m = 0.006,
+                                 double depth_m = 0.003) {
+    write_obj(body, folder_ / "body.obj", "an odd body");
+    std::ofstream(folder_ / "scene.toml") << fmt::format(
+        R"([body]
+mesh = "body.obj"
+length_unit = "m"
+[[material]]
+region = "body"
+law = "{}"
+youngs_modulus_pa = 5000.0
+poissons_ratio = 0.45
+[[support]]
+box_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, -0.0099]]
+[[tool]]
+name = "ball"
+shape = "sphere"
+radius_m = {}
+[reach]
+depth_max_m = {}
+[accuracy]
+force_relative = 0.2
+depths = 8
+verify = 0
+)",
+        law, radius_m, depth_m);
+    scene_ = read_scene(folder_ / "scene.toml");
+    body_ = read_body(scene_);
+    std::vector<PressedNode> nodes;
+    for (const std::int32_t v : vertices) {
+      nodes.push_back(
+          press_on_own_mesh(scene_, body_, body_.tool.front(), {&v, 1},
+                            contact_focus(scene_, body_),
+                            {.nonlinear = law != "linear",
+                             .options = nonlinear_options(scene_, body_.tool.front())})
+              .front());
+    }
+    return nodes;
+  }
+
+  NodeResponse response(const PressedNode& node) const {
+    NodeResponse made = to_response(node.indentation, node.path, 0.2);
+    EXPECT_EQ(broken_rule(node.indentation), "");
+    return made;
+  }
+
+  ScratchFolder folder_;
+  Scene scene_;
+  BodySource body_;
+};
+
+double flat(double, double) {
+  return 0.0;
+}
+
+// A cup whose floor curves more than the ball: the ball rests on the rim's inner side.
+double cup(double x, double y) {
+  const double r2 = (x * x + y * y) / (0.008 * 0.008);
+  return r2 < 1.0 ? -0.006 * (1.0 - r2) : 0.0;
+}
+
+TEST_F(OddPresses, InACupTheBallTouchesEarlyAndTheCurveBeginsThere) {
+  const std::int32_t middle = top_vertex(kHalf, kCells, 0.0, 0.0);
+  const SurfaceMesh body = relief(kHalf, -0.01, kCells, cup);
+  for (const char* law : {"linear", "neo-hookean"}) {
+    const PressedNode node = press(body, {middle}, law, 0.009).front();
+    EXPECT_EQ(node.failure, "") << law;
+    const NodeResponse r = response(node);
+    ASSERT_EQ(r.origin, ResponseOrigin::kSimulated) << law;
+    // The ball of 9 mm stands on the circle where the cup is as steep as it is.
+    EXPECT_LT(r.touch_offset_m, -0.0002) << law;
+    EXPECT_EQ(r.depth_m.front(), 0.0);
+    EXPECT_EQ(r.force_n.front(), 0.0);
+    for (std::size_t k = 1; k < r.force_n.size(); ++k) {
+      EXPECT_GT(r.force_n[k], r.force_n[k - 1]) << law << " " << k;
+    }
+  }
+}
+
+TEST_F(OddPresses, ThePathOfANonlinearPressBeginsAtItsTouchAlsoWhereThatIsNegative) {
+  // A soft and a linear body agree where strains are small, wherever the touch is: the
+  // shallow samples of the cup must not depend on where zero lies.
+  const std::int32_t middle = top_vertex(kHalf, kCells, 0.0, 0.0);
+  const SurfaceMesh body = relief(kHalf, -0.01, kCells, cup);
+  const PressedNode soft = press(body, {middle}, "neo-hookean", 0.009, 0.001).front();
+  ASSERT_TRUE(is_guide(soft.indentation));
+  ASSERT_TRUE(is_guide(soft.linear));
+  const auto ratio = path_ratio(soft.indentation, soft.linear);
+  ASSERT_TRUE(ratio);
+  for (Eigen::Index k = 0; k < ratio->force.size(); ++k) {
+    EXPECT_NEAR(ratio->force[k], 1.0, 0.15) << k;
+  }
+}
+
+TEST_F(OddPresses, AFinIsPressedAsFarAsItGoesAndSaysHowFar) {
+  const SurfaceMesh body = relief(kHalf, -0.01, kCells, [](double x, double) {
+    return std::abs(x) < 0.0013 ? 0.008
+                                : 0.0;  // one row of vertices: a wedge, 5 mm wide
+  });
+  const std::int32_t crest = top_vertex(kHalf, kCells, 0.0, 0.0);
+  const PressedNode node = press(body, {crest}, "neo-hookean", 0.004, 0.004).front();
+  const NodeResponse r = response(node);
+  ASSERT_EQ(r.origin, ResponseOrigin::kSimulated) << node.failure;
+  EXPECT_GT(r.depth_m.size(), 2U);
+  if (!node.failure.empty()) {  // truncated: it says at which depth
+    EXPECT_NE(node.failure.find("mm"), std::string::npos) << node.failure;
+  }
+}
+
+TEST_F(OddPresses, ASharpCornerIsTouchedAtOnce) {
+  const SurfaceMesh body = relief(kHalf, -0.01, 1, flat);  // a box of eight vertices
+  const PressedNode node = press(body, {0}, "linear").front();
+  ASSERT_EQ(node.failure, "");
+  EXPECT_FALSE(touches_late(node));
+  EXPECT_EQ(response(node).origin, ResponseOrigin::kSimulated);
+}
+
+TEST_F(OddPresses, AToolThatReachesIntoTheOppositeWallOfAFoldIsFlagged) {
+  // A trench as wide as the ball: pressed at its floor, the walls are in the way.
+  const SurfaceMesh trench = relief(kHalf, -0.01, kCells, [](double x, double) {
+    return std::abs(x) < 0.003 ? -0.006 : 0.0;
+  });
+  const std::int32_t floor = top_vertex(kHalf, kCells, 0.0, 0.0);
+  const PressedNode node = press(trench, {floor}, "linear", 0.009).front();
+  ASSERT_EQ(node.failure, "");
+  const PressedNode free =
+      press(relief(kHalf, -0.01, kCells, flat), {floor}, "linear").front();
+  EXPECT_FALSE(free.indentation.reaches_elsewhere);
+  EXPECT_EQ(response(free).flags & kErrorOverBudget, 0);
+  // Either the walls belong to the patch and the touch is early, or the press says that
+  // it does not know them.
+  EXPECT_TRUE(node.indentation.reaches_elsewhere ||
+              node.indentation.sample.front().penetration_m < -0.001);
+  if (node.indentation.reaches_elsewhere) {
+    EXPECT_NE(response(node).flags & kErrorOverBudget, 0);
+  }
+}
+
+TEST_F(OddPresses, ANeighbouringLobeInTheToolsWayIsFlagged) {
+  // A step beside the vertex, far steeper than what a patch takes in.
+  const SurfaceMesh body = relief(kHalf, -0.01, kCells, [](double x, double) {
+    return x > 0.004 ? 0.012 : 0.0;
+  });
+  const std::int32_t beside = top_vertex(kHalf, kCells, 0.0, 0.0);
+  const PressedNode node = press(body, {beside}, "linear", 0.006).front();
+  ASSERT_EQ(node.failure, "");
+  const bool knows_the_step = node.indentation.sample.front().penetration_m < -0.0005;
+  EXPECT_TRUE(node.indentation.reaches_elsewhere || knows_the_step);
+}
+
+TEST(Guides, PressesWithoutForceAtSomeDepthAreNone) {
+  Indentation path;
+  for (int k = 0; k <= 4; ++k) {
+    path.sample.push_back(
+        {.penetration_m = 1e-3 * k, .force_n = Eigen::Vector3d(0.0, 0.0, 0.1 * k)});
+  }
+  EXPECT_TRUE(is_guide(path));
+  Indentation lost = path;  // contact lost on the way
+  lost.sample[3].force_n.setZero();
+  EXPECT_FALSE(is_guide(lost));
+  EXPECT_FALSE(path_ratio(lost, path));
+  EXPECT_FALSE(path_ratio(path, lost));
+  Indentation broken = path;
+  broken.sample[2].force_n[0] = std::nan("");
+  EXPECT_FALSE(is_guide(broken));
+  EXPECT_NE(broken_rule(broken), "");
+  Indentation other = path;  // another mechanism at one depth
+  other.sample[4].force_n *= 20.0;
+  EXPECT_TRUE(is_guide(other));
+  EXPECT_FALSE(path_ratio(other, path));
+}
+
+TEST(Guides, ACurveThatLosesContactIsStoredAsItWasPressed) {
+  Indentation path;
+  const double force[] = {0.0, 0.1, 0.2, 0.0, 0.0, 0.3};
+  for (int k = 0; k < 6; ++k) {
+    path.sample.push_back({.penetration_m = 1e-3 * k,
+                           .force_n = Eigen::Vector3d(0.0, 0.0, force[k]),
+                           .coarse_force_n = force[k]});
+  }
+  const IndentationPath along{.vertex_m = Eigen::Vector3d::Zero(),
+                              .outward = Eigen::Vector3d::UnitZ(),
+                              .tool = {},
+                              .depth_max_m = 5e-3};
+  const NodeResponse r = to_response(path, along, 0.05);
+  ASSERT_EQ(r.force_n.size(), 6U);
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_DOUBLE_EQ(r.force_n[static_cast<std::size_t>(k)], force[k]);
+  }
+  EXPECT_EQ(r.error_relative, 0.0);  // not 0/0
+  Indentation nothing = path;
+  for (IndentationSample& sample : nothing.sample) {
+    sample.force_n.setZero();
+  }
+  EXPECT_EQ(to_response(nothing, along, 0.05).origin, ResponseOrigin::kNone);
+}
+
+TEST(RatioFields, AVertexThatIsNotAlikeCountsAsAnErrorAndNotInMeans) {
+  SurfaceMesh body;
+  body.position_m.resize(3, 3);
+  body.position_m << 0, 0, 0, 0.001, 0, 0, 0.002, 0, 0;
+  Points normal(3, 3);
+  normal << 0, 0, 1, 0, 0, 1, 0, 0, 1;
+  Indentation path;
+  for (int k = 0; k <= 4; ++k) {
+    path.sample.push_back(
+        {.penetration_m = 1e-3 * k, .force_n = Eigen::Vector3d(0.0, 0.0, 0.1 * k)});
+  }
+  RatioField field(body, normal, 0.002);
+  field.add(0, path, path_ratio(path, path));
+  EXPECT_EQ(field.size(), 1U);
+  EXPECT_DOUBLE_EQ(field.leave_one_out()[0], 1.0);  // nobody to predict it
+  field.add(1, path, std::nullopt);
+  EXPECT_EQ(field.size(), 1U);
+  EXPECT_NEAR(field.at(2, path).force[3], 1.0, 1e-12);
+  EXPECT_NEAR(field.error_at(2, path, field.leave_one_out()), 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,18 @@
+// Bodies on which a press is not that of a ball on a flat place.
+#pragma once
+
+#include <functional>
+
+#include "formats/surface_mesh.h"
+
+namespace palpate {
+
+/// A block over [-half, half]^2 whose top is z = height_m(x, y), its floor z = floor_m;
+/// (cells + 1)^2 vertices on top, row by row from x = y = -half, as many on the floor.
+[[nodiscard]] SurfaceMesh relief(double half_m, double floor_m, int cells,
+                                 const std::function<double(double, double)>& height_m);
+
+/// Index of the top's vertex nearest to a place.
+[[nodiscard]] std::int32_t top_vertex(double half_m, int cells, double x_m, double y_m);
+
+}  // namespace palpate
