@@ -44,12 +44,30 @@ inline int parse_and_run(CLI::App& app, int argc, char** argv) {
 
 }  // namespace internal
 
+/// Runs the work; a failure is one line on stderr, "palpate-db: error: ...". @return
+/// its exit code (formats/error.h), or that of the work.
+template <class Work>
+int run_reporting(const char* name, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s: error: %s\n", name, error.what());
+    return error.exit_code();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: internal error: %s\n", name, error.what());
+    return 1;
+  } catch (...) {
+    std::fprintf(stderr, "%s: internal error\n", name);
+    return 1;
+  }
+}
+
 /// Parses the command line and runs the chosen subcommand. A failure is one line on
 /// stderr, "palpate-db: error: ...", and its exit code (formats/error.h); a command
 /// line that cannot be parsed exits with 2.
 inline int run_tool(const char* name, const char* description,
                     std::initializer_list<AddCommand> commands, int argc, char** argv) {
-  try {
+  return run_reporting(name, [&] {
     skip_hdf5_exit_cleanup();
     CLI::App app(description, name);
     app.set_version_flag("--version", PALPATE_VERSION);
@@ -61,16 +79,7 @@ inline int run_tool(const char* name, const char* description,
       return 0;
     }
     return internal::parse_and_run(app, argc, argv);
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s: error: %s\n", name, error.what());
-    return error.exit_code();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: internal error: %s\n", name, error.what());
-    return 1;
-  } catch (...) {
-    std::fprintf(stderr, "%s: internal error\n", name);
-    return 1;
-  }
+  });
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -11,8 +12,10 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "formats/tool_main.h"
 #include "precompute/build.h"
 #include "precompute/interrupt.h"
+#include "precompute/supervised_build.h"
 
 namespace palpate {
 namespace {
@@ -225,7 +228,17 @@ void add_build_command(CLI::App& app) {
                     "Fail where the accuracy budget is missed");
   command->add_flag("--json", flags->json, "Print the report as one JSON object");
   command->callback([flags] {
-    run(*flags);
+    const int code = run_supervised([&](bool resume) {
+      Flags wanted = *flags;
+      wanted.resume = wanted.resume || resume;
+      return run_reporting("palpate-precompute", [&] {
+        run(wanted);
+        return 0;
+      });
+    });
+    if (code != 0) {  // said by the child
+      std::_Exit(code);
+    }
   });
 }
 

@@ -14,6 +14,7 @@
 #include "precompute/other_contact.h"
 #include "precompute/path_ratio.h"
 #include "precompute/relative_correction.h"
+#include "precompute/supervised_build.h"
 #include "precompute/tool_gap.h"
 
 namespace palpate {
@@ -214,6 +215,10 @@ PressedNode placed_node(const Scene& scene, const BodySource& body,
       node.failure = "the tool's handle would be in the body";
     }
   });
+  // Its patch stays: what others share with it is as it would be without the crash.
+  if (const int signal = signal_of_crash_at(vertex); signal != 0) {
+    node.failure = fmt::format("its press crashed (signal {})", signal);
+  }
   return node;
 }
 
@@ -248,6 +253,10 @@ SurfaceCompliance compliance_of(
 
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
                   PressedNode& node) {
+  if (!node.failure.empty()) {
+    return;  // it could not be placed
+  }
+  note_pressed_vertex(node.vertex);
   contain(node, [&] {
     fault_point(FaultPlace::kWorker, node.vertex);
     node.indentation = indent(model.contact, compliance, node.patch, node.path);
@@ -266,6 +275,7 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
     }
   });
   drop_if_broken(node, "linear press");
+  note_pressed_vertex(-1);
 }
 
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
@@ -290,10 +300,16 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
           const auto place = [&](double penetration_m) {
             return tool_at(node->path, penetration_m);
           };
+          const RestSolve noted = [&](std::span<const std::int64_t> dof,
+                                      const Eigen::VectorXd& source) {
+            Eigen::VectorXd u = solve(dof, source);
+            note_pressed_vertex(node->vertex);  // others had their turn meanwhile
+            return u;
+          };
           NonlinearIndentation result =
               indent_nonlinear(body, node->patch, compliance.among(node->patch),
                                node->indentation.sample.front().penetration_m,
-                               steps_of(*node, samples), place, solve, options);
+                               steps_of(*node, samples), place, noted, options);
           spoil(*node, result);
           node->linear = node->indentation;
           correct(*node, samples, result);
@@ -303,6 +319,7 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
           }
         });
         drop_if_broken(*node, "nonlinear press");
+        note_pressed_vertex(-1);
       });
     }
     run_in_lock_step(*model.factor, tasks);
@@ -403,7 +420,8 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
                 .front();
       });
       // A coarser mesh on which the tool meets nothing is no answer.
-      const bool whole = again.failure.empty() && !touches_late(again);
+      const bool whole = again.failure.empty() && !touches_late(again) &&
+                         again.indentation.sample.size() > 1;
       if (whole || again.indentation.sample.size() > node.indentation.sample.size()) {
         node = std::move(again);
       }

@@ -36,7 +36,7 @@ name = "fingertip"
 shape = "sphere"
 radius_m = 0.03
 [reach]
-box_m = [[-1.0, -1.0, 0.035], [1.0, 1.0, 1.0]]
+box_m = [[-1.0, -1.0, 0.040], [1.0, 1.0, 1.0]]
 depth_max_m = 0.004
 [accuracy]
 force_relative = 0.3

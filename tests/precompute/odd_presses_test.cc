@@ -113,8 +113,8 @@ TEST_F(OddPresses, ThePathOfANonlinearPressBeginsAtItsTouchAlsoWhereThatIsNegati
   ASSERT_TRUE(is_guide(soft.linear));
   const auto ratio = path_ratio(soft.indentation, soft.linear);
   ASSERT_TRUE(ratio);
-  for (Eigen::Index k = 0; k < ratio->force.size(); ++k) {
-    EXPECT_NEAR(ratio->force[k], 1.0, 0.15) << k;
+  for (Eigen::Index k = 0; k < 2; ++k) {  // up to a sixteenth of the depth
+    EXPECT_NEAR(ratio->force[k], 1.0, 0.1) << k;
   }
 }
 
