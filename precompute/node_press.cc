@@ -420,9 +420,9 @@ std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource&
                 .front();
       });
       // A coarser mesh on which the tool meets nothing is no answer.
-      const bool whole = again.failure.empty() && !touches_late(again) &&
-                         again.indentation.sample.size() > 1;
-      if (whole || again.indentation.sample.size() > node.indentation.sample.size()) {
+      const std::size_t samples = again.indentation.sample.size();
+      const bool whole = again.failure.empty() && !touches_late(again);
+      if (samples > 1 && (whole || samples > node.indentation.sample.size())) {
         node = std::move(again);
       }
     }
