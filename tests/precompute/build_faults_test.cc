@@ -30,20 +30,6 @@ namespace fs = std::filesystem;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// The organ's upper side, so coarse that a build takes a second or two.
-constexpr const char* kTool = R"([[tool]]
-name = "fingertip"
-shape = "sphere"
-radius_m = 0.03
-[reach]
-box_m = [[-1.0, -1.0, 0.040], [1.0, 1.0, 1.0]]
-depth_max_m = 0.004
-[accuracy]
-force_relative = 0.3
-contact_resolution = 1.0
-depths = 4
-)";
-
 // What a database holds of a node, by its index in the user's mesh.
 struct Stored {
   int origin = 0;
@@ -87,7 +73,7 @@ class BuildFaults : public testing::Test {
 
   Scene scene(const std::string& law) const {
     std::ofstream(folder_ / "scene.toml")
-        << organ_on_table(law) << kTool << "verify = " << verify_ << "\n";
+        << organ_on_table(law) << kBallOnTop << "verify = " << verify_ << "\n";
     return read_scene(folder_ / "scene.toml");
   }
 

@@ -18,25 +18,12 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kTool = R"([[tool]]
-name = "fingertip"
-shape = "sphere"
-radius_m = 0.03
-[reach]
-box_m = [[-1.0, -1.0, 0.040], [1.0, 1.0, 1.0]]
-depth_max_m = 0.004
-[accuracy]
-force_relative = 0.3
-contact_resolution = 1.0
-depths = 4
-verify = 0
-)";
-
 class SupervisedBuild : public testing::Test {
  protected:
   SupervisedBuild() {
     write_obj(organ(2), folder_ / "organ.obj", "an organ");
-    std::ofstream(folder_ / "scene.toml") << organ_on_table("linear") << kTool;
+    std::ofstream(folder_ / "scene.toml")
+        << organ_on_table("linear") << kBallOnTop << "verify = 0\n";
   }
   ~SupervisedBuild() override { set_fault_maker({}); }
 

@@ -18,4 +18,19 @@ kind = "fixed"
 )";
 }
 
+/// A ball on the organ's top, so coarse that a build of it takes a second or two;
+/// [accuracy] goes on.
+inline constexpr const char* kBallOnTop = R"([[tool]]
+name = "fingertip"
+shape = "sphere"
+radius_m = 0.03
+[reach]
+box_m = [[-1.0, -1.0, 0.040], [1.0, 1.0, 1.0]]
+depth_max_m = 0.004
+[accuracy]
+force_relative = 0.3
+contact_resolution = 1.0
+depths = 4
+)";
+
 }  // namespace palpate
