@@ -79,6 +79,7 @@ class Territory {
         take_ratio(i, *good_[i]);
       }
     }
+    solve(only_by_solving());
     solve_until_within_budget();
   }
 
@@ -164,7 +165,7 @@ class Territory {
   [[nodiscard]] std::vector<std::size_t> only_by_solving() const {
     std::vector<std::size_t> which;
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
-      if (!cheap_[i].patch.empty() && !is_like_others(i)) {
+      if (!good_[i] && !cheap_[i].patch.empty() && !is_like_others(i)) {
         which.push_back(i);
       }
     }
