@@ -148,7 +148,7 @@ bool is_nonlinear(const Scene& scene, const BodySource& body) {
 }
 
 NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
-  const double share = std::min(2.0, scene.force_relative / 0.05);
+  const double share = std::min(1.0, scene.force_relative / 0.05);
   NonlinearOptions options{.near_gradient = std::max(0.01, 0.05 * share),
                            .sticking = tool->shape().sticking};
   options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
