@@ -18,6 +18,7 @@
 #include "formats/precision_bench.h"
 #include "formats/sha256.h"
 #include "precompute/checkpoint.h"
+#include "precompute/failure_of.h"
 #include "precompute/peak_memory.h"
 #include "precompute/quality_notes.h"
 #include "precompute/surface_field.h"
@@ -131,22 +132,12 @@ class UnitRun {
   // A unit that cannot be computed at all does not end the build. It is not kept, so
   // that --resume tries again.
   UnitOutcome solved_or_failed(const SceneSolver& solver, const Unit& unit) const {
-    std::string reason;
-    try {
-      UnitOutcome outcome =
-          solve_unit(scene_, body_, approach_, solver, unit, solve_all_);
+    UnitOutcome outcome;
+    const std::string reason = failure_of("its unit", [&] {
+      outcome = solve_unit(scene_, body_, approach_, solver, unit, solve_all_);
       checkpoint_.keep(outcome);
-      return outcome;
-    } catch (const Interrupted&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      reason = "its unit needed more memory than there is";
-    } catch (const std::exception& error) {
-      reason = error.what();
-    } catch (...) {
-      reason = "its unit ended by an unknown exception";
-    }
-    return failed_unit(unit, body_.tool.size(), reason);
+    });
+    return reason.empty() ? outcome : failed_unit(unit, body_.tool.size(), reason);
   }
 
   static void describe(const SceneSolver& solver, BuildReport& report) {
@@ -179,17 +170,16 @@ void add_fields_or_note(const Scene& scene, const BodySource& body,
                         const Approach& approach,
                         std::span<const std::int32_t> reachable, BuildReport& report,
                         Progress& progress) {
-  try {
+  const std::string failure = failure_of("their computation", [&] {
     add_surface_fields(scene, body, approach, reachable, report.assembly.database,
                        progress);
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const std::exception& error) {
+  });
+  if (!failure.empty()) {
     for (ResponseTable& table : report.assembly.database.tools) {
       table.displacement = {};
     }
     report.notes.push_back(
-        fmt::format("no displacements for drawing are stored: {}", error.what()));
+        fmt::format("no displacements for drawing are stored: {}", failure));
   }
 }
 

@@ -13,6 +13,7 @@
 #include "formats/error.h"
 #include "formats/response_curve.h"
 #include "precompute/contact_focus.h"
+#include "precompute/own_mesh_press.h"
 #include "precompute/scene_material.h"
 
 namespace palpate {

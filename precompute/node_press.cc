@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/error.h"
+#include "precompute/failure_of.h"
 #include "precompute/fault_point.h"
 #include "precompute/lock_step.h"
 #include "precompute/other_contact.h"
@@ -21,11 +22,6 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kLockStep = 32;
-
-// What a node that fails is tried with.
-constexpr int kFallbacks = 2;
-constexpr int kPatientNewton = 100;
-constexpr int kFinerForTouch = 3;  // meshes, each twice as fine
 
 // Depths that are solved nonlinear, as shares of a path's samples.
 constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
@@ -58,14 +54,6 @@ std::vector<PressStep> steps_of(const PressedNode& node,
                      sample.pressure_n});
   }
   return steps;
-}
-
-bool late_on_this_mesh(const PressedNode& node) {
-  return node.failure.empty() && touches_late(node);
-}
-
-ContactFocus coarser(const ContactFocus& focus, int attempt) {
-  return finer(focus, std::pow(0.5, attempt));
 }
 
 void spoil(const PressedNode& node, NonlinearIndentation& result) {
@@ -162,22 +150,12 @@ int nonlinear_depths(int samples) {
 }
 
 void contain(PressedNode& node, const std::function<void()>& work) {
-  const auto fail = [&](const std::string& reason) {
-    node.failure = reason;
+  const std::string failure = failure_of("its press", work);
+  if (!failure.empty()) {
+    node.failure = failure;
     node.patch.clear();
     node.indentation = {};
     node.nonlinear.reset();
-  };
-  try {
-    work();
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    fail("its press needed more memory than there is");
-  } catch (const std::exception& error) {
-    fail(error.what());
-  } catch (...) {
-    fail("its press ended by an unknown exception");
   }
 }
 
@@ -346,92 +324,6 @@ std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& bo
     NonlinearOptions options = mode.options;
     options.sticking = tool->shape().sticking;
     press_nonlinear(model, compliance, nodes, options, mode.every_depth);
-  }
-  return nodes;
-}
-
-BodyModel make_own_model(const Scene& scene, const BodySource& body,
-                         std::span<const std::int32_t> vertices,
-                         const ContactFocus& focus) {
-  for (int attempt = 0;; ++attempt) {
-    try {
-      return make_graded_model(scene, body, vertices, coarser(focus, attempt));
-    } catch (const NumericalError&) {
-      if (attempt == kFallbacks) {
-        throw;
-      }
-    }
-  }
-}
-
-namespace {
-
-void press_in_small_steps(const Scene& scene, const BodySource& body,
-                          const SharedTool& tool, const ContactFocus& focus,
-                          PressMode mode, PressedNode& node) {
-  mode.every_depth = true;
-  const std::span<const std::int32_t> one(&node.vertex, 1);
-  PressedNode again{.vertex = node.vertex, .path = node.path};
-  contain(again, [&] {
-    again = press_on_model(scene, body, make_own_model(scene, body, one, focus), tool,
-                           one, mode)
-                .front();
-  });
-  if (again.indentation.sample.size() > 1) {
-    node = std::move(again);
-  }
-}
-
-}  // namespace
-
-std::vector<PressedNode> press_on_own_mesh(const Scene& scene, const BodySource& body,
-                                           const SharedTool& tool,
-                                           std::span<const std::int32_t> vertices,
-                                           const ContactFocus& focus,
-                                           const PressMode& mode) {
-  std::vector<PressedNode> nodes = press_on_model(
-      scene, body, make_own_model(scene, body, vertices, focus), tool, vertices, mode);
-  for (PressedNode& node : nodes) {
-    for (int attempt = 1; attempt <= kFinerForTouch && late_on_this_mesh(node);
-         ++attempt) {
-      const std::span<const std::int32_t> one(&node.vertex, 1);
-      node = press_on_model(
-                 scene, body,
-                 make_own_model(scene, body, one, finer(focus, std::exp2(attempt))),
-                 tool, one, mode)
-                 .front();
-    }
-  }
-  if (!mode.nonlinear) {
-    return nodes;
-  }
-  PressMode patient = mode;
-  patient.options.equilibrium.newton_max = kPatientNewton;
-  for (PressedNode& node : nodes) {
-    for (int attempt = 1; attempt <= kFallbacks && !node.failure.empty(); ++attempt) {
-      // Elements that do not follow a sharp edge so far.
-      const std::span<const std::int32_t> one(&node.vertex, 1);
-      PressedNode again{.vertex = node.vertex, .path = node.path};
-      contain(again, [&] {
-        again =
-            press_on_model(scene, body,
-                           make_graded_model(scene, body, one, coarser(focus, attempt)),
-                           tool, one, patient)
-                .front();
-      });
-      // A coarser mesh on which the tool meets nothing is no answer.
-      const std::size_t samples = again.indentation.sample.size();
-      const bool whole = again.failure.empty() && !touches_late(again);
-      if (samples > 1 && (whole || samples > node.indentation.sample.size())) {
-        node = std::move(again);
-      }
-    }
-    if (!node.failure.empty() && node.indentation.sample.size() < 2 &&
-        !node.patch.empty()) {
-      // The first of a few depths is too far for one step: in small ones, as far as it
-      // comes.
-      press_in_small_steps(scene, body, tool, focus, patient, node);
-    }
   }
   return nodes;
 }

@@ -108,21 +108,4 @@ struct PressMode {
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const PressMode& mode);
 
-/// The body meshed around the vertices (make_graded_model), or, where that mesh cannot
-/// be made, two or four times coarser there. @throws as make_graded_model() where none
-/// can.
-[[nodiscard]] BodyModel make_own_model(const Scene& scene, const BodySource& body,
-                                       std::span<const std::int32_t> vertices,
-                                       const ContactFocus& focus);
-
-/// Meshes the body around the vertices and presses them with the tool. Where that mesh
-/// cannot be made, and for a nonlinear press that fails, meshes two and four times
-/// coarser are tried, and where the tool touches late (touches_late) finer ones; the
-/// estimated error of forces is of the mesh that was taken.
-/// @throws as make_own_model().
-[[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
-    const Scene& scene, const BodySource& body, const SharedTool& tool,
-    std::span<const std::int32_t> vertices, const ContactFocus& focus,
-    const PressMode& mode);
-
 }  // namespace palpate

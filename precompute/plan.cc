@@ -11,24 +11,26 @@
 
 #include "formats/stopwatch.h"
 #include "precompute/column_sample.h"
-#include "precompute/machine_memory.h"
 #include "precompute/node_press.h"
+#include "precompute/own_mesh_press.h"
 #include "precompute/peak_memory.h"
+#include "precompute/plan_cost.h"
 #include "precompute/plan_cut_outs.h"
 #include "precompute/plan_left_out.h"
+#include "precompute/plan_shared_mesh.h"
 #include "precompute/press_cost.h"
 #include "precompute/scene_solver.h"
-#include "precompute/share_above.h"
+#include "precompute/territory.h"
 #include "precompute/unit_solver.h"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t kSamples = 3;  // that every worker presses
 // What would take longer is told from something smaller, so that a plan takes seconds.
-constexpr double kFactorCpuS = 1.5;
-constexpr double kColumnsCpuS = 2.0;
 constexpr double kChecksCpuS = 2.0;
+constexpr double kGroupsS = 3.0;  // of one kind; more groups are timed until then
+
+constexpr std::size_t kMostBatches = 4;
 
 class Planner {
  public:
@@ -57,6 +59,8 @@ class Planner {
   }
 
  private:
+  using Group = std::vector<std::int32_t>;
+
   void describe_scene();
   void time_whole_bodies() {
     if (approach_.shared_mesh) {
@@ -68,41 +72,20 @@ class Planner {
     time_checks();
   }
   void time_shared_mesh();
-  [[nodiscard]] SurfaceMesh sample_surface() const;
-  void time_columns(std::span<const PressedNode> placed, std::size_t columns);
-  void time_linear_presses(const std::vector<std::int32_t>& samples);
-  void time_nonlinear_on_shared_mesh(const std::vector<std::int32_t>& samples);
   void time_cheap_on_own_meshes();
   void time_good();
   void time_checks();
   void count_responses();
 
-  // What is done once, timed as it is.
-  void once(const std::string& work, double seconds) {
-    report_.cost.push_back({work, 1, 1, seconds, seconds});
-  }
-  // Done once, timed on something smaller.
-  void once_scaled(const std::string& work, double seconds, double times) {
-    report_.cost.push_back({work, 1, 1, seconds, times * seconds});
-  }
-  // Some of many, timed; one of the others takes so many times longer.
-  void extrapolate(const std::string& work, std::size_t count, std::size_t timed,
-                   double seconds, double times = 1.0) {
-    const double share = static_cast<double>(count) / static_cast<double>(timed);
-    report_.cost.push_back({work, static_cast<std::int64_t>(count),
-                            static_cast<std::int64_t>(timed), seconds,
-                            times * share * seconds});
-  }
-  // Own meshes for vertices of several territories, as many at once as there are
-  // workers; of `count` groups of vertices.
-  void time_own_meshes(const std::string& work,
-                       const std::vector<std::vector<std::int32_t>>& groups,
+  // Own meshes for groups of vertices, as many at once as there are workers, until that
+  // takes a while; of `count` groups. @param times longer than a timed one each takes.
+  void time_own_meshes(const std::string& work, const std::vector<Group>& groups,
                        std::size_t count, const ContactFocus& focus, bool nonlinear,
                        double times = 1.0);
   [[nodiscard]] std::vector<const Unit*> territories() const;
   [[nodiscard]] std::size_t good_of(const Unit& territory) const;
-  [[nodiscard]] std::vector<std::vector<std::int32_t>> first_groups(
-      const std::function<std::vector<std::vector<std::int32_t>>(const Unit&)>&) const;
+  [[nodiscard]] std::vector<Group> some_groups(
+      const std::function<std::vector<Group>(const Unit&)>& groups_of) const;
 
   const Scene& scene_;
   RepairMode repair_;
@@ -114,13 +97,10 @@ class Planner {
   Approach approach_;
   std::vector<Unit> units_;
   PlanReport report_;
-  // What all workers share stays, as in a build, while presses on own meshes are timed.
-  std::optional<BodyModel> shared_;
-  std::optional<SurfaceCompliance> compliance_;
+  // Stays, as in a build, while presses on own meshes are timed.
+  std::optional<PlanSharedMesh> shared_;
   // Cheap presses outside the budget, which are done again on meshes of their own.
   double again_share_ = 0.0;
-  // Triangles of the shared surface over those of the one that is timed in its place.
-  double times_larger_ = 1.0;
 };
 
 std::vector<const Unit*> Planner::territories() const {
@@ -145,12 +125,13 @@ std::size_t Planner::good_of(const Unit& territory) const {
 
 void Planner::describe_scene() {
   progress_.stage("body");
-  once("read and check the body", seconds_of([&] {
-         body_ = read_body(scene_, repair_);
-         reachable_ = reachable_vertices(scene_, body_);
-         approach_ = choose_approach(scene_, body_, reachable_);
-         units_ = units_of(scene_, body_, reachable_);
-       }));
+  const double seconds = seconds_of([&] {
+    body_ = read_body(scene_, repair_);
+    reachable_ = reachable_vertices(scene_, body_);
+    approach_ = choose_approach(scene_, body_, reachable_);
+    units_ = units_of(scene_, body_, reachable_);
+  });
+  report_.cost.push_back(cost_once("read and check the body", seconds));
   report_.nodes = body_.surface.position_m.rows();
   report_.reachable = static_cast<std::int64_t>(reachable_.size());
   for (Eigen::Index v = 0; v < body_.surface.position_m.rows(); ++v) {
@@ -177,174 +158,58 @@ void Planner::describe_scene() {
                        approach_.notes.end());
 }
 
-// The shared surface, or one so much coarser that its factor is made in seconds.
-SurfaceMesh Planner::sample_surface() const {
-  const auto seconds = [](const SurfaceMesh& surface) {
-    return expected_cpu_s({static_cast<double>(surface.triangle.rows()), 0.0});
-  };
-  SurfaceMesh surface = approach_.surface;
-  const double reach_m = touched_radius_m(scene_, body_, approach_.spacing_m);
-  for (double spacing_m = approach_.spacing_m; seconds(surface) > kFactorCpuS;) {
-    spacing_m *= 1.5;
-    const Eigen::Index before = surface.triangle.rows();
-    surface = pressed_surface(body_, reachable_, spacing_m, reach_m).surface;
-    if (surface.triangle.rows() == before ||
-        surface.triangle.rows() == body_.surface.triangle.rows()) {
-      break;
-    }
-  }
-  return surface;
-}
-
 void Planner::time_shared_mesh() {
-  progress_.stage("shared mesh and factor");
-  const SurfaceMesh surface = sample_surface();
-  times_larger_ = static_cast<double>(approach_.surface.triangle.rows()) /
-                  static_cast<double>(surface.triangle.rows());
-  const double seconds = seconds_of([&] {
-    shared_.emplace(make_body_model(scene_, body_, surface));
-  });
-  shared_->contact_spacing_m = approach_.spacing_m * std::sqrt(times_larger_);
-  once_scaled("shared mesh and factor", seconds,
-              expected_cpu_s({times_larger_, 0.0}) / expected_cpu_s({1.0, 0.0}));
-  report_.tets = static_cast<std::int64_t>(
-      times_larger_ * static_cast<double>(shared_->mesh.tet.rows()));
-  report_.unknowns = static_cast<std::int64_t>(
-      times_larger_ * static_cast<double>(shared_->supports.free));
-  if (times_larger_ > 1.0) {
-    require_memory(approach_.surface.triangle.rows());
-    report_.peak_memory_bytes = static_cast<std::int64_t>(
-        expected_memory_bytes(approach_.surface.triangle.rows()));
-  }
-  std::vector<PressedNode> placed;
-  once("place the tools", seconds_of([&] {
-         for (const SharedTool& tool : body_.tool) {
-           for (const std::int32_t v : reachable_) {
-             placed.push_back(placed_node(scene_, body_, *shared_, tool, v));
-           }
-         }
-       }));
-  const double reach_m = touched_radius_m(scene_, body_, approach_.spacing_m);
-  const auto near = [&](const SurfaceMesh& mesh) {
-    return static_cast<double>(contact_nodes_near(mesh, body_, reachable_, reach_m));
-  };
-  const ColumnSample all = column_sample(*shared_, placed, {});
-  const double more_columns =
-      times_larger_ > 1.0 ? near(approach_.surface) / std::max(near(surface), 1.0)
-                          : 1.0;
-  time_columns(placed, static_cast<std::size_t>(
-                           std::lround(more_columns * static_cast<double>(all.all))));
-}
-
-void Planner::time_columns(std::span<const PressedNode> placed, std::size_t columns) {
-  progress_.stage("a few columns");
-  report_.columns = static_cast<std::int64_t>(columns);
-  const double triangles = static_cast<double>(approach_.surface.triangle.rows());
-  // As many vertices' columns as take seconds, one vertex's at least.
-  std::vector<std::int32_t> samples;
-  ColumnSample sample;
-  for (std::size_t count = kSamples * workers_; count > 0; --count) {
-    samples = spread_over(reachable_, count);
-    sample = column_sample(*shared_, placed, samples);
-    if (expected_cpu_s({triangles / times_larger_,
-                        static_cast<double>(sample.solved)}) < kColumnsCpuS) {
-      break;
-    }
-  }
-  if (sample.solved == 0) {
-    return;
-  }
-  const double none = seconds_of([&] {
-    (void)compliance_of(*shared_, placed, std::vector<char>(sample.wanted.size(), 0),
-                        nullptr);
-  });
-  const double some = seconds_of([&] {
-    compliance_.emplace(compliance_of(*shared_, placed, sample.wanted,
-                                      [&](std::size_t done, std::size_t total) {
-                                        progress_.advance(done, total, "columns");
-                                      }));
-  });
-  once("find pairs of near contact nodes", none);
-  extrapolate("columns of the surface compliance", columns, sample.solved,
-              std::max(some - none, 0.0),
-              expected_column_cpu_s(times_larger_) / expected_column_cpu_s(1.0));
-  time_linear_presses(samples);
-  if (approach_.nonlinear && !approach_.graded) {
-    time_nonlinear_on_shared_mesh(samples);
-  }
-}
-
-void Planner::time_linear_presses(const std::vector<std::int32_t>& samples) {
-  progress_.stage("a few linear presses");
-  std::vector<double> error(samples.size(), 0.0);
-  const double seconds = seconds_of([&] {
-    tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-      PressedNode node =
-          placed_node(scene_, body_, *shared_, body_.tool.front(), samples[i]);
-      press_linear(*shared_, *compliance_, node);
-      if (node.indentation.sample.size() > 1) {
-        error[i] = to_response(node.indentation, node.path, scene_.force_relative)
-                       .error_relative;
-      }
-    });
-  });
-  extrapolate("linear presses", reachable_.size() * body_.tool.size(), samples.size(),
-              seconds);
+  shared_.emplace(scene_, body_, approach_, reachable_, workers_, progress_, report_);
   if (approach_.cheap_is_good && approach_.graded) {
-    again_share_ = share_above(error, scene_.force_relative);
+    again_share_ = shared_->share_outside_budget();
+  }
+  if (approach_.nonlinear && !approach_.graded) {
+    std::size_t count = 0;
+    for (const Unit* territory : territories()) {
+      count += good_of(*territory);
+    }
+    shared_->time_nonlinear(count * body_.tool.size());
   }
 }
 
-void Planner::time_nonlinear_on_shared_mesh(const std::vector<std::int32_t>& samples) {
-  progress_.stage("a few nonlinear presses");
-  const SharedTool& tool = body_.tool.front();
-  const double seconds = seconds_of([&] {
-    tbb::parallel_for(std::size_t{0}, workers_, [&](std::size_t w) {
-      std::vector<PressedNode> nodes;
-      if (w < samples.size()) {
-        nodes.push_back(placed_node(scene_, body_, *shared_, tool, samples[w]));
-        press_linear(*shared_, *compliance_, nodes.back());
-      }
-      press_nonlinear(*shared_, *compliance_, nodes, nonlinear_options(scene_, tool),
-                      false);
-    });
-  });
-  std::size_t count = 0;
-  for (const Unit* territory : territories()) {
-    count += good_of(*territory);
-  }
-  extrapolate("nonlinear presses", count * body_.tool.size(),
-              std::min(samples.size(), workers_), seconds,
-              expected_column_cpu_s(times_larger_) / expected_column_cpu_s(1.0));
-}
-
-std::vector<std::vector<std::int32_t>> Planner::first_groups(
-    const std::function<std::vector<std::vector<std::int32_t>>(const Unit&)>& groups_of)
-    const {
-  std::vector<std::vector<std::int32_t>> some;
+std::vector<Planner::Group> Planner::some_groups(
+    const std::function<std::vector<Group>(const Unit&)>& groups_of) const {
+  std::vector<Group> some;
   const std::vector<const Unit*> all = territories();
-  for (std::size_t w = 0; w < workers_; ++w) {
-    const Unit& unit = *all[(2 * w + 1) * all.size() / (2 * workers_)];
-    const auto groups = groups_of(unit);
-    some.push_back(groups[(2 * w + 1) * groups.size() / (2 * workers_)]);
+  for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
+    for (std::size_t w = 0; w < workers_; ++w) {
+      const std::size_t place = 2 * (w * kMostBatches + batch) + 1;
+      const std::size_t places = 2 * workers_ * kMostBatches;
+      const auto groups = groups_of(*all[place * all.size() / places]);
+      const Group& group = groups[place * groups.size() / places];
+      if (std::find(some.begin(), some.end(), group) == some.end()) {
+        some.push_back(group);
+      }
+    }
   }
   return some;
 }
 
-void Planner::time_own_meshes(const std::string& work,
-                              const std::vector<std::vector<std::int32_t>>& groups,
+void Planner::time_own_meshes(const std::string& work, const std::vector<Group>& groups,
                               std::size_t count, const ContactFocus& focus,
                               bool nonlinear, double times) {
-  progress_.stage("one of: " + work);
-  const double seconds = seconds_of([&] {
-    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
-      const SharedTool& tool = body_.tool.front();
-      (void)press_on_own_mesh(
-          scene_, body_, tool, groups[i], focus,
-          {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
+  progress_.stage("some of: " + work);
+  const SharedTool& tool = body_.tool.front();
+  std::size_t timed = 0;
+  double seconds = 0.0;
+  while (timed < groups.size() && seconds < kGroupsS) {
+    const std::size_t batch = std::min(workers_, groups.size() - timed);
+    seconds += seconds_of([&] {
+      tbb::parallel_for(timed, timed + batch, [&](std::size_t i) {
+        (void)press_on_own_mesh(
+            scene_, body_, tool, groups[i], focus,
+            {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
+      });
     });
-  });
-  extrapolate(work, count * body_.tool.size(), groups.size(), seconds, times);
+    timed += batch;
+  }
+  report_.cost.push_back(
+      cost_of_all(work, count * body_.tool.size(), timed, seconds, times));
 }
 
 void Planner::time_cheap_on_own_meshes() {
@@ -355,7 +220,7 @@ void Planner::time_cheap_on_own_meshes() {
   for (const Unit* territory : territories()) {
     count += groups_of(*territory).size();
   }
-  const auto groups = first_groups(groups_of);
+  const auto groups = some_groups(groups_of);
   const BodyModel model =
       make_graded_model(scene_, body_, groups.front(), approach_.focus);
   report_.tets = model.mesh.tet.rows();
@@ -392,12 +257,12 @@ void Planner::time_good() {
   time_own_meshes(approach_.cheap_is_good
                       ? "groups of presses outside the budget, on meshes of their own"
                       : "groups of good presses on meshes of their own",
-                  first_groups(groups_of), static_cast<std::size_t>(std::lround(count)),
+                  some_groups(groups_of), static_cast<std::size_t>(std::lround(count)),
                   approach_.focus, approach_.nonlinear);
 }
 
 void Planner::time_checks() {
-  std::vector<std::vector<std::int32_t>> checks;
+  std::vector<Group> checks;
   for (const Unit& unit : units_) {
     if (unit.is_check) {
       checks.push_back(unit.vertex);
@@ -407,18 +272,10 @@ void Planner::time_checks() {
     return;
   }
   const std::size_t count = checks.size();
-  checks.resize(std::min(count, workers_));
   // A linear press costs as its factor and columns do; a nonlinear one as its elements.
-  const auto work = [&](const ContactFocus& focus) -> MeshWork {
-    const auto& vertex = checks.front();
-    const SurfaceMesh surface = graded_surface(scene_, body_, vertex, focus);
-    const double reach_m = touched_radius_m(scene_, body_, 0.5 * focus.finest_m);
-    return {static_cast<double>(surface.triangle.rows()),
-            static_cast<double>(contact_nodes_near(surface, body_, vertex, reach_m))};
-  };
   const ContactFocus fine = finer(approach_.focus, kCheckTimesFiner);
-  const MeshWork here = work(approach_.focus);
-  const MeshWork there = work(fine);
+  const MeshWork here = own_mesh_work(scene_, body_, checks.front(), approach_.focus);
+  const MeshWork there = own_mesh_work(scene_, body_, checks.front(), fine);
   const bool affordable = !approach_.nonlinear && expected_cpu_s(there) < kChecksCpuS;
   const double times = affordable ? 1.0
                        : approach_.nonlinear

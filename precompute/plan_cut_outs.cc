@@ -11,6 +11,7 @@
 
 #include "formats/stopwatch.h"
 #include "precompute/cut_out_press.h"
+#include "precompute/plan_cost.h"
 
 namespace palpate {
 namespace {
@@ -28,9 +29,7 @@ PlanCost price(const CutOutSolver& solver, const BodySource& body,
                        groups[(2 * i + 1) * groups.size() / (2 * timed)], times_wider);
   });
   const double timed_s = seconds_since(began);
-  const std::size_t count = groups.size() * body.tool.size();
-  return {work, static_cast<std::int64_t>(count), static_cast<std::int64_t>(timed),
-          timed_s, timed_s * static_cast<double>(count) / static_cast<double>(timed)};
+  return cost_of_all(work, groups.size() * body.tool.size(), timed, timed_s);
 }
 
 }  // namespace
@@ -44,7 +43,7 @@ void plan_cut_outs(const Scene& scene, const BodySource& body, const Approach& a
   const CutOutSolver solver(scene, body, approach.surface, approach.spacing_m,
                             vertices);
   const double once_s = seconds_since(began);
-  report.cost.push_back({once, 1, 1, once_s, once_s});
+  report.cost.push_back(cost_once(once, once_s));
   report.notes.push_back(solver.text());
   Groups groups;
   Groups checks;

@@ -38,16 +38,20 @@ double touched_radius_m(const Scene& scene, const BodySource& body,
   return radius_m;
 }
 
+MeshWork own_mesh_work(const Scene& scene, const BodySource& body,
+                       std::span<const std::int32_t> vertices,
+                       const ContactFocus& focus) {
+  const SurfaceMesh surface = graded_surface(scene, body, vertices, focus);
+  const double reach_m = touched_radius_m(scene, body, 0.5 * focus.finest_m);
+  return {static_cast<double>(surface.triangle.rows()),
+          static_cast<double>(contact_nodes_near(surface, body, vertices, reach_m))};
+}
+
 double expected_own_meshes_cpu_s(const Scene& scene, const BodySource& body,
                                  std::span<const std::int32_t> vertices,
                                  const ContactFocus& focus) {
   const auto groups = group_vertices(body.surface, vertices, focus);
-  const auto& group = groups[groups.size() / 2];
-  const SurfaceMesh surface = graded_surface(scene, body, group, focus);
-  const double reach_m = touched_radius_m(scene, body, 0.5 * focus.finest_m);
-  const MeshWork work{
-      static_cast<double>(surface.triangle.rows()),
-      static_cast<double>(contact_nodes_near(surface, body, group, reach_m))};
+  const MeshWork work = own_mesh_work(scene, body, groups[groups.size() / 2], focus);
   return static_cast<double>(groups.size() * body.tool.size()) * expected_cpu_s(work);
 }
 

@@ -33,8 +33,13 @@ struct MeshWork {
 [[nodiscard]] double touched_radius_m(const Scene& scene, const BodySource& body,
                                       double node_spacing_m);
 
-/// CPU seconds of linear presses of all vertices on meshes of their own: one group's
-/// surface is made and counted, and stands for all.
+/// Of one mesh for the vertices (make_graded_model): its surface is made and counted.
+[[nodiscard]] MeshWork own_mesh_work(const Scene& scene, const BodySource& body,
+                                     std::span<const std::int32_t> vertices,
+                                     const ContactFocus& focus);
+
+/// CPU seconds of linear presses of all vertices on meshes of their own: one group
+/// stands for all.
 [[nodiscard]] double expected_own_meshes_cpu_s(const Scene& scene,
                                                const BodySource& body,
                                                std::span<const std::int32_t> vertices,

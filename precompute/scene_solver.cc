@@ -11,6 +11,7 @@
 #include "formats/error.h"
 #include "precompute/column_sample.h"
 #include "precompute/interrupt.h"
+#include "precompute/own_mesh_press.h"
 #include "precompute/press_cost.h"
 
 namespace palpate {
@@ -64,10 +65,6 @@ std::vector<PressedNode> in_groups(
   });
   return nodes;
 }
-
-}  // namespace
-
-namespace {
 
 constexpr std::size_t kTriedFirst = 3;
 

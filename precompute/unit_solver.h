@@ -13,8 +13,6 @@
 
 namespace palpate {
 
-inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
-inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
 inline constexpr double kCheckTimesFiner = 2.0;  ///< elements of checks
 
 /// Good presses that a territory will probably need at a budget [-], counted in builds

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "precompute/node_press.h"
+#include "precompute/own_mesh_press.h"
 #include "precompute/path_ratio.h"
 #include "precompute/scene_solver.h"
 #include "precompute/surface_writer.h"
@@ -118,19 +119,31 @@ TEST_F(OddPresses, ThePathOfANonlinearPressBeginsAtItsTouchAlsoWhereThatIsNegati
   }
 }
 
-TEST_F(OddPresses, AFinIsPressedAsFarAsItGoesAndSaysHowFar) {
-  const SurfaceMesh body = relief(kHalf, -0.01, kCells, [](double x, double) {
-    return std::abs(x) < 0.0013 ? 0.008
-                                : 0.0;  // one row of vertices: a wedge, 5 mm wide
-  });
-  const std::int32_t crest = top_vertex(kHalf, kCells, 0.0, 0.0);
-  const PressedNode node = press(body, {crest}, "neo-hookean", 0.004, 0.004).front();
-  const NodeResponse r = response(node);
-  ASSERT_EQ(r.origin, ResponseOrigin::kSimulated) << node.failure;
-  EXPECT_GT(r.depth_m.size(), 2U);
-  if (!node.failure.empty()) {  // truncated: it says at which depth
-    EXPECT_NE(node.failure.find("mm"), std::string::npos) << node.failure;
-  }
+void report(const char* what, const PressedNode& node) {
+  std::printf("%s: failure '%s' samples %zu touch %.4f mm elsewhere %d late %d patch %zu\n", what,
+              node.failure.c_str(), node.indentation.sample.size(),
+              node.indentation.sample.empty() ? 0.0 : 1e3 * node.indentation.sample.front().penetration_m,
+              node.indentation.reaches_elsewhere, touches_late(node), node.patch.size());
+  for (const auto& s : node.indentation.sample) std::printf("  %.4f mm %.5f N\n", 1e3 * s.penetration_m, s.force_n.norm());
+}
+
+TEST_F(OddPresses, Explore) {
+  const std::int32_t middle = top_vertex(kHalf, kCells, 0.0, 0.0);
+  const auto fin = [](double x, double) { return std::abs(x) < 0.0013 ? 0.008 : 0.0; };
+  report("fin", press(relief(kHalf, -0.01, kCells, fin), {middle}, "neo-hookean", 0.004, 0.004).front());
+  report("ear", press(leaning(relief(kHalf, -0.01, kCells, fin), 0.8), {middle}, "neo-hookean", 0.004, 0.004).front());
+  report("ear linear", press(leaning(relief(kHalf, -0.01, kCells, fin), 0.8), {middle}, "linear", 0.004, 0.004).front());
+  const auto trench = [](double x, double) { return std::abs(x) < 0.003 ? -0.006 : 0.0; };
+  report("trench", press(relief(kHalf, -0.01, kCells, trench), {middle}, "linear", 0.009).front());
+  report("fold", press(leaning(relief(kHalf, -0.01, kCells, trench), 0.0, 0.8), {middle}, "linear", 0.003).front());
+  report("fold 6", press(leaning(relief(kHalf, -0.01, kCells, trench), 0.0, 0.8), {middle}, "linear", 0.006).front());
+  report("fold nh", press(leaning(relief(kHalf, -0.01, kCells, trench), 0.0, 0.8), {middle}, "neo-hookean", 0.006).front());
+  const auto lobes = [](double x, double) { return 0.008 * std::pow(std::sin(x / kHalf * 3.14159), 2) - 0.004; };
+  report("lobes", press(relief(kHalf, -0.01, kCells, lobes), {middle}, "linear", 0.006).front());
+  report("lobes nh", press(relief(kHalf, -0.01, kCells, lobes), {middle}, "neo-hookean", 0.006).front());
+  const auto step = [](double x, double) { return x > 0.004 ? 0.012 : 0.0; };
+  report("step", press(relief(kHalf, -0.01, kCells, step), {middle}, "linear", 0.006).front());
+  report("step lean", press(leaning(relief(kHalf, -0.01, kCells, step), -0.5), {middle}, "linear", 0.006).front());
 }
 
 TEST_F(OddPresses, ASharpCornerIsTouchedAtOnce) {

@@ -58,4 +58,11 @@ std::int32_t top_vertex(double half_m, int cells, double x_m, double y_m) {
   return index(y_m) * (cells + 1) + index(x_m);
 }
 
+SurfaceMesh leaning(SurfaceMesh body, double slope, double slope_below) {
+  for (auto p : body.position_m.rowwise()) {
+    p.x() += p.z() > 0.0 ? slope * p.z() : -slope_below * p.z();
+  }
+  return body;
+}
+
 }  // namespace palpate

@@ -15,4 +15,9 @@ namespace palpate {
 /// Index of the top's vertex nearest to a place.
 [[nodiscard]] std::int32_t top_vertex(double half_m, int cells, double x_m, double y_m);
 
+/// What is above z = 0 leans over: x grows by `slope` times z, and what is below it
+/// leans the other way by `slope_below` times -z.
+[[nodiscard]] SurfaceMesh leaning(SurfaceMesh body, double slope,
+                                  double slope_below = 0.0);
+
 }  // namespace palpate
