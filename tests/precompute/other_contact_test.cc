@@ -18,9 +18,10 @@ const IndentationPath kPath{.vertex_m = Eigen::Vector3d::Zero(),
 
 ContactSurface one_node(const Eigen::Vector3d& position_mm,
                         const Eigen::Vector3d& normal) {
-  ContactSurface surface;
-  surface.node.push_back({.position_m = 1e-3 * position_mm, .normal = normal});
-  return surface;
+  ContactNode node;
+  node.position_m = 1e-3 * position_mm;
+  node.normal = normal;
+  return {.node = {node}, .of_mesh_node = {}};
 }
 
 bool is_met(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& normal,
