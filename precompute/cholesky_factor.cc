@@ -141,57 +141,50 @@ Eigen::MatrixXd solved(cholmod_factor* factor, const Eigen::MatrixXd& B) {
   return X;
 }
 
-// The last supernodes of a factor, as a factor of their own: the trailing block of L is
-// the factor of the near unknowns' Schur complement. Shares the numbers.
-struct LastSupernodes {
-  cholmod_factor factor{};
-  std::vector<SuiteSparse_long> super, pi, px, s, perm;
+template <typename Index>
+std::span<const SuiteSparse_long> indices(const void* numbers, Index count) {
+  return {static_cast<const SuiteSparse_long*>(numbers),
+          static_cast<std::size_t>(count)};
+}
 
-  LastSupernodes(const cholmod_factor& whole, std::size_t columns) {
-    const auto* all_super = static_cast<const SuiteSparse_long*>(whole.super);
-    const auto* all_pi = static_cast<const SuiteSparse_long*>(whole.pi);
-    const auto* all_px = static_cast<const SuiteSparse_long*>(whole.px);
-    const auto* all_s = static_cast<const SuiteSparse_long*>(whole.s);
-    // The supernode that holds the first of the last columns.
-    const auto wanted = static_cast<SuiteSparse_long>(whole.n - columns);
-    const std::size_t from =
-        static_cast<std::size_t>(
-            std::upper_bound(all_super, all_super + whole.nsuper + 1, wanted) -
-            all_super) -
-        1;
-    const SuiteSparse_long first = all_super[from];
-    for (std::size_t k = from; k <= whole.nsuper; ++k) {
-      super.push_back(all_super[k] - first);
-      pi.push_back(all_pi[k] - all_pi[from]);
-      px.push_back(all_px[k]);
-    }
-    for (SuiteSparse_long k = all_pi[from]; k < all_pi[whole.nsuper]; ++k) {
-      s.push_back(all_s[k] - first);
-    }
-    perm.resize(whole.n - static_cast<std::size_t>(first));
-    std::iota(perm.begin(), perm.end(), SuiteSparse_long{0});
-    factor = whole;
-    factor.n = perm.size();
-    factor.minor = factor.n;
-    factor.nsuper = super.size() - 1;
-    factor.ssize = s.size();
-    factor.super = super.data();
-    factor.pi = pi.data();
-    factor.px = px.data();
-    factor.s = s.data();
-    factor.Perm = perm.data();
-    factor.IPerm = nullptr;
-    factor.ordering = CHOLMOD_NATURAL;
+// A factor's supernodes and their arrays.
+struct Supernodes {
+  explicit Supernodes(const cholmod_factor& f)
+      : begin(indices(f.super, f.nsuper + 1)),
+        row_begin(indices(f.pi, f.nsuper + 1)),
+        number_begin(indices(f.px, f.nsuper + 1)),
+        row(indices(f.s, f.ssize)) {}
+
+  [[nodiscard]] SuiteSparse_long columns(std::size_t k) const {
+    return begin[k + 1] - begin[k];
   }
+  [[nodiscard]] std::span<const SuiteSparse_long> rows(std::size_t k) const {
+    return row.subspan(static_cast<std::size_t>(row_begin[k]),
+                       static_cast<std::size_t>(row_begin[k + 1] - row_begin[k]));
+  }
+  // The supernode of a column.
+  [[nodiscard]] std::size_t of(SuiteSparse_long column) const {
+    return static_cast<std::size_t>(
+        std::upper_bound(begin.begin(), begin.end(), column) - begin.begin() - 1);
+  }
+
+  std::span<const SuiteSparse_long> begin, row_begin, number_begin, row;
 };
 
 }  // namespace
 
+// A factor of its own that shares the whole one's numbers: supernodes that contain all
+// their ancestors, so that no row of theirs is missing.
+struct FactorPart::Impl {
+  cholmod_factor factor{};
+  std::vector<SuiteSparse_long> super, pi, px, s, perm;
+  std::vector<std::int64_t> row;
+  std::int64_t nonzeros = 0;
+};
+
 struct CholeskyFactor::Impl {
   Common common;
   cholmod_factor* factor = nullptr;
-  std::unique_ptr<LastSupernodes> near;
-  std::vector<std::int64_t> near_row;
   ~Impl() { cholmod_l_free_factor(&factor, &common.c); }
 };
 
@@ -230,28 +223,89 @@ CholeskyFactor::CholeskyFactor(const Stiffness& lower,
         "in "
         "fewer than three points that are not in a line");
   }
-  if (!near.empty()) {
-    impl_->near = std::make_unique<LastSupernodes>(*impl_->factor, near.size());
-    const std::size_t first = impl_->factor->n - impl_->near->factor.n;
-    const auto* order = static_cast<const SuiteSparse_long*>(impl_->factor->Perm);
-    impl_->near_row.assign(impl_->factor->n, -1);
-    for (std::size_t k = first; k < impl_->factor->n; ++k) {
-      impl_->near_row[static_cast<std::size_t>(order[k])] =
-          static_cast<std::int64_t>(k - first);
+}
+
+FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
+  const cholmod_factor& whole = *impl_->factor;
+  const Supernodes nodes(whole);
+  const auto order = indices(whole.Perm, whole.n);
+  std::vector<SuiteSparse_long> column(whole.n);
+  for (std::size_t k = 0; k < whole.n; ++k) {
+    column[static_cast<std::size_t>(order[k])] = static_cast<SuiteSparse_long>(k);
+  }
+  std::vector<char> reached(whole.nsuper, 0);
+  for (const std::int64_t unknown : unknowns) {
+    if (unknown >= 0) {
+      reached[nodes.of(column[static_cast<std::size_t>(unknown)])] = 1;
     }
   }
+  auto part = std::make_shared<FactorPart::Impl>();
+  part->row.assign(whole.n, -1);
+  std::vector<SuiteSparse_long> now(whole.n, -1);  // columns in the part
+  SuiteSparse_long size = 0;
+  for (std::size_t k = 0; k < whole.nsuper; ++k) {
+    if (reached[k] == 0) {
+      continue;
+    }
+    const auto rows = nodes.rows(k);
+    const SuiteSparse_long columns = nodes.columns(k);
+    if (rows.size() > static_cast<std::size_t>(columns)) {  // the parent
+      reached[nodes.of(rows[static_cast<std::size_t>(columns)])] = 1;
+    }
+    part->super.push_back(size);
+    part->pi.push_back(static_cast<SuiteSparse_long>(part->s.size()));
+    part->px.push_back(nodes.number_begin[k]);
+    part->s.insert(part->s.end(), rows.begin(), rows.end());
+    part->nonzeros += columns * static_cast<SuiteSparse_long>(rows.size());
+    for (SuiteSparse_long c = nodes.begin[k]; c < nodes.begin[k + 1]; ++c) {
+      part->row[static_cast<std::size_t>(order[static_cast<std::size_t>(c)])] = size;
+      now[static_cast<std::size_t>(c)] = size++;
+    }
+  }
+  part->super.push_back(size);
+  part->pi.push_back(static_cast<SuiteSparse_long>(part->s.size()));
+  part->px.push_back(nodes.number_begin.back());
+  for (SuiteSparse_long& r : part->s) {
+    r = now[static_cast<std::size_t>(r)];
+  }
+  part->perm.resize(static_cast<std::size_t>(size));
+  std::iota(part->perm.begin(), part->perm.end(), SuiteSparse_long{0});
+  cholmod_factor& factor = part->factor;
+  factor = whole;
+  factor.n = part->perm.size();
+  factor.minor = factor.n;
+  factor.nsuper = part->super.size() - 1;
+  factor.ssize = part->s.size();
+  factor.super = part->super.data();
+  factor.pi = part->pi.data();
+  factor.px = part->px.data();
+  factor.s = part->s.data();
+  factor.Perm = part->perm.data();
+  factor.IPerm = nullptr;
+  factor.ordering = CHOLMOD_NATURAL;
+  FactorPart made;
+  made.impl_ = std::move(part);
+  return made;
 }
 
-const std::vector<std::int64_t>& CholeskyFactor::near_row() const {
-  return impl_->near_row;
+const std::vector<std::int64_t>& FactorPart::row() const {
+  return impl_->row;
 }
 
-Eigen::Index CholeskyFactor::near_size() const {
-  return impl_->near ? static_cast<Eigen::Index>(impl_->near->factor.n) : 0;
+Eigen::Index FactorPart::size() const {
+  return static_cast<Eigen::Index>(impl_->factor.n);
 }
 
-Eigen::MatrixXd CholeskyFactor::solve_near(const Eigen::MatrixXd& B) const {
-  return solved(&impl_->near->factor, B);
+std::int64_t FactorPart::nonzeros() const {
+  return impl_->nonzeros;
+}
+
+Eigen::MatrixXd FactorPart::solve(const Eigen::MatrixXd& B) const {
+  // CHOLMOD reads through a pointer that is not const, and does not write to it.
+  return solved(
+      const_cast<cholmod_factor*>(  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+          &impl_->factor),
+      B);
 }
 
 CholeskyFactor::~CholeskyFactor() = default;

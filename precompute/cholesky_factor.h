@@ -12,16 +12,33 @@
 
 namespace palpate {
 
+/// The columns of L that some unknowns reach through the elimination tree. Where a
+/// right-hand side acts on them alone and only their displacement is wanted,
+/// substitution touches no other column: a solve costs what these hold, whatever else
+/// the body has. Must not outlive its factor.
+class FactorPart {
+ public:
+  /// (n) row of each unknown of K in solve(), -1: not in the part. Some more than were
+  /// asked for are.
+  [[nodiscard]] const std::vector<std::int64_t>& row() const;
+  [[nodiscard]] Eigen::Index size() const;
+  [[nodiscard]] std::int64_t nonzeros() const;
+
+  /// X = (K^-1)_part,part B, (size x k), rows as row() says. As safe as
+  /// CholeskyFactor::solve(), whose bits these are.
+  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+
+ private:
+  friend class CholeskyFactor;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
 /// K = L L^T of a symmetric positive definite matrix (CHOLMOD, supernodal, METIS).
-///
-/// Near unknowns are eliminated last. Where a right-hand side acts on them alone and
-/// only their displacement is wanted, substitution begins at their first column of L
-/// and ends there: solve_near() costs what their block of L holds, whatever else the
-/// body has.
 class CholeskyFactor {
  public:
-  /// @param lower lower triangle of K. @param near unknowns, any order; none: no
-  /// solve_near().
+  /// @param lower lower triangle of K. @param near unknowns that will be asked for by
+  /// part(), any order: they are eliminated last, so that their part is small.
   /// @throws NumericalError if K is not positive definite (a body that nothing holds),
   /// or memory does not suffice.
   explicit CholeskyFactor(const Stiffness& lower,
@@ -34,14 +51,8 @@ class CholeskyFactor {
   /// not depend on them. Blocks of 64 columns cost several times less than single ones.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
 
-  /// (n) row of each unknown in solve_near(), -1 for those that are not near; empty
-  /// where there is no solve_near(). Some more than were asked for may be near.
-  [[nodiscard]] const std::vector<std::int64_t>& near_row() const;
-  [[nodiscard]] Eigen::Index near_size() const;
-
-  /// X = (K^-1)_near,near B, B (near_size x k), rows as near_row() says. As safe as
-  /// solve().
-  [[nodiscard]] Eigen::MatrixXd solve_near(const Eigen::MatrixXd& B) const;
+  /// @param unknowns any order; those below 0 are passed over.
+  [[nodiscard]] FactorPart part(std::span<const std::int64_t> unknowns) const;
 
   [[nodiscard]] std::int64_t size() const;
   [[nodiscard]] std::int64_t factor_nonzeros() const;

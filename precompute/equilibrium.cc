@@ -1,12 +1,17 @@
 #include "precompute/equilibrium.h"
 
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 namespace palpate {
 namespace {
+
+// Directions that the preconditioner remembers: vectors of the near unknowns, two each.
+constexpr std::size_t kMostKnown = 40;
 
 void add(NearState& to, double factor, const NearState& other) {
   to.source_n += factor * other.source_n;
@@ -24,6 +29,32 @@ double Equilibrium::potential_j(const PlacedTool& tool, const Multipliers& multi
              : std::numeric_limits<double>::infinity();
 }
 
+// K^-1 corrected by directions that tangents before have told of: the inverse update of
+// limited memory (Morales and Nocedal 2000), which keeps the pair (s, K^-1 s).
+NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
+  Eigen::VectorXd rest = r;
+  std::vector<double> along(known_.size());
+  for (std::size_t i = known_.size(); i-- > 0;) {
+    along[i] = known_[i].inverse_curvature * known_[i].along.displacement_m.dot(rest);
+    rest -= along[i] * known_[i].change_n;
+  }
+  Eigen::VectorXd u = solve_(near_.dof(), rest);
+  NearState z{std::move(rest), std::move(u)};
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    const double already =
+        known_[i].inverse_curvature * known_[i].change_n.dot(z.displacement_m);
+    add(z, along[i] - already, known_[i].along);
+  }
+  return z;
+}
+
+void Equilibrium::learn(std::vector<KnownDirection> directions) {
+  std::move(directions.begin(), directions.end(), std::back_inserter(known_));
+  while (known_.size() > kMostKnown) {
+    known_.pop_front();
+  }
+}
+
 // In the pair (s, K^-1 s) neither K nor its far part is ever applied: K p = s_p.
 Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
                                            const Multipliers& multipliers,
@@ -39,20 +70,19 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
   NearState p;
   double rz = 0.0;
   double enough = 0.0;
+  std::vector<KnownDirection> learnt;
   for (int i = 0; i < options_.gradients_max; ++i) {
-    const Eigen::VectorXd z = solve_(near_.dof(), r);
+    NearState z = preconditioned(r);
     ++report.gradients;
-    const double rz_new = r.dot(z);
+    const double rz_new = r.dot(z.displacement_m);
     if (i == 0) {
       enough = options_.gradient_tolerance * options_.gradient_tolerance * rz_new;
-      p = {r, z};
     } else if (rz_new <= enough) {
       break;
     } else {
-      const double beta = rz_new / rz;
-      p.source_n = r + beta * p.source_n;
-      p.displacement_m = z + beta * p.displacement_m;
+      add(z, rz_new / rz, p);
     }
+    p = std::move(z);
     rz = rz_new;
     Eigen::VectorXd q = p.source_n;
     near_.add_change(p.displacement_m, q);
@@ -68,7 +98,9 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
     const double alpha = rz / curvature;
     add(step.direction, alpha, p);
     r -= alpha * q;
+    learnt.push_back({p, std::move(q), 1.0 / curvature});
   }
+  learn(std::move(learnt));
   step.slope = gradient.dot(step.direction.displacement_m);
   return step;
 }

@@ -6,8 +6,10 @@
 // contact are updated until they carry the whole pressure.
 #pragma once
 
+#include <deque>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "precompute/contact_potential.h"
 #include "precompute/lock_step.h"
@@ -53,6 +55,11 @@ class Equilibrium {
   EquilibriumReport find(const PlacedTool& tool, NearState& state,
                          Multipliers& multipliers);
 
+  /// [J] What find() lowers; infinite where an element is turned inside out.
+  [[nodiscard]] double potential_j(const PlacedTool& tool,
+                                   const Multipliers& multipliers,
+                                   const NearState& state) const;
+
   [[nodiscard]] double elastic_energy_j(const NearState& state) const {
     return 0.5 * state.source_n.dot(state.displacement_m) +
            near_.excess_energy_j(state.displacement_m);
@@ -63,18 +70,23 @@ class Equilibrium {
     NearState direction;
     double slope = 0.0;  // of the energy along it, < 0
   };
+  // What a tangent A does along a direction p: A p, and 1 / (p . A p).
+  struct KnownDirection {
+    NearState along;
+    Eigen::VectorXd change_n;
+    double inverse_curvature = 0.0;
+  };
+  [[nodiscard]] NearState preconditioned(const Eigen::VectorXd& r) const;
+  void learn(std::vector<KnownDirection> directions);
   bool descend(const PlacedTool& tool, const Multipliers& multipliers, NearState& state,
                EquilibriumReport& report);
   Step newton_step(const PlacedTool& tool, const Multipliers& multipliers,
                    const NearState& state, EquilibriumReport& report);
-  [[nodiscard]] double potential_j(const PlacedTool& tool,
-                                   const Multipliers& multipliers,
-                                   const NearState& state) const;
-
   NearField& near_;
   ContactPotential& contact_;
   const RestSolve& solve_;
   EquilibriumOptions options_;
+  std::deque<KnownDirection> known_;  // oldest first
   bool convex_ = false;  // the next step's tangent is to be without negative curvature
 };
 

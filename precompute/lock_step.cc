@@ -19,81 +19,81 @@ struct Request {
   Eigen::VectorXd result;
 };
 
-// Where unknowns stand in a solve: of all of them, or of the near ones alone.
-class Rows {
+// Solves requests with the part of the factor that they reach, which is kept as long as
+// the same unknowns are asked for.
+class PartSolver {
  public:
-  Rows(const CholeskyFactor& factor, bool near) : factor_(factor), near_(near) {}
-  [[nodiscard]] std::int64_t of(std::int64_t dof) const {
-    return near_ ? factor_.near_row()[static_cast<std::size_t>(dof)] : dof;
-  }
-  [[nodiscard]] Eigen::Index count() const {
-    return near_ ? factor_.near_size() : factor_.size();
-  }
-  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const {
-    return near_ ? factor_.solve_near(B) : factor_.solve(B);
+  explicit PartSolver(const CholeskyFactor& factor) : factor_(factor) {}
+
+  void serve(std::span<Request* const> requests) {
+    choose_part(requests);
+    Eigen::MatrixXd B =
+        Eigen::MatrixXd::Zero(part_.size(), static_cast<Eigen::Index>(requests.size()));
+    for (std::size_t k = 0; k < requests.size(); ++k) {
+      const Request& request = *requests[k];
+      for (std::size_t i = 0; i < request.dof.size(); ++i) {
+        if (request.dof[i] >= 0) {
+          B(row(request.dof[i]), static_cast<Eigen::Index>(k)) =
+              (*request.source)[static_cast<Eigen::Index>(i)];
+        }
+      }
+    }
+    const Eigen::MatrixXd X = part_.solve(B);
+    for (std::size_t k = 0; k < requests.size(); ++k) {
+      Request& request = *requests[k];
+      request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
+      for (std::size_t i = 0; i < request.dof.size(); ++i) {
+        request.result[static_cast<Eigen::Index>(i)] =
+            request.dof[i] >= 0 ? X(row(request.dof[i]), static_cast<Eigen::Index>(k))
+                                : 0.0;
+      }
+    }
   }
 
  private:
-  const CholeskyFactor& factor_;
-  bool near_;
-};
+  [[nodiscard]] std::int64_t row(std::int64_t dof) const {
+    return part_.row()[static_cast<std::size_t>(dof)];
+  }
 
-bool is_near(const CholeskyFactor& factor, const Request& request) {
-  const std::vector<std::int64_t>& row = factor.near_row();
-  return !row.empty() && request.dof.size() <= row.size() &&
-         std::all_of(request.dof.begin(), request.dof.end(), [&](std::int64_t dof) {
-           return dof < 0 || row[static_cast<std::size_t>(dof)] >= 0;
-         });
-}
-
-void scatter(const Request& request, const Rows& rows,
-             Eigen::Ref<Eigen::VectorXd> column) {
-  for (std::size_t i = 0; i < request.dof.size(); ++i) {
-    if (request.dof[i] >= 0) {
-      column[rows.of(request.dof[i])] = (*request.source)[static_cast<Eigen::Index>(i)];
+  void choose_part(std::span<Request* const> requests) {
+    std::size_t wanted = 0;
+    bool known = made_for_ > 0;
+    for (const Request* request : requests) {
+      wanted += request->dof.size();
+      known = known && std::all_of(request->dof.begin(), request->dof.end(),
+                                   [&](std::int64_t dof) {
+                                     return dof < 0 || row(dof) >= 0;
+                                   });
     }
+    if (known && wanted == made_for_) {
+      return;
+    }
+    std::vector<std::int64_t> unknowns;
+    for (const Request* request : requests) {
+      unknowns.insert(unknowns.end(), request->dof.begin(), request->dof.end());
+    }
+    part_ = factor_.part(unknowns);
+    made_for_ = wanted;
   }
-}
 
-void gather(const Eigen::Ref<const Eigen::VectorXd>& column, const Rows& rows,
-            Request& request) {
-  request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
-  for (std::size_t i = 0; i < request.dof.size(); ++i) {
-    request.result[static_cast<Eigen::Index>(i)] =
-        request.dof[i] >= 0 ? column[rows.of(request.dof[i])] : 0.0;
-  }
-}
+  const CholeskyFactor& factor_;
+  FactorPart part_;
+  std::size_t made_for_ = 0;
+};
 
 struct Running {
   Request request;
   std::unique_ptr<Coroutine::pull_type> coroutine;
 };
 
-void serve(const CholeskyFactor& factor, const std::vector<Running*>& waiting) {
-  const Rows rows(factor,
-                  std::all_of(waiting.begin(), waiting.end(), [&](const Running* r) {
-                    return is_near(factor, r->request);
-                  }));
-  Eigen::MatrixXd B =
-      Eigen::MatrixXd::Zero(rows.count(), static_cast<Eigen::Index>(waiting.size()));
-  for (std::size_t k = 0; k < waiting.size(); ++k) {
-    scatter(waiting[k]->request, rows, B.col(static_cast<Eigen::Index>(k)));
-  }
-  const Eigen::MatrixXd X = rows.solve(B);
-  for (std::size_t k = 0; k < waiting.size(); ++k) {
-    gather(X.col(static_cast<Eigen::Index>(k)), rows, waiting[k]->request);
-  }
-}
-
 }  // namespace
 
 RestSolve single_solves(const CholeskyFactor& factor) {
-  return [&factor](std::span<const std::int64_t> dof, const Eigen::VectorXd& source) {
+  return [solver = std::make_shared<PartSolver>(factor)](
+             std::span<const std::int64_t> dof, const Eigen::VectorXd& source) {
     Request request{.dof = dof, .source = &source, .result = {}};
-    const Rows rows(factor, is_near(factor, request));
-    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(rows.count(), 1);
-    scatter(request, rows, b.col(0));
-    gather(rows.solve(b).col(0), rows, request);
+    Request* const one = &request;
+    solver->serve({&one, 1});
     return std::move(request.result);
   };
 }
@@ -102,6 +102,8 @@ void run_in_lock_step(const CholeskyFactor& factor,
                       std::span<const std::function<void(const RestSolve&)>> tasks) {
   std::vector<Running> running(tasks.size());
   std::vector<Running*> waiting;
+  std::vector<Request*> requests;
+  PartSolver solver(factor);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     running[i].coroutine = std::make_unique<Coroutine::pull_type>(
         boost::coroutines2::fixedsize_stack(kStackBytes),
@@ -116,15 +118,17 @@ void run_in_lock_step(const CholeskyFactor& factor,
   }
   for (;;) {
     waiting.clear();
+    requests.clear();
     for (Running& r : running) {
       if (*r.coroutine) {
         waiting.push_back(&r);
+        requests.push_back(&r.request);
       }
     }
     if (waiting.empty()) {
       return;
     }
-    serve(factor, waiting);
+    solver.serve(requests);
     for (Running* r : waiting) {
       (*r->coroutine)();
     }

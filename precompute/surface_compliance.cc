@@ -163,33 +163,35 @@ Stiffness reduce(const Stiffness& lower, const Supports& supports) {
   return K;
 }
 
-Supports near_supports(const CholeskyFactor& factor, const Supports& supports,
+namespace {
+
+// The part of the factor that the nodes' loads act on, and the supports as it sees
+// them: indices into its rows.
+struct LoadedPart {
+  FactorPart factor;
+  Supports supports;
+};
+
+LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
                        const ContactSurface& surface,
                        std::span<const std::int32_t> nodes) {
-  const std::vector<std::int64_t>& row = factor.near_row();
-  if (row.empty()) {
-    return {};
-  }
-  Supports near = supports;
-  near.free = factor.near_size();
-  constexpr std::int64_t kFar = -2;
-  for (std::int64_t& dof : near.free_index) {
-    if (dof >= 0) {
-      const std::int64_t at = row[static_cast<std::size_t>(dof)];
-      dof = at >= 0 ? at : kFar;
-    }
-  }
+  std::vector<std::int64_t> unknowns;
   for (const std::int32_t v : nodes) {
     for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
       for (int axis = 0; axis < 3; ++axis) {
-        if (free_index(near, entry.node, axis) == kFar) {
-          return {};
-        }
+        unknowns.push_back(free_index(supports, entry.node, axis));
       }
     }
   }
-  return near;
+  LoadedPart loaded{factor.part(unknowns), supports};
+  loaded.supports.free = loaded.factor.size();
+  for (std::int64_t& dof : loaded.supports.free_index) {
+    dof = dof >= 0 ? loaded.factor.row()[static_cast<std::size_t>(dof)] : dof;
+  }
+  return loaded;
 }
+
+}  // namespace
 
 SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      const Supports& supports,
@@ -205,9 +207,8 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
   }
   value_.assign(neighbour_.size(), 0.0);
 
-  const Supports near_ones = near_supports(factor, supports, surface, nodes);
-  const bool is_near = !near_ones.free_index.empty();
-  const Supports& unknowns = is_near ? near_ones : supports;
+  const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
+  const Supports& unknowns = loaded.supports;
   std::atomic<std::size_t> done = 0;
   std::mutex reporting;
   const auto solve_block = [&](std::size_t first) {
@@ -228,7 +229,7 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
       add_load(surface.node[static_cast<std::size_t>(nodes[first + k])], unknowns,
                B.col(static_cast<Eigen::Index>(k)));
     }
-    const Eigen::MatrixXd X = is_near ? factor.solve_near(B) : factor.solve(B);
+    const Eigen::MatrixXd X = loaded.factor.solve(B);
     for (std::size_t k = 0; k < count; ++k) {
       const auto v = static_cast<std::size_t>(nodes[first + k]);
       for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {

@@ -31,13 +31,6 @@ using Where = std::function<bool(const Eigen::Vector3d& p_m)>;
 void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
                     const Where& where);
 
-/// The supports as solve_near() sees them: indices into its rows, -1 where held. Empty
-/// where the factor has no near unknowns, or one of the nodes' loads acts on another.
-[[nodiscard]] Supports near_supports(const CholeskyFactor& factor,
-                                     const Supports& supports,
-                                     const ContactSurface& surface,
-                                     std::span<const std::int32_t> nodes);
-
 /// Average inward displacement [m] over the hat of a contact node along the normals:
 /// what its unit pressure force works on. @param u_m of the free degrees of freedom;
 /// the held ones do not move.
