@@ -1,6 +1,7 @@
 #include "precompute/body_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -20,8 +21,9 @@
 namespace palpate {
 namespace {
 
-// Edges of the far surface over what the mesh would have there.
-constexpr double kFarShare = 0.6;
+// Edges of the far surface over what the mesh would have there; the shorter ones where
+// the coarse surface crosses itself.
+constexpr std::array<double, 3> kFarShares{0.6, 0.3, 0.15};
 
 // Nodes of the mesh that are held, or stand on springs with all of their face.
 std::vector<Eigen::Vector3d> supported_m(const Scene& scene, const BodyModel& model) {
@@ -211,9 +213,9 @@ namespace {
 // Coarse where it is far, and no finer than before where it is near.
 CoarsenedSurface far_coarsened(const Scene& scene, const BodySource& body,
                                std::span<const std::int32_t> vertices,
-                               const ContactFocus& focus) {
+                               const ContactFocus& focus, double far_share) {
   ContactFocus far = focus;
-  far.growth *= kFarShare;
+  far.growth *= far_share;
   return coarsen_surface(body.surface, wanted_edges(body.surface, vertices, far),
                          vertices, [&](const Eigen::Vector3d& p) {
                            return support_part(scene, p);
@@ -226,10 +228,11 @@ SurfaceMesh graded_surface(const Scene& scene, const BodySource& body,
                            std::span<const std::int32_t> vertices,
                            const ContactFocus& focus) {
   const auto wanted = wanted_edges(body.surface, vertices, focus);
-  return refine_longest_edge(body.inner.empty()
-                                 ? far_coarsened(scene, body, vertices, focus).surface
-                                 : body.surface,
-                             wanted, 4 * kMostTriangles);
+  return refine_longest_edge(
+      body.inner.empty()
+          ? far_coarsened(scene, body, vertices, focus, kFarShares.front()).surface
+          : body.surface,
+      wanted, 4 * kMostTriangles);
 }
 
 BodyModel make_graded_model(const Scene& scene, const BodySource& body,
@@ -252,16 +255,20 @@ BodyModel make_graded_model(const Scene& scene, const BodySource& body,
     model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
     return model;
   };
-  if (body.inner.empty()) {
+  for (const double far_share : kFarShares) {
+    if (!body.inner.empty()) {
+      break;
+    }
     try {
-      const CoarsenedSurface coarse = far_coarsened(scene, body, vertices, focus);
+      const CoarsenedSurface coarse =
+          far_coarsened(scene, body, vertices, focus, far_share);
       BodyModel model = model_on(coarse.surface);
       for (std::size_t i = 0; i < vertices.size(); ++i) {
         model.corner.emplace(vertices[i], coarse.vertex[i]);
       }
       return model;
     } catch (const NumericalError&) {
-      // The coarse surface crosses itself; its own mesh costs more, and works.
+      // The coarse surface crosses itself; a finer one costs more.
     }
   }
   return model_on(body.surface);
