@@ -1,9 +1,10 @@
 // Where a nonlinear body comes to rest against a rigid tool that does not move.
 //
 // Minimises the total potential W(u) + Psi(u) by Newton's method: conjugate gradients
-// on the true tangent, preconditioned by the body's rest factor and truncated
-// (Steihaug 1983), then a line search on the energy itself (Armijo). Multipliers of the
-// contact are updated until they carry the whole pressure.
+// on the true tangent, preconditioned by the body's rest factor and by what the steps
+// before have learnt of tangents (Morales and Nocedal 2000), and truncated (Steihaug
+// 1983), then a line search on the energy itself (Armijo). Multipliers of the contact
+// are updated until they carry the whole pressure.
 #pragma once
 
 #include <deque>
@@ -55,11 +56,6 @@ class Equilibrium {
   EquilibriumReport find(const PlacedTool& tool, NearState& state,
                          Multipliers& multipliers);
 
-  /// [J] What find() lowers; infinite where an element is turned inside out.
-  [[nodiscard]] double potential_j(const PlacedTool& tool,
-                                   const Multipliers& multipliers,
-                                   const NearState& state) const;
-
   [[nodiscard]] double elastic_energy_j(const NearState& state) const {
     return 0.5 * state.source_n.dot(state.displacement_m) +
            near_.excess_energy_j(state.displacement_m);
@@ -82,6 +78,11 @@ class Equilibrium {
                EquilibriumReport& report);
   Step newton_step(const PlacedTool& tool, const Multipliers& multipliers,
                    const NearState& state, EquilibriumReport& report);
+  // What find() lowers; infinite where an element is turned inside out.
+  [[nodiscard]] double potential_j(const PlacedTool& tool,
+                                   const Multipliers& multipliers,
+                                   const NearState& state) const;
+
   NearField& near_;
   ContactPotential& contact_;
   const RestSolve& solve_;

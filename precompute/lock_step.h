@@ -19,7 +19,7 @@ namespace palpate {
 using RestSolve = std::function<Eigen::VectorXd(std::span<const std::int64_t> dof,
                                                 const Eigen::VectorXd& source)>;
 
-/// One solve at a time.
+/// One solve at a time, from one thread at a time.
 [[nodiscard]] RestSolve single_solves(const CholeskyFactor& factor);
 
 /// Runs every task to its end, as coroutines of the calling thread: each goes on until

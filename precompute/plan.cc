@@ -1,7 +1,6 @@
 #include "precompute/plan.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -32,8 +31,6 @@ constexpr double kChecksCpuS = 2.0;
 constexpr double kGroupsS = 3.0;  // of one kind; more groups are timed until then
 
 constexpr std::size_t kMostBatches = 4;
-// What is done again where a press fails (press_on_own_mesh), over the press itself.
-constexpr double kRepeats = 2.0;
 
 class Planner {
  public:
@@ -206,24 +203,20 @@ void Planner::time_own_meshes(const std::string& work, const std::vector<Group>&
   progress_.stage("some of: " + work);
   const SharedTool& tool = body_.tool.front();
   std::size_t timed = 0;
-  std::atomic<std::size_t> failed = 0;
   double seconds = 0.0;
   while (timed < groups.size() && seconds < kGroupsS) {
     const std::size_t batch = std::min(workers_, groups.size() - timed);
     seconds += seconds_of([&] {
       tbb::parallel_for(timed, timed + batch, [&](std::size_t i) {
-        const auto nodes = press_on_model(
+        // Without what is done again where a press fails (press_on_own_mesh).
+        (void)press_on_model(
             scene_, body_, make_own_model(scene_, body_, groups[i], focus), tool,
             groups[i],
             {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
-        failed += std::any_of(nodes.begin(), nodes.end(), [](const PressedNode& node) {
-          return !node.failure.empty();
-        });
       });
     });
     timed += batch;
   }
-  times *= 1.0 + kRepeats * static_cast<double>(failed) / static_cast<double>(timed);
   report_.cost.push_back(
       cost_of_all(work, count * body_.tool.size(), timed, seconds, times));
 }
