@@ -180,6 +180,24 @@ struct FactorPart::Impl {
   std::vector<SuiteSparse_long> super, pi, px, s, perm;
   std::vector<std::int64_t> row;
   std::int64_t nonzeros = 0;
+
+  // Makes the factor of these supernodes; numbers and settings are the whole one's.
+  void share(const cholmod_factor& whole) {
+    perm.resize(static_cast<std::size_t>(super.back()));
+    std::iota(perm.begin(), perm.end(), SuiteSparse_long{0});
+    factor = whole;
+    factor.n = perm.size();
+    factor.minor = factor.n;
+    factor.nsuper = super.size() - 1;
+    factor.ssize = s.size();
+    factor.super = super.data();
+    factor.pi = pi.data();
+    factor.px = px.data();
+    factor.s = s.data();
+    factor.Perm = perm.data();
+    factor.IPerm = nullptr;
+    factor.ordering = CHOLMOD_NATURAL;
+  }
 };
 
 struct CholeskyFactor::Impl {
@@ -268,21 +286,7 @@ FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
   for (SuiteSparse_long& r : part->s) {
     r = now[static_cast<std::size_t>(r)];
   }
-  part->perm.resize(static_cast<std::size_t>(size));
-  std::iota(part->perm.begin(), part->perm.end(), SuiteSparse_long{0});
-  cholmod_factor& factor = part->factor;
-  factor = whole;
-  factor.n = part->perm.size();
-  factor.minor = factor.n;
-  factor.nsuper = part->super.size() - 1;
-  factor.ssize = part->s.size();
-  factor.super = part->super.data();
-  factor.pi = part->pi.data();
-  factor.px = part->px.data();
-  factor.s = part->s.data();
-  factor.Perm = part->perm.data();
-  factor.IPerm = nullptr;
-  factor.ordering = CHOLMOD_NATURAL;
+  part->share(whole);
   FactorPart made;
   made.impl_ = std::move(part);
   return made;
