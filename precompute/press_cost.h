@@ -20,9 +20,8 @@ struct MeshWork {
 /// CPU seconds of one core of a machine of 2026 for a mesh, its factor and its columns:
 /// a T^1.48 + b columns T^1.24 with T the surface triangles of a compact body, whose
 /// factor has non-zeros in proportion to T^1.24 (machine_memory.h). Constants from a
-/// sphere of 25,920 triangles (25 s of factor, 0.047 s a column), which are right
-/// within a factor of 2 at 500 triangles. For choosing between meshes, where only the
-/// ratio of two of them counts.
+/// sphere of 25,920 triangles (25 s of factor, 0.047 s a column). For choosing between
+/// meshes, where only the ratio of two of them counts.
 [[nodiscard]] double expected_cpu_s(const MeshWork& work);
 
 /// Of one column alone.
