@@ -255,10 +255,10 @@ BodyModel make_graded_model(const Scene& scene, const BodySource& body,
     model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
     return model;
   };
+  if (!body.inner.empty()) {
+    return model_on(body.surface);  // inner surfaces might cross a coarse one
+  }
   for (const double far_share : kFarShares) {
-    if (!body.inner.empty()) {
-      break;
-    }
     try {
       const CoarsenedSurface coarse =
           far_coarsened(scene, body, vertices, focus, far_share);

@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-// Directions that the preconditioner remembers: vectors of the near unknowns, two each.
+// Directions that the preconditioner remembers, each with three vectors over the near
+// unknowns.
 constexpr std::size_t kMostKnown = 40;
 
 void add(NearState& to, double factor, const NearState& other) {

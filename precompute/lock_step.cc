@@ -65,6 +65,7 @@ class PartSolver {
                                      return dof < 0 || row(dof) >= 0;
                                    });
     }
+    // A part that was made for more unknowns would do, but cost more.
     if (known && wanted == made_for_) {
       return;
     }

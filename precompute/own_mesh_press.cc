@@ -26,7 +26,7 @@ class OwnMeshes {
                           tool_, vertices, mode);
   }
 
-  // Gaps are averaged over the hats of contact nodes: smaller ones touch earlier.
+  // Gaps are averaged over the hats of contact nodes: smaller hats touch earlier.
   void press_finer_if_late(PressedNode& node, const ContactFocus& focus,
                            const PressMode& mode) const {
     for (int attempt = 1; attempt <= kFinerForTouch; ++attempt) {
@@ -34,14 +34,16 @@ class OwnMeshes {
         return;
       }
       PressedNode again = pressed_again(node, finer(focus, std::exp2(attempt)), mode);
-      if (samples(again) > 1 &&
-          (again.failure.empty() || samples(again) > samples(node))) {
-        node = std::move(again);
+      if (samples(again) < 2 ||
+          (!again.failure.empty() && samples(again) <= samples(node))) {
+        return;  // what is finer would fail, too
       }
+      node = std::move(again);
     }
   }
 
-  // Larger elements do not follow a sharp edge so far.
+  // At a sharp edge large elements are distorted less than small ones, so that more
+  // presses converge.
   void press_coarser_if_failed(PressedNode& node, const ContactFocus& focus,
                                PressMode mode) const {
     mode.options.equilibrium.newton_max = kPatientNewton;

@@ -14,7 +14,6 @@
 #include "precompute/node_press.h"
 #include "precompute/own_mesh_press.h"
 #include "precompute/peak_memory.h"
-#include "precompute/plan_cost.h"
 #include "precompute/plan_cut_outs.h"
 #include "precompute/plan_left_out.h"
 #include "precompute/plan_shared_mesh.h"

@@ -1,6 +1,7 @@
 // What a build will compute, what it leaves out, and what that takes: said beforehand.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -27,6 +28,21 @@ struct PlanCost {
   double timed_seconds = 0.0;  ///< wall time of these
   double seconds = 0.0;        ///< wall time of all
 };
+
+/// Work done once. @param times longer than what was timed in its place.
+[[nodiscard]] inline PlanCost cost_once(const std::string& work, double timed_seconds,
+                                        double times = 1.0) {
+  return {work, 1, 1, timed_seconds, times * timed_seconds};
+}
+
+/// `timed` of `count` pieces of work. @param times longer than a timed one each takes.
+[[nodiscard]] inline PlanCost cost_of_all(const std::string& work, std::size_t count,
+                                          std::size_t timed, double timed_seconds,
+                                          double times = 1.0) {
+  const double share = static_cast<double>(count) / static_cast<double>(timed);
+  return {work, static_cast<std::int64_t>(count), static_cast<std::int64_t>(timed),
+          timed_seconds, times * share * timed_seconds};
+}
 
 struct PlanReport {
   std::int64_t nodes = 0;  ///< surface vertices of the body
@@ -58,7 +74,9 @@ struct PlanReport {
   std::vector<std::string> notes;
 };
 
-/// Meshes, factorises and presses a few vertices as build() would, then counts.
+/// Meshes, factorises and presses a few vertices as build() would, then counts. A press
+/// that fails is not repeated, as build() does: bodies with many of these take longer
+/// than is said.
 /// @throws as build().
 [[nodiscard]] PlanReport plan(const Scene& scene, const PlanOptions& options,
                               Progress& progress);

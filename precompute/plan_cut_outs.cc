@@ -11,7 +11,6 @@
 
 #include "formats/stopwatch.h"
 #include "precompute/cut_out_press.h"
-#include "precompute/plan_cost.h"
 
 namespace palpate {
 namespace {

@@ -8,7 +8,6 @@
 #include "formats/stopwatch.h"
 #include "precompute/column_sample.h"
 #include "precompute/machine_memory.h"
-#include "precompute/plan_cost.h"
 #include "precompute/press_cost.h"
 #include "precompute/share_above.h"
 

@@ -19,10 +19,13 @@ namespace palpate {
 inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
 inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
 
-/// Every vertex has a cheap press, once asked for, and a good one where it is solved;
-/// the ratio of the two (path_ratio) is known where they are alike. What it is used for
-/// may be: press_cheap() and keep_cheap_within_budget(), or solve_all(), or
-/// press_cheap() and solve_within_budget(), or solve_few_first(); then answer().
+/// Every vertex has a cheap press, once press_cheap() was called, and a good one where
+/// it is solved; the ratio of the two (path_ratio) is known where they are alike. There
+/// are four ways to work, each ended by answer():
+/// - press_cheap(), keep_cheap_within_budget();
+/// - solve_all(), after press_cheap() where all presses share a mesh;
+/// - press_cheap(), solve_within_budget();
+/// - solve_few_first().
 class Territory {
  public:
   /// @param vertices ascending, at least one; all arguments must outlive it.

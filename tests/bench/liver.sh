@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The README's figures for a real organ:
-# tests/bench/liver.sh BIN-FOLDER TEST-DATA-FOLDER [linear|neo-hookean].
+# tests/bench/liver.sh BIN-FOLDER TEST-DATA-FOLDER [linear|neo-hookean] [BUILD-OPTION...].
 # A liver of human size, held at its back. Linear: a ball of 8 mm with friction, pressed
 # 5 mm at every free vertex, then rendered for 10 s. Neo-Hookean, Poisson's ratio 0.49: a
 # ball of 5 mm, pressed 5 mm.
@@ -40,7 +40,7 @@ force_max_n = 8.0
 [accuracy]
 force_relative = 0.05
 SCENE
-"$1/palpate-precompute" build "$work/liver.toml" -o "$work/liver.h5"
+"$1/palpate-precompute" build "$work/liver.toml" -o "$work/liver.h5" "${@:4}"
 if [[ $law == linear ]]; then
   "$1/palpate-run" simulate "$work/liver.h5" --seconds 10
 fi

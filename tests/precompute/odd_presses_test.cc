@@ -20,8 +20,6 @@ namespace {
 
 constexpr double kHalf = 0.02;
 constexpr int kCells = 16;  // 2.5 mm
-// [m] Gaps are averaged over the hats of contact nodes, which lie 1 mm apart.
-constexpr double kTouch = 0.0004;
 
 class OddPresses : public testing::Test {
  protected:
@@ -80,6 +78,14 @@ verify = 0
   Scene scene_;
   BodySource body_;
 };
+
+// Gaps are averaged over the hats of contact nodes, which reach to the next nodes: the
+// touch is told late, never early, and by less than their distance.
+void expect_touch(const PressedNode& node, double exact_m) {
+  const double late_m = node.indentation.sample.front().penetration_m - exact_m;
+  EXPECT_GE(late_m, 0.0);
+  EXPECT_LT(late_m, node.indentation.node_spacing_m);
+}
 
 void expect_rising(const NodeResponse& response) {
   for (std::size_t k = 1; k < response.force_n.size(); ++k) {
@@ -155,7 +161,7 @@ TEST_F(OddPresses, AFinIsPressedAllTheWay) {
   ASSERT_EQ(node.indentation.sample.size(), 9U);
   EXPECT_FALSE(node.indentation.reaches_elsewhere);
   const NodeResponse r = response(node);
-  EXPECT_NEAR(r.touch_offset_m, 0.0, 0.0002);
+  expect_touch(node, 0.0);
   expect_rising(r);
 }
 
@@ -181,7 +187,7 @@ TEST_F(OddPresses, InATrenchTheBallStandsOnItsEdges) {
   // A ball of 9 mm on two edges 10 mm apart, 6 mm above the floor.
   const double above_m = std::sqrt(0.009 * 0.009 - 0.005 * 0.005) + 0.006;
   const NodeResponse r = response(node);
-  EXPECT_NEAR(r.touch_offset_m, 0.009 - above_m, kTouch);
+  expect_touch(node, 0.009 - above_m);
   EXPECT_FALSE(node.indentation.reaches_elsewhere);  // its walls are in the patch
   expect_rising(r);
 }
@@ -200,7 +206,7 @@ TEST_F(OddPresses, TwoLobesAreTouchedOnTheirFlanks) {
         press(relief(kHalf, -0.01, kCells, lobes), {middle()}, law, 0.006).front();
     ASSERT_EQ(node.failure, "") << law;
     const NodeResponse r = response(node);
-    EXPECT_NEAR(r.touch_offset_m, 0.006 - highest_m, kTouch) << law;
+    expect_touch(node, 0.006 - highest_m);
     EXPECT_FALSE(node.indentation.reaches_elsewhere) << law;
     expect_rising(r);
   }
