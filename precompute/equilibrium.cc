@@ -13,6 +13,14 @@ namespace {
 // Directions that the preconditioner remembers, each with three vectors over the near
 // unknowns.
 constexpr std::size_t kMostKnown = 40;
+// [-] An element's volume over its volume at rest may become this share of the least one
+// within a step. Nearer to zero, forces grow beyond what a step can be computed from.
+constexpr double kThinner = 0.2;
+// A start is too far away after so many steps that are cut below this length while the
+// energy that they promise is above this share of the elastic energy.
+constexpr int kMostCreeping = 3;
+constexpr double kCreeping = 0.02;
+constexpr double kFarFromRest = 0.1;
 
 void add(NearState& to, double factor, const NearState& other) {
   to.source_n += factor * other.source_n;
@@ -119,12 +127,19 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
   report.decrement_relative = -step.slope / scale;
   // Past 1e-14 the energy's own rounding decides.
   const double energy = potential_j(tool, multipliers, state) + 1e-14 * scale;
+  const double thinnest = kThinner * near_.smallest_jacobian(state.displacement_m);
   for (double length = 1.0; length > kShortest; length *= 0.5) {
     NearState next = state;
     add(next, length, step.direction);
+    if (near_.smallest_jacobian(next.displacement_m) < thinnest) {
+      continue;
+    }
     if (potential_j(tool, multipliers, next) <=
         energy + kArmijo * length * step.slope) {
       state = std::move(next);
+      if (length < kCreeping && report.decrement_relative > kFarFromRest) {
+        ++report.creeping;
+      }
       convex_ = length < 0.5 || (convex_ && report.decrement_relative > kNearRest);
       return true;
     }
@@ -148,6 +163,11 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
     if (!descend(tool, multipliers, state, report) &&
         report.decrement_relative > 100.0 * options_.decrement_relative) {
       report.failure = "no step lowers the energy";
+      return report;
+    }
+    if (report.creeping >= kMostCreeping) {
+      report.failure = "steps turn elements inside out";
+      report.too_far = true;
       return report;
     }
     if (report.decrement_relative > enough) {

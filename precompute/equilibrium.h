@@ -3,8 +3,9 @@
 // Minimises the total potential W(u) + Psi(u) by Newton's method: conjugate gradients
 // on the true tangent, preconditioned by the body's rest factor and by what the steps
 // before have learnt of tangents (Morales and Nocedal 2000), and truncated (Steihaug
-// 1983), then a line search on the energy itself (Armijo). Multipliers of the contact
-// are updated until they carry the whole pressure.
+// 1983), then a line search on the energy itself (Armijo) that keeps elements away from
+// turning inside out. Multipliers of the contact are updated until they carry the whole
+// pressure.
 #pragma once
 
 #include <deque>
@@ -37,7 +38,11 @@ struct EquilibriumOptions {
 struct EquilibriumReport {
   bool converged = false;
   std::string failure;  ///< why not, as the end of a sentence
+  /// Not converged because steps far from rest had to be cut to nearly nothing: from a
+  /// nearer start, a tool that moves less, it may be.
+  bool too_far = false;
   int newton = 0;
+  int creeping = 0;   ///< Newton steps far from rest that were cut to nearly nothing
   int gradients = 0;  ///< conjugate-gradient iterations, one solve each
   int lagrange = 0;
   double decrement_relative = 0.0;

@@ -136,8 +136,9 @@ bool is_nonlinear(const Scene& scene, const BodySource& body) {
 }
 
 NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
-  const double share = std::min(1.0, scene.force_relative / 0.05);
-  NonlinearOptions options{.near_gradient = std::max(0.01, 0.05 * share),
+  const double budgets = scene.force_relative / 0.05;
+  const double share = std::min(1.0, budgets);
+  NonlinearOptions options{.near_gradient = std::clamp(0.05 * budgets, 0.01, 0.1),
                            .sticking = tool->shape().sticking};
   options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
   options.equilibrium.multiplier_relative = std::max(0.005, 0.1 * share);

@@ -9,6 +9,8 @@
 namespace palpate {
 namespace {
 
+// [-] The least volume of an element that is predicted, as a share of the least before.
+constexpr double kPredictedThinner = 0.3;
 // A press that fails goes on with these.
 constexpr double kStiffer = 10.0;
 constexpr int kStiffUpdates = 3;
@@ -144,7 +146,12 @@ class Press {
     NearState state{
         state_.source_n + t * (state_.source_n - before_.source_n),
         state_.displacement_m + t * (state_.displacement_m - before_.displacement_m)};
-    return std::isfinite(near_.excess_energy_j(state.displacement_m)) ? state : state_;
+    const double thinnest =
+        kPredictedThinner * near_.smallest_jacobian(state_.displacement_m);
+    return std::isfinite(near_.excess_energy_j(state.displacement_m)) &&
+                   near_.smallest_jacobian(state.displacement_m) > thinnest
+               ? state
+               : state_;
   }
 
   // Ties every node that bears pressure and is not tied yet to where it is now.
@@ -193,12 +200,13 @@ class Press {
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
     newton_ += last_.newton;
-    if (!last_.converged && !stiff_) {
+    const bool may_cut = depth < options_.bisections_max && newton_ <= newton_limit();
+    if (!last_.converged && !stiff_ && !(last_.too_far && may_cut)) {
       stiffen();
       return reach(penetration_m, sample, depth);
     }
     if (!last_.converged) {
-      if (depth == options_.bisections_max || newton_ > newton_limit()) {
+      if (!may_cut) {
         return false;
       }
       return reach(0.5 * (at_m_ + penetration_m), sample, depth + 1) &&
