@@ -1,6 +1,4 @@
 // palpate-fit batch: all runs of a session in, tables and a page out.
-#include "fitting/command_batch.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -14,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "fitting/batch.h"
+#include "fitting/commands.h"
 #include "formats/atomic_file.h"
 #include "formats/error.h"
 
@@ -86,20 +85,20 @@ void run(const BatchOptions& options) {
 
 }  // namespace
 
-void add_batch_command(CLI::App& app) {
+void add_batch_command(Command app) {
   auto options = std::make_shared<BatchOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "batch", "Fit all runs of a session; a bad file is listed, not fatal.");
-  command->add_option("SESSION", options->session, "session file (TOML)")->required();
-  command->add_option("-o,--output", options->output, "folder for the results")
-      ->required();
-  command->add_option("--threads", options->threads, "runs fitted at a time")
-      ->check(CLI::Range(1U, 256U));
-  command->add_option("--plots", options->plots, "runs drawn in report.html at most")
-      ->capture_default_str();
-  command->add_flag("--quiet", options->quiet, "no progress on stderr");
-  command->add_flag("--json", options->json, "print results.json as well");
-  command->callback([options] {
+  command.add_option("SESSION", options->session, "session file (TOML)").required();
+  command.add_option("-o,--output", options->output, "folder for the results")
+      .required();
+  command.add_option("--threads", options->threads, "runs fitted at a time")
+      .in_range(1U, 256U);
+  command.add_option("--plots", options->plots, "runs drawn in report.html at most")
+      .show_default();
+  command.add_flag("--quiet", options->quiet, "no progress on stderr");
+  command.add_flag("--json", options->json, "print results.json as well");
+  command.callback([options] {
     run(*options);
   });
 }

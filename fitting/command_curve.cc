@@ -1,6 +1,4 @@
 // palpate-fit curve: one measured curve in, its contact point, law and response out.
-#include "fitting/command_curve.h"
-
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -11,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fitting/approach.h"
+#include "fitting/commands.h"
 #include "fitting/contact_fit.h"
 #include "fitting/fitted_response.h"
 #include "fitting/indenter_options.h"
@@ -148,28 +147,28 @@ void run(const CurveOptions& options) {
 
 }  // namespace
 
-void add_curve_command(CLI::App& app) {
+void add_curve_command(Command app) {
   auto options = std::make_shared<CurveOptions>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("curve", "Fit contact point and power law to one curve.");
-  command->add_option("FILE", options->file, "delimited text")->required();
-  command->add_option("--depth-column", options->depth.column, "name or number")
-      ->required();
-  command->add_option("--depth-unit", options->depth.unit, "m, cm, mm, um, nm, in")
-      ->required();
-  command->add_option("--force-column", options->force.column, "name or number")
-      ->required();
-  command->add_option("--force-unit", options->force.unit, "N, mN, uN, nN, gf, kgf")
-      ->required();
-  command->add_flag("--ignore-header-units", options->ignore_header_units,
-                    "trust the flags where the header states other units");
-  command->add_option("--from-m", options->range.from_m, "fit from this displacement");
-  command->add_option("--to-m", options->range.to_m, "fit up to this displacement");
+  command.add_option("FILE", options->file, "delimited text").required();
+  command.add_option("--depth-column", options->depth.column, "name or number")
+      .required();
+  command.add_option("--depth-unit", options->depth.unit, "m, cm, mm, um, nm, in")
+      .required();
+  command.add_option("--force-column", options->force.column, "name or number")
+      .required();
+  command.add_option("--force-unit", options->force.unit, "N, mN, uN, nN, gf, kgf")
+      .required();
+  command.add_flag("--ignore-header-units", options->ignore_header_units,
+                   "trust the flags where the header states other units");
+  command.add_option("--from-m", options->range.from_m, "fit from this displacement");
+  command.add_option("--to-m", options->range.to_m, "fit up to this displacement");
   add_indenter_options(*command, options->indenter);
-  command->add_option("-o,--output", options->output,
-                      "response database of a flat sample with this response");
-  command->add_flag("--json", options->json, "report for programs");
-  command->callback([options] {
+  command.add_option("-o,--output", options->output,
+                     "response database of a flat sample with this response");
+  command.add_flag("--json", options->json, "report for programs");
+  command.callback([options] {
     run(*options);
   });
 }

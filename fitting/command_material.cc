@@ -1,6 +1,4 @@
 // palpate-fit material: measured curves against a sweep over material parameters.
-#include "fitting/command_material.h"
-
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -10,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fitting/commands.h"
 #include "fitting/material_fit.h"
 #include "fitting/session_probes.h"
 #include "formats/error.h"
@@ -163,18 +162,18 @@ void run(const MaterialOptions& options) {
 
 }  // namespace
 
-void add_material_command(CLI::App& app) {
+void add_material_command(Command app) {
   auto options = std::make_shared<MaterialOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "material",
       "Material parameters of measured curves, and whether they tell them.");
   command
-      ->add_option("SWEEP", options->sweep,
-                   "responses over the parameters, of palpate-precompute sweep")
-      ->required();
-  command->add_option("SESSION", options->session, "session file (TOML)")->required();
-  command->add_flag("--json", options->json, "report for programs");
-  command->callback([options] {
+      .add_option("SWEEP", options->sweep,
+                  "responses over the parameters, of palpate-precompute sweep")
+      .required();
+  command.add_option("SESSION", options->session, "session file (TOML)").required();
+  command.add_flag("--json", options->json, "report for programs");
+  command.callback([options] {
     run(*options);
   });
 }

@@ -1,6 +1,4 @@
 // palpate-fit report: all runs of a session in, one page for a browser out.
-#include "fitting/command_report.h"
-
 #include <algorithm>
 #include <memory>
 #include <span>
@@ -10,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "fitting/batch.h"
+#include "fitting/commands.h"
 #include "formats/atomic_file.h"
 
 namespace palpate {
@@ -33,16 +32,14 @@ void run(const ReportOptions& options) {
 
 }  // namespace
 
-void add_fit_report_command(CLI::App& app) {
+void add_fit_report_command(Command app) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "report", "Write a page with data, fit, band and residuals of a session.");
-  command->add_option("SESSION", options->session, "session file (TOML)")->required();
-  command->add_option("-o,--output", options->output, "page to write (HTML)")
-      ->required();
-  command->add_option("--plots", options->plots, "runs drawn at most")
-      ->capture_default_str();
-  command->callback([options] {
+  command.add_option("SESSION", options->session, "session file (TOML)").required();
+  command.add_option("-o,--output", options->output, "page to write (HTML)").required();
+  command.add_option("--plots", options->plots, "runs drawn at most").show_default();
+  command.callback([options] {
     run(*options);
   });
 }

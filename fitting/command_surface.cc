@@ -1,6 +1,4 @@
 // palpate-fit surface: a session of indentations in, a response at every node out.
-#include "fitting/command_surface.h"
-
 #include <cmath>
 #include <memory>
 #include <string>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fitting/commands.h"
 #include "fitting/session_probes.h"
 #include "formats/error.h"
 #include "formats/sha256.h"
@@ -103,14 +102,14 @@ void run(const SurfaceOptions& options) {
 
 }  // namespace
 
-void add_surface_command(CLI::App& app) {
+void add_surface_command(Command app) {
   auto options = std::make_shared<SurfaceOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "surface", "From indentations at scattered points to a response at every node.");
-  command->add_option("SESSION", options->session, "session file (TOML)")->required();
-  command->add_option("-o,--output", options->output, "response database")->required();
-  command->add_flag("--json", options->json, "report for programs");
-  command->callback([options] {
+  command.add_option("SESSION", options->session, "session file (TOML)").required();
+  command.add_option("-o,--output", options->output, "response database").required();
+  command.add_flag("--json", options->json, "report for programs");
+  command.callback([options] {
     run(*options);
   });
 }

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "fitting/session.h"
 #include "formats/error.h"
 #include "formats/response_curve.h"
 

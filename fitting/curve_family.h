@@ -5,6 +5,7 @@
 // the force. All families rise (f' >= 0); all but monotone-cubic are convex.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -13,6 +14,11 @@
 #include <Eigen/Core>
 
 namespace palpate {
+
+/// Names of the curve families, as session files and reports write them.
+inline constexpr std::array<std::string_view, 6> kFamilyNames{
+    "quadratic-linear", "power-law",     "linear-exponential",
+    "polynomial",       "convex-spline", "monotone-cubic"};
 
 struct FamilyParameter {
   std::string_view name;
@@ -82,7 +88,7 @@ class CurveFamily {
 [[nodiscard]] std::shared_ptr<const CurveFamily> monotone_cubic_family(
     std::vector<double> depth);
 
-/// By its name of kFamilyNames (session.h); null for "monotone-cubic", whose depths
+/// By its name of kFamilyNames; null for "monotone-cubic", whose depths
 /// come from the data. @throws InputError for another name.
 [[nodiscard]] std::shared_ptr<const CurveFamily> family_by_name(std::string_view name);
 

@@ -69,7 +69,7 @@ void check_options(const IndenterOptions& o) {
 
 }  // namespace
 
-void add_indenter_options(CLI::App& command, IndenterOptions& options) {
+void add_indenter_options(Command command, IndenterOptions& options) {
   command.add_option("--tool", options.shape,
                      "what pressed: sphere, flat-punch, cone, plate");
   command.add_option("--radius-m", options.radius_m,
@@ -80,7 +80,7 @@ void add_indenter_options(CLI::App& command, IndenterOptions& options) {
   command.add_option("--thickness-m", options.thickness_m,
                      "of the layer under a sphere or punch, bonded to a rigid base");
   command.add_option("--poissons-ratio", options.poissons_ratio, "of the sample")
-      ->capture_default_str();
+      .show_default();
 }
 
 Indenter indenter_of(const IndenterOptions& options) {

@@ -4,9 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
-#include "fitting/session.h"
+#include "fitting/indenter.h"
 
 namespace palpate {
 
@@ -17,7 +15,7 @@ struct IndenterOptions {
 };
 
 /// --tool, --radius-m, --half-angle-deg, --height-m, --thickness-m, --poissons-ratio.
-void add_indenter_options(CLI::App& command, IndenterOptions& options);
+void add_indenter_options(Command command, IndenterOptions& options);
 
 /// "unknown" where no shape is told.
 /// @throws InputError for a flag that the shape needs and misses, or does not have, and

@@ -1,12 +1,10 @@
 // palpate-fit: one subcommand per file command_*.cc.
-#include "fitting/command_batch.h"
-#include "fitting/command_curve.h"
-#include "fitting/command_material.h"
-#include "fitting/command_report.h"
-#include "fitting/command_surface.h"
+#include "fitting/commands.h"
+#include "formats/hdf5_io.h"
 #include "formats/tool_main.h"
 
 int main(int argc, char** argv) {
+  palpate::skip_hdf5_exit_cleanup();
   return palpate::run_tool(
       "palpate-fit", "Fits measured indentations.",
       {&palpate::add_curve_command, &palpate::add_batch_command,

@@ -13,7 +13,7 @@
 
 #include "fitting/approach.h"
 #include "fitting/contact_fit.h"
-#include "fitting/session.h"
+#include "fitting/indenter.h"
 
 namespace palpate {
 

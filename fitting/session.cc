@@ -291,18 +291,6 @@ void read_tables(const Tables& tables, Session& session) {
 
 }  // namespace
 
-std::optional<ToolShape> rendered_tool(const Indenter& indenter) {
-  if (indenter.shape == "plate" || indenter.shape == "unknown") {
-    return std::nullopt;
-  }
-  ToolShape tool;
-  tool.name = "probe";
-  tool.kind = indenter.shape;
-  tool.radius_m = indenter.radius_m;
-  tool.half_angle_rad = indenter.half_angle_rad;
-  return tool;
-}
-
 Session read_session(const std::filesystem::path& file) {
   Session session;
   session.file = file;

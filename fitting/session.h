@@ -13,31 +13,15 @@
 #include <Eigen/Core>
 
 #include "fitting/approach.h"
+#include "fitting/curve_family.h"
+#include "fitting/indenter.h"
 #include "formats/measurement_file.h"
 #include "formats/tool_shape.h"
 
 namespace palpate {
 
-inline constexpr std::array<std::string_view, 5> kIndenterShapes{
-    "sphere", "flat-punch", "cone", "plate", "unknown"};
-
-/// Names of the curve families, as session files and reports write them.
-inline constexpr std::array<std::string_view, 6> kFamilyNames{
-    "quadratic-linear", "power-law",     "linear-exponential",
-    "polynomial",       "convex-spline", "monotone-cubic"};
-
 inline constexpr std::array<std::string_view, 3> kCriteria{"aicc", "bic",
                                                            "cross-validation"};
-
-/// Who pressed, and on what; the moduli follow from it.
-struct Indenter {
-  std::string shape = "unknown";  ///< one of kIndenterShapes
-  double radius_m = 0.0;  ///< [m] > 0 of a sphere or a punch; of a plate's cylinder
-  double half_angle_rad = 0.0;  ///< [rad] (0, pi/2) of a cone, from its axis
-  double height_m = 0.0;        ///< [m] > 0 of the cylinder under a plate
-  double thickness_m = 0.0;     ///< [m] of the layer on a rigid base; 0: very thick
-  double poissons_ratio = 0.5;  ///< [-] (-1, 0.5] of the sample
-};
 
 /// One file of the session, or one curve of a file that holds several.
 struct SessionRun {
@@ -74,10 +58,6 @@ struct Session {
   SessionFit fit;
   std::vector<SessionRun> run;  ///< at least one, in the session's order
 };
-
-/// The indenter as the database holds it, named "probe", without friction; none of a
-/// plate and of the unknown, which the runtime does not render.
-[[nodiscard]] std::optional<ToolShape> rendered_tool(const Indenter& indenter);
 
 /// Files are not opened, but globs are expanded (in the order of the alphabet), and
 /// afmformats files are asked for their curves.

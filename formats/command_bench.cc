@@ -1,4 +1,5 @@
-#include "formats/command_bench.h"
+// palpate-db bench precision: what each way of storing a database costs.
+#include "formats/commands.h"
 
 #include <memory>
 #include <string>
@@ -80,20 +81,20 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("bench", "Measure");
-  command->require_subcommand(1);
-  CLI::App* precision = command->add_subcommand(
+void add_bench_command(Command app) {
+  Command command = app.add_subcommand("bench", "Measure");
+  command.require_subcommand();
+  Command precision = command.add_subcommand(
       "precision", "Size, time and error of every way to store a database");
   auto flags = std::make_shared<Flags>();
-  precision->add_option("file", flags->file, "Response database (HDF5)")->required();
+  precision.add_option("file", flags->file, "Response database (HDF5)").required();
   precision
-      ->add_option(
+      .add_option(
           "--budget", flags->budget_relative,
           "Relative force error allowed; else what the database states, or 0.07")
-      ->check(CLI::PositiveNumber);
-  precision->add_flag("--json", flags->json, "Print the report as one JSON object");
-  precision->callback([flags] {
+      .positive();
+  precision.add_flag("--json", flags->json, "Print the report as one JSON object");
+  precision.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,4 @@
-#include "formats/command_check.h"
+#include "formats/commands.h"
 
 #include <memory>
 #include <string>
@@ -54,13 +54,13 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_check_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_check_command(Command app) {
+  Command command = app.add_subcommand(
       "check", "Verify a response database: format, digest, physics of every curve");
   auto flags = std::make_shared<Flags>();
-  command->add_option("file", flags->file, "Response database (HDF5)")->required();
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

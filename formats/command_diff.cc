@@ -1,4 +1,5 @@
-#include "formats/command_diff.h"
+// palpate-db diff: how far two databases of one body are apart in force.
+#include "formats/commands.h"
 
 #include <algorithm>
 #include <memory>
@@ -93,19 +94,19 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_diff_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_diff_command(Command app) {
+  Command command = app.add_subcommand(
       "diff", "Compare the forces of two databases of one body; exit 6 if they differ");
   auto flags = std::make_shared<Flags>();
-  command->add_option("first", flags->first, "Response database (HDF5)")->required();
-  command->add_option("second", flags->second, "Response database (HDF5)")->required();
+  command.add_option("first", flags->first, "Response database (HDF5)").required();
+  command.add_option("second", flags->second, "Response database (HDF5)").required();
   command
-      ->add_option("--tolerance", flags->tolerance_relative,
-                   "Relative rms difference of a node's force that counts as none")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--worst", flags->worst, "How many nodes to list per tool");
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+      .add_option("--tolerance", flags->tolerance_relative,
+                  "Relative rms difference of a node's force that counts as none")
+      .not_negative();
+  command.add_option("--worst", flags->worst, "How many nodes to list per tool");
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,5 @@
-#include "formats/command_export.h"
+// palpate-db export: a database as VTU, CSV or JSON.
+#include "formats/commands.h"
 
 #include <filesystem>
 #include <memory>
@@ -60,17 +61,16 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_export_command(CLI::App& app) {
-  CLI::App* command =
+void add_export_command(Command app) {
+  Command command =
       app.add_subcommand("export", "Write a tool's responses as VTU, CSV or JSON");
   auto flags = std::make_shared<Flags>();
-  command->add_option("file", flags->file, "Response database (HDF5)")->required();
-  command
-      ->add_option("-o,--output", flags->output, "File to write: .vtu, .csv or .json")
-      ->required();
-  command->add_option("--tool", flags->tool, "Tool, if there are several");
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("-o,--output", flags->output, "File to write: .vtu, .csv or .json")
+      .required();
+  command.add_option("--tool", flags->tool, "Tool, if there are several");
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,4 @@
-#include "formats/command_info.h"
+#include "formats/commands.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -158,12 +158,12 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "Say what a response database holds");
+void add_info_command(Command app) {
+  Command command = app.add_subcommand("info", "Say what a response database holds");
   auto flags = std::make_shared<Flags>();
-  command->add_option("file", flags->file, "Response database (HDF5)")->required();
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,6 @@
-#include "formats/command_merge.h"
+// palpate-db merge: the tools of several databases of one body in one file, or the
+// shards of one build in a database.
+#include "formats/commands.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -115,23 +117,23 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_merge_command(CLI::App& app) {
-  CLI::App* command =
+void add_merge_command(Command app) {
+  Command command =
       app.add_subcommand("merge",
                          "Put the tools of databases of one body in one file, or the "
                          "shards of one build in a database");
   auto flags = std::make_shared<Flags>();
   command
-      ->add_option("files", flags->files,
-                   "Response databases, numbered from 0, or shards")
-      ->required()
-      ->expected(2, -1);
-  command->add_option("-o,--output", flags->output, "Database to write")->required();
-  command->add_option("--precision", flags->precision,
-                      "float64, float32 or int16; by default that of the databases, "
-                      "for shards the cheapest within a tenth of the accuracy budget");
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+      .add_option("files", flags->files,
+                  "Response databases, numbered from 0, or shards")
+      .required()
+      .values_at_least(2);
+  command.add_option("-o,--output", flags->output, "Database to write").required();
+  command.add_option("--precision", flags->precision,
+                     "float64, float32 or int16; by default that of the databases, "
+                     "for shards the cheapest within a tenth of the accuracy budget");
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,4 @@
-#include "formats/command_picture.h"
+#include "formats/commands.h"
 
 #include <memory>
 #include <span>
@@ -30,15 +30,14 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_picture_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_picture_command(Command app) {
+  Command command = app.add_subcommand(
       "picture", "Draw the body's stiffness map and a few curves as an SVG picture");
   auto flags = std::make_shared<Flags>();
-  command->add_option("file", flags->file, "Response database (HDF5)")->required();
-  command->add_option("-o,--output", flags->output, "Picture to write (SVG)")
-      ->required();
-  command->add_option("--tool", flags->tool, "Tool, if the database holds several");
-  command->callback([flags] {
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("-o,--output", flags->output, "Picture to write (SVG)").required();
+  command.add_option("--tool", flags->tool, "Tool, if the database holds several");
+  command.callback([flags] {
     run(*flags);
   });
 }

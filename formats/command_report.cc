@@ -1,4 +1,5 @@
-#include "formats/command_report.h"
+// palpate-db report: a database as a page for a browser.
+#include "formats/commands.h"
 
 #include <filesystem>
 #include <memory>
@@ -40,19 +41,19 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_report_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_report_command(Command app) {
+  Command command = app.add_subcommand(
       "report", "Write a page for a browser: turnable body, curves, provenance");
   auto flags = std::make_shared<Flags>();
-  command->add_option("file", flags->file, "Response database (HDF5)")->required();
-  command->add_option("-o,--output", flags->output, "Page to write (HTML)")->required();
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("-o,--output", flags->output, "Page to write (HTML)").required();
   command
-      ->add_option("--nodes", flags->nodes,
-                   "Nodes to show at most, over all tools; a larger body is thinned")
-      ->check(CLI::Range(std::int64_t{100}, std::int64_t{1000000}))
-      ->capture_default_str();
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+      .add_option("--nodes", flags->nodes,
+                  "Nodes to show at most, over all tools; a larger body is thinned")
+      .in_range(std::int64_t{100}, std::int64_t{1000000})
+      .show_default();
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,5 @@
-#include "formats/command_slice.h"
+// palpate-db slice: a part of a database, by region, tool, depth and precision.
+#include "formats/commands.h"
 
 #include <filesystem>
 #include <memory>
@@ -73,24 +74,24 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_slice_command(CLI::App& app) {
-  CLI::App* command =
+void add_slice_command(Command app) {
+  Command command =
       app.add_subcommand("slice", "Write a part of a database, or store it otherwise");
   auto flags = std::make_shared<Flags>();
-  command->add_option("file", flags->file, "Response database (HDF5)")->required();
-  command->add_option("-o,--output", flags->output, "Database to write")->required();
-  command->add_option("--tool", flags->tools, "Tool to keep; may be repeated");
-  command->add_option("--box-m", flags->box_m, "Region: x y z of both corners [m]")
-      ->expected(6);
-  command->add_option("--depth-max-m", flags->depth_max_m, "Cut curves at this depth")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--precision", flags->precision, "float64, float32 or int16");
-  command->add_option("--compression", flags->compress, "none or deflate")
-      ->check(CLI::IsMember({"none", "deflate"}));
-  command->add_option("--chunk-nodes", flags->chunk_nodes, "Nodes per chunk")
-      ->check(CLI::Range(std::int64_t{1}, kLargestChunkNodes));
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("-o,--output", flags->output, "Database to write").required();
+  command.add_option("--tool", flags->tools, "Tool to keep; may be repeated");
+  command.add_option("--box-m", flags->box_m, "Region: x y z of both corners [m]")
+      .values(6);
+  command.add_option("--depth-max-m", flags->depth_max_m, "Cut curves at this depth")
+      .positive();
+  command.add_option("--precision", flags->precision, "float64, float32 or int16");
+  command.add_option("--compression", flags->compress, "none or deflate")
+      .one_of({"none", "deflate"});
+  command.add_option("--chunk-nodes", flags->chunk_nodes, "Nodes per chunk")
+      .in_range(std::int64_t{1}, kLargestChunkNodes);
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -6,7 +6,7 @@
 
 #include "formats/hdf5_handle.h"
 #include "formats/hdf5_io.h"
-#include "formats/precision.h"
+#include "formats/storage.h"
 
 namespace palpate {
 namespace {

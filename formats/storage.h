@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 namespace palpate {
@@ -20,6 +21,15 @@ enum class Precision {
 
 /// @throws InputError naming the precisions that there are.
 [[nodiscard]] Precision precision_of(const std::string& name);
+
+/// The largest step of a scaled 16-bit number: values are k scale, k in [0,
+/// kInt16Steps].
+constexpr double kInt16Steps = 32767.0;
+
+/// Scale of a node's values: their largest over kInt16Steps, rounded up to a float; 0
+/// where all are 0. A float, because then k scale is exact in double precision and
+/// rounding twice is rounding once.
+[[nodiscard]] double int16_scale(std::span<const double> values);
 
 constexpr std::int64_t kDefaultChunkNodes = 256;
 constexpr std::int64_t kLargestChunkNodes = std::int64_t{1} << 20;

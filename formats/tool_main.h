@@ -1,48 +1,80 @@
-// What every command-line tool does the same way: parse, run, report errors by kind.
+// What every command-line tool does the same way: options, parsing, errors by kind.
+//
+// CLI11 parses; this header hides it, because its templates cost seconds in every
+// source that includes them.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <initializer_list>
-#include <string_view>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
+#include <string>
+#include <vector>
 
 #include "formats/error.h"
-#include "formats/hdf5_io.h"
-#include "formats/tool_pages.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace palpate {
 
+/// One option of a command, as add_option() returns it; it belongs to the command.
+/// Every function returns the option itself, to be called in a row.
+class CommandOption {
+ public:
+  explicit CommandOption(CLI::Option& option) : option_(&option) {}
+
+  CommandOption required();
+  CommandOption show_default();            ///< its value now, in the help
+  CommandOption separated_by(char comma);  ///< several values in one word
+  CommandOption values(int count);
+  CommandOption values_at_least(int count);
+  CommandOption one_value_each();  ///< more values only by naming the option again
+
+  CommandOption in_range(double least, double most);
+  CommandOption in_range(int least, int most);
+  CommandOption in_range(long least, long most);
+  CommandOption in_range(unsigned least, unsigned most);
+  CommandOption positive();
+  CommandOption not_negative();
+  CommandOption one_of(const std::vector<std::string>& words);
+
+ private:
+  CLI::Option* option_;
+};
+
+/// A tool, one of its subcommands, or a group of options. What options are bound to
+/// must outlive the parsing.
+class Command {
+ public:
+  explicit Command(CLI::App& app) : app_(&app) {}
+
+  Command add_subcommand(const std::string& name, const std::string& description);
+  /// Options of which exactly one must be given.
+  Command add_choice(const std::string& name);
+  void require_subcommand();
+
+  /// @tparam Value a type that command_line.cc instantiates it for: numbers, strings,
+  /// paths, their optionals and vectors.
+  template <class Value>
+  CommandOption add_option(const std::string& names, Value& value,
+                           const std::string& description);
+  CommandOption add_flag(const std::string& names, bool& value,
+                         const std::string& description);
+  [[nodiscard]] CommandOption option(const std::string& name);
+  /// How often an option was given, while the callback runs.
+  [[nodiscard]] std::size_t count(const std::string& name) const;
+  void callback(std::function<void()> work);
+
+ private:
+  CLI::App* app_;
+};
+
 /// Adds one subcommand to a tool.
-using AddCommand = void (*)(CLI::App&);
-
-namespace internal {
-
-/// "--man" or "--completion" alone: what an installation keeps of the tool.
-inline bool print_page(const CLI::App& app, int argc, char** argv) {
-  const std::string_view wanted = argc == 2 ? argv[1] : "";
-  if (wanted == "--man" || wanted == "--completion") {
-    fmt::print("{}", wanted == "--man" ? man_page(app) : bash_completion(app));
-    return true;
-  }
-  return false;
-}
-
-inline int parse_and_run(CLI::App& app, int argc, char** argv) {
-  try {
-    app.parse(argc, argv);
-    return 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
-      return app.exit(error);  // --help, --version
-    }
-    throw InputError(fmt::format("{} (see {} --help)", error.what(), app.get_name()));
-  }
-}
-
-}  // namespace internal
+using AddCommand = void (*)(Command app);
 
 /// Runs the work; a failure is one line on stderr, "palpate-db: error: ...". @return
 /// its exit code (formats/error.h), or that of the work.
@@ -64,22 +96,9 @@ int run_reporting(const char* name, Work&& work) {
 
 /// Parses the command line and runs the chosen subcommand. A failure is one line on
 /// stderr, "palpate-db: error: ...", and its exit code (formats/error.h); a command
-/// line that cannot be parsed exits with 2.
-inline int run_tool(const char* name, const char* description,
-                    std::initializer_list<AddCommand> commands, int argc, char** argv) {
-  return run_reporting(name, [&] {
-    skip_hdf5_exit_cleanup();
-    CLI::App app(description, name);
-    app.set_version_flag("--version", PALPATE_VERSION);
-    app.require_subcommand(1);
-    for (const AddCommand add : commands) {
-      add(app);
-    }
-    if (internal::print_page(app, argc, argv)) {
-      return 0;
-    }
-    return internal::parse_and_run(app, argc, argv);
-  });
-}
+/// line that cannot be parsed exits with 2. "--man" or "--completion" alone print what
+/// an installation keeps of the tool.
+int run_tool(const char* name, const char* description,
+             std::initializer_list<AddCommand> commands, int argc, char** argv);
 
 }  // namespace palpate

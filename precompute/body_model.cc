@@ -13,7 +13,6 @@
 #include "precompute/coarsen_surface.h"
 #include "precompute/longest_edge.h"
 #include "precompute/machine_memory.h"
-#include "precompute/press_cost.h"
 #include "precompute/subdivide.h"
 #include "precompute/tetrahedralise.h"
 #include "precompute/tool_surface.h"

@@ -1,4 +1,4 @@
-#include "precompute/command_body.h"
+#include "precompute/commands.h"
 
 #include <memory>
 #include <string>
@@ -28,19 +28,19 @@ void run_body(const BodyFlags& flags) {
 
 }  // namespace
 
-void add_body_command(CLI::App& app) {
+void add_body_command(Command app) {
   const auto flags = std::make_shared<BodyFlags>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("body", "Writes a generated body's surface (OBJ, metres)");
-  command->add_option("name", flags->name, "which body: organ")
-      ->required()
-      ->check(CLI::IsMember({"organ"}));
-  command->add_option("-o,--output", flags->output, "OBJ file to write")->required();
+  command.add_option("name", flags->name, "which body: organ")
+      .required()
+      .one_of({"organ"});
+  command.add_option("-o,--output", flags->output, "OBJ file to write").required();
   command
-      ->add_option("--levels", flags->levels,
-                   "fineness: 3 gives 642 vertices, each level more four times as many")
-      ->capture_default_str();
-  command->callback([flags] {
+      .add_option("--levels", flags->levels,
+                  "fineness: 3 gives 642 vertices, each level more four times as many")
+      .show_default();
+  command.callback([flags] {
     run_body(*flags);
   });
 }

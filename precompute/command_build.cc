@@ -1,4 +1,4 @@
-#include "precompute/command_build.h"
+#include "precompute/commands.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -199,35 +199,34 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_build_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_build_command(Command app) {
+  Command command = app.add_subcommand(
       "build", "Compute the responses at every reachable node of a scene's body");
   auto flags = std::make_shared<Flags>();
-  command->add_option("scene", flags->scene, "Scene file (TOML)")->required();
-  command->add_option("-o,--output", flags->output, "Response database to write (HDF5)")
-      ->required();
-  command->add_option(
-      "--shard", flags->shard,
-      "i/n: only every n-th unit of work, from the i-th on; `palpate-db "
-      "merge` puts shards together");
+  command.add_option("scene", flags->scene, "Scene file (TOML)").required();
+  command.add_option("-o,--output", flags->output, "Response database to write (HDF5)")
+      .required();
+  command.add_option("--shard", flags->shard,
+                     "i/n: only every n-th unit of work, from the i-th on; `palpate-db "
+                     "merge` puts shards together");
   command
-      ->add_option("--workers", flags->workers,
-                   "Threads; 0: one for each core. The result does not depend on it")
-      ->check(CLI::Range(0, 1024));
-  command->add_option("--repair", flags->repair,
-                      "off, safe or wrap: mend the body's surface first");
-  command->add_option("--precision", flags->precision,
-                      "float64, float32 or int16: how the database keeps depths and "
-                      "forces; by default the cheapest whose error is under a tenth of "
-                      "the accuracy budget");
-  command->add_flag("--resume", flags->resume,
-                    "Go on with what an earlier run left in OUTPUT.partial");
-  command->add_flag("--solve-all", flags->solve_all,
-                    "Solve every node, interpolate none");
-  command->add_flag("--strict", flags->strict,
-                    "Fail where the accuracy budget is missed");
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+      .add_option("--workers", flags->workers,
+                  "Threads; 0: one for each core. The result does not depend on it")
+      .in_range(0, 1024);
+  command.add_option("--repair", flags->repair,
+                     "off, safe or wrap: mend the body's surface first");
+  command.add_option("--precision", flags->precision,
+                     "float64, float32 or int16: how the database keeps depths and "
+                     "forces; by default the cheapest whose error is under a tenth of "
+                     "the accuracy budget");
+  command.add_flag("--resume", flags->resume,
+                   "Go on with what an earlier run left in OUTPUT.partial");
+  command.add_flag("--solve-all", flags->solve_all,
+                   "Solve every node, interpolate none");
+  command.add_flag("--strict", flags->strict,
+                   "Fail where the accuracy budget is missed");
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     const int code = run_supervised([&](bool resume) {
       Flags wanted = *flags;
       wanted.resume = wanted.resume || resume;

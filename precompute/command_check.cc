@@ -1,4 +1,4 @@
-#include "precompute/command_check.h"
+#include "precompute/commands.h"
 
 #include <algorithm>
 #include <iterator>
@@ -173,26 +173,26 @@ void run_check(const CheckFlags& flags) {
 
 }  // namespace
 
-void add_check_command(CLI::App& app) {
+void add_check_command(Command app) {
   const auto flags = std::make_shared<CheckFlags>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("check", "Reports whether a surface mesh bounds a body");
-  command->add_option("mesh", flags->mesh, "OBJ, STL, PLY or OFF file")->required();
+  command.add_option("mesh", flags->mesh, "OBJ, STL, PLY or OFF file").required();
   command
-      ->add_option("--length-unit", flags->length_unit,
-                   "unit of the file's coordinates: m, cm, mm, um, in, ...")
-      ->required();
+      .add_option("--length-unit", flags->length_unit,
+                  "unit of the file's coordinates: m, cm, mm, um, in, ...")
+      .required();
   command
-      ->add_option("--repair", flags->repair,
-                   "safe: mend without moving vertices; wrap: a new surface around")
-      ->check(CLI::IsMember({"off", "safe", "wrap"}))
-      ->capture_default_str();
-  command->add_option("-o,--output", flags->output,
-                      "OBJ file to write the accepted surface to, in metres");
-  command->add_option("--bad-faces", flags->bad_faces,
-                      "PLY file to write the faulty triangles to, coloured by fault");
-  command->add_flag("--json", flags->json, "print the report for programs");
-  command->callback([flags] {
+      .add_option("--repair", flags->repair,
+                  "safe: mend without moving vertices; wrap: a new surface around")
+      .one_of({"off", "safe", "wrap"})
+      .show_default();
+  command.add_option("-o,--output", flags->output,
+                     "OBJ file to write the accepted surface to, in metres");
+  command.add_option("--bad-faces", flags->bad_faces,
+                     "PLY file to write the faulty triangles to, coloured by fault");
+  command.add_flag("--json", flags->json, "print the report for programs");
+  command.callback([flags] {
     run_check(*flags);
   });
 }

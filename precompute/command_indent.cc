@@ -1,4 +1,4 @@
-#include "precompute/command_indent.h"
+#include "precompute/commands.h"
 
 #include <cmath>
 #include <cstdio>
@@ -176,24 +176,23 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_indent_command(CLI::App& app) {
-  CLI::App* command =
+void add_indent_command(Command app) {
+  Command command =
       app.add_subcommand("indent", "Print the response of one node of a scene's body");
   auto flags = std::make_shared<Flags>();
-  command->add_option("scene", flags->scene, "Scene file (TOML)")->required();
-  auto* where = command->add_option_group("where");
-  where->add_option("--vertex", flags->vertex, "Index of a vertex of the mesh");
-  where->add_option("--at", flags->at_m, "The vertex nearest to x,y,z [m]")
-      ->delimiter(',')
-      ->expected(3);
-  where->require_option(1);
-  command->add_option("--tool", flags->tool, "Name of the tool; default: the first");
-  command->add_option("--repair", flags->repair,
-                      "off, safe or wrap: mend the body's surface first");
-  command->add_option("--vtu", flags->vtu,
-                      "Write the deformed body at the last depth (VTK, for ParaView)");
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+  command.add_option("scene", flags->scene, "Scene file (TOML)").required();
+  Command where = command.add_choice("where");
+  where.add_option("--vertex", flags->vertex, "Index of a vertex of the mesh");
+  where.add_option("--at", flags->at_m, "The vertex nearest to x,y,z [m]")
+      .separated_by(',')
+      .values(3);
+  command.add_option("--tool", flags->tool, "Name of the tool; default: the first");
+  command.add_option("--repair", flags->repair,
+                     "off, safe or wrap: mend the body's surface first");
+  command.add_option("--vtu", flags->vtu,
+                     "Write the deformed body at the last depth (VTK, for ParaView)");
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,5 @@
-#include "precompute/command_plan.h"
+// palpate-precompute plan: what a build will do, leave out and take.
+#include "precompute/commands.h"
 
 #include <cstdio>
 #include <memory>
@@ -126,19 +127,19 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_plan_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_plan_command(Command app) {
+  Command command = app.add_subcommand(
       "plan", "Say what a build will compute and leave out, its time and memory");
   auto flags = std::make_shared<Flags>();
-  command->add_option("scene", flags->scene, "Scene file (TOML)")->required();
-  command->add_flag("--solve-all", flags->solve_all,
-                    "Every node solved, none interpolated");
-  command->add_option("--workers", flags->workers, "Threads; 0: one for each core")
-      ->check(CLI::Range(0, 1024));
-  command->add_option("--repair", flags->repair,
-                      "off, safe or wrap: mend the body's surface first");
-  command->add_flag("--json", flags->json, "Print the plan as one JSON object");
-  command->callback([flags] {
+  command.add_option("scene", flags->scene, "Scene file (TOML)").required();
+  command.add_flag("--solve-all", flags->solve_all,
+                   "Every node solved, none interpolated");
+  command.add_option("--workers", flags->workers, "Threads; 0: one for each core")
+      .in_range(0, 1024);
+  command.add_option("--repair", flags->repair,
+                     "off, safe or wrap: mend the body's surface first");
+  command.add_flag("--json", flags->json, "Print the plan as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,4 @@
-#include "precompute/command_remesh.h"
+#include "precompute/commands.h"
 
 #include <memory>
 #include <numbers>
@@ -66,21 +66,21 @@ void run_remesh(const RemeshFlags& flags) {
 
 }  // namespace
 
-void add_remesh_command(CLI::App& app) {
+void add_remesh_command(Command app) {
   const auto flags = std::make_shared<RemeshFlags>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "remesh", "Writes a body's surface anew, with triangles of even size and shape");
-  command->add_option("mesh", flags->mesh, "OBJ, STL, PLY or OFF file")->required();
+  command.add_option("mesh", flags->mesh, "OBJ, STL, PLY or OFF file").required();
   command
-      ->add_option("--length-unit", flags->length_unit,
-                   "unit of the file's coordinates: m, cm, mm, um, in, ...")
-      ->required();
-  command->add_option("-o,--output", flags->output, "OBJ file to write, in metres")
-      ->required();
-  command->add_option("--edge-m", flags->edge_m, "length of the new edges [m]")
-      ->required();
-  command->add_flag("--json", flags->json, "print the report for programs");
-  command->callback([flags] {
+      .add_option("--length-unit", flags->length_unit,
+                  "unit of the file's coordinates: m, cm, mm, um, in, ...")
+      .required();
+  command.add_option("-o,--output", flags->output, "OBJ file to write, in metres")
+      .required();
+  command.add_option("--edge-m", flags->edge_m, "length of the new edges [m]")
+      .required();
+  command.add_flag("--json", flags->json, "print the report for programs");
+  command.callback([flags] {
     run_remesh(*flags);
   });
 }

@@ -1,4 +1,5 @@
-#include "precompute/command_submit.h"
+// palpate-precompute submit: a build shared out among machines.
+#include "precompute/commands.h"
 
 #include <algorithm>
 #include <cmath>
@@ -146,38 +147,37 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_submit_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_submit_command(Command app) {
+  Command command = app.add_subcommand(
       "submit", "Share a build out among machines: job scripts, shards and merge");
   auto flags = std::make_shared<Flags>();
-  command->add_option("scene", flags->scene, "Scene file (TOML)")->required();
-  command->add_option("-o,--output", flags->output, "Response database to write (HDF5)")
-      ->required();
+  command.add_option("scene", flags->scene, "Scene file (TOML)").required();
+  command.add_option("-o,--output", flags->output, "Response database to write (HDF5)")
+      .required();
   command
-      ->add_option("--engine", flags->engine,
-                   "slurm: a job array and a merge after it; local: this machine")
-      ->required();
+      .add_option("--engine", flags->engine,
+                  "slurm: a job array and a merge after it; local: this machine")
+      .required();
   command
-      ->add_option("--nodes", flags->nodes,
-                   "Shards under way at a time, each a machine")
-      ->check(CLI::Range(1, 10000));
+      .add_option("--nodes", flags->nodes, "Shards under way at a time, each a machine")
+      .in_range(1, 10000);
   command
-      ->add_option("--shards", flags->shards,
-                   "Parts of the work, at least 2; 0: as many as --nodes")
-      ->check(CLI::Range(0, 10000));
+      .add_option("--shards", flags->shards,
+                  "Parts of the work, at least 2; 0: as many as --nodes")
+      .in_range(0, 10000);
   command
-      ->add_option("--workers", flags->workers,
-                   "Threads of a shard; 0: all cores of its machine")
-      ->check(CLI::Range(0, 1024));
-  command->add_option("--repair", flags->repair,
-                      "off, safe or wrap: mend the body's surface first");
-  command->add_option("--precision", flags->precision,
-                      "float64, float32 or int16, as of build");
-  command->add_flag("--solve-all", flags->solve_all,
-                    "Solve every node, interpolate none");
-  command->add_flag("--run", flags->run, "Start it: submit the jobs, or run them here");
-  command->add_flag("--json", flags->json, "Print what was written as one JSON object");
-  command->callback([flags] {
+      .add_option("--workers", flags->workers,
+                  "Threads of a shard; 0: all cores of its machine")
+      .in_range(0, 1024);
+  command.add_option("--repair", flags->repair,
+                     "off, safe or wrap: mend the body's surface first");
+  command.add_option("--precision", flags->precision,
+                     "float64, float32 or int16, as of build");
+  command.add_flag("--solve-all", flags->solve_all,
+                   "Solve every node, interpolate none");
+  command.add_flag("--run", flags->run, "Start it: submit the jobs, or run them here");
+  command.add_flag("--json", flags->json, "Print what was written as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,5 +1,5 @@
 // palpate-precompute sweep: a body's forces over a grid of material parameters.
-#include "precompute/command_sweep.h"
+#include "precompute/commands.h"
 
 #include <chrono>
 #include <cstdio>
@@ -114,37 +114,36 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_sweep_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_sweep_command(Command app) {
+  Command command = app.add_subcommand(
       "sweep", "Press nodes of a scene's body for a grid of material parameters");
   auto flags = std::make_shared<Flags>();
-  command->add_option("scene", flags->scene, "Scene file (TOML)")->required();
+  command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command
-      ->add_option("--parameter", flags->parameter,
-                   "constant, or region.constant, of a material; again for more")
-      ->required()
-      ->allow_extra_args(false);
-  command->add_option("--from", flags->from, "smallest value, one per parameter")
-      ->required()
-      ->allow_extra_args(false);
-  command->add_option("--to", flags->to, "largest value, one per parameter")
-      ->required()
-      ->allow_extra_args(false);
+      .add_option("--parameter", flags->parameter,
+                  "constant, or region.constant, of a material; again for more")
+      .required()
+      .one_value_each();
+  command.add_option("--from", flags->from, "smallest value, one per parameter")
+      .required()
+      .one_value_each();
+  command.add_option("--to", flags->to, "largest value, one per parameter")
+      .required()
+      .one_value_each();
   command
-      ->add_option("--count", flags->count, "values in equal ratios, one per parameter")
-      ->required()
-      ->allow_extra_args(false);
-  auto* where = command->add_option_group("where");
-  where->add_option("--vertex", flags->vertex, "Index of a vertex; again for more")
-      ->allow_extra_args(false);
-  where->add_option("--at", flags->at_m, "The vertex nearest to x,y,z [m]")
-      ->delimiter(',')
-      ->expected(3);
-  where->require_option(1);
-  command->add_option("--tool", flags->tool, "Name of the tool; default: the first");
-  command->add_option("-o,--output", flags->output, "Sweep file (CSV)")->required();
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+      .add_option("--count", flags->count, "values in equal ratios, one per parameter")
+      .required()
+      .one_value_each();
+  Command where = command.add_choice("where");
+  where.add_option("--vertex", flags->vertex, "Index of a vertex; again for more")
+      .one_value_each();
+  where.add_option("--at", flags->at_m, "The vertex nearest to x,y,z [m]")
+      .separated_by(',')
+      .values(3);
+  command.add_option("--tool", flags->tool, "Name of the tool; default: the first");
+  command.add_option("-o,--output", flags->output, "Sweep file (CSV)").required();
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,4 +1,5 @@
-#include "precompute/command_trade.h"
+// palpate-precompute trade: what accuracy costs on a scene.
+#include "precompute/commands.h"
 
 #include <cstdio>
 #include <memory>
@@ -103,39 +104,39 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_trade_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_trade_command(Command app) {
+  Command command = app.add_subcommand(
       "trade", "Compute a scene's responses in many ways: error beside cost");
   auto flags = std::make_shared<Flags>();
-  command->add_option("scene", flags->scene, "Scene file (TOML)")->required();
+  command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command
-      ->add_option("-o,--output", flags->output,
-                   "Where to write: PREFIX.csv and PREFIX.svg")
-      ->required();
-  command->add_option("--repair", flags->repair,
-                      "off, safe or wrap: mend the body's surface first");
+      .add_option("-o,--output", flags->output,
+                  "Where to write: PREFIX.csv and PREFIX.svg")
+      .required();
+  command.add_option("--repair", flags->repair,
+                     "off, safe or wrap: mend the body's surface first");
   command
-      ->add_option("--samples", flags->options.samples,
-                   "Vertices that are pressed in every way")
-      ->check(CLI::Range(2, 1000))
-      ->capture_default_str();
+      .add_option("--samples", flags->options.samples,
+                  "Vertices that are pressed in every way")
+      .in_range(2, 1000)
+      .show_default();
   command
-      ->add_option("--resolutions", flags->options.resolution,
-                   "Elements that the radius of the contact spans, of each mesh")
-      ->check(CLI::Range(0.5, 16.0))
-      ->delimiter(',')
-      ->capture_default_str();
-  command->add_option("--depths", flags->options.depths, "Samples of a curve")
-      ->check(CLI::Range(2, 64))
-      ->delimiter(',')
-      ->capture_default_str();
+      .add_option("--resolutions", flags->options.resolution,
+                  "Elements that the radius of the contact spans, of each mesh")
+      .in_range(0.5, 16.0)
+      .separated_by(',')
+      .show_default();
+  command.add_option("--depths", flags->options.depths, "Samples of a curve")
+      .in_range(2, 64)
+      .separated_by(',')
+      .show_default();
   command
-      ->add_option("--reference-finer", flags->options.reference_finer,
-                   "The reference's resolution over the largest of the others")
-      ->check(CLI::Range(1.0, 8.0))
-      ->capture_default_str();
-  command->add_flag("--json", flags->json, "Print the report as one JSON object");
-  command->callback([flags] {
+      .add_option("--reference-finer", flags->options.reference_finer,
+                  "The reference's resolution over the largest of the others")
+      .in_range(1.0, 8.0)
+      .show_default();
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
     run(*flags);
   });
 }

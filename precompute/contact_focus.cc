@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "precompute/indentation.h"
 #include "precompute/tool_surface.h"
 
 namespace palpate {
@@ -107,6 +108,20 @@ double uniform_spacing_m(const Scene& scene, const BodySource& body, bool nonlin
         contact_m, expected_contact_radius_m(tool->shape(), scene.reach.depth_max_m));
   }
   return contact_m * std::min(1.0, growth_for(scene)) * (nonlinear ? 0.33 : 0.5);
+}
+
+double touched_radius_m(const Scene& scene, const BodySource& body,
+                        double node_spacing_m) {
+  double radius_m = 0.0;
+  for (const auto& tool : body.tool) {
+    const IndentationPath path{.vertex_m = Eigen::Vector3d::Zero(),
+                               .outward = Eigen::Vector3d::UnitZ(),
+                               .tool = tool,
+                               .depth_max_m = scene.reach.depth_max_m};
+    const double touched_m = patch_radius_m(path, node_spacing_m);
+    radius_m = std::isfinite(touched_m) ? std::max(radius_m, touched_m) : radius_m;
+  }
+  return radius_m;
 }
 
 EdgeLength wanted_edges(const SurfaceMesh& surface,

@@ -40,6 +40,11 @@ struct ContactFocus {
 [[nodiscard]] double uniform_spacing_m(const Scene& scene, const BodySource& body,
                                        bool nonlinear);
 
+/// What the tools, pressed to the scene's depth, may touch around a vertex [m]: the
+/// largest patch_radius_m() on a flat surface of contact nodes so far apart.
+[[nodiscard]] double touched_radius_m(const Scene& scene, const BodySource& body,
+                                      double node_spacing_m);
+
 /// Wanted edges for a mesh that serves all the given vertices.
 [[nodiscard]] EdgeLength wanted_edges(const SurfaceMesh& surface,
                                       std::span<const std::int32_t> vertices,

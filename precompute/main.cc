@@ -1,16 +1,10 @@
 // palpate-precompute: one subcommand per file command_*.cc.
+#include "formats/hdf5_io.h"
 #include "formats/tool_main.h"
-#include "precompute/command_body.h"
-#include "precompute/command_build.h"
-#include "precompute/command_check.h"
-#include "precompute/command_indent.h"
-#include "precompute/command_plan.h"
-#include "precompute/command_remesh.h"
-#include "precompute/command_submit.h"
-#include "precompute/command_sweep.h"
-#include "precompute/command_trade.h"
+#include "precompute/commands.h"
 
 int main(int argc, char** argv) {
+  palpate::skip_hdf5_exit_cleanup();
   return palpate::run_tool("palpate-precompute",
                            "Computes force-deflection responses of deformable bodies.",
                            {&palpate::add_body_command, &palpate::add_build_command,

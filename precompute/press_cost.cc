@@ -24,20 +24,6 @@ double expected_column_cpu_s(double triangles) {
   return kColumnS * std::pow(triangles / kTriangles, 1.24);
 }
 
-double touched_radius_m(const Scene& scene, const BodySource& body,
-                        double node_spacing_m) {
-  double radius_m = 0.0;
-  for (const auto& tool : body.tool) {
-    const IndentationPath path{.vertex_m = Eigen::Vector3d::Zero(),
-                               .outward = Eigen::Vector3d::UnitZ(),
-                               .tool = tool,
-                               .depth_max_m = scene.reach.depth_max_m};
-    const double touched_m = patch_radius_m(path, node_spacing_m);
-    radius_m = std::isfinite(touched_m) ? std::max(radius_m, touched_m) : radius_m;
-  }
-  return radius_m;
-}
-
 MeshWork own_mesh_work(const Scene& scene, const BodySource& body,
                        std::span<const std::int32_t> vertices,
                        const ContactFocus& focus) {

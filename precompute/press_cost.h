@@ -27,11 +27,6 @@ struct MeshWork {
 /// Of one column alone.
 [[nodiscard]] double expected_column_cpu_s(double triangles);
 
-/// What the tools, pressed to the scene's depth, may touch around a vertex [m]: the
-/// largest patch_radius_m() on a flat surface of contact nodes so far apart.
-[[nodiscard]] double touched_radius_m(const Scene& scene, const BodySource& body,
-                                      double node_spacing_m);
-
 /// Of one mesh for the vertices (make_graded_model): its surface is made and counted.
 [[nodiscard]] MeshWork own_mesh_work(const Scene& scene, const BodySource& body,
                                      std::span<const std::int32_t> vertices,

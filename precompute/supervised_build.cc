@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "formats/error.h"
+#include "precompute/interrupt.h"
 
 namespace palpate {
 namespace {

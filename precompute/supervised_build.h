@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <functional>
 
-#include "precompute/build.h"
-
 namespace palpate {
 
 /// Called by whoever begins and ends a node's press in this thread; -1: none. What a

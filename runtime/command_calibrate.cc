@@ -1,5 +1,4 @@
-#include "runtime/command_calibrate.h"
-
+// `palpate-run calibrate`: what a device's motors really give, by a hung mass.
 #include <iostream>
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "formats/error.h"
 #include "runtime/calibration.h"
+#include "runtime/commands.h"
 #include "runtime/device_choice.h"
 #include "runtime/falcon_geometry.h"
 #include "runtime/stop_signals.h"
@@ -87,25 +87,25 @@ void run(Flags& flags) {
 
 }  // namespace
 
-void add_calibrate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_calibrate_command(Command app) {
+  Command command = app.add_subcommand(
       "calibrate", "Find the factor on a device's motor commands by a hung mass.");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("--device", flags->device.name, "falcon or emulated-falcon")
-      ->required();
-  command->add_option("--mass-kg", flags->mass_kg, "Mass to hang on the grip [kg]")
-      ->required();
-  command->add_option("--output", flags->output, "Calibration file to write (TOML)")
-      ->capture_default_str();
-  command->add_option("--firmware", flags->device.firmware,
-                      "The vendor's firmware image, for a falcon that has none yet");
-  command->add_option("--usb", flags->device.usb,
-                      "BUS:ADDRESS, port or serial number, where two are alike");
+  command.add_option("--device", flags->device.name, "falcon or emulated-falcon")
+      .required();
+  command.add_option("--mass-kg", flags->mass_kg, "Mass to hang on the grip [kg]")
+      .required();
+  command.add_option("--output", flags->output, "Calibration file to write (TOML)")
+      .show_default();
+  command.add_option("--firmware", flags->device.firmware,
+                     "The vendor's firmware image, for a falcon that has none yet");
+  command.add_option("--usb", flags->device.usb,
+                     "BUS:ADDRESS, port or serial number, where two are alike");
   command
-      ->add_option("--homing-s", flags->device.homing_s, "Time to home the device [s]")
-      ->capture_default_str();
-  command->add_flag("--json", flags->json, "Print the report for programs");
-  command->callback([flags] {
+      .add_option("--homing-s", flags->device.homing_s, "Time to home the device [s]")
+      .show_default();
+  command.add_flag("--json", flags->json, "Print the report for programs");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,5 +1,4 @@
-#include "runtime/command_device.h"
-
+// `palpate-run device`: renders a database on a haptic device.
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
-#include "runtime/calibration.h"
+#include "runtime/commands.h"
+#include "runtime/device_options.h"
 #include "runtime/reconnect.h"
 #include "runtime/simulation.h"
 #include "runtime/simulation_outcome.h"
@@ -68,71 +68,32 @@ void run(Flags& flags) {
 
 }  // namespace
 
-void add_device_options(CLI::App& command, DeviceFlags& flags) {
-  DeviceRequest& request = flags.request;
-  command.add_option("--device", request.name, "One of: " + known_device_names());
-  command.add_option("--firmware", request.firmware,
-                     "The vendor's firmware image, for a falcon that has none yet");
-  command.add_option("--usb", request.usb,
-                     "BUS:ADDRESS, port or serial number, where two are alike");
-  command
-      .add_option("--calibration", flags.calibration,
-                  "Factor on motor commands [-], or a file of palpate-run calibrate")
-      ->capture_default_str();
-  command.add_option("--homing-s", request.homing_s, "Time to home the device [s]")
-      ->capture_default_str();
-  command.add_flag("--event-character", request.event_character,
-                   "A falcon's chip sends a reply at its last byte (not tried on "
-                   "hardware): more than 1 kHz");
-  command.add_option("--plane", request.plane,
-                     "Section of the body for a device that moves in a plane: x=0.01 "
-                     "[m]; else the one through the pressed node");
-  command.add_option("--at", flags.at_m, "Where to press: x,y,z [m]")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-}
-
-void attach_device(DeviceFlags& flags, SimulationOptions& options) {
-  flags.request.tell = tell_person;
-  flags.request.calibration = motor_factor(flags.calibration, flags.request.name);
-  options.real_time = true;
-  options.attached = choose_device(flags.request);
-  if (!flags.at_m.empty()) {
-    if (flags.at_m.size() != 3) {
-      throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",
-                                   flags.at_m.size()));
-    }
-    options.at_m = Eigen::Vector3d(flags.at_m.data());
-  }
-}
-
-void add_device_command(CLI::App& app) {
-  CLI::App* command =
+void add_device_command(Command app) {
+  Command command =
       app.add_subcommand("device", "Render a database on a haptic device.");
   const auto flags = std::make_shared<Flags>();
   SimulationOptions& options = flags->options;
   options.fast_hz = 1000.0;
-  command->add_option("database", flags->database, "Response database (HDF5)")
-      ->required();
-  add_device_options(*command, flags->device);
-  command->get_option("--device")->required();
-  command->add_flag("--reconnect", flags->reconnect,
-                    "After an unplug wait for the device, then go on");
-  command->add_option("--model", flags->model, "Local model: " + known_models())
-      ->capture_default_str();
-  command->add_option("--seconds", options.duration_s, "Duration [s]")
-      ->capture_default_str();
-  command->add_option("--tool", options.tool, "Tool; may be left out if there is one");
-  command->add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
-      ->capture_default_str();
-  command->add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
-      ->capture_default_str();
-  command->add_option("--force-max-n", options.force_max_n, "Largest force [N]")
-      ->capture_default_str();
-  command->add_flag("--limit-stiffness", options.limit_stiffness,
-                    "Scale forces to what the device can render");
-  command->add_flag("--json", flags->json, "Print the report for programs");
-  command->callback([flags] {
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  add_device_options(command, flags->device);
+  command.option("--device").required();
+  command.add_flag("--reconnect", flags->reconnect,
+                   "After an unplug wait for the device, then go on");
+  command.add_option("--model", flags->model, "Local model: " + known_models())
+      .show_default();
+  command.add_option("--seconds", options.duration_s, "Duration [s]").show_default();
+  command.add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      .show_default();
+  command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      .show_default();
+  command.add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      .show_default();
+  command.add_flag("--limit-stiffness", options.limit_stiffness,
+                   "Scale forces to what the device can render");
+  command.add_flag("--json", flags->json, "Print the report for programs");
+  command.callback([flags] {
     run(*flags);
   });
 }

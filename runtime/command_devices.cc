@@ -1,10 +1,9 @@
-#include "runtime/command_devices.h"
-
 #include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "runtime/commands.h"
 #include "runtime/usb_devices.h"
 
 namespace palpate {
@@ -30,14 +29,14 @@ nlohmann::json as_json(const UsbReport& report) {
 
 }  // namespace
 
-void add_devices_command(CLI::App& app) {
-  CLI::App* command =
+void add_devices_command(Command app) {
+  Command command =
       app.add_subcommand("devices", "List the haptic devices that are attached.");
   const auto json = std::make_shared<bool>(false);
   const auto udev = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "Print the report for programs");
-  command->add_flag("--udev", *udev, "Print the rules that permit their use");
-  command->callback([json, udev] {
+  command.add_flag("--json", *json, "Print the report for programs");
+  command.add_flag("--udev", *udev, "Print the rules that permit their use");
+  command.callback([json, udev] {
     if (*udev) {
       fmt::print("{}", udev_rules());
       return;

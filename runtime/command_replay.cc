@@ -1,5 +1,4 @@
-#include "runtime/command_replay.h"
-
+// palpate-run replay: renders a recorded run again and compares.
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.h"
+#include "runtime/commands.h"
 #include "runtime/replay.h"
 
 namespace palpate {
@@ -87,19 +87,19 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_replay_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_replay_command(Command app) {
+  Command command = app.add_subcommand(
       "replay", "Render a recorded run again, to the same bits, or differently.");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("recording", flags->recording, "Recording (HDF5)")->required();
-  command->add_option("database", flags->database, "Response database (HDF5)")
-      ->required();
-  command->add_option("--model", flags->model,
-                      "Render the trajectory with this local model instead");
-  command->add_flag("--other-database", flags->other_database,
-                    "Render the trajectory on a database that was not recorded");
-  command->add_flag("--json", flags->json, "Print the report for programs");
-  command->callback([flags] {
+  command.add_option("recording", flags->recording, "Recording (HDF5)").required();
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  command.add_option("--model", flags->model,
+                     "Render the trajectory with this local model instead");
+  command.add_flag("--other-database", flags->other_database,
+                   "Render the trajectory on a database that was not recorded");
+  command.add_flag("--json", flags->json, "Print the report for programs");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,5 +1,3 @@
-#include "runtime/command_simulate.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -12,6 +10,7 @@
 
 #include "formats/error.h"
 #include "formats/recording.h"
+#include "runtime/commands.h"
 #include "runtime/simulation.h"
 #include "runtime/simulation_outcome.h"
 #include "runtime/stop_signals.h"
@@ -148,48 +147,47 @@ void run(const Flags& flags) {
 
 }  // namespace
 
-void add_simulate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_simulate_command(Command app) {
+  Command command = app.add_subcommand(
       "simulate", "Render a database on a simulated device held by a simulated hand.");
   const auto flags = std::make_shared<Flags>();
   SimulationOptions& options = flags->options;
-  command->add_option("database", flags->database, "Response database (HDF5)")
-      ->required();
-  command->add_option("--model", flags->model, "Local model: " + known_models())
-      ->capture_default_str();
-  command->add_option("--seconds", options.duration_s, "Duration [s]")
-      ->capture_default_str();
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  command.add_option("--model", flags->model, "Local model: " + known_models())
+      .show_default();
+  command.add_option("--seconds", options.duration_s, "Duration [s]").show_default();
   command
-      ->add_option("--tool", flags->tools,
-                   "Tool, or several at once: a,b; may be left out if there is one")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command->add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
-      ->capture_default_str();
-  command->add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
-      ->capture_default_str();
+      .add_option("--tool", flags->tools,
+                  "Tool, or several at once: a,b; may be left out if there is one")
+      .separated_by(',')
+      .one_value_each();
+  command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      .show_default();
+  command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      .show_default();
   command
-      ->add_option("--at", flags->at_m,
-                   "Where to press: x,y,z [m], for each tool in turn")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command->add_option("--clock", flags->clock, "simulated (repeatable, fast) or real")
-      ->capture_default_str();
-  command->add_option("--force-max-n", options.force_max_n, "Largest force [N]")
-      ->capture_default_str();
-  command->add_flag("--limit-stiffness", options.limit_stiffness,
-                    "Scale forces to what the device can render");
+      .add_option("--at", flags->at_m,
+                  "Where to press: x,y,z [m], for each tool in turn")
+      .separated_by(',')
+      .one_value_each();
+  command.add_option("--clock", flags->clock, "simulated (repeatable, fast) or real")
+      .show_default();
+  command.add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      .show_default();
+  command.add_flag("--limit-stiffness", options.limit_stiffness,
+                   "Scale forces to what the device can render");
   command
-      ->add_option("--stream", flags->stream,
-                   "Leave the responses in the file: auto (above 256 MiB), on or off")
-      ->capture_default_str();
+      .add_option("--stream", flags->stream,
+                  "Leave the responses in the file: auto (above 256 MiB), on or off")
+      .show_default();
   command
-      ->add_option("--stream-budget", flags->stream_budget_mib,
-                   "Memory for streamed responses [MiB]")
-      ->capture_default_str();
+      .add_option("--stream-budget", flags->stream_budget_mib,
+                  "Memory for streamed responses [MiB]")
+      .show_default();
   const auto add_each = [&](const char* flag, std::vector<std::string>& values,
                             const char* what) {
-    command->add_option(flag, values, what)->allow_extra_args(false);
+    command.add_option(flag, values, what).one_value_each();
   };
   add_each("--record", flags->records,
            "Record every tick into this file, for replay; once for each tool");
@@ -199,13 +197,13 @@ void add_simulate_command(CLI::App& app) {
            "Socket of a device's driver instead of the simulated device "
            "(runtime/socket_device.h); once for each tool");
   command
-      ->add_option("--ramp-s", options.ramp_s,
-                   "Time from the start until the largest force is allowed [s]")
-      ->capture_default_str();
-  command->add_option("--cpu", options.cpu,
-                      "Keep the fast thread on this CPU (--clock real)");
-  command->add_flag("--json", flags->json, "Print the report for programs");
-  command->callback([flags] {
+      .add_option("--ramp-s", options.ramp_s,
+                  "Time from the start until the largest force is allowed [s]")
+      .show_default();
+  command.add_option("--cpu", options.cpu,
+                     "Keep the fast thread on this CPU (--clock real)");
+  command.add_flag("--json", flags->json, "Print the report for programs");
+  command.callback([flags] {
     run(*flags);
   });
 }

@@ -1,5 +1,4 @@
-#include "runtime/command_view.h"
-
+// palpate-run view: see and feel a database in a browser, with the mouse.
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -13,8 +12,9 @@
 
 #include "formats/error.h"
 #include "runtime/clock.h"
-#include "runtime/command_device.h"
+#include "runtime/commands.h"
 #include "runtime/cylinder_body.h"
+#include "runtime/device_options.h"
 #include "runtime/live_view.h"
 #include "runtime/page_assets.h"
 #include "runtime/simulation.h"
@@ -165,38 +165,38 @@ void run(Flags& flags) {
 
 }  // namespace
 
-void add_view_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
+void add_view_command(Command app) {
+  Command command = app.add_subcommand(
       "view",
       "Show a database in a browser: press it with the mouse, on simulated time, or "
       "watch a device that presses it.");
   const auto flags = std::make_shared<Flags>();
   ViewSessionOptions& options = flags->options;
-  command->add_option("database", flags->database, "Response database (HDF5)");
-  command->add_option("--demo", flags->demo,
-                      "A body without a file: cylinder, the paper's (section 5.2.4)");
-  command->add_option("--port", flags->port, "On 127.0.0.1; 0: any free one")
-      ->capture_default_str();
-  command->add_option("--model", flags->model, "Local model: " + known_models())
-      ->capture_default_str();
-  command->add_option("--tool", options.tool, "Tool; may be left out if there is one");
-  command->add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
-      ->capture_default_str();
-  command->add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
-      ->capture_default_str();
-  command->add_option("--force-max-n", options.force_max_n, "Largest force [N]")
-      ->capture_default_str();
+  command.add_option("database", flags->database, "Response database (HDF5)");
+  command.add_option("--demo", flags->demo,
+                     "A body without a file: cylinder, the paper's (section 5.2.4)");
+  command.add_option("--port", flags->port, "On 127.0.0.1; 0: any free one")
+      .show_default();
+  command.add_option("--model", flags->model, "Local model: " + known_models())
+      .show_default();
+  command.add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      .show_default();
+  command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      .show_default();
+  command.add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      .show_default();
   command
-      ->add_option("--stiffness-scale", flags->stiffness_scale,
-                   "Forces are multiplied by it, at the start")
-      ->capture_default_str();
-  add_device_options(*command, flags->device);
-  command->add_option("--seconds", flags->seconds, "Duration of a device's run [s]")
-      ->capture_default_str();
-  command->add_flag("--limit-stiffness", flags->limit_stiffness,
-                    "Scale forces to what the device can render");
-  command->callback([flags, command] {
-    flags->fast_hz_given = command->count("--fast-hz") > 0;
+      .add_option("--stiffness-scale", flags->stiffness_scale,
+                  "Forces are multiplied by it, at the start")
+      .show_default();
+  add_device_options(command, flags->device);
+  command.add_option("--seconds", flags->seconds, "Duration of a device's run [s]")
+      .show_default();
+  command.add_flag("--limit-stiffness", flags->limit_stiffness,
+                   "Scale forces to what the device can render");
+  command.callback([flags, command] {
+    flags->fast_hz_given = command.count("--fast-hz") > 0;
     run(*flags);
   });
 }

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 
-#include "formats/response_table.h"
 
 namespace palpate {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "fitting/session.h"
 #include "formats/error.h"
 
 namespace palpate {

@@ -8,7 +8,6 @@
 
 #include "fitting/bounded_linear.h"
 #include "fitting/robust_statistics.h"
-#include "fitting/session.h"
 #include "formats/measurement_file.h"
 #include "tests/fitting/synthetic_curve.h"
 #include "tests/support/test_data.h"

@@ -1,11 +1,10 @@
-// `palpate-run device`: renders a database on a haptic device.
+// Options of the subcommands that may drive a haptic device.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "formats/tool_main.h"
 #include "runtime/device_choice.h"
 #include "runtime/simulation.h"
 
@@ -19,11 +18,9 @@ struct DeviceFlags {
 };
 
 /// --device and what goes with it. @param flags must outlive the command.
-void add_device_options(CLI::App& command, DeviceFlags& flags);
+void add_device_options(Command command, DeviceFlags& flags);
 
 /// Chooses the device, for a run in real time. @throws as choose_device().
 void attach_device(DeviceFlags& flags, SimulationOptions& options);
-
-void add_device_command(CLI::App& app);
 
 }  // namespace palpate
