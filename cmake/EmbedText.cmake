@@ -1,5 +1,5 @@
 # cmake -D DIR=<folder> -D OUTPUT=<file.cc> -P EmbedText.cmake
-# Writes the files of a folder as the texts that formats/report_text.h promises: x.js is
+# Writes the files of a folder as the texts that formats/report/page_text.h promises: x.js is
 # x_script, x.css x_style, x.html x_body. Modules lose the word "export".
 file(GLOB files ${DIR}/*.js ${DIR}/*.css ${DIR}/*.html)
 list(SORT files)
@@ -19,7 +19,7 @@ foreach(file ${files})
   string(APPEND texts "const char* const ${name}_${kind} = R\"text(${content})text\";\n\n")
 endforeach()
 file(WRITE ${OUTPUT} "// Made by cmake/EmbedText.cmake.
-#include \"formats/report_text.h\"
+#include \"formats/report/page_text.h\"
 
 namespace palpate {
 

@@ -22,7 +22,7 @@ endforeach()
 install(TARGETS palpate_c EXPORT palpate
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime
                 NAMELINK_COMPONENT dev)
-install(FILES runtime/palpate.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+install(FILES runtime/c_api/palpate.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)
 install(EXPORT palpate NAMESPACE palpate:: FILE palpateConfig.cmake
         DESTINATION ${config_dir} COMPONENT dev)
@@ -34,7 +34,7 @@ file(RELATIVE_PATH PC_UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)  # movable, as th
 configure_file(cmake/palpate.pc.in palpate.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/palpate.pc
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
-install(DIRECTORY runtime/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
+install(DIRECTORY runtime/c_api/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
 foreach(part tools:palpate runtime:libpalpate-runtime dev:libpalpate-dev)
   string(REPLACE ":" ";" part ${part})
   list(GET part 0 component)

@@ -1,11 +1,15 @@
-# palpate_library(<name> [PIC] DIR <folder> [DEPENDS ...] [PRIVATE_DEPENDS ...])
-# One static library palpate::<name> from every <folder>/*.cc except those of the tool
-# and of the C interface. PIC: it goes into a shared library, too.
+# palpate_library(<name> [PIC] ROOMS <folder>... [DEPENDS ...] [PRIVATE_DEPENDS ...])
+# One static library palpate::<name> from the sources of some sub-rooms.
+# PIC: it goes into a shared library, too.
 function(palpate_library name)
-  cmake_parse_arguments(ARG "PIC" "DIR" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
-  set(dir ${PROJECT_SOURCE_DIR}/${ARG_DIR})
-  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
-  list(FILTER sources EXCLUDE REGEX "/(main|command_[a-z0-9_]+|palpate_c)\\.cc$")
+  cmake_parse_arguments(ARG "PIC" "" "ROOMS;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  set(sources "")
+  foreach(room ${ARG_ROOMS})
+    set(dir ${PROJECT_SOURCE_DIR}/${room})
+    file(GLOB found CONFIGURE_DEPENDS ${dir}/*.cc ${dir}/*.h)
+    list(APPEND sources ${found})
+  endforeach()
+  list(FILTER sources EXCLUDE REGEX "/palpate_c\\.cc$")  # of the shared library alone
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})
@@ -17,30 +21,53 @@ function(palpate_library name)
   target_precompile_headers(palpate_${name} PRIVATE <Eigen/Core> <Eigen/Geometry> <vector>)
 endfunction()
 
-# palpate_tool(<tool> DIR <folder> LIBRARY <name>): the command-line tool from
-# <folder>/main.cc and one <folder>/command_*.cc per subcommand.
+# palpate_tool(<tool> ROOM <room> LIBRARIES <name>...): the command-line tool from
+# <room>/command: main.cc and one command_*.cc per subcommand.
 function(palpate_tool tool)
-  cmake_parse_arguments(ARG "" "DIR;LIBRARY" "" ${ARGN})
-  file(GLOB commands CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${ARG_DIR}/command_*.cc)
-  add_executable(${tool} ${PROJECT_SOURCE_DIR}/${ARG_DIR}/main.cc ${commands})
-  target_link_libraries(${tool} PRIVATE palpate::${ARG_LIBRARY} palpate_warnings
-                                        CLI11::CLI11 nlohmann_json::nlohmann_json)
+  cmake_parse_arguments(ARG "" "ROOM" "LIBRARIES" ${ARGN})
+  file(GLOB commands CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${ARG_ROOM}/command/*.cc)
+  add_executable(${tool} ${commands})
+  list(TRANSFORM ARG_LIBRARIES PREPEND palpate::)
+  target_link_libraries(${tool} PRIVATE ${ARG_LIBRARIES} palpate_warnings
+                                        nlohmann_json::nlohmann_json)
 endfunction()
 
-# palpate_tests(<label> [LIBRARIES ...]): one test <label>/<stem> per tests/<label>/*_test.cc.
-function(palpate_tests label)
+# palpate_test_program(<folder> [LIBRARIES ...]): one program from tests/<folder>/*_test.cc
+# and, for each of these files, a test <folder>/<stem> that runs the suites of that file.
+function(palpate_test_program folder)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
-  file(GLOB tests CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${label}/*_test.cc)
+  file(GLOB tests CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*_test.cc)
+  string(REPLACE "/" "_" target ${folder}_tests)
+  string(REGEX MATCH "^[^/]+" label ${folder})
+  add_executable(${target} ${tests})
+  target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} palpate_test_support
+                                          palpate_warnings GTest::gtest_main)
+  target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
   foreach(test ${tests})
+    # A new suite must not go unnoticed: its file's change configures anew.
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${test})
+    file(STRINGS ${test} suites REGEX "^(TYPED_)?TEST(_F|_P)?\\([A-Za-z0-9_]+,")
+    list(TRANSFORM suites REPLACE "^[A-Z_]+\\(([A-Za-z0-9_]+),.*$" "\\1")
+    list(REMOVE_DUPLICATES suites)
+    list(TRANSFORM suites REPLACE "^(.+)$" "\\1.*:*/\\1.*:\\1/*")
+    list(JOIN suites ":" filter)
     get_filename_component(stem ${test} NAME_WE)
-    set(target ${label}_${stem})
-    add_executable(${target} ${test})
-    target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} palpate_test_support
-                                            palpate_warnings GTest::gtest_main)
-    target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
-    add_test(NAME ${label}/${stem} COMMAND ${target}
+    add_test(NAME ${folder}/${stem} COMMAND ${target} --gtest_filter=${filter}
              WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-    set_tests_properties(${label}/${stem} PROPERTIES LABELS ${label}
+    set_tests_properties(${folder}/${stem} PROPERTIES LABELS ${label}
                          SKIP_REGULAR_EXPRESSION "SKIPPED_WHOLE_FILE")
+  endforeach()
+endfunction()
+
+# palpate_tests(<room> [LIBRARIES ...]): a program for each folder of tests/<room> that has
+# none yet.
+function(palpate_tests room)
+  file(GLOB folders CONFIGURE_DEPENDS LIST_DIRECTORIES true RELATIVE
+       ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/tests/${room}/*)
+  foreach(folder ${folders})
+    string(REPLACE "/" "_" target ${folder}_tests)
+    if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/${folder} AND NOT TARGET ${target})
+      palpate_test_program(${folder} ${ARGN})
+    endif()
   endforeach()
 endfunction()

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "formats/curve_view.h"
+#include "formats/response/curve_view.h"
 #include "runtime/fast/real.h"
 
 namespace palpate {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime/fast/contact_point.h"
+#include "runtime/fast/element_walk.h"
 #include "runtime/fast/relaxed_shift.h"
 
 namespace palpate {

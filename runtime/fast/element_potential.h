@@ -24,7 +24,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/curve_piece.h"
+#include "runtime/fast/cubic_cache.h"
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/prism.h"
 #include "runtime/fast/real.h"

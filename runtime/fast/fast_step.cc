@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime/fast/contact_point.h"
+#include "runtime/fast/element_walk.h"
 
 namespace palpate {
 namespace {

@@ -19,9 +19,9 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/curve_piece.h"
+#include "runtime/fast/cubic_cache.h"
 #include "runtime/fast/element_cache.h"
-#include "runtime/fast/field_place.h"
+#include "runtime/fast/prism_walk.h"
 #include "runtime/fast/real.h"
 
 namespace palpate {

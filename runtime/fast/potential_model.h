@@ -27,9 +27,9 @@
 
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/element_model.h"
-#include "runtime/fast/field_place.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/potential_field.h"
+#include "runtime/fast/prism_walk.h"
 #include "runtime/fast/real.h"
 
 namespace palpate {

@@ -4,13 +4,13 @@
 // x is the penetration along the direction [m], f the force against it [N]. The passive
 // models differ in what an update makes of the slow value: the equal-energy update a
 // linear impedance f = k (x - c) for x > c, else 0, with relaxed state c (19) and
-// E = k (x - c)^2 / 2 (21); the energy tank the curve of local_curve.h.
+// E = k (x - c)^2 / 2 (21); the energy tank the curve of slow_value_curve.h.
 #pragma once
 
-#include "runtime/fast/local_curve.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/real.h"
+#include "runtime/fast/slow_value_curve.h"
 
 namespace palpate {
 

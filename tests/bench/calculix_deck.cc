@@ -22,11 +22,11 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
 
-#include "precompute/material.h"
-#include "precompute/primitive_bodies.h"
-#include "precompute/quadratic_mesh.h"
-#include "precompute/surface_writer.h"
-#include "precompute/tetrahedralise.h"
+#include "formats/mesh/obj_writer.h"
+#include "precompute/fem/quadratic_mesh.h"
+#include "precompute/material/material.h"
+#include "precompute/surface/primitive_bodies.h"
+#include "precompute/tets/tetrahedralise.h"
 
 namespace palpate {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "fitting/contact_fit.h"
-#include "tests/fitting/synthetic_curve.h"
+#include "fitting/curve/power_law_fit.h"
+#include "tests/support/synthetic_curve.h"
 
 namespace palpate {
 namespace {

@@ -7,10 +7,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "fitting/approach.h"
-#include "fitting/contact_fit.h"
-#include "fitting/least_squares.h"
-#include "formats/response_curve.h"
+#include "fitting/curve/measured_approach.h"
+#include "fitting/curve/power_law_fit.h"
+#include "fitting/numerics/least_squares.h"
+#include "formats/response/response_curve.h"
 
 namespace palpate {
 namespace {

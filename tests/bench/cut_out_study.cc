@@ -22,11 +22,11 @@
 
 #include <fmt/format.h>
 
-#include "formats/stopwatch.h"
-#include "precompute/cut_out_press.h"
-#include "precompute/longest_edge.h"
-#include "precompute/peak_memory.h"
-#include "precompute/primitive_bodies.h"
+#include "formats/base/stopwatch.h"
+#include "precompute/press/cut_out_press.h"
+#include "precompute/process/peak_memory.h"
+#include "precompute/surface/primitive_bodies.h"
+#include "precompute/surface/refine_surface.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {

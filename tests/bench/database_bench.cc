@@ -6,8 +6,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "formats/chunk_reader.h"
-#include "formats/hdf5_io.h"
+#include "formats/database/chunk_reader.h"
+#include "formats/hdf5/hdf5_io.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 

@@ -11,11 +11,11 @@
 #include <benchmark/benchmark.h>
 #include <tbb/parallel_for.h>
 
-#include "formats/stopwatch.h"
-#include "precompute/contact_surface.h"
-#include "precompute/linear_elasticity.h"
-#include "precompute/quadratic_mesh.h"
-#include "precompute/surface_compliance.h"
+#include "formats/base/stopwatch.h"
+#include "precompute/contact/contact_surface.h"
+#include "precompute/contact/surface_compliance.h"
+#include "precompute/fem/linear_elasticity.h"
+#include "precompute/fem/quadratic_mesh.h"
 #include "tests/support/box_tets.h"
 
 namespace palpate {

@@ -17,13 +17,13 @@
 
 #include <fmt/format.h>
 
-#include "formats/stopwatch.h"
-#include "precompute/cholesky_factor.h"
-#include "precompute/linear_elasticity.h"
-#include "precompute/peak_memory.h"
-#include "precompute/primitive_bodies.h"
-#include "precompute/surface_compliance.h"
-#include "precompute/tetrahedralise.h"
+#include "formats/base/stopwatch.h"
+#include "precompute/contact/surface_compliance.h"
+#include "precompute/fem/cholesky_factor.h"
+#include "precompute/fem/linear_elasticity.h"
+#include "precompute/process/peak_memory.h"
+#include "precompute/surface/primitive_bodies.h"
+#include "precompute/tets/tetrahedralise.h"
 #include "tests/support/box_tets.h"
 
 namespace palpate {

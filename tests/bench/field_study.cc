@@ -19,7 +19,7 @@
 
 #include <fmt/format.h>
 
-#include "fitting/probe_screen.h"
+#include "fitting/surface/probe_screen.h"
 #include "tests/support/sample_bodies.h"
 
 namespace palpate {
@@ -99,7 +99,7 @@ Truth truth_of(std::mt19937& generator, const Body& body, const Kind& kind) {
 }
 
 struct Probes {
-  std::vector<SurfacePoint> point;
+  std::vector<AttachedPoint> point;
   FieldData data;
   std::vector<std::size_t> glitched;
 };

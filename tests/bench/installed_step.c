@@ -1,6 +1,6 @@
 /* installed_step DATABASE POSITIONS: the C interface along a trajectory (n x 3 doubles
- * [m], 2 kHz), a slow step every 20 ticks. Prints ticks, ticks in contact, and the median
- * and 99th percentile of palpate_force() in contact [ns]. */
+ * [m], 2 kHz), a slow step every 20 ticks. Prints ticks, ticks in contact, and the
+ * median and 99th percentile of palpate_force() in contact [ns]. */
 #define _POSIX_C_SOURCE 199309L
 #include <palpate.h>
 #include <stdio.h>
@@ -28,8 +28,10 @@ int main(int argc, char** argv) {
       argc == 3 ? palpate_open(argv[1], &options, error, sizeof error) : NULL;
   FILE* file = argc == 3 ? fopen(argv[2], "rb") : NULL;
   if (body == NULL || file == NULL) {
-    fprintf(stderr, "installed_step: %s\n", body == NULL && argc == 3 ? error : "usage: "
-            "installed_step DATABASE POSITIONS");
+    fprintf(stderr, "installed_step: %s\n",
+            body == NULL && argc == 3 ? error
+                                      : "usage: "
+                                        "installed_step DATABASE POSITIONS");
     return 2;
   }
   palpate_tool* tool = palpate_tool_add(body);

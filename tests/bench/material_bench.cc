@@ -5,7 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "precompute/material.h"
+#include "precompute/material/material.h"
 
 namespace palpate {
 namespace {

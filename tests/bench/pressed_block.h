@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "precompute/indentation.h"
-#include "precompute/lock_step.h"
-#include "precompute/longest_edge.h"
-#include "precompute/nonlinear_indentation.h"
-#include "precompute/primitive_bodies.h"
-#include "precompute/tetrahedralise.h"
+#include "precompute/contact/linear_indentation.h"
+#include "precompute/contact/nonlinear_indentation.h"
+#include "precompute/fem/batched_solves.h"
+#include "precompute/surface/primitive_bodies.h"
+#include "precompute/surface/refine_surface.h"
+#include "precompute/tets/tetrahedralise.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {

@@ -15,7 +15,7 @@
 
 #include <fmt/format.h>
 
-#include "formats/log_picture.h"
+#include "formats/report/log_plot.h"
 
 namespace palpate {
 namespace {

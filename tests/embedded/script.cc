@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "formats/recording.h"
-#include "formats/response_database.h"
-#include "runtime/bench_body.h"
-#include "runtime/element_stream.h"
+#include "formats/database/response_database.h"
+#include "formats/recording/recording.h"
+#include "runtime/bench/bench_body.h"
 #include "runtime/fast/element_wire.h"
 #include "runtime/fast/local_model.h"
-#include "runtime/replay.h"
+#include "runtime/run/replay.h"
+#include "runtime/slow/memory_elements.h"
 
 namespace palpate {
 namespace {

@@ -1,9 +1,9 @@
 // Any bytes as a database: read whole, by its index and chunk by chunk, or refused with
 // an Error. What is read passes check().
-#include "formats/chunk_reader.h"
-#include "formats/error.h"
-#include "formats/hdf5_io.h"
-#include "formats/response_database.h"
+#include "formats/base/error.h"
+#include "formats/database/chunk_reader.h"
+#include "formats/database/response_database.h"
+#include "formats/hdf5/hdf5_io.h"
 #include "tests/fuzz/input_file.h"
 
 namespace {

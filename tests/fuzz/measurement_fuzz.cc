@@ -1,6 +1,6 @@
 // Any bytes as a measurement: read, or refused with an Error.
-#include "formats/error.h"
-#include "formats/measurement_file.h"
+#include "formats/base/error.h"
+#include "formats/measurement/measurement_file.h"
 #include "tests/fuzz/input_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,8 +2,8 @@
 // format.
 #include <array>
 
-#include "formats/error.h"
-#include "formats/surface_reader.h"
+#include "formats/base/error.h"
+#include "formats/mesh/surface_reader.h"
 #include "tests/fuzz/input_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "formats/error.h"
-#include "runtime/view_message.h"
+#include "formats/base/error.h"
+#include "runtime/view/view_message.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using palpate::ViewRanges;

@@ -1,5 +1,5 @@
 // Writes a small database as the seed of database_fuzz.
-#include "formats/hdf5_io.h"
+#include "formats/hdf5/hdf5_io.h"
 #include "tests/support/small_database.h"
 
 int main(int, char** argv) {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "precompute/tetrahedralise.h"
+#include "precompute/tets/tetrahedralise.h"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/bench_body.h"
+#include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
 
 namespace palpate {

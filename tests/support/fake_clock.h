@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <map>
 
-#include "runtime/clock.h"
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "formats/error.h"
-#include "runtime/clock.h"
-#include "runtime/device.h"
+#include "formats/base/error.h"
+#include "runtime/device/device.h"
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 

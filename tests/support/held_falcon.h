@@ -2,7 +2,7 @@
 // that bears the pauses of a test machine.
 #pragma once
 
-#include "runtime/emulated_falcon.h"
+#include "runtime/emulation/emulated_falcon.h"
 
 namespace palpate {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "formats/surface_mesh.h"
+#include "formats/mesh/surface_mesh.h"
 
 namespace palpate {
 

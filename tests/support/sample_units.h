@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "formats/response_shard.h"
+#include "formats/database/work_unit.h"
 
 namespace palpate {
 

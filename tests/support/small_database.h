@@ -1,7 +1,7 @@
 // A small body with made-up responses, for tests of what reads databases.
 #pragma once
 
-#include "formats/response_database.h"
+#include "formats/database/response_database.h"
 
 namespace palpate {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "formats/response_database.h"
+#include "formats/database/response_database.h"
 
 namespace palpate {
 

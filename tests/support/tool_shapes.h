@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "formats/tool_shape.h"
+#include "formats/response/tool_shape.h"
 
 namespace palpate {
 

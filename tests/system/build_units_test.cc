@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/response_shard.h"
-#include "formats/sha256.h"
+#include "formats/base/sha256.h"
+#include "formats/database/work_unit.h"
 #include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/response_database.h"
+#include "formats/database/response_database.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
 

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/response_database.h"
-#include "formats/response_sweep.h"
+#include "formats/database/response_database.h"
+#include "formats/measurement/response_sweep.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"

@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/response_database.h"
-#include "tests/fitting/synthetic_curve.h"
+#include "formats/database/response_database.h"
 #include "tests/support/run_tool.h"
+#include "tests/support/synthetic_curve.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/response_database.h"
+#include "formats/database/response_database.h"
 #include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"

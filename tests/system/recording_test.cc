@@ -1,6 +1,6 @@
 // Recording and replaying by the tool that a user runs, and the ways in which a run can
 // end.
-#include "formats/recording.h"
+#include "formats/recording/recording.h"
 
 #include <chrono>
 #include <filesystem>

@@ -11,8 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/hdf5_io.h"
-#include "formats/response_database.h"
+#include "formats/database/response_database.h"
+#include "formats/hdf5/hdf5_io.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tool_shapes.h"

@@ -11,8 +11,8 @@
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
 
-#include "runtime/clock.h"
-#include "runtime/real_time.h"
+#include "runtime/realtime/clock.h"
+#include "runtime/realtime/real_time.h"
 
 namespace palpate {
 namespace {

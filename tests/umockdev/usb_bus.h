@@ -15,7 +15,7 @@
 
 #include <umockdev.h>
 
-#include "runtime/usb_model.h"
+#include "runtime/emulation/emulated_usb_device.h"
 
 namespace palpate {
 

@@ -16,10 +16,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "formats/error.h"
-#include "formats/response_database.h"
-#include "runtime/haply_model.h"
-#include "runtime/usb_choice.h"
+#include "formats/base/error.h"
+#include "formats/database/response_database.h"
+#include "runtime/attach/usb_choice.h"
+#include "runtime/emulation/emulated_haply.h"
 #include "tests/support/held_falcon.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_bodies.h"

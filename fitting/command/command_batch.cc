@@ -1,0 +1,106 @@
+// palpate-fit batch: all runs of a session in, tables and a page out.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "fitting/command/commands.h"
+#include "fitting/session/batch.h"
+#include "formats/base/atomic_file.h"
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+struct BatchOptions {
+  std::string session, output;
+  unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+  std::size_t plots = 200;
+  bool quiet = false;
+  bool json = false;
+};
+
+void write_file(const std::filesystem::path& file, const std::string& text) {
+  AtomicFile atomic(file);
+  atomic.write(std::as_bytes(std::span(text)));
+  atomic.commit();
+}
+
+// On stderr, at most twice a second, and at the end.
+std::function<void(std::size_t)> progress_of(std::size_t runs, bool quiet) {
+  auto told = std::chrono::steady_clock::now();
+  return [runs, quiet, told](std::size_t done) mutable {
+    const auto now = std::chrono::steady_clock::now();
+    if (!quiet && (done == runs || now - told > std::chrono::milliseconds(500))) {
+      told = now;
+      fmt::print(stderr, "{} of {} runs\n", done, runs);
+    }
+  };
+}
+
+void print_report(const BatchReport& report, const std::string& output) {
+  std::size_t use = 0, check = 0;
+  for (const RunResult& run : report.runs) {
+    use += run.rating.verdict == Verdict::kUse ? 1 : 0;
+    check += run.rating.verdict == Verdict::kCheck ? 1 : 0;
+    if (!run.bad.empty()) {
+      fmt::print("bad    {}\n", run.bad);
+    }
+  }
+  fmt::print("runs   {}: {} to use, {} to check, {} to skip\n", report.runs.size(), use,
+             check, report.runs.size() - use - check);
+  fmt::print("time   {:.3g} s, {:.3g} runs per second\n", report.seconds,
+             static_cast<double>(report.runs.size()) / report.seconds);
+  fmt::print("wrote  {0}/results.csv, {0}/results.json, {0}/report.html\n", output);
+}
+
+void run(const BatchOptions& options) {
+  const Session session = read_session(options.session);
+  std::error_code failed;
+  std::filesystem::create_directories(options.output, failed);
+  if (failed) {
+    throw InputError(
+        fmt::format("{}: cannot be made: {}", options.output, failed.message()));
+  }
+  const BatchReport report = fit_session(
+      session, options.threads, progress_of(session.run.size(), options.quiet));
+  const std::filesystem::path folder = options.output;
+  const std::string json = batch_json(session, report);
+  write_file(folder / "results.csv", batch_csv(session, report));
+  write_file(folder / "results.json", json + "\n");
+  write_file(folder / "report.html", batch_page(session, report, options.plots));
+  if (options.json) {
+    fmt::print("{}\n", json);
+  } else {
+    print_report(report, options.output);
+  }
+}
+
+}  // namespace
+
+void add_batch_command(Command app) {
+  auto options = std::make_shared<BatchOptions>();
+  Command command = app.add_subcommand(
+      "batch", "Fit all runs of a session; a bad file is listed, not fatal.");
+  command.add_option("SESSION", options->session, "session file (TOML)").required();
+  command.add_option("-o,--output", options->output, "folder for the results")
+      .required();
+  command.add_option("--threads", options->threads, "runs fitted at a time")
+      .in_range(1U, 256U);
+  command.add_option("--plots", options->plots, "runs drawn in report.html at most")
+      .show_default();
+  command.add_flag("--quiet", options->quiet, "no progress on stderr");
+  command.add_flag("--json", options->json, "print results.json as well");
+  command.callback([options] {
+    run(*options);
+  });
+}
+
+}  // namespace palpate

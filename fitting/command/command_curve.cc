@@ -1,0 +1,176 @@
+// palpate-fit curve: one measured curve in, its contact point, law and response out.
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "fitting/command/commands.h"
+#include "fitting/command/indenter_options.h"
+#include "fitting/curve/fitted_response.h"
+#include "fitting/curve/measured_approach.h"
+#include "fitting/curve/parameter_json.h"
+#include "fitting/curve/power_law_fit.h"
+#include "fitting/material/moduli.h"
+#include "formats/base/error.h"
+#include "formats/measurement/measurement_file.h"
+
+namespace palpate {
+namespace {
+
+struct CurveOptions {
+  std::string file;
+  MeasurementColumn depth, force;
+  bool ignore_header_units = false;
+  FitRange range;
+  IndenterOptions indenter;
+  std::string output;
+  bool json = false;
+};
+
+struct CurveResult {
+  MeasurementFile measurement;
+  Approach approach;
+  ContactFit fit;
+  Modulus modulus;
+  std::vector<FitFlag> flags;  // the fit's, then the modulus' own
+};
+
+CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
+  CurveResult result;
+  result.measurement = read_measurement(
+      options.file, options.depth, options.force,
+      options.ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree);
+  try {
+    result.approach = select_approach(result.measurement.samples, options.range);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", options.file, error.what()));
+  }
+  result.fit = fit_contact(result.approach);
+  if (!result.fit.converged) {
+    throw NumericalError(fmt::format("{}: the fit did not converge in {} iterations",
+                                     options.file, result.fit.iterations));
+  }
+  result.flags = result.fit.flags;
+  result.modulus = find_modulus(result.approach, result.fit, indenter);
+  for (const FitFlag flag : result.modulus.flags) {
+    if (std::find(result.flags.begin(), result.flags.end(), flag) ==
+        result.flags.end()) {
+      result.flags.push_back(flag);
+    }
+  }
+  return result;
+}
+
+void print_json(const CurveResult& r, const CurveOptions& options) {
+  nlohmann::ordered_json json;
+  json["family"] = r.fit.family;
+  json["parameters"] = to_json(r.fit.parameters);
+  json["contact_point_m"] = r.fit.contact_point_m;
+  json["contact_point_sd_m"] = r.fit.contact_point_sd_m;
+  json["rms_n"] = r.fit.rms_n;
+  json["flags"] = to_json(r.flags);
+  json["youngs_modulus_pa"] = r.modulus.youngs_modulus_pa;
+  json["youngs_modulus_sd_pa"] = r.modulus.sd_pa;
+  json["youngs_modulus_refused"] = r.modulus.refused;
+  json["poissons_ratio"] = options.indenter.poissons_ratio;
+  json["mean_stiffness_n_per_m"] = r.fit.mean_stiffness_n_per_m;
+  json["depth_max_m"] = r.fit.depth_max_m;
+  json["noise_sd_n"] = r.approach.noise_sd_n;
+  json["press_work_j"] = r.approach.press_work_j;
+  json["release_work_j"] = r.approach.release_work_j;
+  json["samples"] = r.measurement.samples.force_n.size();
+  json["samples_used"] = r.fit.samples_used;
+  json["outliers"] = r.fit.outliers;
+  json["spikes"] = r.approach.spikes;
+  json["hold_samples"] = r.approach.hold_samples;
+  json["retract_samples"] = r.approach.retract_samples;
+  json["seconds"] = r.fit.seconds;
+  fmt::print("{}\n", json.dump());
+}
+
+void print_line(const std::string& name, double value, double sd,
+                const std::string& rest) {
+  const std::string spread = sd == sd ? fmt::format(" +- {:.2g}", sd) : "";
+  fmt::print("{:<24} {:>13.6g}{:<10} {}\n", name, value, spread, rest);
+}
+
+void print_report(const CurveResult& r, const CurveOptions& options) {
+  const auto& approach = r.approach;
+  fmt::print(
+      "{:<24} {} of {} samples ({} held, {} retracting, {} spikes, {} outliers)\n",
+      "approach", r.fit.samples_used, r.measurement.samples.force_n.size(),
+      approach.hold_samples, approach.retract_samples, approach.spikes, r.fit.outliers);
+  if (r.fit.family == "power_law") {
+    fmt::print("{:<24} b0 + b1 x + K max(x - x0, 0)^p\n", "law");
+    for (const FitParameter& p : r.fit.parameters) {
+      print_line(p.name, p.value, p.sd,
+                 p.held.empty() ? p.unit : fmt::format("{} ({})", p.unit, p.held));
+    }
+    const double nothing = std::numeric_limits<double>::quiet_NaN();
+    print_line("depth", r.fit.depth_max_m, nothing, "m beyond the contact point");
+    print_line("residual", r.fit.rms_n, nothing,
+               fmt::format("N rms (noise {:.3g} N)", approach.noise_sd_n));
+    print_line("mean stiffness", r.fit.mean_stiffness_n_per_m, nothing, "N/m");
+  }
+  if (r.modulus.refused.empty()) {
+    print_line("Young's modulus", r.modulus.youngs_modulus_pa, r.modulus.sd_pa,
+               fmt::format("Pa ({}, Poisson's ratio {})", r.modulus.law,
+                           options.indenter.poissons_ratio));
+  } else {
+    fmt::print("{:<24} none: {}\n", "Young's modulus", r.modulus.refused);
+  }
+  for (const FitFlag flag : r.flags) {
+    fmt::print("flag {:<28} {}\n", flag_name(flag), flag_meaning(flag));
+  }
+}
+
+void run(const CurveOptions& options) {
+  const Indenter indenter = indenter_of(options.indenter);
+  const std::optional<ToolShape> tool = rendered_tool(indenter);
+  if (!options.output.empty() && !tool) {
+    throw InputError(fmt::format(
+        "-o needs the tool that pressed as the runtime renders it, and {}: --tool "
+        "sphere, flat-punch or cone",
+        indenter.shape == "plate" ? "a plate on a cylinder is none" : "none is told"));
+  }
+  const CurveResult result = compute(options, indenter);
+  if (!options.output.empty()) {
+    write_database(options.output, sample_patch(result.fit, result.measurement.samples,
+                                                *tool, options.file));
+  }
+  options.json ? print_json(result, options) : print_report(result, options);
+}
+
+}  // namespace
+
+void add_curve_command(Command app) {
+  auto options = std::make_shared<CurveOptions>();
+  Command command =
+      app.add_subcommand("curve", "Fit contact point and power law to one curve.");
+  command.add_option("FILE", options->file, "delimited text").required();
+  command.add_option("--depth-column", options->depth.column, "name or number")
+      .required();
+  command.add_option("--depth-unit", options->depth.unit, "m, cm, mm, um, nm, in")
+      .required();
+  command.add_option("--force-column", options->force.column, "name or number")
+      .required();
+  command.add_option("--force-unit", options->force.unit, "N, mN, uN, nN, gf, kgf")
+      .required();
+  command.add_flag("--ignore-header-units", options->ignore_header_units,
+                   "trust the flags where the header states other units");
+  command.add_option("--from-m", options->range.from_m, "fit from this displacement");
+  command.add_option("--to-m", options->range.to_m, "fit up to this displacement");
+  add_indenter_options(command, options->indenter);
+  command.add_option("-o,--output", options->output,
+                     "response database of a flat sample with this response");
+  command.add_flag("--json", options->json, "report for programs");
+  command.callback([options] {
+    run(*options);
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,117 @@
+// palpate-fit surface: a session of indentations in, a response at every node out.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "fitting/command/commands.h"
+#include "fitting/session/session_probes.h"
+#include "formats/base/error.h"
+#include "formats/base/sha256.h"
+
+namespace palpate {
+namespace {
+
+struct SurfaceOptions {
+  std::string session;
+  std::string output;
+  bool json = false;
+};
+
+nlohmann::ordered_json to_json(const SurfaceFitReport& report) {
+  const FieldParameters& p = report.parameters.parameters;
+  nlohmann::ordered_json json{{"probes", report.probes},
+                              {"laws", report.laws},
+                              {"length_m", p.length_m},
+                              {"sd_log_force", p.sd},
+                              {"nugget_log_force", p.nugget_sd},
+                              {"smoothness", p.smoothness},
+                              {"at_bound", report.parameters.at_bound},
+                              {"converged", report.parameters.converged},
+                              {"log_likelihood", report.parameters.log_likelihood},
+                              {"seconds", report.parameters.seconds},
+                              {"attachment_max_m", report.attachment_max_m},
+                              {"error_median", report.error_median},
+                              {"far_nodes", report.far_nodes},
+                              {"straightened", report.straightened}};
+  json["relaxation"] = nullptr;
+  if (const ResponseRelaxation& r = report.relaxation; !r.empty()) {
+    json["relaxation"] = {{"probes", r.probes},
+                          {"speed_m_per_s", r.speed_m_per_s},
+                          {"seconds", r.seconds},
+                          {"g", {r.terms.g_1[0], r.terms.g_2[0]}},
+                          {"tau_s", {r.terms.tau_1_s[0], r.terms.tau_2_s[0]}},
+                          {"rule", r.rule}};
+  }
+  json["left_one_out"] = nlohmann::json::array();
+  for (const DepthScore& d : report.depth) {
+    json["left_one_out"].push_back({{"depth_m", d.depth_m},
+                                    {"probes", d.probes},
+                                    {"rms_log_force", d.rms},
+                                    {"coverage_95", d.coverage},
+                                    {"nearest_rms_log_force", d.nearest_rms}});
+  }
+  json["left_out"] = nlohmann::json::array();
+  for (const LeftOutProbe& probe : report.left_out) {
+    json["left_out"].push_back({{"run", probe.name}, {"reason", probe.reason}});
+  }
+  return json;
+}
+
+SurfaceFit compute(const Session& session) {
+  if (!session.tool) {
+    throw InputError(fmt::format(
+        "{}: [indenter] shape {:?} is no tool that the runtime renders: sphere, "
+        "flat-punch or cone",
+        session.file.string(), session.indenter.shape));
+  }
+  const SurfaceMesh body = session_body(session);
+  std::vector<LeftOutProbe> left_out;
+  const std::vector<SurfaceProbe> probes = session_probes(session, left_out);
+  if (probes.size() < kProbesMin && !left_out.empty()) {
+    throw InputError(fmt::format(
+        "{}: {} runs can be read and placed, at least {} are needed; {}: {}",
+        session.file.string(), probes.size(), kProbesMin, left_out[0].name,
+        left_out[0].reason));
+  }
+  SurfaceFit fit = fit_surface(body, *session.tool, probes);
+  fit.report.left_out.insert(fit.report.left_out.begin(), left_out.begin(),
+                             left_out.end());
+  Provenance& provenance = fit.database.provenance;
+  provenance.writer = "palpate-fit " PALPATE_VERSION;
+  provenance.source_file = session.file.filename().string();
+  provenance.source_sha256 = sha256_of_file(session.file);
+  provenance.left_out =
+      fmt::format("{} of {} runs; nodes between the probes are interpolated",
+                  fit.report.left_out.size(), session.run.size());
+  return fit;
+}
+
+void run(const SurfaceOptions& options) {
+  const SurfaceFit fit = compute(read_session(options.session));
+  write_database(options.output, fit.database);
+  if (options.json) {
+    fmt::print("{}\n", to_json(fit.report).dump());
+  } else {
+    fmt::print("{}", describe(fit.report));
+  }
+}
+
+}  // namespace
+
+void add_surface_command(Command app) {
+  auto options = std::make_shared<SurfaceOptions>();
+  Command command = app.add_subcommand(
+      "surface", "From indentations at scattered points to a response at every node.");
+  command.add_option("SESSION", options->session, "session file (TOML)").required();
+  command.add_option("-o,--output", options->output, "response database").required();
+  command.add_flag("--json", options->json, "report for programs");
+  command.callback([options] {
+    run(*options);
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,26 @@
+// The flags by which a tool is told what pressed.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "fitting/material/indenter.h"
+#include "formats/base/command_line.h"
+
+namespace palpate {
+
+struct IndenterOptions {
+  std::string shape;  ///< of kIndenterShapes but "unknown"; empty: not told
+  std::optional<double> radius_m, half_angle_deg, height_m, thickness_m;
+  double poissons_ratio = 0.5;
+};
+
+/// --tool, --radius-m, --half-angle-deg, --height-m, --thickness-m, --poissons-ratio.
+void add_indenter_options(Command command, IndenterOptions& options);
+
+/// "unknown" where no shape is told.
+/// @throws InputError for a flag that the shape needs and misses, or does not have, and
+/// for a value out of range.
+[[nodiscard]] Indenter indenter_of(const IndenterOptions& options);
+
+}  // namespace palpate

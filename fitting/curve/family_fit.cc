@@ -1,0 +1,330 @@
+#include "fitting/curve/family_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "fitting/curve/family_solve.h"
+#include "fitting/curve/power_law_start.h"
+#include "fitting/numerics/robust_statistics.h"
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kOutlierDeviations = 5.0;
+constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fails
+constexpr const char* kSupplest = "convex-spline";
+constexpr int kFolds = 5, kBlocks = 20;
+constexpr std::size_t kCrossSamples = 300;
+constexpr double kFlatShare = 1.0 / 6.0;  // [-] of the travel
+constexpr double kFlatSlope = 0.05;       // [-] of the force range over the depth
+constexpr Eigen::Index kFlatSamplesMin = 8;
+
+double reference_force(const ContactFit& reference, double x) {
+  return reference.parameters[0].value + reference.parameters[1].value * x +
+         contact_force_n(reference, x - reference.contact_point_m);
+}
+
+double extent(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+// The approach without the reference's outliers; all of it, if they are too many.
+void take_inliers(const Approach& approach, const ContactFit& reference,
+                  FamilyChoice& choice) {
+  const std::size_t n = approach.force_n.size();
+  std::vector<double> residual(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    residual[i] =
+        approach.force_n[i] - reference_force(reference, approach.displacement_m[i]);
+  }
+  const double limit =
+      kOutlierDeviations *
+      std::max(robust_standard_deviation(residual), approach.noise_sd_n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (std::abs(residual[i]) <= limit) {
+      choice.displacement_m.push_back(approach.displacement_m[i]);
+      choice.force_n.push_back(approach.force_n[i]);
+    }
+  }
+  choice.outliers = n - choice.force_n.size();
+  if (static_cast<double>(choice.outliers) >
+      kOutlierShareMax * static_cast<double>(n)) {
+    choice.displacement_m = approach.displacement_m;
+    choice.force_n = approach.force_n;
+    choice.outliers = 0;
+  }
+}
+
+FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
+                       const ContactFit& reference, const FamilyFitOptions& options) {
+  FamilyData data;
+  data.x_origin_m = reference.contact_point_m;
+  data.length_m = reference.depth_max_m;
+  data.force_n = extent(running_median(choice.force_n, 2));
+  const auto n = static_cast<Eigen::Index>(choice.force_n.size());
+  data.x.resize(n);
+  data.f.resize(n);
+  data.weight.resize(n);
+  const double noise = std::max(approach.noise_sd_n, 1e-9 * data.force_n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    data.x[i] = (choice.displacement_m[k] - data.x_origin_m) / data.length_m;
+    data.f[i] = choice.force_n[k] / data.force_n;
+    data.weight[i] =
+        noise / std::hypot(noise, options.noise_relative * choice.force_n[k]);
+  }
+  data.contact_min = data.x.minCoeff();
+  data.contact_min =
+      std::clamp((approach.contact_from_m - data.x_origin_m) / data.length_m,
+                 data.contact_min, 0.9);
+  data.contact_held = reference.has(FitFlag::kAlreadyInContact);
+  data.flat = data.contact_held || !reference.parameters[1].held.empty();
+  data.baseline_slope = reference.parameters[1].value * data.length_m / data.force_n;
+  data.baseline_force = (reference.parameters[0].value +
+                         reference.parameters[1].value * data.x_origin_m) /
+                        data.force_n;
+  return data;
+}
+
+// Where the power law found no contact point because it is not the law: the line
+// through the first sixth of the travel is flat, and the force leaves it later.
+std::optional<double> flat_until(const FamilyData& data) {
+  ScaledCurve curve;
+  Eigen::Index first = 0;
+  const double begin = data.x.minCoeff(), travel = data.x.maxCoeff() - begin;
+  for (Eigen::Index i = 0; i < data.x.size(); ++i) {
+    curve.x.push_back(data.x[i]);
+    curve.f.push_back(data.f[i]);
+    first += data.x[i] < begin + travel * kFlatShare ? 1 : 0;
+  }
+  if (first < kFlatSamplesMin) {
+    return std::nullopt;
+  }
+  const Eigen::ArrayXd dx = data.x.head(first).array() - data.x.head(first).mean();
+  const Eigen::ArrayXd df = data.f.head(first).array() - data.f.head(first).mean();
+  const double slope = (dx * df).sum() / dx.square().sum();
+  const double sd = std::sqrt((df - slope * dx).square().sum() /
+                              static_cast<double>(first - 2) / dx.square().sum());
+  return std::abs(slope) <= kFlatSlope && sd <= kFlatSlope
+             ? deviation_from_baseline(curve)
+             : std::nullopt;
+}
+
+std::vector<double> residuals(const FamilyData& data, const CurveFamily& family,
+                              const Eigen::VectorXd& q) {
+  std::vector<double> r(static_cast<std::size_t>(data.x.size()));
+  for (Eigen::Index i = 0; i < data.x.size(); ++i) {
+    r[static_cast<std::size_t>(i)] =
+        data.weight[i] * (scaled_force(family, q, data.x[i]) - data.f[i]);
+  }
+  return r;
+}
+
+double sum_of_squares(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) {
+    sum += value * value;
+  }
+  return sum;
+}
+
+FamilyParameter joint_parameter(const CurveFamily& family, Eigen::Index j) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  static constexpr FamilyParameter kShared[] = {
+      {"baseline_force", "N", -kInf, kInf, 1, 0},
+      {"baseline_slope", "N/m", -kInf, kInf, 1, -1},
+      {"contact_point", "m", -kInf, kInf, 0, 1}};
+  return j < kFamilyShared
+             ? kShared[j]
+             : family.parameters()[static_cast<std::size_t>(j - kFamilyShared)];
+}
+
+// Scaled parameters and their covariance in SI units.
+void unscale(const FamilyData& data, const FamilySolution& solution, FamilyFit& fit) {
+  const double F = data.force_n, L = data.length_m;
+  for (Eigen::Index j = 0; j < fit.scaled.size(); ++j) {
+    const FamilyParameter p = joint_parameter(*fit.curve, j);
+    const double si = std::pow(F, p.force_power) * std::pow(L, p.length_power);
+    FitParameter out;
+    out.name = p.name;
+    if (p.name == "curvature" || p.name == "force") {
+      out.name += fmt::format("_{}", j - kFamilyShared);
+    }
+    out.unit = p.unit;
+    out.value = si * fit.scaled[j];
+    out.sd = si * std::sqrt(fit.covariance(j, j));
+    out.held = solution.held[static_cast<std::size_t>(j)];
+    if (!out.held.empty()) {
+      out.sd = kNaN;
+    }
+    if (out.held.ends_with("bound")) {
+      fit.at_bound.push_back(out.name);
+    }
+    fit.parameters.push_back(out);
+  }
+  const double origin = data.x_origin_m;
+  fit.parameters[0].value -= fit.parameters[1].value * origin;
+  const Eigen::Vector2d to_zero(F, -F * origin / L);
+  if (fit.parameters[0].held.empty()) {
+    fit.parameters[0].sd =
+        std::sqrt(to_zero.dot(fit.covariance.topLeftCorner<2, 2>() * to_zero));
+  }
+  fit.parameters[2].value += origin;
+  fit.contact_point_m = fit.parameters[2].value;
+  fit.contact_point_sd_m = fit.parameters[2].sd;
+}
+
+FamilyFit fit_one(const FamilyData& data, std::string_view name, double contact,
+                  bool contact_free) {
+  const FamilySolution solution = solve_family(data, name, contact, contact_free);
+  FamilyFit fit;
+  fit.family = name;
+  fit.curve = solution.family;
+  fit.scaled = solution.q;
+  fit.converged = solution.converged;
+  fit.iterations = solution.iterations;
+  fit.x_origin_m = data.x_origin_m;
+  fit.length_m = data.length_m;
+  fit.force_n = data.force_n;
+  const std::vector<double> r = residuals(data, *fit.curve, fit.scaled);
+  fit.rms_n =
+      data.force_n * std::sqrt(sum_of_squares(r) / static_cast<double>(r.size()));
+  fit.effective_n = effective_samples(r);
+  fit.free_parameters = solution.free_parameters;
+  fit.covariance = solution.covariance *
+                   (static_cast<double>(r.size()) / std::max(1.0, fit.effective_n));
+  fit.depth_max_m = data.length_m * (data.x.maxCoeff() - fit.scaled[kFamilyContact]);
+  unscale(data, solution, fit);
+  return fit;
+}
+
+// Root mean square error at blocks of neighbouring samples that the fit had not seen.
+double cross_validated(const FamilyData& all, const FamilyFit& fit, bool contact_free) {
+  const Eigen::Index step = std::max<Eigen::Index>(
+      1, all.x.size() / static_cast<Eigen::Index>(kCrossSamples));
+  const Eigen::Index n = all.x.size() / step;
+  double squares = 0.0;
+  for (int fold = 0; fold < kFolds; ++fold) {
+    std::vector<Eigen::Index> seen, unseen;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      (i * kBlocks / n % kFolds == fold ? unseen : seen).push_back(i * step);
+    }
+    FamilyData part = all;
+    part.x = all.x(seen);
+    part.f = all.f(seen);
+    part.weight = all.weight(seen);
+    const FamilySolution solution = solve_family(
+        part, fit.family, fit.scaled[kFamilyContact], contact_free, &fit.scaled);
+    for (const Eigen::Index i : unseen) {
+      const double error =
+          scaled_force(*solution.family, solution.q, all.x[i]) - all.f[i];
+      squares += error * error;
+    }
+  }
+  return all.force_n * std::sqrt(squares / static_cast<double>(n));
+}
+
+// Both criteria with the same number of independent samples for all. What a law misses
+// is no repetition of samples: the largest number that any curve's residuals show.
+void judge(FamilyChoice& choice, double independent) {
+  // Never so few that the correction has no value: all would be as bad then.
+  int most = 0;
+  for (const FamilyFit& fit : choice.fits) {
+    most = std::max(most, fit.free_parameters);
+  }
+  const double n = std::max(independent, most + 4.0);
+  for (FamilyFit& fit : choice.fits) {
+    const double k = fit.free_parameters + 1.0;  // and the noise
+    const double likelihood = n * std::log(fit.rms_n * fit.rms_n + 1e-300);
+    fit.aicc = n > k + 1.0 ? likelihood + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+                           : std::numeric_limits<double>::infinity();
+    fit.bic = likelihood + k * std::log(std::max(n, 1.0));
+  }
+  const auto score = [&](const FamilyFit& fit) {
+    return choice.criterion == "bic"                ? fit.bic
+           : choice.criterion == "cross-validation" ? fit.cross_rms_n
+                                                    : fit.aicc;
+  };
+  std::stable_sort(choice.fits.begin(), choice.fits.end(), [&](auto& a, auto& b) {
+    return a.converged != b.converged ? a.converged : score(a) < score(b);
+  });
+}
+
+}  // namespace
+
+double effective_samples(std::span<const double> residuals) {
+  const std::size_t n = residuals.size();
+  double squares = 0.0, products = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    squares += residuals[i] * residuals[i];
+    products += i + 1 < n ? residuals[i] * residuals[i + 1] : 0.0;
+  }
+  const double rho = squares > 0.0 ? products / squares : 0.0;
+  const auto count = static_cast<double>(n);
+  return rho > 2.0 / std::sqrt(count) ? count * (1.0 - rho) / (1.0 + rho) : count;
+}
+
+FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
+                          const std::vector<std::string>& families,
+                          const std::string& criterion,
+                          const FamilyFitOptions& options) {
+  FamilyChoice choice;
+  choice.criterion = criterion;
+  if (reference.has(FitFlag::kEmptyRun)) {
+    return choice;
+  }
+  take_inliers(approach, reference, choice);
+  FamilyData data = scaled_data(choice, approach, reference, options);
+  double start = 0.0;
+  if (const auto late = flat_until(data); data.contact_held && late) {
+    data.contact_held = false;
+    start = *late;
+  }
+  const bool free = !data.contact_held;
+  const FamilyFit law = fit_one(data, "power-law", start, free);
+  const double contact = law.converged ? law.scaled[kFamilyContact] : 0.0;
+  for (const std::string& name : families) {
+    const bool joint = free && has_contact_of_its_own(name);
+    FamilyFit fit = name == "power-law" ? law : fit_one(data, name, contact, joint);
+    fit.cross_rms_n = options.cross_validate || criterion == "cross-validation"
+                          ? cross_validated(data, fit, joint)
+                          : kNaN;
+    if (free && !joint) {
+      fit.contact_point_sd_m = law.contact_point_sd_m;
+      fit.free_parameters += 1;  // the contact point that the power law found
+    }
+    choice.fits.push_back(std::move(fit));
+  }
+  double independent = fit_one(data, kSupplest, contact, false).effective_n;
+  for (const FamilyFit& fit : choice.fits) {
+    independent = std::max(independent, fit.effective_n);
+  }
+  judge(choice, independent);
+  return choice;
+}
+
+FamilyPoint family_point(const FamilyFit& fit, double depth_m) {
+  const Eigen::VectorXd q = fit.scaled.tail(fit.scaled.size() - kFamilyShared);
+  const FamilyPoint p = fit.curve->at({q.data(), static_cast<std::size_t>(q.size())},
+                                      depth_m / fit.length_m);
+  return {p.force * fit.force_n, p.slope * fit.force_n / fit.length_m,
+          p.energy * fit.force_n * fit.length_m};
+}
+
+double fitted_force_n(const FamilyFit& fit, double displacement_m) {
+  return fit.force_n * scaled_force(*fit.curve, fit.scaled,
+                                    (displacement_m - fit.x_origin_m) / fit.length_m);
+}
+
+double fitted_sd_n(const FamilyFit& fit, double displacement_m) {
+  const double x = (displacement_m - fit.x_origin_m) / fit.length_m;
+  const Eigen::VectorXd row = scaled_gradient(*fit.curve, fit.scaled, x);
+  return fit.force_n * std::sqrt(row.dot(fit.covariance * row));
+}
+
+}  // namespace palpate

@@ -1,0 +1,125 @@
+#include "fitting/curve/law_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/QR>
+
+#include "fitting/curve/family_solve.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kOutlier = 5.0;  // robust would-be outliers of the fit, left out here
+
+// Columns: 1, x, contact point, exponent, log of the force F at depth D.
+using Row = Eigen::Matrix<double, 1, 5>;
+
+struct Law {
+  double contact_m, exponent, reference_m, force_n;  // F (d / D)^p
+
+  [[nodiscard]] double at(double x_m) const {
+    const double d = x_m - contact_m;
+    return d > 0.0 ? force_n * std::pow(d / reference_m, exponent) : 0.0;
+  }
+  [[nodiscard]] Row gradient(double x_m) const {
+    const double d = x_m - contact_m;
+    const double f = at(x_m);
+    Row row;
+    row << 1.0, (x_m - contact_m) / reference_m, d > 0.0 ? -exponent * f / d : 0.0,
+        d > 0.0 ? f * std::log(d / reference_m) : 0.0, f;
+    return row;
+  }
+};
+
+// Variance of the residuals, raised for what neighbours have in common.
+double effective_variance(const std::vector<double>& residual, std::ptrdiff_t free) {
+  double squares = 0.0;
+  double products = 0.0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    squares += residual[i] * residual[i];
+    products += i > 0 ? residual[i] * residual[i - 1] : 0.0;
+  }
+  const double r = squares > 0.0 ? std::clamp(products / squares, 0.0, 0.98) : 0.0;
+  const auto left =
+      static_cast<double>(std::max<std::ptrdiff_t>(1, std::ssize(residual) - free));
+  return squares / left * (1.0 + r) / (1.0 - r);
+}
+
+}  // namespace
+
+Eigen::VectorXd log_force_errors(const Approach& approach, const ContactFit& fit,
+                                 const Eigen::VectorXd& depth_m) {
+  const Law law{fit.contact_point_m, fit.exponent, fit.depth_max_m,
+                contact_force_n(fit, fit.depth_max_m)};
+  std::vector<Eigen::Index> free;
+  for (std::size_t j = 0; j < fit.parameters.size(); ++j) {
+    if (fit.parameters[j].held.empty()) {
+      free.push_back(static_cast<Eigen::Index>(j));
+    }
+  }
+  const double limit_n = kOutlier * std::max(fit.rms_n, approach.noise_sd_n) + 1e-15;
+  std::vector<double> residual;
+  Eigen::MatrixXd J(std::ssize(approach.force_n), std::ssize(free));
+  Eigen::Index rows = 0;
+  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+    const double x_m = approach.displacement_m[i];
+    const double r = fit.parameters[0].value + fit.parameters[1].value * x_m +
+                     law.at(x_m) - approach.force_n[i];
+    if (std::abs(r) <= limit_n) {
+      residual.push_back(r);
+      J.row(rows++) = law.gradient(x_m)(free);
+    }
+  }
+  Eigen::VectorXd errors = Eigen::VectorXd::Constant(
+      depth_m.size(), std::numeric_limits<double>::infinity());
+  J.conservativeResize(rows, Eigen::NoChange);
+  const Eigen::VectorXd scale = J.colwise().norm();
+  if (rows <= J.cols() || J.cols() == 0 || !(scale.minCoeff() > 0.0)) {
+    return errors;
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J * scale.cwiseInverse().asDiagonal());
+  qr.setThreshold(1e-10);
+  if (qr.rank() < J.cols()) {
+    return errors;
+  }
+  const double variance = effective_variance(residual, J.cols());
+  const auto R = qr.matrixR()
+                     .topLeftCorner(J.cols(), J.cols())
+                     .template triangularView<Eigen::Upper>();
+  for (Eigen::Index k = 0; k < depth_m.size(); ++k) {
+    Row g = Row::Zero();  // of log f at a depth from the contact point
+    g[3] = std::log(depth_m[k] / law.reference_m);
+    g[4] = 1.0;
+    const Eigen::VectorXd scaled = g(free).transpose().cwiseQuotient(scale);
+    const Eigen::VectorXd permuted = qr.colsPermutation().transpose() * scaled;
+    const Eigen::VectorXd root = R.transpose().solve(permuted);
+    errors[k] = std::sqrt(variance * root.squaredNorm());
+  }
+  return errors;
+}
+
+Eigen::VectorXd log_force_errors(const FamilyFit& fit, const Eigen::VectorXd& depth_m) {
+  const Eigen::Index p = fit.scaled.size() - kFamilyShared;
+  const Eigen::VectorXd q = fit.scaled.tail(p);
+  const Eigen::MatrixXd C = fit.covariance.bottomRightCorner(p, p);
+  const bool given = fit.parameters[kFamilyContact].held == "power law";
+  Eigen::VectorXd gradient(p), errors(depth_m.size());
+  for (Eigen::Index k = 0; k < depth_m.size(); ++k) {
+    const auto count = static_cast<std::size_t>(p);
+    fit.curve->gradient({q.data(), count}, depth_m[k] / fit.length_m,
+                        {gradient.data(), count});
+    const FamilyPoint at = family_point(fit, depth_m[k]);
+    const double moved = given ? fit.contact_point_sd_m * at.slope : 0.0;
+    const double shape = fit.force_n * std::sqrt(gradient.dot(C * gradient));
+    const double error = std::hypot(shape, moved) / at.force;
+    errors[k] = at.force > 0.0 && std::isfinite(error)
+                    ? error
+                    : std::numeric_limits<double>::infinity();
+  }
+  return errors;
+}
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+#include "fitting/numerics/robust_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+constexpr double kNormalMad = 1.4826;  // standard deviation over median deviation
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  if (values.empty()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) {
+    return *middle;
+  }
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double robust_standard_deviation(const std::vector<double>& values) {
+  const double centre = median(values);
+  std::vector<double> distance(values.size());
+  std::transform(values.begin(), values.end(), distance.begin(), [&](double value) {
+    return std::abs(value - centre);
+  });
+  return kNormalMad * median(std::move(distance));
+}
+
+double noise_standard_deviation(std::span<const double> values) {
+  if (values.size() < 3) {
+    return 0.0;
+  }
+  std::vector<double> difference;
+  difference.reserve(values.size());
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    difference.push_back(std::abs(values[i - 1] - 2.0 * values[i] + values[i + 1]));
+  }
+  return kNormalMad * median(std::move(difference)) / std::sqrt(6.0);
+}
+
+std::vector<double> running_median(std::span<const double> values, std::size_t reach) {
+  std::vector<double> result(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t side = std::min({reach, i, values.size() - 1 - i});
+    const auto window = values.subspan(i - side, 2 * side + 1);
+    result[i] = median({window.begin(), window.end()});
+  }
+  return result;
+}
+
+}  // namespace palpate

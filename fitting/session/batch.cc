@@ -1,0 +1,165 @@
+#include "fitting/session/batch.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "fitting/curve/split_presses.h"
+#include "fitting/session/session_probes.h"
+#include "formats/base/error.h"
+#include "formats/base/stopwatch.h"
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+MeasurementFile read(const Session& session, const SessionRun& run) {
+  if (session.layout != SessionLayout::kAfmHdf5) {
+    return read_run(session, run);
+  }
+  static std::mutex hdf5;  // the serial library has one state
+  const std::lock_guard<std::mutex> lock(hdf5);
+  return read_run(session, run);
+}
+
+void collect_flags(RunResult& result) {
+  result.flags = result.contact.flags;
+  for (const FitFlag flag : result.modulus.flags) {
+    if (std::find(result.flags.begin(), result.flags.end(), flag) ==
+        result.flags.end()) {
+      result.flags.push_back(flag);
+    }
+  }
+}
+
+void fit(const Session& session, const Measurement& samples, RunResult& result) {
+  result.approach = select_approach(samples, session.fit.range, session.fit.baseline);
+  result.contact = fit_contact(result.approach);
+  result.choice = choose_family(session.fit, result.approach, result.contact);
+  result.modulus = find_modulus(result.approach, result.contact, session.indenter);
+  result.relaxation = find_relaxation(samples);
+  result.loop = find_loop(samples, result.approach, result.contact);
+  result.segments = find_segments(turned(samples, result.approach).depth_m);
+  collect_flags(result);
+  result.rating = rate(result.approach, result.contact, result.choice);
+}
+
+// Standard deviation over mean of the force at 80 % of the depth that all repeats
+// reach.
+double scatter(const std::vector<RunResult*>& repeats) {
+  double depth = std::numeric_limits<double>::infinity();
+  for (const RunResult* run : repeats) {
+    depth = std::min(depth, 0.8 * run->best()->depth_max_m);
+  }
+  double sum = 0.0, squares = 0.0;
+  for (const RunResult* run : repeats) {
+    const double force = family_point(*run->best(), depth).force;
+    sum += force;
+    squares += force * force;
+  }
+  const auto n = static_cast<double>(repeats.size());
+  const double mean = sum / n;
+  return std::sqrt(std::max(0.0, (squares - n * mean * mean) / (n - 1.0))) / mean;
+}
+
+void compare_repeats(BatchReport& report) {
+  std::map<std::string, std::vector<RunResult*>> points;
+  for (RunResult& run : report.runs) {
+    if (run.best() != nullptr && run.rating.verdict != Verdict::kSkip) {
+      points[run.point].push_back(&run);
+    }
+  }
+  for (const auto& [point, repeats] : points) {
+    for (RunResult* run : repeats) {
+      if (repeats.size() > 1) {
+        run->rating.features.repeat_scatter = scatter(repeats);
+      }
+    }
+  }
+}
+
+void fit_or_say(const Session& session, const Measurement& samples,
+                const std::string& unreadable, RunResult& result) {
+  result.bad = unreadable;
+  if (unreadable.empty()) {
+    try {
+      fit(session, samples, result);
+      return;
+    } catch (const std::exception& error) {
+      result.bad = error.what();
+    }
+  }
+  result.rating = Rating{};
+  result.rating.gates.emplace_back("bad_file");
+  result.choice = FamilyChoice{};
+}
+
+}  // namespace
+
+std::vector<RunResult> fit_run(const Session& session, const SessionRun& run) {
+  std::vector<Measurement> presses;
+  std::string unreadable;
+  const auto begin = Clock::now();
+  try {
+    presses = split_presses(read(session, run).samples);
+  } catch (const std::exception& error) {
+    unreadable = error.what();
+    presses.resize(1);
+  }
+  std::vector<RunResult> results;
+  double told = 0.0;  // reading counts for the first press
+  for (const Measurement& samples : presses) {
+    RunResult& result = results.emplace_back();
+    result.press = results.size();
+    result.presses = presses.size();
+    result.name = result.press == 1
+                      ? run.name
+                      : fmt::format("{} press {}", run.name, result.press);
+    result.point = run.point;
+    result.position_m = run.position_m;
+    fit_or_say(session, samples, unreadable, result);
+    result.seconds = seconds_since(begin) - told;
+    told += result.seconds;
+  }
+  return results;
+}
+
+BatchReport fit_session(const Session& session, unsigned threads,
+                        const std::function<void(std::size_t)>& progress) {
+  const auto begin = Clock::now();
+  BatchReport report;
+  std::vector<std::vector<RunResult>> results(session.run.size());
+  std::atomic<std::size_t> next{0}, done{0};
+  std::mutex telling;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < session.run.size(); i = next++) {
+      results[i] = fit_run(session, session.run[i]);
+      const std::size_t count = ++done;
+      const std::lock_guard<std::mutex> lock(telling);
+      progress(count);
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (unsigned k = 1; k < threads; ++k) {
+      workers.emplace_back(work);
+    }
+    work();
+  }
+  for (std::vector<RunResult>& presses : results) {
+    std::move(presses.begin(), presses.end(), std::back_inserter(report.runs));
+  }
+  compare_repeats(report);
+  report.seconds = seconds_since(begin);
+  return report;
+}
+
+}  // namespace palpate

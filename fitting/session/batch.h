@@ -1,0 +1,69 @@
+// All runs of a session, each fitted in full; a bad one is listed with its reason.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fitting/curve/family_fit.h"
+#include "fitting/curve/fit_rating.h"
+#include "fitting/curve/segments.h"
+#include "fitting/curve/time_effects.h"
+#include "fitting/material/moduli.h"
+#include "fitting/session/session.h"
+
+namespace palpate {
+
+struct RunResult {
+  std::string name, point;
+  std::size_t press = 1, presses = 1;         ///< which of how many in the file
+  std::optional<Eigen::Vector3d> position_m;  ///< (3) [m] the session's
+  std::string bad;  ///< why there is nothing more; empty for a run that was fitted
+  Approach approach;
+  ContactFit contact;   ///< the power law's
+  FamilyChoice choice;  ///< best first
+  Modulus modulus;
+  Relaxation relaxation;
+  LoopFit loop;
+  std::vector<Segment> segments;
+  std::vector<FitFlag> flags;  ///< of the approach, the contact fit and the modulus
+  Rating rating;
+  double seconds = 0.0;  ///< [s] wall time
+
+  [[nodiscard]] const FamilyFit* best() const {
+    return choice.fits.empty() ? nullptr : &choice.fits.front();
+  }
+};
+
+/// One result for each press of the file (split_presses), at least one. Names of
+/// presses after the first end with " press 2", ...; those of one file share its point,
+/// so that they are repeats. Never throws for what a file holds: `bad` says it.
+[[nodiscard]] std::vector<RunResult> fit_run(const Session& session,
+                                             const SessionRun& run);
+
+struct BatchReport {
+  std::vector<RunResult> runs;  ///< in the session's order, each file's presses in turn
+  double seconds = 0.0;         ///< [s] wall time
+};
+
+/// @param threads at least 1. @param progress called now and then, from one thread at a
+/// time, with the number of files done.
+[[nodiscard]] BatchReport fit_session(const Session& session, unsigned threads,
+                                      const std::function<void(std::size_t)>& progress);
+
+/// One line per press of a run: verdict, score, contact point, range, family, modulus,
+/// flags, ...
+[[nodiscard]] std::string batch_csv(const Session& session, const BatchReport& report);
+
+/// The same and more, for programs.
+[[nodiscard]] std::string batch_json(const Session& session, const BatchReport& report);
+
+/// One HTML file that needs nothing else: a table of all runs and, of at most `most`,
+/// plots of data, fit, band and residuals; where the session names a mesh, the measured
+/// places on it (batch_map).
+[[nodiscard]] std::string batch_page(const Session& session, const BatchReport& report,
+                                     std::size_t most = 200);
+
+}  // namespace palpate

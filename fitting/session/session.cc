@@ -1,0 +1,316 @@
+#include "fitting/session/session.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include <fmt/ranges.h>
+
+#include "fitting/session/session_runs.h"
+#include "formats/base/units.h"
+#include "formats/measurement/afm_file.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::string_view kTables[] = {"session", "read", "indenter", "body",
+                                        "fit",     "run",  "points"};
+constexpr std::string_view kSessionKeys[] = {"name"};
+constexpr std::string_view kReadKeys[] = {
+    "layout",     "depth_column", "depth_unit", "force_column",
+    "force_unit", "time_column",  "time_unit",  "ignore_header_units"};
+constexpr std::string_view kTextKeys[] = {
+    "depth_column", "depth_unit", "force_column",       "force_unit",
+    "time_column",  "time_unit",  "ignore_header_units"};
+constexpr std::string_view kLayoutKey[] = {"layout"};
+constexpr std::string_view kLayouts[] = {"text", "afm-hdf5"};
+constexpr std::string_view kIndenterKeys[] = {
+    "shape",       "radius_m",       "half_angle_deg", "height_m",
+    "thickness_m", "poissons_ratio", "friction",       "presliding_m"};
+constexpr std::string_view kSharedKeys[] = {"shape", "poissons_ratio", "friction",
+                                            "presliding_m"};
+constexpr std::string_view kRoundKeys[] = {"radius_m", "thickness_m"};
+constexpr std::string_view kConeKeys[] = {"half_angle_deg"};
+constexpr std::string_view kPlateKeys[] = {"radius_m", "height_m"};
+constexpr std::string_view kBodyKeys[] = {"mesh", "length_unit"};
+constexpr std::string_view kFitKeys[] = {"from_m",   "to_m",      "baseline_m",
+                                         "families", "criterion", "noise_relative"};
+
+constexpr NumberRule kAny{[](double) {
+                            return true;
+                          },
+                          "finite"};
+constexpr NumberRule kPositive{[](double v) {
+                                 return v > 0.0;
+                               },
+                               "positive and finite"};
+constexpr NumberRule kNotNegative{[](double v) {
+                                    return v >= 0.0;
+                                  },
+                                  "zero or more and finite"};
+constexpr NumberRule kShare{[](double v) {
+                              return v >= 0.0 && v < 1.0;
+                            },
+                            "in [0, 1)"};
+constexpr NumberRule kPoisson{[](double v) {
+                                return v > -1.0 && v <= 0.5;
+                              },
+                              "above -1 and at most 0.5"};
+constexpr NumberRule kFriction{[](double v) {
+                                 return v >= 0.0 && v <= 10.0;
+                               },
+                               "in [0, 10]"};
+constexpr NumberRule kHalfAngle{[](double v) {
+                                  return v > 0.0 && v < 90.0;
+                                },
+                                "above 0 and below 90"};
+
+std::string read_text(const std::filesystem::path& file) {
+  constexpr std::size_t kLargest = 16
+                                   << 20;  // bytes: a list of a hundred thousand runs
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in),
+                   std::istreambuf_iterator<char>()};
+  if (!in || std::filesystem::is_directory(file)) {
+    throw InputError(fmt::format("{}: cannot be read: {}", file.string(),
+                                 std::strerror(errno == 0 ? EIO : errno)));
+  }
+  if (text.size() > kLargest) {
+    throw InputError(fmt::format("{}: is larger than {} bytes, must be a session file",
+                                 file.string(), kLargest));
+  }
+  return text;
+}
+
+// The session's tables by name.
+class Tables {
+ public:
+  Tables(const std::string& file, const toml::table& root)
+      : file_(file), root_(file, "the session", root) {
+    root_.require_known(kTables);
+  }
+
+  [[nodiscard]] bool has(std::string_view name) const {
+    return root_.find(name) != nullptr;
+  }
+
+  [[nodiscard]] SceneSection one(std::string_view name, Names known) const {
+    const toml::node& node = root_.need(name);
+    if (!node.is_table()) {
+      root_.fail(node, "[{}] must be one table", name);
+    }
+    return section(fmt::format("[{}]", name), *node.as_table(), known);
+  }
+
+  [[nodiscard]] std::vector<SceneSection> all(std::string_view name,
+                                              Names known) const {
+    const toml::node& node = root_.need(name);
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->empty()) {
+      root_.fail(node, "[[{}]] must be a list of tables, at least one", name);
+    }
+    std::vector<SceneSection> sections;
+    for (const toml::node& element : *array) {
+      if (!element.is_table()) {
+        root_.fail(element, "[[{}]] must be a list of tables", name);
+      }
+      sections.push_back(
+          section(fmt::format("[[{}]]", name), *element.as_table(), known));
+    }
+    return sections;
+  }
+
+ private:
+  [[nodiscard]] SceneSection section(std::string title, const toml::table& table,
+                                     Names known) const {
+    SceneSection result(file_, std::move(title), table);
+    result.require_known(known);
+    return result;
+  }
+
+  const std::string& file_;
+  SceneSection root_;
+};
+
+// A column's name, or its number counted from 1.
+MeasurementColumn read_column(const SceneSection& section, const std::string& quantity,
+                              double (*size)(std::string_view)) {
+  MeasurementColumn column;
+  const std::string name = quantity + "_column", unit = quantity + "_unit";
+  if (const auto number = section.need(name).value_exact<std::int64_t>()) {
+    if (*number < 1) {
+      section.fail(section.need(name), "{} in {} is {}, columns are counted from 1",
+                   name, section.title(), *number);
+    }
+    column.column = std::to_string(*number);
+  } else {
+    column.column = section.text(name);
+  }
+  column.unit = section.text(unit);
+  if (column.unit != kUnitFromHeader) {
+    try {
+      (void)size(column.unit);
+    } catch (const InputError& error) {
+      section.fail(section.need(unit), "{} in {}: {}, header", unit, section.title(),
+                   error.what());
+    }
+  }
+  return column;
+}
+
+void read_reading(const SceneSection& section, Session& session) {
+  if (section.choice_or("text", "layout", kLayouts) == "afm-hdf5") {
+    section.require_own("layout \"afm-hdf5\"", {}, kLayoutKey);
+    session.layout = SessionLayout::kAfmHdf5;
+    return;
+  }
+  section.require_own("layout \"text\"", kTextKeys, kLayoutKey);
+  session.columns.depth = read_column(section, "depth", &metres_per);
+  session.columns.force = read_column(section, "force", &newtons_per);
+  if (section.find("time_column") != nullptr || section.find("time_unit") != nullptr) {
+    session.columns.time = read_column(section, "time", &seconds_per);
+  }
+  if (section.boolean_or(false, "ignore_header_units")) {
+    session.header_units = HeaderUnits::kIgnored;
+  }
+}
+
+Names keys_of(const std::string& shape) {
+  if (shape == "unknown") {
+    return {};
+  }
+  if (shape == "cone") {
+    return kConeKeys;
+  }
+  return shape == "plate" ? Names(kPlateKeys) : Names(kRoundKeys);
+}
+
+void read_indenter(const SceneSection& section, Session& session) {
+  Indenter& indenter = session.indenter;
+  indenter.shape = section.choice("shape", kIndenterShapes);
+  section.require_own(fmt::format("shape {:?}", indenter.shape),
+                      keys_of(indenter.shape), kSharedKeys);
+  indenter.poissons_ratio = section.number_or(0.5, "poissons_ratio", kPoisson);
+  if (indenter.shape == "cone") {
+    indenter.half_angle_rad =
+        section.number("half_angle_deg", kHalfAngle) * std::numbers::pi / 180.0;
+  } else if (indenter.shape != "unknown") {
+    indenter.radius_m = section.number("radius_m", kPositive);
+    indenter.thickness_m = section.number_or(0.0, "thickness_m", kPositive);
+  }
+  if (indenter.shape == "plate") {
+    indenter.height_m = section.number("height_m", kPositive);
+  }
+  const double friction = section.number_or(0.0, "friction", kFriction);
+  const double presliding_m = section.number_or(0.0, "presliding_m", kNotNegative);
+  session.tool = rendered_tool(indenter);
+  if (session.tool) {
+    session.tool->friction = friction;
+    session.tool->presliding_m = presliding_m;
+  }
+}
+
+FitRange read_range(const SceneSection& section, std::string_view key) {
+  const auto ends = section.numbers(key, kAny, 2);
+  if (ends.size() != 2 || !(ends[0] < ends[1])) {
+    section.fail(section.need(key), "{} in {} must be two rising displacements", key,
+                 section.title());
+  }
+  return {ends[0], ends[1]};
+}
+
+std::vector<std::string> read_families(const SceneSection& section) {
+  const toml::node& node = section.need("families");
+  std::vector<std::string> families;
+  const toml::array* array = node.as_array();
+  for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    families.push_back(array->get(i)->value_exact<std::string>().value_or(""));
+    if (std::find(kFamilyNames.begin(), kFamilyNames.end(), families.back()) ==
+        kFamilyNames.end()) {
+      section.fail(node,
+                   "families in {} holds {:?}, which is not available; "
+                   "available: {}",
+                   section.title(), families.back(), fmt::join(kFamilyNames, ", "));
+    }
+  }
+  if (families.empty()) {
+    section.fail(node, "families in {} must be a list of texts", section.title());
+  }
+  return families;
+}
+
+void read_fit(const SceneSection& section, Session& session) {
+  SessionFit& fit = session.fit;
+  fit.range.from_m = section.number_or(fit.range.from_m, "from_m", kAny);
+  fit.range.to_m = section.number_or(fit.range.to_m, "to_m", kAny);
+  if (!(fit.range.from_m < fit.range.to_m)) {
+    section.fail("from_m {} in {} must be less than to_m {}", fit.range.from_m,
+                 section.title(), fit.range.to_m);
+  }
+  if (section.find("baseline_m") != nullptr) {
+    fit.baseline = read_range(section, "baseline_m");
+  }
+  if (section.find("families") != nullptr) {
+    fit.families = read_families(section);
+  }
+  fit.noise_relative = section.number_or(0.0, "noise_relative", kShare);
+  fit.criterion = section.choice_or(fit.criterion, "criterion", kCriteria);
+}
+
+void read_tables(const Tables& tables, Session& session) {
+  session.name = tables.has("session")
+                     ? tables.one("session", kSessionKeys).text("name")
+                     : session.file.stem().string();
+  read_reading(tables.one("read", kReadKeys), session);
+  if (tables.has("indenter")) {
+    read_indenter(tables.one("indenter", kIndenterKeys), session);
+  }
+  if (tables.has("body")) {
+    const SceneSection body = tables.one("body", kBodyKeys);
+    const std::filesystem::path mesh = body.text("mesh");
+    session.mesh = mesh.is_absolute() ? mesh : session.file.parent_path() / mesh;
+    session.length_unit = body.text("length_unit");
+    (void)metres_per(session.length_unit);
+  }
+  session.fit.families.assign(kFamilyNames.begin(), kFamilyNames.end());
+  if (tables.has("fit")) {
+    read_fit(tables.one("fit", kFitKeys), session);
+  }
+  for (const SceneSection& run : tables.all("run", session_parts::kRunKeys)) {
+    session_parts::append_runs(run, session);
+  }
+  if (tables.has("points")) {
+    session_parts::read_points(tables.one("points", session_parts::kPointKeys),
+                               session);
+  }
+}
+
+}  // namespace
+
+Session read_session(const std::filesystem::path& file) {
+  Session session;
+  session.file = file;
+  session.text = read_text(file);
+  const std::string name = file.string();
+  toml::table root;
+  try {
+    root = toml::parse(session.text);
+  } catch (const toml::parse_error& error) {
+    throw InputError(fmt::format("{}:{}: is not TOML: {}", name,
+                                 error.source().begin.line, error.description()));
+  }
+  read_tables(Tables(name, root), session);
+  return session;
+}
+
+MeasurementFile read_run(const Session& session, const SessionRun& run) {
+  return session.layout == SessionLayout::kAfmHdf5
+             ? read_afm_curve(run.file, run.curve)
+             : read_measurement(run.file, session.columns, session.header_units);
+}
+
+}  // namespace palpate

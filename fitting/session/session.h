@@ -1,0 +1,73 @@
+// Session files: which measurements belong together and what is known of them
+// (fitting/session/SESSION.md).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fitting/curve/curve_family.h"
+#include "fitting/curve/measured_approach.h"
+#include "fitting/material/indenter.h"
+#include "formats/measurement/measurement_file.h"
+#include "formats/response/tool_shape.h"
+
+namespace palpate {
+
+inline constexpr std::array<std::string_view, 3> kCriteria{"aicc", "bic",
+                                                           "cross-validation"};
+
+/// One file of the session, or one curve of a file that holds several.
+struct SessionRun {
+  std::filesystem::path file;
+  int curve = 0;      ///< number inside an afmformats file
+  std::string name;   ///< unique: the path as the session writes it, "#" and the curve
+  std::string point;  ///< repeats at one place share it; else the name
+  std::optional<Eigen::Vector3d> position_m;  ///< (3) [m] on the body, its mesh's frame
+  std::optional<Eigen::Vector3d> normal;      ///< (3) unit, outward
+};
+
+enum class SessionLayout { kText, kAfmHdf5 };
+
+struct SessionFit {
+  FitRange range;
+  std::optional<FitRange> baseline;   ///< displacements that are surely before contact
+  double noise_relative = 0.0;        ///< [-] [0, 1) noise that grows with force
+  std::vector<std::string> families;  ///< of kFamilyNames, at least one
+  std::string criterion = "aicc";     ///< one of kCriteria
+};
+
+struct Session {
+  std::string text;            ///< the file, as it was read
+  std::filesystem::path file;  ///< where from
+  std::string name;
+  SessionLayout layout = SessionLayout::kText;
+  MeasurementColumns columns;  ///< of kText
+  HeaderUnits header_units = HeaderUnits::kMustAgree;
+  Indenter indenter;
+  /// The indenter as the database holds it; none of a plate and of the unknown.
+  std::optional<ToolShape> tool;
+  std::filesystem::path mesh;  ///< the body's surface; empty where none is named
+  std::string length_unit;     ///< of the mesh
+  SessionFit fit;
+  std::vector<SessionRun> run;  ///< at least one, in the session's order
+};
+
+/// Files are not opened, but globs are expanded (in the order of the alphabet), and
+/// afmformats files are asked for their curves.
+/// @throws InputError "session.toml:12: ..." naming key, value and what is allowed; for
+/// a glob without a match, a run named twice, a row of the table of points that fits no
+/// file, and a file without a row there.
+[[nodiscard]] Session read_session(const std::filesystem::path& file);
+
+/// Displacement and force, and time where the session names it, of one run.
+/// @throws InputError or FormatError as read_measurement() and read_afm_curve() do.
+[[nodiscard]] MeasurementFile read_run(const Session& session, const SessionRun& run);
+
+}  // namespace palpate

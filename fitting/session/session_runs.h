@@ -1,0 +1,19 @@
+// [[run]] and [points] of a session file. Only for session*.cc.
+#pragma once
+
+#include "fitting/session/session.h"
+#include "formats/scene/toml_section.h"
+
+namespace palpate::session_parts {
+
+inline constexpr std::string_view kRunKeys[] = {"file", "files", "point", "position_m",
+                                                "normal"};
+inline constexpr std::string_view kPointKeys[] = {"table", "length_unit"};
+
+/// Appends the runs of one [[run]].
+void append_runs(const SceneSection& section, Session& session);
+
+/// Positions, normals and points of runs that have none of their own, from the table.
+void read_points(const SceneSection& section, Session& session);
+
+}  // namespace palpate::session_parts

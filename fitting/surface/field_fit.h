@@ -1,0 +1,75 @@
+// From measured curves at scattered points of a body to a response at every node.
+//
+// Each curve's fitted law gives log forces at depths common to all; each depth's are a
+// surface field (gaussian_field.h) with one set of parameters, after bad probes are
+// screened; exponentials of the fields are the nodes' curves.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fitting/surface/probe.h"
+#include "fitting/surface/probe_screen.h"
+#include "formats/database/response_database.h"
+
+namespace palpate {
+
+/// A probe that is not behind the field.
+struct LeftOutProbe {
+  std::string name;
+  std::string reason;  ///< one line
+};
+
+/// What leaving each probe out says of one depth.
+struct DepthScore {
+  double depth_m = 0.0;
+  std::size_t probes = 0;
+  double rms = 0.0;          ///< [-] of log force, left out against predicted
+  double coverage = 0.0;     ///< [-] share within 95 % intervals
+  double nearest_rms = 0.0;  ///< [-] of the nearest other probe instead
+};
+
+struct SurfaceFitReport {
+  FieldParametersReport parameters;
+  std::vector<DepthScore> depth;  ///< of all but the first two
+  std::vector<LeftOutProbe> left_out;
+  std::size_t probes = 0;                   ///< behind the field
+  std::map<std::string, std::size_t> laws;  ///< of those, by name
+  std::size_t far_nodes = 0;                ///< beyond kFarLengths of every probe
+  std::size_t straightened = 0;   ///< nodes whose force would have fallen with depth
+  double attachment_max_m = 0.0;  ///< [m] farthest probe from the surface
+  double error_median = 0.0;      ///< [-] of the nodes' relative errors
+  ResponseRelaxation relaxation;  ///< the database's; empty without holds
+};
+
+struct SurfaceFit {
+  ResponseDatabase database;
+  SurfaceFitReport report;
+};
+
+constexpr int kCommonDepths = 12;
+constexpr double kFarLengths = 2.0;  ///< beyond, nodes are flagged as extrapolated
+constexpr std::size_t kProbesMin = 8;
+
+/// Common depths are D (k / 12)^2, k = 1 to 12, D the depth that nine of ten probes
+/// reach; probes that do not reach a depth say nothing there. Log forces and
+/// their errors are those of each probe's law (probe.h). Forces that would fall
+/// with depth are held. Origins are measured at nodes that have a probe, interpolated
+/// elsewhere; error_relative is the largest standard deviation of log force over the
+/// deeper half. Directions deviate from the normals as the probes' do, each within half
+/// a length. Relaxation is kept by probe, and for the nodes as common_relaxation().
+/// @param body closed or open, every vertex in a triangle, outside out.
+/// @throws InputError for fewer than kProbesMin usable probes, a probe farther from the
+/// surface than a tenth of the body's diagonal; NumericalError as FieldModel.
+[[nodiscard]] SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
+                                     std::span<const SurfaceProbe> probes);
+
+/// A human's report: parameters, left-out figures, probes left out.
+[[nodiscard]] std::string describe(const SurfaceFitReport& report);
+
+}  // namespace palpate

@@ -1,0 +1,104 @@
+#include "fitting/surface/probe_relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "fitting/curve/time_effects.h"
+#include "fitting/numerics/robust_statistics.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kShortShare = 0.5;  // [-] of the median hold
+constexpr int kTimes = 96;           // from a thousandth of the hold, evenly in its log
+
+void append(PronyTerms& terms, const Relaxation* r) {
+  terms.g_1.push_back(r != nullptr ? r->g[0] : kUnknown);
+  terms.g_2.push_back(r != nullptr ? r->g[1] : kUnknown);
+  terms.tau_1_s.push_back(r != nullptr ? r->tau_s[0] : kUnknown);
+  terms.tau_2_s.push_back(r != nullptr ? r->tau_s[1] : kUnknown);
+}
+
+std::vector<double> member_of(const std::vector<const Relaxation*>& holds,
+                              double Relaxation::*member) {
+  std::vector<double> values;
+  for (const Relaxation* hold : holds) {
+    values.push_back(hold->*member);
+  }
+  return values;
+}
+
+std::vector<const Relaxation*> comparable_holds(
+    const std::vector<const SurfaceProbe*>& probes) {
+  std::vector<const Relaxation*> holds;
+  for (const SurfaceProbe* probe : probes) {
+    if (probe->relaxation && probe->relaxation->speed_m_per_s > 0.0) {
+      holds.push_back(&*probe->relaxation);
+    }
+  }
+  if (!holds.empty()) {
+    const double shortest =
+        kShortShare * median(member_of(holds, &Relaxation::seconds));
+    std::erase_if(holds, [&](const Relaxation* hold) {
+      return hold->seconds < shortest;
+    });
+  }
+  return holds;
+}
+
+}  // namespace
+
+RunRelaxation run_relaxation(std::span<const SurfaceProbe> probes) {
+  RunRelaxation runs;
+  bool any = false;
+  for (const SurfaceProbe& probe : probes) {
+    const Relaxation* r = probe.relaxation && probe.relaxation->speed_m_per_s > 0.0
+                              ? &*probe.relaxation
+                              : nullptr;
+    any = any || r != nullptr;
+    append(runs.terms, r);
+    runs.speed_m_per_s.push_back(r != nullptr ? r->speed_m_per_s : kUnknown);
+    runs.seconds.push_back(r != nullptr ? r->seconds : kUnknown);
+    runs.rms_relative.push_back(r != nullptr ? r->rms_relative : kUnknown);
+  }
+  return any ? runs : RunRelaxation{};
+}
+
+ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& probes) {
+  const std::vector<const Relaxation*> holds = comparable_holds(probes);
+  if (holds.empty()) {
+    return {};
+  }
+  PronyTerms own;
+  for (const Relaxation* hold : holds) {
+    append(own, hold);
+  }
+  const std::vector<double> lengths_s = member_of(holds, &Relaxation::seconds);
+  const double seconds = *std::min_element(lengths_s.begin(), lengths_s.end());
+  std::vector<double> time_s{0.0}, share{1.0}, shares(holds.size());
+  for (int k = 0; k <= kTimes; ++k) {
+    time_s.push_back(seconds * std::pow(1e-3, 1.0 - static_cast<double>(k) / kTimes));
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      shares[i] = relaxed_share(own, i, time_s.back());
+    }
+    share.push_back(median(shares));
+  }
+  const Relaxation fit = fit_relaxation(time_s, share);
+  ResponseRelaxation common;
+  common.rule = fmt::format(
+      "two terms fitted to the median over the probes, at equal times, of what each "
+      "one's own let stay; the same at every node; after {:.3g} s the probes' shares "
+      "have a robust standard deviation of {:.2g}",
+      seconds, shares.size() > 1 ? robust_standard_deviation(shares) : 0.0);
+  common.probes = std::ssize(holds);
+  common.speed_m_per_s = median(member_of(holds, &Relaxation::speed_m_per_s));
+  common.seconds = seconds;
+  append(common.terms, &fit);
+  return common;
+}
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+#include "formats/command/commands.h"
+#include "formats/database/database_summary.h"
+#include "formats/database/response_database.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Flags {
+  std::string file;
+  bool json = false;
+};
+
+void print_json(const Json& report) {
+  fmt::print("{}\n", report.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void run(const Flags& flags) {
+  try {
+    const ResponseDatabase database = read_in_file_order(flags.file);
+    std::int64_t responses = 0;
+    std::int64_t falling = 0;
+    for (const ResponseTable& table : database.tools) {
+      const ToolSummary summary = summarise(table);
+      responses += summary.responses;
+      falling += summary.falling;
+    }
+    if (flags.json) {
+      print_json({{"ok", true},
+                  {"nodes", database.body.position_m.rows()},
+                  {"responses", responses},
+                  {"falling", falling}});
+    } else {
+      fmt::print("ok: {} nodes, {} tools, {} responses ({} falling)\n",
+                 database.body.position_m.rows(), database.tools.size(), responses,
+                 falling);
+    }
+  } catch (const FormatError& error) {
+    if (flags.json) {
+      print_json({{"ok", false}, {"violation", error.what()}});
+    }
+    throw;
+  }
+}
+
+}  // namespace
+
+void add_check_command(Command app) {
+  Command command = app.add_subcommand(
+      "check", "Verify a response database: format, digest, physics of every curve");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

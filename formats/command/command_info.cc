@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/commands.h"
+#include "formats/database/chunk_reader.h"
+#include "formats/database/database_summary.h"
+#include "formats/database/response_database.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Flags {
+  std::string file;
+  bool json = false;
+};
+
+Json to_json(const ResponseRelaxation& relaxation) {
+  if (relaxation.empty()) {
+    return nullptr;
+  }
+  Json json{{"rule", relaxation.rule},
+            {"probes", relaxation.probes},
+            {"speed_m_per_s", relaxation.speed_m_per_s},
+            {"seconds", relaxation.seconds}};
+  const auto put = [&](const char* name, const std::vector<double>& values) {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    json[name] = {*low, *high};  // over the nodes
+  };
+  put("g_1", relaxation.terms.g_1);
+  put("g_2", relaxation.terms.g_2);
+  put("tau_1_s", relaxation.terms.tau_1_s);
+  put("tau_2_s", relaxation.terms.tau_2_s);
+  return json;
+}
+
+Json to_json(const ToolSummary& tool) {
+  return {{"name", tool.tool.name},
+          {"shape", tool.tool.kind},
+          {"radius_m", tool.tool.radius_m},
+          {"description", describe(tool.tool)},
+          {"friction", tool.tool.friction},
+          {"presliding_m", tool.tool.presliding_m},
+          {"responses", tool.responses},
+          {"simulated", tool.simulated},
+          {"interpolated", tool.interpolated},
+          {"measured", tool.measured},
+          {"falling", tool.falling},
+          {"force_capped", tool.force_capped},
+          {"coarse_contact", tool.coarse_contact},
+          {"error_over_budget", tool.error_over_budget},
+          {"failed", tool.failed},
+          {"extrapolated", tool.extrapolated},
+          {"truncated_path", tool.truncated_path},
+          {"depth_max_m", tool.depth_max_m},
+          {"force_max_n", tool.force_max_n},
+          {"stiffness_max_n_per_m", tool.stiffness_max_n_per_m},
+          {"error_relative_max", tool.error_relative_max},
+          {"direction_spread_max_rad", tool.direction_spread_max_rad},
+          {"relaxation", to_json(tool.relaxation)}};
+}
+
+// Of all nodes.
+Eigen::Vector3d size_m(const DatabaseIndex& index) {
+  return (index.box_max_m.colwise().maxCoeff() - index.box_min_m.colwise().minCoeff())
+      .transpose();
+}
+
+Json to_json(const DatabaseIndex& index) {
+  Json names = Json::array();
+  Json details = Json::array();
+  double depth_max_m = 0.0;
+  for (const ToolIndex& tool : index.tools) {
+    const ToolSummary summary = summarise(tool);
+    names.push_back(tool.tool.name);
+    details.push_back(to_json(summary));
+    depth_max_m = std::max(depth_max_m, summary.depth_max_m);
+  }
+  const Eigen::Vector3d size = size_m(index);
+  return {{"format_version", kDatabaseVersion},
+          {"nodes", index.nodes()},
+          {"triangles", index.triangles()},
+          {"tools", names},
+          {"depth_max_m", depth_max_m},
+          {"bytes", index.bytes},
+          {"size_m", {size.x(), size.y(), size.z()}},
+          {"tool_details", details},
+          {"measured_samples", index.measured_samples},
+          {"precision", name_of(index.storage.precision)},
+          {"compressed", index.storage.compress},
+          {"chunks", index.chunks()},
+          {"writer", index.provenance.writer},
+          {"source_file", index.provenance.source_file},
+          {"source_sha256", index.provenance.source_sha256},
+          {"left_out", index.provenance.left_out}};
+}
+
+void print(const ToolSummary& tool) {
+  fmt::print("tool       {}: {}, friction {:.3g}, presliding {:.3g} mm\n",
+             tool.tool.name, describe(tool.tool), tool.tool.friction,
+             1e3 * tool.tool.presliding_m);
+  fmt::print("responses  {} ({} simulated, {} interpolated, {} measured)\n",
+             tool.responses, tool.simulated, tool.interpolated, tool.measured);
+  fmt::print(
+      "flags      {} falling, {} force capped, {} coarse contact, {} over the "
+      "error budget, {} failed\n",
+      tool.falling, tool.force_capped, tool.coarse_contact, tool.error_over_budget,
+      tool.failed);
+  fmt::print(
+      "largest    depth {:.4g} mm, force {:.4g} N, stiffness {:.4g} N/m, "
+      "relative error {:.2g}\n",
+      1e3 * tool.depth_max_m, tool.force_max_n, tool.stiffness_max_n_per_m,
+      tool.error_relative_max);
+  if (!tool.relaxation.empty()) {
+    fmt::print("relaxation {}\n", describe(tool.relaxation));
+  }
+}
+
+void print(const DatabaseIndex& index) {
+  const Eigen::Vector3d size = 1e3 * size_m(index);
+  const Provenance& provenance = index.provenance;
+  fmt::print("format     version {}, {} bytes, by {}\n", kDatabaseVersion, index.bytes,
+             provenance.writer);
+  fmt::print("storage    {}{}, {} chunks\n", name_of(index.storage.precision),
+             index.storage.compress ? " compressed" : "", index.chunks());
+  fmt::print("body       {} nodes, {} triangles, {:.4g} x {:.4g} x {:.4g} mm\n",
+             index.nodes(), index.triangles(), size.x(), size.y(), size.z());
+  fmt::print("source     {}, SHA-256 {}\n", provenance.source_file,
+             provenance.source_sha256.empty() ? "unknown" : provenance.source_sha256);
+  if (index.measured_samples > 0) {
+    fmt::print("measured   {} samples\n", index.measured_samples);
+  }
+  if (!provenance.left_out.empty()) {
+    fmt::print("left out   {}\n", provenance.left_out);
+  }
+  for (const ToolIndex& tool : index.tools) {
+    print(summarise(tool));
+  }
+}
+
+void run(const Flags& flags) {
+  const DatabaseIndex index = read_index(flags.file);
+  if (flags.json) {
+    // Texts come from a file: what is not UTF-8 is replaced, not refused.
+    fmt::print("{}\n",
+               to_json(index).dump(-1, ' ', false, Json::error_handler_t::replace));
+  } else {
+    print(index);
+  }
+}
+
+}  // namespace
+
+void add_info_command(Command app) {
+  Command command = app.add_subcommand("info", "Say what a response database holds");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_flag("--json", flags->json, "Print the report as one JSON object");
+  command.callback([flags] {
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

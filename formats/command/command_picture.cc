@@ -1,0 +1,44 @@
+#include <memory>
+#include <span>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "formats/base/atomic_file.h"
+#include "formats/command/commands.h"
+#include "formats/database/response_database.h"
+#include "formats/report/stiffness_picture.h"
+
+namespace palpate {
+namespace {
+
+struct Flags {
+  std::string file;
+  std::string output;
+  std::string tool;
+};
+
+void run(const Flags& flags) {
+  const ResponseDatabase database = read_database(flags.file);
+  const std::string svg = stiffness_picture(database, find_tool(database, flags.tool));
+  AtomicFile atomic(flags.output);
+  atomic.write(std::as_bytes(std::span(svg)));
+  atomic.commit();
+  fmt::print("wrote {} ({} bytes)\n", flags.output, svg.size());
+}
+
+}  // namespace
+
+void add_picture_command(Command app) {
+  Command command = app.add_subcommand(
+      "picture", "Draw the body's stiffness map and a few curves as an SVG picture");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("file", flags->file, "Response database (HDF5)").required();
+  command.add_option("-o,--output", flags->output, "Picture to write (SVG)").required();
+  command.add_option("--tool", flags->tool, "Tool, if the database holds several");
+  command.callback([flags] {
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

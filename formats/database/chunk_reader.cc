@@ -1,0 +1,223 @@
+#include "formats/database/chunk_reader.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/database/database_check_optional.h"
+#include "formats/database/database_layout.h"
+#include "formats/database/index_layout.h"
+#include "formats/hdf5/hdf5_io.h"
+
+namespace palpate {
+namespace {
+
+// A file of the kind that the templates of database_layout.h fill from, that gives
+// the rows of one chunk.
+class RowsOfChunk {
+ public:
+  static constexpr bool kWrites = false;
+
+  RowsOfChunk(const Hdf5Reader& file, std::int64_t node_begin, std::int64_t nodes,
+              std::int64_t sample_begin, std::int64_t samples)
+      : file_(file),
+        node_begin_(node_begin),
+        nodes_(nodes),
+        sample_begin_(sample_begin),
+        samples_(samples) {}
+
+  template <typename T>
+  void dataset(const std::string& path, const char* units, std::vector<T>& values) {
+    values.resize(static_cast<std::size_t>(nodes_));
+    file_.rows(path, units, hdf5_type<T>(), node_begin_, nodes_, 0, values.data());
+  }
+  template <typename T>
+  void dataset(const std::string& path, const char* units, RowMajor3<T>& values) {
+    values.resize(nodes_, 3);
+    file_.rows(path, units, hdf5_type<T>(), node_begin_, nodes_, 3, values.data());
+  }
+
+  // Counted from the chunk's first sample.
+  void begins(const std::string& path, std::vector<std::int64_t>& values) {
+    values.resize(static_cast<std::size_t>(nodes_) + 1);
+    file_.rows(path, "1", Hdf5Type::kInt64, node_begin_, nodes_ + 1, 0, values.data());
+    for (std::int64_t& value : values) {
+      value -= sample_begin_;
+    }
+  }
+  void samples(const std::string& path, const char* units,
+               std::vector<double>& values) {
+    values.resize(static_cast<std::size_t>(samples_));
+    file_.rows(path, units, Hdf5Type::kFloat64, sample_begin_, samples_, 0,
+               values.data());
+  }
+  void reals(const std::string& path, const char* units, std::vector<double>& values,
+             const std::vector<std::int64_t>& begin) {
+    values.resize(static_cast<std::size_t>(samples_));
+    file_.rows_as_reals(path, units, sample_begin_, node_begin_, begin, values);
+  }
+  [[nodiscard]] bool keeps_slopes(const std::string& path) const {
+    return file_.has(path);
+  }
+  void flags(const std::string&, const std::vector<std::uint8_t>&, const char*,
+             bool) const {}
+  void digest_only(const std::string&, const std::vector<double>&) const {}
+
+ private:
+  const Hdf5Reader& file_;
+  std::int64_t node_begin_;
+  std::int64_t nodes_;
+  std::int64_t sample_begin_;
+  std::int64_t samples_;
+};
+
+// Begins rise from 0; where the last is known, to it.
+void check_begins(const Hdf5Reader& file, const std::string& path,
+                  const std::vector<std::int64_t>& begin, std::size_t chunks,
+                  std::int64_t last = -1) {
+  if (begin.size() != chunks + 1 || begin.front() != 0 ||
+      !std::is_sorted(begin.begin(), begin.end()) ||
+      (last >= 0 && begin.back() != last)) {
+    file.fail(fmt::format("dataset {} must rise from 0 in {} rows", path, chunks + 1));
+  }
+}
+
+void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
+  const std::size_t chunks = index.node_begin.empty() ? 0 : index.node_begin.size() - 1;
+  check_begins(file, "/index/node_begin", index.node_begin, chunks);
+  check_begins(file, "/index/triangle_begin", index.triangle_begin, chunks);
+  const auto require = [&](const std::string& path, std::int64_t rows,
+                           std::int64_t wanted) {
+    if (rows != wanted) {
+      file.fail(
+          fmt::format("dataset {} has {} rows, must have {}", path, rows, wanted));
+    }
+  };
+  const auto c = static_cast<std::int64_t>(chunks);
+  require("/index/box_min_m", index.box_min_m.rows(), c);
+  require("/index/box_max_m", index.box_max_m.rows(), c);
+  require("/index/sha256", index.sha256.size(), c * std::int64_t{kSha256Bytes});
+  for (const ToolIndex& tool : index.tools) {
+    const std::string group = "/tools/" + tool.tool.name + "/index";
+    check_begins(file, group + "/sample_begin", tool.sample_begin, chunks);
+    require(group + "/sha256", tool.sha256.size(), c * std::int64_t{kSha256Bytes});
+    for (const auto* values :
+         {&tool.depth_max_m, &tool.force_max_n, &tool.stiffness_max_n_per_m,
+          &tool.error_relative_max, &tool.direction_spread_max_rad}) {
+      require(group, static_cast<std::int64_t>(values->size()), c);
+    }
+    require(group + "/origin_count", std::ssize(tool.origin_count), 4);
+    require(group + "/flag_count", std::ssize(tool.flag_count), 7);
+    check_relaxation("/tools/" + tool.tool.name + "/relaxation", tool.relaxation,
+                     index.nodes());
+  }
+}
+
+DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
+  DatabaseIndex index;
+  content::read_version(file, name.string());
+  file.attribute("/", "writer", index.provenance.writer);
+  content::exchange_source(file, index.provenance);
+  content::exchange_storage(file, index.storage);
+  for (const std::string& tool : content::read_tool_names(file)) {
+    ToolIndex& entry = index.tools.emplace_back();
+    entry.tool.name = tool;
+    content::exchange_shape(file, "/tools/" + tool, entry.tool);
+    content::exchange_relaxation(file, "/tools/" + tool + "/relaxation",
+                                 entry.relaxation);
+  }
+  content::ReadIndex access{file};
+  content::exchange_index(access, index);
+  check_index(file, index);
+  const std::string stored = file.remark("/index", "index_sha256");
+  if (stored != index_digest(index)) {
+    file.fail("the index is damaged: its SHA-256 is not the one it states");
+  }
+  if (file.has("/measurement")) {
+    index.measured_samples =
+        file.shape_of("/measurement/depth_m", "m", Hdf5Type::kFloat64, {-1}).front();
+  }
+  index.bytes = std::filesystem::file_size(name);
+  return index;
+}
+
+void verify(const Hdf5Reader& file, const Sha256Rows& stored, std::int64_t chunk,
+            const std::vector<std::uint8_t>& found, const std::string& what) {
+  if (!std::equal(found.begin(), found.end(), stored.row(chunk).data())) {
+    file.fail(fmt::format("{}: chunk {} is damaged: its SHA-256 is not the index's",
+                          what, chunk));
+  }
+}
+
+}  // namespace
+
+class ChunkReader::File {
+ public:
+  explicit File(const std::filesystem::path& name) : reader(name) {}
+  Hdf5Reader reader;
+};
+
+ChunkReader::ChunkReader(const std::filesystem::path& file) {
+  const Hdf5Lock lock;
+  file_ = std::make_unique<File>(file);
+  index_ = index_of(file_->reader, file);
+}
+
+ChunkReader::~ChunkReader() {
+  const Hdf5Lock lock;
+  file_.reset();
+}
+
+BodyChunk ChunkReader::body(std::int64_t chunk) const {
+  const Hdf5Lock lock;
+  const auto k = static_cast<std::size_t>(chunk);
+  const Hdf5Reader& file = file_->reader;
+  const std::int64_t node = index_.node_begin.at(k);
+  const std::int64_t triangle = index_.triangle_begin.at(k);
+  RowsOfChunk nodes(file, node, index_.node_begin.at(k + 1) - node, 0, 0);
+  RowsOfChunk triangles(file, triangle, index_.triangle_begin.at(k + 1) - triangle, 0,
+                        0);
+  BodyChunk part;
+  part.node_begin = node;
+  nodes.dataset("/body/position_m", "m", part.position_m);
+  nodes.dataset("/body/normal", "1", part.normal);
+  nodes.dataset("/body/source_node", "1", part.source_node);
+  triangles.dataset("/body/triangle", "1", part.triangle);
+  triangles.dataset("/body/source_triangle", "1", part.source_triangle);
+  if (part.triangle.rows() > 0 &&
+      (part.triangle.minCoeff() < 0 || part.triangle.maxCoeff() >= index_.nodes())) {
+    file.fail(fmt::format(
+        "dataset /body/triangle: chunk {} names a node that is not there", chunk));
+  }
+  verify(file, index_.sha256, chunk, chunk_digest(part), "/body");
+  return part;
+}
+
+ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const {
+  const Hdf5Lock lock;
+  const auto k = static_cast<std::size_t>(chunk);
+  const ToolIndex& entry = index_.tools.at(tool);
+  const std::int64_t node = index_.node_begin.at(k);
+  const std::int64_t sample = entry.sample_begin.at(k);
+  RowsOfChunk rows(file_->reader, node, index_.node_begin.at(k + 1) - node, sample,
+                   entry.sample_begin.at(k + 1) - sample);
+  const std::string group = "/tools/" + entry.tool.name;
+  ResponseTable part;
+  part.tool = entry.tool;
+  content::exchange_nodes(rows, group, part);
+  check_begins(file_->reader, group + "/sample_begin", part.sample_begin,
+               static_cast<std::size_t>(part.nodes()),
+               entry.sample_begin.at(k + 1) - sample);
+  content::exchange_samples(rows, group, part);
+  verify(file_->reader, entry.sha256, chunk, chunk_digest(part), group);
+  return part;
+}
+
+DatabaseIndex read_index(const std::filesystem::path& file) {
+  const Hdf5Lock lock;
+  Hdf5Reader reader(file);
+  return index_of(reader, file);
+}
+
+}  // namespace palpate

@@ -1,0 +1,187 @@
+#include "formats/database/database_diff.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+// Gauss-Legendre on [0, 1]: exact for the squared difference of two cubics.
+constexpr std::array<double, 4> kGaussPlace{0.06943184420297371, 0.33000947820757187,
+                                            0.6699905217924281, 0.9305681557970263};
+constexpr std::array<double, 4> kGaussWeight{0.17392742256872692, 0.32607257743127305,
+                                             0.32607257743127305, 0.17392742256872692};
+
+// Samples of both curves up to a depth, in order, each once.
+std::vector<double> common_samples(const CurveView& a, const CurveView& b,
+                                   double depth_m) {
+  std::vector<double> all(a.depth_m.begin(), a.depth_m.end());
+  all.insert(all.end(), b.depth_m.begin(), b.depth_m.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  all.erase(std::upper_bound(all.begin(), all.end(), depth_m), all.end());
+  return all;
+}
+
+double ratio(double part, double whole) {
+  return part == 0.0 ? 0.0 : part / whole;
+}
+
+NodeDifference node_difference(const ResponseTable& a, const ResponseTable& b,
+                               std::int64_t node) {
+  NodeDifference result;
+  result.node = node;
+  result.curve = difference(a.curve(node), b.curve(node));
+  result.relative_rms = ratio(result.curve.rms_n, result.curve.force_rms_n);
+  const Eigen::Vector3d u = a.direction.row(node).transpose();
+  const Eigen::Vector3d v = b.direction.row(node).transpose();
+  result.direction_rad = std::atan2(u.cross(v).norm(), u.dot(v));
+  return result;
+}
+
+// What stays of a node's force, at 64 times along the longer of both holds.
+double relaxation_difference(const ResponseRelaxation& a, const ResponseRelaxation& b,
+                             std::size_t node) {
+  constexpr int kTimes = 64;
+  const auto share = [&](const ResponseRelaxation& r, double time_s) {
+    return r.empty() ? 1.0 : relaxed_share(r.terms, r.row_of(node), time_s);
+  };
+  double largest = 0.0;
+  for (int k = 1; k <= kTimes; ++k) {
+    const double time_s = std::max(a.seconds, b.seconds) * k / kTimes;
+    largest = std::max(largest, std::abs(share(a, time_s) - share(b, time_s)));
+  }
+  return largest;
+}
+
+ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
+                               std::size_t worst) {
+  ToolDifference result;
+  result.tool = a.tool.name;
+  double squares = 0.0;
+  std::vector<NodeDifference> nodes;
+  for (std::int64_t i = 0; i < a.nodes(); ++i) {
+    const bool in_a = !a.curve(i).depth_m.empty();
+    const bool in_b = !b.curve(i).depth_m.empty();
+    result.only_first += in_a && !in_b;
+    result.only_second += in_b && !in_a;
+    if (!in_a || !in_b) {
+      continue;
+    }
+    ++result.compared;
+    const NodeDifference& node = nodes.emplace_back(node_difference(a, b, i));
+    squares += node.curve.rms_n * node.curve.rms_n;
+    result.largest_n = std::max(result.largest_n, node.curve.largest_n);
+    result.largest_relative_rms =
+        std::max(result.largest_relative_rms, node.relative_rms);
+    if (!a.relaxation.empty() || !b.relaxation.empty()) {
+      result.largest_relaxation =
+          std::max(result.largest_relaxation,
+                   relaxation_difference(a.relaxation, b.relaxation,
+                                         static_cast<std::size_t>(i)));
+    }
+    result.largest_direction_rad =
+        std::max(result.largest_direction_rad, node.direction_rad);
+    result.largest_depth_m =
+        std::max(result.largest_depth_m,
+                 std::abs(a.curve(i).depth_max_m() - b.curve(i).depth_max_m()));
+  }
+  if (result.compared > 0) {
+    result.rms_n = std::sqrt(squares / static_cast<double>(result.compared));
+  }
+  const auto listed = static_cast<std::ptrdiff_t>(std::min(worst, nodes.size()));
+  std::partial_sort(nodes.begin(), nodes.begin() + listed, nodes.end(),
+                    [](const NodeDifference& x, const NodeDifference& y) {
+                      return x.relative_rms != y.relative_rms
+                                 ? x.relative_rms > y.relative_rms
+                                 : x.node < y.node;
+                    });
+  result.worst.assign(nodes.begin(), nodes.begin() + listed);
+  return result;
+}
+
+}  // namespace
+
+CurveDifference difference(const CurveView& a, const CurveView& b) {
+  CurveDifference result;
+  result.depth_m = std::min(a.depth_max_m(), b.depth_max_m());
+  const std::vector<double> depth = common_samples(a, b, result.depth_m);
+  double squares = 0.0;
+  double force_squares = 0.0;
+  for (std::size_t i = 0; i + 1 < depth.size(); ++i) {
+    const double h = depth[i + 1] - depth[i];
+    for (std::size_t q = 0; q < kGaussPlace.size(); ++q) {
+      const double d = depth[i] + h * kGaussPlace[q];
+      const double force_n = a.at(d).force_n;
+      const double off = b.at(d).force_n - force_n;
+      squares += h * kGaussWeight[q] * off * off;
+      force_squares += h * kGaussWeight[q] * force_n * force_n;
+      result.largest_n = std::max(result.largest_n, std::abs(off));
+    }
+  }
+  if (result.depth_m > 0.0) {
+    result.rms_n = std::sqrt(squares / result.depth_m);
+    result.force_rms_n = std::sqrt(force_squares / result.depth_m);
+    const double end = b.at(result.depth_m).force_n - a.at(result.depth_m).force_n;
+    result.largest_n = std::max(result.largest_n, std::abs(end));
+  }
+  return result;
+}
+
+bool ToolDifference::agrees(double tolerance_relative) const {
+  return only_first == 0 && only_second == 0 && largest_depth_m == 0.0 &&
+         largest_relative_rms <= tolerance_relative &&
+         largest_relaxation <= tolerance_relative &&
+         largest_direction_rad <= tolerance_relative;
+}
+
+void require_same_body(const ResponseDatabase& a, const ResponseDatabase& b) {
+  const SurfaceMesh& first = a.body;
+  const SurfaceMesh& second = b.body;
+  if (first.position_m.rows() != second.position_m.rows() ||
+      first.triangle.rows() != second.triangle.rows()) {
+    throw InputError(
+        fmt::format("the bodies differ: {} nodes and {} triangles, and {} and {}",
+                    first.position_m.rows(), first.triangle.rows(),
+                    second.position_m.rows(), second.triangle.rows()));
+  }
+  for (Eigen::Index i = 0; i < first.position_m.rows(); ++i) {
+    if (first.position_m.row(i) != second.position_m.row(i)) {
+      throw InputError(fmt::format(
+          "the bodies differ: node {} is at ({}, {}, {}) m and at ({}, {}, {}) m", i,
+          first.position_m(i, 0), first.position_m(i, 1), first.position_m(i, 2),
+          second.position_m(i, 0), second.position_m(i, 1), second.position_m(i, 2)));
+    }
+  }
+  if (first.triangle != second.triangle) {
+    throw InputError("the bodies differ: their triangles join different nodes");
+  }
+}
+
+std::vector<ToolDifference> difference(const ResponseDatabase& a,
+                                       const ResponseDatabase& b, std::size_t worst) {
+  require_same_body(a, b);
+  std::vector<ToolDifference> result;
+  for (const ResponseTable& table : a.tools) {
+    const auto other = std::find_if(b.tools.begin(), b.tools.end(), [&](const auto& t) {
+      return t.tool.name == table.tool.name;
+    });
+    if (other != b.tools.end()) {
+      result.push_back(tool_difference(table, *other, worst));
+    }
+  }
+  if (result.empty()) {
+    throw InputError(fmt::format(
+        "no tool in common: the first file's first is {:?}, the second's {:?}",
+        a.tools.front().tool.name, b.tools.front().tool.name));
+  }
+  return result;
+}
+
+}  // namespace palpate

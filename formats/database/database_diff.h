@@ -1,0 +1,59 @@
+// How far two databases of one body are apart in force.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/database/response_database.h"
+
+namespace palpate {
+
+/// Two curves over the depths that both have.
+struct CurveDifference {
+  double depth_m = 0.0;      ///< [m] common depth: the smaller of both largest
+  double largest_n = 0.0;    ///< [N] largest difference of force on the Gauss points
+  double rms_n = 0.0;        ///< [N] root mean square over the common depth, exact
+  double force_rms_n = 0.0;  ///< [N] of the first curve there
+};
+
+/// The mean is an integral over cubics between the samples of both, four Gauss points
+/// each: exact to rounding. Zero without a common depth.
+[[nodiscard]] CurveDifference difference(const CurveView& a, const CurveView& b);
+
+struct NodeDifference {
+  std::int64_t node = 0;
+  CurveDifference curve;
+  double relative_rms = 0.0;   ///< [-] rms over the first curve's rms; 0 for 0/0
+  double direction_rad = 0.0;  ///< [rad] angle between the directions
+};
+
+struct ToolDifference {
+  std::string tool;
+  std::int64_t compared = 0;          ///< nodes with a curve in both
+  std::int64_t only_first = 0;        ///< nodes with a curve in the first alone
+  std::int64_t only_second = 0;       ///< ... in the second alone
+  double largest_n = 0.0;             ///< [N] of any node
+  double rms_n = 0.0;                 ///< [N] over all compared nodes
+  double largest_relative_rms = 0.0;  ///< [-] of any node
+  double largest_depth_m = 0.0;       ///< [m] largest difference of largest depths
+  double largest_direction_rad = 0.0;
+  double largest_relaxation = 0.0;  ///< [-] of F(0) while held; unstated: none relaxes
+  std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
+
+  /// Whether no force differs by more than this part of the node's own, no node has a
+  /// response in one file only, curves end together, and they relax alike.
+  [[nodiscard]] bool agrees(double tolerance_relative) const;
+};
+
+/// Compares tools that both have, in the order of the first.
+/// @param worst how many nodes to list per tool.
+/// @throws InputError if the bodies differ, or have no tool in common.
+[[nodiscard]] std::vector<ToolDifference> difference(const ResponseDatabase& a,
+                                                     const ResponseDatabase& b,
+                                                     std::size_t worst);
+
+/// @throws InputError saying where two bodies differ: nodes, triangles or a position.
+void require_same_body(const ResponseDatabase& a, const ResponseDatabase& b);
+
+}  // namespace palpate

@@ -1,0 +1,204 @@
+#include "formats/database/database_index.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "formats/base/sha256.h"
+#include "formats/database/index_layout.h"
+
+namespace palpate {
+namespace {
+
+template <typename Values>
+void add(Sha256& digest, const Values& values) {
+  digest.update(
+      std::as_bytes(std::span(values.data(), static_cast<std::size_t>(values.size()))));
+}
+
+std::vector<std::uint8_t> bytes_of(const Sha256& digest) {
+  const std::string hex = digest.hex();
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < hex.size(); i += 2) {
+    bytes.push_back(
+        static_cast<std::uint8_t>(std::stoul(hex.substr(i, 2), nullptr, 16)));
+  }
+  return bytes;
+}
+
+void set_row(Sha256Rows& rows, std::int64_t row, const std::vector<std::uint8_t>& to) {
+  std::copy(to.begin(), to.end(), rows.row(row).data());
+}
+
+double largest(const std::vector<double>& values, std::int64_t begin,
+               std::int64_t end) {
+  return begin == end ? 0.0
+                      : *std::max_element(values.begin() + begin, values.begin() + end);
+}
+
+BodyChunk body_chunk(const ResponseDatabase& ordered, const StorageOrder& order,
+                     const DatabaseIndex& index, std::int64_t k) {
+  const auto c = static_cast<std::size_t>(k);
+  const std::int64_t node = index.node_begin[c];
+  const std::int64_t nodes = index.node_begin[c + 1] - node;
+  const std::int64_t triangle = index.triangle_begin[c];
+  const std::int64_t triangles = index.triangle_begin[c + 1] - triangle;
+  return {node,
+          ordered.body.position_m.middleRows(node, nodes),
+          ordered.normal.middleRows(node, nodes),
+          ordered.body.triangle.middleRows(triangle, triangles),
+          {order.node.begin() + node, order.node.begin() + node + nodes},
+          {order.triangle.begin() + triangle,
+           order.triangle.begin() + triangle + triangles}};
+}
+
+// Of its nodes and of its triangles, whose other nodes may lie in later chunks.
+Eigen::AlignedBox3d box_around(const BodyChunk& chunk, const Points& position_m) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index i = 0; i < chunk.position_m.rows(); ++i) {
+    box.extend(Eigen::Vector3d(chunk.position_m.row(i).transpose()));
+  }
+  for (Eigen::Index t = 0; t < chunk.triangle.rows(); ++t) {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      box.extend(Eigen::Vector3d(position_m.row(chunk.triangle(t, j)).transpose()));
+    }
+  }
+  return box;
+}
+
+void divide_nodes(const ResponseDatabase& ordered, DatabaseIndex& index) {
+  const std::int64_t n = ordered.body.position_m.rows();
+  const std::int64_t size = ordered.storage.chunk_nodes;
+  for (std::int64_t begin = 0; begin < n; begin += size) {
+    index.node_begin.push_back(begin);
+  }
+  index.node_begin.push_back(n);
+  // Triangles are ordered by their first node.
+  std::int64_t t = 0;
+  for (const std::int64_t begin : index.node_begin) {
+    while (t < ordered.body.triangle.rows() &&
+           ordered.body.triangle.row(t).minCoeff() < begin) {
+      ++t;
+    }
+    index.triangle_begin.push_back(t);
+  }
+}
+
+ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index) {
+  ToolIndex tool;
+  tool.tool = table.tool;
+  tool.relaxation = table.relaxation;
+  tool.origin_count.assign(4, 0);
+  tool.flag_count.assign(7, 0);
+  for (std::size_t i = 0; i < table.origin.size(); ++i) {
+    ++tool.origin_count[table.origin[i] & 3u];
+    for (std::size_t bit = 0; bit < tool.flag_count.size(); ++bit) {
+      tool.flag_count[bit] += table.flags[i] >> bit & 1;
+    }
+  }
+  tool.sha256.resize(index.chunks(), kSha256Bytes);
+  for (std::int64_t k = 0; k < index.chunks(); ++k) {
+    const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
+    const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
+    const std::int64_t first = table.sample_begin[static_cast<std::size_t>(begin)];
+    const std::int64_t last = table.sample_begin[static_cast<std::size_t>(end)];
+    tool.sample_begin.push_back(first);
+    tool.depth_max_m.push_back(largest(table.depth_m, first, last));
+    tool.force_max_n.push_back(largest(table.force_n, first, last));
+    tool.stiffness_max_n_per_m.push_back(
+        largest(table.stiffness_max_n_per_m, begin, end));
+    tool.error_relative_max.push_back(largest(table.error_relative, begin, end));
+    tool.direction_spread_max_rad.push_back(
+        largest(table.direction_spread_rad, begin, end));
+    std::vector<std::int32_t> nodes(static_cast<std::size_t>(end - begin));
+    std::iota(nodes.begin(), nodes.end(), static_cast<std::int32_t>(begin));
+    set_row(tool.sha256, k, chunk_digest(select_nodes(table, nodes)));
+  }
+  tool.sample_begin.push_back(table.sample_begin.back());
+  return tool;
+}
+
+// What content::exchange_index() passes through, as a digest.
+class IndexDigest {
+ public:
+  void group(const std::string&) {}
+  template <typename Values>
+  void values(const std::string&, const char*, const Values& values) {
+    const std::int64_t count = values.size();
+    digest_.update(std::as_bytes(std::span(&count, 1)));
+    add(digest_, values);
+  }
+  [[nodiscard]] std::string hex() const { return digest_.hex(); }
+
+ private:
+  Sha256 digest_;
+};
+
+}  // namespace
+
+std::int64_t DatabaseIndex::chunk_of(std::int64_t node) const noexcept {
+  const auto after = std::upper_bound(node_begin.begin(), node_begin.end(), node);
+  return after - node_begin.begin() - 1;
+}
+
+std::vector<std::uint8_t> chunk_digest(const BodyChunk& chunk) {
+  Sha256 digest;
+  add(digest, chunk.position_m);
+  add(digest, chunk.normal);
+  add(digest, chunk.source_node);
+  add(digest, chunk.triangle);
+  add(digest, chunk.source_triangle);
+  return bytes_of(digest);
+}
+
+std::vector<std::uint8_t> chunk_digest(const ResponseTable& chunk) {
+  Sha256 digest;
+  add(digest, chunk.direction);
+  add(digest, chunk.direction_spread_rad);
+  add(digest, chunk.touch_offset_m);
+  add(digest, chunk.error_relative);
+  add(digest, chunk.friction);
+  add(digest, chunk.presliding_m);
+  add(digest, chunk.stiffness_max_n_per_m);
+  add(digest, chunk.origin);
+  add(digest, chunk.flags);
+  add(digest, chunk.sample_begin);
+  add(digest, chunk.depth_m);
+  add(digest, chunk.force_n);
+  add(digest, chunk.stiffness_n_per_m);
+  add(digest, chunk.energy_j);
+  return bytes_of(digest);
+}
+
+DatabaseIndex make_index(const ResponseDatabase& ordered, const StorageOrder& order) {
+  DatabaseIndex index;
+  divide_nodes(ordered, index);
+  const std::int64_t chunks = index.chunks();
+  index.box_min_m.resize(chunks, 3);
+  index.box_max_m.resize(chunks, 3);
+  index.sha256.resize(chunks, kSha256Bytes);
+  for (std::int64_t k = 0; k < chunks; ++k) {
+    const BodyChunk chunk = body_chunk(ordered, order, index, k);
+    const Eigen::AlignedBox3d box = box_around(chunk, ordered.body.position_m);
+    index.box_min_m.row(k) = box.min().transpose();
+    index.box_max_m.row(k) = box.max().transpose();
+    set_row(index.sha256, k, chunk_digest(chunk));
+  }
+  for (const ResponseTable& table : ordered.tools) {
+    index.tools.push_back(make_tool_index(table, index));
+  }
+  index.measured_samples =
+      static_cast<std::int64_t>(ordered.measurement.depth_m.size());
+  index.provenance = ordered.provenance;
+  index.provenance.scene_toml.clear();
+  index.storage = ordered.storage;
+  return index;
+}
+
+std::string index_digest(const DatabaseIndex& index) {
+  IndexDigest digest;
+  content::exchange_index(digest, index);
+  return digest.hex();
+}
+
+}  // namespace palpate

@@ -1,0 +1,87 @@
+#include "formats/database/database_layout.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+
+namespace palpate::content {
+
+std::string join_lines(const std::vector<std::string>& lines) {
+  std::string text;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    text += (i == 0 ? "" : "\n") + lines[i];
+  }
+  return text;
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+void read_version(Hdf5Reader& file, const std::string& name) {
+  std::string format;
+  std::int64_t major = 0;
+  std::int64_t minor = 0;
+  if (!file.has_attribute("/", "format")) {
+    throw FormatError(fmt::format(
+        "{}: is an HDF5 file of another kind: attribute /@format is missing, must be "
+        "\"{}\"",
+        name, kFormatName));
+  }
+  file.attribute("/", "format", format);
+  if (format != kFormatName) {
+    throw FormatError(
+        fmt::format("{}: is an HDF5 file of another kind: /@format is {:?}, must be "
+                    "\"{}\"",
+                    name, format.substr(0, 80), kFormatName));
+  }
+  file.attribute("/", "format_version", major);
+  if (major != kDatabaseVersion) {
+    throw FormatError(fmt::format("{}: has format version {}, this program reads {}{}",
+                                  name, major, kDatabaseVersion,
+                                  major > kDatabaseVersion ? "; use a newer one" : ""));
+  }
+  file.attribute("/", "format_version_minor", minor);
+  if (minor < 0) {
+    throw FormatError(fmt::format("{}: /@format_version_minor is {}, must be 0 or more",
+                                  name, minor));
+  }
+}
+
+std::vector<std::string> read_tool_names(Hdf5Reader& file) {
+  std::string names;
+  file.group("/tools");
+  file.attribute("/tools", "names", names);
+  return split_lines(names);
+}
+
+void exchange_storage(Hdf5Reader& file, StorageOptions& storage) {
+  file.group("/storage");
+  try {
+    storage.precision = precision_of(file.remark("/storage", "precision"));
+  } catch (const InputError& error) {
+    file.fail(fmt::format("attribute /storage@precision: {}", error.what()));
+  }
+  const std::string compression = file.remark("/storage", "compression");
+  if (compression != "none" && compression != "deflate") {
+    file.fail(fmt::format(
+        "attribute /storage@compression is {:?}, must be \"none\" or \"deflate\"",
+        compression.substr(0, 80)));
+  }
+  storage.compress = compression == "deflate";
+  storage.chunk_nodes = file.remark_number("/storage", "chunk_nodes");
+  if (storage.chunk_nodes < 1 || storage.chunk_nodes > kLargestChunkNodes) {
+    file.fail(fmt::format("attribute /storage@chunk_nodes is {}, must lie in [1, {}]",
+                          storage.chunk_nodes, kLargestChunkNodes));
+  }
+}
+
+}  // namespace palpate::content

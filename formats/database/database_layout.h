@@ -1,0 +1,293 @@
+// What a database file holds and in which order, once for both directions; only for the
+// sources behind response_database.h.
+//
+// `File` is a Hdf5Writer and the rest constant, or a Hdf5Reader and the rest to be
+// filled. The order is the digest's order.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "formats/database/response_database.h"
+#include "formats/database/select_nodes.h"
+#include "formats/database/vtk_cells.h"
+#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/storage_options.h"
+
+namespace palpate::content {
+
+constexpr const char* kFormatName = "palpate-response-database";
+
+/// Texts without line ends, as one text with a line each; and back.
+[[nodiscard]] std::string join_lines(const std::vector<std::string>& lines);
+[[nodiscard]] std::vector<std::string> split_lines(const std::string& text);
+
+template <typename File, typename Number>
+void exchange_number(File& file, const std::string& group, const char* name,
+                     Number& value) {
+  if (file.optional_attribute(group, name, value != Number{})) {
+    file.attribute(group, name, value);
+  }
+}
+
+// A tool's axis, which not every tool has.
+template <typename File, typename Axis>
+void exchange_axis(File& file, const std::string& group, Axis& axis) {
+  if (!file.optional_attribute(group, "axis_x", axis.has_value())) {
+    return;
+  }
+  if constexpr (!File::kWrites) {
+    axis.emplace();
+  }
+  constexpr std::array<const char*, 3> kNames{"axis_x", "axis_y", "axis_z"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    file.attribute(group, kNames[i], (*axis)[static_cast<Eigen::Index>(i)]);
+  }
+}
+
+// Of a tool's shape, what its kind does not have is not written.
+template <typename File, typename Tool>
+void exchange_shape(File& file, const std::string& group, Tool& tool) {
+  file.group(group);
+  file.attribute(group, "shape", tool.kind);
+  file.attribute(group, "radius_m", tool.radius_m);
+  file.attribute(group, "friction", tool.friction);
+  file.attribute(group, "presliding_m", tool.presliding_m);
+  exchange_number(file, group, "edge_radius_m", tool.edge_radius_m);
+  exchange_number(file, group, "half_angle_rad", tool.half_angle_rad);
+  exchange_number(file, group, "tip_radius_m", tool.tip_radius_m);
+  exchange_number(file, group, "length_m", tool.length_m);
+  exchange_axis(file, group, tool.axis);
+  if (file.optional_attribute(group, "sticking", tool.sticking)) {
+    std::int64_t sticking = 1;
+    file.attribute(group, "sticking", sticking);
+    if constexpr (!File::kWrites) {
+      tool.sticking = sticking != 0;
+    }
+  }
+  const std::string mesh = group + "/mesh";
+  if (file.optional_group(mesh, tool.mesh.triangle.rows() > 0)) {
+    file.dataset(mesh + "/position_m", "m", tool.mesh.position_m);
+    file.dataset(mesh + "/triangle", "1", tool.mesh.triangle);
+  }
+}
+
+template <typename File, typename Values>
+void exchange_if_any(File& file, const std::string& path, const char* units,
+                     Values& values) {
+  if (file.optional_dataset(path, values.size() > 0)) {
+    file.dataset(path, units, values);
+  }
+}
+
+// Texts of one line each, as one text.
+template <typename File, typename Lines>
+void exchange_lines(File& file, const std::string& path, Lines& lines) {
+  if (!file.optional_dataset(path, !lines.empty())) {
+    return;
+  }
+  if constexpr (File::kWrites) {
+    file.text(path, join_lines(lines));
+  } else {
+    std::string text;
+    file.text(path, text);
+    lines = split_lines(text);
+  }
+}
+
+// What a computation says about its own responses.
+template <typename File, typename Table>
+void exchange_quality(File& file, const std::string& group, Table& table) {
+  exchange_if_any(file, group + "/verified_error_relative", "1",
+                  table.verified_error_relative);
+  exchange_if_any(file, group + "/failure", "1", table.failure);
+  exchange_lines(file, group + "/failure_reason", table.failure_reason);
+  exchange_if_any(file, group + "/force_n_errors", "N", table.force_errors_n);
+  exchange_if_any(file, group + "/direction_begin", "1", table.direction_begin);
+  exchange_if_any(file, group + "/sample_direction", "1", table.sample_direction);
+  auto& accuracy = table.accuracy;
+  if (file.optional_group(group + "/accuracy", accuracy.budget_relative > 0.0)) {
+    file.attribute(group + "/accuracy", "budget_relative", accuracy.budget_relative);
+    file.attribute(group + "/accuracy", "verified", accuracy.verified);
+    exchange_if_any(file, group + "/accuracy/quantile_level", "1",
+                    accuracy.quantile_level);
+    exchange_if_any(file, group + "/accuracy/error_relative", "1",
+                    accuracy.error_relative);
+  }
+}
+
+template <typename File, typename Field>
+void exchange_displacement(File& file, const std::string& group, Field& field) {
+  if (file.optional_group(group, field.coefficient.rows() > 0)) {
+    file.vectors(group + "/basis", "1", field.basis);
+    file.dataset(group + "/coefficient_m", "m", field.coefficient);
+    file.dataset(group + "/node", "1", field.node);
+    file.dataset(group + "/depth_m", "m", field.depth_m);
+    file.dataset(group + "/error_relative", "1", field.error_relative);
+  }
+}
+
+template <typename File, typename Terms>
+void exchange_prony(File& file, const std::string& group, Terms& terms) {
+  file.dataset(group + "/g_1", "1", terms.g_1);
+  file.dataset(group + "/g_2", "1", terms.g_2);
+  file.dataset(group + "/tau_1_s", "s", terms.tau_1_s);
+  file.dataset(group + "/tau_2_s", "s", terms.tau_2_s);
+}
+
+template <typename File, typename Relaxation>
+void exchange_relaxation(File& file, const std::string& group, Relaxation& relaxation) {
+  if (file.optional_group(group, !relaxation.empty())) {
+    file.attribute(group, "rule", relaxation.rule);
+    file.attribute(group, "probes", relaxation.probes);
+    file.attribute(group, "speed_m_per_s", relaxation.speed_m_per_s);
+    file.attribute(group, "seconds", relaxation.seconds);
+    exchange_prony(file, group, relaxation.terms);
+  }
+}
+
+// One row per node.
+template <typename File, typename Table>
+void exchange_nodes(File& file, const std::string& group, Table& table) {
+  file.dataset(group + "/direction", "1", table.direction);
+  file.dataset(group + "/direction_spread_rad", "rad", table.direction_spread_rad);
+  file.dataset(group + "/touch_offset_m", "m", table.touch_offset_m);
+  file.dataset(group + "/error_relative", "1", table.error_relative);
+  file.dataset(group + "/friction", "1", table.friction);
+  file.dataset(group + "/presliding_m", "m", table.presliding_m);
+  file.dataset(group + "/stiffness_max_n_per_m", "N m-1", table.stiffness_max_n_per_m);
+  file.dataset(group + "/origin", "1", table.origin);
+  file.flags(group + "/origin", {0, 1, 2, 3}, "none simulated interpolated measured",
+             false);
+  file.dataset(group + "/flags", "1", table.flags);
+  file.flags(group + "/flags",
+             {kFallingCurve, kForceCapped, kCoarseContact, kErrorOverBudget, kFailed,
+              kExtrapolated, kTruncatedPath},
+             "falling_curve force_capped coarse_contact error_over_budget failed "
+             "extrapolated truncated_path",
+             true);
+  file.begins(group + "/sample_begin", table.sample_begin);
+}
+
+// One row per sample of every node's curve.
+template <typename File, typename Table>
+void exchange_samples(File& file, const std::string& group, Table& table) {
+  const std::string slope = group + "/stiffness_n_per_m";
+  const std::string energy = group + "/energy_j";
+  file.reals(group + "/depth_m", "m", table.depth_m, table.sample_begin);
+  file.reals(group + "/force_n", "N", table.force_n, table.sample_begin);
+  if (file.keeps_slopes(slope)) {
+    file.samples(slope, "N m-1", table.stiffness_n_per_m);
+    file.samples(energy, "J", table.energy_j);
+    return;
+  }
+  if constexpr (!File::kWrites) {
+    remake_curves(table);
+  }
+  file.digest_only(slope, table.stiffness_n_per_m);
+  file.digest_only(energy, table.energy_j);
+}
+
+template <typename File, typename Table>
+void exchange_tool(File& file, const std::string& group, Table& table) {
+  exchange_shape(file, group, table.tool);
+  exchange_nodes(file, group, table);
+  exchange_samples(file, group, table);
+  exchange_quality(file, group, table);
+  exchange_displacement(file, group + "/displacement", table.displacement);
+  exchange_relaxation(file, group + "/relaxation", table.relaxation);
+}
+
+template <typename File, typename Measured>
+void exchange_measurement(File& file, Measured& measurement) {
+  file.dataset("/measurement/depth_m", "m", measurement.depth_m);
+  file.dataset("/measurement/force_n", "N", measurement.force_n);
+  exchange_if_any(file, "/measurement/time_s", "s", measurement.time_s);
+  exchange_if_any(file, "/measurement/depth_m_errors", "m", measurement.depth_errors_m);
+  exchange_if_any(file, "/measurement/force_n_errors", "N", measurement.force_errors_n);
+  exchange_if_any(file, "/measurement/run_begin", "1", measurement.run_begin);
+  exchange_if_any(file, "/measurement/run_node", "1", measurement.run_node);
+  exchange_lines(file, "/measurement/run_name", measurement.run_name);
+  auto& relaxation = measurement.relaxation;
+  const std::string group = "/measurement/relaxation";
+  if (file.optional_group(group, relaxation.terms.size() > 0)) {
+    exchange_prony(file, group, relaxation.terms);
+    file.dataset(group + "/speed_m_per_s", "m s-1", relaxation.speed_m_per_s);
+    file.dataset(group + "/seconds", "s", relaxation.seconds);
+    file.dataset(group + "/rms_relative", "1", relaxation.rms_relative);
+  }
+}
+
+// Provenance without the scene, which can be long.
+template <typename File, typename Source>
+void exchange_source(File& file, Source& provenance) {
+  file.group("/provenance");
+  file.attribute("/provenance", "source_file", provenance.source_file);
+  file.attribute("/provenance", "source_sha256", provenance.source_sha256);
+  file.attribute("/provenance", "left_out", provenance.left_out);
+}
+
+// How the file stores what it holds: no part of the content, nor of its digest.
+inline void exchange_storage(Hdf5Writer& file, const StorageOptions& storage) {
+  file.group("/storage");
+  file.remark("/storage", "precision", name_of(storage.precision));
+  file.remark("/storage", "compression", storage.compress ? "deflate" : "none");
+  file.remark("/storage", "chunk_nodes", storage.chunk_nodes);
+}
+void exchange_storage(Hdf5Reader& file, StorageOptions& storage);
+
+/// @throws FormatError if the file is of another kind or major version.
+void read_version(Hdf5Reader& file, const std::string& name);
+[[nodiscard]] std::vector<std::string> read_tool_names(Hdf5Reader& file);
+
+template <typename File, typename Database, typename Order>
+void exchange_rest(File& file, Database& database, Order& order) {
+  file.group("/body");
+  file.dataset("/body/position_m", "m", database.body.position_m);
+  file.dataset("/body/triangle", "1", database.body.triangle);
+  file.dataset("/body/normal", "1", database.normal);
+  file.dataset("/body/source_node", "1", order.node);
+  file.dataset("/body/source_triangle", "1", order.triangle);
+  auto& measurement = database.measurement;
+  if (file.optional_group("/measurement", !measurement.depth_m.empty())) {
+    exchange_measurement(file, measurement);
+  }
+  exchange_source(file, database.provenance);
+  file.text("/provenance/scene_toml", database.provenance.scene_toml);
+}
+
+// The body as VTK's readers know it, outside the digest: all of it follows from the
+// rest. What VTK can use as it is stored is a link and takes no room.
+template <typename File>
+void exchange_vtk(File& file, const ResponseDatabase& database) {
+  const std::string group = "/VTKHDF";
+  const VtkCells cells = vtk_cells(database.body);
+  file.group(group);
+  file.vtk_header(group);
+  file.link(group + "/Points", "/body/position_m");
+  file.derived(group + "/NumberOfPoints", "1", cells.points);
+  file.derived(group + "/NumberOfCells", "1", cells.cells);
+  file.derived(group + "/NumberOfConnectivityIds", "1", cells.corners);
+  file.derived(group + "/Connectivity", "1", cells.connectivity);
+  file.derived(group + "/Offsets", "1", cells.offset);
+  file.derived(group + "/Types", "1", cells.type);
+  file.group(group + "/PointData");
+  for (const ResponseTable& table : database.tools) {
+    const bool first = &table == &database.tools.front();
+    const std::string tool = "/tools/" + table.tool.name;
+    const auto data = [&](const char* name) {
+      return fmt::format("{}/PointData/{}{}{}", group, name, first ? "" : "_",
+                         first ? "" : table.tool.name);
+    };
+    file.link(data("stiffness"), tool + "/stiffness_max_n_per_m");
+    file.link(data("error"), tool + "/error_relative");
+    file.link(data("origin"), tool + "/origin");
+    file.link(data("flags"), tool + "/flags");
+    file.derived(data("depth_max"), "m", node_depth_max_m(table));
+  }
+}
+
+}  // namespace palpate::content

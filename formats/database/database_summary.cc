@@ -1,0 +1,78 @@
+#include "formats/database/database_summary.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace palpate {
+namespace {
+
+double largest_of(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+}
+
+}  // namespace
+
+ToolSummary summarise(const ResponseTable& table) {
+  const auto of_origin = [&](ResponseOrigin origin) {
+    return std::count(table.origin.begin(), table.origin.end(),
+                      static_cast<std::uint8_t>(origin));
+  };
+  const auto flagged = [&](ResponseFlag flag) {
+    return std::count_if(table.flags.begin(), table.flags.end(),
+                         [&](std::uint8_t bits) {
+                           return (bits & flag) != 0;
+                         });
+  };
+  ToolSummary summary;
+  summary.tool = table.tool;
+  summary.responses = table.nodes() - of_origin(ResponseOrigin::kNone);
+  summary.simulated = of_origin(ResponseOrigin::kSimulated);
+  summary.interpolated = of_origin(ResponseOrigin::kInterpolated);
+  summary.measured = of_origin(ResponseOrigin::kMeasured);
+  summary.falling = flagged(kFallingCurve);
+  summary.force_capped = flagged(kForceCapped);
+  summary.coarse_contact = flagged(kCoarseContact);
+  summary.error_over_budget = flagged(kErrorOverBudget);
+  summary.failed = flagged(kFailed);
+  summary.extrapolated = flagged(kExtrapolated);
+  summary.truncated_path = flagged(kTruncatedPath);
+  summary.depth_max_m = table.depth_max_m();
+  summary.force_max_n = largest_of(table.force_n);
+  summary.stiffness_max_n_per_m = largest_of(table.stiffness_max_n_per_m);
+  summary.error_relative_max = largest_of(table.error_relative);
+  summary.direction_spread_max_rad = largest_of(table.direction_spread_rad);
+  summary.relaxation = table.relaxation;
+  return summary;
+}
+
+ToolSummary summarise(const ToolIndex& tool) {
+  const auto of_origin = [&](ResponseOrigin origin) {
+    return tool.origin_count[static_cast<std::size_t>(origin)];
+  };
+  const auto flagged = [&](ResponseFlag flag) {
+    return tool.flag_count[static_cast<std::size_t>(
+        std::countr_zero(static_cast<unsigned>(flag)))];
+  };
+  ToolSummary summary;
+  summary.tool = tool.tool;
+  summary.simulated = of_origin(ResponseOrigin::kSimulated);
+  summary.interpolated = of_origin(ResponseOrigin::kInterpolated);
+  summary.measured = of_origin(ResponseOrigin::kMeasured);
+  summary.responses = summary.simulated + summary.interpolated + summary.measured;
+  summary.falling = flagged(kFallingCurve);
+  summary.force_capped = flagged(kForceCapped);
+  summary.coarse_contact = flagged(kCoarseContact);
+  summary.error_over_budget = flagged(kErrorOverBudget);
+  summary.failed = flagged(kFailed);
+  summary.extrapolated = flagged(kExtrapolated);
+  summary.truncated_path = flagged(kTruncatedPath);
+  summary.depth_max_m = largest_of(tool.depth_max_m);
+  summary.force_max_n = largest_of(tool.force_max_n);
+  summary.stiffness_max_n_per_m = largest_of(tool.stiffness_max_n_per_m);
+  summary.error_relative_max = largest_of(tool.error_relative_max);
+  summary.direction_spread_max_rad = largest_of(tool.direction_spread_max_rad);
+  summary.relaxation = tool.relaxation;
+  return summary;
+}
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+// What a response database holds, in a few numbers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/database/database_index.h"
+#include "formats/database/response_database.h"
+
+namespace palpate {
+
+/// One tool's responses in a few numbers; the largest are 0 without responses.
+struct ToolSummary {
+  ToolShape tool;
+  std::int64_t responses = 0;  ///< nodes that have a curve
+  std::int64_t simulated = 0;
+  std::int64_t interpolated = 0;
+  std::int64_t measured = 0;
+  std::int64_t falling = 0;               ///< curves whose force falls with depth
+  std::int64_t force_capped = 0;          ///< end at the scene's largest force
+  std::int64_t coarse_contact = 0;        ///< contact radius below 1.5 node spacings
+  std::int64_t error_over_budget = 0;     ///< outside the scene's accuracy budget
+  std::int64_t failed = 0;                ///< solves that failed: no curve
+  std::int64_t extrapolated = 0;          ///< beyond the curves they come from
+  std::int64_t truncated_path = 0;        ///< the solve stopped early
+  double depth_max_m = 0.0;               ///< [m]
+  double force_max_n = 0.0;               ///< [N] of any sample
+  double stiffness_max_n_per_m = 0.0;     ///< [N/m] largest slope
+  double error_relative_max = 0.0;        ///< [-] worst estimate
+  double direction_spread_max_rad = 0.0;  ///< [rad]
+  ResponseRelaxation relaxation;          ///< empty where none is known
+};
+
+[[nodiscard]] ToolSummary summarise(const ResponseTable& table);
+
+/// The same from the index alone: no response is read.
+[[nodiscard]] ToolSummary summarise(const ToolIndex& tool);
+
+}  // namespace palpate

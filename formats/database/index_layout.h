@@ -1,0 +1,60 @@
+// The datasets of a database's index in their order, once for writing, comparing,
+// reading and digesting; only for the sources behind database_index.h.
+//
+// `Access` has group(path) and values(path, units, values).
+#pragma once
+
+#include <string>
+
+#include "formats/database/database_index.h"
+#include "formats/hdf5/hdf5_io.h"
+
+namespace palpate::content {
+
+template <typename Access, typename Index>
+void exchange_index(Access& access, Index& index) {
+  access.group("/index");
+  access.values("/index/node_begin", "1", index.node_begin);
+  access.values("/index/triangle_begin", "1", index.triangle_begin);
+  access.values("/index/box_min_m", "m", index.box_min_m);
+  access.values("/index/box_max_m", "m", index.box_max_m);
+  access.values("/index/sha256", "1", index.sha256);
+  for (auto& tool : index.tools) {
+    const std::string group = "/tools/" + tool.tool.name + "/index";
+    access.group(group);
+    access.values(group + "/sample_begin", "1", tool.sample_begin);
+    access.values(group + "/depth_max_m", "m", tool.depth_max_m);
+    access.values(group + "/force_max_n", "N", tool.force_max_n);
+    access.values(group + "/stiffness_max_n_per_m", "N m-1",
+                  tool.stiffness_max_n_per_m);
+    access.values(group + "/error_relative_max", "1", tool.error_relative_max);
+    access.values(group + "/direction_spread_max_rad", "rad",
+                  tool.direction_spread_max_rad);
+    access.values(group + "/origin_count", "1", tool.origin_count);
+    access.values(group + "/flag_count", "1", tool.flag_count);
+    access.values(group + "/sha256", "1", tool.sha256);
+  }
+}
+
+/// Writes an index, or compares the file's with one.
+template <typename File>
+struct DerivedIndex {
+  File& file;
+  void group(const std::string& path) { file.group(path); }
+  template <typename Values>
+  void values(const std::string& path, const char* units, const Values& values) {
+    file.derived(path, units, values);
+  }
+};
+
+/// Reads an index.
+struct ReadIndex {
+  Hdf5Reader& file;
+  void group(const std::string& path) { file.group(path); }
+  template <typename Values>
+  void values(const std::string& path, const char* units, Values& values) {
+    file.dataset(path, units, values);
+  }
+};
+
+}  // namespace palpate::content

@@ -1,0 +1,165 @@
+#include "formats/database/response_database.h"
+
+#include <fmt/format.h>
+
+#include "formats/base/atomic_file.h"
+#include "formats/base/error.h"
+#include "formats/database/database_index.h"
+#include "formats/database/database_layout.h"
+#include "formats/database/index_layout.h"
+#include "formats/database/rounded_database.h"
+#include "formats/database/select_nodes.h"
+#include "formats/hdf5/hdf5_io.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kDigestName = "content_sha256";
+
+// Tool names in the order of the database: groups themselves are not ordered.
+std::string join_names(const std::vector<ResponseTable>& tools) {
+  std::vector<std::string> names;
+  names.reserve(tools.size());
+  for (const ResponseTable& table : tools) {
+    names.push_back(table.tool.name);
+  }
+  return content::join_lines(names);
+}
+
+}  // namespace
+
+void write_database(const std::filesystem::path& file,
+                    const ResponseDatabase& database) {
+  check(database);
+  const ResponseDatabase precise = rounded(database);
+  check(precise);
+  const StorageOrder order = storage_order(precise.body);
+  const ResponseDatabase ordered = select_nodes(precise, order.node, order.triangle);
+  const DatabaseIndex index = make_index(ordered, order);
+  const Hdf5Lock lock;
+  AtomicFile atomic(file);
+  Hdf5Writer out(database.storage);
+  out.attribute("/", "format", std::string(content::kFormatName));
+  out.attribute("/", "format_version", std::int64_t{kDatabaseVersion});
+  out.attribute("/", "format_version_minor", std::int64_t{kDatabaseVersionMinor});
+  out.attribute("/", "writer", database.provenance.writer);
+  content::exchange_rest(out, ordered, order);
+  out.group("/tools");
+  out.attribute("/tools", "names", join_names(ordered.tools));
+  for (const ResponseTable& table : ordered.tools) {
+    content::exchange_tool(out, "/tools/" + table.tool.name, table);
+  }
+  const std::string digest = out.digest();
+  content::exchange_vtk(out, ordered);
+  content::exchange_storage(out, database.storage);
+  content::DerivedIndex<Hdf5Writer> derived{out};
+  content::exchange_index(derived, index);
+  out.remark("/index", "index_sha256", index_digest(index));
+  out.remark("/", kDigestName, digest);
+  atomic.write(out.image());
+  atomic.commit();
+}
+
+namespace {
+
+// What the file says of itself agrees with its content.
+void check_derived(Hdf5Reader& in, const ResponseDatabase& ordered,
+                   const StorageOrder& order) {
+  content::exchange_vtk(in, ordered);
+  const DatabaseIndex index = make_index(ordered, order);
+  content::DerivedIndex<Hdf5Reader> derived{in};
+  content::exchange_index(derived, index);
+  if (in.remark("/index", "index_sha256") != index_digest(index)) {
+    in.fail("attribute /index@index_sha256 is not the digest of the index");
+  }
+}
+
+// Rows of the file are the source's nodes and triangles, each once.
+void check_order(const Hdf5Reader& in, const char* path,
+                 const std::vector<std::int32_t>& order, std::int64_t rows) {
+  std::vector<bool> seen(static_cast<std::size_t>(rows));
+  for (const std::int32_t at : order) {
+    if (at < 0 || at >= rows || seen[static_cast<std::size_t>(at)]) {
+      in.fail(fmt::format("dataset {} holds {}, must hold each of 0 to {} once", path,
+                          at, rows - 1));
+    }
+    seen[static_cast<std::size_t>(at)] = true;
+  }
+  if (std::ssize(order) != rows) {
+    in.fail(
+        fmt::format("dataset {} has {} rows, must have {}", path, order.size(), rows));
+  }
+}
+
+ResponseDatabase read_ordered(Hdf5Reader& in, const std::string& name,
+                              StorageOrder& order) {
+  content::read_version(in, name);
+  ResponseDatabase database;
+  in.attribute("/", "writer", database.provenance.writer);
+  content::exchange_rest(in, database, order);
+  for (const std::string& tool : content::read_tool_names(in)) {
+    ResponseTable& table = database.tools.emplace_back();
+    table.tool.name = tool;
+    content::exchange_tool(in, "/tools/" + tool, table);
+  }
+  content::exchange_storage(in, database.storage);
+  return database;
+}
+
+// The whole file, verified, in its own order. @param order filled.
+ResponseDatabase read_verified(const std::filesystem::path& file, StorageOrder& order) {
+  const Hdf5Lock lock;
+  Hdf5Reader in(file);
+  ResponseDatabase ordered;
+  // What breaks a rule says more than a digest that differs, so the rules come first.
+  try {
+    ordered = read_ordered(in, file.string(), order);
+    check(ordered);
+  } catch (const FormatError& error) {
+    const std::string prefix = file.string() + ": ";
+    const std::string what = error.what();
+    throw FormatError(what.rfind(prefix, 0) == 0 ? what : prefix + what);
+  }
+  check_order(in, "/body/source_node", order.node, ordered.body.position_m.rows());
+  check_order(in, "/body/source_triangle", order.triangle,
+              ordered.body.triangle.rows());
+  const std::string stored = in.remark("/", kDigestName);
+  if (stored != in.digest()) {
+    in.fail(fmt::format(
+        "content has SHA-256 {}, must be {:?} as /@{} says: the file was damaged or "
+        "changed",
+        in.digest(), stored.substr(0, 64), kDigestName));
+  }
+  check_derived(in, ordered, order);
+  return ordered;
+}
+
+}  // namespace
+
+ResponseDatabase read_in_file_order(const std::filesystem::path& file) {
+  StorageOrder order;
+  return read_verified(file, order);
+}
+
+ResponseDatabase read_database(const std::filesystem::path& file) {
+  StorageOrder order;
+  const ResponseDatabase ordered = read_verified(file, order);
+  return select_nodes(ordered, places_of(order.node, order.node.size()),
+                      places_of(order.triangle, order.triangle.size()));
+}
+
+const ResponseTable& find_tool(const ResponseDatabase& database,
+                               const std::string& name) {
+  std::string known;
+  for (const ResponseTable& table : database.tools) {
+    if (table.tool.name == name || (name.empty() && database.tools.size() == 1)) {
+      return table;
+    }
+    known += (known.empty() ? "" : ", ") + table.tool.name;
+  }
+  throw InputError(name.empty()
+                       ? fmt::format("a tool must be named; there are: {}", known)
+                       : fmt::format("unknown tool {:?}; there are: {}", name, known));
+}
+
+}  // namespace palpate

@@ -1,0 +1,112 @@
+// Pieces of a response database on their way: what is computed one by one, kept across
+// kills, shared out among machines, and put together in the end.
+//
+// A unit is a set of nodes that is solved as a whole and gives the same bits whoever
+// solves it. A plan knows all that does not depend on units. Both are CBOR (RFC 8949).
+// A shard's file is a magic line, the SHA-256 of what follows (64 hex digits), CBOR.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/database/response_database.h"
+
+namespace palpate {
+
+/// One node's response with one tool, as a unit delivers it.
+struct UnitNode {
+  std::int32_t tool = 0;  ///< index
+  std::int32_t vertex = -1;
+  NodeResponse response = {};
+  std::string failure = {};  ///< why the path ends early, or is missing; else empty
+  /// The tool also met a part of the body whose contact is not in the response.
+  bool reaches_elsewhere = false;
+};
+
+/// A response that breaks a rule (broken_rule) becomes that of a failed node, without a
+/// curve, and the failure says which; a node that failed without a curve is flagged.
+void fail_if_broken(UnitNode& node);
+
+struct UnitOutcome {
+  std::int64_t index = -1;
+  /// Solutions one level finer of nodes that other units answer: they measure the
+  /// error.
+  bool is_check = false;
+  std::vector<UnitNode> node;
+};
+
+/// What all units of one computation have in common.
+struct UnitPlan {
+  std::string digest;  ///< of everything that the outcomes depend on
+  std::int64_t units = 0;
+  SurfaceMesh body;
+  Points normal;
+  std::vector<ToolShape> tool;
+  double force_relative = 0.0;  ///< [-] the scene's accuracy budget
+  std::int64_t reachable = 0;   ///< vertices, of each tool
+  double depth_max_m = 0.0;
+  double force_max_n = 0.0;
+  std::string left_out = {};  ///< of every response; counts are added to it
+  Provenance provenance;      ///< but `left_out`
+};
+
+[[nodiscard]] std::vector<std::byte> to_bytes(const UnitOutcome& unit);
+[[nodiscard]] std::vector<std::byte> to_bytes(const UnitPlan& plan);
+/// @throws FormatError naming `source` if the bytes are not one.
+[[nodiscard]] UnitOutcome unit_from_bytes(std::span<const std::byte> bytes,
+                                          const std::string& source);
+[[nodiscard]] UnitPlan plan_from_bytes(std::span<const std::byte> bytes,
+                                       const std::string& source);
+
+/// Some units of a plan, in one file.
+struct Shard {
+  UnitPlan plan;
+  std::vector<UnitOutcome> unit;
+};
+void write_shard(const std::filesystem::path& file, const Shard& shard);
+/// @throws InputError for a missing file, FormatError for one that is no shard.
+[[nodiscard]] Shard read_shard(const std::filesystem::path& file);
+/// Whether a file begins as a shard does.
+[[nodiscard]] bool is_shard(const std::filesystem::path& file);
+
+/// How the whole came out.
+struct Assembly {
+  ResponseDatabase database;
+  std::int64_t solved = 0;
+  std::int64_t interpolated = 0;
+  std::int64_t failed = 0;     ///< without a curve
+  std::int64_t truncated = 0;  ///< solved, but not to the end of the path
+  std::int64_t untouched = 0;  ///< reachable, but the tool met nothing to press
+  std::int64_t outside_reach = 0;
+  std::int64_t over_budget = 0;
+  std::int64_t reaching_elsewhere = 0;  ///< the tool also met another part of the body
+  std::vector<double> error;            ///< [-] estimates, ascending
+  std::vector<double> checked;        ///< [-] errors against finer solutions, ascending
+  std::vector<std::string> failures;  ///< "vertex 12, tool ball: reason"
+};
+
+/// Whether a unit's nodes all keep the rules: what a checkpoint may give back.
+[[nodiscard]] bool is_sound(const UnitOutcome& unit);
+
+/// Puts the units together; their order does not matter. A node whose response breaks a
+/// rule becomes a failed one (fail_if_broken). @throws InputError naming the units that
+/// are missing, that come twice, or whose nodes the body does not have.
+[[nodiscard]] Assembly assemble(const UnitPlan& plan,
+                                std::span<const UnitOutcome> units);
+
+/// @throws NumericalError saying why if no node at all was solved.
+void require_responses(const UnitPlan& plan, const Assembly& assembly);
+
+/// Relative difference of two responses of a node: rms over 16 equal steps of the
+/// penetration that both cover, from the earlier first touch on, of the difference in
+/// force over the reference's force, or over a tenth of its largest where it is
+/// smaller.
+[[nodiscard]] double response_difference(const NodeResponse& response,
+                                         const NodeResponse& reference,
+                                         const Eigen::Vector3d& outward);
+
+}  // namespace palpate

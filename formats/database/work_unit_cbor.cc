@@ -1,0 +1,172 @@
+#include "formats/database/work_unit_cbor.h"
+
+namespace palpate {
+namespace {
+
+using nlohmann::json;
+
+json list(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Eigen::Vector3d vector_of(const json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
+
+template <typename Matrix>
+json flat(const Matrix& m) {
+  return std::vector<typename Matrix::Scalar>(m.data(), m.data() + m.size());
+}
+
+template <typename Matrix>
+Matrix rows_of_three(const json& j) {
+  const auto values = j.get<std::vector<typename Matrix::Scalar>>();
+  return Eigen::Map<const Matrix>(values.data(),
+                                  static_cast<Eigen::Index>(values.size() / 3), 3);
+}
+
+json to_json(const SurfaceMesh& mesh) {
+  return {{"position_m", flat(mesh.position_m)}, {"triangle", flat(mesh.triangle)}};
+}
+
+SurfaceMesh mesh_of(const json& j) {
+  return {rows_of_three<Points>(j.at("position_m")),
+          rows_of_three<Triangles>(j.at("triangle"))};
+}
+
+json to_json(const ToolShape& tool) {
+  json j{{"name", tool.name},
+         {"kind", tool.kind},
+         {"radius_m", tool.radius_m},
+         {"friction", tool.friction},
+         {"presliding_m", tool.presliding_m},
+         {"edge_radius_m", tool.edge_radius_m},
+         {"half_angle_rad", tool.half_angle_rad},
+         {"tip_radius_m", tool.tip_radius_m},
+         {"length_m", tool.length_m},
+         {"mesh", to_json(tool.mesh)},
+         {"sticking", tool.sticking}};
+  if (tool.axis) {
+    j["axis"] = list(*tool.axis);
+  }
+  return j;
+}
+
+ToolShape tool_of(const json& j) {
+  ToolShape tool{.name = j.at("name"),
+                 .kind = j.at("kind"),
+                 .radius_m = j.at("radius_m"),
+                 .friction = j.at("friction"),
+                 .presliding_m = j.at("presliding_m"),
+                 .edge_radius_m = j.at("edge_radius_m"),
+                 .half_angle_rad = j.at("half_angle_rad"),
+                 .tip_radius_m = j.at("tip_radius_m"),
+                 .length_m = j.at("length_m"),
+                 .mesh = mesh_of(j.at("mesh")),
+                 .sticking = j.at("sticking")};
+  if (j.contains("axis")) {
+    tool.axis = vector_of(j.at("axis"));
+  }
+  return tool;
+}
+
+json to_json(const UnitNode& node) {
+  const NodeResponse& response = node.response;
+  json directions = json::array();
+  for (const Eigen::Vector3d& direction : response.sample_direction) {
+    directions.push_back(list(direction));
+  }
+  return {{"tool", node.tool},
+          {"vertex", node.vertex},
+          {"failure", node.failure},
+          {"elsewhere", node.reaches_elsewhere},
+          {"direction", list(response.direction)},
+          {"direction_spread_rad", response.direction_spread_rad},
+          {"touch_offset_m", response.touch_offset_m},
+          {"depth_m", response.depth_m},
+          {"force_n", response.force_n},
+          {"sample_direction", std::move(directions)},
+          {"error_relative", response.error_relative},
+          {"origin", static_cast<int>(response.origin)},
+          {"flags", response.flags}};
+}
+
+UnitNode node_of(const json& j) {
+  UnitNode node{.tool = j.at("tool"),
+                .vertex = j.at("vertex"),
+                .response = {.direction = vector_of(j.at("direction")),
+                             .direction_spread_rad = j.at("direction_spread_rad"),
+                             .touch_offset_m = j.at("touch_offset_m"),
+                             .depth_m = j.at("depth_m"),
+                             .force_n = j.at("force_n"),
+                             .error_relative = j.at("error_relative"),
+                             .origin = static_cast<ResponseOrigin>(
+                                 j.at("origin").get<std::uint8_t>()),
+                             .flags = j.at("flags")},
+                .failure = j.at("failure"),
+                .reaches_elsewhere = j.value("elsewhere", false)};
+  for (const json& direction : j.at("sample_direction")) {
+    node.response.sample_direction.push_back(vector_of(direction));
+  }
+  return node;
+}
+
+}  // namespace
+
+void to_json(json& j, const UnitOutcome& unit) {
+  j = {{"index", unit.index}, {"is_check", unit.is_check}, {"node", json::array()}};
+  for (const UnitNode& node : unit.node) {
+    j["node"].push_back(to_json(node));
+  }
+}
+
+void from_json(const json& j, UnitOutcome& unit) {
+  unit = {.index = j.at("index"), .is_check = j.at("is_check"), .node = {}};
+  for (const json& node : j.at("node")) {
+    unit.node.push_back(node_of(node));
+  }
+}
+
+void to_json(json& j, const UnitPlan& plan) {
+  const Provenance& from = plan.provenance;
+  j = {{"digest", plan.digest},
+       {"units", plan.units},
+       {"body", to_json(plan.body)},
+       {"normal", flat(plan.normal)},
+       {"tool", json::array()},
+       {"force_relative", plan.force_relative},
+       {"reachable", plan.reachable},
+       {"depth_max_m", plan.depth_max_m},
+       {"force_max_n", plan.force_max_n},
+       {"writer", from.writer},
+       {"scene_toml", from.scene_toml},
+       {"source_file", from.source_file},
+       {"source_sha256", from.source_sha256}};
+  j["left_out"] = plan.left_out;
+  for (const ToolShape& tool : plan.tool) {
+    j["tool"].push_back(to_json(tool));
+  }
+}
+
+void from_json(const json& j, UnitPlan& plan) {
+  plan = {.digest = j.at("digest"),
+          .units = j.at("units"),
+          .body = mesh_of(j.at("body")),
+          .normal = rows_of_three<Points>(j.at("normal")),
+          .tool = {},
+          .force_relative = j.at("force_relative"),
+          .reachable = j.at("reachable"),
+          .depth_max_m = j.at("depth_max_m"),
+          .force_max_n = j.at("force_max_n"),
+          .left_out = j.value("left_out", ""),
+          .provenance = {.writer = j.at("writer"),
+                         .scene_toml = j.at("scene_toml"),
+                         .source_file = j.at("source_file"),
+                         .source_sha256 = j.at("source_sha256"),
+                         .left_out = {}}};
+  for (const json& tool : j.at("tool")) {
+    plan.tool.push_back(tool_of(tool));
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,75 @@
+// Ownership of HDF5 identifiers; only for the sources behind hdf5_io.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include <hdf5.h>
+
+#include "formats/hdf5/hdf5_io.h"
+
+namespace palpate::hdf5 {
+
+/// Closes an identifier by its own close function; negative ones are not open.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) {
+      close_(id_);
+    }
+  }
+  Handle(Handle&& other) noexcept
+      : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&&) = delete;
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+
+  [[nodiscard]] hid_t get() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// The file's type of an element; memory's is the same, on a little-endian machine.
+[[nodiscard]] hid_t file_type(Hdf5Type type);
+[[nodiscard]] const char* name_of(Hdf5Type type);
+[[nodiscard]] std::size_t bytes_of(Hdf5Type type);
+
+/// The group VTKHDF as VTK 9.1 reads it.
+constexpr std::array<std::int64_t, 2> kVtkVersion{1, 0};
+constexpr hsize_t kVtkVersionSize = 2;
+constexpr const char* kVtkType = "UnstructuredGrid";
+
+/// A fixed-length, null-padded UTF-8 string of at least one byte.
+[[nodiscard]] Handle string_type(std::size_t bytes);
+
+/// HDF5's own word on its latest failure, in one line.
+[[nodiscard]] std::string last_failure();
+
+/// Head of a digest item (FORMAT.md, "Digest").
+[[nodiscard]] std::string digest_head(const std::string& path, const char* type,
+                                      std::int64_t rows, std::int64_t columns);
+
+/// Values per row, 0 for one dimension: the columns that the digest names.
+[[nodiscard]] std::int64_t columns_of(const Hdf5Shape& shape);
+[[nodiscard]] std::size_t values_in(const Hdf5Shape& shape);
+
+}  // namespace palpate::hdf5
+
+namespace palpate {
+
+// A dataset that rows() has checked.
+struct Hdf5Reader::Kept {
+  hdf5::Handle dataset;
+  Hdf5Type type;
+  std::string units;
+  std::int64_t columns;
+  std::int64_t rows;
+};
+
+}  // namespace palpate

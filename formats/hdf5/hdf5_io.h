@@ -1,0 +1,395 @@
+// HDF5 files as the database needs them: flat datasets with a unit, small attributes,
+// and a digest of everything that passes through. The one place that knows HDF5's C
+// interface.
+//
+// Hdf5Writer and Hdf5Reader have the same methods, so that one template states what a
+// file holds and in which order, for both. HDF5's own error printing is silent while
+// either lives. Not thread-safe: the HDF5 library is not.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/base/sha256.h"
+#include "formats/hdf5/storage_options.h"
+
+namespace palpate {
+
+/// Element types that a dataset can have; all little-endian in the file.
+enum class Hdf5Type { kFloat64, kFloat32, kInt64, kInt32, kInt16, kUint8 };
+
+template <typename T>
+constexpr Hdf5Type hdf5_type() {
+  if constexpr (std::same_as<T, double>) {
+    return Hdf5Type::kFloat64;
+  } else if constexpr (std::same_as<T, float>) {
+    return Hdf5Type::kFloat32;
+  } else if constexpr (std::same_as<T, std::int64_t>) {
+    return Hdf5Type::kInt64;
+  } else if constexpr (std::same_as<T, std::int32_t>) {
+    return Hdf5Type::kInt32;
+  } else if constexpr (std::same_as<T, std::int16_t>) {
+    return Hdf5Type::kInt16;
+  } else {
+    static_assert(std::same_as<T, std::uint8_t>);
+    return Hdf5Type::kUint8;
+  }
+}
+
+/// Extents of a dataset, rows first; in what a reader asks for, -1 takes any.
+using Hdf5Shape = std::vector<std::int64_t>;
+
+template <typename T>
+using RowMajor3 = Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor>;
+template <typename T>
+using RowMajor = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// SHA-256 over the logical content, item by item (FORMAT.md, "Digest").
+class ContentDigest {
+ public:
+  void add(std::string_view head, const void* data, std::size_t bytes);
+  [[nodiscard]] std::string hex() const { return digest_.hex(); }
+
+ private:
+  Sha256 digest_;
+};
+
+/// Excludes all other use of HDF5 in the process, whose library is not thread-safe.
+/// Whoever makes a reader or a writer holds one while it uses it. One thread can hold
+/// several.
+class Hdf5Lock {
+ public:
+  Hdf5Lock();
+
+ private:
+  std::lock_guard<std::recursive_mutex> guard_;
+};
+
+/// Switches HDF5's error printing off for its lifetime.
+class QuietHdf5 {
+ public:
+  QuietHdf5();
+  ~QuietHdf5();
+  QuietHdf5(const QuietHdf5&) = delete;
+  QuietHdf5& operator=(const QuietHdf5&) = delete;
+
+ private:
+  void* function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// For programs that close all their files themselves, before their first use of HDF5:
+/// switches its clean-up at exit off. After a damaged file HDF5 1.10 cannot finish it
+/// and prints "infinite loop closing library" on stderr (known upstream; memory only).
+void skip_hdf5_exit_cleanup() noexcept;
+
+/// Makes a new file in memory: HDF5 1.10 can crash after a write that failed, for
+/// example on a full disk. Every method @throws std::runtime_error if HDF5 fails all
+/// the same.
+class Hdf5Writer {
+ public:
+  static constexpr bool kWrites = true;
+
+  /// Larger datasets are compressed if the options say so; their precision is that of
+  /// reals().
+  explicit Hdf5Writer(const StorageOptions& storage = {});
+  ~Hdf5Writer();
+  Hdf5Writer(const Hdf5Writer&) = delete;
+  Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+
+  void group(const std::string& path);
+
+  /// Creates the group if it is wanted. @return wanted
+  bool optional_group(const std::string& path, bool wanted);
+
+  /// @return wanted
+  [[nodiscard]] bool optional_dataset(const std::string&, bool wanted) const {
+    return wanted;
+  }
+
+  /// @return wanted
+  [[nodiscard]] bool optional_attribute(const std::string&, const char*,
+                                        bool wanted) const {
+    return wanted;
+  }
+
+  void attribute(const std::string& object, const char* name, const std::string& value);
+  void attribute(const std::string& object, const char* name, double value);
+  void attribute(const std::string& object, const char* name, std::int64_t value);
+
+  /// The CF convention's description of an enumeration, or of bits if `masks`.
+  void flags(const std::string& dataset, const std::vector<std::uint8_t>& values,
+             const char* meanings, bool masks);
+
+  /// A text of any length, as a scalar dataset.
+  void text(const std::string& path, const std::string& value);
+
+  /// (rows): one value per row.
+  template <typename T>
+  void dataset(const std::string& path, const char* units,
+               const std::vector<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(),
+          {static_cast<std::int64_t>(values.size())}, true);
+  }
+
+  /// (rows x 3)
+  template <typename T>
+  void dataset(const std::string& path, const char* units, const RowMajor3<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), 3}, true);
+  }
+
+  /// (rows x columns)
+  template <typename T>
+  void dataset(const std::string& path, const char* units, const RowMajor<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), values.cols()},
+          true);
+  }
+
+  /// (nodes x 3 x columns) from a matrix (3 nodes x columns)
+  template <typename T>
+  void vectors(const std::string& path, const char* units, const RowMajor<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(),
+          {values.rows() / 3, 3, values.cols()}, true);
+  }
+
+  /// (rows) of samples, and begins of rows: as dataset().
+  void samples(const std::string& path, const char* units,
+               const std::vector<double>& values) {
+    dataset(path, units, values);
+  }
+  void begins(const std::string& path, const std::vector<std::int64_t>& values) {
+    dataset(path, "1", values);
+  }
+
+  /// (rows) in the precision of the options; scaled by node, which owns the rows
+  /// [begin[i], begin[i + 1]). Digested in double precision, as they will be read.
+  void reals(const std::string& path, const char* units,
+             const std::vector<double>& values, const std::vector<std::int64_t>& begin);
+
+  /// Slopes and energies, if the precision of the options keeps them; else they enter
+  /// the digest alone. @return whether they are in the file
+  [[nodiscard]] bool keeps_slopes(const std::string& /*path*/) const {
+    return storage_.precision == Precision::kFloat64;
+  }
+  void digest_only(const std::string& path, const std::vector<double>& values);
+
+  /// (rows), outside the digest: what follows from the rest of the content.
+  template <typename T>
+  void derived(const std::string& path, const char* units,
+               const std::vector<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(),
+          {static_cast<std::int64_t>(values.size())}, false);
+  }
+  template <typename T>
+  void derived(const std::string& path, const char* units, const RowMajor3<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), 3}, false);
+  }
+  template <typename T>
+  void derived(const std::string& path, const char* units, const RowMajor<T>& values) {
+    write(path, units, hdf5_type<T>(), values.data(), {values.rows(), values.cols()},
+          false);
+  }
+
+  /// An attribute outside the digest.
+  void remark(const std::string& object, const char* name, const std::string& value);
+  void remark(const std::string& object, const char* name, std::int64_t value);
+
+  /// A second name for an object, outside the digest.
+  void link(const std::string& path, const std::string& object);
+
+  /// Type and version by which VTK recognises a group.
+  void vtk_header(const std::string& group);
+
+  [[nodiscard]] std::string digest() const { return digest_.hex(); }
+
+  /// The bytes of the file; to be called last, valid as long as the writer.
+  [[nodiscard]] std::span<const std::byte> image();
+
+ private:
+  void write(const std::string& path, const char* units, Hdf5Type type,
+             const void* data, const Hdf5Shape& shape, bool digested);
+
+  QuietHdf5 quiet_;
+  StorageOptions storage_;
+  std::int64_t id_ = -1;
+  ContentDigest digest_;
+};
+
+/// Reads a file that may be foreign, damaged or hostile: types, shapes, units and sizes
+/// are checked before anything is allocated. Every method @throws FormatError naming
+/// the file, the dataset or attribute, what it is and what it must be.
+class Hdf5Reader {
+ public:
+  static constexpr bool kWrites = false;
+
+  /// @throws InputError if the file is missing or cannot be opened, FormatError if it
+  /// is not HDF5 or is truncated.
+  explicit Hdf5Reader(const std::filesystem::path& file);
+  ~Hdf5Reader();
+  Hdf5Reader(const Hdf5Reader&) = delete;
+  Hdf5Reader& operator=(const Hdf5Reader&) = delete;
+
+  [[nodiscard]] bool has(const std::string& path) const;
+  [[nodiscard]] bool has_attribute(const std::string& object, const char* name) const;
+
+  void group(const std::string& path) const;
+  [[nodiscard]] bool optional_group(const std::string& path, bool /*ignored*/) const {
+    return has(path);
+  }
+  [[nodiscard]] bool optional_dataset(const std::string& path, bool /*ignored*/) const {
+    return has(path);
+  }
+  [[nodiscard]] bool optional_attribute(const std::string& object, const char* name,
+                                        bool /*ignored*/) const {
+    return has_attribute(object, name);
+  }
+
+  void attribute(const std::string& object, const char* name, std::string& value);
+  void attribute(const std::string& object, const char* name, double& value);
+  void attribute(const std::string& object, const char* name, std::int64_t& value);
+
+  /// Describes, does not decide: nothing to read.
+  void flags(const std::string&, const std::vector<std::uint8_t>&, const char*,
+             bool) const {}
+
+  void text(const std::string& path, std::string& value);
+
+  template <typename T>
+  void dataset(const std::string& path, const char* units, std::vector<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1});
+    values.resize(static_cast<std::size_t>(shape[0]));
+    read(path, hdf5_type<T>(), values.data(), shape, true);
+  }
+
+  template <typename T>
+  void dataset(const std::string& path, const char* units, RowMajor3<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, 3});
+    values.resize(shape[0], 3);
+    read(path, hdf5_type<T>(), values.data(), shape, true);
+  }
+
+  template <typename T>
+  void dataset(const std::string& path, const char* units, RowMajor<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, -1});
+    values.resize(shape[0], shape[1]);
+    read(path, hdf5_type<T>(), values.data(), shape, true);
+  }
+
+  template <typename T>
+  void vectors(const std::string& path, const char* units, RowMajor<T>& values) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1, 3, -1});
+    values.resize(3 * shape[0], shape[2]);
+    read(path, hdf5_type<T>(), values.data(), shape, true);
+  }
+
+  void samples(const std::string& path, const char* units,
+               std::vector<double>& values) {
+    dataset(path, units, values);
+  }
+  void begins(const std::string& path, std::vector<std::int64_t>& values) {
+    dataset(path, "1", values);
+  }
+
+  /// (rows) in any precision, as doubles.
+  void reals(const std::string& path, const char* units, std::vector<double>& values,
+             const std::vector<std::int64_t>& begin);
+  [[nodiscard]] bool keeps_slopes(const std::string& path) const { return has(path); }
+  void digest_only(const std::string& path, const std::vector<double>& values);
+
+  /// Rows [begin, begin + count) of a dataset of any number of columns, outside the
+  /// digest. @param columns 0 for one dimension
+  void rows(const std::string& path, const char* units, Hdf5Type type,
+            std::int64_t begin, std::int64_t count, std::int64_t columns,
+            void* to) const;
+
+  /// values.size() rows of any precision as doubles, outside the digest.
+  /// @param begin of the nodes from first_node on, counted from first_row.
+  void rows_as_reals(const std::string& path, const char* units, std::int64_t first_row,
+                     std::int64_t first_node, const std::vector<std::int64_t>& begin,
+                     std::vector<double>& values) const;
+
+  /// Element type of a dataset. @throws FormatError if it is missing or another's.
+  [[nodiscard]] Hdf5Type type_of(const std::string& path) const;
+
+  /// Extent of a dataset of known type and units: nothing is read.
+  [[nodiscard]] Hdf5Shape shape_of(const std::string& path, const char* units,
+                                   Hdf5Type type, const Hdf5Shape& wanted) const {
+    return checked_shape(path, units, type, wanted);
+  }
+
+  /// A text attribute outside the digest.
+  [[nodiscard]] std::string remark(const std::string& object, const char* name) const {
+    return read_text_attribute(object, name);
+  }
+
+  /// A whole number outside the digest.
+  [[nodiscard]] std::int64_t remark_number(const std::string& object,
+                                           const char* name) const;
+
+  [[noreturn]] void fail(const std::string& what) const;
+
+  /// Reads and compares. @throws FormatError also if the file says anything else.
+  template <typename T>
+  void derived(const std::string& path, const char* units,
+               const std::vector<T>& expected) {
+    const Hdf5Shape shape = checked_shape(path, units, hdf5_type<T>(), {-1});
+    std::vector<T> values(static_cast<std::size_t>(shape[0]));
+    read(path, hdf5_type<T>(), values.data(), shape, false);
+    if (values != expected) {
+      fail("dataset " + path + " does not follow from the rest of the file");
+    }
+  }
+  template <typename T, int kColumns>
+  void derived(
+      const std::string& path, const char* units,
+      const Eigen::Matrix<T, Eigen::Dynamic, kColumns, Eigen::RowMajor>& expected) {
+    const Hdf5Shape shape =
+        checked_shape(path, units, hdf5_type<T>(), {-1, expected.cols()});
+    RowMajor<T> values(shape[0], shape[1]);
+    read(path, hdf5_type<T>(), values.data(), shape, false);
+    if (values.rows() != expected.rows() || values != expected) {
+      fail("dataset " + path + " does not follow from the rest of the file");
+    }
+  }
+
+  /// Requires that both paths name one object.
+  void link(const std::string& path, const std::string& object) const;
+  void vtk_header(const std::string& group) const;
+
+  [[nodiscard]] std::string digest() const { return digest_.hex(); }
+
+ private:
+  [[nodiscard]] Hdf5Shape checked_shape(const std::string& path, const char* units,
+                                        Hdf5Type type, const Hdf5Shape& wanted) const;
+  void read(const std::string& path, Hdf5Type type, void* to, const Hdf5Shape& shape,
+            bool digested);
+  [[nodiscard]] std::string read_text_attribute(const std::string& object,
+                                                const char* name) const;
+  template <typename T>
+  void read_number(const std::string& object, const char* name, T& value) const;
+
+  // What rows() has checked and opened stays open: readers of chunks come back to it.
+  struct Kept;
+  [[nodiscard]] const Kept& kept(const std::string& path, const char* units,
+                                 Hdf5Type type, std::int64_t columns) const;
+
+  QuietHdf5 quiet_;
+  std::filesystem::path file_;
+  std::int64_t id_ = -1;
+  std::uint64_t bytes_ = 0;  // size of the file: nothing in it can be larger
+  ContentDigest digest_;
+  mutable std::map<std::string, std::unique_ptr<const Kept>> kept_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+// Force curves in the HDF5 layout of the Python package afmformats.
+//
+// One group per curve, named by its number ("0", "1", ...); in it "force", "time"
+// (where there is one) and the position of the tip as datasets of doubles of one
+// length, each with the text attribute "unit". The position is "tip position", else
+// "height (measured)", else "height (piezo)"; of a height the tip's position is
+// height + force / "spring constant" (attribute of the group, N/m). Heights fall while
+// the tip approaches, so that depth is minus the position.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "formats/measurement/measurement_file.h"
+
+namespace palpate {
+
+/// Numbers of the curves that the file holds, ascending.
+/// @throws FormatError if it is no HDF5 file or holds none.
+[[nodiscard]] std::vector<int> afm_curves(const std::filesystem::path& file);
+
+/// Curve `number`; depth grows during the approach. @throws InputError for a missing
+/// file, FormatError for a dataset that is missing, of another length or unit, or holds
+/// a value that is not finite.
+[[nodiscard]] MeasurementFile read_afm_curve(const std::filesystem::path& file,
+                                             int number);
+
+}  // namespace palpate

@@ -1,0 +1,126 @@
+#include "formats/measurement/column_name.h"
+
+#include <algorithm>
+#include <cctype>
+#include <functional>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/base/units.h"
+
+namespace palpate {
+namespace {
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) {
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return lower;
+}
+
+std::string without_end_blanks(std::string_view text) {
+  return std::string(text.substr(0, text.find_last_not_of(" \t") + 1));
+}
+
+std::optional<double> known(double (*size)(std::string_view), std::string_view unit) {
+  try {
+    return size(unit);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+// Levenshtein's distance, one row at a time.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t change = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({change, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::optional<double> length_unit_si(std::string_view unit) {
+  return known(metres_per, unit);
+}
+
+std::optional<double> force_unit_si(std::string_view unit) {
+  return known(newtons_per, unit);
+}
+
+std::optional<double> time_unit_si(std::string_view unit) {
+  return known(seconds_per, unit);
+}
+
+ColumnName parse_column_name(std::string_view header) {
+  const char end = header.empty() ? ' ' : header.back();
+  if (end == ')' || end == ']') {
+    const std::size_t open = header.find_last_of(end == ')' ? '(' : '[');
+    if (open != std::string_view::npos) {
+      return {without_end_blanks(header.substr(0, open)),
+              std::string(header.substr(open + 1, header.size() - open - 2))};
+    }
+  }
+  const std::size_t bar = header.find_last_of('_');
+  if (bar != std::string_view::npos) {
+    const std::string_view unit = header.substr(bar + 1);
+    if (time_unit_si(unit) || length_unit_si(unit) || force_unit_si(unit)) {
+      return {std::string(header.substr(0, bar)), std::string(unit)};
+    }
+  }
+  return {std::string(header), ""};
+}
+
+std::vector<std::size_t> matching_columns(const std::vector<std::string>& headers,
+                                          std::string_view name) {
+  using Reading = std::function<std::string(const std::string&)>;
+  const std::string lower = lower_case(name);
+  const Reading readings[] = {[](const std::string& header) {
+                                return header;
+                              },
+                              [](const std::string& header) {
+                                return lower_case(header);
+                              },
+                              [](const std::string& header) {
+                                return lower_case(parse_column_name(header).quantity);
+                              }};
+  for (const Reading& reading : readings) {
+    std::vector<std::size_t> matches;
+    for (std::size_t i = 0; i < headers.size(); ++i) {
+      if (reading(headers[i]) == (&reading == readings ? std::string(name) : lower)) {
+        matches.push_back(i);
+      }
+    }
+    if (!matches.empty()) {
+      return matches;
+    }
+  }
+  return {};
+}
+
+std::string nearest_columns(std::vector<std::string> headers, std::string_view name) {
+  const std::string lower = lower_case(name);
+  const auto distance = [&](const std::string& header) {
+    return edit_distance(lower_case(parse_column_name(header).quantity), lower);
+  };
+  std::stable_sort(headers.begin(), headers.end(), [&](const auto& a, const auto& b) {
+    return distance(a) < distance(b);
+  });
+  std::string list;
+  for (const std::string& header : headers) {
+    list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", header);
+  }
+  return list;
+}
+
+}  // namespace palpate

@@ -1,0 +1,55 @@
+// Reads a measured force-displacement curve from delimited text.
+//
+// Taken as they come: comma, tab or semicolon between cells; decimal commas where the
+// comma does not separate cells; '#' comments; free lines before the line of column
+// names; a line of units below it; rows in which all cells asked for are empty (columns
+// of unequal length side by side).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "formats/database/response_database.h"
+
+namespace palpate {
+
+/// Which column of the file, and the unit of its numbers.
+struct MeasurementColumn {
+  std::string column;  ///< name in the header, or number counted from 1
+  std::string unit;    ///< known to metres_per (depth), newtons_per (force),
+                       ///< seconds_per (time), or kUnitFromHeader
+};
+
+/// The unit is the one that the header, or the line of units below it, states.
+inline constexpr const char* kUnitFromHeader = "header";
+
+struct MeasurementColumns {
+  MeasurementColumn depth, force;
+  std::optional<MeasurementColumn> time = std::nullopt;
+};
+
+/// What to do where the header states another unit than the caller.
+enum class HeaderUnits { kMustAgree, kIgnored };
+
+struct MeasurementFile {
+  Measurement samples;       ///< (m) in file order and in SI units
+  std::string depth_column;  ///< the header's text, empty where there is none
+  std::string force_column;
+  std::string time_column;
+};
+
+/// A column's name is matched exactly, else without regard to case, else also without
+/// the header's unit ("Load (N)", "Load [N]", "load_N" for "load"). Signs are kept.
+/// @throws InputError for a missing file, an unknown unit, an unknown or ambiguous
+/// column (naming those there are, nearest first), a unit that the header contradicts,
+/// or that it does not state, no rows; FormatError naming line and column of a cell
+/// that is not a finite number.
+[[nodiscard]] MeasurementFile read_measurement(
+    const std::filesystem::path& file, const MeasurementColumns& columns,
+    HeaderUnits header_units = HeaderUnits::kMustAgree);
+[[nodiscard]] MeasurementFile read_measurement(
+    const std::filesystem::path& file, const MeasurementColumn& depth,
+    const MeasurementColumn& force, HeaderUnits header_units = HeaderUnits::kMustAgree);
+
+}  // namespace palpate

@@ -1,0 +1,108 @@
+// A recording of a run of the renderer: every tick of the fast process, and which
+// surface elements reached it when. RECORDING.md describes the file.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/hdf5/hdf5_io.h"
+
+namespace palpate {
+
+constexpr std::int64_t kRecordingVersion = 1;  ///< readers refuse any other
+
+/// Bits of TickRecord::flags.
+enum class TickFlag : std::uint8_t {
+  kContact = 1,       ///< the body acts on the tool
+  kStarved = 2,       ///< the contact point left the elements that had arrived
+  kExtrapolated = 4,  ///< deeper than a curve was computed
+  kLateRead = 8,      ///< the device had no answer in time
+  kSkipped = 16,      ///< deadlines passed without a tick before this one
+};
+
+/// One tick of the fast process, as it went to the device. Faults are numbers of the
+/// runtime's Fault; 0 none.
+struct TickRecord {
+  std::int64_t tick = 0;               ///< counts from 0; a gap: records were dropped
+  std::int64_t time_ns = 0;            ///< [ns] of the sample, monotonic clock
+  std::int64_t arrivals = 0;           ///< elements taken in since the start
+  std::array<double, 3> position_m{};  ///< [m] tool reference point, as measured
+  std::array<double, 3> force_n{};     ///< [N] commanded
+  double depth_m = 0.0;                ///< [m] along the response direction
+  double work_j = 0.0;                 ///< [J] put into the local model since the start
+  double stored_j = 0.0;               ///< [J] potential of the local model
+  double tank_j = 0.0;                 ///< [J]
+  double dissipated_j = 0.0;           ///< [J] since the start
+  double relaxed_shift_m = 0.0;        ///< [m] delta_0 that the ledger had to take
+  std::int32_t triangle = -1;          ///< that holds the contact point; -1 none
+  std::uint8_t flags = 0;              ///< TickFlag bits
+  std::uint8_t raised = 0;             ///< fault found outside the step, before it
+  std::uint8_t fault = 0;              ///< latched, after the step
+};
+
+/// A surface element that the fast process took in before the step of a tick. Its
+/// content is the database's.
+struct ArrivalRecord {
+  std::int64_t tick = 0;
+  std::int64_t sequence = 0;  ///< counts what the slow process sent, from 1
+  std::int64_t sent_ns = 0;   ///< [ns] monotonic clock
+  std::int32_t triangle = -1;
+  std::uint8_t active = 0;  ///< nearest to the tool when sent
+};
+
+/// What was rendered, and how: enough to render it again.
+struct RecordingHeader {
+  std::string writer = {};           ///< tool and version
+  std::string database = {};         ///< name of the file, without its folder
+  std::string database_sha256 = {};  ///< its content_sha256: the logical content
+  std::string tool = {};
+  std::string model = {};   ///< local model
+  std::string clock = {};   ///< "simulated" or "real"
+  std::string device = {};  ///< name
+  double fast_hz = 0.0;
+  double slow_hz = 0.0;
+  double force_scale =
+      1.0;  ///< [-] (0, 1] forces of the database were multiplied by it
+  double tool_radius_m = 0.0;
+  double force_max_n = 0.0;
+  double slew_max_n_per_s = 0.0;
+  double energy_floor_j = 0.0;
+  double recovery_m_per_s = 0.0;
+  double ramp_s = 0.0;  ///< [s] of the start-up ramp
+  double device_damping_n_s_per_m = 0.0;
+  double device_coulomb_n = 0.0;
+  double device_resolution_m = 0.0;
+  double device_delay_s = 0.0;
+};
+
+/// How the recording ended.
+struct RecordingEnd {
+  std::int64_t ticks_dropped = 0;  ///< the recorder was late: not in the file
+  std::int64_t arrivals_dropped = 0;
+  std::string fault = "none";
+};
+
+struct Recording {
+  RecordingHeader header;
+  std::vector<TickRecord> tick;
+  std::vector<ArrivalRecord> arrival;  ///< in the order of their arrival
+  bool ended = false;  ///< false: the writer died; what it wrote by then
+  RecordingEnd end;
+};
+
+/// Rows are written and checked by blocks of so many: what a crash can lose.
+constexpr std::size_t kRecordingBlock = 1024;
+
+/// Reads and checks: format, types, units, checksums, finiteness, order. Of a file
+/// whose writer died, the whole blocks. @throws InputError if it is missing,
+/// FormatError if it is foreign, truncated, damaged or of another version.
+[[nodiscard]] Recording read_recording(const std::filesystem::path& file);
+
+/// content_sha256 of a response database, as its file says. @throws as Hdf5Reader.
+[[nodiscard]] std::string database_sha256(const std::filesystem::path& database);
+
+}  // namespace palpate

@@ -1,0 +1,34 @@
+// The plot panel of a stiffness picture: a few force-depth curves in SVG.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/report/body_svg.h"
+#include "formats/report/stiffness_map.h"
+
+namespace palpate {
+
+/// A node whose curve is shown, and why.
+struct ShownCurve {
+  std::int64_t node = -1;
+  std::string label;    ///< "softest"
+  bool hidden = false;  ///< turned away from the viewer
+};
+
+/// Softest, median and stiffest node and the quartiles between them, the inner ones
+/// turned to the viewer where a node within 4 % of the rank is; fewer if the table has
+/// fewer responses.
+[[nodiscard]] std::vector<ShownCurve> choose_curves(const StiffnessMap& map,
+                                                    const Points& normal,
+                                                    const View& view);
+
+/// Axes in mm and N, the curves drawn as the cubics they are with their samples, and a
+/// legend. SVG elements; `panel` is the plot area inside the axes.
+[[nodiscard]] std::string draw_curves(const ResponseTable& table,
+                                      const StiffnessMap& map,
+                                      const std::vector<ShownCurve>& shown,
+                                      const Panel& panel);
+
+}  // namespace palpate

@@ -1,0 +1,142 @@
+#include "formats/report/database_export.h"
+
+#include <iterator>
+#include <span>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/database/vtk_cells.h"
+
+namespace palpate {
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+// Shortest digits that read back as the same number; flags as numbers, not letters.
+template <typename Values>
+void data_array(Out out, const char* type, const std::string& name, int components,
+                const Values& values) {
+  fmt::format_to(out,
+                 "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" "
+                 "format=\"ascii\">\n",
+                 type, name, components);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto value = values[i];
+    const bool ends = (i + 1) % 12 == 0 || i + 1 == values.size();
+    if constexpr (sizeof value == 1) {
+      fmt::format_to(out, "{}{}", static_cast<int>(value), ends ? "\n" : " ");
+    } else {
+      fmt::format_to(out, "{}{}", value, ends ? "\n" : " ");
+    }
+  }
+  fmt::format_to(out, "</DataArray>\n");
+}
+
+std::span<const double> flat(const Points& points) {
+  return {points.data(), static_cast<std::size_t>(points.size())};
+}
+
+void point_data(Out out, const ResponseTable& table) {
+  fmt::format_to(out, "<PointData Scalars=\"stiffness\">\n");
+  data_array(out, "Float64", "stiffness", 1, table.stiffness_max_n_per_m);
+  data_array(out, "Float64", "depth_max", 1, node_depth_max_m(table));
+  data_array(out, "Float64", "error", 1, table.error_relative);
+  data_array(out, "UInt8", "origin", 1, table.origin);
+  data_array(out, "UInt8", "flags", 1, table.flags);
+  data_array(out, "Float64", "direction", 3, flat(table.direction));
+  fmt::format_to(out, "</PointData>\n");
+}
+
+}  // namespace
+
+std::string to_vtu(const ResponseDatabase& database, const ResponseTable& table) {
+  const VtkCells cells = vtk_cells(database.body);
+  std::string text;
+  const Out out(text);
+  fmt::format_to(out,
+                 "<?xml version=\"1.0\"?>\n"
+                 "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+                 "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+                 "<UnstructuredGrid>\n"
+                 "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+                 cells.points.front(), cells.cells.front());
+  point_data(out, table);
+  fmt::format_to(out, "<Points>\n");
+  data_array(out, "Float64", "Points", 3, flat(database.body.position_m));
+  fmt::format_to(out, "</Points>\n<Cells>\n");
+  data_array(out, "Int64", "connectivity", 1, cells.connectivity);
+  data_array(out, "Int64", "offsets", 1, std::span(cells.offset).subspan(1));
+  data_array(out, "UInt8", "types", 1, cells.type);
+  fmt::format_to(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+  return text;
+}
+
+std::string to_csv(const ResponseDatabase& database, const ResponseTable& table) {
+  std::string text = "node,x_m,y_m,z_m,depth_m,force_n,stiffness_n_per_m,energy_j\n";
+  const Out out(text);
+  for (std::int64_t i = 0; i < table.nodes(); ++i) {
+    const auto x = database.body.position_m.row(i);
+    const CurveView curve = table.curve(i);
+    for (std::size_t k = 0; k < curve.depth_m.size(); ++k) {
+      fmt::format_to(out, "{},{},{},{},{},{},{},{}\n", i, x[0], x[1], x[2],
+                     curve.depth_m[k], curve.force_n[k], curve.stiffness_n_per_m[k],
+                     curve.energy_j[k]);
+    }
+  }
+  return text;
+}
+
+std::string to_json_text(const ResponseDatabase& database, const ResponseTable& table) {
+  using Json = nlohmann::ordered_json;
+  Json nodes = Json::array();
+  for (std::int64_t i = 0; i < table.nodes(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const CurveView curve = table.curve(i);
+    if (curve.depth_m.empty()) {
+      nodes.push_back(nullptr);
+      continue;
+    }
+    const auto u = table.direction.row(i);
+    nodes.push_back({{"direction", {u[0], u[1], u[2]}},
+                     {"touch_offset_m", table.touch_offset_m[at]},
+                     {"error_relative", table.error_relative[at]},
+                     {"origin", table.origin[at]},
+                     {"flags", table.flags[at]},
+                     {"depth_m", curve.depth_m},
+                     {"force_n", curve.force_n},
+                     {"stiffness_n_per_m", curve.stiffness_n_per_m},
+                     {"energy_j", curve.energy_j}});
+  }
+  Json positions = Json::array();
+  for (const auto& x : database.body.position_m.rowwise()) {
+    positions.push_back({x[0], x[1], x[2]});
+  }
+  Json triangles = Json::array();
+  for (const auto& corner : database.body.triangle.rowwise()) {
+    triangles.push_back({corner[0], corner[1], corner[2]});
+  }
+  Json report = {{"tool",
+                  {{"name", table.tool.name},
+                   {"shape", table.tool.kind},
+                   {"radius_m", table.tool.radius_m},
+                   {"friction", table.tool.friction},
+                   {"presliding_m", table.tool.presliding_m}}},
+                 {"position_m", positions},
+                 {"triangle", triangles},
+                 {"response", nodes}};
+  const ResponseRelaxation& relaxation = table.relaxation;
+  if (!relaxation.empty()) {
+    report["relaxation"] = {{"rule", relaxation.rule},
+                            {"probes", relaxation.probes},
+                            {"speed_m_per_s", relaxation.speed_m_per_s},
+                            {"seconds", relaxation.seconds},
+                            {"g_1", relaxation.terms.g_1},
+                            {"g_2", relaxation.terms.g_2},
+                            {"tau_1_s", relaxation.terms.tau_1_s},
+                            {"tau_2_s", relaxation.terms.tau_2_s}};
+  }
+  return report.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace palpate

@@ -1,0 +1,39 @@
+#include "formats/response/relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+std::string extent(const std::vector<double>& values, double size = 1.0) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *low == *high ? fmt::format("{:.3g}", size * *low)
+                       : fmt::format("{:.3g}..{:.3g}", size * *low, size * *high);
+}
+
+}  // namespace
+
+double relaxed_share(const PronyTerms& terms, std::size_t row, double time_s) noexcept {
+  return 1.0 + terms.g_1[row] * std::expm1(-time_s / terms.tau_1_s[row]) +
+         terms.g_2[row] * std::expm1(-time_s / terms.tau_2_s[row]);
+}
+
+std::string describe(const ResponseRelaxation& relaxation) {
+  const PronyTerms& terms = relaxation.terms;
+  std::vector<double> left;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    left.push_back(relaxed_share(terms, i, relaxation.seconds));
+  }
+  return fmt::format(
+      "held, {} % of the force stay after {:.3g} s: g {}, {}, tau {}, {} s; curves are "
+      "of a press at {:.3g} mm/s; {} probes; {}",
+      extent(left, 100.0), relaxation.seconds, extent(terms.g_1), extent(terms.g_2),
+      extent(terms.tau_1_s), extent(terms.tau_2_s), 1e3 * relaxation.speed_m_per_s,
+      relaxation.probes, relaxation.rule);
+}
+
+}  // namespace palpate

@@ -1,0 +1,153 @@
+// The responses of one tool at every node of a body, in flat arrays, and the paper's
+// interpolation between them.
+//
+// Meaning (DESIGN of the database): the body pushes the tool along the unit vector u of
+// a node with force f(d); d = (delta - touch_offset) |n_out . u| for a tool at normal
+// penetration delta, so that the integral of f over d is the work of the force vector.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/mesh/surface_mesh.h"
+#include "formats/response/curve_view.h"
+#include "formats/response/relaxation.h"
+#include "formats/response/tool_shape.h"
+
+namespace palpate {
+
+/// (rows x columns) in single precision, one row after the other.
+using RowMajorMatrixF =
+    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+enum class ResponseOrigin : std::uint8_t {
+  kNone = 0,          ///< outside the reachable part: no curve, zero force
+  kSimulated = 1,     ///< solved at this node
+  kInterpolated = 2,  ///< from solved neighbours
+  kMeasured = 3,      ///< fitted to a measurement
+};
+
+/// Quality flags of a node's response, a bit each.
+enum ResponseFlag : std::uint8_t {
+  kFallingCurve = 1,     ///< force falls with depth somewhere (snap-through)
+  kForceCapped = 2,      ///< computed up to the scene's force_max_n only
+  kCoarseContact = 4,    ///< contact spans less than 1.5 node spacings to each side
+  kErrorOverBudget = 8,  ///< error estimate exceeds the scene's accuracy budget
+  kFailed = 16,          ///< the solve failed: no curve
+  kExtrapolated = 32,    ///< interpolated from curves beyond their last sample
+  kTruncatedPath = 64,   ///< the nonlinear solve stopped before the depth asked for
+};
+constexpr std::uint8_t kAllResponseFlags = 127;
+
+/// One node's response as a simulation or a fit delivers it.
+struct NodeResponse {
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< [-] unit, force on the tool
+  double direction_spread_rad =
+      0.0;  ///< [rad] largest angle of the force to `direction`
+  double touch_offset_m =
+      0.0;  ///< [m] normal penetration at first touch; < 0 if concave
+  std::vector<double> depth_m;  ///< (k) [m] along `direction`, from 0; empty for none
+  std::vector<double> force_n;  ///< (k) [N] from 0
+  /// (k) [-] unit, force on the tool; empty where `direction` tells enough
+  std::vector<Eigen::Vector3d> sample_direction = {};
+  double error_relative = 0.0;  ///< [-] estimated error of force, deeper half
+  ResponseOrigin origin = ResponseOrigin::kNone;
+  std::uint8_t flags = 0;
+};
+
+/// How well a tool's responses keep the accuracy budget, measured at nodes that were
+/// interpolated and then solved to compare.
+struct AccuracyRecord {
+  double budget_relative = 0.0;  ///< [-] of force, as the scene asks; 0: no record
+  std::int64_t verified = 0;     ///< nodes behind the quantiles
+  std::vector<double> quantile_level;  ///< (q) [-] [0, 1], increasing
+  std::vector<double> error_relative;  ///< (q) [-] measured error at these levels
+};
+
+/// Displacement of the surface under the tool, for drawing: at solved node node[j], at
+/// normal penetration depth_m[j], vertex i moves by rows 3 i to 3 i + 2 of
+/// basis * coefficient.row(j)^T [m]. Single precision; empty without rows.
+struct DisplacementField {
+  RowMajorMatrixF basis;           ///< (3 n x m) [-] modes, x y z of a vertex in turn
+  RowMajorMatrixF coefficient;     ///< (k x m) [m]
+  std::vector<std::int32_t> node;  ///< (k) the node that is pressed
+  std::vector<double> depth_m;     ///< (k) [m] normal penetration
+  std::vector<double> error_relative;  ///< (k) [-] what m modes miss, L2 over vertices
+};
+
+/// Responses of one tool: node i owns samples [sample_begin[i], sample_begin[i+1]).
+struct ResponseTable {
+  ToolShape tool;
+  Points direction;                           ///< (n x 3) [-]
+  std::vector<double> direction_spread_rad;   ///< (n) [rad]
+  std::vector<double> touch_offset_m;         ///< (n) [m]
+  std::vector<double> error_relative;         ///< (n) [-]
+  std::vector<double> friction;               ///< (n) [-]
+  std::vector<double> presliding_m;           ///< (n) [m]
+  std::vector<double> stiffness_max_n_per_m;  ///< (n) [N/m] largest slope of the curve
+  std::vector<std::uint8_t> origin;           ///< (n) ResponseOrigin
+  std::vector<std::uint8_t> flags;            ///< (n) ResponseFlag bits
+  std::vector<std::int64_t> sample_begin;     ///< (n + 1)
+  std::vector<double> depth_m;                ///< (s) [m]
+  std::vector<double> force_n;                ///< (s) [N]
+  std::vector<double> stiffness_n_per_m;      ///< (s) [N/m] Hermite slopes
+  std::vector<double> energy_j;               ///< (s) [J]
+
+  // Optional parts: empty where nobody filled them.
+  std::vector<double> verified_error_relative;  ///< (n) [-] measured; NaN: not verified
+  std::vector<std::int32_t> failure;            ///< (n) row of failure_reason; -1: none
+  std::vector<std::string> failure_reason;      ///< one line each
+  std::vector<double> force_errors_n;         ///< (s) [N] standard uncertainty of force
+  std::vector<std::int64_t> direction_begin;  ///< (n + 1) node i owns rows of ...
+  Points sample_direction;  ///< (q x 3) [-] ... u at its samples: none or one each
+  AccuracyRecord accuracy;
+  DisplacementField displacement;
+  ResponseRelaxation relaxation;
+
+  [[nodiscard]] std::int64_t nodes() const noexcept {
+    return static_cast<std::int64_t>(touch_offset_m.size());
+  }
+
+  /// The curve of a node; empty where its origin is kNone. Valid as long as the table.
+  [[nodiscard]] CurveView curve(std::int64_t node) const noexcept;
+
+  /// Largest depth of any curve [m]; 0 without curves.
+  [[nodiscard]] double depth_max_m() const noexcept;
+};
+
+/// Builds a table from node responses: slopes, energies and largest slopes are made
+/// here (ResponseCurve), falling curves are flagged.
+/// @throws InputError naming the node whose samples or direction are not valid.
+[[nodiscard]] ResponseTable make_table(const ToolShape& tool,
+                                       const std::vector<NodeResponse>& responses);
+
+/// A response inside a triangle, at area coordinates of a contact point.
+struct InterpolatedResponse {
+  Eigen::Vector3d direction =
+      Eigen::Vector3d::Zero();     ///< [-] unit; (26), renormalised
+  double force_n = 0.0;            ///< [N] (28)
+  double stiffness_n_per_m = 0.0;  ///< [N/m] derivative of (28) with depth
+  double energy_j = 0.0;           ///< [J] integral of (28)
+  bool extrapolated = false;
+};
+
+/// Area coordinates (27) of the projection of p onto the triangle's plane; they sum to
+/// 1 and are negative outside. @param corner_m (3 x 3) one corner per row [m]. A
+/// triangle without area gives the coordinates (1, 0, 0).
+[[nodiscard]] Eigen::Vector3d area_coordinates(const Eigen::Matrix3d& corner_m,
+                                               const Eigen::Vector3d& p_m) noexcept;
+
+/// (26)-(28): directions and forces of the three nodes, weighted by area coordinates.
+/// The depth [m] is counted along the interpolated direction from the rest surface;
+/// each node's touch offset is taken off, scaled by |n_out . u| of that node.
+/// @param normal (n x 3) outward unit normals of the body's vertices.
+[[nodiscard]] InterpolatedResponse interpolate(const ResponseTable& table,
+                                               const Points& normal,
+                                               const Eigen::Vector3i& node,
+                                               const Eigen::Vector3d& area_coordinate,
+                                               double depth_m) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,58 @@
+#include "formats/response/tool_support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace palpate {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+// An endless edge across the direction ends there, whatever rounding says.
+constexpr double kAcross = 1e-12;
+
+// Largest of x . d over the tool, d a unit vector in the tool's frame.
+double support_m(const ToolShape& tool, const Eigen::Vector3d& d) {
+  const double across = std::hypot(d.x(), d.y());
+  if (tool.kind == "mesh") {
+    return tool.mesh.position_m.lazyProduct(d).maxCoeff();
+  }
+  if (tool.kind == "capsule") {
+    return tool.radius_m + std::max(0.0, tool.length_m * d.z());
+  }
+  if (tool.kind == "flat-punch") {
+    const double edge = tool.edge_radius_m;
+    return d.z() > kAcross ? kInfinite
+                           : (tool.radius_m - edge) * across + edge * d.z() + edge;
+  }
+  if (tool.kind == "cone") {
+    const double tip = tool.tip_radius_m * (1.0 + d.z());
+    const double rise =
+        std::sin(tool.half_angle_rad) * across + std::cos(tool.half_angle_rad) * d.z();
+    if (!(rise > kAcross)) {
+      return tip;
+    }
+    const double flank_m = tool.length_m / std::cos(tool.half_angle_rad);
+    return tool.length_m > 0.0 ? tip + flank_m * rise : kInfinite;
+  }
+  return tool.radius_m;
+}
+
+}  // namespace
+
+double height_at_touch_m(const ToolShape& tool, const Eigen::Vector3d& outward) {
+  if (tool.kind == "sphere" || !tool.axis) {
+    return support_m(tool, -Eigen::Vector3d::UnitZ());
+  }
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), *tool.axis);
+  return support_m(tool, -(turn.conjugate() * outward));
+}
+
+double nominal_height_m(const ToolShape& tool) {
+  return std::max(0.0, support_m(tool, -Eigen::Vector3d::UnitZ()));
+}
+
+}  // namespace palpate

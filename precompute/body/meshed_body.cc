@@ -1,0 +1,276 @@
+#include "precompute/body/meshed_body.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "precompute/contact/tool_surface.h"
+#include "precompute/process/machine_memory.h"
+#include "precompute/surface/coarsen_surface.h"
+#include "precompute/surface/refine_surface.h"
+#include "precompute/surface/subdivide.h"
+#include "precompute/tets/tetrahedralise.h"
+
+namespace palpate {
+namespace {
+
+// Edges of the far surface over what the mesh would have there; the shorter ones where
+// the coarse surface crosses itself.
+constexpr std::array<double, 3> kFarShares{0.6, 0.3, 0.15};
+
+// Nodes of the mesh that are held, or stand on springs with all of their face.
+std::vector<Eigen::Vector3d> supported_m(const Scene& scene, const BodyModel& model) {
+  std::vector<Eigen::Vector3d> points;
+  const auto position = [&](std::int32_t node) -> Eigen::Vector3d {
+    return model.mesh.position_m.row(node).transpose();
+  };
+  for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
+    if (model.supports.free_index[3 * static_cast<std::size_t>(node)] < 0) {
+      points.push_back(position(static_cast<std::int32_t>(node)));
+    }
+  }
+  for (const SceneSupport& support : scene.support) {
+    for (Eigen::Index f = 0; !support.is_fixed() && f < model.mesh.surface.rows();
+         ++f) {
+      const auto face = model.mesh.surface.row(f);
+      if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
+            return holds(support, position(node));
+          })) {
+        points.push_back(position(face[0]));
+        points.push_back(position(face[1]));
+        points.push_back(position(face[2]));
+      }
+    }
+  }
+  return points;
+}
+
+// Whether a body that is held at these points could still turn about a line.
+bool in_a_line(const std::vector<Eigen::Vector3d>& points, double extent_m) {
+  if (points.size() < 3) {
+    return true;
+  }
+  Eigen::MatrixX3d p(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    p.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
+  }
+  p.rowwise() -= p.colwise().mean().eval();
+  const Eigen::Matrix3d spread = p.transpose() * p;
+  const auto moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread);
+  // Closer to a line than this, turning about it costs less than rounding.
+  return !(std::sqrt(moments.eigenvalues()[1]) > 1e-6 * extent_m);
+}
+
+}  // namespace
+
+UniformSurface uniform_surface(const BodySource& body, double spacing_m,
+                               Eigen::Index triangles_max) {
+  UniformSurface fine{.surface = body.surface};
+  while (0.5 * mean_edge_m(fine.surface) > spacing_m) {
+    if (4 * fine.surface.triangle.rows() > triangles_max) {
+      fine.fine_enough = false;
+      break;
+    }
+    fine.surface = subdivide_midpoint(fine.surface);
+    ++fine.subdivisions;
+  }
+  fine.node_spacing_m = 0.5 * mean_edge_m(fine.surface);
+  return fine;
+}
+
+UniformSurface pressed_surface(const BodySource& body,
+                               std::span<const std::int32_t> vertices, double spacing_m,
+                               double reach_m, Eigen::Index triangles_max) {
+  constexpr double kGrowth = 0.5;
+  // Halving leaves edges between a half and the whole of what is wanted: with this
+  // their mean is twice the spacing.
+  const ContactFocus focus{
+      .growth = kGrowth, .finest_m = 1.4 * 2.0 * spacing_m, .core_m = reach_m};
+  UniformSurface fine;
+  fine.surface = refine_longest_edge(
+      body.surface, wanted_edges(body.surface, vertices, focus), triangles_max);
+  fine.fine_enough = fine.surface.triangle.rows() <= triangles_max;
+  fine.node_spacing_m = spacing_m;
+  return fine;
+}
+
+std::int64_t contact_nodes_near(const SurfaceMesh& surface, const BodySource& body,
+                                std::span<const std::int32_t> vertices,
+                                double reach_m) {
+  // Edges grow from nothing beyond the reach: what is wanted there is positive.
+  const EdgeLength beyond = wanted_edges(
+      body.surface, vertices, {.growth = 1.0, .finest_m = 0.0, .core_m = reach_m});
+  std::int64_t count = 0;
+  for (Eigen::Index v = 0; v < surface.position_m.rows(); ++v) {
+    count += beyond(surface.position_m.row(v).transpose()) > 0.0 ? 0 : 2;
+  }
+  for (Eigen::Index t = 0; t < surface.triangle.rows(); ++t) {
+    for (int j = 0; j < 3; ++j) {
+      const auto a = surface.position_m.row(surface.triangle(t, j));
+      const auto b = surface.position_m.row(surface.triangle(t, (j + 1) % 3));
+      count += beyond(0.5 * (a + b).transpose()) > 0.0 ? 0 : 1;  // seen from both sides
+    }
+  }
+  return count / 2;
+}
+
+void check_held(const Scene& scene, const BodyModel& model) {
+  const Eigen::Vector3d low = model.mesh.position_m.colwise().minCoeff();
+  const Eigen::Vector3d high = model.mesh.position_m.colwise().maxCoeff();
+  const std::vector<Eigen::Vector3d> points = supported_m(scene, model);
+  if (in_a_line(points, (high - low).norm())) {
+    throw InputError(fmt::format(
+        "the supports hold {} surface nodes, at least 3 that are not in a line are "
+        "needed; the body fills ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m",
+        points.size(), low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
+  }
+}
+
+Supports scene_supports(const Scene& scene, const QuadraticMesh& mesh) {
+  return hold_where(mesh, [&](const Eigen::Vector3d& p) {
+    return is_held(scene, p);
+  });
+}
+
+Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
+                          std::span<const Material> material) {
+  Stiffness K = assemble_stiffness(mesh, material);
+  for (const SceneSupport& support : scene.support) {
+    if (!support.is_fixed()) {
+      add_foundation(K, mesh, support.stiffness_pa_per_m,
+                     [&](const Eigen::Vector3d& p) {
+                       return holds(support, p);
+                     });
+    }
+  }
+  return K;
+}
+
+namespace {
+
+// Unknowns of the mesh's near nodes; none where they are most of all.
+std::vector<std::int64_t> near_unknowns(const BodyModel& model, const IsNear& near) {
+  constexpr double kMost = 0.6;
+  std::vector<std::int64_t> unknowns;
+  for (Eigen::Index node = 0; near && node < model.mesh.position_m.rows(); ++node) {
+    if (near(model.mesh.position_m.row(node).transpose())) {
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const std::int64_t dof =
+            model.supports.free_index[static_cast<std::size_t>(3 * node + axis)];
+        if (dof >= 0) {
+          unknowns.push_back(dof);
+        }
+      }
+    }
+  }
+  const bool most = static_cast<double>(unknowns.size()) >
+                    kMost * static_cast<double>(model.supports.free);
+  return most ? std::vector<std::int64_t>{} : unknowns;
+}
+
+}  // namespace
+
+BodyModel make_body_model(const Scene& scene, const BodySource& body,
+                          const SurfaceMesh& surface, const IsNear& near) {
+  require_memory(surface.triangle.rows());
+  BodyModel model;
+  const TetMesh tets = tetrahedralise(surface, {}, body.inner);
+  model.min_dihedral_deg =
+      tet_quality(tets).smallest_dihedral_rad * 180.0 / std::numbers::pi;
+  model.mesh = make_quadratic(tets, surface.triangle);
+  model.material = body.material;
+  model.supports = scene_supports(scene, model.mesh);
+  check_held(scene, model);
+  model.contact = make_contact_surface(model.mesh);
+  model.contact_spacing_m = 0.5 * mean_edge_m(surface);
+  model.factor.emplace(
+      reduce(scene_stiffness(scene, model.mesh, model.material), model.supports),
+      near_unknowns(model, near));
+  return model;
+}
+
+std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
+  return model.corner.empty() ? vertex : model.corner.at(vertex);
+}
+
+int support_part(const Scene& scene, const Eigen::Vector3d& p_m) {
+  int part = 0;
+  for (std::size_t i = 0; i < scene.support.size(); ++i) {
+    part |= holds(scene.support[i], p_m) ? 1 << (i % 31) : 0;
+  }
+  return part;
+}
+
+namespace {
+
+// Coarse where it is far, and no finer than before where it is near.
+CoarsenedSurface far_coarsened(const Scene& scene, const BodySource& body,
+                               std::span<const std::int32_t> vertices,
+                               const ContactFocus& focus, double far_share) {
+  ContactFocus far = focus;
+  far.growth *= far_share;
+  return coarsen_surface(body.surface, wanted_edges(body.surface, vertices, far),
+                         vertices, [&](const Eigen::Vector3d& p) {
+                           return support_part(scene, p);
+                         });
+}
+
+}  // namespace
+
+SurfaceMesh graded_surface(const Scene& scene, const BodySource& body,
+                           std::span<const std::int32_t> vertices,
+                           const ContactFocus& focus) {
+  const auto wanted = wanted_edges(body.surface, vertices, focus);
+  return refine_longest_edge(
+      body.inner.empty()
+          ? far_coarsened(scene, body, vertices, focus, kFarShares.front()).surface
+          : body.surface,
+      wanted, 4 * kMostTriangles);
+}
+
+BodyModel make_graded_model(const Scene& scene, const BodySource& body,
+                            std::span<const std::int32_t> vertices,
+                            const ContactFocus& focus) {
+  const auto wanted = wanted_edges(body.surface, vertices, focus);
+  // What the tool touches and what strains around it: two contact radii more.
+  const EdgeLength beyond = wanted_edges(
+      body.surface, vertices,
+      {.growth = 1.0,
+       .finest_m = 0.0,
+       .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m) +
+                 2.0 * focus.contact_m});
+  const auto model_on = [&](const SurfaceMesh& surface) {
+    BodyModel model = make_body_model(
+        scene, body, refine_longest_edge(surface, wanted, 4 * kMostTriangles),
+        [&](const Eigen::Vector3d& p) {
+          return beyond(p) <= 0.0;
+        });
+    model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
+    return model;
+  };
+  if (!body.inner.empty()) {
+    return model_on(body.surface);  // inner surfaces might cross a coarse one
+  }
+  for (const double far_share : kFarShares) {
+    try {
+      const CoarsenedSurface coarse =
+          far_coarsened(scene, body, vertices, focus, far_share);
+      BodyModel model = model_on(coarse.surface);
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        model.corner.emplace(vertices[i], coarse.vertex[i]);
+      }
+      return model;
+    } catch (const NumericalError&) {
+      // The coarse surface crosses itself; a finer one costs more.
+    }
+  }
+  return model_on(body.surface);
+}
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+// A scene's body as its files describe it, read and checked once.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/surface_mesh.h"
+#include "formats/scene/scene.h"
+#include "precompute/contact/tool_surface.h"
+#include "precompute/material/material.h"
+#include "precompute/surface/repair.h"
+#include "precompute/tets/inner_surface.h"
+
+namespace palpate {
+
+struct BodySource {
+  SurfaceMesh surface;  ///< in metres, outside out; its vertices are the nodes
+  Points normal;        ///< (n_vertices x 3) outward unit normals
+  std::vector<InnerSurface> inner;  ///< of inclusions, as the scene has them
+  std::vector<Material> material;   ///< by region: the body, then the inclusions
+  std::vector<std::shared_ptr<const ToolSurface>> tool;  ///< as the scene has them
+  std::vector<std::filesystem::path> files;              ///< that were read
+  std::vector<std::string> notes;  ///< what was changed, one line each
+};
+
+/// @param repair of the body's mesh file: vertices that it adds are the body's like
+/// others; every change is a note.
+/// @throws InputError for a body or scene that the user can mend.
+[[nodiscard]] BodySource read_body(const Scene& scene,
+                                   RepairMode repair = RepairMode::kOff);
+
+/// Whether a fixed support holds the surface there.
+[[nodiscard]] bool is_held(const Scene& scene, const Eigen::Vector3d& p_m);
+
+/// Vertices to press: in the scene's reach and not held; ascending.
+/// @throws InputError if there are none.
+[[nodiscard]] std::vector<std::int32_t> reachable_vertices(const Scene& scene,
+                                                           const BodySource& body);
+
+}  // namespace palpate

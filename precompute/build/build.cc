@@ -1,0 +1,259 @@
+#include "precompute/build/build.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <iterator>
+#include <mutex>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include "formats/base/atomic_file.h"
+#include "formats/base/error.h"
+#include "formats/base/sha256.h"
+#include "formats/database/precision_choice.h"
+#include "formats/database/rounded_database.h"
+#include "precompute/build/checkpoint.h"
+#include "precompute/press/surface_displacement.h"
+#include "precompute/press/work_unit_solver.h"
+#include "precompute/process/failure_of.h"
+#include "precompute/process/peak_memory.h"
+#include "precompute/tets/quality_notes.h"
+
+namespace palpate {
+namespace {
+
+// Everything that outcomes depend on; not where or by how many they are computed.
+std::string digest_of(const Scene& scene, const BodySource& body,
+                      const BuildOptions& options) {
+  Sha256 sum;
+  const auto add = [&](const std::string& text) {
+    sum.update(std::as_bytes(std::span(text)));
+  };
+  add(PALPATE_VERSION);
+  add(scene.text);
+  add(options.solve_all ? "all" : "budget");
+  if (options.repair != RepairMode::kOff) {
+    add(fmt::format("repair {}", static_cast<int>(options.repair)));
+  }
+  for (const std::filesystem::path& file : body.files) {
+    add(sha256_of_file(file));
+  }
+  return sum.hex();
+}
+
+UnitPlan plan_of(const Scene& scene, const BodySource& body,
+                 const BuildOptions& options, std::size_t reachable,
+                 std::size_t units) {
+  std::vector<ToolShape> tools;
+  for (const SharedTool& tool : body.tool) {
+    tools.push_back(tool->shape());
+  }
+  return {
+      .digest = digest_of(scene, body, options),
+      .units = static_cast<std::int64_t>(units),
+      .body = body.surface,
+      .normal = body.normal,
+      .tool = std::move(tools),
+      .force_relative = scene.force_relative,
+      .reachable = static_cast<std::int64_t>(reachable),
+      .depth_max_m = scene.reach.depth_max_m,
+      .force_max_n = scene.reach.force_max_n,
+      .left_out = cut_out_text(scene),
+      .provenance = {.writer = fmt::format("palpate-precompute {}", PALPATE_VERSION),
+                     .scene_toml = scene.text,
+                     .source_file = scene.mesh.filename().string(),
+                     .source_sha256 = sha256_of_file(scene.mesh),
+                     .left_out = {}}};
+}
+
+std::vector<std::int32_t> vertices_of(std::span<const Unit> units) {
+  std::vector<std::int32_t> vertices;
+  for (const Unit& unit : units) {
+    if (!unit.is_check) {
+      vertices.insert(vertices.end(), unit.vertex.begin(), unit.vertex.end());
+    }
+  }
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+class UnitRun {
+ public:
+  UnitRun(const Scene& scene, const BodySource& body, const PressStrategy& strategy,
+          const Checkpoint& checkpoint, bool solve_all, Progress& progress)
+      : scene_(scene),
+        body_(body),
+        strategy_(strategy),
+        checkpoint_(checkpoint),
+        solve_all_(solve_all),
+        progress_(progress) {}
+
+  // Solves what is not kept yet; outcomes in the units' order.
+  std::vector<UnitOutcome> run(std::span<const std::int32_t> reachable,
+                               std::span<const Unit> units, BuildReport& report) {
+    std::vector<UnitOutcome> outcome(units.size());
+    std::vector<Unit> open;
+    std::vector<std::size_t> place;
+    for (std::size_t i = 0; i < units.size(); ++i) {
+      if (auto kept = checkpoint_.load(units[i].index)) {
+        outcome[i] = std::move(*kept);
+        ++report.resumed;
+      } else {
+        open.push_back(units[i]);
+        place.push_back(i);
+      }
+    }
+    if (open.empty()) {
+      return outcome;
+    }
+    const SceneSolver solver(scene_, body_, strategy_, reachable, vertices_of(open),
+                             progress_);
+    describe(solver, report);
+    progress_.stage("indentation");
+    std::atomic<std::size_t> done = 0;
+    std::mutex reporting;
+    tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
+      outcome[place[i]] = solved_or_failed(solver, open[i]);
+      ++done;
+      if (reporting.try_lock()) {
+        const std::lock_guard lock(reporting, std::adopt_lock);
+        progress_.advance(done, open.size(), "units");
+      }
+    });
+    return outcome;
+  }
+
+ private:
+  // A unit that cannot be computed at all does not end the build. It is not kept, so
+  // that --resume tries again.
+  UnitOutcome solved_or_failed(const SceneSolver& solver, const Unit& unit) const {
+    UnitOutcome outcome;
+    const std::string reason = failure_of("its unit", [&] {
+      outcome = solve_unit(scene_, body_, strategy_, solver, unit, solve_all_);
+      checkpoint_.keep(outcome);
+    });
+    return reason.empty() ? outcome : failed_unit(unit, body_.tool.size(), reason);
+  }
+
+  static void describe(const SceneSolver& solver, BuildReport& report) {
+    if (const CutOutSolver* cut_out = solver.cut_out()) {
+      report.notes.push_back(cut_out->text());
+    }
+    if (const BodyModel* shared = solver.shared()) {
+      report.tets = shared->mesh.tet.rows();
+      report.unknowns = shared->supports.free;
+      report.min_dihedral_deg = shared->min_dihedral_deg;
+      const TetQuality quality{.smallest_dihedral_rad =
+                                   shared->min_dihedral_deg * std::numbers::pi / 180.0};
+      for (const std::string& note : quality_notes(quality)) {
+        report.notes.push_back(note);
+      }
+    }
+  }
+
+  const Scene& scene_;
+  const BodySource& body_;
+  const PressStrategy& strategy_;
+  const Checkpoint& checkpoint_;
+  bool solve_all_;
+  Progress& progress_;
+};
+
+// Displacements are for drawing: where they cannot be had the responses are written
+// without.
+void add_fields_or_note(const Scene& scene, const BodySource& body,
+                        const PressStrategy& strategy,
+                        std::span<const std::int32_t> reachable, BuildReport& report,
+                        Progress& progress) {
+  const std::string failure = failure_of("their computation", [&] {
+    add_surface_fields(scene, body, strategy, reachable, report.assembly.database,
+                       progress);
+  });
+  if (!failure.empty()) {
+    for (ResponseTable& table : report.assembly.database.tools) {
+      table.displacement = {};
+    }
+    report.notes.push_back(
+        fmt::format("no displacements for drawing are stored: {}", failure));
+  }
+}
+
+// The precision that was asked for, if it can hold the responses; else the next.
+void choose_possible_precision(std::optional<Precision> wanted, BuildReport& report) {
+  ResponseDatabase& database = report.assembly.database;
+  choose_precision(database, wanted);
+  while (database.storage.precision != Precision::kFloat64) {
+    try {
+      (void)rounded(database);
+      return;
+    } catch (const InputError& error) {
+      report.notes.push_back(error.what());
+      database.storage.precision = database.storage.precision == Precision::kInt16
+                                       ? Precision::kFloat32
+                                       : Precision::kFloat64;
+    }
+  }
+}
+
+}  // namespace
+
+BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress) {
+  const auto began = std::chrono::steady_clock::now();
+  if (scene.drawing.displacement && options.shards > 1) {
+    throw InputError(
+        "[drawing] displacement = true needs all responses at once: build without "
+        "--shard, or without the displacements");
+  }
+  { const AtomicFile place(options.output); }  // said before the work, not after it
+  std::optional<tbb::global_control> limit;
+  if (options.workers > 0) {
+    limit.emplace(tbb::global_control::max_allowed_parallelism,
+                  static_cast<std::size_t>(options.workers));
+  }
+  BuildReport report;
+  progress.stage("body");
+  const BodySource body = read_body(scene, options.repair);
+  const std::vector<std::int32_t> reachable = reachable_vertices(scene, body);
+  const PressStrategy strategy = choose_strategy(scene, body, reachable);
+  const std::vector<Unit> units = units_of(scene, body, reachable);
+  const UnitPlan plan = plan_of(scene, body, options, reachable.size(), units.size());
+  std::vector<Unit> mine;
+  std::copy_if(units.begin(), units.end(), std::back_inserter(mine),
+               [&](const Unit& unit) {
+                 return unit.index % options.shards == options.shard;
+               });
+  const Checkpoint checkpoint(options.output, plan, options.resume);
+  report.nodes = body.surface.position_m.rows();
+  report.units = static_cast<std::int64_t>(mine.size());
+  report.node_spacing_m = strategy.spacing_m;
+  report.notes = body.notes;
+  report.notes.insert(report.notes.end(), strategy.notes.begin(), strategy.notes.end());
+  std::vector<UnitOutcome> outcomes =
+      UnitRun(scene, body, strategy, checkpoint,
+              options.solve_all || scene.accuracy.solve == "all", progress)
+          .run(reachable, mine, report);
+  progress.finish();
+  if (options.shards > 1) {
+    write_shard(options.output, {plan, std::move(outcomes)});
+  } else {
+    report.assembly = assemble(plan, outcomes);
+    require_responses(plan, report.assembly);
+    if (scene.drawing.displacement) {
+      add_fields_or_note(scene, body, strategy, reachable, report, progress);
+    }
+    choose_possible_precision(options.precision, report);
+    write_database(options.output, report.assembly.database);
+  }
+  checkpoint.remove();
+  report.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  report.peak_memory_bytes = peak_memory_bytes();
+  return report;
+}
+
+}  // namespace palpate

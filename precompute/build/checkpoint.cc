@@ -1,0 +1,129 @@
+#include "precompute/build/checkpoint.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "formats/base/atomic_file.h"
+#include "formats/base/error.h"
+#include "formats/base/sha256.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kDigestLength = 64;
+
+std::vector<std::byte> bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  return {first, first + text.size()};
+}
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void write(const fs::path& file, std::span<const std::byte> bytes) {
+  AtomicFile place(file);
+  place.write(bytes);
+  place.commit();
+}
+
+}  // namespace
+
+Checkpoint::Checkpoint(const fs::path& output, const UnitPlan& plan, bool resume)
+    : folder_(output.string() + ".partial") {
+  const fs::path digest = folder_ / "digest";
+  if (holds_units() && fs::exists(digest)) {
+    if (!resume) {
+      throw InputError(
+          fmt::format("{} holds units of an unfinished build: --resume goes on with "
+                      "them; remove the folder to start again",
+                      folder_.string()));
+    }
+    if (text_of(bytes_of(digest)) != plan.digest) {
+      throw InputError(
+          fmt::format("{} belongs to another scene, body or version; remove "
+                      "the folder to start again",
+                      folder_.string()));
+    }
+    return;
+  }
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) {
+    throw InputError(
+        fmt::format("{} cannot be made: {}", folder_.string(), error.message()));
+  }
+  write(digest, bytes_of(plan.digest));
+}
+
+Checkpoint::~Checkpoint() {
+  if (!holds_units()) {
+    remove();
+  }
+}
+
+bool Checkpoint::holds_units() const {
+  std::error_code ignored;
+  const fs::directory_iterator entries(folder_, ignored);
+  return std::any_of(begin(entries), end(entries),
+                     [](const fs::directory_entry& entry) {
+                       return entry.path().filename().string().starts_with("unit-");
+                     });
+}
+
+fs::path Checkpoint::file_of(std::int64_t unit) const {
+  return folder_ / fmt::format("unit-{:06}", unit);
+}
+
+std::optional<UnitOutcome> Checkpoint::load(std::int64_t unit) const {
+  const fs::path file = file_of(unit);
+  if (!fs::exists(file)) {
+    return std::nullopt;
+  }
+  const std::vector<std::byte> bytes = bytes_of(file);
+  const auto body = std::span(bytes).subspan(std::min(bytes.size(), kDigestLength));
+  Sha256 sum;
+  sum.update(body);
+  if (bytes.size() < kDigestLength ||
+      text_of(std::span(bytes).first(kDigestLength)) != sum.hex()) {
+    return std::nullopt;
+  }
+  try {
+    UnitOutcome outcome = unit_from_bytes(body, file.string());
+    if (outcome.index == unit && is_sound(outcome)) {
+      return outcome;
+    }
+  } catch (const FormatError&) {
+    // Of another layout: as good as missing.
+  }
+  return std::nullopt;
+}
+
+void Checkpoint::keep(const UnitOutcome& unit) const {
+  const std::vector<std::byte> body = to_bytes(unit);
+  Sha256 sum;
+  sum.update(body);
+  const std::string digest = sum.hex();
+  std::vector<std::byte> bytes(bytes_of(digest).begin(), bytes_of(digest).end());
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  write(file_of(unit.index), bytes);
+}
+
+void Checkpoint::remove() const {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+// Units that are done, one file each, in a folder beside the output.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "formats/database/work_unit.h"
+
+namespace palpate {
+
+class Checkpoint {
+ public:
+  /// Opens "OUTPUT.partial". @throws InputError if it holds units and `resume` is
+  /// false, or units of another plan.
+  Checkpoint(const std::filesystem::path& output, const UnitPlan& plan, bool resume);
+  /// Takes the folder away if it holds no unit.
+  ~Checkpoint();
+  Checkpoint(const Checkpoint&) = delete;
+  Checkpoint& operator=(const Checkpoint&) = delete;
+
+  /// A unit that was kept; none if it is missing or damaged, or if one of its nodes
+  /// breaks a rule (is_sound): such a unit is computed again.
+  [[nodiscard]] std::optional<UnitOutcome> load(std::int64_t unit) const;
+
+  /// Keeps a unit: whole or not at all, whenever the power goes. Safe from several
+  /// threads for different units.
+  void keep(const UnitOutcome& unit) const;
+
+  /// Takes the folder away.
+  void remove() const;
+
+ private:
+  [[nodiscard]] std::filesystem::path file_of(std::int64_t unit) const;
+  [[nodiscard]] bool holds_units() const;
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,338 @@
+#include "precompute/build/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include "formats/base/stopwatch.h"
+#include "precompute/build/plan_cut_outs.h"
+#include "precompute/build/plan_left_out.h"
+#include "precompute/build/plan_shared_mesh.h"
+#include "precompute/press/compliance_sample.h"
+#include "precompute/press/node_press.h"
+#include "precompute/press/own_mesh_press.h"
+#include "precompute/press/press_cost.h"
+#include "precompute/press/scene_solver.h"
+#include "precompute/press/territory.h"
+#include "precompute/press/work_unit_solver.h"
+#include "precompute/process/peak_memory.h"
+
+namespace palpate {
+namespace {
+
+// What would take longer is told from something smaller, so that a plan takes seconds.
+constexpr double kChecksCpuS = 2.0;
+constexpr double kGroupsS = 3.0;  // of one kind; more groups are timed until then
+
+constexpr std::size_t kMostBatches = 4;
+
+class Planner {
+ public:
+  Planner(const Scene& scene, const PlanOptions& options, std::size_t workers,
+          Progress& progress)
+      : scene_(scene),
+        repair_(options.repair),
+        solve_all_(options.solve_all || scene.accuracy.solve == "all"),
+        workers_(workers),
+        progress_(progress) {}
+
+  PlanReport run() {
+    describe_scene();
+    if (strategy_.cut_out) {
+      plan_cut_outs(scene_, body_, strategy_, reachable_, units_, workers_, progress_,
+                    report_);
+    } else {
+      time_whole_bodies();
+    }
+    count_responses();
+    report_.left_out = left_out_of(scene_, strategy_, report_);
+    for (const PlanCost& cost : report_.cost) {
+      report_.seconds += cost.seconds;
+    }
+    return std::move(report_);
+  }
+
+ private:
+  using Group = std::vector<std::int32_t>;
+
+  void describe_scene();
+  void time_whole_bodies() {
+    if (strategy_.shared_mesh) {
+      time_shared_mesh();
+    } else {
+      time_cheap_on_own_meshes();
+    }
+    time_good();
+    time_checks();
+  }
+  void time_shared_mesh();
+  void time_cheap_on_own_meshes();
+  void time_good();
+  void time_checks();
+  void count_responses();
+
+  // Own meshes for groups of vertices, as many at once as there are workers, until that
+  // takes a while; of `count` groups. @param times longer than a timed one each takes.
+  void time_own_meshes(const std::string& work, const std::vector<Group>& groups,
+                       std::size_t count, const ContactFocus& focus, bool nonlinear,
+                       double times = 1.0);
+  [[nodiscard]] std::vector<const Unit*> territories() const;
+  [[nodiscard]] std::size_t good_of(const Unit& territory) const;
+  // Whether a build will probably solve every vertex without a cheap press before.
+  [[nodiscard]] bool all_solved_alone() const {
+    const auto all = territories();
+    return strategy_.nonlinear && std::all_of(all.begin(), all.end(), [&](auto* unit) {
+             return good_of(*unit) == unit->vertex.size();
+           });
+  }
+  [[nodiscard]] std::vector<Group> some_groups(
+      const std::function<std::vector<Group>(const Unit&)>& groups_of) const;
+
+  const Scene& scene_;
+  RepairMode repair_;
+  bool solve_all_;
+  std::size_t workers_;
+  Progress& progress_;
+  BodySource body_;
+  std::vector<std::int32_t> reachable_;
+  PressStrategy strategy_;
+  std::vector<Unit> units_;
+  PlanReport report_;
+  // Stays, as in a build, while presses on own meshes are timed.
+  std::optional<PlanSharedMesh> shared_;
+  // Cheap presses outside the budget, which are done again on meshes of their own.
+  double again_share_ = 0.0;
+};
+
+std::vector<const Unit*> Planner::territories() const {
+  std::vector<const Unit*> territories;
+  for (const Unit& unit : units_) {
+    if (!unit.is_check) {
+      territories.push_back(&unit);
+    }
+  }
+  return territories;
+}
+
+std::size_t Planner::good_of(const Unit& territory) const {
+  if (strategy_.cheap_is_good) {
+    return static_cast<std::size_t>(
+        std::lround(again_share_ * static_cast<double>(territory.vertex.size())));
+  }
+  return solve_all_ ? territory.vertex.size()
+                    : std::min(expected_samples(scene_.force_relative),
+                               territory.vertex.size());
+}
+
+void Planner::describe_scene() {
+  progress_.stage("body");
+  const double seconds = seconds_of([&] {
+    body_ = read_body(scene_, repair_);
+    reachable_ = reachable_vertices(scene_, body_);
+    strategy_ = choose_strategy(scene_, body_, reachable_);
+    units_ = units_of(scene_, body_, reachable_);
+  });
+  report_.cost.push_back(cost_once("read and check the body", seconds));
+  report_.nodes = body_.surface.position_m.rows();
+  report_.reachable = static_cast<std::int64_t>(reachable_.size());
+  for (Eigen::Index v = 0; v < body_.surface.position_m.rows(); ++v) {
+    report_.held += is_held(scene_, body_.surface.position_m.row(v).transpose());
+  }
+  report_.outside_reach = report_.nodes - report_.reachable - report_.held;
+  report_.tools = static_cast<std::int64_t>(body_.tool.size());
+  report_.units = static_cast<std::int64_t>(units_.size());
+  report_.checks = std::count_if(units_.begin(), units_.end(), [](const Unit& unit) {
+    return unit.is_check;
+  });
+  report_.nonlinear = strategy_.nonlinear;
+  report_.shared_mesh = strategy_.shared_mesh;
+  report_.cut_out = strategy_.cut_out;
+  const bool one_mesh = strategy_.shared_mesh || strategy_.cut_out;
+  report_.graded = strategy_.graded && !strategy_.cheap_is_good;
+  report_.subdivisions = one_mesh ? strategy_.subdivisions : 0;
+  report_.spacing_m = one_mesh ? strategy_.spacing_m : 0.5 * strategy_.focus.finest_m;
+  report_.depths = scene_.accuracy.depths;
+  report_.nonlinear_depths =
+      strategy_.nonlinear ? nonlinear_depths(scene_.accuracy.depths) : 0;
+  report_.notes = body_.notes;
+  report_.notes.insert(report_.notes.end(), strategy_.notes.begin(),
+                       strategy_.notes.end());
+}
+
+void Planner::time_shared_mesh() {
+  shared_.emplace(scene_, body_, strategy_, reachable_, workers_, progress_, report_);
+  if (strategy_.cheap_is_good && strategy_.graded) {
+    again_share_ = shared_->share_outside_budget();
+  }
+  if (strategy_.nonlinear && !strategy_.graded) {
+    std::size_t count = 0;
+    for (const Unit* territory : territories()) {
+      count += good_of(*territory);
+    }
+    shared_->time_nonlinear(count * body_.tool.size());
+  }
+}
+
+std::vector<Planner::Group> Planner::some_groups(
+    const std::function<std::vector<Group>(const Unit&)>& groups_of) const {
+  std::vector<Group> some;
+  const std::vector<const Unit*> all = territories();
+  for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
+    for (std::size_t w = 0; w < workers_; ++w) {
+      const std::size_t place = 2 * (w * kMostBatches + batch) + 1;
+      const std::size_t places = 2 * workers_ * kMostBatches;
+      const auto groups = groups_of(*all[place * all.size() / places]);
+      const Group& group = groups[place * groups.size() / places];
+      if (std::find(some.begin(), some.end(), group) == some.end()) {
+        some.push_back(group);
+      }
+    }
+  }
+  return some;
+}
+
+void Planner::time_own_meshes(const std::string& work, const std::vector<Group>& groups,
+                              std::size_t count, const ContactFocus& focus,
+                              bool nonlinear, double times) {
+  progress_.stage("some of: " + work);
+  const SharedTool& tool = body_.tool.front();
+  std::size_t timed = 0;
+  double seconds = 0.0;
+  while (timed < groups.size() && seconds < kGroupsS) {
+    const std::size_t batch = std::min(workers_, groups.size() - timed);
+    seconds += seconds_of([&] {
+      tbb::parallel_for(timed, timed + batch, [&](std::size_t i) {
+        // Without what is done again where a press fails (press_on_own_mesh).
+        (void)press_on_model(
+            scene_, body_, make_own_model(scene_, body_, groups[i], focus), tool,
+            groups[i],
+            {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
+      });
+    });
+    timed += batch;
+  }
+  report_.cost.push_back(
+      cost_of_all(work, count * body_.tool.size(), timed, seconds, times));
+}
+
+void Planner::time_cheap_on_own_meshes() {
+  const auto groups_of = [&](const Unit& unit) {
+    return group_vertices(body_.surface, unit.vertex, strategy_.focus);
+  };
+  std::size_t count = 0;
+  for (const Unit* territory : territories()) {
+    count += groups_of(*territory).size();
+  }
+  const auto groups = some_groups(groups_of);
+  const BodyModel model =
+      make_own_model(scene_, body_, groups.front(), strategy_.focus);
+  report_.tets = model.mesh.tet.rows();
+  report_.unknowns = model.supports.free;
+  if (all_solved_alone()) {
+    return;
+  }
+  time_own_meshes("groups of linear presses on meshes of their own", groups, count,
+                  strategy_.focus, false);
+}
+
+void Planner::time_good() {
+  if (!strategy_.graded) {
+    return;
+  }
+  // Samples come in rounds; neighbours of a round share a mesh.
+  const bool in_rounds = !strategy_.cheap_is_good && !solve_all_;
+  const auto groups_of = [&](const Unit& unit) {
+    const std::size_t first = in_rounds ? kFirstSamples : good_of(unit);
+    return group_presses(body_.surface,
+                         spread_over(unit.vertex, std::max<std::size_t>(first, 1)),
+                         strategy_.focus, strategy_.nonlinear);
+  };
+  double count = 0.0;
+  for (const Unit* territory : territories()) {
+    const auto groups = groups_of(*territory);
+    std::size_t vertices = 0;
+    for (const auto& group : groups) {
+      vertices += group.size();
+    }
+    count += static_cast<double>(groups.size() * good_of(*territory)) /
+             static_cast<double>(vertices);
+  }
+  if (count < 0.5) {
+    return;
+  }
+  time_own_meshes(strategy_.cheap_is_good
+                      ? "groups of presses outside the budget, on meshes of their own"
+                      : "groups of good presses on meshes of their own",
+                  some_groups(groups_of), static_cast<std::size_t>(std::lround(count)),
+                  strategy_.focus, strategy_.nonlinear);
+}
+
+void Planner::time_checks() {
+  std::vector<Group> checks;
+  for (const Unit& unit : units_) {
+    if (unit.is_check) {
+      checks.push_back(unit.vertex);
+    }
+  }
+  if (checks.empty()) {
+    return;
+  }
+  const std::size_t count = checks.size();
+  // A linear press costs as its factor and columns do; a nonlinear one as its elements.
+  const ContactFocus fine = finer(strategy_.focus, kCheckTimesFiner);
+  const MeshWork here = own_mesh_work(scene_, body_, checks.front(), strategy_.focus);
+  const MeshWork there = own_mesh_work(scene_, body_, checks.front(), fine);
+  const bool affordable = !strategy_.nonlinear && expected_cpu_s(there) < kChecksCpuS;
+  const double times = affordable ? 1.0
+                       : strategy_.nonlinear
+                           ? there.triangles / here.triangles
+                           : expected_cpu_s(there) / expected_cpu_s(here);
+  time_own_meshes("checks one level finer", checks, count,
+                  affordable ? fine : strategy_.focus, strategy_.nonlinear, times);
+}
+
+void Planner::count_responses() {
+  const std::int64_t all = report_.reachable * report_.tools;
+  report_.solved_at_least = all;
+  report_.solved_expected = all;
+  if (!strategy_.cheap_is_good && !solve_all_) {
+    report_.solved_at_least = 0;
+    report_.solved_expected = 0;
+    for (const Unit* territory : territories()) {
+      report_.solved_at_least +=
+          report_.tools *
+          static_cast<std::int64_t>(std::min(kFirstSamples, territory->vertex.size()));
+      report_.solved_expected +=
+          report_.tools * static_cast<std::int64_t>(good_of(*territory));
+    }
+  }
+  report_.interpolated_expected = all - report_.solved_expected;
+}
+
+}  // namespace
+
+PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progress) {
+  std::optional<tbb::global_control> limit;
+  if (options.workers > 0) {
+    limit.emplace(tbb::global_control::max_allowed_parallelism,
+                  static_cast<std::size_t>(options.workers));
+  }
+  const std::size_t workers =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  PlanReport report;
+  const double seconds = seconds_of([&] {
+    report = Planner(scene, options, workers, progress).run();
+  });
+  progress.finish();
+  report.plan_seconds = seconds;
+  // Every kind of work was done by all workers at once, beside what all of them share.
+  report.peak_memory_bytes = std::max(report.peak_memory_bytes, peak_memory_bytes());
+  return report;
+}
+
+}  // namespace palpate

@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+#include "formats/mesh/obj_writer.h"
+#include "formats/mesh/surface_reader.h"
+#include "precompute/command/commands.h"
+#include "precompute/surface/bad_faces.h"
+#include "precompute/surface/repair.h"
+#include "precompute/surface/surface_check.h"
+#include "precompute/tets/quality_notes.h"
+
+namespace palpate {
+namespace {
+
+struct CheckFlags {
+  std::string mesh;
+  std::string length_unit;
+  std::string repair = "off";
+  std::string output;
+  std::string bad_faces;
+  bool json = false;
+};
+
+double degrees(double angle_rad) {
+  return angle_rad * 180.0 / std::numbers::pi;
+}
+
+nlohmann::json to_json(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+nlohmann::json to_json(const SurfaceReport& report) {
+  nlohmann::json json{{"accepted", report.accepted()},
+                      {"verdict", report.verdict()},
+                      {"vertices", report.vertices},
+                      {"triangles", report.triangles},
+                      {"components", report.components},
+                      {"components_turned", report.components_turned},
+                      {"closed", report.closed()},
+                      {"area_m2", report.area_m2},
+                      {"volume_m3", report.volume_m3},
+                      {"extent_m", to_json(report.extent_m)},
+                      {"edge_mean_m", report.edge_mean_m},
+                      {"smallest_angle_rad", report.smallest_angle_rad},
+                      {"notes", quality_notes(report)}};
+  for (const DefectKind& kind : defect_kinds()) {
+    const SurfaceDefect& defect = report.*kind.defect;
+    nlohmann::json where = nlohmann::json::array();
+    for (const Eigen::Vector3d& p : defect.where_m) {
+      where.push_back(to_json(p));
+    }
+    json["defects"][kind.key] = {{"count", defect.count}, {"where_m", where}};
+  }
+  return json;
+}
+
+void print_table(const SurfaceReport& report) {
+  const Eigen::Vector3d& size_m = report.extent_m;
+  fmt::print("  vertices              {}\n", report.vertices);
+  fmt::print("  triangles             {}\n", report.triangles);
+  fmt::print("  parts                 {}\n", report.components);
+  fmt::print("  size [m]              {:.6g} x {:.6g} x {:.6g}\n", size_m.x(),
+             size_m.y(), size_m.z());
+  fmt::print("  area [m^2]            {:.6g}\n", report.area_m2);
+  fmt::print("  volume [m^3]          {:.6g}\n", report.volume_m3);
+  fmt::print("  mean edge [m]         {:.4g}\n", report.edge_mean_m);
+  fmt::print("  smallest angle        {:.2f} deg\n",
+             degrees(report.smallest_angle_rad));
+  for (const DefectKind& kind : defect_kinds()) {
+    fmt::print("  {:<22}{}\n", kind.key, (report.*kind.defect).count);
+  }
+  for (const std::string& note : quality_notes(report)) {
+    fmt::print("  note                  {}\n", note);
+  }
+}
+
+nlohmann::json to_json(const RepairReport& report) {
+  nlohmann::json json = to_json(report.after);
+  json["before"] = to_json(report.before);
+  json["changed"] = nlohmann::json::array();
+  for (const RepairStep& step : report.changed) {
+    json["changed"].push_back({{"what", step.what}, {"count", step.count}});
+  }
+  json["original_vertex"] = report.original_vertex;
+  json["displaced_m"] = report.displaced_m;
+  json["volume_relative"] = report.volume_relative;
+  json["refusal"] = report.refusal;
+  return json;
+}
+
+// What was changed, and each defect before and after.
+void print_repair(const RepairReport& report) {
+  for (const RepairStep& step : report.changed) {
+    fmt::print("  changed               {} {}\n", step.count, step.what);
+  }
+  fmt::print("  {:<22}{:>12}{:>12}\n", "", "before", "after");
+  const auto row = [](const char* what, const auto& before, const auto& after) {
+    fmt::print("  {:<22}{:>12}{:>12}\n", what, before, after);
+  };
+  row("vertices", report.before.vertices, report.after.vertices);
+  row("triangles", report.before.triangles, report.after.triangles);
+  row("parts", report.before.components, report.after.components);
+  row("volume [m^3]", fmt::format("{:.5g}", report.before.volume_m3),
+      fmt::format("{:.5g}", report.after.volume_m3));
+  for (const DefectKind& kind : defect_kinds()) {
+    row(kind.key, (report.before.*kind.defect).count,
+        (report.after.*kind.defect).count);
+  }
+  const auto kept = std::count_if(report.original_vertex.begin(),
+                                  report.original_vertex.end(), [](std::int32_t v) {
+                                    return v >= 0;
+                                  });
+  fmt::print("  vertices kept         {}, new {}\n", kept,
+             std::ssize(report.original_vertex) - kept);
+  fmt::print("  moved by              {:.3g} m at most, volume {:+.2f} %\n",
+             report.displaced_m, 100.0 * report.volume_relative);
+}
+
+// The end of a refusal: the command to try now.
+std::string next_step(const CheckFlags& flags, RepairMode mode) {
+  if (mode == RepairMode::kWrap) {
+    return "mend it by hand";
+  }
+  return fmt::format(
+      "try palpate-precompute check {} --length-unit {} --repair={} -o repaired.obj",
+      flags.mesh, flags.length_unit, mode == RepairMode::kOff ? "safe" : "wrap");
+}
+
+void write_files(const CheckFlags& flags, const SurfaceMesh& mesh,
+                 const RepairedSurface& repaired) {
+  if (!flags.bad_faces.empty()) {
+    write_bad_faces(mesh, bad_faces(mesh), flags.bad_faces);
+  }
+  if (!flags.output.empty() && repaired.report.refusal.empty()) {
+    write_obj(repaired.mesh, flags.output,
+              fmt::format("made by palpate-precompute check {} --repair={}", flags.mesh,
+                          flags.repair));
+  }
+}
+
+void run_check(const CheckFlags& flags) {
+  const RepairMode mode = repair_mode(flags.repair);
+  const SurfaceMesh mesh = read_surface(flags.mesh, flags.length_unit);
+  const RepairedSurface repaired = repair_surface(mesh, mode);
+  const RepairReport& report = repaired.report;
+  const bool failed = !report.refusal.empty() && mode != RepairMode::kOff;
+  const std::string verdict =
+      failed ? fmt::format("repair \"{}\" failed: {}", flags.repair, report.refusal)
+             : report.after.verdict();
+  if (flags.json) {
+    fmt::print("{}\n", to_json(report).dump(2));
+  } else {
+    fmt::print("{}: {}\n", flags.mesh, verdict);
+    print_table(report.after);
+    if (mode != RepairMode::kOff && !report.before.accepted()) {
+      print_repair(report);
+    }
+  }
+  write_files(flags, mesh, repaired);
+  if (!report.refusal.empty()) {
+    throw InputError(
+        fmt::format("{}: {}; {}", flags.mesh, verdict, next_step(flags, mode)));
+  }
+}
+
+}  // namespace
+
+void add_check_command(Command app) {
+  const auto flags = std::make_shared<CheckFlags>();
+  Command command =
+      app.add_subcommand("check", "Reports whether a surface mesh bounds a body");
+  command.add_option("mesh", flags->mesh, "OBJ, STL, PLY or OFF file").required();
+  command
+      .add_option("--length-unit", flags->length_unit,
+                  "unit of the file's coordinates: m, cm, mm, um, in, ...")
+      .required();
+  command
+      .add_option("--repair", flags->repair,
+                  "safe: mend without moving vertices; wrap: a new surface around")
+      .one_of({"off", "safe", "wrap"})
+      .show_default();
+  command.add_option("-o,--output", flags->output,
+                     "OBJ file to write the accepted surface to, in metres");
+  command.add_option("--bad-faces", flags->bad_faces,
+                     "PLY file to write the faulty triangles to, coloured by fault");
+  command.add_flag("--json", flags->json, "print the report for programs");
+  command.callback([flags] {
+    run_check(*flags);
+  });
+}
+
+}  // namespace palpate

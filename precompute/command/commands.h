@@ -1,0 +1,18 @@
+// The subcommands of palpate-precompute, each in its own command_*.cc.
+#pragma once
+
+#include "formats/base/command_line.h"
+
+namespace palpate {
+
+void add_body_command(Command app);
+void add_build_command(Command app);
+void add_check_command(Command app);
+void add_indent_command(Command app);
+void add_plan_command(Command app);
+void add_remesh_command(Command app);
+void add_submit_command(Command app);
+void add_sweep_command(Command app);
+void add_trade_command(Command app);
+
+}  // namespace palpate

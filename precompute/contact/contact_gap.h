@@ -1,0 +1,43 @@
+// How far a point of the surface is from a tool, as small-strain contact sees it: along
+// the direction of the press.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "precompute/contact/contact_surface.h"
+#include "precompute/contact/tool_surface.h"
+
+namespace palpate {
+
+/// How far a surface point can move out along its normal before it meets the tool, and
+/// the derivative with the tool's position.
+struct Gap {
+  double distance_m = 0.0;  ///< [m] negative where the tool reaches in
+  Eigen::Vector3d by_tool;  ///< [-] d(distance)/d(reference)
+};
+
+/// (press . n) times the height t of the tool's near side above the point, seen along
+/// `press`: to first order in the gap this is the distance along the normal n, and its
+/// derivative with the tool's position is n where the tool touches. With D the distance
+/// to the tool, n_D its gradient and c = steepest_cosine():
+///
+///     D(p + t press) = 0, the lower root, where -n_D . press >= c there, else
+///     t = min over tau of tau + D(p + tau press) / c,
+///
+/// which goes on with the slope of the steepest part that counts, so that the height is
+/// convex and C1 everywhere and walls do not enter. Both cases: dt/d(reference) =
+/// n_D / (n_D . press). For a sphere t = -b - sqrt(R^2 - s^2), b = press . r,
+/// r = p - centre, s = |r - b press|, straight beyond s = 0.95 R. Zero where the
+/// surface faces away.
+[[nodiscard]] Gap tool_gap(const Eigen::Vector3d& p_m, const Eigen::Vector3d& normal,
+                           const PlacedTool& tool);
+
+/// Average of tool_gap over a contact node's hat.
+[[nodiscard]] Gap average_gap(const ContactNode& node, const PlacedTool& tool);
+
+/// Largest distance [m] from the line through the reference along `press` at which the
+/// tool's near side stands at most height_m above its lowest point; of a sphere at most
+/// R. NaN where the tool is not placed.
+[[nodiscard]] double shadow_radius_m(const PlacedTool& tool, double height_m);
+
+}  // namespace palpate

@@ -1,0 +1,266 @@
+#include "precompute/contact/contact_potential.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+
+#include "precompute/contact/face_quadrature.h"
+
+namespace palpate {
+namespace {
+
+const FaceRulePoint& rule_point(std::int32_t i) {
+  return face_rule()[static_cast<std::size_t>(i)];
+}
+
+ToolDistance distance_to(const PlacedTool& tool, const Eigen::Vector3d& p_m) {
+  const ToolDistance local =
+      tool.surface->distance(tool.rotation.transpose() * (p_m - tool.reference_m));
+  return {local.distance_m, tool.rotation * local.normal,
+          tool.rotation * local.curvature_per_m * tool.rotation.transpose()};
+}
+
+// Projection on the tool's tangent plane at a tied node's anchor.
+Eigen::Matrix3d tangent_plane(const PlacedTool& tool, const Eigen::Vector3d& anchor_m) {
+  const Eigen::Vector3d n =
+      tool.rotation *
+      tool.surface->distance(tool.rotation.transpose() * anchor_m).normal;
+  return Eigen::Matrix3d::Identity() - n * n.transpose();
+}
+
+double face_area_m2(const QuadraticMesh& mesh, Eigen::Index face) {
+  const Eigen::Vector3d a = mesh.position_m.row(mesh.surface(face, 0)).transpose();
+  const Eigen::Vector3d b = mesh.position_m.row(mesh.surface(face, 1)).transpose();
+  const Eigen::Vector3d c = mesh.position_m.row(mesh.surface(face, 2)).transpose();
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
+}  // namespace
+
+ContactPotential::ContactPotential(const ContactSurface& surface,
+                                   const QuadraticMesh& mesh,
+                                   std::span<const std::int32_t> patch,
+                                   const NearField& near)
+    : patch_size_(patch.size()), row_(patch.size()) {
+  std::unordered_map<std::int32_t, std::int32_t> hat_of;  // of mesh nodes
+  for (std::size_t v = 0; v < patch.size(); ++v) {
+    hat_of.emplace(surface.node[static_cast<std::size_t>(patch[v])].mesh_node,
+                   static_cast<std::int32_t>(v));
+  }
+  std::vector<Eigen::Index> faces;
+  for (Eigen::Index f = 0; f < mesh.surface.rows(); ++f) {
+    const auto row = mesh.surface.row(f);
+    if (std::any_of(row.begin(), row.end(), [&](std::int32_t n) {
+          return hat_of.contains(n);
+        })) {
+      faces.push_back(f);
+    }
+  }
+  face_.resize(static_cast<Eigen::Index>(faces.size()), 6);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const auto nodes = mesh.surface.row(faces[i]);
+    const double area = face_area_m2(mesh, faces[i]);
+    std::array<std::int32_t, 6> hat{};
+    for (int j = 0; j < 6; ++j) {
+      face_(static_cast<Eigen::Index>(i), j) = near.near_node(nodes[j]);
+      const auto found = hat_of.find(nodes[j]);
+      hat[static_cast<std::size_t>(j)] = found == hat_of.end() ? -1 : found->second;
+    }
+    for (std::size_t q = 0; q < face_rule().size(); ++q) {
+      const FaceRulePoint& rule = face_rule()[q];
+      Point point;
+      point.face = static_cast<std::int32_t>(i);
+      point.rule = static_cast<std::int32_t>(q);
+      point.position_m.setZero();
+      for (int j = 0; j < 3; ++j) {
+        point.position_m += rule.at[j] * mesh.position_m.row(nodes[j]).transpose();
+      }
+      std::size_t slot = 0;
+      for (int j = 0; j < 6; ++j) {
+        const std::int32_t v = hat[static_cast<std::size_t>(j)];
+        if (rule.hat[j] != 0.0 && v >= 0) {
+          const std::int32_t c = patch[static_cast<std::size_t>(v)];
+          point.hat[slot] = v;
+          point.omega[slot++] = rule.hat[j] * rule.area_share * area /
+                                surface.node[static_cast<std::size_t>(c)].area_m2;
+        }
+      }
+      if (slot > 0) {
+        point_.push_back(point);
+      }
+    }
+  }
+  for (const Point& point : point_) {
+    for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
+      for (int j = 0; j < 6; ++j) {
+        row_entry(point.hat[h], face_(point.face, j)).mean +=
+            point.omega[h] * rule_point(point.rule).shape[j];
+      }
+    }
+  }
+  row_spring_.assign(patch_size_, 0.0);
+  tie_spring_.assign(patch_size_, Eigen::Matrix3d::Zero());
+  curvature_ = BlockMatrix(static_cast<std::int32_t>(near.size() / 3), face_);
+}
+
+ContactPotential::RowEntry& ContactPotential::row_entry(std::int32_t hat,
+                                                        std::int32_t node) {
+  auto& row = row_[static_cast<std::size_t>(hat)];
+  for (RowEntry& entry : row) {
+    if (entry.node == node) {
+      return entry;
+    }
+  }
+  return row.emplace_back(RowEntry{node, Eigen::Vector3d::Zero(), 0.0});
+}
+
+Eigen::Vector3d ContactPotential::displaced(const Point& point,
+                                            const Eigen::VectorXd& u_m) const {
+  const FaceRulePoint& rule = rule_point(point.rule);
+  Eigen::Vector3d x = point.position_m;
+  for (int j = 0; j < 6; ++j) {
+    x += rule.shape[j] * u_m.segment<3>(3 * Eigen::Index{face_(point.face, j)});
+  }
+  return x;
+}
+
+Eigen::MatrixX3d ContactPotential::average_position_m(
+    const Eigen::VectorXd& u_m) const {
+  Eigen::MatrixX3d x = Eigen::MatrixX3d::Zero(nodes(), 3);
+  for (const Point& point : point_) {
+    const Eigen::Vector3d at = displaced(point, u_m);
+    for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
+      x.row(point.hat[h]) += point.omega[h] * at.transpose();
+    }
+  }
+  return x;
+}
+
+ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
+                                        const PlacedTool& tool,
+                                        const Multipliers& multipliers) const {
+  ContactState state;
+  state.gap_m = Eigen::VectorXd::Zero(nodes());
+  Eigen::MatrixX3d normal = Eigen::MatrixX3d::Zero(nodes(), 3);
+  Eigen::MatrixX3d torque = Eigen::MatrixX3d::Zero(nodes(), 3);
+  for (const Point& point : point_) {
+    const Eigen::Vector3d x = displaced(point, u_m);
+    const ToolDistance phi = distance_to(tool, x);
+    for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
+      state.gap_m[point.hat[h]] += point.omega[h] * phi.distance_m;
+      normal.row(point.hat[h]) += point.omega[h] * phi.normal.transpose();
+      torque.row(point.hat[h]) += point.omega[h] * x.cross(phi.normal).transpose();
+    }
+  }
+  const Eigen::VectorXd& k = multipliers.spring_n_per_m;
+  const Eigen::VectorXd& lambda = multipliers.pressure_n;
+  state.pressure_n = (lambda - k.cwiseProduct(state.gap_m)).cwiseMax(0.0);
+  state.energy_j = ((state.pressure_n.array().square() - lambda.array().square()) /
+                    (2.0 * k.array()))
+                       .sum();
+  state.force_n = -normal.transpose() * state.pressure_n;
+  state.moment_nm = -torque.transpose() * state.pressure_n;
+  state.tie_n = Eigen::MatrixX3d::Zero(nodes(), 3);
+  if (multipliers.tied.empty()) {
+    return state;
+  }
+  const Eigen::MatrixX3d at = average_position_m(u_m);
+  for (Eigen::Index v = 0; v < nodes(); ++v) {
+    if (multipliers.tied[static_cast<std::size_t>(v)] != 0) {
+      const Eigen::Vector3d anchor = multipliers.anchor_m.row(v).transpose();
+      const Eigen::Vector3d x = at.row(v).transpose();
+      const Eigen::Vector3d slip =
+          tangent_plane(tool, anchor) * (x - tool.reference_m - anchor);
+      const Eigen::Vector3d tau = multipliers.tie_n.row(v).transpose();
+      const Eigen::Vector3d force = tau + k[v] * slip;
+      state.tie_n.row(v) = force.transpose();
+      state.energy_j += (force.squaredNorm() - tau.squaredNorm()) / (2.0 * k[v]);
+      state.force_n += force;
+      state.moment_nm += x.cross(force);
+    }
+  }
+  return state;
+}
+
+void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& tool,
+                                 const Multipliers& multipliers,
+                                 Eigen::VectorXd& force_n) {
+  const ContactState state = evaluate(u_m, tool, multipliers);
+  for (std::size_t v = 0; v < patch_size_; ++v) {
+    for (RowEntry& entry : row_[v]) {
+      entry.gradient.setZero();
+    }
+    const auto i = static_cast<Eigen::Index>(v);
+    row_spring_[v] = state.pressure_n[i] > 0.0 ? multipliers.spring_n_per_m[i] : 0.0;
+    const bool tied = !multipliers.tied.empty() && multipliers.tied[v] != 0;
+    tie_spring_[v].setZero();
+    if (tied) {
+      tie_spring_[v] = multipliers.spring_n_per_m[i] *
+                       tangent_plane(tool, multipliers.anchor_m.row(i).transpose());
+    }
+  }
+  curvature_.scale(0.0);
+  Eigen::Matrix<double, 18, 18> block = Eigen::Matrix<double, 18, 18>::Zero();
+  for (std::size_t p = 0; p < point_.size(); ++p) {
+    const Point& point = point_[p];
+    const FaceRulePoint& rule = rule_point(point.rule);
+    double pressure = 0.0;
+    bool active = false;
+    for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
+      pressure += point.omega[h] * state.pressure_n[point.hat[h]];
+      active = active || row_spring_[static_cast<std::size_t>(point.hat[h])] > 0.0;
+    }
+    if (active) {
+      const ToolDistance phi = distance_to(tool, displaced(point, u_m));
+      for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
+        for (int j = 0; j < 6; ++j) {
+          row_entry(point.hat[h], face_(point.face, j)).gradient +=
+              point.omega[h] * rule.shape[j] * phi.normal;
+        }
+      }
+      for (int j = 0; j < 6; ++j) {
+        for (int i = 0; i < 6; ++i) {
+          block.block<3, 3>(3 * i, 3 * j) -=
+              pressure * rule.shape[i] * rule.shape[j] * phi.curvature_per_m;
+        }
+      }
+    }
+    if (p + 1 == point_.size() || point_[p + 1].face != point.face) {
+      curvature_.add(point.face, block);
+      block.setZero();
+    }
+  }
+  for (std::size_t v = 0; v < patch_size_; ++v) {
+    const auto i = static_cast<Eigen::Index>(v);
+    for (const RowEntry& entry : row_[v]) {
+      force_n.segment<3>(3 * Eigen::Index{entry.node}) +=
+          -state.pressure_n[i] * entry.gradient +
+          entry.mean * state.tie_n.row(i).transpose();
+    }
+  }
+}
+
+void ContactPotential::add_curvature(const Eigen::VectorXd& x,
+                                     Eigen::VectorXd& y) const {
+  for (std::size_t v = 0; v < patch_size_; ++v) {
+    if (row_spring_[v] == 0.0 && tie_spring_[v].isZero()) {
+      continue;
+    }
+    double along = 0.0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const RowEntry& entry : row_[v]) {
+      const auto x_a = x.segment<3>(3 * Eigen::Index{entry.node});
+      along += entry.gradient.dot(x_a);
+      mean += entry.mean * x_a;
+    }
+    const Eigen::Vector3d tie = tie_spring_[v] * mean;
+    for (const RowEntry& entry : row_[v]) {
+      y.segment<3>(3 * Eigen::Index{entry.node}) +=
+          row_spring_[v] * along * entry.gradient + entry.mean * tie;
+    }
+  }
+  curvature_.multiply_add(x, y);
+}
+
+}  // namespace palpate

@@ -1,0 +1,96 @@
+// What pushes a body's surface out of a rigid tool: an augmented Lagrangian of the
+// averaged gaps, at finite displacements.
+//
+// Averaged gap of contact node v: g_v(u) = sum_q omega_vq phi(x_q + u(x_q)), phi the
+// signed distance of the tool. With multipliers lambda_v [N] and spring k_v [N/m]:
+//   Psi(u) = sum_v ( <lambda_v - k_v g_v>^2 - lambda_v^2 ) / (2 k_v),
+// pressure force p_v = <lambda_v - k_v g_v>, <x> = max(x, 0) (Rockafellar 1974; Simo
+// and Laursen 1992). Where lambda = p, g.p = 0 and g >= 0 hold exactly.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "precompute/contact/contact_surface.h"
+#include "precompute/contact/near_field.h"
+#include "precompute/contact/tool_surface.h"
+#include "precompute/fem/block_matrix.h"
+#include "precompute/fem/quadratic_mesh.h"
+
+namespace palpate {
+
+struct Multipliers {
+  Eigen::VectorXd pressure_n;      ///< (n_patch) [N] lambda
+  Eigen::VectorXd spring_n_per_m;  ///< (n_patch) [N/m] k
+  /// (n_patch x 3) [N] of the ties of a sticking tool; zero for a frictionless one.
+  Eigen::MatrixX3d tie_n;
+  /// (n_patch x 3) [m] where each node's average point first touched, in the tool's
+  /// frame; only where `tied`.
+  Eigen::MatrixX3d anchor_m;
+  std::vector<char> tied;  ///< (n_patch)
+};
+
+struct ContactState {
+  double energy_j = 0.0;       ///< Psi
+  Eigen::Vector3d force_n;     ///< on the tool
+  Eigen::Vector3d moment_nm;   ///< on the tool, about the world's origin
+  Eigen::VectorXd pressure_n;  ///< (n_patch) p
+  Eigen::VectorXd gap_m;       ///< (n_patch) g
+  Eigen::MatrixX3d tie_n;      ///< (n_patch x 3) forces of ties
+};
+
+/// The contact nodes that the tool may meet, over near nodes.
+class ContactPotential {
+ public:
+  ContactPotential(const ContactSurface& surface, const QuadraticMesh& mesh,
+                   std::span<const std::int32_t> patch, const NearField& near);
+
+  [[nodiscard]] Eigen::Index nodes() const {
+    return static_cast<Eigen::Index>(patch_size_);
+  }
+
+  [[nodiscard]] ContactState evaluate(const Eigen::VectorXd& u_m,
+                                      const PlacedTool& tool,
+                                      const Multipliers& multipliers) const;
+
+  /// Adds dPsi/du to `force_n` and prepares add_curvature.
+  void linearise(const Eigen::VectorXd& u_m, const PlacedTool& tool,
+                 const Multipliers& multipliers, Eigen::VectorXd& force_n);
+  /// y += d2Psi/du2 x of the last linearise().
+  void add_curvature(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+
+  /// (n_patch x 3) averaged positions of the hats [m].
+  [[nodiscard]] Eigen::MatrixX3d average_position_m(const Eigen::VectorXd& u_m) const;
+
+ private:
+  struct Point {
+    std::int32_t face = 0;
+    std::int32_t rule = 0;
+    Eigen::Vector3d position_m;
+    // Up to three hats of the patch with their omega.
+    std::array<std::int32_t, 3> hat{-1, -1, -1};
+    std::array<double, 3> omega{0.0, 0.0, 0.0};
+  };
+  struct RowEntry {
+    std::int32_t node = 0;
+    Eigen::Vector3d gradient;
+    double mean = 0.0;  // integral of omega N
+  };
+  [[nodiscard]] Eigen::Vector3d displaced(const Point& point,
+                                          const Eigen::VectorXd& u_m) const;
+  RowEntry& row_entry(std::int32_t hat, std::int32_t node);
+
+  std::size_t patch_size_ = 0;
+  NodeGroups face_;  // (n_faces x 6) near nodes
+  std::vector<Point> point_;
+  std::vector<std::vector<RowEntry>> row_;   // (n_patch) gradients of the gaps
+  std::vector<double> row_spring_;           // (n_patch) 0 where inactive
+  std::vector<Eigen::Matrix3d> tie_spring_;  // (n_patch)
+  BlockMatrix curvature_;
+};
+
+}  // namespace palpate

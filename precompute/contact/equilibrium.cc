@@ -1,0 +1,204 @@
+#include "precompute/contact/equilibrium.h"
+
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+// Directions that the preconditioner remembers, each with three vectors over the near
+// unknowns.
+constexpr std::size_t kMostKnown = 40;
+// [-] An element's volume over its volume at rest may become this share of the least
+// one within a step. Nearer to zero, forces grow beyond what a step can be computed
+// from.
+constexpr double kThinner = 0.2;
+// A start is too far away after so many steps that are cut below this length while the
+// energy that they promise is above this share of the elastic energy.
+constexpr int kMostCreeping = 3;
+constexpr double kCreeping = 0.02;
+constexpr double kFarFromRest = 0.1;
+
+void add(NearState& to, double factor, const NearState& other) {
+  to.source_n += factor * other.source_n;
+  to.displacement_m += factor * other.displacement_m;
+}
+
+}  // namespace
+
+double Equilibrium::potential_j(const PlacedTool& tool, const Multipliers& multipliers,
+                                const NearState& state) const {
+  const double elastic = elastic_energy_j(state);
+  return std::isfinite(elastic)
+             ? elastic +
+                   contact_.evaluate(state.displacement_m, tool, multipliers).energy_j
+             : std::numeric_limits<double>::infinity();
+}
+
+// K^-1 corrected by directions that tangents before have told of: the inverse update of
+// limited memory (Morales and Nocedal 2000), which keeps the pair (s, K^-1 s).
+NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
+  Eigen::VectorXd rest = r;
+  std::vector<double> along(known_.size());
+  for (std::size_t i = known_.size(); i-- > 0;) {
+    along[i] = known_[i].inverse_curvature * known_[i].along.displacement_m.dot(rest);
+    rest -= along[i] * known_[i].change_n;
+  }
+  Eigen::VectorXd u = solve_(near_.dof(), rest);
+  NearState z{std::move(rest), std::move(u)};
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    const double already =
+        known_[i].inverse_curvature * known_[i].change_n.dot(z.displacement_m);
+    add(z, along[i] - already, known_[i].along);
+  }
+  return z;
+}
+
+void Equilibrium::learn(std::vector<KnownDirection> directions) {
+  std::move(directions.begin(), directions.end(), std::back_inserter(known_));
+  while (known_.size() > kMostKnown) {
+    known_.pop_front();
+  }
+}
+
+// In the pair (s, K^-1 s) neither K nor its far part is ever applied: K p = s_p.
+Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
+                                           const Multipliers& multipliers,
+                                           const NearState& state,
+                                           EquilibriumReport& report) {
+  Eigen::VectorXd gradient = state.source_n;
+  near_.linearise(state.displacement_m, gradient, convex_);
+  contact_.linearise(state.displacement_m, tool, multipliers, gradient);
+  near_.mask(gradient);
+  const Eigen::Index n = near_.size();
+  Step step{{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)}, 0.0};
+  Eigen::VectorXd r = -gradient;
+  NearState p;
+  double rz = 0.0;
+  double enough = 0.0;
+  std::vector<KnownDirection> learnt;
+  for (int i = 0; i < options_.gradients_max; ++i) {
+    NearState z = preconditioned(r);
+    ++report.gradients;
+    const double rz_new = r.dot(z.displacement_m);
+    if (i == 0) {
+      enough = options_.gradient_tolerance * options_.gradient_tolerance * rz_new;
+    } else if (rz_new <= enough) {
+      break;
+    } else {
+      add(z, rz_new / rz, p);
+    }
+    p = std::move(z);
+    rz = rz_new;
+    Eigen::VectorXd q = p.source_n;
+    near_.add_change(p.displacement_m, q);
+    contact_.add_curvature(p.displacement_m, q);
+    near_.mask(q);
+    const double curvature = p.displacement_m.dot(q);
+    if (!(curvature > 0.0)) {
+      if (i == 0) {
+        step.direction = p;
+      }
+      break;
+    }
+    const double alpha = rz / curvature;
+    add(step.direction, alpha, p);
+    r -= alpha * q;
+    learnt.push_back({p, std::move(q), 1.0 / curvature});
+  }
+  learn(std::move(learnt));
+  step.slope = gradient.dot(step.direction.displacement_m);
+  return step;
+}
+
+// One Newton step. False if the energy does not fall along it.
+bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers,
+                          NearState& state, EquilibriumReport& report) {
+  constexpr double kArmijo = 1e-4;
+  constexpr double kShortest = 1e-6;
+  constexpr double kNearRest = 1e-3;  // [-] decrement
+  const Step step = newton_step(tool, multipliers, state, report);
+  ++report.newton;
+  const double scale =
+      std::max(std::abs(elastic_energy_j(state)), std::numeric_limits<double>::min());
+  report.decrement_relative = -step.slope / scale;
+  // Past 1e-14 the energy's own rounding decides.
+  const double energy = potential_j(tool, multipliers, state) + 1e-14 * scale;
+  const double thinnest = kThinner * near_.smallest_jacobian(state.displacement_m);
+  for (double length = 1.0; length > kShortest; length *= 0.5) {
+    NearState next = state;
+    add(next, length, step.direction);
+    if (near_.smallest_jacobian(next.displacement_m) < thinnest) {
+      continue;
+    }
+    if (potential_j(tool, multipliers, next) <=
+        energy + kArmijo * length * step.slope) {
+      state = std::move(next);
+      if (length < kCreeping && report.decrement_relative > kFarFromRest) {
+        ++report.creeping;
+      }
+      convex_ = length < 0.5 || (convex_ && report.decrement_relative > kNearRest);
+      return true;
+    }
+  }
+  // The true tangent may have led uphill: the other one is worth a step.
+  convex_ = !convex_;
+  return convex_;
+}
+
+EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
+                                    Multipliers& multipliers) {
+  EquilibriumReport report;
+  if (!std::isfinite(potential_j(tool, multipliers, state))) {
+    report.failure = "the start turns an element inside out";
+    return report;
+  }
+  double enough = options_.update_relative;
+  convex_ = false;
+  while (report.newton < options_.newton_max &&
+         report.gradients < options_.gradients_total) {
+    if (!descend(tool, multipliers, state, report) &&
+        report.decrement_relative > 100.0 * options_.decrement_relative) {
+      report.failure = "no step lowers the energy";
+      return report;
+    }
+    if (report.creeping >= kMostCreeping) {
+      report.failure = "steps turn elements inside out";
+      report.too_far = true;
+      return report;
+    }
+    if (report.decrement_relative > enough) {
+      continue;
+    }
+    report.contact = contact_.evaluate(state.displacement_m, tool, multipliers);
+    const ContactState& contact = report.contact;
+    const double sum = contact.pressure_n.sum();
+    const double change =
+        (contact.pressure_n - multipliers.pressure_n).cwiseAbs().sum() +
+        (contact.tie_n - multipliers.tie_n).rowwise().norm().sum();
+    report.multiplier_relative = sum > 0.0 ? change / sum : 0.0;
+    if (report.multiplier_relative > options_.multiplier_relative &&
+        report.lagrange < options_.lagrange_max) {
+      multipliers.pressure_n = contact.pressure_n;
+      multipliers.tie_n = contact.tie_n;
+      ++report.lagrange;
+    } else if (report.decrement_relative > options_.decrement_relative) {
+      enough = options_.decrement_relative;
+    } else {
+      multipliers.pressure_n = contact.pressure_n;
+      multipliers.tie_n = contact.tie_n;
+      report.converged = true;
+      return report;
+    }
+  }
+  report.failure =
+      fmt::format("{} Newton steps of {} conjugate gradients were not enough",
+                  report.newton, report.gradients);
+  return report;
+}
+
+}  // namespace palpate

@@ -1,0 +1,99 @@
+// Where a nonlinear body comes to rest against a rigid tool that does not move.
+//
+// Minimises the total potential W(u) + Psi(u) by Newton's method: conjugate gradients
+// on the true tangent, preconditioned by the body's rest factor and by what the steps
+// before have learnt of tangents (Morales and Nocedal 2000), and truncated (Steihaug
+// 1983), then a line search on the energy itself (Armijo) that keeps elements away from
+// turning inside out. Multipliers of the contact are updated until they carry the whole
+// pressure.
+#pragma once
+
+#include <deque>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "precompute/contact/contact_potential.h"
+#include "precompute/contact/near_field.h"
+#include "precompute/fem/batched_solves.h"
+
+namespace palpate {
+
+struct EquilibriumOptions {
+  /// [-] Newton ends when the energy that a full step promises is below this share of
+  /// the elastic energy.
+  double decrement_relative = 1e-7;
+  /// [-] Multipliers are updated as soon as it is below this.
+  double update_relative = 1e-2;
+  /// [-] Multipliers end when they differ from the pressures by this share of the sum.
+  double multiplier_relative = 0.03;
+  /// Updates of the multipliers; what they lack after these, the springs carry.
+  int lagrange_max = std::numeric_limits<int>::max();
+  double gradient_tolerance = 0.3;  ///< [-] of each conjugate-gradient solve
+  int newton_max = 35;              ///< steps in all; a usual depth takes 10
+  int gradients_max = 120;          ///< conjugate gradients per step
+  int gradients_total = 1500;       ///< in all; a usual depth takes 50
+};
+
+struct EquilibriumReport {
+  bool converged = false;
+  std::string failure;  ///< why not, as the end of a sentence
+  /// Not converged because steps far from rest had to be cut to nearly nothing: from a
+  /// nearer start, a tool that moves less, it may be.
+  bool too_far = false;
+  int newton = 0;
+  int creeping = 0;   ///< Newton steps far from rest that were cut to nearly nothing
+  int gradients = 0;  ///< conjugate-gradient iterations, one solve each
+  int lagrange = 0;
+  double decrement_relative = 0.0;
+  double multiplier_relative = 0.0;
+  ContactState contact;  ///< at the rest state, where converged
+};
+
+class Equilibrium {
+ public:
+  /// All three must outlive it.
+  Equilibrium(NearField& near, ContactPotential& contact, const RestSolve& solve,
+              const EquilibriumOptions& options)
+      : near_(near), contact_(contact), solve_(solve), options_(options) {}
+
+  /// Finds the rest state from `state` and `multipliers`, and leaves it there.
+  EquilibriumReport find(const PlacedTool& tool, NearState& state,
+                         Multipliers& multipliers);
+
+  [[nodiscard]] double elastic_energy_j(const NearState& state) const {
+    return 0.5 * state.source_n.dot(state.displacement_m) +
+           near_.excess_energy_j(state.displacement_m);
+  }
+
+ private:
+  struct Step {
+    NearState direction;
+    double slope = 0.0;  // of the energy along it, < 0
+  };
+  // What a tangent A does along a direction p: A p, and 1 / (p . A p).
+  struct KnownDirection {
+    NearState along;
+    Eigen::VectorXd change_n;
+    double inverse_curvature = 0.0;
+  };
+  [[nodiscard]] NearState preconditioned(const Eigen::VectorXd& r) const;
+  void learn(std::vector<KnownDirection> directions);
+  bool descend(const PlacedTool& tool, const Multipliers& multipliers, NearState& state,
+               EquilibriumReport& report);
+  Step newton_step(const PlacedTool& tool, const Multipliers& multipliers,
+                   const NearState& state, EquilibriumReport& report);
+  // What find() lowers; infinite where an element is turned inside out.
+  [[nodiscard]] double potential_j(const PlacedTool& tool,
+                                   const Multipliers& multipliers,
+                                   const NearState& state) const;
+
+  NearField& near_;
+  ContactPotential& contact_;
+  const RestSolve& solve_;
+  EquilibriumOptions options_;
+  std::deque<KnownDirection> known_;  // oldest first
+  bool convex_ = false;  // the next step's tangent is to be without negative curvature
+};
+
+}  // namespace palpate

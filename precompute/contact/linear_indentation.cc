@@ -1,0 +1,340 @@
+#include "precompute/contact/linear_indentation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "precompute/contact/complementarity.h"
+#include "precompute/contact/contact_gap.h"
+
+namespace palpate {
+namespace {
+
+// Faces turned more than this from the press are another side of the body.
+constexpr double kFacingCosine = 0.1;
+
+struct Gaps {
+  Eigen::VectorXd distance_m;  // (n)
+  Eigen::MatrixX3d by_centre;  // (n x 3)
+};
+
+const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
+  return surface.node[static_cast<std::size_t>(v)];
+}
+
+bool is_held(const Supports& supports, const ContactNode& node) {
+  return supports.free_index[3 * static_cast<std::size_t>(node.mesh_node)] < 0;
+}
+
+Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
+             const IndentationPath& path, double penetration_m) {
+  const PlacedTool tool = tool_at(path, penetration_m);
+  const auto n = static_cast<Eigen::Index>(patch.size());
+  Gaps gaps{Eigen::VectorXd(n), Eigen::MatrixX3d(n, 3)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Gap gap =
+        average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]), tool);
+    gaps.distance_m[i] = gap.distance_m;
+    gaps.by_centre.row(i) = gap.by_tool.transpose();
+  }
+  return gaps;
+}
+
+// Penetration at which the first gap closes. The tool moves along the press, and so
+// does the height of its near side above every point (contact_gap.h): gaps are linear
+// in the penetration, gap(delta) = gap(0) - rate delta.
+double first_touch_m(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                     const IndentationPath& path) {
+  const Gaps gaps = gaps_at(surface, patch, path, 0.0);
+  double touch = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < gaps.distance_m.size(); ++i) {
+    const double rate = gaps.by_centre.row(i).dot(path.outward);
+    if (rate > 0.0) {
+      touch = std::min(touch, gaps.distance_m[i] / rate);
+    }
+  }
+  return touch;
+}
+
+// Pressure at the faces' corners only, from that at all nodes: the hat of a corner on
+// the whole faces is its own hat plus half of those on the middles of its edges. (n x
+// n_corners), columns scaled to 1 N.
+Eigen::MatrixXd corner_pressures(const ContactSurface& surface,
+                                 std::span<const std::int32_t> patch) {
+  const auto n = static_cast<Eigen::Index>(patch.size());
+  // The neighbours of a corner are the middles of its edges.
+  std::unordered_map<std::int32_t, Eigen::Index> row;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    row.emplace(patch[static_cast<std::size_t>(i)], i);
+  }
+  std::vector<Eigen::VectorXd> columns;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ContactNode& corner = node_of(surface, patch[static_cast<std::size_t>(i)]);
+    if (!corner.is_corner) {
+      continue;
+    }
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(n);
+    column[i] = corner.area_m2;
+    for (const std::int32_t v : corner.neighbours) {
+      const auto at = row.find(v);
+      if (at != row.end()) {
+        column[at->second] = 0.5 * node_of(surface, v).area_m2;
+      }
+    }
+    columns.push_back(column / column.sum());
+  }
+  Eigen::MatrixXd P(n, static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    P.col(static_cast<Eigen::Index>(j)) = columns[j];
+  }
+  return P;
+}
+
+// The same contact on a mesh of pressures twice as coarse.
+class CoarseContact {
+ public:
+  CoarseContact(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                const Eigen::MatrixXd& A)
+      : P_(corner_pressures(surface, patch)),
+        A_(P_.transpose() * A * P_),
+        f_(Eigen::VectorXd::Zero(P_.cols())) {}
+
+  double force_n(const Gaps& gaps) {
+    if (P_.cols() == 0) {
+      return 0.0;
+    }
+    solve_complementarity(A_, P_.transpose() * gaps.distance_m, f_);
+    return (gaps.by_centre.transpose() * (P_ * f_)).norm();
+  }
+
+ private:
+  Eigen::MatrixXd P_;  // (n x n_corners)
+  Eigen::MatrixXd A_;
+  Eigen::VectorXd f_;
+};
+
+bool touches_edge(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                  const Eigen::VectorXd& f) {
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    if (f[static_cast<Eigen::Index>(i)] > 0.0) {
+      for (const std::int32_t v : node_of(surface, patch[i]).neighbours) {
+        if (!std::binary_search(patch.begin(), patch.end(), v)) {
+          return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
+  const ContactNode& node = node_of(surface, v);
+  double sum = 0.0;
+  for (const std::int32_t w : node.neighbours) {
+    sum += (node_of(surface, w).position_m - node.position_m).norm();
+  }
+  return sum / static_cast<double>(node.neighbours.size());
+}
+
+// The error of a mesh is 1/(2^p - 1) of its difference to one twice as coarse, where
+// the order is p: one at the edge of the contact, two inside. Between them lies a half.
+constexpr double kErrorPerDifference = 0.5;
+constexpr double kErrorFloor = 0.1;  // of the largest force
+
+double largest_force_n(const Indentation& indentation) {
+  double largest = 0.0;
+  for (const IndentationSample& sample : indentation.sample) {
+    largest = std::max(largest, sample.force_n.norm());
+  }
+  return largest;
+}
+
+// @param indentation with some force.
+double estimated_error(const Indentation& indentation) {
+  const double touch = indentation.sample.front().penetration_m;
+  const double halfway = 0.5 * (touch + indentation.sample.back().penetration_m);
+  // Where the tool has left contact again an error relative to nothing says nothing.
+  const double least_n = kErrorFloor * largest_force_n(indentation);
+  double sum = 0.0;
+  int count = 0;
+  for (const IndentationSample& sample : indentation.sample) {
+    if (sample.penetration_m >= halfway) {
+      const double force = sample.force_n.norm();
+      const double difference =
+          (sample.coarse_force_n - force) / std::max(force, least_n);
+      sum += difference * difference;
+      ++count;
+    }
+  }
+  return kErrorPerDifference * std::sqrt(sum / count);
+}
+
+}  // namespace
+
+double patch_radius_m(const IndentationPath& path, double node_spacing_m) {
+  // 1.2 times the radius at which a sphere stands depth_max_m above its lowest point.
+  const double depth_m = 1.44 * path.depth_max_m;
+  return shadow_radius_m(tool_at(path, 0.0), depth_m) + 2.0 * node_spacing_m;
+}
+
+std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
+                                        const Supports& supports, std::int32_t start,
+                                        const Eigen::Vector3d& outward,
+                                        double radius_m) {
+  const ContactNode& centre = node_of(surface, start);
+  const auto faces_tool = [&](const ContactNode& node) {
+    return node.normal.dot(outward) > kFacingCosine;
+  };
+  std::vector<std::int32_t> patch;
+  std::vector<std::int32_t> queue{start};
+  std::unordered_map<std::int32_t, bool> seen{{start, true}};
+  while (!queue.empty()) {
+    const std::int32_t v = queue.back();
+    queue.pop_back();
+    const ContactNode& node = node_of(surface, v);
+    if (!is_held(supports, node) && faces_tool(node)) {
+      patch.push_back(v);
+    }
+    for (const std::int32_t w : node.neighbours) {
+      const ContactNode& next = node_of(surface, w);
+      if ((next.position_m - centre.position_m).norm() <= radius_m &&
+          faces_tool(next) && seen.emplace(w, true).second) {
+        queue.push_back(w);
+      }
+    }
+  }
+  std::sort(patch.begin(), patch.end());
+  return patch;
+}
+
+Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compliance,
+                   std::span<const std::int32_t> patch, const IndentationPath& path) {
+  Indentation result;
+  if (patch.empty()) {
+    return result;
+  }
+  const Eigen::MatrixXd A = compliance.among(patch);
+  const double touch = first_touch_m(surface, patch, path);
+  if (!std::isfinite(touch)) {
+    return result;
+  }
+  result.sample.push_back({.penetration_m = touch});
+  if (!(touch < path.depth_max_m)) {
+    return result;
+  }
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
+  CoarseContact coarse(surface, patch, A);
+  for (int k = 1; k <= path.samples && !result.force_capped; ++k) {
+    const double share = static_cast<double>(k) / path.samples;
+    IndentationSample sample;
+    sample.penetration_m = touch + (path.depth_max_m - touch) * share * share;
+    const Gaps gaps = gaps_at(surface, patch, path, sample.penetration_m);
+    const ComplementarityReport report = solve_complementarity(A, gaps.distance_m, f);
+    result.iterations += report.iterations;
+    result.converged = result.converged && report.converged;
+    sample.force_n = gaps.by_centre.transpose() * f;
+    sample.energy_j = 0.5 * f.dot(A * f);
+    sample.pressure_n = f;
+    sample.coarse_force_n = coarse.force_n(gaps);
+    double area = 0.0;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      area += f[static_cast<Eigen::Index>(i)] > 0.0 ? node_of(surface, patch[i]).area_m2
+                                                    : 0.0;
+    }
+    sample.contact_radius_m = std::sqrt(area / std::numbers::pi);
+    result.force_capped = sample.force_n.norm() > path.force_max_n;
+    result.sample.push_back(sample);
+  }
+  result.reached_patch_edge = touches_edge(surface, patch, f);
+  std::int32_t nearest = patch.front();
+  for (const std::int32_t v : patch) {
+    if ((node_of(surface, v).position_m - path.vertex_m).squaredNorm() <
+        (node_of(surface, nearest).position_m - path.vertex_m).squaredNorm()) {
+      nearest = v;
+    }
+  }
+  result.node_spacing_m = mean_spacing_m(surface, nearest);
+  return result;
+}
+
+std::string broken_rule(const Indentation& indentation) {
+  for (std::size_t k = 0; k < indentation.sample.size(); ++k) {
+    const IndentationSample& sample = indentation.sample[k];
+    const double at_m = sample.penetration_m;
+    if (!std::isfinite(at_m) ||
+        (k > 0 && !(at_m > indentation.sample[k - 1].penetration_m))) {
+      return fmt::format("its penetration at sample {} is {} m, must grow", k, at_m);
+    }
+    for (const double value : {sample.force_n.norm(), sample.energy_j,
+                               sample.contact_radius_m, sample.coarse_force_n}) {
+      if (!std::isfinite(value)) {
+        return fmt::format("a force or energy at {:.4g} mm is not finite", 1e3 * at_m);
+      }
+    }
+  }
+  return std::isfinite(indentation.exterior_error_relative)
+             ? ""
+             : "the error of what is left out around it is not finite";
+}
+
+NodeResponse to_response(const Indentation& indentation, const IndentationPath& path,
+                         double force_relative_budget) {
+  NodeResponse response;
+  if (indentation.sample.size() < 2 || !indentation.converged) {
+    response.flags = indentation.converged ? 0 : kFailed;
+    return response;
+  }
+  if (largest_force_n(indentation) == 0.0) {
+    return response;
+  }
+  response.origin = ResponseOrigin::kSimulated;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t k = 1; k < indentation.sample.size(); ++k) {
+    const IndentationSample& before = indentation.sample[k - 1];
+    const IndentationSample& after = indentation.sample[k];
+    mean += 0.5 * (before.force_n + after.force_n) *
+            (after.penetration_m - before.penetration_m);
+  }
+  response.direction = mean.normalized();
+  response.touch_offset_m = indentation.sample.front().penetration_m;
+  const double along = std::abs(path.outward.dot(response.direction));
+  for (const IndentationSample& sample : indentation.sample) {
+    response.depth_m.push_back((sample.penetration_m - response.touch_offset_m) *
+                               along);
+    response.force_n.push_back(sample.force_n.norm());
+    if (sample.force_n.norm() > 0.0) {
+      response.direction_spread_rad =
+          std::max(response.direction_spread_rad,
+                   std::atan2(sample.force_n.cross(response.direction).norm(),
+                              sample.force_n.dot(response.direction)));
+    }
+  }
+  if (std::sin(response.direction_spread_rad) > force_relative_budget) {
+    // One direction alone would cost more than the budget of the force.
+    for (const IndentationSample& sample : indentation.sample) {
+      const double force_n = sample.force_n.norm();
+      response.sample_direction.push_back(
+          force_n > 0.0 ? (sample.force_n / force_n).eval() : response.direction);
+    }
+    response.sample_direction.front() = response.sample_direction[1];
+  }
+  const IndentationSample& last = indentation.sample.back();
+  response.error_relative =
+      std::hypot(estimated_error(indentation), indentation.exterior_error_relative);
+  const auto flag_if = [&](bool set, ResponseFlag flag) {
+    response.flags = static_cast<std::uint8_t>(response.flags | (set ? flag : 0));
+  };
+  flag_if(indentation.force_capped, kForceCapped);
+  flag_if(last.contact_radius_m < 1.5 * indentation.node_spacing_m, kCoarseContact);
+  flag_if(response.error_relative > force_relative_budget ||
+              indentation.reached_patch_edge || indentation.reaches_elsewhere,
+          kErrorOverBudget);
+  return response;
+}
+
+}  // namespace palpate

@@ -1,0 +1,106 @@
+// One node pressed by a rigid tool along its normal: force vector against depth.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/response/response_table.h"
+#include "precompute/contact/contact_surface.h"
+#include "precompute/contact/surface_compliance.h"
+#include "precompute/contact/tool_surface.h"
+
+namespace palpate {
+
+struct IndentationPath {
+  Eigen::Vector3d vertex_m;  ///< [m] the node
+  Eigen::Vector3d outward;   ///< [-] unit normal of the body there
+  std::shared_ptr<const ToolSurface> tool;
+  double depth_max_m = 0.0;  ///< [m] largest normal penetration
+  double force_max_n = 0.0;  ///< [N] the path ends where the force passes it
+  int samples = 20;          ///< depths after the first touch, closer together near it
+};
+
+/// The tool at a normal penetration.
+[[nodiscard]] inline PlacedTool tool_at(const IndentationPath& path,
+                                        double penetration_m) {
+  return place_on_path(*path.tool, path.vertex_m, path.outward, penetration_m);
+}
+
+/// State at one normal penetration delta (place_on_path).
+struct IndentationSample {
+  double penetration_m = 0.0;  ///< [m] delta; the first sample is the first touch
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] on the tool
+  double energy_j = 0.0;                              ///< [J] stored in the body
+  double contact_radius_m = 0.0;    ///< [m] of a disc with the area in contact
+  double coarse_force_n = 0.0;      ///< [N] with pressure at the faces' corners only
+  Eigen::VectorXd pressure_n = {};  ///< (n_patch) [N] contact forces
+};
+
+struct Indentation {
+  std::vector<IndentationSample> sample;
+  double node_spacing_m = 0.0;  ///< [m] contact nodes' mean distance around the vertex
+  /// [-] of the force at the last depth, by what is left out of the body around
+  double exterior_error_relative = 0.0;
+  int iterations = 0;  ///< of the complementarity solver, all depths
+  bool converged = true;
+  bool reached_patch_edge =
+      false;                  ///< contact grew to the last node that was considered
+  bool force_capped = false;  ///< ended at force_max_n
+  /// The tool also meets a part of the body whose contact is not in the force
+  /// (other_contact.h).
+  bool reaches_elsewhere = false;
+};
+
+/// Contact nodes that the tool may touch: joined to `start` over the surface, within
+/// `radius_m` of it, facing the tool (their normals are within 84 degrees of
+/// `outward`), and not held. What faces away is no obstacle to the press along
+/// -outward: its gap would neither close nor carry force on the tool.
+[[nodiscard]] std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
+                                                      const Supports& supports,
+                                                      std::int32_t start,
+                                                      const Eigen::Vector3d& outward,
+                                                      double radius_m);
+
+/// Radius of the patch for contact_patch [m]: what the path's tool, pressed to its
+/// largest depth into a flat elastic surface, shadows (shadow_radius_m at 1.44 times
+/// the depth), and two node spacings more. NaN where the tool cannot be placed.
+[[nodiscard]] double patch_radius_m(const IndentationPath& path, double node_spacing_m);
+
+/// Presses along the path. The force on the tool is the derivative of the stored energy
+/// with the tool's position, so that the work along the path is the stored energy.
+/// @param patch from contact_patch. An empty patch gives an empty indentation.
+[[nodiscard]] Indentation indent(const ContactSurface& surface,
+                                 const SurfaceCompliance& compliance,
+                                 std::span<const std::int32_t> patch,
+                                 const IndentationPath& path);
+
+/// Whether all numbers of a press are finite and its penetrations grow: the end of a
+/// sentence that says what is not, or empty.
+[[nodiscard]] std::string broken_rule(const Indentation& indentation);
+
+/// The stored form: |F| against displacement along one direction, the mean of the force
+/// along the path. Origin kSimulated, or kNone where the tool met nothing, which is
+/// also so where no depth carries force.
+///
+/// The curve is stored as it was pressed. Its first sample is the first touch of the
+/// path, which may be at a negative penetration (a cup touches the tool's side first),
+/// without force; a tool that loses contact on its way, or touches twice, has depths of
+/// zero force between others, and a falling curve.
+///
+/// kErrorOverBudget is set where the estimate is above the budget, where the contact
+/// grew to the end of the patch, and where the tool also reaches elsewhere.
+///
+/// The estimated error is half the rms difference that pressure on a mesh twice as
+/// coarse makes over the deeper half of the path, relative to the force or to a tenth
+/// of the path's largest, whichever is more: what is left at an order of 1.6. An
+/// estimate, not a bound: see the tests on Hertz's problem.
+[[nodiscard]] NodeResponse to_response(const Indentation& indentation,
+                                       const IndentationPath& path,
+                                       double force_relative_budget);
+
+}  // namespace palpate

@@ -1,0 +1,85 @@
+// The part of a body around the tool that is treated as nonlinear; all the rest stays
+// linear and is condensed exactly.
+//
+// With K the rest stiffness of the whole body, every displacement that the near field
+// can ask for is u = K^-1 s with a source s [N] that lives on near nodes only. The
+// far field's residual is then zero by construction, and the total elastic energy is
+//   W = s.u/2 + sum over near tets of (W_e(u_e) - u_e.K_e u_e/2),
+// which needs u on the near nodes only: one solve per iteration, and nothing of the
+// size of the body besides.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "precompute/contact/surface_compliance.h"
+#include "precompute/fem/block_matrix.h"
+#include "precompute/fem/quadratic_element.h"
+#include "precompute/fem/quadratic_mesh.h"
+#include "precompute/material/material.h"
+
+namespace palpate {
+
+/// A displacement of the near nodes and the source that makes it, u = (K^-1 s)_near;
+/// both (3 m), 3 near node + axis, zero on held nodes.
+struct NearState {
+  Eigen::VectorXd source_n;
+  Eigen::VectorXd displacement_m;
+};
+
+class NearField {
+ public:
+  /// @param tets near tets; those of linear laws are left out.
+  /// @param nodes further mesh nodes that must be near (the contact's).
+  NearField(const QuadraticMesh& mesh, std::span<const Material> materials,
+            const Supports& supports, std::span<const Eigen::Index> tets,
+            std::span<const std::int32_t> nodes);
+
+  [[nodiscard]] Eigen::Index size() const {
+    return 3 * static_cast<Eigen::Index>(node_.size());
+  }
+  [[nodiscard]] Eigen::Index tets() const { return element_.rows(); }
+  /// Near node of a mesh node, or -1.
+  [[nodiscard]] std::int32_t near_node(std::int32_t mesh_node) const;
+  /// (3 m) unknown of the whole body, -1 where held.
+  [[nodiscard]] const std::vector<std::int64_t>& dof() const { return dof_; }
+  /// Sets what acts on held unknowns to zero.
+  void mask(Eigen::VectorXd& v) const;
+
+  /// Sum of W_e - u.K_e u/2 over the near tets [J]; +inf where a law does not admit u.
+  [[nodiscard]] double excess_energy_j(const Eigen::VectorXd& u_m) const;
+
+  /// Adds d(excess)/du to `force` (3 m) and sets `change` to d2(excess)/du2.
+  /// @param convex tangents of elements that have negative eigenvalues are replaced by
+  /// such without (element_response), along which a step always descends.
+  void linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n, bool convex);
+  /// y += (K(u) - K(0)) x of the last linearise().
+  void add_change(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
+    change_.multiply_add(x, y);
+  }
+
+  [[nodiscard]] double smallest_jacobian(const Eigen::VectorXd& u_m) const;
+
+ private:
+  [[nodiscard]] ElementVector gather(Eigen::Index e, const Eigen::VectorXd& v) const;
+
+  std::span<const Material> materials_;
+  std::vector<std::int32_t> node_;         // (m) mesh nodes, ascending
+  std::vector<std::int64_t> dof_;          // (3 m)
+  NodeGroups element_;                     // (n_tets x 10) near nodes
+  std::vector<ElementGeometry> geometry_;  // (n_tets)
+  std::vector<std::int32_t> region_;       // (n_tets)
+  BlockMatrix rest_;
+  BlockMatrix change_;
+};
+
+/// Tets in which the displacement gradient of `u_m` (3 n_nodes) reaches `threshold`.
+[[nodiscard]] std::vector<Eigen::Index> strained_tets(const QuadraticMesh& mesh,
+                                                      const Eigen::VectorXd& u_m,
+                                                      double threshold);
+
+}  // namespace palpate

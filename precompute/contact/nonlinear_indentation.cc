@@ -1,0 +1,278 @@
+#include "precompute/contact/nonlinear_indentation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+// [-] The least volume of an element that is predicted, as a share of the least before.
+constexpr double kPredictedThinner = 0.3;
+// A press that fails goes on with these.
+constexpr double kStiffer = 10.0;
+constexpr int kStiffUpdates = 3;
+constexpr int kPatience = 2;
+
+const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
+  return surface.node[static_cast<std::size_t>(v)];
+}
+
+// Displacement (3 n_nodes) of the linear body under pressures of the patch.
+Eigen::VectorXd linear_displacement_m(const NonlinearBody& body,
+                                      std::span<const std::int32_t> patch,
+                                      const Eigen::VectorXd& pressure_n,
+                                      const RestSolve& solve) {
+  Eigen::VectorXd source = Eigen::VectorXd::Zero(3 * body.mesh.position_m.rows());
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    for (const NodalForce& entry : node_of(body.surface, patch[i]).load) {
+      source.segment<3>(3 * Eigen::Index{entry.node}) +=
+          pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
+    }
+  }
+  return solve(body.supports.free_index, source);
+}
+
+// Nodes of every face that carries one of the patch's hats.
+std::vector<std::int32_t> contact_mesh_nodes(const NonlinearBody& body,
+                                             std::span<const std::int32_t> patch) {
+  std::vector<std::int32_t> nodes;
+  for (const std::int32_t v : patch) {
+    for (const NodalForce& entry : node_of(body.surface, v).load) {
+      nodes.push_back(entry.node);
+    }
+  }
+  return nodes;
+}
+
+class Press {
+ public:
+  Press(const NonlinearBody& body, std::span<const std::int32_t> patch,
+        const Eigen::MatrixXd& compliance, double touch_m,
+        std::span<const PressStep> steps,
+        const std::function<PlacedTool(double)>& place, const RestSolve& solve,
+        const NonlinearOptions& options)
+      : body_(body),
+        patch_(patch),
+        steps_(steps),
+        place_(place),
+        solve_(solve),
+        options_(options),
+        near_tet_(strained()),
+        near_(body.mesh, body.material, body.supports, near_tet_,
+              contact_mesh_nodes(body, patch)),
+        contact_(body.surface, body.mesh, patch, near_),
+        equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium),
+        at_m_(touch_m),
+        before_m_(touch_m) {
+    multipliers_.spring_n_per_m =
+        options.spring_factor * compliance.diagonal().cwiseInverse();
+    multipliers_.pressure_n = Eigen::VectorXd::Zero(contact_.nodes());
+    multipliers_.tie_n = Eigen::MatrixX3d::Zero(contact_.nodes(), 3);
+    multipliers_.anchor_m = Eigen::MatrixX3d::Zero(contact_.nodes(), 3);
+    if (options.sticking) {
+      multipliers_.tied.assign(patch.size(), 0);
+    }
+  }
+
+  NonlinearIndentation follow() {
+    start();
+    for (const PressStep& step : steps_) {
+      NonlinearSample sample{.penetration_m = step.penetration_m};
+      if (!reach(step.penetration_m, sample, 0)) {
+        result_.failure =
+            fmt::format("at {:.4g} mm: {}", 1e3 * step.penetration_m, last_.failure);
+        break;
+      }
+      result_.sample.push_back(sample);
+      result_.pressure_n = multipliers_.pressure_n;
+      result_.state = state_;
+    }
+    result_.near_tets = near_.tets();
+    result_.near_nodes = near_.size() / 3;
+    result_.near_tet = near_tet_;
+    result_.near_dof = near_.dof();
+    return std::move(result_);
+  }
+
+ private:
+  std::vector<Eigen::Index> strained() const {
+    const Eigen::VectorXd u =
+        linear_displacement_m(body_, patch_, steps_.back().linear_pressure_n, solve_);
+    return strained_tets(body_.mesh, u, options_.near_gradient);
+  }
+
+  // The linear body's state at the first step, drawn back where it turns an element
+  // inside out.
+  void start() {
+    Eigen::VectorXd source = Eigen::VectorXd::Zero(near_.size());
+    for (std::size_t i = 0; i < patch_.size(); ++i) {
+      for (const NodalForce& entry : node_of(body_.surface, patch_[i]).load) {
+        source.segment<3>(3 * Eigen::Index{near_.near_node(entry.node)}) +=
+            steps_.front().linear_pressure_n[static_cast<Eigen::Index>(i)] *
+            entry.force;
+      }
+    }
+    near_.mask(source);
+    state_.displacement_m = solve_(near_.dof(), source);
+    state_.source_n = std::move(source);
+    multipliers_.pressure_n = steps_.front().linear_pressure_n;
+    if (!state_.displacement_m.allFinite()) {  // no start at all: from rest
+      state_.displacement_m.setZero();
+      state_.source_n.setZero();
+    }
+    double scale = 1.0;
+    while (!std::isfinite(near_.excess_energy_j(scale * state_.displacement_m))) {
+      scale *= 0.5;
+    }
+    state_.displacement_m *= scale;
+    state_.source_n *= scale;
+    before_ = {Eigen::VectorXd::Zero(near_.size()),
+               Eigen::VectorXd::Zero(near_.size())};
+    pressure_before_ = Eigen::VectorXd::Zero(multipliers_.pressure_n.size());
+  }
+
+  // Secant prediction from the two states before.
+  NearState predicted(double penetration_m, Multipliers& multipliers) const {
+    if (reached_ == 0) {
+      return state_;
+    }
+    const double t = (penetration_m - at_m_) / (at_m_ - before_m_);
+    multipliers.pressure_n =
+        (multipliers_.pressure_n + t * (multipliers_.pressure_n - pressure_before_))
+            .cwiseMax(0.0);
+    NearState state{
+        state_.source_n + t * (state_.source_n - before_.source_n),
+        state_.displacement_m + t * (state_.displacement_m - before_.displacement_m)};
+    const double thinnest =
+        kPredictedThinner * near_.smallest_jacobian(state_.displacement_m);
+    return std::isfinite(near_.excess_energy_j(state.displacement_m)) &&
+                   near_.smallest_jacobian(state.displacement_m) > thinnest
+               ? state
+               : state_;
+  }
+
+  // Ties every node that bears pressure and is not tied yet to where it is now.
+  void tie(const PlacedTool& tool, const Eigen::VectorXd& pressure_n,
+           const Eigen::VectorXd& u, Multipliers& multipliers) const {
+    if (!options_.sticking) {
+      return;
+    }
+    const Eigen::MatrixX3d at = contact_.average_position_m(u);
+    for (Eigen::Index v = 0; v < pressure_n.size(); ++v) {
+      char& tied = multipliers.tied[static_cast<std::size_t>(v)];
+      if (pressure_n[v] <= 0.0) {
+        tied = 0;
+        multipliers.tie_n.row(v).setZero();
+      } else if (tied == 0) {
+        tied = 1;
+        multipliers.anchor_m.row(v) = at.row(v) - tool.reference_m.transpose();
+      }
+    }
+  }
+
+  [[nodiscard]] int newton_limit() const {
+    return options_.equilibrium.newton_max +
+           options_.newton_per_depth * static_cast<int>(steps_.size());
+  }
+
+  // Where the body may give way to a side, as a sharp edge does, updates of the
+  // multipliers chase one another. Stiff springs and few updates make the potential's
+  // minimum itself the answer.
+  void stiffen() {
+    stiff_ = true;
+    multipliers_.spring_n_per_m *= kStiffer;
+    EquilibriumOptions patient = options_.equilibrium;
+    patient.lagrange_max = kStiffUpdates;
+    patient.newton_max *= kPatience;
+    patient.gradients_total *= kPatience;
+    equilibrium_.emplace(near_, contact_, solve_, patient);
+  }
+
+  bool reach(double penetration_m, NonlinearSample& sample, int depth) {
+    const PlacedTool tool = place_(penetration_m);
+    Multipliers multipliers = multipliers_;
+    NearState state = predicted(penetration_m, multipliers);
+    last_ = equilibrium_->find(tool, state, multipliers);
+    sample.newton += last_.newton;
+    sample.gradients += last_.gradients;
+    sample.lagrange += last_.lagrange;
+    newton_ += last_.newton;
+    const bool may_cut = depth < options_.bisections_max && newton_ <= newton_limit();
+    if (!last_.converged && !stiff_ && !(last_.too_far && may_cut)) {
+      stiffen();
+      return reach(penetration_m, sample, depth);
+    }
+    if (!last_.converged) {
+      if (!may_cut) {
+        return false;
+      }
+      return reach(0.5 * (at_m_ + penetration_m), sample, depth + 1) &&
+             reach(penetration_m, sample, depth + 1);
+    }
+    const ContactState& contact = last_.contact;
+    tie(tool, contact.pressure_n, state.displacement_m, multipliers);
+    before_ = std::move(state_);
+    before_m_ = at_m_;
+    pressure_before_ = multipliers_.pressure_n;
+    if (reached_ == 0) {
+      before_.source_n.setZero();
+      before_.displacement_m.setZero();
+      pressure_before_.setZero();
+    }
+    state_ = std::move(state);
+    multipliers_ = std::move(multipliers);
+    at_m_ = penetration_m;
+    ++reached_;
+    sample.force_n = contact.force_n;
+    sample.moment_nm = contact.moment_nm;
+    sample.energy_j = equilibrium_->elastic_energy_j(state_);
+    sample.largest_overlap_m = std::max(0.0, -contact.gap_m.minCoeff());
+    sample.smallest_jacobian = near_.smallest_jacobian(state_.displacement_m);
+    sample.contact_area_m2 = 0.0;
+    for (std::size_t i = 0; i < patch_.size(); ++i) {
+      if (contact.pressure_n[static_cast<Eigen::Index>(i)] > 0.0) {
+        sample.contact_area_m2 += node_of(body_.surface, patch_[i]).area_m2;
+      }
+    }
+    return true;
+  }
+
+  const NonlinearBody& body_;
+  std::span<const std::int32_t> patch_;
+  std::span<const PressStep> steps_;
+  const std::function<PlacedTool(double)>& place_;
+  const RestSolve& solve_;
+  NonlinearOptions options_;
+  std::vector<Eigen::Index> near_tet_;
+  NearField near_;
+  ContactPotential contact_;
+  std::optional<Equilibrium> equilibrium_;
+  Multipliers multipliers_;
+  NearState state_;
+  NearState before_;
+  Eigen::VectorXd pressure_before_;
+  double at_m_;  // penetration of state_, and of the one before
+  double before_m_;
+  int reached_ = 0;
+  int newton_ = 0;
+  bool stiff_ = false;
+  EquilibriumReport last_;
+  NonlinearIndentation result_;
+};
+
+}  // namespace
+
+NonlinearIndentation indent_nonlinear(const NonlinearBody& body,
+                                      std::span<const std::int32_t> patch,
+                                      const Eigen::MatrixXd& compliance, double touch_m,
+                                      std::span<const PressStep> steps,
+                                      const std::function<PlacedTool(double)>& place,
+                                      const RestSolve& solve,
+                                      const NonlinearOptions& options) {
+  return Press(body, patch, compliance, touch_m, steps, place, solve, options).follow();
+}
+
+}  // namespace palpate

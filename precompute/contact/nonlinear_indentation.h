@@ -1,0 +1,88 @@
+// One node pressed by a rigid tool into a body of nonlinear material.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "precompute/contact/contact_surface.h"
+#include "precompute/contact/equilibrium.h"
+#include "precompute/contact/surface_compliance.h"
+#include "precompute/fem/quadratic_mesh.h"
+#include "precompute/material/material.h"
+
+namespace palpate {
+
+/// What is pressed; all of it must outlive the computation.
+struct NonlinearBody {
+  const QuadraticMesh& mesh;
+  std::span<const Material> material;  ///< by region
+  const Supports& supports;
+  const ContactSurface& surface;
+};
+
+/// One step of the path, and where the linear body stands there.
+struct PressStep {
+  double penetration_m = 0.0;
+  PlacedTool tool;
+  Eigen::VectorXd linear_pressure_n;  ///< (n_patch) [N]
+};
+
+struct NonlinearOptions {
+  /// [-] Tets whose linear displacement gradient at the largest depth stays below it
+  /// keep their rest stiffness.
+  double near_gradient = 0.05;
+  /// [-] Contact springs over the contact nodes' own rest stiffness.
+  double spring_factor = 2.0;
+  bool sticking = false;
+  int bisections_max = 4;  ///< of a step that fails
+  /// Newton steps of a press, on average per depth and beyond those of one depth that
+  /// fails; with more it fails. Usual are 10 and none.
+  int newton_per_depth = 20;
+  EquilibriumOptions equilibrium = {};
+};
+
+struct NonlinearSample {
+  double penetration_m = 0.0;
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< on the tool
+  Eigen::Vector3d moment_nm =
+      Eigen::Vector3d::Zero();     ///< on the tool, about the origin
+  double energy_j = 0.0;           ///< stored in the body
+  double contact_area_m2 = 0.0;    ///< of the rest surface
+  double largest_overlap_m = 0.0;  ///< averaged over a contact node's hat
+  double smallest_jacobian = 1.0;  ///< [-] det F
+  int newton = 0;
+  int gradients = 0;
+  int lagrange = 0;
+};
+
+struct NonlinearIndentation {
+  std::vector<NonlinearSample> sample;  ///< as far as it came
+  std::string failure;                  ///< empty where every step converged
+  Eigen::Index near_tets = 0;
+  Eigen::Index near_nodes = 0;
+  std::vector<Eigen::Index> near_tet;  ///< of the mesh, ascending; linear laws too
+  NearState state;                     ///< at the last sample, over `near_dof`
+  std::vector<std::int64_t> near_dof;
+  Eigen::VectorXd pressure_n;  ///< (n_patch) [N] at the last sample
+  [[nodiscard]] bool converged() const { return failure.empty(); }
+};
+
+/// Follows the path through its steps, of growing penetration. A step that does not
+/// converge is cut in halves; one that fails for good ends the path. Contact may be
+/// lost on the way and found again: a depth without it has no force.
+/// @param patch contact nodes, as for indent().
+/// @param compliance (n_patch x n_patch) [m/N] among them.
+/// @param touch_m penetration at first touch [m], below the steps', where nothing is
+/// deformed yet: negative in a concave place.
+/// @param place the tool at a penetration, for cut steps.
+[[nodiscard]] NonlinearIndentation indent_nonlinear(
+    const NonlinearBody& body, std::span<const std::int32_t> patch,
+    const Eigen::MatrixXd& compliance, double touch_m, std::span<const PressStep> steps,
+    const std::function<PlacedTool(double penetration_m)>& place,
+    const RestSolve& solve, const NonlinearOptions& options);
+
+}  // namespace palpate

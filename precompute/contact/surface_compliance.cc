@@ -1,0 +1,292 @@
+#include "precompute/contact/surface_compliance.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "precompute/contact/face_quadrature.h"
+
+namespace palpate {
+namespace {
+
+std::int64_t free_index(const Supports& supports, std::int32_t node, int axis) {
+  return supports
+      .free_index[3 * static_cast<std::size_t>(node) + static_cast<std::size_t>(axis)];
+}
+
+void add_load(const ContactNode& node, const Supports& supports,
+              Eigen::Ref<Eigen::VectorXd> b) {
+  for (const NodalForce& entry : node.load) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t dof = free_index(supports, entry.node, axis);
+      if (dof >= 0) {
+        b[dof] += entry.force[axis];
+      }
+    }
+  }
+}
+
+// Nodes of `nodes` within the radius of each of them, ascending: a sweep along x.
+std::vector<std::vector<std::int32_t>> near_pairs(
+    const ContactSurface& surface, const std::vector<std::int32_t>& nodes,
+    double radius_m) {
+  const auto position = [&](std::int32_t v) -> const Eigen::Vector3d& {
+    return surface.node[static_cast<std::size_t>(v)].position_m;
+  };
+  std::vector<std::int32_t> by_x = nodes;
+  std::sort(by_x.begin(), by_x.end(), [&](std::int32_t a, std::int32_t b) {
+    return position(a).x() < position(b).x();
+  });
+  std::vector<std::vector<std::int32_t>> near(surface.node.size());
+  for (std::size_t i = 0; i < by_x.size(); ++i) {
+    for (std::size_t j = i; j < by_x.size(); ++j) {
+      const Eigen::Vector3d apart = position(by_x[j]) - position(by_x[i]);
+      if (apart.x() > radius_m) {
+        break;
+      }
+      if (apart.squaredNorm() <= radius_m * radius_m) {
+        near[static_cast<std::size_t>(by_x[i])].push_back(by_x[j]);
+        if (i != j) {
+          near[static_cast<std::size_t>(by_x[j])].push_back(by_x[i]);
+        }
+      }
+    }
+  }
+  for (auto& list : near) {
+    std::sort(list.begin(), list.end());
+  }
+  return near;
+}
+
+}  // namespace
+
+Supports hold_where(const QuadraticMesh& mesh, const Where& held) {
+  Supports supports;
+  supports.free_index.assign(static_cast<std::size_t>(3 * mesh.position_m.rows()), 0);
+  for (const std::int32_t node : surface_nodes(mesh)) {
+    if (held(mesh.position_m.row(node).transpose())) {
+      std::fill_n(supports.free_index.begin() + 3 * std::ptrdiff_t{node}, 3, -1);
+    }
+  }
+  for (std::int64_t& index : supports.free_index) {
+    index = index < 0 ? -1 : supports.free++;
+  }
+  return supports;
+}
+
+Supports hold_boxes(const QuadraticMesh& mesh,
+                    std::span<const Eigen::AlignedBox3d> box_m) {
+  return hold_where(mesh, [&](const Eigen::Vector3d& p) {
+    return std::any_of(box_m.begin(), box_m.end(), [&](const Eigen::AlignedBox3d& box) {
+      return box.contains(p);
+    });
+  });
+}
+
+void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
+                    const Where& where) {
+  for (Eigen::Index f = 0; f < mesh.surface.rows(); ++f) {
+    const auto nodes = mesh.surface.row(f);
+    const auto at = [&](int i) -> Eigen::Vector3d {
+      return mesh.position_m.row(nodes[i]).transpose();
+    };
+    const bool inside = std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
+      return where(mesh.position_m.row(n).transpose());
+    });
+    if (!inside) {
+      continue;
+    }
+    const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+    for (const FaceRulePoint& point : face_rule()) {
+      const double k = k_pa_per_m * point.area_share * area;
+      for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+          if (nodes[i] >= nodes[j]) {
+            for (int axis = 0; axis < 3; ++axis) {
+              lower.coeffRef(3 * nodes[i] + axis, 3 * nodes[j] + axis) +=
+                  k * point.shape[i] * point.shape[j];
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+double average_displacement(const ContactNode& node, const Supports& supports,
+                            const Eigen::Ref<const Eigen::VectorXd>& u_m) {
+  double sum = 0.0;
+  for (const NodalForce& entry : node.load) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t dof = free_index(supports, entry.node, axis);
+      if (dof >= 0) {
+        sum += entry.force[axis] * u_m[dof];
+      }
+    }
+  }
+  return sum;
+}
+
+Stiffness reduce(const Stiffness& lower, const Supports& supports) {
+  Stiffness K(supports.free, supports.free);
+  const auto index = [&](std::int64_t dof) {
+    return supports.free_index[static_cast<std::size_t>(dof)];
+  };
+  std::int64_t kept = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    kept = 0;
+    for (std::int64_t column = 0; column < lower.cols(); ++column) {
+      if (index(column) < 0) {
+        continue;
+      }
+      if (pass == 1) {
+        K.outerIndexPtr()[index(column)] = kept;
+      }
+      for (Stiffness::InnerIterator entry(lower, column); entry; ++entry) {
+        if (index(entry.row()) >= 0) {
+          if (pass == 1) {
+            K.innerIndexPtr()[kept] = index(entry.row());
+            K.valuePtr()[kept] = entry.value();
+          }
+          ++kept;
+        }
+      }
+    }
+    if (pass == 0) {
+      K.resizeNonZeros(kept);
+    }
+  }
+  K.outerIndexPtr()[supports.free] = kept;
+  return K;
+}
+
+namespace {
+
+// The part of the factor that the nodes' loads act on, and the supports as it sees
+// them: indices into its rows.
+struct LoadedPart {
+  FactorPart factor;
+  Supports supports;
+};
+
+LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
+                       const ContactSurface& surface,
+                       std::span<const std::int32_t> nodes) {
+  std::vector<std::int64_t> unknowns;
+  for (const std::int32_t v : nodes) {
+    for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
+      for (int axis = 0; axis < 3; ++axis) {
+        unknowns.push_back(free_index(supports, entry.node, axis));
+      }
+    }
+  }
+  LoadedPart loaded{factor.part(unknowns), supports};
+  loaded.supports.free = loaded.factor.size();
+  for (std::int64_t& dof : loaded.supports.free_index) {
+    dof = dof >= 0 ? loaded.factor.row()[static_cast<std::size_t>(dof)] : dof;
+  }
+  return loaded;
+}
+
+}  // namespace
+
+SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
+                                     const Supports& supports,
+                                     const ContactSurface& surface,
+                                     std::vector<std::int32_t> nodes, double radius_m,
+                                     std::span<const char> wanted,
+                                     const std::function<void(std::size_t)>& progress) {
+  const auto near = near_pairs(surface, nodes, radius_m);
+  begin_.push_back(0);
+  for (const auto& list : near) {
+    neighbour_.insert(neighbour_.end(), list.begin(), list.end());
+    begin_.push_back(static_cast<std::int64_t>(neighbour_.size()));
+  }
+  value_.assign(neighbour_.size(), 0.0);
+
+  const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
+  const Supports& unknowns = loaded.supports;
+  std::atomic<std::size_t> done = 0;
+  std::mutex reporting;
+  const auto solve_block = [&](std::size_t first) {
+    const std::size_t count = std::min(kBlock, nodes.size() - first);
+    const auto block = nodes.begin() + static_cast<std::ptrdiff_t>(first);
+    const bool needed =
+        wanted.empty() || std::any_of(block, block + static_cast<std::ptrdiff_t>(count),
+                                      [&](std::int32_t v) {
+                                        return wanted[static_cast<std::size_t>(v)] != 0;
+                                      });
+    if (!needed) {
+      done += count;
+      return;
+    }
+    Eigen::MatrixXd B =
+        Eigen::MatrixXd::Zero(unknowns.free, static_cast<Eigen::Index>(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      add_load(surface.node[static_cast<std::size_t>(nodes[first + k])], unknowns,
+               B.col(static_cast<Eigen::Index>(k)));
+    }
+    const Eigen::MatrixXd X = loaded.factor.solve(B);
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto v = static_cast<std::size_t>(nodes[first + k]);
+      for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
+        const auto w =
+            static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)]);
+        value_[static_cast<std::size_t>(at)] = average_displacement(
+            surface.node[w], unknowns, X.col(static_cast<Eigen::Index>(k)));
+      }
+    }
+    done += count;
+    if (progress && reporting.try_lock()) {
+      const std::lock_guard lock(reporting, std::adopt_lock);
+      progress(done);
+    }
+  };
+  const std::size_t blocks = (nodes.size() + kBlock - 1) / kBlock;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                        solve_block(i * kBlock);
+                      }
+                    });
+}
+
+void SurfaceCompliance::add(std::span<const std::int32_t> nodes,
+                            const Eigen::MatrixXd& more) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto v = static_cast<std::size_t>(nodes[i]);
+    for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
+      const auto k = static_cast<std::size_t>(at);
+      const auto w = std::lower_bound(nodes.begin(), nodes.end(), neighbour_[k]);
+      if (w != nodes.end() && *w == neighbour_[k]) {
+        value_[k] += more(static_cast<Eigen::Index>(i), w - nodes.begin());
+      }
+    }
+  }
+}
+
+Eigen::MatrixXd SurfaceCompliance::among(std::span<const std::int32_t> nodes) const {
+  const auto n = static_cast<Eigen::Index>(nodes.size());
+  const auto entry = [&](std::int32_t v, std::int32_t w) {
+    const auto first = neighbour_.begin() + begin_[static_cast<std::size_t>(v)];
+    const auto last = neighbour_.begin() + begin_[static_cast<std::size_t>(v) + 1];
+    const auto at = std::lower_bound(first, last, w);
+    return at != last && *at == w
+               ? value_[static_cast<std::size_t>(at - neighbour_.begin())]
+               : 0.0;
+  };
+  Eigen::MatrixXd A(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      A(i, j) =
+          entry(nodes[static_cast<std::size_t>(i)], nodes[static_cast<std::size_t>(j)]);
+      A(j, i) = A(i, j);
+    }
+  }
+  return A;
+}
+
+}  // namespace palpate

@@ -1,0 +1,78 @@
+// How far contact nodes move for a unit pressure force at their neighbours.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "precompute/contact/contact_surface.h"
+#include "precompute/fem/cholesky_factor.h"
+
+namespace palpate {
+
+/// Which degrees of freedom are solved for: index among the free ones, or -1 if held.
+struct Supports {
+  std::vector<std::int64_t> free_index;  ///< (3 n_nodes)
+  std::int64_t free = 0;
+};
+
+/// Holds every surface node of the mesh whose position [m] is one of those, in all
+/// directions.
+using Where = std::function<bool(const Eigen::Vector3d& p_m)>;
+[[nodiscard]] Supports hold_where(const QuadraticMesh& mesh, const Where& held);
+[[nodiscard]] Supports hold_boxes(const QuadraticMesh& mesh,
+                                  std::span<const Eigen::AlignedBox3d> box_m);
+
+/// Adds an elastic foundation to the stiffness: springs of k [Pa/m] per area, in all
+/// directions, under every surface face whose nodes all lie there.
+void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
+                    const Where& where);
+
+/// Average inward displacement [m] over the hat of a contact node along the normals:
+/// what its unit pressure force works on. @param u_m of the free degrees of freedom;
+/// the held ones do not move.
+[[nodiscard]] double average_displacement(const ContactNode& node,
+                                          const Supports& supports,
+                                          const Eigen::Ref<const Eigen::VectorXd>& u_m);
+
+/// K without the rows and columns of held degrees of freedom.
+[[nodiscard]] Stiffness reduce(const Stiffness& lower, const Supports& supports);
+
+/// Near-field compliance of the contact surface. Entry (v, w) [m/N]: average inward
+/// displacement over the hat of v along the inward normals, for 1 N of pressure force
+/// spread over the hat of w. Symmetric (Maxwell-Betti).
+class SurfaceCompliance {
+ public:
+  static constexpr std::size_t kBlock =
+      64;  ///< columns per solve, the knee of the cost
+
+  /// Solves for one column per node of `nodes` and keeps the rows within `radius_m`.
+  /// Runs on all cores; the result does not depend on their number.
+  /// @param nodes contact nodes, ascending.
+  /// @param wanted by contact node: blocks of columns without a wanted one are left
+  /// out; empty: all are wanted. What is wanted does not change the bits of a column.
+  /// @param progress called now and then from one thread with the columns done; may
+  /// throw.
+  SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
+                    const ContactSurface& surface, std::vector<std::int32_t> nodes,
+                    double radius_m, std::span<const char> wanted,
+                    const std::function<void(std::size_t)>& progress);
+
+  /// Adds to the compliance among the given contact nodes, where it is kept.
+  /// @param nodes ascending. @param more (n x n) [m/N], symmetric.
+  void add(std::span<const std::int32_t> nodes, const Eigen::MatrixXd& more);
+
+  /// Compliance among the given contact nodes, (n x n). Pairs farther apart than the
+  /// radius are zero; every node must be one of those that were solved for.
+  [[nodiscard]] Eigen::MatrixXd among(std::span<const std::int32_t> nodes) const;
+
+ private:
+  std::vector<std::int64_t> begin_;      // (n_contact_nodes + 1)
+  std::vector<std::int32_t> neighbour_;  // ascending within a node's range
+  std::vector<double> value_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,139 @@
+#include "precompute/fem/batched_solves.h"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <boost/coroutine2/coroutine.hpp>
+
+namespace palpate {
+namespace {
+
+using Coroutine = boost::coroutines2::coroutine<void>;
+
+constexpr std::size_t kStackBytes = 1 << 20;
+
+struct Request {
+  std::span<const std::int64_t> dof;
+  const Eigen::VectorXd* source = nullptr;
+  Eigen::VectorXd result;
+};
+
+// Solves requests with the part of the factor that they reach, which is kept as long as
+// the same unknowns are asked for.
+class PartSolver {
+ public:
+  explicit PartSolver(const CholeskyFactor& factor) : factor_(factor) {}
+
+  void serve(std::span<Request* const> requests) {
+    choose_part(requests);
+    Eigen::MatrixXd B =
+        Eigen::MatrixXd::Zero(part_.size(), static_cast<Eigen::Index>(requests.size()));
+    for (std::size_t k = 0; k < requests.size(); ++k) {
+      const Request& request = *requests[k];
+      for (std::size_t i = 0; i < request.dof.size(); ++i) {
+        if (request.dof[i] >= 0) {
+          B(row(request.dof[i]), static_cast<Eigen::Index>(k)) =
+              (*request.source)[static_cast<Eigen::Index>(i)];
+        }
+      }
+    }
+    const Eigen::MatrixXd X = part_.solve(B);
+    for (std::size_t k = 0; k < requests.size(); ++k) {
+      Request& request = *requests[k];
+      request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
+      for (std::size_t i = 0; i < request.dof.size(); ++i) {
+        request.result[static_cast<Eigen::Index>(i)] =
+            request.dof[i] >= 0 ? X(row(request.dof[i]), static_cast<Eigen::Index>(k))
+                                : 0.0;
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::int64_t row(std::int64_t dof) const {
+    return part_.row()[static_cast<std::size_t>(dof)];
+  }
+
+  void choose_part(std::span<Request* const> requests) {
+    std::size_t wanted = 0;
+    bool known = made_for_ > 0;
+    for (const Request* request : requests) {
+      wanted += request->dof.size();
+      known = known && std::all_of(request->dof.begin(), request->dof.end(),
+                                   [&](std::int64_t dof) {
+                                     return dof < 0 || row(dof) >= 0;
+                                   });
+    }
+    // A part that was made for more unknowns would do, but cost more.
+    if (known && wanted == made_for_) {
+      return;
+    }
+    std::vector<std::int64_t> unknowns;
+    for (const Request* request : requests) {
+      unknowns.insert(unknowns.end(), request->dof.begin(), request->dof.end());
+    }
+    part_ = factor_.part(unknowns);
+    made_for_ = wanted;
+  }
+
+  const CholeskyFactor& factor_;
+  FactorPart part_;
+  std::size_t made_for_ = 0;
+};
+
+struct Running {
+  Request request;
+  std::unique_ptr<Coroutine::pull_type> coroutine;
+};
+
+}  // namespace
+
+RestSolve single_solves(const CholeskyFactor& factor) {
+  return [solver = std::make_shared<PartSolver>(factor)](
+             std::span<const std::int64_t> dof, const Eigen::VectorXd& source) {
+    Request request{.dof = dof, .source = &source, .result = {}};
+    Request* const one = &request;
+    solver->serve({&one, 1});
+    return std::move(request.result);
+  };
+}
+
+void run_in_lock_step(const CholeskyFactor& factor,
+                      std::span<const std::function<void(const RestSolve&)>> tasks) {
+  std::vector<Running> running(tasks.size());
+  std::vector<Running*> waiting;
+  std::vector<Request*> requests;
+  PartSolver solver(factor);
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    running[i].coroutine = std::make_unique<Coroutine::pull_type>(
+        boost::coroutines2::fixedsize_stack(kStackBytes),
+        [&request = running[i].request, &task = tasks[i]](Coroutine::push_type& yield) {
+          task([&](std::span<const std::int64_t> dof, const Eigen::VectorXd& source) {
+            request.dof = dof;
+            request.source = &source;
+            yield();
+            return std::move(request.result);
+          });
+        });
+  }
+  for (;;) {
+    waiting.clear();
+    requests.clear();
+    for (Running& r : running) {
+      if (*r.coroutine) {
+        waiting.push_back(&r);
+        requests.push_back(&r.request);
+      }
+    }
+    if (waiting.empty()) {
+      return;
+    }
+    solver.serve(requests);
+    for (Running* r : waiting) {
+      (*r->coroutine)();
+    }
+  }
+}
+
+}  // namespace palpate

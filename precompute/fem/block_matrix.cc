@@ -1,0 +1,84 @@
+#include "precompute/fem/block_matrix.h"
+
+#include <algorithm>
+
+namespace palpate {
+
+BlockMatrix::BlockMatrix(std::int32_t nodes, const NodeGroups& groups)
+    : groups_(groups) {
+  std::vector<std::vector<std::int32_t>> row(static_cast<std::size_t>(nodes));
+  for (Eigen::Index g = 0; g < groups.rows(); ++g) {
+    for (Eigen::Index i = 0; i < groups.cols(); ++i) {
+      for (Eigen::Index j = 0; j < groups.cols(); ++j) {
+        if (groups(g, j) <= groups(g, i)) {
+          row[static_cast<std::size_t>(groups(g, i))].push_back(groups(g, j));
+        }
+      }
+    }
+  }
+  for (auto& list : row) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    column_.insert(column_.end(), list.begin(), list.end());
+    begin_.push_back(static_cast<std::int64_t>(column_.size()));
+  }
+  value_.assign(9 * column_.size(), 0.0);
+  for (Eigen::Index g = 0; g < groups_.rows(); ++g) {
+    for (Eigen::Index i = 0; i < groups_.cols(); ++i) {
+      for (Eigen::Index j = 0; j < groups_.cols(); ++j) {
+        const bool lower = groups_(g, j) <= groups_(g, i);
+        slot_.push_back(lower ? slot(groups_(g, i), groups_(g, j)) : -1);
+      }
+    }
+  }
+}
+
+void BlockMatrix::scale(double factor) {
+  for (double& value : value_) {
+    value *= factor;
+  }
+}
+
+std::int64_t BlockMatrix::slot(std::int32_t a, std::int32_t b) const {
+  const auto first = column_.begin() + begin_[static_cast<std::size_t>(a)];
+  const auto last = column_.begin() + begin_[static_cast<std::size_t>(a) + 1];
+  return std::lower_bound(first, last, b) - column_.begin();
+}
+
+void BlockMatrix::add(Eigen::Index group, const Eigen::Ref<const Eigen::MatrixXd>& K) {
+  const Eigen::Index n = groups_.cols();
+  auto at = slot_.begin() + group * n * n;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j, ++at) {
+      if (*at >= 0) {
+        Eigen::Map<Eigen::Matrix3d>(value_.data() + 9 * *at) +=
+            K.block<3, 3>(3 * i, 3 * j);
+      }
+    }
+  }
+}
+
+void BlockMatrix::multiply_add(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
+  for (std::int32_t a = 0; a < nodes(); ++a) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const Eigen::Vector3d x_a = x.segment<3>(3 * Eigen::Index{a});
+    for (auto at = begin_[static_cast<std::size_t>(a)];
+         at < begin_[static_cast<std::size_t>(a) + 1]; ++at) {
+      const Eigen::Index b = column_[static_cast<std::size_t>(at)];
+      const Block A = block(at);
+      sum += A * x.segment<3>(3 * b);
+      if (b != a) {
+        y.segment<3>(3 * b) += A.transpose() * x_a;
+      }
+    }
+    y.segment<3>(3 * Eigen::Index{a}) += sum;
+  }
+}
+
+double BlockMatrix::quadratic_form(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+  multiply_add(x, y);
+  return x.dot(y);
+}
+
+}  // namespace palpate

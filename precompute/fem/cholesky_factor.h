@@ -1,0 +1,65 @@
+// One sparse Cholesky factorisation, shared by every thread that solves with it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "precompute/fem/linear_elasticity.h"
+
+namespace palpate {
+
+/// The columns of L that some unknowns reach through the elimination tree. Where a
+/// right-hand side acts on them alone and only their displacement is wanted,
+/// substitution touches no other column: a solve costs what these hold, whatever else
+/// the body has. Must not outlive its factor.
+class FactorPart {
+ public:
+  /// (n) row of each unknown of K in solve(), -1: not in the part. Some more than were
+  /// asked for are.
+  [[nodiscard]] const std::vector<std::int64_t>& row() const;
+  [[nodiscard]] Eigen::Index size() const;
+  [[nodiscard]] std::int64_t nonzeros() const;
+
+  /// X = (K^-1)_part,part B, (size x k), rows as row() says. As safe as
+  /// CholeskyFactor::solve(), whose bits these are.
+  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+
+ private:
+  friend class CholeskyFactor;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// K = L L^T of a symmetric positive definite matrix (CHOLMOD, supernodal, METIS).
+class CholeskyFactor {
+ public:
+  /// @param lower lower triangle of K. @param near unknowns that will be asked for by
+  /// part(), any order: they are eliminated last, so that their part is small.
+  /// @throws NumericalError if K is not positive definite (a body that nothing holds),
+  /// or memory does not suffice.
+  explicit CholeskyFactor(const Stiffness& lower,
+                          std::span<const std::int64_t> near = {});
+  ~CholeskyFactor();
+  CholeskyFactor(CholeskyFactor&&) noexcept;
+  CholeskyFactor& operator=(CholeskyFactor&&) noexcept;
+
+  /// X = K^-1 B, B (n x k). Safe to call from several threads at once; the result does
+  /// not depend on them. Blocks of 64 columns cost several times less than single ones.
+  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+
+  /// @param unknowns any order; those below 0 are passed over.
+  [[nodiscard]] FactorPart part(std::span<const std::int64_t> unknowns) const;
+
+  [[nodiscard]] std::int64_t size() const;
+  [[nodiscard]] std::int64_t factor_nonzeros() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate

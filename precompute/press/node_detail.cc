@@ -1,0 +1,303 @@
+#include "precompute/press/node_detail.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/response/response_curve.h"
+#include "precompute/press/scene_solver.h"
+
+namespace palpate {
+namespace {
+
+struct Resultant {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment_nm = Eigen::Vector3d::Zero();
+  void add(const Eigen::Vector3d& at_m, const Eigen::Vector3d& f_n) {
+    force_n += f_n;
+    moment_nm += at_m.cross(f_n);
+  }
+};
+
+ElementVector gather(const QuadraticMesh& mesh, Eigen::Index tet,
+                     const Eigen::VectorXd& u_m) {
+  ElementVector u;
+  for (Eigen::Index j = 0; j < 10; ++j) {
+    u.segment<3>(3 * j) = u_m.segment<3>(3 * Eigen::Index{mesh.tet(tet, j)});
+  }
+  return u;
+}
+
+Eigen::VectorXd pressure_load_n(const BodyModel& model, const PressedNode& pressed,
+                                const Eigen::VectorXd& pressure_n) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * model.mesh.position_m.rows());
+  for (std::size_t i = 0; i < pressed.patch.size(); ++i) {
+    const auto v = static_cast<std::size_t>(pressed.patch[i]);
+    for (const NodalForce& entry : model.contact.node[v].load) {
+      load.segment<3>(3 * Eigen::Index{entry.node}) +=
+          pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
+    }
+  }
+  return load;
+}
+
+bool is_held_node(const BodyModel& model, Eigen::Index node) {
+  return model.supports.free_index[3 * static_cast<std::size_t>(node)] < 0;
+}
+
+// K^-1 of a source on free nodes.
+Eigen::VectorXd solved_m(const BodyModel& model, const Eigen::VectorXd& source_n) {
+  const RestSolve solve = single_solves(*model.factor);
+  return solve(model.supports.free_index, source_n);
+}
+
+// Pressure (nonlinear or not) of the state that was solved last; empty: none was.
+Eigen::VectorXd last_pressure_n(const PressedNode& pressed) {
+  if (pressed.nonlinear) {
+    return pressed.nonlinear->sample.empty() ? Eigen::VectorXd()
+                                             : pressed.nonlinear->pressure_n;
+  }
+  const auto& sample = pressed.indentation.sample;
+  return sample.size() < 2 ? Eigen::VectorXd() : sample.back().pressure_n;
+}
+
+DeformedBody deformed(const BodyModel& model, const PressedNode& pressed) {
+  DeformedBody body{
+      .displacement_m = Eigen::VectorXd::Zero(3 * model.mesh.position_m.rows()),
+      .near = std::vector<char>(static_cast<std::size_t>(model.mesh.tet.rows()), 0)};
+  if (last_pressure_n(pressed).size() == 0) {
+    return body;
+  }
+  if (!pressed.nonlinear) {
+    body.penetration_m = pressed.indentation.sample.back().penetration_m;
+    body.displacement_m =
+        solved_m(model, pressure_load_n(model, pressed, last_pressure_n(pressed)));
+    return body;
+  }
+  const NonlinearIndentation& result = *pressed.nonlinear;
+  body.penetration_m = result.sample.back().penetration_m;
+  std::vector<Eigen::Index> place(static_cast<std::size_t>(model.supports.free));
+  for (std::size_t i = 0; i < model.supports.free_index.size(); ++i) {
+    if (model.supports.free_index[i] >= 0) {
+      place[static_cast<std::size_t>(model.supports.free_index[i])] =
+          static_cast<Eigen::Index>(i);
+    }
+  }
+  Eigen::VectorXd source = Eigen::VectorXd::Zero(body.displacement_m.size());
+  for (std::size_t i = 0; i < result.near_dof.size(); ++i) {
+    if (result.near_dof[i] >= 0) {
+      source[place[static_cast<std::size_t>(result.near_dof[i])]] =
+          result.state.source_n[static_cast<Eigen::Index>(i)];
+    }
+  }
+  body.displacement_m = solved_m(model, source);
+  for (const Eigen::Index tet : result.near_tet) {
+    const auto region = static_cast<std::size_t>(region_of(model.mesh, tet));
+    body.near[static_cast<std::size_t>(tet)] =
+        is_linear(model.material[region]) ? 0 : 1;
+  }
+  return body;
+}
+
+// Internal forces (3 n_nodes) of every tet, and the moment that those of far ones have
+// about where their nodes went.
+struct Internal {
+  Eigen::VectorXd force_n;
+  Eigen::Vector3d far_moment_nm = Eigen::Vector3d::Zero();
+};
+
+Internal internal_forces(const BodyModel& model, const DeformedBody& body) {
+  Internal all{.force_n = Eigen::VectorXd::Zero(body.displacement_m.size())};
+  for (Eigen::Index t = 0; t < model.mesh.tet.rows(); ++t) {
+    const ElementVector u = gather(model.mesh, t, body.displacement_m);
+    const auto geometry = element_geometry(tet_corners(model.mesh, t), t);
+    const Material& law =
+        model.material[static_cast<std::size_t>(region_of(model.mesh, t))];
+    const bool near = body.near[static_cast<std::size_t>(t)] != 0;
+    const ElementVector f =
+        near
+            ? element_response(geometry, law, u).force_n
+            : ElementVector(
+                  element_response(geometry, law, ElementVector::Zero()).stiffness * u);
+    for (Eigen::Index j = 0; j < 10; ++j) {
+      all.force_n.segment<3>(3 * Eigen::Index{model.mesh.tet(t, j)}) +=
+          f.segment<3>(3 * j);
+      if (!near) {
+        all.far_moment_nm += u.segment<3>(3 * j).cross(f.segment<3>(3 * j));
+      }
+    }
+  }
+  return all;
+}
+
+Eigen::VectorXd foundation_force_n(const Scene& scene, const BodyModel& model,
+                                   const Eigen::VectorXd& u_m) {
+  Stiffness springs(u_m.size(), u_m.size());
+  for (const SceneSupport& support : scene.support) {
+    if (!support.is_fixed()) {
+      add_foundation(springs, model.mesh, support.stiffness_pa_per_m,
+                     [&](const Eigen::Vector3d& p) {
+                       return holds(support, p);
+                     });
+    }
+  }
+  return springs.selfadjointView<Eigen::Lower>() * u_m;
+}
+
+double work_relative(const PressedNode& pressed) {
+  const auto& sample = pressed.indentation.sample;
+  std::vector<double> depth_m;
+  std::vector<double> force_n;
+  for (const IndentationSample& s : sample) {
+    depth_m.push_back(s.penetration_m - sample.front().penetration_m);
+    force_n.push_back(s.force_n.dot(pressed.path.outward));
+  }
+  const double work_j = ResponseCurve(depth_m, force_n).at(depth_m.back()).energy_j;
+  return std::abs(work_j - sample.back().energy_j) / std::abs(sample.back().energy_j);
+}
+
+// What the contact exerts on the tool, about the vertex.
+Resultant contact_of(const BodyModel& model, const PressedNode& pressed) {
+  Resultant contact;
+  if (pressed.nonlinear) {
+    const NonlinearSample& last = pressed.nonlinear->sample.back();
+    contact.force_n = last.force_n;
+    contact.moment_nm = last.moment_nm - pressed.path.vertex_m.cross(last.force_n);
+    return contact;
+  }
+  const Eigen::VectorXd load =
+      pressure_load_n(model, pressed, last_pressure_n(pressed));
+  for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
+    contact.add(model.mesh.position_m.row(node).transpose() - pressed.path.vertex_m,
+                -load.segment<3>(3 * node));
+  }
+  return contact;
+}
+
+bool loads_held_nodes(const BodyModel& model, const PressedNode& pressed) {
+  const Eigen::VectorXd load =
+      pressure_load_n(model, pressed, last_pressure_n(pressed));
+  for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
+    if (is_held_node(model, node) && !load.segment<3>(3 * node).isZero(0.0)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::vector<DepthDetail> depths_of(const BodyModel& model, const PressedNode& pressed) {
+  std::vector<DepthDetail> depth(pressed.indentation.sample.size());
+  for (std::size_t k = 1; k < depth.size(); ++k) {
+    if (pressed.nonlinear) {
+      const NonlinearSample& solved = pressed.nonlinear->sample[k - 1];
+      depth[k] = {solved.newton, solved.gradients, solved.smallest_jacobian};
+      continue;
+    }
+    const Eigen::VectorXd u = solved_m(
+        model,
+        pressure_load_n(model, pressed, pressed.indentation.sample[k].pressure_n));
+    for (Eigen::Index t = 0; t < model.mesh.tet.rows(); ++t) {
+      depth[k].smallest_jacobian =
+          std::min(depth[k].smallest_jacobian,
+                   smallest_jacobian(element_geometry(tet_corners(model.mesh, t), t),
+                                     gather(model.mesh, t, u)));
+    }
+  }
+  return depth;
+}
+
+std::int32_t checked_vertex(const Scene& scene, const BodySource& body,
+                            std::int64_t vertex) {
+  if (vertex < 0 || vertex >= body.surface.position_m.rows()) {
+    throw InputError(
+        fmt::format("vertex {} does not exist: the body has vertices 0 to {}", vertex,
+                    body.surface.position_m.rows() - 1));
+  }
+  if (is_held(scene, body.surface.position_m.row(vertex).transpose())) {
+    throw InputError(
+        fmt::format("vertex {} is held by a support: nothing yields there", vertex));
+  }
+  return static_cast<std::int32_t>(vertex);
+}
+
+}  // namespace
+
+BalanceChecks check_balance(const Scene& scene, const BodyModel& model,
+                            const PressedNode& pressed, const DeformedBody& body) {
+  BalanceChecks checks;
+  if (last_pressure_n(pressed).size() == 0) {
+    return checks;
+  }
+  checks.work = work_relative(pressed);
+  if (loads_held_nodes(model, pressed)) {
+    return checks;
+  }
+  const Internal internal = internal_forces(model, body);
+  const Eigen::VectorXd spring_n =
+      foundation_force_n(scene, model, body.displacement_m);
+  Resultant supports;
+  for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
+    Eigen::Vector3d at =
+        model.mesh.position_m.row(node).transpose() - pressed.path.vertex_m;
+    if (pressed.nonlinear) {
+      at += body.displacement_m.segment<3>(3 * node);
+    }
+    supports.add(at, -spring_n.segment<3>(3 * node));
+    if (is_held_node(model, node)) {
+      supports.add(at, internal.force_n.segment<3>(3 * node));
+    }
+  }
+  const Resultant contact = contact_of(model, pressed);
+  const double force_n = contact.force_n.norm();
+  const Eigen::Vector3d low = model.mesh.position_m.colwise().minCoeff();
+  const Eigen::Vector3d high = model.mesh.position_m.colwise().maxCoeff();
+  const double moment_nm = force_n * (high - low).norm();
+  const Eigen::Vector3d far_nm =
+      pressed.nonlinear ? internal.far_moment_nm : Eigen::Vector3d::Zero();
+  checks.force = (supports.force_n - contact.force_n).norm() / force_n;
+  checks.moment = (supports.moment_nm - contact.moment_nm - far_nm).norm() / moment_nm;
+  checks.theory_moment = internal.far_moment_nm.norm() / moment_nm;
+  if (!pressed.nonlinear) {
+    const Eigen::Vector3d& tool_n = pressed.indentation.sample.back().force_n;
+    checks.theory_force = (tool_n - contact.force_n).norm() / tool_n.norm();
+  }
+  return checks;
+}
+
+NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
+                           const SharedTool& tool, std::int64_t vertex,
+                           const NonlinearOptions& options, Progress& progress) {
+  require_whole_body(scene, "indent");
+  const std::int32_t v = checked_vertex(scene, body, vertex);
+  progress.stage("indentation");
+  const PressStrategy strategy = choose_strategy(scene, body, std::span(&v, 1));
+  NodeDetail detail;
+  detail.model = make_graded_model(scene, body, std::span(&v, 1), strategy.focus);
+  detail.pressed = std::move(
+      press_on_model(
+          scene, body, detail.model, tool, std::span(&v, 1),
+          {.nonlinear = strategy.nonlinear, .every_depth = true, .options = options})
+          .front());
+  if (detail.pressed.indentation.sample.empty() && !detail.pressed.failure.empty()) {
+    throw NumericalError(fmt::format("vertex {}: {}", v, detail.pressed.failure));
+  }
+  detail.depth = depths_of(detail.model, detail.pressed);
+  detail.body = deformed(detail.model, detail.pressed);
+  detail.checks = check_balance(scene, detail.model, detail.pressed, detail.body);
+  progress.finish();
+  return detail;
+}
+
+std::int64_t nearest_vertex(const SurfaceMesh& surface,
+                            const Eigen::Vector3d& point_m) {
+  Eigen::Index nearest = 0;
+  (surface.position_m.rowwise() - point_m.transpose())
+      .rowwise()
+      .squaredNorm()
+      .minCoeff(&nearest);
+  return nearest;
+}
+
+}  // namespace palpate

@@ -1,0 +1,332 @@
+#include "precompute/press/node_press.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "precompute/contact/contact_gap.h"
+#include "precompute/contact/other_contact.h"
+#include "precompute/fem/batched_solves.h"
+#include "precompute/press/relative_correction.h"
+#include "precompute/press/response_ratio.h"
+#include "precompute/process/failure_of.h"
+#include "precompute/process/fault_point.h"
+#include "precompute/process/supervised_build.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kLockStep = 32;
+
+// Depths that are solved nonlinear, as shares of a path's samples.
+constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
+
+std::vector<std::size_t> corrected_samples(std::size_t samples, bool every_depth) {
+  std::vector<std::size_t> at;
+  if (every_depth) {
+    for (std::size_t k = 1; k < samples; ++k) {
+      at.push_back(k);
+    }
+    return at;
+  }
+  const auto last = static_cast<double>(samples - 1);
+  for (const double share : kCorrectedShares) {
+    const auto k =
+        std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * last)));
+    if (at.empty() || k > at.back()) {
+      at.push_back(k);
+    }
+  }
+  return at;
+}
+
+std::vector<PressStep> steps_of(const PressedNode& node,
+                                std::span<const std::size_t> samples) {
+  std::vector<PressStep> steps;
+  for (const std::size_t k : samples) {
+    const IndentationSample& sample = node.indentation.sample[k];
+    steps.push_back({sample.penetration_m, tool_at(node.path, sample.penetration_m),
+                     sample.pressure_n});
+  }
+  return steps;
+}
+
+void spoil(const PressedNode& node, NonlinearIndentation& result) {
+  for (NonlinearSample& sample : result.sample) {
+    fault_point(FaultPlace::kCorrection, node.vertex,
+                {sample.force_n.data(), std::size_t{3}});
+  }
+}
+
+// Ends the path where its force passes the largest that the scene wants.
+void cap_force(PressedNode& node, double force_max_n) {
+  auto& samples = node.indentation.sample;
+  const auto past = std::find_if(samples.begin(), samples.end(), [&](const auto& s) {
+    return s.force_n.norm() > force_max_n;
+  });
+  if (past != samples.end()) {
+    samples.erase(past + 1, samples.end());
+    node.indentation.force_capped = true;
+  }
+}
+
+// Solved depths take the solved force; between them the linear force is corrected by
+// what the solved ones differ by, relative to it. Where the linear press carries no
+// force nothing is relative to it: such paths are solved at every depth.
+void correct(PressedNode& node, std::span<const std::size_t> samples,
+             const NonlinearIndentation& result) {
+  node.failure = result.failure;
+  node.checks.near_tets = result.near_tets;
+  auto& path = node.indentation.sample;
+  std::vector<RelativeCorrection::Knot> knots;
+  for (std::size_t i = 0; i < result.sample.size(); ++i) {
+    const NonlinearSample& solved = result.sample[i];
+    IndentationSample& linear = path[samples[i]];
+    node.checks.newton += solved.newton;
+    node.checks.gradients += solved.gradients;
+    node.checks.smallest_jacobian =
+        std::min(node.checks.smallest_jacobian, solved.smallest_jacobian);
+    const double linear_n = linear.force_n.norm();
+    if (linear_n > 0.0) {
+      knots.push_back(
+          {linear.penetration_m, (solved.force_n - linear.force_n) / linear_n});
+    }
+    linear.energy_j = solved.energy_j;
+    linear.contact_radius_m = std::sqrt(solved.contact_area_m2 / std::numbers::pi);
+  }
+  const std::size_t reached =
+      result.sample.empty() ? 0 : samples[result.sample.size() - 1];
+  path.resize(reached + 1);
+  if (!knots.empty()) {
+    const RelativeCorrection correction(path.front().penetration_m, knots);
+    for (IndentationSample& sample : path) {
+      const double before_n = sample.force_n.norm();
+      sample.force_n += before_n * correction.at(sample.penetration_m);
+      sample.coarse_force_n *= before_n > 0.0 ? sample.force_n.norm() / before_n : 1.0;
+    }
+  }
+  for (std::size_t i = 0; i < result.sample.size(); ++i) {
+    IndentationSample& sample = path[samples[i]];
+    sample.force_n = result.sample[i].force_n;
+    if (node.linear.sample[samples[i]].force_n.norm() == 0.0) {
+      sample.coarse_force_n = sample.force_n.norm();
+    }
+  }
+  cap_force(node, node.path.force_max_n);
+}
+
+}  // namespace
+
+bool touches_late(const PressedNode& node) {
+  constexpr double kLate = 0.25;
+  const auto& sample = node.indentation.sample;
+  return !node.patch.empty() &&
+         (sample.size() < 2 ||
+          sample.front().penetration_m > kLate * node.path.depth_max_m);
+}
+
+bool is_nonlinear(const Scene& scene, const BodySource& body) {
+  return scene.accuracy.method != "linear" &&
+         !std::all_of(body.material.begin(), body.material.end(), is_linear);
+}
+
+NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
+  const double budgets = scene.force_relative / 0.05;
+  const double share = std::min(1.0, budgets);
+  NonlinearOptions options{.near_gradient = std::clamp(0.05 * budgets, 0.01, 0.1),
+                           .sticking = tool->shape().sticking};
+  options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
+  options.equilibrium.multiplier_relative = std::max(0.005, 0.1 * share);
+  return options;
+}
+
+int nonlinear_depths(int samples) {
+  return static_cast<int>(
+      corrected_samples(static_cast<std::size_t>(samples) + 1, false).size());
+}
+
+void contain(PressedNode& node, const std::function<void()>& work) {
+  const std::string failure = failure_of("its press", work);
+  if (!failure.empty()) {
+    node.failure = failure;
+    node.patch.clear();
+    node.indentation = {};
+    node.nonlinear.reset();
+  }
+}
+
+void drop_if_broken(PressedNode& node, const char* stage) {
+  const std::string broken = broken_rule(node.indentation);
+  if (!broken.empty()) {
+    node.failure = fmt::format("{}: {}", stage, broken);
+    node.indentation = {};
+  }
+}
+
+PressedNode placed_node(const Scene& scene, const BodySource& body,
+                        const BodyModel& model, const SharedTool& tool,
+                        std::int32_t vertex) {
+  PressedNode node{.vertex = vertex,
+                   .path = {.vertex_m = body.surface.position_m.row(vertex).transpose(),
+                            .outward = body.normal.row(vertex).transpose(),
+                            .tool = tool,
+                            .depth_max_m = scene.reach.depth_max_m,
+                            .force_max_n = scene.reach.force_max_n,
+                            .samples = scene.accuracy.depths}};
+  if (!(std::abs(node.path.outward.norm() - 1.0) < 1e-6)) {
+    node.failure = "its faces look into opposite directions: no normal to press along";
+    return node;
+  }
+  contain(node, [&] {
+    const double radius_m = patch_radius_m(node.path, model.contact_spacing_m);
+    if (std::isfinite(radius_m)) {
+      const std::int32_t start =
+          model.contact
+              .of_mesh_node[static_cast<std::size_t>(corner_of(model, vertex))];
+      node.patch = contact_patch(model.contact, model.supports, start,
+                                 node.path.outward, radius_m);
+    } else {
+      node.failure = "the tool's handle would be in the body";
+    }
+  });
+  // Its patch stays: what others share with it is as it would be without the crash.
+  if (const int signal = signal_of_crash_at(vertex); signal != 0) {
+    node.failure = fmt::format("its press crashed (signal {})", signal);
+  }
+  return node;
+}
+
+SurfaceCompliance compliance_of(
+    const BodyModel& model, std::span<const PressedNode> nodes,
+    std::span<const char> needed,
+    const std::function<void(std::size_t, std::size_t)>& told) {
+  std::vector<std::int32_t> wanted;
+  double radius_m = 0.0;
+  for (const PressedNode& node : nodes) {
+    wanted.insert(wanted.end(), node.patch.begin(), node.patch.end());
+    if (!node.patch.empty()) {
+      radius_m = std::max(radius_m, patch_radius_m(node.path, model.contact_spacing_m));
+    }
+  }
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  const std::size_t columns = wanted.size();
+  // Two nodes of one patch are at most twice its radius apart.
+  return {*model.factor,
+          model.supports,
+          model.contact,
+          std::move(wanted),
+          2.0 * radius_m,
+          needed,
+          [&](std::size_t done) {
+            if (told) {
+              told(done, columns);
+            }
+          }};
+}
+
+void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
+                  PressedNode& node) {
+  if (!node.failure.empty()) {
+    return;  // it could not be placed
+  }
+  note_pressed_vertex(node.vertex);
+  contain(node, [&] {
+    fault_point(FaultPlace::kWorker, node.vertex);
+    node.indentation = indent(model.contact, compliance, node.patch, node.path);
+    for (IndentationSample& sample : node.indentation.sample) {
+      fault_point(FaultPlace::kPress, node.vertex,
+                  {sample.force_n.data(), std::size_t{3}});
+    }
+    if (node.indentation.sample.size() > 1) {
+      node.indentation.reaches_elsewhere =
+          reaches_elsewhere(model.contact, node.patch, node.path,
+                            node.indentation.sample.front().penetration_m);
+    }
+    if (!node.indentation.converged) {
+      node.failure = "the contact's complementarity problem did not converge";
+      node.indentation.sample.clear();
+    }
+  });
+  drop_if_broken(node, "linear press");
+  note_pressed_vertex(-1);
+}
+
+void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
+                     std::span<PressedNode> nodes, const NonlinearOptions& options,
+                     bool every_depth) {
+  const NonlinearBody body{model.mesh, model.material, model.supports, model.contact};
+  std::vector<PressedNode*> pressed;
+  for (PressedNode& node : nodes) {
+    if (node.indentation.sample.size() > 1) {
+      pressed.push_back(&node);
+    }
+  }
+  for (std::size_t first = 0; first < pressed.size(); first += kLockStep) {
+    const std::size_t last = std::min(first + kLockStep, pressed.size());
+    std::vector<std::function<void(const RestSolve&)>> tasks;
+    for (std::size_t i = first; i < last; ++i) {
+      tasks.emplace_back([&, node = pressed[i]](const RestSolve& solve) {
+        contain(*node, [&] {
+          const auto samples =
+              corrected_samples(node->indentation.sample.size(),
+                                every_depth || !is_guide(node->indentation));
+          const auto place = [&](double penetration_m) {
+            return tool_at(node->path, penetration_m);
+          };
+          const RestSolve noted = [&](std::span<const std::int64_t> dof,
+                                      const Eigen::VectorXd& source) {
+            Eigen::VectorXd u = solve(dof, source);
+            note_pressed_vertex(node->vertex);  // others had their turn meanwhile
+            return u;
+          };
+          NonlinearIndentation result =
+              indent_nonlinear(body, node->patch, compliance.among(node->patch),
+                               node->indentation.sample.front().penetration_m,
+                               steps_of(*node, samples), place, noted, options);
+          spoil(*node, result);
+          node->linear = node->indentation;
+          correct(*node, samples, result);
+          if (every_depth) {
+            node->nonlinear =
+                std::make_shared<const NonlinearIndentation>(std::move(result));
+          }
+        });
+        drop_if_broken(*node, "nonlinear press");
+        note_pressed_vertex(-1);
+      });
+    }
+    run_in_lock_step(*model.factor, tasks);
+  }
+}
+
+std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& body,
+                                        const BodyModel& model, const SharedTool& tool,
+                                        std::span<const std::int32_t> vertices,
+                                        const PressMode& mode) {
+  std::vector<PressedNode> nodes;
+  for (const std::int32_t vertex : vertices) {
+    nodes.push_back(placed_node(scene, body, model, tool, vertex));
+  }
+  const SurfaceCompliance compliance = compliance_of(model, nodes, {}, nullptr);
+  for (PressedNode& node : nodes) {
+    // A linear body may be stiffer than the true one: its force says little about where
+    // the path ends.
+    node.path.force_max_n *= mode.nonlinear ? 3.0 : 1.0;
+    press_linear(model, compliance, node);
+    node.path.force_max_n = scene.reach.force_max_n;
+  }
+  if (mode.nonlinear) {
+    NonlinearOptions options = mode.options;
+    options.sticking = tool->shape().sticking;
+    press_nonlinear(model, compliance, nodes, options, mode.every_depth);
+  }
+  return nodes;
+}
+
+}  // namespace palpate

@@ -1,0 +1,113 @@
+// Pressing nodes of a scene on one model of its body: linear, then corrected by the
+// true nonlinear response where that is asked for.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/scene/scene.h"
+#include "precompute/body/meshed_body.h"
+#include "precompute/body/scene_body.h"
+#include "precompute/contact/linear_indentation.h"
+#include "precompute/contact/nonlinear_indentation.h"
+#include "precompute/contact/surface_compliance.h"
+
+namespace palpate {
+
+using SharedTool = std::shared_ptr<const ToolSurface>;
+
+/// What a press cost and how far it can be trusted.
+struct PressChecks {
+  std::int64_t newton = 0;         ///< steps, all depths
+  std::int64_t gradients = 0;      ///< conjugate gradients, one solve each
+  std::int64_t near_tets = 0;      ///< treated as nonlinear
+  double smallest_jacobian = 1.0;  ///< [-] det F anywhere, any depth
+};
+
+struct PressedNode {
+  std::int32_t vertex = -1;
+  IndentationPath path;
+  std::vector<std::int32_t> patch =
+      {};  ///< contact nodes of the model; empty: no press
+  Indentation indentation = {};
+  std::string failure = {};  ///< why the path ends early, or is missing; else empty
+  PressChecks checks = {};
+  /// What a nonlinear press corrected: the linear one on the same mesh.
+  Indentation linear = {};
+  /// As solved, where every depth was; else null.
+  std::shared_ptr<const NonlinearIndentation> nonlinear = {};
+};
+
+/// Whether the mesh is too coarse for the vertex: where the tool's end has reached the
+/// vertex, at zero penetration, it touches the body, but gaps are averaged over the
+/// hats of contact nodes, and around a corner or on a spike the average lies behind.
+/// True where the first touch comes after a quarter of the largest depth, or not at
+/// all.
+[[nodiscard]] bool touches_late(const PressedNode& node);
+
+/// Whether the scene's materials and method ask for nonlinear solutions.
+[[nodiscard]] bool is_nonlinear(const Scene& scene, const BodySource& body);
+
+/// How many samples of a path are solved nonlinear unless all of them are wanted.
+[[nodiscard]] int nonlinear_depths(int samples);
+
+/// As exact as the scene's budget needs. With the default budget of 5 %, forces of
+/// neo-Hookean organs differ by up to 0.3 % from those of a hundred times tighter
+/// options; with 10 %, on three of CGAL's surfaces (eight vertices each, a ball of 6
+/// mm, 4 mm deep), by up to 0.7 % (helmet, couplingdown) and 3.7 % (hand: at its
+/// fingers).
+[[nodiscard]] NonlinearOptions nonlinear_options(const Scene& scene,
+                                                 const SharedTool& tool);
+
+/// Does a part of a node's work. Whatever it throws, but Interrupted, becomes the
+/// node's failure, and what it has computed is dropped: a node's fault is its own.
+void contain(PressedNode& node, const std::function<void()>& work);
+
+/// Drops what a node has computed where a number of it breaks a rule (broken_rule), and
+/// says so as its failure. @param stage "linear press", for the message.
+void drop_if_broken(PressedNode& node, const char* stage);
+
+/// The path and the patch of a vertex, not pressed yet. A vertex that cannot be pressed
+/// has a failure and no patch.
+[[nodiscard]] PressedNode placed_node(const Scene& scene, const BodySource& body,
+                                      const BodyModel& model, const SharedTool& tool,
+                                      std::int32_t vertex);
+
+/// Compliance among the patches of the nodes. @param wanted, told as SurfaceCompliance
+/// has them.
+[[nodiscard]] SurfaceCompliance compliance_of(
+    const BodyModel& model, std::span<const PressedNode> nodes,
+    std::span<const char> wanted,
+    const std::function<void(std::size_t done, std::size_t total)>& told);
+
+/// Presses a placed node into the linear body.
+void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
+                  PressedNode& node);
+
+/// Corrects linear presses by the nonlinear body's response at some of their depths:
+/// the difference of the force vectors, relative to the linear force, is interpolated
+/// in between and zero at first touch. Every depth is solved if `every_depth`, and
+/// where the linear press is no guide (is_guide). Nodes go in lock step, blocks of at
+/// most 32.
+void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
+                     std::span<PressedNode> nodes, const NonlinearOptions& options,
+                     bool every_depth);
+
+struct PressMode {
+  bool nonlinear = false;
+  bool every_depth = false;       ///< nonlinear at every sample of the path
+  NonlinearOptions options = {};  ///< but for sticking, which is the tool's
+};
+
+/// Presses the vertices on a model that was made for them. A vertex that fails has its
+/// reason; the others are what they would be without it.
+[[nodiscard]] std::vector<PressedNode> press_on_model(
+    const Scene& scene, const BodySource& body, const BodyModel& model,
+    const SharedTool& tool, std::span<const std::int32_t> vertices,
+    const PressMode& mode);
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+// Pressing nodes of a scene on meshes that are made for them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "precompute/body/mesh_grading.h"
+#include "precompute/press/node_press.h"
+
+namespace palpate {
+
+/// The body meshed around the vertices (make_graded_model), or, where that mesh cannot
+/// be made, two or four times coarser there. @throws as make_graded_model() where none
+/// can.
+[[nodiscard]] BodyModel make_own_model(const Scene& scene, const BodySource& body,
+                                       std::span<const std::int32_t> vertices,
+                                       const ContactFocus& focus);
+
+/// Meshes the body around the vertices and presses them with the tool. A vertex that
+/// the tool touches late (touches_late) is pressed again on meshes up to eight times
+/// finer, a nonlinear press that fails on meshes two and four times coarser and, where
+/// it came nowhere, in small steps; what has come farthest is taken. The estimated
+/// error of forces is of the mesh that was taken.
+/// @throws as make_own_model(), for the first mesh.
+[[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
+    const Scene& scene, const BodySource& body, const SharedTool& tool,
+    std::span<const std::int32_t> vertices, const ContactFocus& focus,
+    const PressMode& mode);
+
+}  // namespace palpate

@@ -1,0 +1,92 @@
+// The two ways to press a scene's nodes: cheaply, all of them at once, and well, one by
+// one.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/scene/scene.h"
+#include "precompute/body/meshed_body.h"
+#include "precompute/body/scene_body.h"
+#include "precompute/press/cut_out_press.h"
+#include "precompute/press/node_press.h"
+#include "precompute/process/progress.h"
+
+namespace palpate {
+
+/// What a scene asks for and its body allows.
+struct PressStrategy {
+  bool nonlinear = false;  ///< good presses solve the nonlinear problem
+  /// Cheap presses share one uniformly fine mesh and its factor; else every group of
+  /// neighbours has a mesh of its own.
+  bool shared_mesh = true;
+  /// Cheap presses are on parts cut out of one mesh, good ones the same; no
+  /// shared_mesh.
+  bool cut_out = false;
+  bool graded = true;  ///< good presses have a mesh of their own, graded to the contact
+  /// Cheap presses are all that is wanted, or as good as good ones.
+  bool cheap_is_good = false;
+  int subdivisions = 0;    ///< of the surface of the shared mesh, or of that to be cut
+  SurfaceMesh surface;     ///< of that mesh
+  double spacing_m = 0.0;  ///< [m] contact nodes of that mesh
+  ContactFocus focus;      ///< of meshes of good presses
+  std::vector<std::string> notes;
+};
+
+/// @param pressed vertices that a build presses. A mesh that they share is as fine as
+/// the contact wants only around them; with `refine = "auto"` it is chosen where its
+/// factor and columns cost less than a mesh for each group of neighbours, by
+/// expected_cpu_s().
+[[nodiscard]] PressStrategy choose_strategy(const Scene& scene, const BodySource& body,
+                                            std::span<const std::int32_t> pressed);
+
+/// @throws InputError if the scene wants cut-outs, which `task` does not know.
+void require_whole_body(const Scene& scene, const std::string& task);
+
+class SceneSolver {
+ public:
+  /// @param vertices every reachable vertex; pressed ones are among them.
+  /// @param pressed whose shared columns will be needed.
+  /// @throws InputError, NumericalError where the body cannot be held or meshed: the
+  /// shared mesh, or those of its own for each of a few vertices.
+  SceneSolver(const Scene& scene, const BodySource& body, const PressStrategy& strategy,
+              std::span<const std::int32_t> vertices,
+              std::span<const std::int32_t> pressed, Progress& progress);
+
+  /// Linear presses. Safe from several threads, same bits from any.
+  [[nodiscard]] std::vector<PressedNode> cheap(
+      const SharedTool& tool, std::span<const std::int32_t> vertices) const;
+
+  /// The best presses there are at the strategy's mesh size, or some times finer.
+  [[nodiscard]] std::vector<PressedNode> good(const SharedTool& tool,
+                                              std::span<const std::int32_t> vertices,
+                                              double times_finer = 1.0) const;
+
+  /// None where no mesh is shared.
+  [[nodiscard]] const BodyModel* shared() const { return model_ ? &*model_ : nullptr; }
+
+  /// None where nothing is cut out.
+  [[nodiscard]] const CutOutSolver* cut_out() const { return cut_out_.get(); }
+
+ private:
+  [[nodiscard]] std::vector<PressedNode> on_own_meshes(
+      const SharedTool& tool, std::span<const std::int32_t> vertices,
+      const ContactFocus& focus, bool nonlinear) const;
+
+  const Scene& scene_;
+  const BodySource& body_;
+  const PressStrategy& strategy_;
+  [[nodiscard]] std::vector<PressedNode> on_cut_outs(
+      const SharedTool& tool, std::span<const std::int32_t> vertices,
+      double times_wider) const;
+
+  std::unique_ptr<const CutOutSolver> cut_out_;
+  std::optional<BodyModel> model_;
+  std::optional<SurfaceCompliance> compliance_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,280 @@
+#include "precompute/press/territory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "precompute/body/mesh_grading.h"
+#include "precompute/process/fault_point.h"
+
+namespace palpate {
+
+Territory::Territory(const Scene& scene, const BodySource& body,
+                     const SceneSolver& solver, const SharedTool& tool,
+                     std::span<const std::int32_t> vertices)
+    : scene_(scene),
+      body_(body),
+      solver_(solver),
+      tool_(tool),
+      vertex_(vertices),
+      cheap_(vertices.size()),
+      good_(vertices.size()),
+      field_(no_ratios()) {}
+
+RatioField Territory::no_ratios() const {
+  return {body_.surface, body_.normal, contact_focus(scene_, body_).contact_m};
+}
+
+void Territory::keep_cheap_within_budget(bool again) {
+  Places outside;
+  for (std::size_t i = 0; i < vertex_.size(); ++i) {
+    const double error =
+        to_response(cheap_[i].indentation, cheap_[i].path, scene_.force_relative)
+            .error_relative;
+    if (again && !cheap_[i].patch.empty() &&
+        (error > scene_.force_relative || touches_late(cheap_[i]))) {
+      outside.push_back(i);
+    } else {
+      good_[i] = cheap_[i];
+    }
+  }
+  solve(outside);
+}
+
+void Territory::solve_within_budget() {
+  solve(only_by_solving());
+  solve(farthest(kFirstSamples, {}));
+  solve_until_within_budget();
+}
+
+void Territory::solve_few_first() {
+  solve(far_apart(kFirstSamples));
+  if (!few_predict_each_other()) {
+    solve(unsolved());
+    return;
+  }
+  press_cheap();
+  for (std::size_t i = 0; i < good_.size(); ++i) {
+    if (good_[i] && is_like_others(i)) {
+      take_ratio(i, *good_[i]);
+    }
+  }
+  solve(only_by_solving());
+  solve_until_within_budget();
+}
+
+// Whether the ratio of each solved vertex follows from the others', within the budget.
+bool Territory::few_predict_each_other() const {
+  RatioField trial = no_ratios();
+  for (const auto& node : good_) {
+    if (!node) {
+      continue;
+    }
+    auto ratio = path_ratio(node->indentation, node->linear);
+    if (!node->failure.empty() || !ratio) {
+      return false;
+    }
+    trial.add(node->vertex, node->linear, std::move(ratio));
+  }
+  const std::vector<double> error = trial.leave_one_out();
+  return *std::max_element(error.begin(), error.end()) < scene_.force_relative;
+}
+
+void Territory::solve_until_within_budget() {
+  while (true) {
+    const std::vector<double> left_out = field_.leave_one_out();
+    std::vector<double> error(vertex_.size(), 0.0);
+    for (std::size_t i = 0; i < vertex_.size(); ++i) {
+      if (!good_[i] && is_like_others(i)) {
+        error[i] = expected_error(i, left_out);
+      }
+    }
+    const double worst = *std::max_element(error.begin(), error.end());
+    if (!(worst > scene_.force_relative)) {
+      return;
+    }
+    const Places more = farthest(kMoreSamples, error);
+    if (more.empty()) {
+      return;
+    }
+    solve(more);
+  }
+}
+
+void Territory::answer(std::int32_t tool, std::vector<UnitNode>& nodes) const {
+  const std::vector<double> left_out = field_.leave_one_out();
+  for (std::size_t i = 0; i < vertex_.size(); ++i) {
+    UnitNode node{.tool = tool, .vertex = vertex_[i]};
+    const PressedNode& press = good_[i] ? *good_[i] : cheap_[i];
+    node.failure = press.failure;
+    node.reaches_elsewhere = press.indentation.reaches_elsewhere;
+    if (good_[i]) {
+      node.response = to_response(press.indentation, press.path, scene_.force_relative);
+    } else if (is_like_others(i) && field_.size() > 0) {
+      node.response = interpolated(i, left_out);
+    } else if (touches(i)) {
+      node.failure = "no neighbour was solved that it could be interpolated from";
+    }
+    fail_if_broken(node);
+    nodes.push_back(std::move(node));
+  }
+}
+
+bool Territory::touches(std::size_t i) const {
+  return cheap_[i].indentation.sample.size() > 1;
+}
+
+// Whether ratios of others may scale the cheap press.
+bool Territory::is_like_others(std::size_t i) const {
+  return is_guide(cheap_[i].indentation) && !touches_late(cheap_[i]);
+}
+
+Territory::Places Territory::unsolved() const {
+  Places which;
+  for (std::size_t i = 0; i < good_.size(); ++i) {
+    if (!good_[i]) {
+      which.push_back(i);
+    }
+  }
+  return which;
+}
+
+// Vertices about whose response neither the cheap press nor neighbours say anything.
+Territory::Places Territory::only_by_solving() const {
+  Places which;
+  for (const std::size_t i : unsolved()) {
+    if (!cheap_[i].patch.empty() && !is_like_others(i)) {
+      which.push_back(i);
+    }
+  }
+  return which;
+}
+
+// The first vertex, and each time the farthest from those before.
+Territory::Places Territory::far_apart(std::size_t count) const {
+  Places chosen{0};
+  const auto apart_m = [&](std::size_t i) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::size_t c : chosen) {
+      least = std::min(least, (body_.surface.position_m.row(vertex_[i]) -
+                               body_.surface.position_m.row(vertex_[c]))
+                                  .norm());
+    }
+    return least;
+  };
+  while (chosen.size() < std::min(count, vertex_.size())) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < vertex_.size(); ++i) {
+      best = apart_m(i) > apart_m(best) ? i : best;
+    }
+    chosen.push_back(best);
+  }
+  return chosen;
+}
+
+// Vertices that touch and are not solved yet, each the farthest from those solved or
+// chosen; where errors are given, distances count in proportion to them.
+Territory::Places Territory::farthest(std::size_t count,
+                                      std::span<const double> error) const {
+  std::vector<double> distance(vertex_.size(), std::numeric_limits<double>::infinity());
+  const auto take = [&](std::size_t chosen) {
+    for (std::size_t i = 0; i < vertex_.size(); ++i) {
+      if (is_like_others(i) && is_like_others(chosen)) {
+        distance[i] =
+            std::min(distance[i],
+                     field_.distance_m(vertex_[i], cheap_[i].indentation,
+                                       vertex_[chosen], cheap_[chosen].indentation));
+      }
+    }
+  };
+  for (std::size_t i = 0; i < vertex_.size(); ++i) {
+    if (good_[i]) {
+      take(i);
+    }
+  }
+  Places chosen;
+  while (chosen.size() < count) {
+    std::optional<std::size_t> best;
+    double most = 0.0;
+    for (std::size_t i = 0; i < vertex_.size(); ++i) {
+      const double worth = distance[i] * (error.empty() ? 1.0 : error[i]);
+      if (!good_[i] && is_like_others(i) && worth > most) {
+        best = i;
+        most = worth;
+      }
+    }
+    if (!best) {
+      break;
+    }
+    chosen.push_back(*best);
+    take(*best);
+  }
+  return chosen;
+}
+
+// Infinite where only a solve can tell.
+double Territory::expected_error(std::size_t i,
+                                 std::span<const double> left_out) const {
+  return field_.size() < 2
+             ? std::numeric_limits<double>::infinity()
+             : field_.error_at(vertex_[i], cheap_[i].indentation, left_out);
+}
+
+NodeResponse Territory::interpolated(std::size_t i,
+                                     std::span<const double> left_out) const {
+  const Indentation& cheap = cheap_[i].indentation;
+  const Indentation path =
+      scaled(cheap, field_.at(vertex_[i], cheap), scene_.reach.force_max_n);
+  NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
+  response.origin = ResponseOrigin::kInterpolated;
+  response.error_relative =
+      std::hypot(response.error_relative, field_.error_at(vertex_[i], cheap, left_out));
+  fault_point(FaultPlace::kInterpolation, vertex_[i], response.force_n);
+  response.flags = static_cast<std::uint8_t>(
+      (response.flags & ~(kErrorOverBudget | kCoarseContact)) |
+      (response.error_relative > scene_.force_relative || cheap.reaches_elsewhere
+           ? kErrorOverBudget
+           : 0));
+  return response;
+}
+
+void Territory::solve(const Places& which) {
+  std::vector<std::int32_t> vertices;
+  vertices.reserve(which.size());
+  for (const std::size_t i : which) {
+    vertices.push_back(vertex_[i]);
+  }
+  std::sort(vertices.begin(), vertices.end());
+  for (PressedNode& node : solver_.good(tool_, vertices)) {
+    const std::size_t i = index_of(node.vertex);
+    if (node.failure.empty() && is_like_others(i)) {
+      take_ratio(i, node);
+    }
+    good_[i] = std::move(node);
+  }
+}
+
+std::size_t Territory::index_of(std::int32_t vertex) const {
+  return static_cast<std::size_t>(
+      std::lower_bound(vertex_.begin(), vertex_.end(), vertex) - vertex_.begin());
+}
+
+// What a good press says about its neighbours; its own path becomes the cheap one times
+// the ratio, which is the good one on the cheap one's mesh. A press without a ratio
+// stays as it is.
+void Territory::take_ratio(std::size_t i, PressedNode& node) {
+  const Indentation& cheap = cheap_[i].indentation;
+  auto ratio = path_ratio(node.indentation, node.linear);
+  if (ratio) {
+    fault_point(FaultPlace::kRatio, node.vertex,
+                {ratio->force.data(), static_cast<std::size_t>(ratio->force.size())});
+    node.indentation = scaled(cheap, *ratio, scene_.reach.force_max_n);
+    drop_if_broken(node, "ratio of nonlinear and linear force");
+  }
+  if (node.failure.empty()) {
+    field_.add(node.vertex, cheap, std::move(ratio));
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,86 @@
+// Neighbouring vertices that are answered together: some are solved well, the others
+// are their cheap presses times what the solved ones say.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "formats/database/work_unit.h"
+#include "formats/scene/scene.h"
+#include "precompute/body/scene_body.h"
+#include "precompute/press/response_ratio.h"
+#include "precompute/press/scene_solver.h"
+
+namespace palpate {
+
+inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
+inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
+
+/// Every vertex has a cheap press, once press_cheap() was called, and a good one where
+/// it is solved; the ratio of the two (path_ratio) is known where they are alike. There
+/// are four ways to work, each ended by answer():
+/// - press_cheap(), keep_cheap_within_budget();
+/// - solve_all(), after press_cheap() where all presses share a mesh;
+/// - press_cheap(), solve_within_budget();
+/// - solve_few_first().
+class Territory {
+ public:
+  /// @param vertices ascending, at least one; all arguments must outlive it.
+  Territory(const Scene& scene, const BodySource& body, const SceneSolver& solver,
+            const SharedTool& tool, std::span<const std::int32_t> vertices);
+
+  void press_cheap() { cheap_ = solver_.cheap(tool_, vertex_); }
+
+  /// Where cheap presses are of the same kind as good ones. @param again those that
+  /// their own estimate finds outside the budget are done well.
+  void keep_cheap_within_budget(bool again);
+
+  void solve_all() { solve(unsolved()); }
+
+  /// Solves vertices that only a solve can answer, a few others, and more until every
+  /// ratio is expected within the budget.
+  void solve_within_budget();
+
+  /// As solve_within_budget(), without cheap presses so far: a few good ones tell
+  /// whether others could be interpolated from them, and only then are cheap ones worth
+  /// their time.
+  void solve_few_first();
+
+  /// Appends the vertices' responses, ascending; each keeps the rules (broken_rule) or
+  /// has failed.
+  void answer(std::int32_t tool, std::vector<UnitNode>& nodes) const;
+
+ private:
+  using Places = std::vector<std::size_t>;  // in vertex_
+
+  [[nodiscard]] RatioField no_ratios() const;
+  [[nodiscard]] bool touches(std::size_t i) const;
+  [[nodiscard]] bool is_like_others(std::size_t i) const;
+  [[nodiscard]] Places unsolved() const;
+  [[nodiscard]] Places only_by_solving() const;
+  [[nodiscard]] Places far_apart(std::size_t count) const;
+  [[nodiscard]] Places farthest(std::size_t count, std::span<const double> error) const;
+  [[nodiscard]] bool few_predict_each_other() const;
+  [[nodiscard]] double expected_error(std::size_t i,
+                                      std::span<const double> left_out) const;
+  [[nodiscard]] NodeResponse interpolated(std::size_t i,
+                                          std::span<const double> left_out) const;
+  [[nodiscard]] std::size_t index_of(std::int32_t vertex) const;
+  void solve(const Places& which);
+  void solve_until_within_budget();
+  void take_ratio(std::size_t i, PressedNode& node);
+
+  const Scene& scene_;
+  const BodySource& body_;
+  const SceneSolver& solver_;
+  const SharedTool& tool_;
+  std::span<const std::int32_t> vertex_;
+  std::vector<PressedNode> cheap_;  // as default where not asked for
+  std::vector<std::optional<PressedNode>> good_;
+  RatioField field_;
+};
+
+}  // namespace palpate

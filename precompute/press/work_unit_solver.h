@@ -1,0 +1,53 @@
+// A scene cut into units of work, and the solution of each.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/database/work_unit.h"
+#include "formats/scene/scene.h"
+#include "precompute/body/scene_body.h"
+#include "precompute/press/scene_solver.h"
+
+namespace palpate {
+
+inline constexpr double kCheckTimesFiner = 2.0;  ///< elements of checks
+
+/// Good presses that a territory will probably need at a budget [-], counted in builds
+/// of organs of neo-Hookean material.
+[[nodiscard]] std::size_t expected_samples(double force_relative);
+
+/// Either a territory: neighbouring vertices that are answered together, some solved,
+/// some interpolated from those. Or a check: one vertex that is solved again one level
+/// finer.
+struct Unit {
+  std::int64_t index = -1;
+  bool is_check = false;
+  std::vector<std::int32_t> vertex;  ///< ascending
+};
+
+/// Territories in the order of a space-filling curve, then checks. The same for every
+/// shard and number of workers. @param vertices reachable ones, ascending.
+[[nodiscard]] std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
+                                         std::span<const std::int32_t> vertices);
+
+/// Solves a unit for every tool. Nodes are solved well until the ratio of good and
+/// cheap solutions, interpolated between them, predicts each left-out one within the
+/// budget; the rest is cheap times ratio. A vertex whose cheap press is no guide
+/// (is_guide), or touches late (touches_late), is solved. Every node of the outcome
+/// keeps the rules of responses (broken_rule), or has failed and says why; a node that
+/// fails leaves the others as they are, but for what would have been interpolated from
+/// it.
+/// @param solve_all no interpolation.
+[[nodiscard]] UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
+                                     const PressStrategy& strategy,
+                                     const SceneSolver& solver, const Unit& unit,
+                                     bool solve_all);
+
+/// The outcome of a unit of which nothing could be computed.
+[[nodiscard]] UnitOutcome failed_unit(const Unit& unit, std::size_t tools,
+                                      const std::string& reason);
+
+}  // namespace palpate

@@ -1,0 +1,223 @@
+#include "precompute/surface/repair.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "precompute/surface/repair_intersections.h"
+#include "precompute/surface/repair_topology.h"
+#include "precompute/surface/self_intersections.h"
+#include "precompute/surface/surface_distance.h"
+#include "precompute/surface/surface_in_child.h"
+#include "precompute/surface/surface_soup.h"
+#include "precompute/surface/wrap_surface.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kHoleMax = 0.1;        // [-] of the diagonal, as the next ones
+constexpr double kDisplacedMax = 0.01;  // beyond: not the same body any more
+constexpr double kVolumeChange = 0.05;  // [-] of a closed surface's volume
+constexpr double kAreaChange = 0.1;     // [-] of an open surface's area
+constexpr double kWrapOpening = 0.01;
+constexpr double kWrapOffset = 0.0005;
+
+// What each of the counts that the child sends back stands for.
+constexpr std::array<const char*, 10> kSteps{
+    "duplicate vertices welded",
+    "collapsed triangles taken out",
+    "duplicate triangles taken out",
+    "vertices of no triangle taken out",
+    "triangles turned to agree with their neighbours",
+    "vertices added to part sheets that touched",
+    "pairs of coinciding border edges joined",
+    "degenerate triangles taken out",
+    "holes filled",
+    "self-intersecting pairs of triangles replaced",
+};
+
+double diagonal_m(const SurfaceMesh& mesh) {
+  return bounding_box(mesh).diagonal().norm();
+}
+
+// Replaces crossing triangles, twice at most: a third pass rarely helps.
+SurfaceMesh without_intersections(SurfaceMesh mesh, std::size_t& replaced) {
+  std::size_t left = self_intersections(mesh).size();
+  const std::size_t first = left;
+  for (int pass = 0; pass < 2 && left > 0; ++pass) {
+    mesh = repair_intersections(mesh);
+    left = self_intersections(mesh).size();
+  }
+  replaced = left < first ? first - left : 0;
+  return mesh;
+}
+
+SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
+  SoupChanges soup;
+  TopologyChanges topology;
+  SurfaceMesh result = clean_soup(mesh, soup);
+  result = repair_topology(result, kHoleMax * diagonal_m(mesh), topology);
+  std::size_t replaced = 0;
+  if (check_surface(result).report.closed()) {
+    result = without_intersections(std::move(result), replaced);
+  }
+  return {.mesh = in_original_order(result, mesh),
+          .count = {soup.welded_vertices, soup.collapsed_triangles,
+                    soup.duplicate_triangles, soup.isolated_vertices,
+                    topology.turned_triangles, topology.split_vertices,
+                    topology.stitched_borders, topology.degenerate_triangles,
+                    topology.filled_holes, replaced}};
+}
+
+SurfaceAndCounts wrap_repair(const SurfaceMesh& mesh) {
+  const double size_m = diagonal_m(mesh);
+  return {.mesh = wrap_surface(mesh, kWrapOpening * size_m, kWrapOffset * size_m),
+          .count = {}};
+}
+
+// Parts of the surface once equal vertices are one: a file may list each triangle
+// alone.
+Eigen::Index parts(const SurfaceMesh& mesh) {
+  SoupChanges ignored;
+  return check_surface(clean_soup(mesh, ignored)).report.components;
+}
+
+bool had_volume(const SurfaceReport& before) {
+  return before.closed() && before.flipped_edges.count == 0 &&
+         before.non_manifold_edges.count == 0 && before.nested_components.count == 0;
+}
+
+// Why a safe repair is not to be trusted; empty if it is.
+std::string doubts(const SurfaceMesh& mesh, const RepairReport& report) {
+  const SurfaceReport& before = report.before;
+  const SurfaceReport& after = report.after;
+  const Eigen::Index parts_before = parts(mesh);
+  if (after.components != parts_before) {
+    return fmt::format("{} parts became {}", parts_before, after.components);
+  }
+  const double displaced_max_m = kDisplacedMax * diagonal_m(mesh);
+  if (!(report.displaced_m <= displaced_max_m)) {
+    return fmt::format("the surface moved by {:.3g} m, at most {:.3g} m is safe",
+                       report.displaced_m, displaced_max_m);
+  }
+  if (had_volume(before)) {
+    if (!(std::abs(report.volume_relative) <= kVolumeChange)) {
+      return fmt::format("the volume changed from {:.4g} to {:.4g} m^3",
+                         before.volume_m3, after.volume_m3);
+    }
+  } else if (!(std::abs(after.area_m2 - before.area_m2) <=
+               kAreaChange * before.area_m2)) {
+    return fmt::format("the area changed from {:.4g} to {:.4g} m^2", before.area_m2,
+                       after.area_m2);
+  }
+  return {};
+}
+
+void describe(const SurfaceMesh& mesh, RepairMode mode,
+              const std::vector<std::size_t>& count, RepairedSurface& result) {
+  RepairReport& report = result.report;
+  for (std::size_t i = 0; i < count.size(); ++i) {
+    if (count[i] > 0) {
+      report.changed.push_back({.what = kSteps[i], .count = count[i]});
+    }
+  }
+  if (mode == RepairMode::kWrap) {
+    report.changed.push_back({.what = "triangles wrapped by a new surface",
+                              .count = static_cast<std::size_t>(mesh.triangle.rows())});
+  }
+  CheckedSurface checked = check_surface(std::move(result.mesh));
+  result.mesh = std::move(checked.mesh);
+  report.after = std::move(checked.report);
+  report.original_vertex = original_vertices(result.mesh, mesh);
+  report.volume_relative = report.after.volume_m3 / report.before.volume_m3 - 1.0;
+  if (!report.after.accepted()) {
+    report.refusal = report.after.verdict();
+    return;
+  }
+  report.displaced_m = distance_to_surface_m(mesh, result.mesh);
+  if (report.before.closed()) {  // else a filled hole would count
+    report.displaced_m =
+        std::max(report.displaced_m, distance_to_surface_m(result.mesh, mesh));
+  }
+  if (mode == RepairMode::kSafe) {
+    report.refusal = doubts(mesh, report);
+  }
+}
+
+const char* mode_name(RepairMode mode) {
+  switch (mode) {
+    case RepairMode::kOff:
+      return "off";
+    case RepairMode::kSafe:
+      return "safe";
+    case RepairMode::kWrap:
+      break;
+  }
+  return "wrap";
+}
+
+}  // namespace
+
+RepairMode repair_mode(std::string_view name) {
+  for (const RepairMode mode :
+       {RepairMode::kOff, RepairMode::kSafe, RepairMode::kWrap}) {
+    if (name == mode_name(mode)) {
+      return mode;
+    }
+  }
+  throw InputError(fmt::format("repair = {:?}, must be off, safe or wrap", name));
+}
+
+RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode) {
+  if (mesh.triangle.rows() == 0) {
+    throw InputError("repair: the surface has no triangles");
+  }
+  CheckedSurface checked = check_surface(mesh);
+  RepairedSurface result;
+  result.report.before = checked.report;
+  if (mode == RepairMode::kOff || checked.report.accepted()) {
+    result.mesh = std::move(checked.mesh);
+    result.report.after = checked.report;
+    result.report.original_vertex = original_vertices(result.mesh, mesh);
+    result.report.refusal = checked.report.accepted() ? "" : checked.report.verdict();
+    return result;
+  }
+  SurfaceAndCounts made =
+      surface_in_child(fmt::format("repair \"{}\"", mode_name(mode)), [&] {
+        return mode == RepairMode::kSafe ? safe_repair(mesh) : wrap_repair(mesh);
+      });
+  result.mesh = std::move(made.mesh);
+  describe(mesh, mode, made.count, result);
+  return result;
+}
+
+CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
+                            std::string_view name, std::vector<std::string>& notes) {
+  RepairedSurface repaired = repair_surface(mesh, mode);
+  RepairReport& report = repaired.report;
+  if (!report.refusal.empty()) {
+    throw InputError(
+        mode == RepairMode::kOff
+            ? fmt::format("{}: {}; try --repair=safe", name, report.refusal)
+            : fmt::format(
+                  "{}: repair \"{}\" failed: {}; {}", name, mode_name(mode),
+                  report.refusal,
+                  mode == RepairMode::kSafe ? "try --repair=wrap" : "mend it by hand"));
+  }
+  for (const RepairStep& step : report.changed) {
+    notes.push_back(fmt::format("{}: repair: {} {}", name, step.count, step.what));
+  }
+  if (mode == RepairMode::kWrap && !report.changed.empty()) {
+    notes.push_back(fmt::format(
+        "{}: THE SURFACE IS NEW: wrapped, none of its vertices is the file's; volume "
+        "{:+.2f} %, moved by up to {:.3g} m",
+        name, 100.0 * report.volume_relative, report.displaced_m));
+  }
+  return {.mesh = std::move(repaired.mesh), .report = std::move(report.after)};
+}
+
+}  // namespace palpate

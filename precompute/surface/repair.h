@@ -1,0 +1,71 @@
+// Mends a user's surface so that it bounds a body, and says what that changed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/mesh/surface_mesh.h"
+#include "precompute/surface/surface_check.h"
+
+namespace palpate {
+
+enum class RepairMode {
+  kOff,   ///< the surface is taken as it is
+  kSafe,  ///< connections only: vertices that stay keep their places
+  kWrap,  ///< a new surface around the old one, with new vertices
+};
+
+/// @throws InputError unless the name is off, safe or wrap.
+[[nodiscard]] RepairMode repair_mode(std::string_view name);
+
+struct RepairStep {
+  std::string what;       ///< "duplicate vertices welded"
+  std::size_t count = 0;  ///< above 0
+};
+
+struct RepairReport {
+  SurfaceReport before;
+  SurfaceReport after;
+  std::vector<RepairStep> changed;  ///< in order; empty: nothing had to be done
+  /// (n_vertices) index of the input vertex at the same place, bit for bit; -1: new.
+  /// Those that are not new come first, ascending.
+  std::vector<std::int32_t> original_vertex;
+  /// Largest distance of the old surface from the new one, and, if the old one was
+  /// closed, of the new one from the old one.
+  double displaced_m = 0.0;
+  double volume_relative = 0.0;  ///< change; of volumes of an open surface: meaningless
+  std::string refusal;           ///< empty: the result is to be trusted
+};
+
+struct RepairedSurface {
+  SurfaceMesh mesh;
+  RepairReport report;
+};
+
+/// kSafe welds duplicate vertices; takes out collapsed, duplicate and degenerate
+/// triangles and vertices of no triangle; makes neighbours agree on the outside; joins
+/// coinciding borders; parts sheets that touch in a vertex; fills holes smaller than a
+/// tenth of the body; and replaces triangles that cross others, at most twice. It is
+/// refused unless the result is a body of as many parts as before, within 1 % of the
+/// diagonal from where it was, with 5 % of its volume, or, if it had none, 10 % of its
+/// area.
+///
+/// kWrap lays a new surface around the old one (see wrap_surface.h), with openings of a
+/// hundredth and an offset of a two-thousandth of the diagonal; it is refused unless
+/// the result is a body.
+///
+/// The work is done in a child process with limits of time and memory.
+/// @throws NumericalError if the child dies; InputError for a surface of no triangles.
+[[nodiscard]] RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode);
+
+/// require_body() for a surface that may be repaired.
+/// @param notes gains one line for each change.
+/// @throws InputError "<name>: ..." with the defects, and with what to try next.
+[[nodiscard]] CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
+                                          std::string_view name,
+                                          std::vector<std::string>& notes);
+
+}  // namespace palpate

@@ -1,0 +1,338 @@
+#include "precompute/surface/surface_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "precompute/surface/disjoint_sets.h"
+#include "precompute/surface/self_intersections.h"
+#include "precompute/surface/winding_number.h"
+
+namespace palpate {
+namespace {
+
+using Edge = std::pair<std::int32_t, std::int32_t>;
+
+Eigen::Vector3d vertex_m(const SurfaceMesh& mesh, std::int32_t v) {
+  return mesh.position_m.row(v).transpose();
+}
+
+Eigen::Vector3d corner_m(const SurfaceMesh& mesh, Eigen::Index t, int j) {
+  return vertex_m(mesh, mesh.triangle(t, j % 3));
+}
+
+Eigen::Vector3d middle_m(const SurfaceMesh& mesh, Eigen::Index t) {
+  return (corner_m(mesh, t, 0) + corner_m(mesh, t, 1) + corner_m(mesh, t, 2)) / 3.0;
+}
+
+// How often an edge is run through upwards and downwards in vertex numbers.
+struct EdgeUse {
+  int up = 0;
+  int down = 0;
+};
+
+void find_edge_defects(const SurfaceMesh& mesh, SurfaceReport& report) {
+  std::map<Edge, EdgeUse> edges;
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
+    for (int j = 0; j < 3; ++j) {
+      const std::int32_t from = mesh.triangle(t, j);
+      const std::int32_t to = mesh.triangle(t, (j + 1) % 3);
+      EdgeUse& use = edges[std::minmax(from, to)];
+      ++(from < to ? use.up : use.down);
+    }
+  }
+  for (const auto& [edge, use] : edges) {
+    const Eigen::Vector3d at_m =
+        0.5 * (vertex_m(mesh, edge.first) + vertex_m(mesh, edge.second));
+    if (use.up + use.down == 1) {
+      report.border_edges.add(at_m);
+    } else if (use.up + use.down > 2) {
+      report.non_manifold_edges.add(at_m);
+    } else if (use.up != use.down) {
+      report.flipped_edges.add(at_m);
+    }
+  }
+}
+
+// Corners on one line: the height over the longest edge is lost in rounding.
+bool degenerate(const SurfaceMesh& mesh, Eigen::Index t) {
+  const Eigen::Vector3d a = corner_m(mesh, t, 1) - corner_m(mesh, t, 0);
+  const Eigen::Vector3d b = corner_m(mesh, t, 2) - corner_m(mesh, t, 0);
+  const double longest2 =
+      std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
+  return !(a.cross(b).norm() > 1e-10 * longest2);
+}
+
+void find_triangle_defects(const SurfaceMesh& mesh, SurfaceReport& report) {
+  report.smallest_angle_rad = std::numbers::pi / 3.0;
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
+    report.smallest_angle_rad =
+        std::min(report.smallest_angle_rad, smallest_angle_rad(mesh, t));
+    if (degenerate(mesh, t)) {
+      report.degenerate_triangles.add(middle_m(mesh, t));
+    }
+  }
+  for (const auto& [a, b] : self_intersections(mesh)) {
+    report.self_intersections.add(0.5 * (middle_m(mesh, a) + middle_m(mesh, b)));
+  }
+}
+
+// A vertex is manifold if its triangles form one fan: joined by edges at the vertex,
+// they are one set. Keyed by (vertex, triangle corner) through corner numbers 3t + j.
+void find_vertex_defects(const SurfaceMesh& mesh, SurfaceReport& report) {
+  const Eigen::Index corners = 3 * mesh.triangle.rows();
+  Partition fan(static_cast<std::size_t>(corners));
+  std::map<Edge, std::array<std::int32_t, 2>> first_corner;  // of (from, to) ascending
+  for (std::int32_t t = 0; t < mesh.triangle.rows(); ++t) {
+    for (int j = 0; j < 3; ++j) {
+      std::int32_t from = 3 * t + j;
+      std::int32_t to = 3 * t + (j + 1) % 3;
+      if (mesh.triangle(t, j) > mesh.triangle(t, (j + 1) % 3)) {
+        std::swap(from, to);
+      }
+      const auto edge = std::minmax(mesh.triangle(t, j), mesh.triangle(t, (j + 1) % 3));
+      const auto [at, inserted] =
+          first_corner.try_emplace(edge, std::array<std::int32_t, 2>{from, to});
+      if (!inserted) {
+        fan.join(from, at->second[0]);
+        fan.join(to, at->second[1]);
+      }
+    }
+  }
+  std::vector<std::int32_t> fans(static_cast<std::size_t>(mesh.position_m.rows()), 0);
+  for (std::int32_t c = 0; c < corners; ++c) {
+    if (fan.find(c) == c) {
+      ++fans[static_cast<std::size_t>(mesh.triangle(c / 3, c % 3))];
+    }
+  }
+  for (std::int32_t v = 0; v < mesh.position_m.rows(); ++v) {
+    const std::int32_t count = fans[static_cast<std::size_t>(v)];
+    if (count == 0) {
+      report.isolated_vertices.add(vertex_m(mesh, v));
+    } else if (count > 1) {
+      report.non_manifold_vertices.add(vertex_m(mesh, v));
+    }
+  }
+}
+
+void find_duplicates(const SurfaceMesh& mesh, SurfaceReport& report) {
+  std::map<std::array<double, 3>, std::int32_t> seen;
+  for (std::int32_t v = 0; v < mesh.position_m.rows(); ++v) {
+    const Eigen::Vector3d at_m = vertex_m(mesh, v);
+    // -0.0 == 0.0 here, as it is for the mesher.
+    if (!seen.try_emplace({at_m.x(), at_m.y(), at_m.z()}, v).second) {
+      report.duplicate_vertices.add(at_m);
+    }
+  }
+}
+
+// The triangles of each part.
+std::vector<std::vector<Eigen::Index>> parts_of(const SurfaceMesh& mesh) {
+  Partition part(static_cast<std::size_t>(mesh.position_m.rows()));
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
+    part.join(mesh.triangle(t, 0), mesh.triangle(t, 1));
+    part.join(mesh.triangle(t, 0), mesh.triangle(t, 2));
+  }
+  std::map<std::int32_t, std::size_t> number;
+  std::vector<std::vector<Eigen::Index>> parts;
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
+    const auto [at, inserted] =
+        number.try_emplace(part.find(mesh.triangle(t, 0)), parts.size());
+    if (inserted) {
+      parts.emplace_back();
+    }
+    parts[at->second].push_back(t);
+  }
+  return parts;
+}
+
+SurfaceMesh part_mesh(const SurfaceMesh& mesh, const std::vector<Eigen::Index>& part) {
+  SurfaceMesh one;
+  one.triangle.resize(std::ssize(part), 3);
+  one.position_m.resize(3 * std::ssize(part), 3);
+  for (std::int32_t t = 0; t < std::ssize(part); ++t) {
+    for (int j = 0; j < 3; ++j) {
+      one.triangle(t, j) = 3 * t + j;
+      one.position_m.row(3 * t + j) =
+          corner_m(mesh, part[static_cast<std::size_t>(t)], j).transpose();
+    }
+  }
+  return one;
+}
+
+void turn(SurfaceMesh& mesh, const std::vector<Eigen::Index>& part) {
+  for (const Eigen::Index t : part) {
+    std::swap(mesh.triangle(t, 1), mesh.triangle(t, 2));
+  }
+}
+
+// Parts by themselves: which way they face, whether one lies inside another.
+void check_parts(SurfaceMesh& mesh, SurfaceReport& report) {
+  const auto parts = parts_of(mesh);
+  report.components = std::ssize(parts);
+  if (!report.closed() || report.flipped_edges.count > 0 ||
+      report.non_manifold_edges.count > 0) {
+    return;  // no inside to speak of
+  }
+  std::vector<SurfaceMesh> alone;
+  for (const auto& part : parts) {
+    alone.push_back(part_mesh(mesh, part));
+    const double volume_m3 = enclosed_volume_m3(alone.back());
+    const double extent_m = bounding_box(alone.back()).sizes().maxCoeff();
+    report.flat |= !(std::abs(volume_m3) > 1e-12 * extent_m * extent_m * extent_m);
+    if (volume_m3 < 0.0) {
+      turn(mesh, part);
+      ++report.components_turned;
+    }
+  }
+  if (report.self_intersections.count > 0) {
+    return;  // parts that cross are reported as that
+  }
+  for (std::size_t inner = 0; inner < parts.size(); ++inner) {
+    const Eigen::Vector3d at_m = corner_m(alone[inner], 0, 0);
+    for (std::size_t outer = 0; outer < parts.size(); ++outer) {
+      if (inner != outer && bounding_box(alone[outer]).contains(at_m) &&
+          std::abs(winding_number(alone[outer], at_m)) > 0.5) {
+        report.nested_components.add(at_m);
+        break;
+      }
+    }
+  }
+}
+
+std::string place(const Eigen::Vector3d& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
+}
+
+std::string described(const SurfaceDefect& defect, const char* one, const char* many) {
+  if (defect.count == 0) {
+    return {};
+  }
+  std::string places;
+  for (const Eigen::Vector3d& p : defect.where_m) {
+    places += (places.empty() ? "" : ", ") + place(p);
+  }
+  return fmt::format("{} {} at {}{} m", defect.count, defect.count == 1 ? one : many,
+                     places, defect.count > defect.where_m.size() ? ", ..." : "");
+}
+
+std::string accepted_verdict(const SurfaceReport& report) {
+  std::string text =
+      fmt::format("a closed body of {:.4g} m^3, {} vertices, {} triangles",
+                  report.volume_m3, report.vertices, report.triangles);
+  if (report.components > 1) {
+    text += fmt::format(", in {} disjoint parts", report.components);
+  }
+  if (report.components_turned > 0) {
+    text += fmt::format("; {} inside out, turned",
+                        report.components > 1
+                            ? fmt::format("{} parts were", report.components_turned)
+                            : "it was");
+  }
+  return text;
+}
+
+}  // namespace
+
+double smallest_angle_rad(const SurfaceMesh& mesh, Eigen::Index t) {
+  double smallest = std::numbers::pi;
+  for (int j = 0; j < 3; ++j) {
+    const Eigen::Vector3d a = corner_m(mesh, t, j + 1) - corner_m(mesh, t, j);
+    const Eigen::Vector3d b = corner_m(mesh, t, j + 2) - corner_m(mesh, t, j);
+    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
+  }
+  return smallest;
+}
+
+void SurfaceDefect::add(const Eigen::Vector3d& at_m) {
+  ++count;
+  if (where_m.size() < kDefectsShown) {
+    where_m.push_back(at_m);
+  }
+}
+
+const std::array<DefectKind, 9>& defect_kinds() {
+  using R = SurfaceReport;
+  static constexpr std::array<DefectKind, 9> kKinds{{
+      {&R::border_edges, "border_edges", "border edge (the surface is open)",
+       "border edges (the surface is open)"},
+      {&R::non_manifold_edges, "non_manifold_edges", "edge of more than two triangles",
+       "edges of more than two triangles"},
+      {&R::flipped_edges, "flipped_edges", "edge whose triangles face opposite ways",
+       "edges whose triangles face opposite ways"},
+      {&R::non_manifold_vertices, "non_manifold_vertices",
+       "vertex where separate sheets touch", "vertices where separate sheets touch"},
+      {&R::duplicate_vertices, "duplicate_vertices", "duplicate vertex",
+       "duplicate vertices"},
+      {&R::isolated_vertices, "isolated_vertices", "vertex of no triangle",
+       "vertices of no triangle"},
+      {&R::degenerate_triangles, "degenerate_triangles", "degenerate triangle",
+       "degenerate triangles"},
+      {&R::self_intersections, "self_intersections",
+       "self-intersecting pair of triangles", "self-intersecting pairs of triangles"},
+      {&R::nested_components, "nested_components",
+       "part inside another part (an inclusion with its own mesh, or cavity = true)",
+       "parts inside another part (inclusions with their own meshes, or cavity = "
+       "true)"},
+  }};
+  return kKinds;
+}
+
+bool SurfaceReport::accepted() const {
+  return !flat && triangles > 0 &&
+         std::all_of(defect_kinds().begin(), defect_kinds().end(),
+                     [&](const DefectKind& kind) {
+                       return (this->*kind.defect).count == 0;
+                     });
+}
+
+std::string SurfaceReport::verdict() const {
+  if (accepted()) {
+    return accepted_verdict(*this);
+  }
+  std::string text;
+  const auto add = [&](const std::string& part) {
+    text += (text.empty() || part.empty() ? "" : "; ") + part;
+  };
+  for (const DefectKind& kind : defect_kinds()) {
+    add(described(this->*kind.defect, kind.one, kind.many));
+  }
+  add(triangles == 0 ? "no triangles" : "");
+  add(flat ? "it encloses no volume" : "");
+  return "not a body: " + text;
+}
+
+CheckedSurface check_surface(SurfaceMesh mesh) {
+  SurfaceReport report;
+  report.vertices = mesh.position_m.rows();
+  report.triangles = mesh.triangle.rows();
+  find_edge_defects(mesh, report);
+  find_triangle_defects(mesh, report);
+  find_vertex_defects(mesh, report);
+  find_duplicates(mesh, report);
+  check_parts(mesh, report);
+  report.area_m2 = surface_area_m2(mesh);
+  report.volume_m3 = enclosed_volume_m3(mesh);
+  report.edge_mean_m = mean_edge_m(mesh);
+  if (report.vertices > 0) {
+    report.extent_m = bounding_box(mesh).sizes();
+  }
+  return {.mesh = std::move(mesh), .report = std::move(report)};
+}
+
+CheckedSurface require_body(SurfaceMesh mesh, std::string_view name) {
+  CheckedSurface checked = check_surface(std::move(mesh));
+  if (!checked.report.accepted()) {
+    throw InputError(fmt::format("{}: {}", name, checked.report.verdict()));
+  }
+  return checked;
+}
+
+}  // namespace palpate

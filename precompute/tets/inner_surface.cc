@@ -1,0 +1,135 @@
+#include "precompute/tets/inner_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "precompute/surface/disjoint_sets.h"
+#include "precompute/surface/self_intersections.h"
+#include "precompute/surface/surface_check.h"
+#include "precompute/surface/winding_number.h"
+
+namespace palpate {
+namespace {
+
+std::string place(const Eigen::RowVector3d& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z());
+}
+
+// The outer surface, then the inner ones, in one mesh; where the triangles of each end.
+struct Joined {
+  SurfaceMesh mesh;
+  std::vector<Eigen::Index> end;
+
+  // 0: the outer surface; i + 1: inner surface i.
+  [[nodiscard]] std::size_t owner(std::int32_t t) const {
+    return static_cast<std::size_t>(std::upper_bound(end.begin(), end.end(), t) -
+                                    end.begin());
+  }
+};
+
+void append(const SurfaceMesh& part, Joined& joined) {
+  SurfaceMesh& mesh = joined.mesh;
+  const Eigen::Index vertices = mesh.position_m.rows();
+  mesh.position_m.conservativeResize(vertices + part.position_m.rows(), 3);
+  mesh.position_m.bottomRows(part.position_m.rows()) = part.position_m;
+  const Eigen::Index triangles = mesh.triangle.rows();
+  mesh.triangle.conservativeResize(triangles + part.triangle.rows(), 3);
+  mesh.triangle.bottomRows(part.triangle.rows()) =
+      part.triangle.array() + static_cast<std::int32_t>(vertices);
+  joined.end.push_back(mesh.triangle.rows());
+}
+
+Eigen::RowVector3d middle_m(const SurfaceMesh& mesh, std::int32_t t) {
+  return (mesh.position_m.row(mesh.triangle(t, 0)) +
+          mesh.position_m.row(mesh.triangle(t, 1)) +
+          mesh.position_m.row(mesh.triangle(t, 2))) /
+         3.0;
+}
+
+void check_apart(const SurfaceMesh& outer, std::span<const InnerSurface> inner) {
+  Joined joined;
+  append(outer, joined);
+  for (const InnerSurface& one : inner) {
+    append(one.surface, joined);
+  }
+  for (const auto& [a, b] : self_intersections(joined.mesh)) {
+    const std::size_t first = joined.owner(a);
+    const std::size_t second = joined.owner(b);
+    if (first != second) {
+      throw InputError(fmt::format(
+          "{} touches or crosses {} at {}; surfaces in a body must keep apart",
+          inner_surface_name(inner, second - 1),
+          first == 0 ? "the body's surface" : inner_surface_name(inner, first - 1),
+          place(middle_m(joined.mesh, b))));
+    }
+  }
+}
+
+// One vertex of each part.
+std::vector<std::int32_t> part_vertices(const SurfaceMesh& mesh) {
+  Partition part(static_cast<std::size_t>(mesh.position_m.rows()));
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
+    part.join(mesh.triangle(t, 0), mesh.triangle(t, 1));
+    part.join(mesh.triangle(t, 0), mesh.triangle(t, 2));
+  }
+  std::vector<std::int32_t> vertices;
+  for (std::int32_t v = 0; v < mesh.position_m.rows(); ++v) {
+    if (part.find(v) == v) {
+      vertices.push_back(v);
+    }
+  }
+  return vertices;
+}
+
+// The surfaces keep apart, so that one vertex tells for all of a part.
+void check_place(const SurfaceMesh& outer, std::span<const InnerSurface> inner,
+                 std::size_t i) {
+  const SurfaceMesh& surface = inner[i].surface;
+  for (const std::int32_t v : part_vertices(surface)) {
+    const Eigen::Vector3d at_m = surface.position_m.row(v).transpose();
+    if (std::abs(winding_number(outer, at_m)) < 0.5) {
+      throw InputError(fmt::format("{} is outside of the body: its vertex {} at {}",
+                                   inner_surface_name(inner, i), v,
+                                   place(at_m.transpose())));
+    }
+    for (std::size_t j = 0; j < inner.size(); ++j) {
+      if (j != i && inner[j].cavity && winding_number(inner[j].surface, at_m) > 0.5) {
+        throw InputError(
+            fmt::format("{} floats in the cavity of {}: its vertex {} at {}",
+                        inner_surface_name(inner, i), inner_surface_name(inner, j), v,
+                        place(at_m.transpose())));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::string inner_surface_name(std::span<const InnerSurface> inner, std::size_t i) {
+  return inner[i].name.empty() ? fmt::format("inner surface {}", i + 1)
+                               : fmt::format("inner surface \"{}\"", inner[i].name);
+}
+
+std::vector<InnerSurface> check_inner_surfaces(const SurfaceMesh& outer,
+                                               std::span<const InnerSurface> inner) {
+  std::vector<InnerSurface> checked(inner.begin(), inner.end());
+  if (checked.empty()) {
+    return checked;
+  }
+  for (std::size_t i = 0; i < checked.size(); ++i) {
+    checked[i].surface =
+        require_body(std::move(checked[i].surface), inner_surface_name(inner, i)).mesh;
+  }
+  check_apart(outer, checked);
+  for (std::size_t i = 0; i < checked.size(); ++i) {
+    check_place(outer, checked, i);
+  }
+  return checked;
+}
+
+}  // namespace palpate

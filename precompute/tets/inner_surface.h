@@ -1,0 +1,31 @@
+// Closed surfaces inside a body that part it into regions.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/surface_mesh.h"
+
+namespace palpate {
+
+/// The boundary of an inclusion, or of a hole, strictly inside a body.
+struct InnerSurface {
+  SurfaceMesh surface{};  ///< closed; it may have several disjoint parts
+  bool cavity = false;    ///< what is inside is empty
+  std::string name{};     ///< for messages; empty: only its number
+};
+
+/// How a message names inner surface i: its name, or its number from 1.
+[[nodiscard]] std::string inner_surface_name(std::span<const InnerSurface> inner,
+                                             std::size_t i);
+
+/// The inner surfaces, those that were inside out turned. Each must bound a body, lie
+/// strictly inside the outer surface, and neither touch nor cross the outer one or
+/// another; one inside another is welcome, unless the other is a cavity.
+/// @param outer counter-clockwise from outside, as check_surface() gives it.
+/// @throws InputError naming the surface, and what is wrong with it where.
+[[nodiscard]] std::vector<InnerSurface> check_inner_surfaces(
+    const SurfaceMesh& outer, std::span<const InnerSurface> inner);
+
+}  // namespace palpate

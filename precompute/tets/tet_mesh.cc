@@ -1,0 +1,56 @@
+#include "precompute/tets/tet_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+namespace palpate {
+namespace {
+
+Eigen::Vector3d corner_m(const TetMesh& mesh, Eigen::Index t, int j) {
+  return mesh.position_m.row(mesh.tet(t, j)).transpose();
+}
+
+// Angle between the two faces at edge (i, j), from their parts across it.
+double dihedral_rad(const TetMesh& mesh, Eigen::Index t, int i, int j) {
+  const int k = i != 0 && j != 0 ? 0 : (i != 1 && j != 1 ? 1 : 2);
+  const int l = 6 - i - j - k;
+  const Eigen::Vector3d p = corner_m(mesh, t, i);
+  const Eigen::Vector3d edge = corner_m(mesh, t, j) - p;
+  const Eigen::Vector3d u = edge.cross(corner_m(mesh, t, k) - p);
+  const Eigen::Vector3d v = edge.cross(corner_m(mesh, t, l) - p);
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+}  // namespace
+
+double tet_volume_m3(const TetMesh& mesh, Eigen::Index t) {
+  const Eigen::Vector3d a = corner_m(mesh, t, 0);
+  return (corner_m(mesh, t, 1) - a)
+             .cross(corner_m(mesh, t, 2) - a)
+             .dot(corner_m(mesh, t, 3) - a) /
+         6.0;
+}
+
+TetQuality tet_quality(const TetMesh& mesh) {
+  TetQuality quality{.smallest_volume_m3 = std::numeric_limits<double>::infinity(),
+                     .smallest_dihedral_rad = std::numbers::pi};
+  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+    const double volume_m3 = tet_volume_m3(mesh, t);
+    quality.volume_m3 += volume_m3;
+    quality.smallest_volume_m3 = std::min(quality.smallest_volume_m3, volume_m3);
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        const double angle = dihedral_rad(mesh, t, i, j);
+        quality.smallest_dihedral_rad = std::min(quality.smallest_dihedral_rad, angle);
+        quality.largest_dihedral_rad = std::max(quality.largest_dihedral_rad, angle);
+      }
+    }
+  }
+  return quality;
+}
+
+}  // namespace palpate

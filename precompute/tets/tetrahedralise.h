@@ -1,0 +1,60 @@
+// Fills a checked surface with tetrahedra (TetGen), leaving the surface as it is.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "formats/mesh/surface_mesh.h"
+#include "precompute/tets/inner_surface.h"
+#include "precompute/tets/tet_mesh.h"
+
+namespace palpate {
+
+struct TetOptions {
+  /// [m] (0, inf] tets inside are no larger than a regular one of this edge. Infinite:
+  /// they grow away from the surface as far as their shape allows.
+  double edge_max_m = std::numeric_limits<double>::infinity();
+  double radius_edge_max = 1.414;  ///< [-] [1.2, inf) circumradius over shortest edge
+  Eigen::Index tets_max = 4'000'000;  ///< more are refused before they are made
+  double time_limit_s = 600.0;        ///< [s] (0, inf)
+  std::size_t memory_limit_bytes = 8'000'000'000;
+  /// Wanted edge [m] at a point of the body, on top of edge_max_m: a tet is no larger
+  /// than the regular one of the edge wanted at its centre, but for those that a coarse
+  /// surface triangle holds up and, by a little, those swapped against slivers. Runs in
+  /// the child process. Empty: no wish.
+  std::function<double(const Eigen::Vector3d&)> size{};
+};
+
+/// About how many tets tetrahedralise() will make (within a factor of two), without
+/// inner surfaces or a size function.
+[[nodiscard]] double estimated_tets(const SurfaceMesh& surface,
+                                    const TetOptions& options = {});
+
+/// Tets that fill the closed surface; every triangle of the surface is a face of one of
+/// them. Not for surfaces that check_surface() refuses. TetGen runs in a child process,
+/// because it can abort, exit or run away; same input, same result. Several disjoint
+/// parts are all filled.
+///
+/// Where TetGen dies or gives up, or what it made does not pass the checks, it is tried
+/// again: without improving tets, with vertices moved by 1e-9 and 1e-7 of the extent
+/// while tets are made (and put back: bit for bit as before), and without grading. The
+/// first result that passes is taken; in a failure the first reason is named.
+///
+/// Inner surfaces part the tets into regions, see TetMesh::region: each of their
+/// triangles is a face between two tets, or on the boundary if the surface is a cavity,
+/// which holds no tets. Vertices: those of the surface, those of inner[0], inner[1] and
+/// so on, all bit for bit, then new ones that lie off the surfaces.
+/// @throws InputError if the options are out of range, the estimate is above tets_max,
+///   or an inner surface is refused (see check_inner_surfaces()).
+/// @throws NumericalError naming TetGen's reason, or the limit that it reached, or the
+///   check of the result that failed (volume of a region to 1e-6, vertices, faces), the
+///   surface's poorest triangle and what can be done about it.
+[[nodiscard]] TetMesh tetrahedralise(const SurfaceMesh& surface,
+                                     const TetOptions& options = {},
+                                     std::span<const InnerSurface> inner = {});
+
+}  // namespace palpate

@@ -1,0 +1,96 @@
+#include "runtime/attach/calibration.h"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <span>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "formats/base/atomic_file.h"
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kFormat = "palpate calibration";
+constexpr std::int64_t kVersion = 1;
+
+// TOML wants a point or an exponent in a number that is no integer.
+std::string number(double value) {
+  const std::string text = fmt::format("{}", value);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+toml::table parse(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) {
+    throw InputError(fmt::format("{}: cannot be read", file.string()));
+  }
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  try {
+    return toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    throw FormatError(fmt::format("{}:{}: {}", file.string(), error.source().begin.line,
+                                  error.description()));
+  }
+}
+
+double read_number(const toml::table& table, const std::filesystem::path& file,
+                   const char* key, double low, double high) {
+  const double value = table[key].value_or(std::nan(""));
+  if (!(value >= low && value <= high)) {
+    throw FormatError(
+        fmt::format("{}: {} is missing or {}, must be a number in [{}, {}]",
+                    file.string(), key, value, low, high));
+  }
+  return value;
+}
+
+}  // namespace
+
+Calibration read_calibration(const std::filesystem::path& file) {
+  const toml::table table = parse(file);
+  if (table["format"].value_or(std::string()) != kFormat ||
+      table["version"].value_or(std::int64_t{0}) != kVersion) {
+    throw FormatError(
+        fmt::format("{}: is no calibration: format must be \"{}\" and "
+                    "version {}",
+                    file.string(), kFormat, kVersion));
+  }
+  return {.device = table["device"].value_or(std::string()),
+          .motor_factor = read_number(table, file, "motor_factor", 1e-3, 10.0),
+          .motor_factor_sd = read_number(table, file, "motor_factor_sd", 0.0, 10.0),
+          .mass_kg = read_number(table, file, "mass_kg", 0.0, 100.0)};
+}
+
+void write_calibration(const std::filesystem::path& file,
+                       const Calibration& calibration) {
+  const std::string text = fmt::format(
+      "format = \"{}\"\nversion = {}\ndevice = \"{}\"\nmotor_factor = {}\n"
+      "motor_factor_sd = {}\nmass_kg = {}\n",
+      kFormat, kVersion, calibration.device, number(calibration.motor_factor),
+      number(calibration.motor_factor_sd), number(calibration.mass_kg));
+  AtomicFile target(file);
+  target.write(std::as_bytes(std::span(text)));
+  target.commit();
+}
+
+double motor_factor(const std::string& number_or_file, const std::string& device) {
+  double factor = 0.0;
+  const char* const end = number_or_file.data() + number_or_file.size();
+  const auto [last, error] = std::from_chars(number_or_file.data(), end, factor);
+  if (error == std::errc() && last == end) {
+    return factor;
+  }
+  const Calibration calibration = read_calibration(number_or_file);
+  if (calibration.device != device) {
+    throw InputError(fmt::format("--calibration {}: is of a {}, not of a {}",
+                                 number_or_file, calibration.device, device));
+  }
+  return calibration.motor_factor;
+}
+
+}  // namespace palpate

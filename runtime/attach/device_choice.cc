@@ -1,0 +1,254 @@
+#include "runtime/attach/device_choice.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "formats/base/error.h"
+#include "formats/base/sha256.h"
+#include "runtime/attach/usb_choice.h"
+#include "runtime/emulation/emulated_falcon.h"
+#include "runtime/emulation/emulated_haply.h"
+
+namespace palpate {
+namespace {
+
+// Middle of the workspace [m].
+const Eigen::Vector3d haply_rest_m(0.0, 0.09, 0.0);
+
+// Which image it is: the vendor's cannot be told from others otherwise.
+void tell_of_firmware(const DeviceRequest& request,
+                      const std::vector<std::uint8_t>& image) {
+  if (request.tell) {
+    Sha256 digest;
+    digest.update(std::as_bytes(std::span(image)));
+    request.tell(fmt::format("{}: firmware {}: {} bytes, SHA-256 {}", request.name,
+                             request.firmware, image.size(), digest.hex()));
+  }
+}
+
+FalconConfig falcon_config(const DeviceRequest& request) {
+  if (!(request.calibration > 0.0 && request.calibration <= 10.0)) {
+    throw InputError(fmt::format("calibration factor is {}, must lie in (0, 10]",
+                                 request.calibration));
+  }
+  if (!(request.homing_s > 0.0 && request.homing_s < 1e4)) {
+    throw InputError(
+        fmt::format("time for homing is {} s, must lie in (0, 1e4)", request.homing_s));
+  }
+  FalconConfig config;
+  config.calibration = request.calibration;
+  config.homing_s = request.homing_s;
+  config.tell = request.tell;
+  config.event_character = request.event_character;
+  config.what = request.name;
+  if (!request.firmware.empty()) {
+    config.firmware = read_firmware(request.firmware);
+    tell_of_firmware(request, config.firmware);
+  }
+  if (!request.plane.empty()) {
+    throw InputError(fmt::format("--plane {}: a {} moves in all three dimensions",
+                                 request.plane, request.name));
+  }
+  return config;
+}
+
+// Of a real one.
+FalconConfig guarded_falcon_config(const DeviceRequest& request) {
+  FalconConfig config = falcon_config(request);
+  config.guarded = true;
+  return config;
+}
+
+// The usbfs file of the one device that is meant.
+int open_usb(const DeviceRequest& request, bool (*is_meant)(const UsbDevice&)) {
+  const UsbDevice device =
+      choose_usb_device(find_usb_devices(), request.name, request.usb, is_meant);
+  const std::string file =
+      fmt::format("/dev/bus/usb/{:03}/{:03}", device.bus, device.address);
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
+  if (descriptor < 0) {
+    throw DeviceError(
+        fmt::format("{}: {}: {}", request.name, file, std::strerror(errno)));
+  }
+  return descriptor;
+}
+
+void close_usb(int descriptor) {
+  ::close(descriptor);
+}
+
+std::unique_ptr<FalconLink> falcon_link(const DeviceRequest& request,
+                                        const FalconConfig& config) {
+  return std::make_unique<FalconLink>(
+      config,
+      [request] {
+        return open_usb(request, [](const UsbDevice& device) {
+          return device.vendor == kFalconIdentity.vendor &&
+                 device.product == kFalconIdentity.product;
+        });
+      },
+      close_usb);
+}
+
+AttachedDevice falcon(const DeviceRequest& request) {
+  const FalconConfig config = guarded_falcon_config(request);
+  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
+                [config, request](const HandScript&) {
+                  return falcon_link(request, config);
+                });
+}
+
+FalconConfig for_emulation(FalconConfig config) {
+  config.answer_s = kEmulatedAnswerS;
+  if (config.firmware.empty()) {
+    config.firmware = emulated_firmware();
+  }
+  return config;
+}
+
+std::unique_ptr<FalconLink> emulated_falcon_link(const HandScript& hand,
+                                                 const Eigen::Vector3d& start_m,
+                                                 const SimulatedDeviceConfig& dynamics,
+                                                 const FalconConfig& config) {
+  EmulatedFalconConfig emulated;
+  emulated.model.hand = hand;
+  emulated.model.start_m = start_m;
+  emulated.model.dynamics = dynamics;
+  emulated.model.dynamics.resolution_m = 0.0;  // the encoders' own
+  return EmulatedFalcon::link(std::make_shared<EmulatedFalcon>(emulated), config);
+}
+
+AttachedDevice emulated_falcon(const DeviceRequest& request) {
+  const FalconConfig config = for_emulation(falcon_config(request));
+  return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
+                [config](const HandScript& hand) {
+                  return emulated_falcon_link(hand, hand.at(0.0).position_m, {},
+                                              config);
+                });
+}
+
+// A weak spring from far below pulls like a weight. The brake lets it sink slowly until
+// it is carried, and cancels over whole periods.
+std::unique_ptr<DeviceLink> weighed_falcon(const FalconConfig& config, double hung_kg) {
+  constexpr double kPull = 0.1;    // [N/m]
+  constexpr double kBrake = 30.0;  // [N s/m]
+  constexpr double kGripN = 0.3;
+  constexpr double kGravity = 9.80665;  // [m/s^2]
+  HandScript pull{.surface_m = falcon_centre_m(),
+                  .clear_m = 1e-9,
+                  .press_m = 0.0,
+                  .deeper_m = 0.0,
+                  .circle_m = 0.0};
+  pull.surface_m.y() -= (kGripN + kGravity * hung_kg) / kPull;
+  return emulated_falcon_link(pull, falcon_centre_m(),
+                              {.hand_n_per_m = kPull, .hand_n_s_per_m = kBrake},
+                              config);
+}
+
+HaplyConfig haply_config(const DeviceRequest& request) {
+  if (!request.firmware.empty()) {
+    throw InputError(
+        fmt::format("--firmware {}: a {} has its own", request.firmware, request.name));
+  }
+  HaplyConfig config;
+  config.what = request.name;
+  return config;
+}
+
+std::optional<SectionPlane> plane_of(const DeviceRequest& request) {
+  return request.plane.empty() ? std::nullopt
+                               : std::optional(parse_plane(request.plane));
+}
+
+AttachedDevice haply(const DeviceRequest& request) {
+  HaplyConfig config = haply_config(request);
+  config.guarded = true;
+  return attach(
+      HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
+      [config, request](const HandScript&) {
+        return std::make_unique<HaplyLink>(
+            config,
+            [request] {
+              return open_usb(request, [](const UsbDevice& device) {
+                return device.serial;
+              });
+            },
+            close_usb);
+      },
+      plane_of(request));
+}
+
+AttachedDevice emulated_haply(const DeviceRequest& request) {
+  const HaplyConfig config = haply_config(request);
+  return attach(
+      HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
+      [config](const HandScript& hand) {
+        HaplyModelConfig emulated;
+        emulated.hand = hand;
+        emulated.hand.surface_m.z() = 0.0;  // it cannot leave the plane
+        emulated.hand.normal.z() = 0.0;
+        emulated.hand.normal.normalize();
+        emulated.start_m = emulated.hand.at(0.0).position_m;
+        emulated.dynamics.resolution_m = 0.0;
+        return EmulatedHaply::link(
+            std::make_shared<EmulatedHaply>(emulated, UsbFaults{}), config);
+      },
+      plane_of(request));
+}
+
+struct KnownDevice {
+  const char* name;
+  AttachedDevice (*attach)(const DeviceRequest&);
+};
+constexpr std::array<KnownDevice, 4> kKnown{{{"falcon", falcon},
+                                             {"haply-2diy", haply},
+                                             {"emulated-falcon", emulated_falcon},
+                                             {"emulated-haply", emulated_haply}}};
+
+}  // namespace
+
+std::string known_device_names() {
+  std::string names;
+  for (const KnownDevice& known : kKnown) {
+    names += (names.empty() ? "" : ", ") + std::string(known.name);
+  }
+  return names;
+}
+
+bool is_emulated(const std::string& name) {
+  return name.starts_with("emulated-");
+}
+
+std::unique_ptr<DeviceLink> calibration_link(const DeviceRequest& request,
+                                             double hung_kg) {
+  if (request.name == "falcon") {
+    return falcon_link(request, guarded_falcon_config(request));
+  }
+  if (request.name == "emulated-falcon") {
+    return weighed_falcon(for_emulation(falcon_config(request)), hung_kg);
+  }
+  throw InputError(
+      fmt::format("--device {}: has no factor to calibrate (a Haply takes torques in N "
+                  "m); falcon and emulated-falcon have",
+                  request.name));
+}
+
+AttachedDevice choose_device(const DeviceRequest& request) {
+  for (const KnownDevice& known : kKnown) {
+    if (request.name == known.name) {
+      return known.attach(request);
+    }
+  }
+  throw InputError(fmt::format("--device {}: unknown device; known: {}", request.name,
+                               known_device_names()));
+}
+
+}  // namespace palpate

@@ -1,0 +1,194 @@
+#include "runtime/c_api/host_body.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/database/chunk_reader.h"
+#include "formats/database/response_database.h"
+#include "formats/response/tool_support.h"
+#include "runtime/device/stability_margin.h"
+#include "runtime/realtime/clock.h"
+#include "runtime/realtime/deadlines.h"
+#include "runtime/slow/file_elements.h"
+#include "runtime/slow/file_press_site.h"
+#include "runtime/slow/memory_elements.h"
+
+namespace palpate {
+namespace {
+
+// Limits of the force inside the host, so that they hold at the device.
+FastConfig fast_config(const HostOptions& options, const ToolShape& tool) {
+  FastConfig fast;
+  fast.model = options.model;
+  fast.tool_radius_m = nominal_height_m(tool);
+  fast.force_max_n = options.force_max_n / options.force_gain;
+  fast.slew_max_n_per_s /= options.force_gain;
+  fast.ramp_s = options.ramp_s;
+  return fast;
+}
+
+// Scale of forces [-] that the device can render; 1 where its damping is not known.
+double renderable_scale(const HostOptions& options, RenderedStiffness stiffness) {
+  if (options.damping_n_s_per_m == 0.0) {
+    return 1.0;
+  }
+  const DeviceLimits device{.damping_n_s_per_m = options.damping_n_s_per_m,
+                            .delay_s = options.delay_s,
+                            .force_max_n = options.force_max_n};
+  const double felt = options.position_gain * options.force_gain;
+  stiffness.normal_n_per_m *= felt;
+  stiffness.friction_n_per_m *= felt;
+  const StabilityBounds bounds = stability_bounds(device, options.tick_s);
+  const std::string reason =
+      why_not_renderable(stiffness, bounds, device, options.tick_s);
+  if (reason.empty()) {
+    return 1.0;
+  }
+  if (!options.limit_stiffness) {
+    throw InputError(fmt::format(
+        "the device cannot render this: {} at gains of {:.4g} times, felt at the "
+        "device; the flag to limit stiffness scales forces by {:.3g}",
+        reason, felt, bounds.renderable_n_per_m() / stiffness.largest_n_per_m()));
+  }
+  return bounds.renderable_n_per_m() / stiffness.largest_n_per_m();
+}
+
+// The database with the stream that reads it.
+class OwnedStream : public ElementSender {
+ public:
+  OwnedStream(std::unique_ptr<const ResponseDatabase> database,
+              const ResponseTable& table, double scale)
+      : database_(std::move(database)), stream_(*database_, table, scale) {}
+
+  std::size_t update(const ToolState& tool, std::int64_t now_ns,
+                     ElementFifo& fifo) override {
+    return stream_.update(tool, now_ns, fifo);
+  }
+
+ private:
+  std::unique_ptr<const ResponseDatabase> database_;
+  ElementStream stream_;
+};
+
+bool is_damaged(const ElementSender* sender) {
+  const auto* streamed = dynamic_cast<const StreamedElements*>(sender);
+  return streamed != nullptr && streamed->is_damaged();
+}
+
+}  // namespace
+
+HostBody::HostBody(const std::filesystem::path& file, const HostOptions& options)
+    : options_(options) {
+  check(options_);
+  if (options_.streamed) {
+    open_streamed(file);
+  } else {
+    open_whole(file);
+  }
+  if (const char* wrong = check(fast_)) {
+    throw InputError(fmt::format("fast step: {}", wrong));
+  }
+  if (!options_.own_slow_steps) {
+    thread_ = std::thread([this] {
+      run();
+    });
+  }
+}
+
+HostBody::~HostBody() {
+  stop_.store(true);
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void HostBody::open_whole(const std::filesystem::path& file) {
+  auto database = std::make_unique<const ResponseDatabase>(read_database(file));
+  const ResponseTable& table = find_tool(*database, options_.tool);
+  fast_ = fast_config(options_, table.tool);
+  force_scale_ =
+      renderable_scale(options_, rendered_stiffness(table, fast_.force_max_n));
+  whole_ = std::make_unique<OwnedStream>(std::move(database), table, force_scale_);
+}
+
+void HostBody::open_streamed(const std::filesystem::path& file) {
+  const ChunkReader reader(file);
+  const CacheOptions wanted{.tool = options_.tool};
+  const std::size_t tool = ChunkCache(file, wanted).tool();
+  fast_ = fast_config(options_, reader.index().tools[tool].tool);
+  force_scale_ =
+      renderable_scale(options_, streamed_stiffness(reader, tool, fast_.force_max_n));
+  const StreamedPlace place = streamed_place(reader, tool, std::nullopt);
+  const Eigen::Vector3d start_m =
+      place.around.body.position_m.row(place.row).transpose();
+  make_sender_ = [this, file, start_m] {
+    const CacheOptions cache{.tool = options_.tool, .force_scale = force_scale_};
+    return std::make_unique<StreamedElements>(file, cache, start_m,
+                                              !options_.own_slow_steps);
+  };
+}
+
+HostTool& HostBody::add_tool() {
+  const std::scoped_lock lock(mutex_);
+  if (tools_.size() == kHostToolsMax) {
+    throw InputError(
+        fmt::format("a body takes {} tools at most, all are there", kHostToolsMax));
+  }
+  tools_.push_back(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
+                                            fast_, options_.tick_s, options_.stall_s));
+  return tools_.back()->tool;
+}
+
+std::size_t HostBody::slow_step() {
+  if (thread_.joinable()) {
+    throw InputError("a slow thread is at work already: no slow steps of the host's");
+  }
+  const std::scoped_lock lock(mutex_);
+  return serve();
+}
+
+SlowFailure HostBody::slow_failure() {
+  const std::scoped_lock lock(mutex_);
+  return failure_;
+}
+
+std::size_t HostBody::serve() {
+  MonotonicClock clock;
+  std::size_t sent = 0;
+  for (const auto& served : tools_) {
+    RenderExchange& exchange = served->tool.exchange();
+    if (!exchange.tool.fetch()) {
+      continue;
+    }
+    ElementSender* sender = served->sender ? served->sender.get() : whole_.get();
+    sent += sender->update(exchange.tool.latest(), clock.now_ns(), exchange.elements);
+    if (is_damaged(sender)) {
+      failure_ = {FormatError("").exit_code(), "a chunk of the database is damaged"};
+    }
+  }
+  return sent;
+}
+
+// The slow thread. After an error no element is sent: in contact, tools then stall.
+void HostBody::run() noexcept {
+  MonotonicClock clock;
+  Deadlines deadlines(clock.now_ns(), options_.slow_hz);
+  while (!stop_.load()) {
+    clock.sleep_until_ns(deadlines.next_ns());
+    static_cast<void>(deadlines.begin(clock.now_ns()));
+    const std::scoped_lock lock(mutex_);
+    try {
+      serve();
+    } catch (const Error& error) {
+      failure_ = {error.exit_code(), error.what()};
+      return;
+    } catch (const std::exception& error) {
+      failure_ = {1, error.what()};
+      return;
+    }
+  }
+}
+
+}  // namespace palpate

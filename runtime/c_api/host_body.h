@@ -1,0 +1,77 @@
+// A body in somebody else's simulator: its database, its slow process, its tools.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "runtime/c_api/host_tool.h"
+#include "runtime/slow/element_source.h"
+
+namespace palpate {
+
+constexpr std::size_t kHostToolsMax = 16;
+
+/// What ended a slow process.
+struct SlowFailure {
+  int exit_code = 0;  ///< as Error::exit_code(); 1 for anything else; 0: nothing did
+  std::string text;   ///< one line
+};
+
+/// All but the tools' haptic functions may wait and allocate.
+class HostBody {
+ public:
+  /// Opens the database and, unless options.own_slow_steps, starts the slow thread.
+  /// @throws InputError, FormatError; InputError for a body that is stiffer than the
+  /// device can render, unless options.limit_stiffness.
+  HostBody(const std::filesystem::path& file, const HostOptions& options);
+  ~HostBody();
+  HostBody(const HostBody&) = delete;
+  HostBody& operator=(const HostBody&) = delete;
+
+  /// Lives as long as the body. @throws InputError past kHostToolsMax.
+  HostTool& add_tool();
+
+  /// One turn of the slow process, for every tool that has moved. @returns elements
+  /// sent. @throws InputError if there is a slow thread; what ended the process.
+  std::size_t slow_step();
+
+  [[nodiscard]] SlowFailure slow_failure();
+
+  [[nodiscard]] const HostOptions& options() const noexcept { return options_; }
+  [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
+
+ private:
+  struct Served {
+    Served(std::unique_ptr<ElementSender> own, const FastConfig& fast, double tick_s,
+           double stall_s)
+        : sender(std::move(own)), tool(fast, tick_s, stall_s) {}
+    std::unique_ptr<ElementSender> sender;  // null: the body's
+    HostTool tool;
+  };
+
+  void open_whole(const std::filesystem::path& file);
+  void open_streamed(const std::filesystem::path& file);
+  std::size_t serve();  // with mutex_ held
+  void run() noexcept;
+
+  HostOptions options_;
+  double force_scale_ = 1.0;
+  FastConfig fast_;
+  std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
+  std::unique_ptr<ElementSender> whole_;
+  std::mutex mutex_;  // of all below; never taken in a haptic function
+  std::vector<std::unique_ptr<Served>> tools_;
+  SlowFailure failure_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,118 @@
+#include "runtime/c_api/host_tool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "runtime/realtime/clock.h"
+
+namespace palpate {
+namespace {
+
+void check_range(const char* what, double value, double above, double most) {
+  if (!(value > above && value <= most) || !std::isfinite(value)) {
+    throw InputError(
+        fmt::format("{} is {}, must lie above {} and be {}", what, value, above,
+                    std::isfinite(most) ? fmt::format("at most {}", most) : "finite"));
+  }
+}
+
+void check_not_negative(const char* what, double value) {
+  if (!(value >= 0.0) || !std::isfinite(value)) {
+    throw InputError(
+        fmt::format("{} is {}, must be finite and not negative", what, value));
+  }
+}
+
+// Angle of the rotation that a quaternion of any length stands for.
+double angle_rad(const Eigen::Vector4d& quaternion) {
+  return 2.0 * std::atan2(quaternion.head<3>().norm(), std::abs(quaternion.w()));
+}
+
+}  // namespace
+
+void check(const HostOptions& options) {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  check_range("unit of length [m]", options.metres_per_unit, 0.0, kEndless);
+  check_range("unit of force [N]", options.newtons_per_unit, 0.0, kEndless);
+  check_range("position gain", options.position_gain, 0.0, kEndless);
+  check_range("force gain", options.force_gain, 0.0, kEndless);
+  check_range("nominal tick [s]", options.tick_s, 0.0, 1.0);
+  check_range("slow rate [Hz]", options.slow_hz, 0.0, 1000.0);
+  if (options.slow_hz < 1.0) {
+    throw InputError(
+        fmt::format("slow rate is {} Hz, must be at least 1", options.slow_hz));
+  }
+  check_not_negative("device damping [N s/m]", options.damping_n_s_per_m);
+  check_not_negative("device delay [s]", options.delay_s);
+  check_range("largest force [N]", options.force_max_n, 0.0, kEndless);
+  check_range("stall limit [s]", options.stall_s, 0.0, kEndless);
+  check_range("start-up ramp [s]", options.ramp_s, 0.0, kEndless);
+}
+
+HostTool::HostTool(const FastConfig& fast, double tick_s, double stall_s)
+    : config_(fast), tick_s_(tick_s), stall_s_(stall_s) {
+  state_.config = config_;
+}
+
+void HostTool::take_elements() noexcept {
+  while (const Element* element = exchange_.elements.front()) {
+    accept(state_, *element);
+    exchange_.elements.pop();
+    silent_s_ = 0.0;
+  }
+}
+
+HostTick HostTool::step(const HostSample& sample) noexcept {
+  const double dt_s = sample.dt_s == 0.0 ? tick_s_ : sample.dt_s;
+  take_elements();
+  if (!sample.quaternion.allFinite()) {
+    raise_fault(state_, Fault::kNotFinite);
+  }
+  if (dt_s > 0.0 && dt_s <= 1.0) {  // any other is a fault of the step
+    time_ns_ += std::llround(dt_s * kNanosecondsPerSecond);
+    silent_s_ += dt_s;
+  }
+  if (state_.in_contact && silent_s_ > stall_s_) {
+    raise_fault(state_, Fault::kSlowStalled);
+  }
+  HostTick tick;
+  tick.command = palpate::step(
+      state_, {.position_m = sample.position_m, .time_ns = time_ns_}, dt_s);
+  tick.contact = contact(state_);
+  tick.work_j = state_.ledger.work_j;
+  tick.tilt_rad = sample.quaternion.allFinite() ? angle_rad(sample.quaternion) : 0.0;
+  tick.ticks = ++ticks_;
+  latest_.write(tick);
+  if (sample.position_m.allFinite()) {
+    exchange_.tool.write({.sequence = ++sequence_,
+                          .time_ns = time_ns_,
+                          .position_m = sample.position_m,
+                          .triangle = tick.contact.triangle,
+                          .in_contact = tick.contact.in_contact});
+  }
+  return tick;
+}
+
+void HostTool::reset() noexcept {
+  std::construct_at(&state_);
+  state_.config = config_;
+  silent_s_ = 0.0;
+  ticks_ = 0;
+  // What is under way is of the place before.
+  while (exchange_.elements.front() != nullptr) {
+    exchange_.elements.pop();
+  }
+  latest_.write({});
+}
+
+HostTick HostTool::latest() noexcept {
+  static_cast<void>(latest_.fetch());
+  return latest_.latest();
+}
+
+}  // namespace palpate

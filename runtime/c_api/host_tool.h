@@ -1,0 +1,87 @@
+// The fast process of a tool that somebody else's loop drives: no device, no clock.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "runtime/realtime/triple_buffer.h"
+#include "runtime/render/fast_process.h"
+#include "runtime/slow/element_source.h"
+#include "runtime/slow/tool_state.h"
+
+namespace palpate {
+
+/// How a host measures, and what its device can do.
+struct HostOptions {
+  std::string tool = {};                      ///< empty: the only one
+  LocalModel model = LocalModel::kPotential;  ///< a passive one
+  double metres_per_unit = 1.0;               ///< [m] > 0
+  double newtons_per_unit = 1.0;              ///< [N] > 0
+  double position_gain = 1.0;      ///< [-] > 0 movement here per device movement
+  double force_gain = 1.0;         ///< [-] > 0 device force per force here
+  double tick_s = 0.001;           ///< [s] (0, 1]
+  double slow_hz = 100.0;          ///< [Hz] [1, 1000]
+  double damping_n_s_per_m = 0.0;  ///< [N s/m] >= 0 of the device; 0: unknown
+  double delay_s = 0.0;            ///< [s] >= 0 of the device
+  double force_max_n = 8.0;        ///< [N] > 0 at the device
+  double stall_s = 0.5;            ///< [s] > 0 in contact without an element: fault
+  double ramp_s = 0.1;             ///< [s] > 0 to the full force
+  bool own_slow_steps = false;     ///< no slow thread
+  bool limit_stiffness = false;    ///< scale forces instead of refusing
+  bool streamed = false;           ///< the database stays in its file
+};
+
+/// @throws InputError for the first value out of range.
+void check(const HostOptions& options);
+
+/// One tick of a host's tool.
+struct HostTick {
+  FastCommand command;
+  FastContact contact;
+  double work_j = 0.0;    ///< [J] by the ledger
+  double tilt_rad = 0.0;  ///< [rad] [0, pi]
+  std::uint64_t ticks = 0;
+};
+
+/// Position and orientation of a host's tool, and the time since the last.
+struct HostSample {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();  ///< x y z w; 0: none
+  double dt_s = 0.0;                                     ///< [s] 0: nominal tick
+};
+
+/// About 1 MB. Three threads at most: the haptic one calls step() and reset(), the slow
+/// one fetches from exchange().tool and pushes to exchange().elements, one reads
+/// latest(). The haptic functions do not allocate, lock, throw or read a clock.
+class HostTool {
+ public:
+  /// @param fast valid. @param tick_s, stall_s as in HostOptions.
+  HostTool(const FastConfig& fast, double tick_s, double stall_s);
+
+  HostTick step(const HostSample& sample) noexcept;
+
+  /// Forgets fault, account and place.
+  void reset() noexcept;
+
+  /// The latest tick; a default one before the first.
+  [[nodiscard]] HostTick latest() noexcept;
+
+  [[nodiscard]] RenderExchange& exchange() noexcept { return exchange_; }
+
+ private:
+  void take_elements() noexcept;
+
+  FastConfig config_;
+  double tick_s_;
+  double stall_s_;
+  FastState state_;
+  RenderExchange exchange_;
+  TripleBuffer<HostTick> latest_;
+  double silent_s_ = 0.0;       // since the latest element
+  std::int64_t time_ns_ = 0;    // sum of the steps, for the slow process
+  std::uint64_t sequence_ = 0;  // never goes back
+  std::uint64_t ticks_ = 0;
+};
+
+}  // namespace palpate

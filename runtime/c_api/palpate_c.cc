@@ -1,0 +1,302 @@
+// The C interface over HostBody: no exception gets out, no struct is larger than the
+// caller's.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "runtime/c_api/host_body.h"
+#include "runtime/c_api/palpate.h"
+
+struct palpate_tool {
+  palpate::HostTool& tool;
+  double metres_per_unit;
+  double newtons_per_unit;
+  double force_scale;
+};
+
+struct palpate_body {
+  palpate_body(const char* file, const palpate::HostOptions& options)
+      : body(file, options) {}
+  palpate::HostBody body;
+  std::mutex mutex;  // of `tools`
+  std::vector<std::unique_ptr<palpate_tool>> tools;
+};
+
+namespace {
+
+using palpate::HostOptions;
+using palpate::InputError;
+
+void copy_text(std::string_view text, char* to, std::size_t bytes) noexcept {
+  if (to != nullptr && bytes > 0) {
+    const std::size_t kept = std::min(text.size(), bytes - 1);
+    std::memcpy(to, text.data(), kept);
+    to[kept] = '\0';
+  }
+}
+
+int error_of(int exit_code) noexcept {
+  switch (exit_code) {
+    case 2:
+      return PALPATE_ERROR_INPUT;
+    case 3:
+      return PALPATE_ERROR_FORMAT;
+    default:
+      return PALPATE_ERROR_INTERNAL;
+  }
+}
+
+// Calls `work`; an exception becomes an error and a line of text.
+template <typename Work>
+int guarded(char* error, std::size_t error_bytes, Work work) noexcept {
+  try {
+    return work();
+  } catch (const palpate::Error& failure) {
+    copy_text(failure.what(), error, error_bytes);
+    return error_of(failure.exit_code());
+  } catch (const std::exception& failure) {
+    copy_text(failure.what(), error, error_bytes);
+  } catch (...) {
+    copy_text("unknown exception", error, error_bytes);
+  }
+  return PALPATE_ERROR_INTERNAL;
+}
+
+// The caller's options, whatever the age of the header it knows. A longer struct may
+// only say what this library understands: zeros.
+palpate_options known_options(const palpate_options* given) {
+  palpate_options all{};
+  if (given == nullptr) {
+    return all;
+  }
+  if (given->struct_size < offsetof(palpate_options, tool_name)) {
+    throw InputError(
+        fmt::format("struct_size of the options is {}, must be sizeof(palpate_options)",
+                    given->struct_size));
+  }
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  for (std::size_t i = sizeof(all); i < given->struct_size; ++i) {
+    if (bytes[i] != 0) {
+      throw InputError(
+          fmt::format("byte {} of the options is set, this library (ABI {}) knows {}",
+                      i, PALPATE_ABI_VERSION, sizeof(all)));
+    }
+  }
+  std::memcpy(&all, given, std::min(given->struct_size, sizeof(all)));
+  return all;
+}
+
+void take(double value, double& into) {
+  if (value != 0.0) {  // NaN is taken, and refused with the rest
+    into = value;
+  }
+}
+
+// The holds create energy: a host could not know.
+palpate::LocalModel passive_model(const char* name) {
+  const std::optional<palpate::LocalModel> model = palpate::local_model(name);
+  if (!model || !palpate::passive(*model)) {
+    std::string known;
+    for (const palpate::LocalModel each : palpate::kLocalModels) {
+      if (palpate::passive(each)) {
+        known += (known.empty() ? "" : ", ") + std::string(palpate::name(each));
+      }
+    }
+    throw InputError(
+        fmt::format("model \"{}\" is none of the passive ones: {}", name, known));
+  }
+  return *model;
+}
+
+HostOptions host_options(const palpate_options* given) {
+  const palpate_options all = known_options(given);
+  HostOptions options;
+  if (all.tool_name != nullptr) {
+    options.tool = all.tool_name;
+  }
+  if (all.model != nullptr) {
+    options.model = passive_model(all.model);
+  }
+  take(all.metres_per_unit, options.metres_per_unit);
+  take(all.newtons_per_unit, options.newtons_per_unit);
+  take(all.position_gain, options.position_gain);
+  take(all.force_gain, options.force_gain);
+  take(all.nominal_tick_s, options.tick_s);
+  take(all.slow_hz, options.slow_hz);
+  take(all.device_damping_n_s_per_m, options.damping_n_s_per_m);
+  take(all.device_delay_s, options.delay_s);
+  take(all.force_max_n, options.force_max_n);
+  take(all.stall_s, options.stall_s);
+  take(all.ramp_s, options.ramp_s);
+  constexpr std::uint32_t kKnown =
+      PALPATE_OWN_SLOW_STEPS | PALPATE_LIMIT_STIFFNESS | PALPATE_STREAMED;
+  if ((all.flags & ~kKnown) != 0) {
+    throw InputError(
+        fmt::format("flags are {:#x}, known are {:#x}", all.flags, kKnown));
+  }
+  options.own_slow_steps = (all.flags & PALPATE_OWN_SLOW_STEPS) != 0;
+  options.limit_stiffness = (all.flags & PALPATE_LIMIT_STIFFNESS) != 0;
+  options.streamed = (all.flags & PALPATE_STREAMED) != 0;
+  return options;
+}
+
+int status_of(const palpate::FastCommand& command) noexcept {
+  if (command.fault != 0) {
+    return -static_cast<int>(command.fault);
+  }
+  return command.in_contact ? PALPATE_CONTACT : PALPATE_FREE;
+}
+
+void copy(const Eigen::Vector3d& from, double per_unit, double* to) noexcept {
+  Eigen::Map<Eigen::Vector3d> view(to);
+  view = from / per_unit;
+}
+
+}  // namespace
+
+int palpate_abi_version(void) {
+  return PALPATE_ABI_VERSION;
+}
+
+palpate_body* palpate_open(const char* file, const palpate_options* options,
+                           char* error, size_t error_bytes) {
+  copy_text("", error, error_bytes);
+  palpate_body* body = nullptr;
+  guarded(error, error_bytes, [&] {
+    if (file == nullptr) {
+      throw InputError("no file is named: the pointer is null");
+    }
+    body = new palpate_body(file, host_options(options));
+    return 0;
+  });
+  return body;
+}
+
+palpate_tool* palpate_tool_add(palpate_body* body) {
+  palpate_tool* tool = nullptr;
+  guarded(nullptr, 0, [&] {
+    if (body == nullptr) {
+      return static_cast<int>(PALPATE_ERROR_INPUT);
+    }
+    const std::scoped_lock lock(body->mutex);
+    body->tools.reserve(palpate::kHostToolsMax);
+    const HostOptions& options = body->body.options();
+    body->tools.push_back(std::unique_ptr<palpate_tool>(
+        new palpate_tool{body->body.add_tool(), options.metres_per_unit,
+                         options.newtons_per_unit, body->body.force_scale()}));
+    tool = body->tools.back().get();
+    return 0;
+  });
+  return tool;
+}
+
+int palpate_slow_step(palpate_body* body) {
+  return guarded(nullptr, 0, [&] {
+    if (body == nullptr) {
+      throw InputError("no body");
+    }
+    const int sent = static_cast<int>(body->body.slow_step());
+    const palpate::SlowFailure failure = body->body.slow_failure();
+    return failure.exit_code == 0 ? sent : error_of(failure.exit_code);
+  });
+}
+
+int palpate_slow_failure(palpate_body* body, char* text, size_t text_bytes) {
+  copy_text("", text, text_bytes);
+  return guarded(text, text_bytes, [&] {
+    if (body == nullptr) {
+      throw InputError("no body: the pointer is null");
+    }
+    const palpate::SlowFailure failure = body->body.slow_failure();
+    copy_text(failure.text, text, text_bytes);
+    return failure.exit_code == 0 ? 0 : error_of(failure.exit_code);
+  });
+}
+
+int palpate_force(palpate_tool* tool, const double position[3],
+                  const double quat_xyzw[4], double dt_s, double force_out[3]) {
+  if (force_out != nullptr) {
+    std::fill_n(force_out, 3, 0.0);
+  }
+  if (tool == nullptr || position == nullptr || force_out == nullptr) {
+    return PALPATE_ERROR_INPUT;
+  }
+  palpate::HostSample sample;
+  sample.position_m =
+      tool->metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position);
+  if (quat_xyzw != nullptr) {
+    sample.quaternion = Eigen::Map<const Eigen::Vector4d>(quat_xyzw);
+  }
+  sample.dt_s = dt_s;
+  const palpate::HostTick tick = tool->tool.step(sample);
+  copy(tick.command.force_n, tool->newtons_per_unit, force_out);
+  return status_of(tick.command);
+}
+
+void palpate_state_get(const palpate_tool* tool, palpate_state* state) {
+  if (tool == nullptr || state == nullptr || state->struct_size < sizeof(size_t)) {
+    return;
+  }
+  const palpate::HostTick tick = tool->tool.latest();
+  palpate_state all{};
+  all.struct_size = state->struct_size;
+  all.status = status_of(tick.command);
+  all.triangle = tick.contact.triangle;
+  copy(tick.contact.point_m, tool->metres_per_unit, all.contact_point);
+  copy(tick.contact.normal, 1.0, all.normal);
+  copy(tick.command.force_n, tool->newtons_per_unit, all.force);
+  all.depth = tick.command.depth_m / tool->metres_per_unit;
+  all.work_j = tick.work_j;
+  all.stored_j = tick.command.stored_j;
+  all.tank_j = tick.command.tank_j;
+  all.dissipated_j = tick.command.dissipated_j;
+  all.relaxed_shift = tick.command.relaxed_shift_m / tool->metres_per_unit;
+  all.force_scale = tool->force_scale;
+  all.tilt_rad = tick.tilt_rad;
+  all.starved = tick.command.starved ? 1 : 0;
+  all.extrapolated = tick.command.extrapolated ? 1 : 0;
+  all.ticks = tick.ticks;
+  std::memcpy(state, &all, std::min(state->struct_size, sizeof(all)));
+}
+
+void palpate_reset(palpate_tool* tool) {
+  if (tool != nullptr) {
+    tool->tool.reset();
+  }
+}
+
+const char* palpate_fault_name(int status) {
+  switch (status) {
+    case PALPATE_FREE:
+      return "free";
+    case PALPATE_CONTACT:
+      return "contact";
+    case PALPATE_ERROR_INTERNAL:
+      return "internal-error";
+    case PALPATE_ERROR_INPUT:
+      return "input-error";
+    case PALPATE_ERROR_FORMAT:
+      return "format-error";
+    default:
+      break;
+  }
+  const bool fault = status < 0 && status >= -std::numeric_limits<std::uint8_t>::max();
+  // The names are literals, which end in a zero.
+  return fault ? palpate::name(static_cast<palpate::Fault>(-status)).data() : "unknown";
+}
+
+void palpate_close(palpate_body* body) {
+  delete body;
+}

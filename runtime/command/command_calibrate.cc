@@ -1,0 +1,113 @@
+// `palpate-run calibrate`: what a device's motors really give, by a hung mass.
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+#include "runtime/attach/calibration.h"
+#include "runtime/attach/device_choice.h"
+#include "runtime/attach/hung_mass.h"
+#include "runtime/command/commands.h"
+#include "runtime/realtime/stop_signals.h"
+#include "runtime/usb/falcon_geometry.h"
+
+namespace palpate {
+namespace {
+
+struct Flags {
+  DeviceRequest device;
+  double mass_kg = 0.0;
+  std::string output = "calibration.toml";
+  bool json = false;
+};
+
+void check(const Flags& flags) {
+  if (!(flags.mass_kg >= 0.05 && flags.mass_kg <= 0.5)) {
+    throw InputError(
+        fmt::format("--mass-kg {}: must lie in [0.05, 0.5]", flags.mass_kg));
+  }
+}
+
+// Opens the device, which homes it, and weighs what hangs on it. A signal ends the
+// process at once except while there is force: then the link is closed first.
+Weight opened_and_weighed(const std::unique_ptr<DeviceLink> link) {
+  link->open();
+  const Weight weight = weigh(*link, falcon_centre_m(), {}, heed_stop_signals());
+  link->close();
+  release_stop_signals();
+  return weight;
+}
+
+void ask(const Flags& flags, const std::string& what) {
+  if (!is_emulated(flags.device.name)) {
+    fmt::print(stderr, "{}: {}, then press Enter\n", flags.device.name, what);
+    std::string line;
+    if (!std::getline(std::cin, line)) {
+      throw InputError("calibration: standard input ended before it was confirmed");
+    }
+  }
+}
+
+void run(Flags& flags) {
+  check(flags);
+  flags.device.tell = [](const std::string& text) {
+    fmt::print(stderr, "{}\n", text);
+  };
+  auto bare_link = calibration_link(flags.device, 0.0);
+  ask(flags, "lay it so that its y axis points up; it will carry its own grip");
+  const Weight bare = opened_and_weighed(std::move(bare_link));
+  ask(flags, fmt::format("hang {} kg on the grip and support it until it is carried",
+                         flags.mass_kg));
+  const Weight loaded =
+      opened_and_weighed(calibration_link(flags.device, flags.mass_kg));
+  Calibration calibration{.device = flags.device.name, .mass_kg = flags.mass_kg};
+  calibration.motor_factor =
+      factor_of(bare, loaded, flags.mass_kg, calibration.motor_factor_sd);
+  write_calibration(flags.output, calibration);
+  if (flags.json) {
+    const nlohmann::json json = {{"device", calibration.device},
+                                 {"motor_factor", calibration.motor_factor},
+                                 {"motor_factor_sd", calibration.motor_factor_sd},
+                                 {"mass_kg", calibration.mass_kg},
+                                 {"bare_n", bare.force_n},
+                                 {"loaded_n", loaded.force_n},
+                                 {"file", flags.output}};
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  fmt::print("asked for           {:.4g} N bare, {:.4g} N with {:.4g} kg\n",
+             bare.force_n, loaded.force_n, flags.mass_kg);
+  fmt::print("motor factor        {:.4g} +- {:.2g}, written to {}\n",
+             calibration.motor_factor, calibration.motor_factor_sd, flags.output);
+}
+
+}  // namespace
+
+void add_calibrate_command(Command app) {
+  Command command = app.add_subcommand(
+      "calibrate", "Find the factor on a device's motor commands by a hung mass.");
+  const auto flags = std::make_shared<Flags>();
+  command.add_option("--device", flags->device.name, "falcon or emulated-falcon")
+      .required();
+  command.add_option("--mass-kg", flags->mass_kg, "Mass to hang on the grip [kg]")
+      .required();
+  command.add_option("--output", flags->output, "Calibration file to write (TOML)")
+      .show_default();
+  command.add_option("--firmware", flags->device.firmware,
+                     "The vendor's firmware image, for a falcon that has none yet");
+  command.add_option("--usb", flags->device.usb,
+                     "BUS:ADDRESS, port or serial number, where two are alike");
+  command
+      .add_option("--homing-s", flags->device.homing_s, "Time to home the device [s]")
+      .show_default();
+  command.add_flag("--json", flags->json, "Print the report for programs");
+  command.callback([flags] {
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,101 @@
+// `palpate-run device`: renders a database on a haptic device.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+#include "runtime/command/commands.h"
+#include "runtime/command/device_options.h"
+#include "runtime/realtime/stop_signals.h"
+#include "runtime/run/reconnect.h"
+#include "runtime/run/render_run.h"
+#include "runtime/run/run_outcome.h"
+
+namespace palpate {
+namespace {
+
+struct Flags {
+  std::string database;
+  std::string model = "potential";
+  bool json = false;
+  bool reconnect = false;
+  DeviceFlags device;
+  SimulationOptions options;
+};
+
+void tell_person(const std::string& text) {
+  fmt::print(stderr, "{}\n", text);
+}
+
+std::vector<SimulationReport> render(const Flags& flags,
+                                     const ResponseDatabase& database) {
+  if (flags.reconnect) {
+    return simulate_and_reconnect(
+        database, flags.options,
+        {.patience_s = 600.0, .look_s = 0.5, .tell = tell_person}, heed_stop_signals());
+  }
+  return {simulate(database, flags.options, heed_stop_signals())};
+}
+
+// One object, whose "runs" are there when a reconnection made several.
+void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
+  if (!flags.json) {
+    for (const SimulationReport& report : reports) {
+      fmt::print("{}", summary(report));
+    }
+    return;
+  }
+  nlohmann::json json = as_json(reports.back());
+  if (reports.size() > 1) {
+    for (const SimulationReport& report : reports) {
+      json["runs"].push_back(as_json(report));
+    }
+  }
+  fmt::print("{}\n", json.dump(2));
+}
+
+void run(Flags& flags) {
+  flags.options.model = requested_model(flags.model);
+  attach_device(flags.device, flags.options);
+  const ResponseDatabase database = read_database(flags.database);
+  const std::vector<SimulationReport> reports = render(flags, database);
+  print(flags, reports);
+  throw_what_ended(reports.back());
+}
+
+}  // namespace
+
+void add_device_command(Command app) {
+  Command command =
+      app.add_subcommand("device", "Render a database on a haptic device.");
+  const auto flags = std::make_shared<Flags>();
+  SimulationOptions& options = flags->options;
+  options.fast_hz = 1000.0;
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  add_device_options(command, flags->device);
+  command.option("--device").required();
+  command.add_flag("--reconnect", flags->reconnect,
+                   "After an unplug wait for the device, then go on");
+  command.add_option("--model", flags->model, "Local model: " + known_models())
+      .show_default();
+  command.add_option("--seconds", options.duration_s, "Duration [s]").show_default();
+  command.add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      .show_default();
+  command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      .show_default();
+  command.add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      .show_default();
+  command.add_flag("--limit-stiffness", options.limit_stiffness,
+                   "Scale forces to what the device can render");
+  command.add_flag("--json", flags->json, "Print the report for programs");
+  command.callback([flags] {
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

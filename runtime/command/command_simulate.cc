@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+#include "formats/recording/recording.h"
+#include "runtime/command/commands.h"
+#include "runtime/realtime/stop_signals.h"
+#include "runtime/run/render_run.h"
+#include "runtime/run/run_outcome.h"
+
+namespace palpate {
+namespace {
+
+struct Flags {
+  std::string database;
+  std::string model = "potential";
+  std::string clock = "simulated";
+  std::string stream = "auto";
+  double stream_budget_mib = 48.0;
+  std::vector<std::string> tools;
+  std::vector<double> at_m;
+  std::vector<std::string> records;
+  std::vector<std::string> flight_recorders;
+  std::vector<std::string> devices;
+  bool json = false;
+  SimulationOptions options;
+};
+
+SimulationOptions options_of(const Flags& flags) {
+  SimulationOptions options = flags.options;
+  if (flags.clock != "simulated" && flags.clock != "real") {
+    throw InputError(fmt::format("--clock {}: must be simulated or real", flags.clock));
+  }
+  options.model = requested_model(flags.model);
+  options.real_time = flags.clock == "real";
+  return options;
+}
+
+// Where the tool of that number presses; none: anywhere.
+std::optional<Eigen::Vector3d> place(const Flags& flags, std::size_t tool) {
+  if (flags.at_m.empty()) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d at_m = Eigen::Map<const Eigen::Vector3d>(&flags.at_m[3 * tool]);
+  if (!at_m.allFinite()) {
+    throw InputError("--at: coordinates must be finite");
+  }
+  return at_m;
+}
+
+// What a flag says of the tool of that number; "" where it is not given.
+// @throws InputError unless it is given for every tool or for none.
+std::string said_of(std::size_t tool, std::size_t tools, const char* flag,
+                    const std::vector<std::string>& values) {
+  if (!values.empty() && values.size() != tools) {
+    throw InputError(
+        fmt::format("{} is given {} times, must be given once for each of "
+                    "{} tools",
+                    flag, values.size(), tools));
+  }
+  return values.empty() ? "" : values[tool];
+}
+
+// The options of each tool.
+std::vector<SimulationOptions> tools_of(const Flags& flags) {
+  const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
+  if (!flags.at_m.empty() && flags.at_m.size() != 3 * tools) {
+    throw InputError(
+        fmt::format("--at has {} coordinates, must have three for each of "
+                    "{} tools",
+                    flags.at_m.size(), tools));
+  }
+  const bool recorded = !flags.records.empty() || !flags.flight_recorders.empty();
+  const RecordingRequest recording{
+      .database = std::filesystem::path(flags.database).filename(),
+      .database_sha256 = recorded ? database_sha256(flags.database) : ""};
+  std::vector<SimulationOptions> options(tools, options_of(flags));
+  for (std::size_t i = 0; i < tools; ++i) {
+    options[i].tool = flags.tools.empty() ? "" : flags.tools[i];
+    options[i].at_m = place(flags, i);
+    options[i].socket = said_of(i, tools, "--device", flags.devices);
+    options[i].recording = recording;
+    options[i].recording.file = said_of(i, tools, "--record", flags.records);
+    options[i].recording.flight_file =
+        said_of(i, tools, "--flight-recorder", flags.flight_recorders);
+  }
+  return options;
+}
+
+// Larger files are streamed: as values in memory they are larger still.
+constexpr std::uintmax_t kStreamFrom = std::uintmax_t{256} << 20;
+
+bool is_streamed(const Flags& flags) {
+  if (flags.stream != "auto" && flags.stream != "on" && flags.stream != "off") {
+    throw InputError(fmt::format("--stream {}: must be auto, on or off", flags.stream));
+  }
+  if (!(flags.stream_budget_mib > 0.0 && flags.stream_budget_mib < 1e6)) {
+    throw InputError(fmt::format("--stream-budget {}: must lie in (0, 1e6) MiB",
+                                 flags.stream_budget_mib));
+  }
+  std::error_code missing;  // said by who opens it
+  const std::uintmax_t bytes = std::filesystem::file_size(flags.database, missing);
+  return flags.stream == "on" ||
+         (flags.stream == "auto" && !missing && bytes > kStreamFrom);
+}
+
+std::vector<SimulationReport> render(const Flags& flags) {
+  const std::vector<SimulationOptions> tools = tools_of(flags);
+  if (is_streamed(flags)) {
+    const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
+                                                 static_cast<double>(kMebibyte));
+    return simulate_streamed(flags.database, tools, budget, heed_stop_signals());
+  }
+  return simulate(read_database(flags.database), tools, heed_stop_signals());
+}
+
+void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
+  if (flags.json && reports.size() == 1) {
+    fmt::print("{}\n", as_json(reports.front()).dump(2));
+  } else if (flags.json) {
+    nlohmann::json all = nlohmann::json::array();
+    for (const SimulationReport& report : reports) {
+      all.push_back(as_json(report));
+    }
+    fmt::print("{}\n", nlohmann::json{{"tools", all}}.dump(2));
+  } else {
+    for (std::size_t i = 0; i < reports.size(); ++i) {
+      fmt::print("{}{}", i == 0 ? "" : "\n", summary(reports[i]));
+    }
+  }
+}
+
+void run(const Flags& flags) {
+  const std::vector<SimulationReport> reports = render(flags);
+  print(flags, reports);
+  for (const SimulationReport& report : reports) {
+    throw_what_ended(report);
+  }
+}
+
+}  // namespace
+
+void add_simulate_command(Command app) {
+  Command command = app.add_subcommand(
+      "simulate", "Render a database on a simulated device held by a simulated hand.");
+  const auto flags = std::make_shared<Flags>();
+  SimulationOptions& options = flags->options;
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  command.add_option("--model", flags->model, "Local model: " + known_models())
+      .show_default();
+  command.add_option("--seconds", options.duration_s, "Duration [s]").show_default();
+  command
+      .add_option("--tool", flags->tools,
+                  "Tool, or several at once: a,b; may be left out if there is one")
+      .separated_by(',')
+      .one_value_each();
+  command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      .show_default();
+  command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      .show_default();
+  command
+      .add_option("--at", flags->at_m,
+                  "Where to press: x,y,z [m], for each tool in turn")
+      .separated_by(',')
+      .one_value_each();
+  command.add_option("--clock", flags->clock, "simulated (repeatable, fast) or real")
+      .show_default();
+  command.add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      .show_default();
+  command.add_flag("--limit-stiffness", options.limit_stiffness,
+                   "Scale forces to what the device can render");
+  command
+      .add_option("--stream", flags->stream,
+                  "Leave the responses in the file: auto (above 256 MiB), on or off")
+      .show_default();
+  command
+      .add_option("--stream-budget", flags->stream_budget_mib,
+                  "Memory for streamed responses [MiB]")
+      .show_default();
+  const auto add_each = [&](const char* flag, std::vector<std::string>& values,
+                            const char* what) {
+    command.add_option(flag, values, what).one_value_each();
+  };
+  add_each("--record", flags->records,
+           "Record every tick into this file, for replay; once for each tool");
+  add_each("--flight-recorder", flags->flight_recorders,
+           "On a fault, write the last seconds into this file; once for each tool");
+  add_each("--device", flags->devices,
+           "Socket of a device's driver instead of the simulated device "
+           "(runtime/device/socket_device.h); once for each tool");
+  command
+      .add_option("--ramp-s", options.ramp_s,
+                  "Time from the start until the largest force is allowed [s]")
+      .show_default();
+  command.add_option("--cpu", options.cpu,
+                     "Keep the fast thread on this CPU (--clock real)");
+  command.add_flag("--json", flags->json, "Print the report for programs");
+  command.callback([flags] {
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,204 @@
+// palpate-run view: see and feel a database in a browser, with the mouse.
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "runtime/bench/cylinder_body.h"
+#include "runtime/command/commands.h"
+#include "runtime/command/device_options.h"
+#include "runtime/realtime/clock.h"
+#include "runtime/realtime/stop_signals.h"
+#include "runtime/run/render_run.h"
+#include "runtime/run/run_outcome.h"
+#include "runtime/view/live_view.h"
+#include "runtime/view/page_assets.h"
+#include "runtime/view/view_json.h"
+#include "runtime/view/view_policy.h"
+#include "runtime/view/view_server.h"
+#include "runtime/view/view_session.h"
+#include "runtime/view/watch_view.h"
+
+namespace palpate {
+namespace {
+
+struct Flags {
+  std::string database;
+  std::string demo;
+  std::string model = "potential";
+  std::uint16_t port = 0;
+  double stiffness_scale = 1.0;
+  double seconds = 3600.0;  // of a device's run
+  bool limit_stiffness = false;
+  bool fast_hz_given = false;
+  ViewSessionOptions options;
+  DeviceFlags device;
+};
+
+ResponseDatabase shown(const Flags& flags) {
+  if (flags.demo.empty() == flags.database.empty()) {
+    throw InputError("give a database or --demo cylinder, one of the two");
+  }
+  if (flags.demo.empty()) {
+    return read_database(flags.database);
+  }
+  if (flags.demo != "cylinder") {
+    throw InputError(
+        fmt::format("--demo {}: unknown body; known: cylinder", flags.demo));
+  }
+  return cylinder_body({});
+}
+
+std::string shown_name(const Flags& flags) {
+  return flags.demo.empty() ? std::filesystem::path(flags.database).filename().string()
+                            : flags.demo;
+}
+
+ViewServerOptions server_options(const Flags& flags, const ViewedBody& body) {
+  ViewServerOptions options;
+  options.port = flags.port;
+  options.token = random_token();
+  options.assets.assign(page_assets().begin(), page_assets().end());
+  options.data = {
+      {"/body.json", "application/json", body_text(body)},
+      {"/body.bin", "application/octet-stream", body_bytes(body.database, body.table)}};
+  return options;
+}
+
+void say_where(const ViewServer& server) {
+  fmt::print("{}\n", server.address());
+  std::fflush(stdout);  // who reads a pipe waits for it
+  fmt::print(stderr, "open this address in a browser on this machine; Ctrl-C ends\n");
+}
+
+void check_stiffness_scale(double scale) {
+  if (!(scale >= ViewRanges::kStiffnessMin && scale <= ViewRanges::kStiffnessMax)) {
+    throw InputError(fmt::format("--stiffness-scale {}: must lie in [{}, {}]", scale,
+                                 ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax));
+  }
+}
+
+// The page steers, on simulated time.
+void steer(const Flags& flags, const ResponseDatabase& database) {
+  ViewSessionOptions options = flags.options;
+  options.model = requested_model(flags.model);
+  ViewSession session(database, options);
+  check_stiffness_scale(flags.stiffness_scale);
+  session.set_stiffness_scale(flags.stiffness_scale);
+  MonotonicClock wall;
+  LiveView live(session, wall);
+  const ViewedBody body{.database = database,
+                        .table = session.table(),
+                        .name = shown_name(flags),
+                        .device = "",
+                        .fast_hz = options.fast_hz,
+                        .force_max_n = options.force_max_n};
+  ViewServer server(server_options(flags, body), live);
+  live.answer_through(server);
+  const std::atomic<bool>& stop = heed_stop_signals();
+  say_where(server);
+  server.run(stop);
+}
+
+SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
+  SimulationOptions options;
+  options.tool = flags.options.tool;
+  options.model = requested_model(flags.model);
+  options.duration_s = flags.seconds;
+  constexpr double kDeviceHz = 1000.0;
+  options.fast_hz = flags.fast_hz_given ? flags.options.fast_hz : kDeviceHz;
+  options.slow_hz = flags.options.slow_hz;
+  options.force_max_n = flags.options.force_max_n;
+  options.limit_stiffness = flags.limit_stiffness;
+  options.watch = &ticks;
+  attach_device(flags.device, options);
+  return options;
+}
+
+// A device steers, in real time; the pages watch until its run is over.
+void watch(Flags& flags, const ResponseDatabase& database) {
+  const auto ticks = std::make_unique<TickQueue>();
+  const SimulationOptions options = watched_options(flags, *ticks);
+  const ViewedBody body{.database = database,
+                        .table = find_tool(database, options.tool),
+                        .name = shown_name(flags),
+                        .device = flags.device.request.name,
+                        .fast_hz = options.fast_hz,
+                        .force_max_n = options.force_max_n};
+  WatchView view(body, options, *ticks);
+  ViewServer server(server_options(flags, body), view);
+  view.answer_through(server);
+  const std::atomic<bool>& stop = heed_stop_signals();
+  std::atomic<bool> over = false;
+  std::future<SimulationReport> run = std::async(std::launch::async, [&] {
+    const auto end = [](std::atomic<bool>* flag) {
+      flag->store(true);
+    };
+    const std::unique_ptr<std::atomic<bool>, decltype(end)> at_end(&over, end);
+    return simulate(database, options, stop);
+  });
+  // Refusals come before the device is opened: there is nothing to look at then.
+  if (run.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout) {
+    say_where(server);
+  }
+  server.run(over);
+  const SimulationReport report = run.get();
+  fmt::print("{}", summary(report));
+  throw_what_ended(report);
+}
+
+void run(Flags& flags) {
+  const ResponseDatabase database = shown(flags);
+  if (flags.device.request.name.empty()) {
+    steer(flags, database);
+  } else {
+    watch(flags, database);
+  }
+}
+
+}  // namespace
+
+void add_view_command(Command app) {
+  Command command = app.add_subcommand(
+      "view",
+      "Show a database in a browser: press it with the mouse, on simulated time, or "
+      "watch a device that presses it.");
+  const auto flags = std::make_shared<Flags>();
+  ViewSessionOptions& options = flags->options;
+  command.add_option("database", flags->database, "Response database (HDF5)");
+  command.add_option("--demo", flags->demo,
+                     "A body without a file: cylinder, the paper's (section 5.2.4)");
+  command.add_option("--port", flags->port, "On 127.0.0.1; 0: any free one")
+      .show_default();
+  command.add_option("--model", flags->model, "Local model: " + known_models())
+      .show_default();
+  command.add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
+      .show_default();
+  command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
+      .show_default();
+  command.add_option("--force-max-n", options.force_max_n, "Largest force [N]")
+      .show_default();
+  command
+      .add_option("--stiffness-scale", flags->stiffness_scale,
+                  "Forces are multiplied by it, at the start")
+      .show_default();
+  add_device_options(command, flags->device);
+  command.add_option("--seconds", flags->seconds, "Duration of a device's run [s]")
+      .show_default();
+  command.add_flag("--limit-stiffness", flags->limit_stiffness,
+                   "Scale forces to what the device can render");
+  command.callback([flags, command] {
+    flags->fast_hz_given = command.count("--fast-hz") > 0;
+    run(*flags);
+  });
+}
+
+}  // namespace palpate

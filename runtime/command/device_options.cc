@@ -1,0 +1,55 @@
+#include "runtime/command/device_options.h"
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "runtime/attach/calibration.h"
+
+namespace palpate {
+namespace {
+
+void tell_person(const std::string& text) {
+  fmt::print(stderr, "{}\n", text);
+}
+
+}  // namespace
+
+void add_device_options(Command command, DeviceFlags& flags) {
+  DeviceRequest& request = flags.request;
+  command.add_option("--device", request.name, "One of: " + known_device_names());
+  command.add_option("--firmware", request.firmware,
+                     "The vendor's firmware image, for a falcon that has none yet");
+  command.add_option("--usb", request.usb,
+                     "BUS:ADDRESS, port or serial number, where two are alike");
+  command
+      .add_option("--calibration", flags.calibration,
+                  "Factor on motor commands [-], or a file of palpate-run calibrate")
+      .show_default();
+  command.add_option("--homing-s", request.homing_s, "Time to home the device [s]")
+      .show_default();
+  command.add_flag("--event-character", request.event_character,
+                   "A falcon's chip sends a reply at its last byte (not tried on "
+                   "hardware): more than 1 kHz");
+  command.add_option("--plane", request.plane,
+                     "Section of the body for a device that moves in a plane: x=0.01 "
+                     "[m]; else the one through the pressed node");
+  command.add_option("--at", flags.at_m, "Where to press: x,y,z [m]")
+      .separated_by(',')
+      .one_value_each();
+}
+
+void attach_device(DeviceFlags& flags, SimulationOptions& options) {
+  flags.request.tell = tell_person;
+  flags.request.calibration = motor_factor(flags.calibration, flags.request.name);
+  options.real_time = true;
+  options.attached = choose_device(flags.request);
+  if (!flags.at_m.empty()) {
+    if (flags.at_m.size() != 3) {
+      throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",
+                                   flags.at_m.size()));
+    }
+    options.at_m = Eigen::Vector3d(flags.at_m.data());
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,26 @@
+// Options of the subcommands that may drive a haptic device.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/base/command_line.h"
+#include "runtime/attach/device_choice.h"
+#include "runtime/run/render_run.h"
+
+namespace palpate {
+
+/// What the command line says of a device.
+struct DeviceFlags {
+  DeviceRequest request;
+  std::string calibration = "1";
+  std::vector<double> at_m;
+};
+
+/// --device and what goes with it. @param flags must outlive the command.
+void add_device_options(Command command, DeviceFlags& flags);
+
+/// Chooses the device, for a run in real time. @throws as choose_device().
+void attach_device(DeviceFlags& flags, SimulationOptions& options);
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+// What a run of the renderer did, in numbers.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/fast_step.h"
+#include "runtime/realtime/step_histogram.h"
+
+namespace palpate {
+
+struct RenderReport {
+  std::int64_t ticks = 0;               ///< fast steps
+  std::int64_t contact_ticks = 0;       ///< of them with force from the body
+  std::int64_t starved_ticks = 0;       ///< without the element they needed
+  std::int64_t extrapolated_ticks = 0;  ///< deeper than a curve was computed
+  std::int64_t late_reads = 0;          ///< device had no answer in time
+  std::int64_t missed_deadlines = 0;    ///< fast periods without a step
+  std::int64_t slow_updates = 0;
+  std::int64_t slow_missed_deadlines = 0;
+  std::int64_t slow_stalls = 0;        ///< times that no element came for too long
+  std::uint64_t elements_dropped = 0;  ///< the queue was full
+
+  double duration_s = 0.0;
+  double depth_max_m = 0.0;  ///< [m] along the response direction
+  double force_max_n = 0.0;  ///< [N] that left for the device
+  /// Work of the tool on what was rendered, with each force as it was held until the
+  /// next: what the hand felt. In minus out is the net energy, negative if the renderer
+  /// gave more than it got.
+  double energy_in_j = 0.0;
+  double energy_out_j = 0.0;
+  double model_work_j = 0.0;  ///< [J] put into the local model (ledger); >= 0: passive
+  double stored_j = 0.0;      ///< [J] at the end, in the local model
+  double dissipated_j = 0.0;  ///< [J] by friction and discarded surplus
+  double tank_j = 0.0;        ///< [J] at the end
+  double tank_max_j = 0.0;
+  double relaxed_shift_max_m = 0.0;  ///< [m] most that the ledger had to take
+
+  StepHistogram step_time;  ///< taking in elements and one step, wall time
+  Fault fault = Fault::kNone;
+  double fault_s = 0.0;  ///< [s] from the start
+  bool interrupted = false;
+  std::exception_ptr slow_error;  ///< what ended the slow process early; null: nothing
+  std::string slow_failure;       ///< its message; the fast process went on without
+  std::string scheduling;         ///< what the system granted; empty in simulated time
+
+  [[nodiscard]] double net_energy_j() const noexcept {
+    return energy_in_j - energy_out_j;
+  }
+};
+
+/// One tick, as it went to the device.
+struct RenderTick {
+  FastSample sample;
+  FastCommand command;
+};
+
+}  // namespace palpate

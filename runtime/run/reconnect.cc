@@ -1,0 +1,81 @@
+#include "runtime/run/reconnect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "runtime/realtime/clock.h"
+
+namespace palpate {
+namespace {
+
+bool was_lost(const SimulationReport& report) {
+  return report.render.fault == Fault::kDeviceLost ||
+         report.render.fault == Fault::kDeviceSilent;
+}
+
+std::int64_t nanoseconds(double duration_s) {
+  return std::llround(duration_s * kNanosecondsPerSecond);
+}
+
+// Sleeps, unless stopped. False when stopped.
+bool sleep(double duration_s, const std::atomic<bool>& stop) {
+  constexpr std::int64_t kLookNs = 20'000'000;
+  MonotonicClock clock;
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds(duration_s);
+  while (!stop.load() && clock.now_ns() < until_ns) {
+    clock.sleep_until_ns(std::min(until_ns, clock.now_ns() + kLookNs));
+  }
+  return !stop.load();
+}
+
+// The run after the device came back; nothing when stopped before that.
+std::optional<SimulationReport> next_run(const ResponseDatabase& database,
+                                         const SimulationOptions& options,
+                                         const ReconnectOptions& reconnect,
+                                         const std::atomic<bool>& stop) {
+  MonotonicClock clock;
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds(reconnect.patience_s);
+  while (sleep(reconnect.look_s, stop)) {
+    try {
+      return simulate(database, options, stop);
+    } catch (const DeviceError&) {
+      if (clock.now_ns() > until_ns) {
+        throw;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<SimulationReport> simulate_and_reconnect(const ResponseDatabase& database,
+                                                     const SimulationOptions& options,
+                                                     const ReconnectOptions& reconnect,
+                                                     const std::atomic<bool>& stop) {
+  std::vector<SimulationReport> runs{simulate(database, options, stop)};
+  SimulationOptions rest = options;
+  while (was_lost(runs.back()) && !stop.load()) {
+    rest.duration_s -= runs.back().render.duration_s;
+    if (!(rest.duration_s > 0.0)) {
+      break;
+    }
+    if (reconnect.tell) {
+      reconnect.tell(fmt::format("{}: lost ({}); no force until it is back",
+                                 runs.back().device, runs.back().device_failure));
+    }
+    std::optional<SimulationReport> next = next_run(database, rest, reconnect, stop);
+    if (!next) {
+      break;
+    }
+    runs.push_back(std::move(*next));
+  }
+  return runs;
+}
+
+}  // namespace palpate

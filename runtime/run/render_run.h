@@ -1,0 +1,108 @@
+// Renders a database on a simulated device that a simulated hand holds.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/database/response_database.h"
+#include "runtime/attach/device_factory.h"
+#include "runtime/device/link_report.h"
+#include "runtime/device/stability_margin.h"
+#include "runtime/fast/local_model.h"
+#include "runtime/hand/simulated_device.h"
+#include "runtime/render/render_report.h"
+#include "runtime/render/telemetry.h"
+#include "runtime/slow/file_elements.h"
+#include "runtime/slow/memory_elements.h"
+
+namespace palpate {
+
+/// Where a run is recorded, and what the recording says of its database.
+struct RecordingRequest {
+  std::filesystem::path file = {};  ///< empty: not recorded
+  std::filesystem::path flight_file =
+      {};                            ///< the last seconds before a fault; empty: none
+  std::string database = {};         ///< name of the file, without its folder
+  std::string database_sha256 = {};  ///< of its content
+};
+
+struct SimulationOptions {
+  std::string tool;  ///< empty: the only one
+  LocalModel model = LocalModel::kPotential;
+  double duration_s = 10.0;  ///< [s] > 0
+  double fast_hz = 2000.0;   ///< [Hz] > 0
+  double slow_hz = 100.0;    ///< [Hz] > 0
+  double force_max_n = 8.0;  ///< [N] > 0
+  double ramp_s = 0.1;       ///< [s] >= 0 from the start until force_max_n is allowed
+  int cpu = -1;              ///< for the fast thread in real time; -1: any
+  std::optional<Eigen::Vector3d> at_m;  ///< [m] where to press
+  bool real_time = false;
+  bool limit_stiffness = false;  ///< scale forces to what the device can render
+  SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run
+  std::filesystem::path socket;  ///< a driver's instead of the simulated device
+  std::optional<AttachedDevice> attached;  ///< instead of the simulated device
+  RecordingRequest recording;
+  TickQueue* watch = nullptr;  ///< every tick goes there, too; outlives the run
+};
+
+struct SimulationReport {
+  SimulationOptions options;
+  std::string tool;
+  std::string device;          ///< name
+  std::string device_failure;  ///< why it was lost; empty if it was not
+  std::int32_t node = -1;      ///< pressed
+  RenderedStiffness stiffness;
+  StabilityBounds bounds;
+  double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
+  double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
+  ResampleLoss resample_loss;
+  std::optional<LinkReport> wire;      ///< of a device that has one
+  std::optional<StreamReport> stream;  ///< of a body that was streamed
+  std::uint64_t records_dropped = 0;   ///< by the recorder
+  std::string recording_failure;       ///< why the recording ended early
+  RenderReport render;
+};
+
+/// The names of all local models, with commas between them.
+[[nodiscard]] std::string known_models();
+
+/// The model that --model names. @throws InputError naming those that there are.
+[[nodiscard]] LocalModel requested_model(const std::string& model);
+
+/// Time between force updates [s]: the slow period for the models that hold the slow
+/// process's force, else the fast one.
+[[nodiscard]] double hold_s(LocalModel model, double fast_hz, double slow_hz);
+
+/// Checks the margin, then approaches, presses, slides and releases until the time is
+/// over or `stop` is set. @throws InputError for options out of range, a tool that is
+/// not there, and, without limit_stiffness, a body that the device cannot render,
+/// saying why.
+[[nodiscard]] SimulationReport simulate(const ResponseDatabase& database,
+                                        const SimulationOptions& options,
+                                        const std::atomic<bool>& stop);
+
+/// Several tools of the database at once, each in a hand of its own on a device of its
+/// own, one slow process for all (render_loop.h). @param tools the options of each; the
+/// same clock, duration and slow rate. @returns a report each.
+[[nodiscard]] std::vector<SimulationReport> simulate(
+    const ResponseDatabase& database, std::span<const SimulationOptions> tools,
+    const std::atomic<bool>& stop);
+
+/// The same with responses that stay in the file but for `budget_bytes`, of which every
+/// tool has its share. Each presses the node nearest to its at_m, or the highest one
+/// with a response. The margin's friction is that of the tool, because the index has
+/// none of the nodes. @throws FormatError also for a damaged chunk that the start
+/// needs; a later one is the report's fault.
+[[nodiscard]] std::vector<SimulationReport> simulate_streamed(
+    const std::filesystem::path& file, std::span<const SimulationOptions> tools,
+    std::size_t budget_bytes, const std::atomic<bool>& stop);
+
+/// The report for people, aligned lines.
+[[nodiscard]] std::string summary(const SimulationReport& report);
+
+}  // namespace palpate

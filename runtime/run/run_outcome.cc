@@ -1,0 +1,119 @@
+#include "runtime/run/run_outcome.h"
+
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+nlohmann::json as_json(const StreamReport& stream) {
+  return {{"updates", stream.updates},
+          {"starved", stream.starved},
+          {"chunks_loaded", stream.cache.loaded},
+          {"chunks_evicted", stream.cache.evicted},
+          {"chunks_wanted", stream.cache.wanted},
+          {"chunks_hit", stream.cache.hits},
+          {"bytes_max", stream.cache.bytes_max},
+          {"fault", stream.fault}};
+}
+
+nlohmann::json as_json(const LinkReport& wire) {
+  return {{"transactions", wire.transactions},
+          {"missed", wire.missed},
+          {"silences", wire.silences},
+          {"rate_hz", wire.rate_hz()},
+          {"p50_ns", wire.time.percentile_ns(0.5)},
+          {"p99_ns", wire.time.percentile_ns(0.99)},
+          {"max_ns", wire.time.max_ns()},
+          {"force_age_p50_ns", wire.force_age.percentile_ns(0.5)},
+          {"force_age_p99_ns", wire.force_age.percentile_ns(0.99)},
+          {"force_age_max_ns", wire.force_age.max_ns()}};
+}
+
+}  // namespace
+
+nlohmann::json as_json(const SimulationReport& report) {
+  const RenderReport& r = report.render;
+  return {{"model", name(report.options.model)},
+          {"tool", report.tool},
+          {"node", report.node},
+          {"fast_hz", report.options.fast_hz},
+          {"slow_hz", report.options.slow_hz},
+          {"real_time", report.options.real_time},
+          {"stiffness_max_n_per_m", report.stiffness.normal_n_per_m},
+          {"friction_stiffness_n_per_m", report.stiffness.friction_n_per_m},
+          {"passivity_bound_n_per_m", report.bounds.passivity_n_per_m},
+          {"sampling_bound_n_per_m", report.bounds.sampling_n_per_m},
+          {"delay_bound_n_per_m", report.bounds.delay_n_per_m},
+          {"quantisation_bound_n_per_m", report.bounds.quantisation_n_per_m},
+          {"renderable_n_per_m", report.bounds.renderable_n_per_m()},
+          {"force_scale", report.force_scale},
+          {"duration_s", r.duration_s},
+          {"ticks", r.ticks},
+          {"contact_ticks", r.contact_ticks},
+          {"starved_ticks", r.starved_ticks},
+          {"extrapolated_ticks", r.extrapolated_ticks},
+          {"missed_deadlines", r.missed_deadlines},
+          {"slow_updates", r.slow_updates},
+          {"slow_missed_deadlines", r.slow_missed_deadlines},
+          {"slow_stalls", r.slow_stalls},
+          {"elements_dropped", r.elements_dropped},
+          {"depth_max_m", r.depth_max_m},
+          {"force_max_n", r.force_max_n},
+          {"energy_in_j", r.energy_in_j},
+          {"energy_out_j", r.energy_out_j},
+          {"net_energy_j", r.net_energy_j()},
+          {"model_work_j", r.model_work_j},
+          {"stored_j", r.stored_j},
+          {"dissipated_j", r.dissipated_j},
+          {"tank_j", r.tank_j},
+          {"tank_max_j", r.tank_max_j},
+          {"relaxed_shift_max_m", r.relaxed_shift_max_m},
+          {"step_p50_ns", r.step_time.percentile_ns(0.5)},
+          {"step_p99_ns", r.step_time.percentile_ns(0.99)},
+          {"step_p999_ns", r.step_time.percentile_ns(0.999)},
+          {"step_max_ns", r.step_time.max_ns()},
+          {"late_reads", r.late_reads},
+          {"slow_failure", r.slow_failure},
+          {"scheduling", r.scheduling},
+          {"device", report.device},
+          {"device_failure", report.device_failure},
+          {"wire", report.wire ? as_json(*report.wire) : nlohmann::json()},
+          {"records_dropped", report.records_dropped},
+          {"recording_failure", report.recording_failure},
+          {"stream", report.stream ? as_json(*report.stream) : nlohmann::json()},
+          {"fault", name(r.fault)},
+          {"interrupted", r.interrupted}};
+}
+
+void throw_what_ended(const SimulationReport& report) {
+  const Fault fault = report.render.fault;
+  if (fault != Fault::kNone) {
+    const std::string what = fmt::format("stopped by fault \"{}\" after {:.4g} s",
+                                         name(fault), report.render.fault_s);
+    if (fault == Fault::kDeviceLost || fault == Fault::kDeviceSilent) {
+      throw DeviceError(fmt::format("{}: {}{}{}", report.device, what,
+                                    report.device_failure.empty() ? "" : ": ",
+                                    report.device_failure));
+    }
+    throw NumericalError(what);
+  }
+  if (report.stream && !report.stream->fault.empty()) {
+    throw FormatError(report.stream->fault);
+  }
+  if (report.render.slow_error != nullptr) {
+    std::rethrow_exception(report.render.slow_error);
+  }
+  if (!report.recording_failure.empty()) {
+    throw InputError(report.recording_failure);
+  }
+  if (report.render.interrupted) {
+    throw Interrupted();
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+
+#include "runtime/run/render_run.h"
+
+namespace palpate {
+namespace {
+
+std::string line(const char* label, const std::string& text) {
+  return fmt::format("{:<20}{}\n", label, text);
+}
+
+std::string margin_lines(const SimulationReport& report) {
+  const double k = report.stiffness.largest_n_per_m() * report.force_scale;
+  std::string text =
+      line("stiffness",
+           fmt::format("{:.4g} N/m at node {}, friction before sliding {:.4g} N/m",
+                       report.stiffness.normal_n_per_m, report.stiffness.node,
+                       report.stiffness.friction_n_per_m));
+  if (report.force_scale < 1.0) {
+    text +=
+        line("limited", fmt::format("forces scaled by {:.4g} to what the device can "
+                                    "render",
+                                    report.force_scale));
+  }
+  const std::string table = margin_table(report.bounds, k);
+  std::string label = "margin";
+  for (std::size_t begin = 0; begin < table.size();) {
+    const std::size_t end = table.find('\n', begin);
+    text += line(label.c_str(), table.substr(begin, end - begin));
+    label.clear();
+    begin = end + 1;
+  }
+  return text;
+}
+
+double percent(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+std::string energy_lines(const RenderReport& r) {
+  return line("energy of the hand",
+              fmt::format("in {:.4g} mJ, out {:.4g} mJ, net {:.4g} mJ",
+                          r.energy_in_j * 1e3, r.energy_out_j * 1e3,
+                          r.net_energy_j() * 1e3)) +
+         line("  in the model",
+              fmt::format("work {:.4g} mJ = stored {:.4g} mJ, dissipated {:.4g} mJ, "
+                          "tank {:.4g} mJ "
+                          "(at most {:.4g} mJ)",
+                          r.model_work_j * 1e3, r.stored_j * 1e3, r.dissipated_j * 1e3,
+                          r.tank_j * 1e3, r.tank_max_j * 1e3)) +
+         line("relaxed shift",
+              fmt::format("at most {:.4g} mm", r.relaxed_shift_max_m * 1e3));
+}
+
+std::string timing_lines(const RenderReport& r) {
+  std::string text =
+      line("slow process",
+           fmt::format("{} updates, {} late, {} stalls, {} elements dropped",
+                       r.slow_updates, r.slow_missed_deadlines, r.slow_stalls,
+                       r.elements_dropped)) +
+      line("fast process",
+           fmt::format("{} ticks, {} missed deadlines, {} starved ({:.2g} %)", r.ticks,
+                       r.missed_deadlines, r.starved_ticks,
+                       percent(r.starved_ticks, r.ticks))) +
+      line("step time",
+           fmt::format("p50 {:.0f} ns, p99 {:.0f} ns, p99.9 {:.0f} ns, max {:.0f} ns",
+                       r.step_time.percentile_ns(0.5), r.step_time.percentile_ns(0.99),
+                       r.step_time.percentile_ns(0.999), r.step_time.max_ns()));
+  if (!r.scheduling.empty()) {
+    text += line("scheduling", r.scheduling);
+  }
+  return text;
+}
+
+std::string wire_lines(const LinkReport& w) {
+  constexpr double kMs = 1e6;
+  return line("wire", fmt::format("{} transactions, {} missed, {:.5g} Hz, {} silences",
+                                  w.transactions, w.missed, w.rate_hz(), w.silences)) +
+         line("  transaction",
+              fmt::format("p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms",
+                          w.time.percentile_ns(0.5) / kMs,
+                          w.time.percentile_ns(0.99) / kMs, w.time.max_ns() / kMs)) +
+         line("  age of a force",
+              fmt::format("p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms",
+                          w.force_age.percentile_ns(0.5) / kMs,
+                          w.force_age.percentile_ns(0.99) / kMs,
+                          w.force_age.max_ns() / kMs));
+}
+
+std::string stream_lines(const StreamReport& s) {
+  constexpr double kMib = static_cast<double>(kMebibyte);
+  std::string text =
+      line("streamed",
+           fmt::format(
+               "{} chunks loaded, {} given up, {:.3g} % there before they were "
+               "asked for, {:.3g} MiB at most, {} of {} updates starved",
+               s.cache.loaded, s.cache.evicted, percent(s.cache.hits, s.cache.wanted),
+               static_cast<double>(s.cache.bytes_max) / kMib, s.starved, s.updates));
+  if (!s.fault.empty()) {
+    text += line("FAULT", s.fault);
+  }
+  return text;
+}
+
+std::string trouble_lines(const SimulationReport& report) {
+  std::string text;
+  if (!report.render.slow_failure.empty()) {
+    text += line("SLOW PROCESS",
+                 fmt::format("ended early: {}; the fast process went on with the "
+                             "elements that it had",
+                             report.render.slow_failure));
+  }
+  if (report.records_dropped > 0) {
+    text += line("RECORDING", fmt::format("{} records dropped, the recorder was late",
+                                          report.records_dropped));
+  }
+  if (!report.recording_failure.empty()) {
+    text += line("RECORDING", "ended early: " + report.recording_failure);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string summary(const SimulationReport& report) {
+  const SimulationOptions& o = report.options;
+  const RenderReport& r = report.render;
+  std::string text =
+      line("model", fmt::format("{}, tool \"{}\", fast {:.4g} Hz, slow {:.4g} Hz, {}",
+                                name(o.model), report.tool, o.fast_hz, o.slow_hz,
+                                o.real_time ? "real time" : "simulated time")) +
+      margin_lines(report);
+  if (report.resample_loss.nodes > 0) {
+    text += line("thinned curves",
+                 fmt::format("{} nodes, largest loss {:.3g} N ({:.3g} %)",
+                             report.resample_loss.nodes, report.resample_loss.force_n,
+                             report.resample_loss.force_relative * 100.0));
+  }
+  text += line("rendered",
+               fmt::format("{:.4g} s at node {}, {:.3g} % in contact", r.duration_s,
+                           report.node, percent(r.contact_ticks, r.ticks)));
+  text += line("peak", fmt::format("depth {:.4g} mm, force {:.4g} N{}",
+                                   r.depth_max_m * 1e3, r.force_max_n,
+                                   r.extrapolated_ticks == 0
+                                       ? ""
+                                       : fmt::format(", beyond the curves in {} ticks",
+                                                     r.extrapolated_ticks)));
+  text += energy_lines(r) + timing_lines(r);
+  if (report.wire) {
+    text += wire_lines(*report.wire);
+  }
+  if (report.stream) {
+    text += stream_lines(*report.stream);
+  }
+  text += trouble_lines(report);
+  if (r.fault != Fault::kNone) {
+    text += line("FAULT", fmt::format("{} after {:.4g} s; force set to zero",
+                                      name(r.fault), r.fault_s));
+  }
+  return text;
+}
+
+}  // namespace palpate

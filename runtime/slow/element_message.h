@@ -1,0 +1,61 @@
+// What an element message says of a node, and which elements an update sends.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+
+#include "formats/mesh/surface_search.h"
+#include "formats/response/response_table.h"
+#include "runtime/fast/element.h"
+
+namespace palpate {
+
+/// Elements sent with the active one, at most: all of an update and the element in use
+/// fit the fast process's cache (kCacheSlots), so that an update does not push itself
+/// out.
+constexpr std::size_t kNeighboursMax = 28;
+
+/// Curves that had to be thinned to fit a message, and what that cost.
+struct ResampleLoss {
+  std::int64_t nodes = 0;       ///< nodes with more than kElementSamples samples
+  double force_n = 0.0;         ///< [N] largest difference of force
+  double force_relative = 0.0;  ///< [-] largest, relative to the curve's largest force
+};
+
+/// Positions, normals and responses of the same nodes, row by row.
+struct NodeRows {
+  const Points& position_m;    ///< (n x 3) [m]
+  const Points& normal;        ///< (n x 3) [-]
+  const ResponseTable& table;  ///< of n nodes
+  double force_scale = 1.0;    ///< [-] forces are multiplied by it
+};
+
+/// The message of a row, whose node the caller names. Without response: no samples, no
+/// direction, no touch offset, zero force. Its touch offset is that of a tool whose
+/// reference point stands at nominal_height_m(tool) over a flat surface, so that a tool
+/// of any shape and fixed orientation is followed as a sphere of that radius. @param
+/// loss_n where not null, what thinning cost [N]. @throws InputError for an endless
+/// tool that cannot touch the node.
+[[nodiscard]] ElementNode node_message(const NodeRows& rows, std::int64_t row,
+                                       double* loss_n = nullptr);
+
+/// Messages by row of the nodes whose curves are too long for one, made once because
+/// thinning is too costly at every send; adds to `loss`.
+[[nodiscard]] std::unordered_map<std::int32_t, ElementNode> thinned_messages(
+    const NodeRows& rows, ResampleLoss& loss);
+
+/// Triangles of one update, the active one first.
+struct WantedTriangles {
+  std::array<std::int32_t, 1 + kNeighboursMax> triangle{};
+  std::size_t count = 0;
+};
+
+/// The active triangle, those around it, and, where that is another part of the
+/// surface, those across the edges of the one in use. @param in_use -1: none.
+[[nodiscard]] WantedTriangles wanted_triangles(const SurfaceSearch& search,
+                                               std::int32_t active,
+                                               std::int32_t in_use) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,36 @@
+// Who answers the tool's pose with surface elements: a seam, because a body may lie in
+// memory or be streamed from its file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "runtime/fast/element.h"
+#include "runtime/realtime/spsc_ring.h"
+#include "runtime/slow/tool_state.h"
+
+namespace palpate {
+
+/// Four slow updates of an active element with all its neighbours.
+constexpr std::size_t kElementFifoCapacity = 128;
+using ElementFifo = SpscRing<Element, kElementFifoCapacity>;
+
+/// One thread, the slow one.
+class ElementSender {
+ public:
+  ElementSender() = default;
+  virtual ~ElementSender() = default;
+  ElementSender(const ElementSender&) = delete;
+  ElementSender& operator=(const ElementSender&) = delete;
+
+  /// One slow step: pushes the active element first, then the triangles around it, then
+  /// those across the edges of the element that the fast process is in, if that is
+  /// another part of the surface. In contact the search walks from that element; in
+  /// free space it looks at the whole body. A position that is not finite sends
+  /// nothing.
+  /// @returns messages pushed; what does not fit is dropped and counted by the ring.
+  virtual std::size_t update(const ToolState& tool, std::int64_t now_ns,
+                             ElementFifo& fifo) = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+// The slow process: from the tool's latest pose to the surface elements that the fast
+// process needs next (paper, 5.2.2).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+
+#include "formats/database/response_database.h"
+#include "formats/mesh/surface_search.h"
+#include "runtime/slow/element_message.h"
+#include "runtime/slow/element_source.h"
+
+namespace palpate {
+
+/// Sends the element nearest to the tool and those around it, of a database in memory.
+/// Allocates in the constructor only.
+class ElementStream : public ElementSender {
+ public:
+  /// Both must outlive the stream; `table` belongs to the database.
+  /// @param force_scale [-] (0, 1] forces are multiplied by it, for a device that
+  /// cannot render the body's stiffness.
+  ElementStream(const ResponseDatabase& database, const ResponseTable& table,
+                double force_scale = 1.0);
+
+  std::size_t update(const ToolState& tool, std::int64_t now_ns,
+                     ElementFifo& fifo) override;
+
+  /// The message for one triangle, without sequence and time. A node without response
+  /// has no samples and no direction: zero force.
+  [[nodiscard]] Element element(std::int32_t triangle) const;
+
+  [[nodiscard]] const ResampleLoss& resample_loss() const noexcept { return loss_; }
+  [[nodiscard]] const SurfaceSearch& search() const noexcept { return search_; }
+
+ private:
+  bool send(std::int32_t triangle, bool active, std::int64_t now_ns, ElementFifo& fifo);
+
+  const ResponseDatabase& database_;
+  NodeRows rows_;
+  SurfaceSearch search_;
+  ResampleLoss loss_;
+  std::unordered_map<std::int32_t, ElementNode> thinned_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace palpate

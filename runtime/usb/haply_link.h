@@ -1,0 +1,69 @@
+// The Haply 2diy over USB: a CDC-ACM board with two motors that move a pantograph in a
+// plane, the x-y plane of the device's frame (z = 0).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "runtime/device/device_link.h"
+#include "runtime/device/guardian.h"
+#include "runtime/usb/haply_packet.h"
+#include "runtime/usb/pantograph.h"
+#include "runtime/usb/usb_transport.h"
+
+namespace palpate {
+
+constexpr std::uint8_t kHaplyId = HaplySetup{}.id;
+constexpr UsbPair kHaplyPair{
+    .interface = 1, .out = 0x02, .in = 0x83, .packet_bytes = 64};
+
+struct HaplyConfig {
+  HaplySetup setup{};
+  PantographLinks links{};
+  UsbPair pair = kHaplyPair;
+  double answer_s = 0.002;         ///< [s] > 0 for one reply
+  double force_max_n = 2.0;        ///< [N] > 0
+  double damping_n_s_per_m = 0.1;  ///< [N s/m] assumed, not measured
+  double coulomb_n = 0.02;         ///< [N] assumed, not measured
+  bool guarded = false;            ///< as FalconConfig's
+  std::string what = "haply-2diy";
+};
+
+/// The board keeps the last torque for ever: every way out sends zero, and the thread
+/// that transacts is its watchdog (threaded_device.h). No force where the free links
+/// are nearly in line, none out of the plane, and none after an exchange without an
+/// answer: the next one listens until no late answer can come, and takes the last.
+class HaplyLink : public DeviceLink {
+ public:
+  /// @param descriptor and release as FalconLink's. @throws InputError for links that
+  /// cannot be.
+  HaplyLink(HaplyConfig config, std::function<int()> descriptor,
+            std::function<void(int)> release);
+  ~HaplyLink() override;
+
+  [[nodiscard]] std::string name() const override { return config_.what; }
+  [[nodiscard]] DeviceLimits limits() const override;
+  void open() override;
+  [[nodiscard]] LinkStatus transact(const Eigen::Vector3d& force_n,
+                                    Eigen::Vector3d& position_m) noexcept override;
+  void close() noexcept override;
+  [[nodiscard]] std::string failure() const override { return failure_; }
+
+ private:
+  [[nodiscard]] LinkStatus exchange(const std::array<double, 2>& torque_nm) noexcept;
+  [[nodiscard]] LinkStatus give_up(const char* why) noexcept;
+
+  HaplyConfig config_;
+  std::function<int()> descriptor_;
+  std::function<void(int)> release_;
+  int file_ = -1;
+  std::unique_ptr<UsbTransport> usb_;
+  std::unique_ptr<Guardian> guardian_;
+  PantographPose pose_;
+  bool known_ = false;
+  int rejected_ = 0;
+  const char* failure_ = "";
+};
+
+}  // namespace palpate

@@ -1,0 +1,260 @@
+#include "runtime/view/live_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "formats/base/error.h"
+#include "runtime/view/view_field.h"
+#include "runtime/view/view_json.h"
+
+namespace palpate {
+namespace {
+
+// What the session shows by itself.
+ViewFrame frame_of(const ViewSession& session) {
+  const RenderReport& r = session.report();
+  const ViewSessionOptions& options = session.options();
+  return {.holding = session.holding(),
+          .hand_m = session.hand().target().position_m,
+          .pointer_m = session.hand().pointer_m(),
+          .fault = name(r.fault),
+          .net_j = session.net_work_j(),
+          .now = session.latest(),
+          .contact = session.contact(),
+          .run = {.ticks = r.ticks,
+                  .slow_updates = session.slow_updates(),
+                  .starved_ticks = r.starved_ticks,
+                  .extrapolated_ticks = r.extrapolated_ticks,
+                  .step_p50_ns = r.step_time.percentile_ns(0.5),
+                  .step_p99_ns = r.step_time.percentile_ns(0.99),
+                  .depth_max_m = r.depth_max_m,
+                  .force_max_n = r.force_max_n},
+          .settings = {.model = options.model,
+                       .slow_hz = options.slow_hz,
+                       .fast_hz = options.fast_hz,
+                       .stiffness_scale = session.stiffness_scale(),
+                       .friction = session.friction()}};
+}
+
+std::string_view tape_text(const HandTape& tape) {
+  if (tape.recording()) {
+    return "recording";
+  }
+  if (tape.playing()) {
+    return "playing";
+  }
+  return tape.empty() ? "empty" : "recorded";
+}
+
+}  // namespace
+
+void LiveView::opened(ViewClient client) {
+  clients_.push_back(client);
+  outbox_->send(client, role_text(steers(client)));
+}
+
+void LiveView::closed(ViewClient client) {
+  const bool steered = steers(client);
+  clients_.erase(std::remove(clients_.begin(), clients_.end(), client), clients_.end());
+  if (steered) {
+    let_go(false);
+    if (!clients_.empty()) {
+      outbox_->send(clients_.front(), role_text(true));
+    }
+  }
+}
+
+void LiveView::received(ViewClient client, std::string_view text) {
+  try {
+    obey(client, decode_view_message(text));
+  } catch (const InputError& error) {
+    outbox_->send(client, refusal_text(error.what()));
+  }
+}
+
+void LiveView::obey(ViewClient client, const ViewRequest& request) {
+  if (request.action == ViewAction::kNode) {
+    outbox_->send(client,
+                  curve_text(session_.database(), session_.table(), request.node));
+    return;
+  }
+  if (request.action == ViewAction::kField) {
+    outbox_->send(client, field_text(session_.table(), request.node));
+    return;
+  }
+  if (!steers(client)) {
+    throw InputError("another page steers, this one watches");
+  }
+  switch (request.action) {
+    case ViewAction::kPoint:
+      if (tape_.playing()) {
+        tape_.stop(0);  // the page's hand goes first
+      }
+      if (request.hold) {
+        hold({session_.report().ticks, true, request.target_m});
+      } else {
+        let_go(false);
+      }
+      break;
+    case ViewAction::kSet:
+      set(request);
+      break;
+    case ViewAction::kPause:
+    case ViewAction::kResume:
+      paused_ = request.action == ViewAction::kPause;
+      break;
+    case ViewAction::kStep:
+      step();
+      break;
+    case ViewAction::kReset:
+      tape_.stop(session_.report().ticks);
+      reset();
+      break;
+    case ViewAction::kRecord:
+      record();
+      break;
+    case ViewAction::kReplay:
+      replay();
+      break;
+    case ViewAction::kNode:
+    case ViewAction::kField:
+      break;
+  }
+}
+
+void LiveView::set(const ViewRequest& request) {
+  if (request.model) {
+    session_.use(*request.model);
+  }
+  if (request.slow_hz) {
+    session_.set_slow_hz(*request.slow_hz);
+  }
+  if (request.stiffness_scale) {
+    session_.set_stiffness_scale(*request.stiffness_scale);
+  }
+  if (request.friction || request.database_friction) {
+    session_.set_friction(request.friction);
+  }
+}
+
+void LiveView::hold(const HandWish& wish) {
+  silent_ns_ = 0;
+  fell_silent_ = false;
+  session_.hold(wish.target_m);
+  tape_.add(wish);
+}
+
+void LiveView::let_go(bool silent) {
+  fell_silent_ = silent;
+  session_.let_go();
+  tape_.add({.tick = session_.report().ticks, .hold = false});
+}
+
+void LiveView::reset() {
+  session_.reset();
+  owed_ticks_ = 0.0;
+  fell_silent_ = false;
+}
+
+// Begins, or ends.
+void LiveView::record() {
+  if (tape_.recording()) {
+    tape_.stop(session_.report().ticks);
+    return;
+  }
+  reset();
+  tape_.record();
+}
+
+void LiveView::replay() {
+  tape_.stop(session_.report().ticks);
+  if (tape_.empty()) {
+    throw InputError("nothing is recorded: record first");
+  }
+  reset();
+  tape_.play();
+}
+
+// One slow period, so that a step shows an update.
+void LiveView::step() {
+  paused_ = true;
+  const ViewSessionOptions& options = session_.options();
+  advance(std::max(1L, std::lround(options.fast_hz / options.slow_hz)));
+}
+
+// Ticks pass; what is played takes place between them.
+void LiveView::advance(std::int64_t ticks) {
+  while (tape_.playing() && ticks > 0 && session_.report().fault == Fault::kNone) {
+    const std::int64_t now = session_.report().ticks;
+    const std::optional<HandWish> wish = tape_.take(now);
+    if (wish && wish->hold) {
+      session_.hold(wish->target_m);
+    } else if (wish || !tape_.playing()) {
+      session_.let_go();
+    } else {
+      const std::int64_t part = std::min(ticks, tape_.next_tick() - now);
+      session_.advance(part);
+      ticks -= part;
+    }
+  }
+  session_.advance(ticks);
+}
+
+void LiveView::pass_time(std::int64_t wall_ns, std::int64_t passed_ns) {
+  if (paused_ || wall_ns <= 0) {
+    return;
+  }
+  owed_ticks_ += static_cast<double>(passed_ns) / kNanosecondsPerSecond *
+                 session_.options().fast_hz;
+  const auto ticks = static_cast<std::int64_t>(owed_ticks_);
+  owed_ticks_ -= static_cast<double>(ticks);
+  advance(ticks);
+  constexpr double kSmoothing = 0.05;
+  speed_ += kSmoothing *
+            (static_cast<double>(passed_ns) / static_cast<double>(wall_ns) - speed_);
+}
+
+void LiveView::frame() {
+  const std::int64_t now_ns = wall_.now_ns();
+  const std::int64_t wall_ns = before_ns_ < 0 ? 0 : now_ns - before_ns_;
+  const std::int64_t passed_ns = std::min(wall_ns, kLateNs);
+  before_ns_ = now_ns;
+  silent_ns_ += passed_ns;
+  if (session_.holding() && !tape_.playing() && silent_ns_ > kSilentNs) {
+    let_go(true);
+  }
+  pass_time(wall_ns, passed_ns);
+  ViewFrame frame = frame_of(session_);
+  frame.state = state();
+  frame.paused = paused_;
+  frame.speed = paused_ ? 0.0 : speed_;
+  frame.clients = clients_.size();
+  frame.tape = tape_text(tape_);
+  const auto text =
+      std::make_shared<const std::string>(frame_text(frame, session_.take_ticks()));
+  for (const ViewClient client : clients_) {
+    outbox_->send_latest(client, text);
+  }
+}
+
+std::string_view LiveView::state() const {
+  if (session_.report().fault != Fault::kNone) {
+    return "fault";
+  }
+  if (paused_) {
+    return "paused";
+  }
+  const auto contact = static_cast<unsigned>(TickFlag::kContact);
+  const bool touching = (session_.latest().flags & contact) != 0U;
+  if (session_.holding()) {
+    return touching ? "pressing" : "approaching";
+  }
+  if (touching) {
+    return "releasing";
+  }
+  return fell_silent_ ? "let go: page silent" : "free";
+}
+
+}  // namespace palpate

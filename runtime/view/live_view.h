@@ -1,0 +1,68 @@
+// The application behind the live view's server: who may steer, what is simulated when,
+// and what every page is told.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "runtime/hand/hand_tape.h"
+#include "runtime/realtime/clock.h"
+#include "runtime/view/view_message.h"
+#include "runtime/view/view_server.h"
+#include "runtime/view/view_session.h"
+
+namespace palpate {
+
+/// The first page steers, the others watch until it is gone; then the one that came
+/// first of them steers. Simulated time follows the wall clock; where the machine is
+/// late by more than kLateNs, time is lost, not made up for. A page that holds the tool
+/// and says nothing for kSilentNs has let go; lost time does not count, because what
+/// the page said in it has not been read yet. What a page does to the tool can be
+/// recorded and replayed, with the settings of the moment.
+class LiveView : public ViewApplication {
+ public:
+  static constexpr std::int64_t kSilentNs = 250'000'000;
+  static constexpr std::int64_t kLateNs = 100'000'000;
+
+  /// Both must outlive the view.
+  LiveView(ViewSession& session, Clock& wall) : session_(session), wall_(wall) {}
+
+  /// Where messages go from now on; must outlive the view, or its last call.
+  void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
+
+  void opened(ViewClient client) override;
+  void received(ViewClient client, std::string_view text) override;
+  void closed(ViewClient client) override;
+  void frame() override;
+
+ private:
+  void obey(ViewClient client, const ViewRequest& request);
+  void set(const ViewRequest& request);
+  void hold(const HandWish& wish);
+  void let_go(bool silent);
+  void record();
+  void replay();
+  void reset();
+  void advance(std::int64_t ticks);
+  void pass_time(std::int64_t wall_ns, std::int64_t passed_ns);
+  void step();
+  [[nodiscard]] std::string_view state() const;
+  [[nodiscard]] bool steers(ViewClient client) const {
+    return !clients_.empty() && clients_.front() == client;
+  }
+
+  ViewSession& session_;
+  Clock& wall_;
+  ViewOutbox* outbox_ = nullptr;
+  std::vector<ViewClient> clients_;  // by age; the first steers
+  std::int64_t before_ns_ = -1;      // wall time up to which was simulated
+  std::int64_t silent_ns_ = 0;       // time since the page that holds the tool spoke
+  HandTape tape_;
+  double owed_ticks_ = 0.0;  // fraction of a tick
+  double speed_ = 1.0;
+  bool paused_ = false;
+  bool fell_silent_ = false;
+};
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+// What the live view tells its pages, as JSON: numbers of the runtime, in SI units.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/database/response_database.h"
+#include "formats/recording/recording.h"
+#include "runtime/fast/local_model.h"
+#include "runtime/view/view_contact.h"
+
+namespace palpate {
+
+/// The body as little-endian bytes: "PLPB", then as uint32 the number of vertices n and
+/// of triangles t; float32 positions [m] (3 n), outward normals (3 n), stiffness at the
+/// map's depth [N/m] (n, NaN without response), heights of the tool's reference point
+/// where it touches a vertex [m] (n); uint32 corners (3 t).
+[[nodiscard]] std::string body_bytes(const ResponseDatabase& database,
+                                     const ResponseTable& table);
+
+/// What the page shows, and how it is rendered.
+struct ViewedBody {
+  const ResponseDatabase& database;
+  const ResponseTable& table;
+  std::string name;    ///< of the database
+  std::string device;  ///< that steers in the page's place; empty: the page does
+  double fast_hz = 0.0;
+  double force_max_n = 0.0;
+};
+
+/// What does not change: names, tool, models, ranges, colour range and colours.
+[[nodiscard]] std::string body_text(const ViewedBody& body);
+
+/// How it is rendered at the moment.
+struct ViewSettings {
+  LocalModel model = LocalModel::kPotential;
+  double slow_hz = 0.0;
+  double fast_hz = 0.0;
+  std::optional<double> stiffness_scale = {};  ///< none: what the device can render
+  std::optional<double> friction = {};         ///< none: the database's
+};
+
+/// What came of the run so far.
+struct ViewRun {
+  std::int64_t ticks = 0;
+  std::int64_t late_ticks = 0;  ///< deadlines passed before them
+  std::int64_t slow_updates = 0;
+  std::int64_t starved_ticks = 0;
+  std::int64_t extrapolated_ticks = 0;
+  std::optional<double> step_p50_ns = {};  ///< none: not measured
+  std::optional<double> step_p99_ns = {};
+  double depth_max_m = 0.0;
+  double force_max_n = 0.0;
+};
+
+/// One frame: the state now.
+struct ViewFrame {
+  std::string_view state = "";  ///< "free", "pressing", "paused", ...
+  bool paused = false;
+  double speed = 1.0;  ///< [-] simulated time over wall time
+  std::size_t clients = 0;
+  bool holding = false;                        ///< a page, or its tape, holds the tool
+  std::string_view tape = "empty";             ///< "recording", "recorded", "playing"
+  std::optional<Eigen::Vector3d> hand_m = {};  ///< [m] of a simulated hand
+  std::optional<Eigen::Vector3d> pointer_m = {};
+  std::string_view fault = "none";
+  double net_j = 0.0;  ///< [J] put into the local model
+  TickRecord now = {};
+  ViewContact contact = {};
+  ViewRun run = {};
+  ViewSettings settings = {};
+};
+
+/// A frame with every tick since the last one.
+[[nodiscard]] std::string frame_text(const ViewFrame& frame,
+                                     const std::vector<TickRecord>& ticks);
+
+/// The curve of a node. @throws InputError for a node that is not there.
+[[nodiscard]] std::string curve_text(const ResponseDatabase& database,
+                                     const ResponseTable& table, std::int32_t node);
+
+/// "controller" or "watcher".
+[[nodiscard]] std::string role_text(bool controls);
+
+[[nodiscard]] std::string refusal_text(std::string_view why);
+
+}  // namespace palpate

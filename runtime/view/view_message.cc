@@ -1,0 +1,176 @@
+#include "runtime/view/view_message.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+// Keys are counted by the parser's own object, which keeps one of each name.
+void check_keys(const Json& message, std::initializer_list<std::string_view> allowed) {
+  for (const auto& [key, value] : message.items()) {
+    if (std::find(allowed.begin(), allowed.end(), key) == allowed.end()) {
+      throw InputError("message has a key that its type does not know");
+    }
+  }
+}
+
+const Json& value(const Json& message, const char* key) {
+  const auto found = message.find(key);
+  if (found == message.end()) {
+    throw InputError(fmt::format("message lacks \"{}\"", key));
+  }
+  return *found;
+}
+
+std::string text(const Json& message, const char* key) {
+  const Json& found = value(message, key);
+  if (!found.is_string()) {
+    throw InputError(fmt::format("\"{}\" must be a string", key));
+  }
+  return found.get<std::string>();
+}
+
+double number(const Json& found, const char* what, double low, double high) {
+  const double x = found.is_number() ? found.get<double>()
+                                     : std::numeric_limits<double>::quiet_NaN();
+  if (!(x >= low && x <= high)) {
+    throw InputError(
+        fmt::format("\"{}\" must be a number in [{}, {}]", what, low, high));
+  }
+  return x;
+}
+
+ViewRequest point(const Json& message) {
+  ViewRequest request;
+  const Json& hold = value(message, "hold");
+  if (!hold.is_boolean()) {
+    throw InputError("\"hold\" must be true or false");
+  }
+  request.hold = hold.get<bool>();
+  if (!request.hold) {
+    check_keys(message, {"type", "hold"});
+    return request;
+  }
+  check_keys(message, {"type", "hold", "target_m"});
+  const Json& target = value(message, "target_m");
+  if (!target.is_array() || target.size() != 3) {
+    throw InputError("\"target_m\" must be three numbers");
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    request.target_m(static_cast<Eigen::Index>(axis)) =
+        number(target[axis], "target_m", -ViewRanges::kTargetM, ViewRanges::kTargetM);
+  }
+  return request;
+}
+
+void set_friction(const Json& found, ViewRequest& request) {
+  if (found.is_null()) {
+    request.database_friction = true;
+  } else {
+    request.friction = number(found, "friction", 0.0, ViewRanges::kFrictionMax);
+  }
+}
+
+ViewRequest set(const Json& message) {
+  check_keys(message, {"type", "model", "slow_hz", "stiffness_scale", "friction"});
+  ViewRequest request{.action = ViewAction::kSet};
+  if (message.contains("model")) {
+    request.model = local_model(text(message, "model"));
+    if (!request.model) {
+      throw InputError("\"model\" must name a local model");
+    }
+  }
+  if (message.contains("slow_hz")) {
+    request.slow_hz = number(message["slow_hz"], "slow_hz", ViewRanges::kSlowHzMin,
+                             ViewRanges::kSlowHzMax);
+  }
+  if (message.contains("stiffness_scale")) {
+    request.stiffness_scale =
+        number(message["stiffness_scale"], "stiffness_scale", ViewRanges::kStiffnessMin,
+               ViewRanges::kStiffnessMax);
+  }
+  if (message.contains("friction")) {
+    set_friction(message["friction"], request);
+  }
+  if (message.size() == 1) {
+    throw InputError("message sets nothing");
+  }
+  return request;
+}
+
+ViewRequest run(const Json& message) {
+  check_keys(message, {"type", "do"});
+  const std::string what = text(message, "do");
+  ViewRequest request;
+  if (what == "pause") {
+    request.action = ViewAction::kPause;
+  } else if (what == "resume") {
+    request.action = ViewAction::kResume;
+  } else if (what == "step") {
+    request.action = ViewAction::kStep;
+  } else if (what == "reset") {
+    request.action = ViewAction::kReset;
+  } else if (what == "record") {
+    request.action = ViewAction::kRecord;
+  } else if (what == "replay") {
+    request.action = ViewAction::kReplay;
+  } else {
+    throw InputError("\"do\" must be pause, resume, step, reset, record or replay");
+  }
+  return request;
+}
+
+ViewRequest node(const Json& message, ViewAction action) {
+  check_keys(message, {"type", "node"});
+  const Json& found = value(message, "node");
+  if (!found.is_number_integer()) {
+    throw InputError("\"node\" must be a whole number");
+  }
+  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+  ViewRequest request{.action = action};
+  request.node = static_cast<std::int32_t>(number(found, "node", 0.0, kMost));
+  return request;
+}
+
+}  // namespace
+
+ViewRequest decode_view_message(std::string_view text_in) {
+  if (text_in.size() > kViewMessageBytes) {
+    throw InputError(fmt::format("message has {} bytes, at most {} are allowed",
+                                 text_in.size(), kViewMessageBytes));
+  }
+  const Json message = Json::parse(text_in, nullptr, false);
+  if (!message.is_object()) {
+    throw InputError("message is not a JSON object");
+  }
+  const std::string type = text(message, "type");
+  if (type == "point") {
+    return point(message);
+  }
+  if (type == "set") {
+    return set(message);
+  }
+  if (type == "run") {
+    return run(message);
+  }
+  if (type == "node") {
+    return node(message, ViewAction::kNode);
+  }
+  if (type == "field") {
+    return node(message, ViewAction::kField);
+  }
+  throw InputError("\"type\" must be point, set, run, node or field");
+}
+
+}  // namespace palpate

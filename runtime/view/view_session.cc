@@ -1,0 +1,185 @@
+#include "runtime/view/view_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/response/tool_support.h"
+#include "runtime/hand/press_site.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kTicksKept = 8191;
+
+void check(const ViewSessionOptions& options) {
+  if (!(options.fast_hz >= 100.0 && options.fast_hz <= 20000.0)) {
+    throw InputError(
+        fmt::format("fast rate is {} Hz, must lie in [100, 20000]", options.fast_hz));
+  }
+  if (!(options.slow_hz >= 1.0 && options.slow_hz <= options.fast_hz)) {
+    throw InputError(fmt::format("slow rate is {} Hz, must lie in [1, {}]",
+                                 options.slow_hz, options.fast_hz));
+  }
+  if (!(options.force_max_n > 0.0) || !std::isfinite(options.force_max_n)) {
+    throw InputError(fmt::format("largest force is {} N, must be positive and finite",
+                                 options.force_max_n));
+  }
+}
+
+// Clear of the body: above touch by the deepest curve, at least 5 mm.
+Eigen::Vector3d lifted_m(const ResponseTable& table, const Eigen::Vector3d& point_m,
+                         const Eigen::Vector3d& normal) {
+  return point_m +
+         (drawn_height_m(table.tool, normal) + std::max(0.005, table.depth_max_m())) *
+             normal;
+}
+
+Eigen::Vector3d above_start(const ResponseDatabase& database,
+                            const ResponseTable& table) {
+  const std::int32_t node = node_to_press(database, table, std::nullopt);
+  return lifted_m(table, database.body.position_m.row(node).transpose(),
+                  database.normal.row(node).transpose());
+}
+
+FastProcessConfig fast_config(const ViewSessionOptions& options,
+                              const ToolShape& tool) {
+  FastProcessConfig config;
+  config.fast.model = options.model;
+  config.fast.tool_radius_m = nominal_height_m(tool);
+  config.fast.force_max_n = options.force_max_n;
+  config.rate_hz = options.fast_hz;
+  // The slow rate may be set to 1 Hz while this lasts.
+  config.stall_s = 1.5;
+  config.stall_fault_s = 2.5;
+  return config;
+}
+
+}  // namespace
+
+ViewSession::ViewSession(const ResponseDatabase& database,
+                         const ViewSessionOptions& options)
+    : database_(database),
+      table_(find_tool(database, options.tool)),
+      options_(options),
+      stream_(database, table_),
+      adjusted_(stream_),
+      start_m_(above_start(database, table_)),
+      hand_(start_m_),
+      fast_deadlines_(0, options.fast_hz),
+      slow_deadlines_(0, options.slow_hz) {
+  check(options);
+  options_.device.tick_s = 1.0 / options.fast_hz;
+  options_.device.force_max_n = options.force_max_n;
+  start(start_m_);
+}
+
+void ViewSession::start(const Eigen::Vector3d& at_m) {
+  fast_.reset();
+  holding_ = false;
+  hand_ = PointerHand(at_m);
+  device_ = std::make_unique<SimulatedDevice>(options_.device, hand_.target(), clock_,
+                                              SimulatedMotion{.position_m = at_m});
+  exchange_ = std::make_unique<RenderExchange>();
+  telemetry_ = std::make_unique<Telemetry>();
+  device_->open();
+  fast_ = std::make_unique<FastProcess>(fast_config(options_, table_.tool), *device_,
+                                        *exchange_,
+                                        TickOutputs{.telemetry = telemetry_.get()});
+  fast_deadlines_ = Deadlines(clock_.now_ns(), options_.fast_hz);
+  slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
+  latest_ = {};
+  latest_.time_ns = clock_.now_ns();
+  latest_.position_m = {at_m.x(), at_m.y(), at_m.z()};
+  ticks_.clear();
+  slow_updates_ = 0;
+}
+
+void ViewSession::hold(const Eigen::Vector3d& pointer_m) {
+  holding_ = true;
+  hand_.point_at(pointer_m);
+}
+
+void ViewSession::let_go() {
+  if (holding_) {
+    holding_ = false;
+    hand_.point_at(clear_of(hand_.target().position_m));
+  }
+}
+
+void ViewSession::use(LocalModel model) {
+  options_.model = model;
+  fast_->use(model);
+}
+
+void ViewSession::set_slow_hz(double slow_hz) {
+  options_.slow_hz = std::min(slow_hz, options_.fast_hz);
+  slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
+}
+
+void ViewSession::set_stiffness_scale(double scale) {
+  adjusted_.set_stiffness_scale(scale);
+}
+
+void ViewSession::set_friction(std::optional<double> friction) {
+  adjusted_.set_friction(friction);
+}
+
+void ViewSession::advance(std::int64_t ticks) {
+  for (std::int64_t i = 0; i < ticks && report().fault == Fault::kNone; ++i) {
+    tick();
+  }
+  if (ticks_.size() > kTicksKept) {
+    ticks_.erase(ticks_.begin(),
+                 ticks_.end() - static_cast<std::ptrdiff_t>(kTicksKept));
+  }
+}
+
+// As render_in_turns(): the fast process first, then the slow one where it is due.
+void ViewSession::tick() {
+  clock_.sleep_until_ns(fast_deadlines_.next_ns());
+  const std::int64_t skipped = fast_deadlines_.begin(clock_.now_ns());
+  hand_.advance(1.0 / options_.fast_hz);
+  if (!fast_->tick(skipped)) {
+    device_->close();
+  }
+  if (clock_.now_ns() >= slow_deadlines_.next_ns()) {
+    static_cast<void>(slow_deadlines_.begin(clock_.now_ns()));
+    if (exchange_->tool.fetch()) {
+      adjusted_.update(exchange_->tool.latest(), clock_.now_ns(), exchange_->elements);
+      ++slow_updates_;
+    }
+  }
+  while (const TickRecord* record = telemetry_->ticks.front()) {
+    latest_ = *record;
+    ticks_.push_back(*record);
+    telemetry_->ticks.pop();
+  }
+  while (telemetry_->arrivals.front() != nullptr) {
+    telemetry_->arrivals.pop();
+  }
+}
+
+void ViewSession::reset() {
+  start(start_m_);
+}
+
+Eigen::Vector3d ViewSession::clear_of(const Eigen::Vector3d& from_m) const {
+  const ViewContact near =
+      view_contact(database_, table_.tool, stream_.search(), from_m, latest_.triangle);
+  return near.triangle < 0 ? start_m_ : lifted_m(table_, near.point_m, near.normal);
+}
+
+ViewContact ViewSession::contact() const {
+  const Eigen::Map<const Eigen::Vector3d> tool(latest_.position_m.data());
+  return view_contact(database_, table_.tool, stream_.search(), tool, latest_.triangle);
+}
+
+std::vector<TickRecord> ViewSession::take_ticks() {
+  return std::exchange(ticks_, {});
+}
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+// Pages that look on while a device renders in real time, in threads of its own.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/mesh/surface_search.h"
+#include "runtime/run/render_run.h"
+#include "runtime/view/view_json.h"
+#include "runtime/view/view_server.h"
+
+namespace palpate {
+
+/// Shows what the fast thread says of its ticks. No page steers. The fast thread only
+/// fills a queue: it does not know whether there is a page.
+class WatchView : public ViewApplication {
+ public:
+  /// All must outlive the view. @param ticks filled by the run, read here alone.
+  WatchView(const ViewedBody& body, const SimulationOptions& options, TickQueue& ticks);
+
+  /// Where messages go from now on; must outlive the view, or its last call.
+  void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
+
+  void opened(ViewClient client) override;
+  void received(ViewClient client, std::string_view text) override;
+  void closed(ViewClient client) override;
+  void frame() override;
+
+ private:
+  [[nodiscard]] std::string_view state() const;
+
+  const ViewedBody& body_;
+  SurfaceSearch search_;
+  TickQueue& ticks_;
+  ViewOutbox* outbox_ = nullptr;
+  std::vector<ViewClient> clients_;
+  ViewFrame frame_;
+  std::int64_t first_ns_ = 0;  // of the run
+};
+
+}  // namespace palpate

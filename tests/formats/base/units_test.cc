@@ -1,0 +1,36 @@
+#include "formats/base/units.h"
+
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+TEST(Units, LengthsAreExactInMetres) {
+  EXPECT_EQ(metres_per("m"), 1.0);
+  EXPECT_EQ(metres_per("cm"), 0.01);
+  EXPECT_EQ(metres_per("mm"), 0.001);
+  EXPECT_EQ(metres_per("in"), 0.0254);
+  EXPECT_EQ(metres_per("um"), metres_per("µm"));
+}
+
+TEST(Units, ForcesAreExactInNewtons) {
+  EXPECT_EQ(newtons_per("mN"), 0.001);
+  EXPECT_EQ(newtons_per("kgf"), 9.80665);
+  EXPECT_DOUBLE_EQ(newtons_per("gf") * 1000.0, newtons_per("kgf"));
+}
+
+TEST(Units, AnUnknownUnitIsNamedWithTheKnownOnes) {
+  try {
+    (void)metres_per("furlong");
+    FAIL() << "knew the furlong";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "unknown length unit \"furlong\"; known: m, dm, cm, mm, um, µm, nm, in");
+  }
+  EXPECT_THROW((void)newtons_per("n"), InputError);
+  EXPECT_THROW((void)newtons_per(""), InputError);
+}
+
+}  // namespace
+}  // namespace palpate

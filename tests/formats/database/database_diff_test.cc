@@ -1,0 +1,69 @@
+#include "formats/database/database_diff.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "formats/base/error.h"
+#include "formats/response/response_curve.h"
+#include "tests/support/small_database.h"
+
+namespace palpate {
+namespace {
+
+TEST(CurveDifference, OfStraightLinesIsClosedForm) {
+  // f_a = 100 d to 2 mm, f_b = 130 d to 1 mm: off = 30 d, rms over [0, D] 30 D /
+  // sqrt 3.
+  const ResponseCurve a(std::vector{0.0, 0.0007, 0.002}, std::vector{0.0, 0.07, 0.2});
+  const ResponseCurve b(std::vector{0.0, 0.001}, std::vector{0.0, 0.13});
+  const CurveDifference found = difference(a.view(), b.view());
+  EXPECT_DOUBLE_EQ(found.depth_m, 0.001);
+  EXPECT_NEAR(found.largest_n, 0.03, 1e-15);
+  EXPECT_NEAR(found.rms_n, 0.03 / std::numbers::sqrt3, 1e-15);
+  EXPECT_NEAR(found.force_rms_n, 0.1 / std::numbers::sqrt3, 1e-15);
+}
+
+TEST(CurveDifference, OfACurveAndItselfOrNothingIsZero) {
+  const ResponseDatabase database = small_database();
+  const CurveView curve = database.tools[0].curve(2);
+  EXPECT_EQ(difference(curve, curve).largest_n, 0.0);
+  EXPECT_EQ(difference(curve, CurveView{}).rms_n, 0.0);
+}
+
+TEST(DatabaseDifference, ListsTheNodeThatWasChangedFirst) {
+  const ResponseDatabase a = small_database();
+  ResponseDatabase b = a;
+  ResponseTable& ball = b.tools[1];
+  const auto begin = static_cast<std::size_t>(ball.sample_begin[3]);
+  const auto end = static_cast<std::size_t>(ball.sample_begin[4]);
+  for (std::size_t i = begin; i < end; ++i) {
+    ball.force_n[i] *= 1.5;
+    ball.stiffness_n_per_m[i] *= 1.5;
+  }
+  const std::vector<ToolDifference> found = difference(a, b, 2);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_TRUE(found[0].agrees(0.0));
+  EXPECT_FALSE(found[1].agrees(0.49));
+  EXPECT_TRUE(found[1].agrees(0.51));
+  EXPECT_EQ(found[1].compared, 5);
+  ASSERT_EQ(found[1].worst.size(), 2u);
+  EXPECT_EQ(found[1].worst[0].node, 3);
+  EXPECT_NEAR(found[1].worst[0].relative_rms, 0.5, 1e-12);
+  EXPECT_EQ(found[1].worst[1].relative_rms, 0.0);
+}
+
+TEST(DatabaseDifference, OtherBodiesAreRefusedWithTheNode) {
+  const ResponseDatabase a = small_database();
+  ResponseDatabase b = a;
+  b.body.position_m(4, 2) = 0.051;
+  try {
+    (void)difference(a, b, 1);
+    FAIL() << "compared";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("node 4 is at (0, 0, 0.05)"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,112 @@
+// palpate-db as a user runs it.
+#include <nlohmann/json.hpp>
+
+#include "formats/database/response_database.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/small_database.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+class DatabaseTool : public testing::Test {
+ protected:
+  DatabaseTool() { write_database(file_, small_database()); }
+
+  const ScratchFolder folder_;
+  const std::string file_ = folder_ / "a.h5";
+};
+
+TEST_F(DatabaseTool, InfoSaysWhatIsInside) {
+  const ToolRun run = run_tool_process("palpate-db", {"info", file_, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json report = Json::parse(run.out);
+  EXPECT_EQ(report.at("format_version"), 2);
+  EXPECT_EQ(report.at("nodes"), 6);
+  EXPECT_EQ(report.at("triangles"), 8);
+  EXPECT_EQ(report.at("tools"), (Json{"tip", "ball"}));
+  EXPECT_EQ(report.at("depth_max_m"), 0.005);
+  EXPECT_EQ(report.at("bytes"), std::filesystem::file_size(file_));
+  EXPECT_EQ(report.at("tool_details").at(1).at("responses"), 5);
+  EXPECT_EQ(report.at("tool_details").at(1).at("falling"), 1);
+  EXPECT_EQ(run_tool_process("palpate-db", {"info", file_}).exit_code, 0);
+}
+
+TEST_F(DatabaseTool, CheckPassesAGoodFileAndNamesWhatIsWrongWithAnother) {
+  const ToolRun good = run_tool_process("palpate-db", {"check", file_});
+  EXPECT_EQ(good.exit_code, 0);
+  EXPECT_EQ(good.out, "ok: 6 nodes, 2 tools, 10 responses (2 falling)\n");
+  std::filesystem::resize_file(file_, 3000);
+  const ToolRun cut = run_tool_process("palpate-db", {"check", file_, "--json"});
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_FALSE(Json::parse(cut.out).at("ok").get<bool>());
+  EXPECT_NE(cut.err.find("is truncated or damaged (3000 bytes)"), std::string::npos)
+      << cut.err;
+  EXPECT_EQ(std::count(cut.err.begin(), cut.err.end(), '\n'), 1);
+}
+
+TEST_F(DatabaseTool, PictureNeedsAToolWhereThereAreSeveral) {
+  const std::string svg = folder_ / "a.svg";
+  const ToolRun unnamed = run_tool_process("palpate-db", {"picture", file_, "-o", svg});
+  EXPECT_EQ(unnamed.exit_code, 2);
+  EXPECT_NE(unnamed.err.find("a tool must be named; there are: tip, ball"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(svg));
+  EXPECT_EQ(
+      run_tool_process("palpate-db", {"picture", file_, "-o", svg, "--tool", "ball"})
+          .exit_code,
+      0);
+  EXPECT_TRUE(std::filesystem::exists(svg));
+}
+
+TEST_F(DatabaseTool, SliceMergeAndDiffComeBackToTheSameForces) {
+  const std::string tip = folder_ / "tip.h5";
+  const std::string ball = folder_ / "ball.h5";
+  const std::string both = folder_ / "both.h5";
+  const auto run = [](const std::vector<std::string>& arguments) {
+    return run_tool_process("palpate-db", arguments);
+  };
+  EXPECT_EQ(run({"slice", file_, "-o", tip, "--tool", "tip"}).exit_code, 0);
+  EXPECT_EQ(run({"slice", file_, "-o", ball, "--tool", "ball"}).exit_code, 0);
+  EXPECT_EQ(run({"merge", tip, ball, "-o", both}).exit_code, 0);
+  const ToolRun same = run({"diff", file_, both, "--json"});
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_TRUE(Json::parse(same.out).at("agree").get<bool>());
+  EXPECT_EQ(run({"slice", file_, "-o", both, "--precision", "int16"}).exit_code, 0);
+  const ToolRun rounded = run({"diff", file_, both, "--json"});
+  EXPECT_EQ(rounded.exit_code, 6);
+  EXPECT_EQ(Json::parse(rounded.out).at("tools").at(0).at("worst").size(), 5u);
+  EXPECT_EQ(std::count(rounded.err.begin(), rounded.err.end(), '\n'), 1);
+  EXPECT_EQ(run({"merge", tip, tip, "-o", both}).exit_code, 2);
+}
+
+TEST_F(DatabaseTool, ExportGoesByTheExtension) {
+  for (const char* name : {"a.vtu", "a.csv", "a.json"}) {
+    const ToolRun run = run_tool_process(
+        "palpate-db", {"export", file_, "-o", folder_ / name, "--tool", "ball"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_GT(std::filesystem::file_size(folder_ / name), 500u);
+  }
+  const ToolRun unknown = run_tool_process(
+      "palpate-db", {"export", file_, "-o", folder_ / "a.obj", "--tool", "ball"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("must be .vtu, .csv or .json"), std::string::npos);
+}
+
+TEST_F(DatabaseTool, BenchPrecisionListsEveryWayOfStoring) {
+  const ToolRun run =
+      run_tool_process("palpate-db", {"bench", "precision", file_, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(Json::parse(run.out).at("rows").size(), 6u);
+}
+
+TEST_F(DatabaseTool, AMissingFileAndAFolderAreTheUsersErrors) {
+  EXPECT_EQ(run_tool_process("palpate-db", {"info", folder_ / "no.h5"}).exit_code, 2);
+  EXPECT_EQ(run_tool_process("palpate-db", {"check", folder_.path()}).exit_code, 2);
+  EXPECT_EQ(run_tool_process("palpate-db", {"info"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace palpate

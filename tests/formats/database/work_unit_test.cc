@@ -1,0 +1,245 @@
+#include "formats/database/work_unit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "tests/support/sample_units.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+using Limits = std::numeric_limits<double>;
+
+void expect_same(const UnitNode& a, const UnitNode& b) {
+  EXPECT_EQ(a.tool, b.tool);
+  EXPECT_EQ(a.vertex, b.vertex);
+  EXPECT_EQ(a.failure, b.failure);
+  EXPECT_EQ(a.response.direction, b.response.direction);
+  EXPECT_EQ(a.response.direction_spread_rad, b.response.direction_spread_rad);
+  EXPECT_EQ(a.response.touch_offset_m, b.response.touch_offset_m);
+  EXPECT_EQ(a.response.depth_m, b.response.depth_m);
+  EXPECT_EQ(a.response.force_n, b.response.force_n);
+  EXPECT_EQ(a.response.sample_direction, b.response.sample_direction);
+  EXPECT_EQ(a.response.error_relative, b.response.error_relative);
+  EXPECT_EQ(a.response.origin, b.response.origin);
+  EXPECT_EQ(a.response.flags, b.response.flags);
+}
+
+void expect_same(const UnitOutcome& a, const UnitOutcome& b) {
+  EXPECT_EQ(a.index, b.index);
+  EXPECT_EQ(a.is_check, b.is_check);
+  ASSERT_EQ(a.node.size(), b.node.size());
+  for (std::size_t i = 0; i < a.node.size(); ++i) {
+    expect_same(a.node[i], b.node[i]);
+  }
+}
+
+void expect_same(const ToolShape& a, const ToolShape& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.radius_m, b.radius_m);
+  EXPECT_EQ(a.friction, b.friction);
+  EXPECT_EQ(a.presliding_m, b.presliding_m);
+  EXPECT_EQ(a.edge_radius_m, b.edge_radius_m);
+  EXPECT_EQ(a.half_angle_rad, b.half_angle_rad);
+  EXPECT_EQ(a.tip_radius_m, b.tip_radius_m);
+  EXPECT_EQ(a.length_m, b.length_m);
+  EXPECT_EQ(a.mesh.position_m, b.mesh.position_m);
+  EXPECT_EQ(a.mesh.triangle, b.mesh.triangle);
+  EXPECT_EQ(a.axis, b.axis);
+  EXPECT_EQ(a.sticking, b.sticking);
+}
+
+void expect_same(const UnitPlan& a, const UnitPlan& b) {
+  EXPECT_EQ(a.digest, b.digest);
+  EXPECT_EQ(a.units, b.units);
+  EXPECT_EQ(a.body.position_m, b.body.position_m);
+  EXPECT_EQ(a.body.triangle, b.body.triangle);
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.force_relative, b.force_relative);
+  EXPECT_EQ(a.reachable, b.reachable);
+  EXPECT_EQ(a.depth_max_m, b.depth_max_m);
+  EXPECT_EQ(a.force_max_n, b.force_max_n);
+  EXPECT_EQ(a.provenance.writer, b.provenance.writer);
+  EXPECT_EQ(a.provenance.scene_toml, b.provenance.scene_toml);
+  EXPECT_EQ(a.provenance.source_file, b.provenance.source_file);
+  EXPECT_EQ(a.provenance.source_sha256, b.provenance.source_sha256);
+  ASSERT_EQ(a.tool.size(), b.tool.size());
+  for (std::size_t i = 0; i < a.tool.size(); ++i) {
+    expect_same(a.tool[i], b.tool[i]);
+  }
+}
+
+TEST(UnitBytes, KeepEveryFieldOfAUnit) {
+  for (const UnitOutcome& unit : sample_units()) {
+    expect_same(unit, unit_from_bytes(to_bytes(unit), "unit"));
+  }
+}
+
+TEST(UnitBytes, KeepNumbersAtTheEdgesOfDoublePrecision) {
+  UnitOutcome unit = sample_units().front();
+  unit.node.front().response.force_n = {0.0, Limits::denorm_min(), Limits::min(),
+                                        1.0 + Limits::epsilon(), Limits::max()};
+  unit.node.front().response.touch_offset_m = -0.0;
+  unit.node.front().response.sample_direction.assign(
+      5, Eigen::Vector3d(1.0 / 3.0, -0.0, Limits::epsilon()));
+  const UnitOutcome back = unit_from_bytes(to_bytes(unit), "unit");
+  expect_same(unit, back);
+  EXPECT_TRUE(std::signbit(back.node.front().response.touch_offset_m));
+}
+
+TEST(UnitBytes, KeepEveryFieldOfAPlan) {
+  UnitPlan plan = sample_plan();
+  expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
+  plan.force_max_n = Limits::infinity();  // a scene without a largest force
+  plan.tool.front().axis.reset();
+  expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
+}
+
+TEST(UnitBytes, ThatAreCutAnywhereAreRefusedByName) {
+  const std::vector<std::byte> bytes = to_bytes(sample_units().front());
+  for (std::size_t kept = 0; kept < bytes.size(); kept += 1 + bytes.size() / 50) {
+    try {
+      (void)unit_from_bytes(std::span(bytes).first(kept), "unit-000000");
+      FAIL() << kept << " of " << bytes.size() << " bytes were read";
+    } catch (const FormatError& error) {
+      EXPECT_NE(std::string(error.what()).find("unit-000000"), std::string::npos);
+    }
+  }
+}
+
+TEST(ShardFile, HoldsPlanAndUnits) {
+  const ScratchFolder folder;
+  const auto file = folder / "part";
+  write_shard(file, {sample_plan(), sample_units()});
+  EXPECT_TRUE(is_shard(file));
+  const Shard shard = read_shard(file);
+  expect_same(shard.plan, sample_plan());
+  const std::vector<UnitOutcome> units = sample_units();
+  ASSERT_EQ(shard.unit.size(), units.size());
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    expect_same(shard.unit[i], units[i]);
+  }
+}
+
+TEST(ShardFile, WithAnyByteChangedIsRefused) {
+  const ScratchFolder folder;
+  const auto file = folder / "part";
+  write_shard(file, {sample_plan(), sample_units()});
+  std::ifstream in(file, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 200) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    std::ofstream(file, std::ios::binary) << damaged;
+    EXPECT_THROW((void)read_shard(file), FormatError) << "byte " << at;
+  }
+  for (const std::size_t kept : {std::size_t{20}, whole.size() / 2, whole.size() - 1}) {
+    std::ofstream(file, std::ios::binary) << whole.substr(0, kept);
+    EXPECT_THROW((void)read_shard(file), FormatError) << kept << " bytes";
+  }
+}
+
+TEST(ShardFile, IsToldFromOthers) {
+  const ScratchFolder folder;
+  const auto text = folder / "text";
+  std::ofstream(text) << "palpate";
+  EXPECT_FALSE(is_shard(text));
+  EXPECT_FALSE(is_shard(folder / "missing"));
+  EXPECT_THROW((void)read_shard(text), FormatError);
+  EXPECT_THROW((void)read_shard(folder / "missing"), InputError);
+}
+
+TEST(Assembly, CountsEveryNodeOnce) {
+  const Assembly all = assemble(sample_plan(), sample_units());
+  EXPECT_EQ(all.solved, 3);
+  EXPECT_EQ(all.interpolated, 1);
+  EXPECT_EQ(all.failed, 1);
+  EXPECT_EQ(all.truncated, 1);
+  EXPECT_EQ(all.untouched, 0);
+  EXPECT_EQ(all.outside_reach, 1);
+  EXPECT_EQ(all.over_budget, 1);
+  EXPECT_EQ(all.failures.size(), 2U);
+  EXPECT_TRUE(std::is_sorted(all.error.begin(), all.error.end()));
+  EXPECT_EQ(all.error.size(), 4U);
+}
+
+TEST(Assembly, MeasuresChecksAgainstWhatUnitsAnswered) {
+  // The check's forces are 1.1 times those of the node that it solves again, which grow
+  // as depth to three halves; below a tenth of the largest a difference counts less.
+  double sum = 0.0;
+  for (int k = 1; k <= 16; ++k) {
+    const double share = std::min(1.0, std::pow(k / 16.0, 1.5) / 0.1) * 0.1 / 1.1;
+    sum += share * share;
+  }
+  const Assembly all = assemble(sample_plan(), sample_units());
+  ASSERT_EQ(all.checked.size(), 1U);
+  // A cubic through 9 samples follows the power to a part in a thousand.
+  EXPECT_NEAR(all.checked.front(), std::sqrt(sum / 16.0), 1e-4);
+}
+
+TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {
+  const ScratchFolder folder;
+  std::vector<UnitOutcome> units = sample_units();
+  write_database(folder / "a.h5", assemble(sample_plan(), units).database);
+  std::reverse(units.begin(), units.end());
+  write_database(folder / "b.h5", assemble(sample_plan(), units).database);
+  const auto read = [](const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  };
+  EXPECT_TRUE(read(folder / "a.h5") == read(folder / "b.h5"));
+}
+
+std::string refusal(const UnitPlan& plan, const std::vector<UnitOutcome>& units) {
+  try {
+    (void)assemble(plan, units);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Assembly, NamesUnitsThatAreMissingTwiceOrForeign) {
+  const UnitPlan plan = sample_plan();
+  std::vector<UnitOutcome> units = sample_units();
+  const UnitOutcome last = units.back();
+  units.pop_back();
+  EXPECT_EQ(refusal(plan, units), "1 of 3 units are missing: 2");
+  units.push_back(units.front());
+  EXPECT_EQ(refusal(plan, units), "unit 0 comes twice");
+  units.back() = last;
+  units.back().index = 3;
+  EXPECT_EQ(refusal(plan, units), "unit 3 is none of the plan's 3");
+  units.back() = last;
+  units.back().node.front().vertex = 6;
+  EXPECT_NE(refusal(plan, units).find("vertex 6"), std::string::npos);
+  units.back().node.front().vertex = 0;
+  units.back().node.front().tool = 1;
+  EXPECT_NE(refusal(plan, units).find("tool 1"), std::string::npos);
+}
+
+TEST(Assembly, WithoutAnyResponseIsNoDatabase) {
+  UnitPlan plan = sample_plan();
+  std::vector<UnitOutcome> units = sample_units();
+  for (UnitOutcome& unit : units) {
+    for (UnitNode& node : unit.node) {
+      node.response = {};
+      node.failure.clear();
+    }
+  }
+  const Assembly none = assemble(plan, units);
+  EXPECT_EQ(none.untouched, 5);
+  EXPECT_THROW(require_responses(plan, none), NumericalError);
+  EXPECT_NO_THROW(require_responses(plan, assemble(plan, sample_units())));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,61 @@
+#include "formats/report/database_export.h"
+
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/small_database.h"
+
+namespace palpate {
+namespace {
+
+TEST(DatabaseExport, CsvNumbersReadBackAsTheyWere) {
+  const ResponseDatabase database = small_database();
+  const ResponseTable& table = database.tools[1];
+  std::istringstream lines(to_csv(database, table));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "node,x_m,y_m,z_m,depth_m,force_n,stiffness_n_per_m,energy_j");
+  for (std::size_t i = 0; i < table.depth_m.size(); ++i) {
+    ASSERT_TRUE(std::getline(lines, line));
+    std::vector<double> values;
+    std::istringstream fields(line);
+    for (std::string field; std::getline(fields, field, ',');) {
+      values.push_back(std::stod(field));
+    }
+    ASSERT_EQ(values.size(), 8u);
+    EXPECT_EQ(values[4], table.depth_m[i]);
+    EXPECT_EQ(values[5], table.force_n[i]);
+    EXPECT_EQ(values[6], table.stiffness_n_per_m[i]);
+    EXPECT_EQ(values[7], table.energy_j[i]);
+  }
+  EXPECT_FALSE(std::getline(lines, line));
+}
+
+TEST(DatabaseExport, JsonHoldsEveryResponseOrNull) {
+  const ResponseDatabase database = small_database();
+  const ResponseTable& table = database.tools[1];
+  const auto report = nlohmann::json::parse(to_json_text(database, table));
+  EXPECT_EQ(report.at("tool").at("name"), "ball");
+  EXPECT_EQ(report.at("position_m").size(), 6u);
+  EXPECT_EQ(report.at("triangle").size(), 8u);
+  ASSERT_EQ(report.at("response").size(), 6u);
+  EXPECT_TRUE(report.at("response")[5].is_null());
+  const std::vector<double> force_n = report.at("response")[2].at("force_n");
+  EXPECT_EQ(force_n, std::vector<double>(table.curve(2).force_n.begin(),
+                                         table.curve(2).force_n.end()));
+}
+
+TEST(DatabaseExport, VtuNamesTheFieldsOfTheBody) {
+  const ResponseDatabase database = small_database();
+  const std::string text = to_vtu(database, database.tools[1]);
+  EXPECT_NE(text.find("NumberOfPoints=\"6\" NumberOfCells=\"8\""), std::string::npos);
+  for (const char* name :
+       {"stiffness", "depth_max", "error", "origin", "connectivity"}) {
+    EXPECT_NE(text.find(fmt::format("Name=\"{}\"", name)), std::string::npos) << name;
+  }
+  EXPECT_NE(text.find("\n1 1 1 1 1 0\n"), std::string::npos);  // origins, as numbers
+}
+
+}  // namespace
+}  // namespace palpate

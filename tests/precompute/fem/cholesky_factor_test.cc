@@ -1,0 +1,110 @@
+// Solves of near unknowns against solves of all.
+#include "precompute/fem/cholesky_factor.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+// A stiff lattice of n^3 unknowns with a little more on the diagonal.
+Stiffness lattice(int n) {
+  std::vector<Eigen::Triplet<double, std::int64_t>> entries;
+  const auto at = [&](int x, int y, int z) {
+    return std::int64_t{x} + n * (std::int64_t{y} + n * std::int64_t{z});
+  };
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        entries.emplace_back(at(x, y, z), at(x, y, z), 6.1 + 0.1 * x);
+        if (x + 1 < n)
+          entries.emplace_back(at(x + 1, y, z), at(x, y, z), -1.0);
+        if (y + 1 < n)
+          entries.emplace_back(at(x, y + 1, z), at(x, y, z), -1.0);
+        if (z + 1 < n)
+          entries.emplace_back(at(x, y, z + 1), at(x, y, z), -1.0);
+      }
+    }
+  }
+  Stiffness lower(n * n * n, n * n * n);
+  lower.setFromTriplets(entries.begin(), entries.end());
+  return lower;
+}
+
+// Unknowns of a corner of the lattice.
+std::vector<std::int64_t> corner(int side, int x, int y) {
+  std::vector<std::int64_t> unknowns;
+  for (std::int64_t i = 0; i < std::int64_t{side} * side * side; ++i) {
+    if (i % side < x && (i / side) % side < y) {
+      unknowns.push_back(i);
+    }
+  }
+  return unknowns;
+}
+
+// Solves for random loads on the unknowns, by the part and by the whole factor.
+void expect_same(const CholeskyFactor& factor, const CholeskyFactor& plain,
+                 const std::vector<std::int64_t>& unknowns) {
+  const FactorPart part = factor.part(unknowns);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(factor.size(), 3);
+  Eigen::MatrixXd some = Eigen::MatrixXd::Zero(part.size(), 3);
+  for (const std::int64_t i : unknowns) {
+    const std::int64_t row = part.row()[static_cast<std::size_t>(i)];
+    ASSERT_GE(row, 0);
+    for (int k = 0; k < 3; ++k) {
+      whole(i, k) = uniform(random);
+      some(row, k) = whole(i, k);
+    }
+  }
+  const Eigen::MatrixXd expected = plain.solve(whole);
+  const Eigen::MatrixXd again = factor.solve(whole);
+  const Eigen::MatrixXd found = part.solve(some);
+  EXPECT_LT((again - expected).norm(), 1e-12 * expected.norm());
+  for (const std::int64_t i : unknowns) {
+    const std::int64_t row = part.row()[static_cast<std::size_t>(i)];
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(found(row, k), again(i, k));
+    }
+  }
+}
+
+constexpr int kSide = 12;
+
+TEST(CholeskyFactor, APartSolvesForItsUnknownsAsTheWholeDoes) {
+  const Stiffness K = lattice(kSide);
+  const CholeskyFactor plain(K);
+  expect_same(plain, plain, corner(kSide, 4, 5));
+  expect_same(plain, plain, {0});
+  expect_same(plain, plain, {K.rows() - 1, 0, 700});
+  expect_same(plain, plain, corner(kSide, kSide, kSide));
+  EXPECT_LT(plain.part(std::vector<std::int64_t>{0}).size(), K.rows());
+  EXPECT_EQ(plain.part(corner(kSide, kSide, kSide)).nonzeros(),
+            plain.factor_nonzeros());
+}
+
+TEST(CholeskyFactor, NearUnknownsHaveASmallPartAndMoreOfThemALargerOne) {
+  const Stiffness K = lattice(kSide);
+  const auto near = corner(kSide, 4, 5);
+  const CholeskyFactor plain(K);
+  const CholeskyFactor factor(K, near);
+  const FactorPart part = factor.part(near);
+  EXPECT_LT(part.size(), K.rows() / 2);
+  EXPECT_LT(part.nonzeros(), plain.part(near).nonzeros());
+  expect_same(factor, plain, near);
+  auto more = near;
+  more.push_back(K.rows() - 1);
+  EXPECT_GT(factor.part(more).size(), part.size());
+  EXPECT_LT(factor.part(more).size(), K.rows());
+  expect_same(factor, plain, more);
+}
+
+TEST(CholeskyFactor, HeldUnknownsArePassedOver) {
+  const CholeskyFactor factor(lattice(4));
+  EXPECT_EQ(factor.part(std::vector<std::int64_t>{-1}).size(), 0);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,148 @@
+#include "precompute/press/cut_out_press.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "precompute/surface/primitive_bodies.h"
+#include "tests/support/tool_shapes.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kContact_m = 1e-3;
+constexpr double kEdge_m = 0.7e-3;
+constexpr double kBall_m = 10e-3;
+constexpr double kDepth_m = kContact_m * kContact_m / kBall_m;
+
+// A slab of equal triangles on a table, pressed in the middle of its top, vertex 0.
+class Slab : public testing::Test {
+ protected:
+  Slab() {
+    constexpr int kCells = 20;
+    body_.surface = graded_block(0.5 * kCells * kEdge_m, 5.0 * kContact_m,
+                                 (0.5 * kCells - 1.0) * kEdge_m, kCells - 2);
+    body_.normal = vertex_normals(body_.surface);
+    body_.material = {linear(10e3, 0.45)};
+    body_.tool = {std::make_shared<const ToolSurface>(sphere(kBall_m))};
+    scene_.support.resize(1);
+    scene_.support[0].box_m = Eigen::AlignedBox3d(
+        Eigen::Vector3d::Constant(-1), Eigen::Vector3d(1, 1, -4.999 * kContact_m));
+    scene_.tool = {sphere(kBall_m)};
+    scene_.reach.depth_max_m = kDepth_m;
+    scene_.accuracy.depths = 3;
+  }
+
+  [[nodiscard]] BodyModel whole() const {
+    BodyModel model = make_body_model(scene_, body_, body_.surface);
+    model.contact_spacing_m = 0.5 * kEdge_m;
+    return model;
+  }
+  [[nodiscard]] double whole_force_n() const {
+    const std::int32_t vertex = 0;
+    return force_n(
+        press_on_model(scene_, body_, whole(), body_.tool[0], std::span(&vertex, 1), {})
+            .front());
+  }
+  [[nodiscard]] PressedNode cut(double radius_m, const std::string& exterior) {
+    scene_.cutout = SceneCutout{radius_m, exterior, 0.5 * radius_m};
+    const std::int32_t vertex = 0;
+    const CutOutSolver solver(scene_, body_, body_.surface, 0.5 * kEdge_m,
+                              std::span(&vertex, 1));
+    return solver.press(body_.tool[0], std::span(&vertex, 1)).front();
+  }
+  static double force_n(const PressedNode& node) {
+    return node.indentation.sample.back().force_n.norm();
+  }
+
+  Scene scene_;
+  BodySource body_;
+};
+
+TEST_F(Slab, AClampedPartAndTheBodysOwnAnswerAtTheCutAreTheWholeBody) {
+  scene_.cutout = SceneCutout{5.0 * kContact_m, "clamped", 0.0};
+  const std::int32_t vertex = 0;
+  const CutOutSolver solver(scene_, body_, body_.surface, 0.5 * kEdge_m,
+                            std::span(&vertex, 1));
+  const ClampedPart part = solver.part(std::span(&vertex, 1), 5.0 * kContact_m);
+  ASSERT_FALSE(part.cut.empty());
+  const CoarseBody same(whole());
+  const auto placed = [&](const BodyModel& model) {
+    return std::vector{placed_node(scene_, body_, model, body_.tool[0], vertex)};
+  };
+  const auto of_whole = placed(same.model());
+  const auto of_part = placed(part.model);
+  const auto& patch = of_part[0].patch;
+  ASSERT_EQ(patch.size(), of_whole[0].patch.size());
+  const Eigen::MatrixXd clamped =
+      compliance_of(part.model, of_part, {}, nullptr).among(patch);
+  const Eigen::MatrixXd together = clamped + same.exterior_compliance(part, patch);
+  // Contact nodes in the order of their places: both meshes have their own.
+  const auto order = [](const BodyModel& model,
+                        const std::vector<std::int32_t>& nodes) {
+    std::vector<Eigen::Index> by_place(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      by_place[i] = static_cast<Eigen::Index>(i);
+    }
+    const auto at = [&](Eigen::Index i) {
+      const Eigen::Vector3d& p =
+          model.contact
+              .node[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])]
+              .position_m;
+      return std::array{p.x(), p.y(), p.z()};
+    };
+    std::sort(by_place.begin(), by_place.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return at(a) < at(b);
+    });
+    return by_place;
+  };
+  const auto in_part = order(part.model, patch);
+  const auto in_whole = order(same.model(), of_whole[0].patch);
+  const Eigen::MatrixXd wanted = compliance_of(same.model(), of_whole, {}, nullptr)
+                                     .among(of_whole[0].patch)(in_whole, in_whole);
+  // Rounding: of solves with condition numbers of about 1e6.
+  EXPECT_LT((together(in_part, in_part) - wanted).norm(), 1e-9 * wanted.norm());
+  EXPECT_GT((clamped(in_part, in_part) - wanted).norm(), 1e-3 * wanted.norm());
+}
+
+TEST_F(Slab, AClampedPartIsStifferAndTheCoarseBodyTakesMostOfThatAway) {
+  const double whole_n = whole_force_n();
+  const double clamped = force_n(cut(5.0 * kContact_m, "clamped")) / whole_n - 1.0;
+  const double coarse = force_n(cut(5.0 * kContact_m, "coarse")) / whole_n - 1.0;
+  EXPECT_GT(clamped, 0.01);
+  EXPECT_LT(std::abs(coarse), 0.25 * clamped);
+}
+
+TEST_F(Slab, TheEstimateBoundsWhatTheCutCosts) {
+  const double whole_n = whole_force_n();
+  for (const char* exterior : {"clamped", "coarse"}) {
+    const PressedNode node = cut(5.0 * kContact_m, exterior);
+    EXPECT_GT(node.indentation.exterior_error_relative,
+              std::abs(force_n(node) / whole_n - 1.0))
+        << exterior;
+  }
+}
+
+TEST_F(Slab, APartThatIsTheBodyIsExact) {
+  const PressedNode node = cut(1.0, "coarse");
+  EXPECT_EQ(node.indentation.exterior_error_relative, 0.0);
+  // The same tets in another order of nodes.
+  EXPECT_NEAR(force_n(node) / whole_force_n(), 1.0, 1e-9);
+}
+
+TEST_F(Slab, ARadiusThatTheToolFillsIsRefused) {
+  try {
+    (void)cut(2.0 * kContact_m, "clamped");
+    FAIL() << "was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("[cutout] radius_m is 0.002 m, must be at "
+                        "least"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,227 @@
+// One node in detail: what it must be in balance with, and the file for viewers.
+#include "precompute/press/node_detail.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "formats/mesh/obj_writer.h"
+#include "precompute/press/vtu_file.h"
+#include "precompute/surface/primitive_bodies.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kFixed =
+    "[[support]]\nbox_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, -0.02]]\n";
+constexpr const char* kBottom =
+    "[[support]]\nbox_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1e-9]]\n";
+constexpr const char* kFoundation =
+    "[[support]]\nkind = \"foundation\"\nstiffness_pa_per_m = 1e6\nbox_m = "
+    "[[-1.0, -1.0, -1.0], [1.0, 1.0, -0.01]]\n";
+
+// A ball of 0.03 m that is held from below, and a smaller ball that presses it.
+class NodeDetails : public testing::Test {
+ protected:
+  NodeDetails() { write_obj(icosphere(0.03, 2), folder_ / "ball.obj", "a ball"); }
+
+  Scene scene(const std::string& law, const std::string& support = kFixed,
+              double depth_m = 0.005, int depths = 6) const {
+    std::ofstream(folder_ / "scene.toml") << fmt::format(
+        R"([body]
+mesh = "ball.obj"
+length_unit = "m"
+[[material]]
+region = "body"
+law = "{}"
+youngs_modulus_pa = 6000.0
+poissons_ratio = 0.4
+{}[[tool]]
+name = "tip"
+shape = "sphere"
+radius_m = 0.012
+[reach]
+depth_max_m = {}
+[accuracy]
+force_relative = 0.2
+contact_resolution = 2.0
+depths = {}
+)",
+        law, support, depth_m, depths);
+    return read_scene(folder_ / "scene.toml");
+  }
+
+  static NodeDetail press(const Scene& scene, const NonlinearOptions& options) {
+    const BodySource body = read_body(scene);
+    Progress quiet(nullptr);
+    // Aside of the top, so that nothing is symmetric.
+    const std::int64_t vertex = nearest_vertex(body.surface, {0.012, 0.005, 0.027});
+    return press_in_detail(scene, body, body.tool.front(), vertex, options, quiet);
+  }
+
+  ScratchFolder folder_;
+};
+
+// Every tet by its law, and Newton's method to the end.
+NonlinearOptions tight() {
+  NonlinearOptions options{.near_gradient = 0.0};
+  options.equilibrium.decrement_relative = 1e-13;
+  options.equilibrium.multiplier_relative = 1e-3;
+  options.equilibrium.gradient_tolerance = 1e-4;
+  options.equilibrium.gradients_total = 20000;
+  options.newton_per_depth = 200;
+  return options;
+}
+
+TEST_F(NodeDetails, SupportsBearWhatTheToolPressesWithWhenAllTetsAreNear) {
+  for (const char* support : {kFixed, kFoundation}) {
+    const NodeDetail detail = press(scene("neo-hookean", support), tight());
+    ASSERT_TRUE(detail.pressed.nonlinear && detail.pressed.failure.empty())
+        << detail.pressed.failure;
+    EXPECT_EQ(detail.pressed.checks.near_tets, detail.model.mesh.tet.rows());
+    EXPECT_LT(detail.checks.force, 1e-6);
+    EXPECT_LT(detail.checks.moment, 1e-6);
+    EXPECT_EQ(detail.checks.theory_moment, 0.0);
+  }
+}
+
+TEST_F(NodeDetails, AFarFieldAtRestStiffnessIsInBalanceAboutItsRestPosition) {
+  NonlinearOptions options = tight();
+  options.near_gradient = 0.05;
+  const NodeDetail detail = press(scene("neo-hookean"), options);
+  EXPECT_LT(detail.pressed.checks.near_tets, detail.model.mesh.tet.rows());
+  EXPECT_LT(detail.checks.force, 1e-6);
+  EXPECT_LT(detail.checks.moment, 1e-6);
+  // Without its share the moments would not meet.
+  EXPECT_GT(detail.checks.theory_moment, 1e-6);
+  EXPECT_LT(detail.checks.theory_moment, 0.05);
+}
+
+// A sharp rim folds to a side under the tool: updates of the contact's multipliers
+// alone do not settle there.
+TEST_F(NodeDetails, ASharpRimThatGivesWayIsPressedToTheEnd) {
+  Scene ball = scene("neo-hookean", kBottom, 0.005, 20);
+  ball.tool.front().radius_m = 0.005;
+  ball.force_relative = 0.05;
+  ball.contact_resolution = 0.0;
+  write_obj(cylinder(0.02, 0.02, 5), folder_ / "ball.obj", "a cylinder");
+  const BodySource body = read_body(ball);
+  Progress quiet(nullptr);
+  const std::int64_t rim = nearest_vertex(body.surface, {0.02, 0.0, 0.02});
+  const NodeDetail detail =
+      press_in_detail(ball, body, body.tool.front(), rim, {}, quiet);
+  EXPECT_EQ(detail.pressed.failure, "");
+  EXPECT_EQ(detail.pressed.indentation.sample.size(), 21U);
+  EXPECT_LT(detail.checks.force, 1e-3);
+}
+
+TEST_F(NodeDetails, ALinearPressIsInBalanceToRounding) {
+  for (const char* support : {kFixed, kFoundation}) {
+    const NodeDetail detail = press(scene("linear", support), {});
+    ASSERT_EQ(detail.pressed.nonlinear, nullptr);
+    EXPECT_LT(detail.checks.force, 1e-9);
+    EXPECT_LT(detail.checks.moment, 1e-9);
+  }
+}
+
+TEST_F(NodeDetails, TheWorkIsTheStoredEnergy) {
+  // So many depths that the curve between them adds nothing that shows.
+  for (const char* law : {"linear", "neo-hookean"}) {
+    const double work = press(scene(law, kFixed, 0.005, 20), tight()).checks.work;
+    std::printf("%s: work off the stored energy by %.2g\n", law, work);
+    EXPECT_LT(work, 1e-3);
+  }
+}
+
+TEST_F(NodeDetails, ContactOverTheSupportIsNotCompared) {
+  // Held up to a ring around the vertex that is pressed.
+  const NodeDetail detail = press(
+      scene("linear", "[[support]]\nbox_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 0.026]]\n",
+            0.01),
+      {});
+  EXPECT_FALSE(std::isnan(detail.checks.work));
+  EXPECT_TRUE(std::isnan(detail.checks.force));
+}
+
+TEST_F(NodeDetails, EveryDepthSaysWhatItCost) {
+  const NodeDetail detail = press(scene("neo-hookean"), {});
+  ASSERT_EQ(detail.depth.size(), detail.pressed.indentation.sample.size());
+  for (std::size_t k = 1; k < detail.depth.size(); ++k) {
+    EXPECT_GT(detail.depth[k].newton, 0);
+    EXPECT_GE(detail.depth[k].gradients, detail.depth[k].newton);
+    EXPECT_LT(detail.depth[k].smallest_jacobian, 1.0);
+    EXPECT_GT(detail.depth[k].smallest_jacobian, 0.0);
+  }
+  EXPECT_EQ(detail.depth.front().newton, 0);
+}
+
+TEST_F(NodeDetails, AVertexThatIsHeldOrDoesNotExistIsRefused) {
+  const Scene held = scene("linear");
+  const BodySource body = read_body(held);
+  Progress quiet(nullptr);
+  const std::int64_t low = nearest_vertex(body.surface, {0.0, 0.0, -0.03});
+  EXPECT_THROW((void)press_in_detail(held, body, body.tool.front(), low, {}, quiet),
+               InputError);
+  EXPECT_THROW((void)press_in_detail(held, body, body.tool.front(), 162, {}, quiet),
+               InputError);
+}
+
+constexpr const char* kReader = R"(
+import sys
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+r = vtkXMLUnstructuredGridReader()
+r.SetFileName(sys.argv[1])
+r.Update()
+g = r.GetOutput()
+u = vtk_to_numpy(g.GetPointData().GetArray("displacement"))
+x = vtk_to_numpy(g.GetPoints().GetData())
+d = vtk_to_numpy(g.GetCellData().GetArray("det_f"))
+g.GetCellData().GetArray("region").GetTuple1(0)
+print(g.GetNumberOfPoints(), g.GetNumberOfCells(), g.GetCellType(0),
+      repr(float((u ** 2).sum())), repr(float((x ** 2).sum())), repr(float(d.min())))
+)";
+
+TEST_F(NodeDetails, VtkReadsTheDeformedBody) {
+  constexpr const char* kPython = "/usr/bin/python3";  // Debian's, with its modules
+  if (std::system(fmt::format("{} -c 'import vtkmodules.vtkIOXML' 2>/dev/null", kPython)
+                      .c_str()) != 0) {
+    GTEST_SKIP() << "python3-vtk9 is not installed";
+  }
+  const NodeDetail detail = press(scene("linear"), {});
+  const QuadraticMesh& mesh = detail.model.mesh;
+  const Eigen::VectorXd& u = detail.body.displacement_m;
+  write_vtu(folder_ / "body.vtu", mesh, u, detail.body.near);
+  std::ofstream(folder_ / "read.py") << kReader;
+  FILE* pipe =
+      ::popen(fmt::format("{} '{}' '{}'", kPython, (folder_ / "read.py").string(),
+                          (folder_ / "body.vtu").string())
+                  .c_str(),
+              "r");
+  long points = 0;
+  long cells = 0;
+  int type = 0;
+  std::array<double, 3> read{};
+  const int fields = std::fscanf(pipe, "%ld %ld %d %lf %lf %lf", &points, &cells, &type,
+                                 read.data(), &read[1], &read[2]);
+  ASSERT_EQ(::pclose(pipe), 0);
+  ASSERT_EQ(fields, 6);
+  EXPECT_EQ(points, mesh.position_m.rows());
+  EXPECT_EQ(cells, mesh.tet.rows());
+  EXPECT_EQ(type, 24);
+  Eigen::VectorXd moved = u;
+  for (Eigen::Index i = 0; i < points; ++i) {
+    moved.segment<3>(3 * i) += mesh.position_m.row(i).transpose();
+  }
+  // Nine digits are written.
+  EXPECT_NEAR(read[0] / u.squaredNorm(), 1.0, 1e-7);
+  EXPECT_NEAR(read[1] / moved.squaredNorm(), 1.0, 1e-7);
+  EXPECT_NEAR(read[2], detail.depth.back().smallest_jacobian, 1e-7);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#include "precompute/process/failure_of.h"
+
+#include <new>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+TEST(FailureOf, WhatIsThrownBecomesASentenceThatIsNeverEmpty) {
+  EXPECT_EQ(failure_of("its press", [] {}), "");
+  EXPECT_EQ(failure_of("its press",
+                       [] {
+                         throw NumericalError("the floor fell in");
+                       }),
+            "the floor fell in");
+  EXPECT_EQ(failure_of("its press",
+                       [] {
+                         throw std::bad_alloc();
+                       }),
+            "its press needed more memory than there is");
+  EXPECT_EQ(failure_of("its press",
+                       [] {
+                         throw std::runtime_error("");
+                       }),
+            "its press ended by an exception that says nothing");
+  EXPECT_EQ(failure_of("its press",
+                       [] {
+                         throw 7;
+                       }),
+            "its press ended by an unknown exception");
+}
+
+TEST(FailureOf, AnInterruptGoesOn) {
+  EXPECT_THROW((void)failure_of("its press",
+                                [] {
+                                  throw Interrupted();
+                                }),
+               Interrupted);
+}
+
+}  // namespace
+}  // namespace palpate

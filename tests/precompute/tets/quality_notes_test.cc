@@ -1,0 +1,34 @@
+#include "precompute/tets/quality_notes.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "precompute/surface/primitive_bodies.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+TEST(QualityNotes, AreSilentOnAGoodSurface) {
+  EXPECT_TRUE(quality_notes(check_surface(organ(2)).report).empty());
+}
+
+TEST(QualityNotes, NameANeedleOfASurface) {
+  const auto notes =
+      quality_notes(check_surface(ellipsoid({1.0, 0.01, 0.01}, 2)).report);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("poor surface"), std::string::npos);
+}
+
+TEST(QualityNotes, NameAFlatTet) {
+  EXPECT_TRUE(
+      quality_notes(TetQuality{.smallest_dihedral_rad = 1.1 * kDegree}).empty());
+  const auto notes = quality_notes(TetQuality{.smallest_dihedral_rad = 0.5 * kDegree});
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("0.5 deg"), std::string::npos) << notes[0];
+}
+
+}  // namespace
+}  // namespace palpate

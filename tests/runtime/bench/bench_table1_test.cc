@@ -1,0 +1,141 @@
+#include "runtime/bench/bench_table1.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+#include "runtime/bench/paper_wall.h"
+
+namespace palpate {
+namespace {
+
+// Computed once: about 10 s.
+const Table1Report& report() {
+  static const Table1Report kReport = run_table1({});
+  return kReport;
+}
+
+const std::vector<double>& column(LocalModel model) {
+  const auto found = std::find_if(report().columns.begin(), report().columns.end(),
+                                  [&](const Table1Column& c) {
+                                    return c.model == model;
+                                  });
+  return found->stiffness_n_per_m;
+}
+
+double spread(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high / *low;
+}
+
+TEST(Table1, SingleThreadColumnFollowsThePaper) {
+  const std::vector<double>& single = column(LocalModel::kSingle);
+  for (std::size_t i = 0; i < kPaperRatesHz.size(); ++i) {
+    const double paper = kPaperTable1[0].stiffness_n_per_m[i];
+    EXPECT_NEAR(single[i], paper, 0.15 * paper) << kPaperRatesHz[i] << " Hz";
+  }
+}
+
+TEST(Table1, FirstOrderHoldNeverFallsBelowTheSingleThread) {
+  const std::vector<double>& hold = column(LocalModel::kFirstOrderHold);
+  const std::vector<double>& single = column(LocalModel::kSingle);
+  EXPECT_DOUBLE_EQ(hold[0], single[0]);
+  for (std::size_t i = 1; i < kPaperRatesHz.size(); ++i) {
+    EXPECT_GT(hold[i], single[i]) << kPaperRatesHz[i] << " Hz";
+  }
+}
+
+// Down to 50 Hz.
+std::vector<double> first_seven(const std::vector<double>& values) {
+  return {values.begin(), values.begin() + 7};
+}
+
+TEST(Table1, PassiveColumnsAreFlat) {
+  EXPECT_LE(spread(first_seven(column(LocalModel::kEqualEnergy))), 1.02);
+  EXPECT_LE(spread(first_seven(column(LocalModel::kEnergyTank))), 1.02);
+  EXPECT_LE(spread(column(LocalModel::kElement)), 1.02);
+  EXPECT_LE(spread(column(LocalModel::kPotential)), 1.02);
+}
+
+TEST(Table1, OnTheQuadraticPartTheTankStaysFlatToo) {
+  Table1Options options;
+  options.preload_n = 0.1;
+  const auto stiffness = [&](LocalModel model, double rate_hz) {
+    return largest_stable_stiffness(options, model, rate_hz);
+  };
+  const double fast = stiffness(LocalModel::kEnergyTank, 2000.0);
+  EXPECT_NEAR(stiffness(LocalModel::kEnergyTank, 100.0), fast, 0.02 * fast);
+  EXPECT_NEAR(stiffness(LocalModel::kEnergyTank, 50.0), fast, 0.02 * fast);
+  EXPECT_LT(stiffness(LocalModel::kEqualEnergy, 100.0), 0.5 * fast);
+  EXPECT_NEAR(stiffness(LocalModel::kElement, 10.0), fast, 0.02 * fast);
+}
+
+TEST(Table1, PassiveColumnsReachWhatTheFastRateAllows) {
+  // Bisection width 0.2 % on either side.
+  const double single = column(LocalModel::kSingle)[0];
+  for (const LocalModel model :
+       {LocalModel::kEnergyTank, LocalModel::kEqualEnergy, LocalModel::kElement}) {
+    EXPECT_NEAR(column(model)[5], single, 0.005 * single) << name(model);
+  }
+}
+
+TEST(Table1, ReportNamesItsColumnsAndPrintsThePaper) {
+  const auto json = nlohmann::json::parse(to_json(report()));
+  EXPECT_EQ(json["rates_hz"].size(), 9U);
+  for (const char* name : {"single", "first-order-hold", "equal-energy", "energy-tank",
+                           "element", "potential"}) {
+    EXPECT_EQ(json["columns"][name].size(), 9U) << name;
+  }
+  EXPECT_EQ(json["paper"]["single"][5], 38.0);
+  EXPECT_EQ(json["paper"].size(), 3U);
+}
+
+TEST(Table1, RefusesASlowRateThatDoesNotDivideTheFastOne) {
+  Table1Options options;
+  options.rates_hz = {300.0};
+  EXPECT_THROW((void)run_table1(options), InputError);
+}
+
+TEST(Wall, ValueAndSlopeAreContinuousAtTheKnee) {
+  const double k = 170.0;
+  const SlowValue before = wall_response(k, 0.005);
+  const SlowValue after = wall_response(k, 0.005 + 1e-12);
+  EXPECT_NEAR(before.f_n, after.f_n, 1e-9);
+  EXPECT_NEAR(before.k_n_per_m, after.k_n_per_m, 1e-9);
+  EXPECT_NEAR(before.energy_j, after.energy_j, 1e-12);
+}
+
+TEST(Wall, AsPrintedItWouldJumpAtTheKnee) {
+  const double k = 170.0;
+  const double printed = k * (0.005 - 0.000025);
+  EXPECT_GT(printed, 1.9 * wall_response(k, 0.005).f_n);
+}
+
+TEST(Wall, StiffnessBoundsTheSlopeEverywhere) {
+  const double k = 170.0;
+  for (double x = -0.001; x < 0.02; x += 1e-4) {
+    EXPECT_LE(wall_response(k, x).k_n_per_m, k * (1.0 + 1e-12));
+  }
+}
+
+TEST(Wall, EnergyIsTheIntegralOfForce) {
+  const double k = 170.0;
+  const double h = 1e-6;
+  double sum = 0.0;
+  for (double x = 0.0; x < 0.012 - h / 2; x += h) {
+    sum += h * wall_response(k, x + h / 2).f_n;
+  }
+  // Midpoint rule: error h^2 f'' / 24 times the length.
+  EXPECT_NEAR(sum, wall_response(k, 0.012).energy_j, 1e-10);
+}
+
+TEST(Wall, DepthInvertsForce) {
+  for (const double f : {0.0, 0.1, 0.425, 1.0, 5.0}) {
+    EXPECT_NEAR(wall_response(170.0, wall_depth_m(170.0, f)).f_n, f, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,86 @@
+// The driver of the Haply against its model, libusb between them.
+#include "runtime/emulation/emulated_haply.h"
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "runtime/device/threaded_device.h"
+
+namespace palpate {
+namespace {
+
+HaplyModelConfig held() {
+  HaplyModelConfig config;
+  config.hand = {.surface_m = {0.0, 0.08, 0.0},
+                 .normal = {0.0, 1.0, 0.0},
+                 .press_m = 0.0,
+                 .deeper_m = 0.0};
+  config.start_m = config.hand.at(0.0).position_m;
+  return config;
+}
+
+HaplyConfig driver() {
+  HaplyConfig config;
+  config.answer_s = 0.05;  // a test machine may pause
+  return config;
+}
+
+TEST(EmulatedHaply, IsSetUpRendersAndIsLeftWithoutTorque) {
+  HaplyModelConfig config = held();
+  config.split_bytes = 4;
+  const auto haply = std::make_shared<EmulatedHaply>(config, UsbFaults{});
+  const auto link = EmulatedHaply::link(haply, driver());
+  link->open();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  int answered = 0;
+  for (int i = 0; i < 50; ++i) {
+    answered += link->transact({0.0, 0.5, 9.0}, position) == LinkStatus::kOk ? 1 : 0;
+  }
+  EXPECT_GT(answered, 25);
+  EXPECT_NEAR(position.x(), 0.0, 1e-3);
+  EXPECT_NEAR(position.y(), 0.09, 0.02);
+  EXPECT_EQ(position.z(), 0.0);
+  link->close();
+  EXPECT_EQ(haply->model().torque_nm(), (std::array<double, 2>{}));
+  EXPECT_GT(haply->model().tool().rendered_work_j(), 0.0);  // it was pushed
+  EXPECT_TRUE(haply->kernel_driver_back());
+}
+
+TEST(EmulatedHaply, UnpluggedAtAnyByteIsALossWithAName) {
+  for (int byte = 1; byte < 300; byte += 7) {
+    const auto haply = std::make_shared<EmulatedHaply>(
+        held(), UsbFaults{.unplug_at_byte = byte, .unplug_is_io_error = byte % 2 == 0});
+    const auto link = EmulatedHaply::link(haply, driver());
+    std::string why;
+    try {
+      link->open();
+      Eigen::Vector3d position;
+      for (int k = 0; k < 200 && why.empty(); ++k) {
+        if (link->transact({0.1, 0.1, 0.0}, position) == LinkStatus::kLost) {
+          why = link->failure();
+        }
+      }
+    } catch (const DeviceError& error) {
+      why = error.what();
+    }
+    EXPECT_FALSE(why.empty()) << byte;
+  }
+}
+
+TEST(EmulatedHaply, ABoardThatDoesNotAnswerIsNotOpened) {
+  HaplyConfig config = driver();
+  config.answer_s = 0.002;
+  const auto link = EmulatedHaply::link(
+      std::make_shared<EmulatedHaply>(held(), UsbFaults{.silent_from_byte = 0}),
+      config);
+  EXPECT_THROW(link->open(), DeviceError);
+}
+
+TEST(EmulatedHaply, LinksThatCannotBeAreRefused) {
+  HaplyConfig config = driver();
+  config.links.driven_m = -1.0;
+  EXPECT_THROW(HaplyLink(config, nullptr, nullptr), InputError);
+}
+
+}  // namespace
+}  // namespace palpate

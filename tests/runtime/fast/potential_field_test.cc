@@ -1,0 +1,297 @@
+#include "runtime/fast/potential_field.h"
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "runtime/bench/bench_body.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kRadiusM = 0.005;
+
+Eigen::Vector3d random_vector(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  return {unit(random), unit(random), unit(random)};
+}
+
+std::array<double, 3> to_array(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+// A triangle of 5 mm with normals that differ by up to 30 degrees and responses that
+// differ a hundredfold.
+Element random_element(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Element element;
+  element.triangle = 0;
+  const std::array<Eigen::Vector3d, 3> corner{
+      {{0.0, 0.0, 0.0}, {0.005, 0.0, 0.0}, {0.002, 0.004, 0.0}}};
+  for (std::size_t j = 0; j < 3; ++j) {
+    ElementNode& node = element.node[j];
+    node.node = static_cast<std::int32_t>(j);
+    node.position_m = to_array(corner[j] + 5e-4 * random_vector(random));
+    const Eigen::Vector3d n =
+        (Eigen::Vector3d::UnitZ() + 0.25 * random_vector(random)).normalized();
+    node.normal = to_array(n);
+    node.direction = to_array((n + 0.3 * random_vector(random)).normalized());
+    node.touch_offset_m = 2e-4 * (unit(random) - 0.5);
+    set_power_law(node, 1.5, std::pow(100.0, unit(random) - 0.5), 0.008);
+  }
+  return element;
+}
+
+// A place in one element, at coordinates of its prism.
+FieldPlace place_at(const ElementCache& cache, int slot, const PrismPoint& at) {
+  FieldPlace place;
+  place.slot = slot;
+  place.prism = make_prism(cache.element[static_cast<std::size_t>(slot)]);
+  place.at = at;
+  place.frame = frame_at(place.prism, at, Beyond::kAnalytic);
+  return place;
+}
+
+FieldResponse response_at(const ElementCache& cache, const FieldPlace& place) {
+  CurvePieces pieces;
+  return respond(place, cache, kRadiusM, 0.0, pieces);
+}
+
+TEST(Prism, CoordinatesAreFoundAgain) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int n = 0; n < 1000; ++n) {
+    const Prism prism = make_prism(random_element(random));
+    PrismPoint wanted;
+    wanted.area = Eigen::Vector3d(unit(random), unit(random), unit(random));
+    wanted.area /= wanted.area.sum();
+    wanted.height_m = kRadiusM - 0.006 * unit(random);
+    const Eigen::Vector3d x = frame_at(prism, wanted, Beyond::kAnalytic).position_m;
+    PrismPoint found{Eigen::Vector3d::Constant(1.0 / 3.0), 0.003};
+    PrismFrame frame;
+    ASSERT_EQ(find_coordinates(prism, x, Beyond::kAnalytic, found, frame),
+              PrismSolve::kFound);
+    EXPECT_LT((found.area - wanted.area).norm(), 1e-12) << n;
+    EXPECT_NEAR(found.height_m, wanted.height_m, 1e-15) << n;
+  }
+}
+
+TEST(PotentialField, ForceIsTheNegativeGradient) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.1, 1.0);
+  auto cache = std::make_unique<ElementCache>();
+  for (int n = 0; n < 1000; ++n) {
+    *cache = {};
+    store(*cache, random_element(random));
+    PrismPoint at;
+    at.area = Eigen::Vector3d(unit(random), unit(random), unit(random));
+    at.area /= at.area.sum();
+    at.height_m = kRadiusM - 0.006 * unit(random);
+    const FieldPlace place = place_at(*cache, 0, at);
+    const FieldResponse response = response_at(*cache, place);
+    constexpr double kStepM = 1e-7;
+    Eigen::Vector3d difference;
+    for (int i = 0; i < 3; ++i) {
+      const auto energy_at = [&](double step) {
+        FieldPlace moved = place;
+        const Eigen::Vector3d x =
+            place.frame.position_m + step * Eigen::Vector3d::Unit(i);
+        EXPECT_TRUE(follow_within(moved, x));
+        return response_at(*cache, moved).energy_j;
+      };
+      difference(i) = (energy_at(-kStepM) - energy_at(kStepM)) / (2.0 * kStepM);
+    }
+    // Rounding of energies near 1e-3 J over 2e-7 m, and the third derivative's part.
+    EXPECT_LT((difference - response.force_n).norm(),
+              1e-6 * response.force_n.norm() + 1e-10)
+        << n;
+  }
+}
+
+TEST(PotentialField, ForceIsTheGradientInTheContinuedPlaneToo) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  auto cache = std::make_unique<ElementCache>();
+  int checked = 0;
+  for (int n = 0; n < 1000; ++n) {
+    *cache = {};
+    store(*cache, random_element(random));
+    PrismPoint at;
+    at.area = Eigen::Vector3d(1.0, 0.0, 0.0) + 0.8 * random_vector(random);
+    at.area(2) = 1.0 - at.area(0) - at.area(1);
+    at.height_m = kRadiusM - 0.004 * unit(random);
+    FieldPlace place = place_at(*cache, 0, at);
+    place.frame = frame_at(place.prism, at, Beyond::kHeld);
+    place.outside = at.area.minCoeff() < 0.0;
+    const Eigen::Vector3d x = place.frame.position_m;
+    const FieldResponse response = response_at(*cache, place);
+    constexpr double kStepM = 1e-7;
+    const Eigen::Vector3d step = kStepM * random_vector(random);
+    FieldPlace plus = place;
+    FieldPlace minus = place;
+    if (!(place.outside && follow_within(plus, x + step) &&
+          follow_within(minus, x - step))) {
+      continue;
+    }
+    ++checked;
+    const double work =
+        response_at(*cache, minus).energy_j - response_at(*cache, plus).energy_j;
+    EXPECT_NEAR(work / 2.0, response.force_n.dot(step),
+                1e-5 * response.force_n.norm() * step.norm() + 1e-17)
+        << n;
+  }
+  EXPECT_GT(checked, 300);
+}
+
+TEST(PotentialField, NormalForceIsTheInterpolatedCurve) {
+  std::mt19937_64 random(7);
+  auto cache = std::make_unique<ElementCache>();
+  for (int n = 0; n < 200; ++n) {
+    *cache = {};
+    const Element element = random_element(random);
+    store(*cache, element);
+    const PrismPoint at{{0.2, 0.5, 0.3}, kRadiusM - 0.004};
+    const FieldPlace place = place_at(*cache, 0, at);
+    const FieldResponse response = response_at(*cache, place);
+    double wanted = 0.0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const ElementNode& node = element.node[j];
+      const double c =
+          std::abs(Eigen::Map<const Eigen::Vector3d>(node.normal.data())
+                       .dot(Eigen::Map<const Eigen::Vector3d>(node.direction.data())));
+      wanted += at.area(static_cast<Eigen::Index>(j)) * c *
+                node.curve().at(c * (0.004 - node.touch_offset_m)).force_n;
+    }
+    EXPECT_NEAR(response.force_n.dot(place.frame.normal), wanted, 1e-9 * wanted);
+  }
+}
+
+BenchBodyOptions stiff_and_soft() {
+  BenchBodyOptions options;
+  options.cells = 4;
+  options.wave_m = 0.006;
+  options.contrast = 100.0;
+  options.tilt_rad = 0.2;
+  options.touch_offset_m = 2e-4;
+  return options;
+}
+
+// Every element of the body is at hand by its own cache, because one holds 16.
+std::unique_ptr<ElementCache> cache_of(const Element& element) {
+  auto cache = std::make_unique<ElementCache>();
+  store(*cache, element);
+  return cache;
+}
+
+TEST(PotentialField, EnergyIsContinuousAcrossEdges) {
+  const BenchBody body = make_bench_body(stiff_and_soft());
+  int edges = 0;
+  for (const Element& element : body.element) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::int32_t next =
+          element.neighbour[static_cast<std::size_t>((corner + 1) % 3)];
+      if (next < 0) {
+        continue;
+      }
+      const auto here = cache_of(element);
+      const auto there = cache_of(body.element[static_cast<std::size_t>(next)]);
+      for (const double along : {0.01, 0.3, 0.8}) {
+        PrismPoint at;
+        at.area((corner + 1) % 3) = along;
+        at.area((corner + 2) % 3) = 1.0 - along;
+        at.height_m = kRadiusM - 0.005;
+        const FieldPlace place = place_at(*here, 0, at);
+        FieldPlace other =
+            place_at(*there, 0, {Eigen::Vector3d::Constant(1.0 / 3.0), at.height_m});
+        ASSERT_TRUE(follow_within(other, place.frame.position_m));
+        const double energy = response_at(*here, place).energy_j;
+        // The coordinates agree to 1e-13 of the element's size.
+        EXPECT_NEAR(response_at(*there, other).energy_j, energy, 1e-12 * energy);
+        ++edges;
+      }
+    }
+  }
+  EXPECT_GT(edges, 200);
+}
+
+TEST(PotentialField, EnergyIsContinuousAroundVertices) {
+  const BenchBody body = make_bench_body(stiff_and_soft());
+  for (const double aside : {0.0, 1e-9, 1e-7}) {
+    std::vector<double> lowest(25, 1e9);
+    std::vector<double> highest(25, -1e9);
+    for (const Element& element : body.element) {
+      const auto cache = cache_of(element);
+      for (int j = 0; j < 3; ++j) {
+        PrismPoint at{Eigen::Vector3d::Constant(aside / 2.0), kRadiusM - 0.005};
+        at.area(j) = 1.0 - aside;
+        const double energy = response_at(*cache, place_at(*cache, 0, at)).energy_j;
+        const auto node =
+            static_cast<std::size_t>(element.node[static_cast<std::size_t>(j)].node);
+        lowest[node] = std::min(lowest[node], energy);
+        highest[node] = std::max(highest[node], energy);
+      }
+    }
+    for (std::size_t node = 0; node < lowest.size(); ++node) {
+      // Neighbours store at most a hundred times as much.
+      EXPECT_LE(highest[node] - lowest[node],
+                100.0 * aside * highest[node] + 1e-15 * highest[node]);
+    }
+  }
+}
+
+TEST(PotentialField, FallsToZeroTowardsANodeWithoutResponse) {
+  std::mt19937_64 random(11);
+  Element element = random_element(random);
+  element.node[2].samples = 0;
+  element.node[2].direction = {};
+  const auto cache = cache_of(element);
+  double before = 0.0;
+  for (const double there : {0.0, 0.3, 0.6, 0.9, 1.0}) {
+    const PrismPoint at{{0.4 * (1.0 - there), 0.6 * (1.0 - there), there}, 0.0};
+    const double energy = response_at(*cache, place_at(*cache, 0, at)).energy_j;
+    if (there == 0.0) {
+      before = energy;
+      EXPECT_GT(energy, 0.0);
+    }
+    EXPECT_NEAR(energy, (1.0 - there) * before, 1e-12 * before);
+  }
+}
+
+TEST(FieldPlace, FollowsThroughTrianglesWithoutArea) {
+  // Two triangles with a needle of no width between them.
+  std::array<Element, 3> strip;
+  const std::array<std::array<double, 3>, 5> position{
+      {{-0.004, 0, 0}, {0, -0.003, 0}, {0, 0.003, 0}, {0, 0, 0}, {0.004, 0, 0}}};
+  const std::array<std::array<int, 3>, 3> corner{{{0, 1, 2}, {1, 3, 2}, {1, 4, 2}}};
+  for (std::size_t t = 0; t < 3; ++t) {
+    strip[t].triangle = static_cast<std::int32_t>(t);
+    for (std::size_t j = 0; j < 3; ++j) {
+      const int node = corner[t][j];
+      strip[t].node[j].node = node;
+      strip[t].node[j].position_m = position[static_cast<std::size_t>(node)];
+      strip[t].node[j].normal = {0.0, 0.0, 1.0};
+      strip[t].node[j].direction = {0.0, 0.0, 1.0};
+      set_power_law(strip[t].node[j], 1.5, 1.0, 0.008);
+    }
+  }
+  strip[0].neighbour = {-1, 1, -1};
+  strip[1].neighbour = {2, 2, 0};
+  strip[2].neighbour = {-1, -1, 1};
+  auto cache = std::make_unique<ElementCache>();
+  for (const Element& element : strip) {
+    store(*cache, element);
+  }
+  FieldPlace place;
+  adopt(place, *cache, find(*cache, 0), {-0.001, 0.0005, 0.002});
+  ASSERT_FALSE(place.folded);
+  follow(place, *cache, {0.001, 0.0005, 0.002});
+  EXPECT_EQ(cache->triangle[static_cast<std::size_t>(place.slot)], 2);
+  EXPECT_FALSE(place.folded || place.outside);
+  EXPECT_LT((place.frame.position_m - Eigen::Vector3d(0.001, 0.0005, 0.002)).norm(),
+            1e-12);
+}
+
+}  // namespace
+}  // namespace palpate

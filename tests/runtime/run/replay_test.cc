@@ -1,0 +1,189 @@
+#include "runtime/run/replay.h"
+
+#include <atomic>
+#include <cmath>
+#include <span>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "tests/support/sample_bodies.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
+
+ResponseDatabase body(double stiffness_n_per_m) {
+  return sample_database(
+      icosphere(0.04, 3), ball(0.005, 0.3, 5e-4),
+      [=](Eigen::Index node, double d) {
+        const double local = 1.0 + 0.1 * static_cast<double>(node % 7);
+        return stiffness_n_per_m * local * d * (0.5 + 50.0 * d);
+      },
+      0.005);
+}
+
+class Replay : public testing::Test {
+ protected:
+  Replay() { write_database(file_, database_); }
+
+  SimulationOptions options(LocalModel model) {
+    SimulationOptions o;
+    o.model = model;
+    o.duration_s = 4.0;  // one round of the hand
+    o.limit_stiffness = true;
+    o.recording = {.file = recording_,
+                   .database = "body.h5",
+                   .database_sha256 = database_sha256(file_)};
+    return o;
+  }
+
+  Recording recorded(const SimulationOptions& o) {
+    const SimulationReport report = simulate(database_, o, stop_);
+    EXPECT_EQ(report.recording_failure, "");
+    EXPECT_EQ(report.records_dropped, 0U);
+    Recording recording = read_recording(recording_);
+    EXPECT_EQ(static_cast<std::int64_t>(recording.tick.size()), report.render.ticks);
+    EXPECT_EQ(recording.end.fault, name(report.render.fault));
+    return recording;
+  }
+
+  std::atomic<bool> stop_ = false;
+  ScratchFolder scratch_;
+  fs::path file_ = scratch_ / "body.h5";
+  fs::path recording_ = scratch_ / "run.h5";
+  ResponseDatabase database_ = body(100.0);
+};
+
+TEST_F(Replay, ReproducesEveryLocalModelBitForBit) {
+  for (const LocalModel model : kLocalModels) {
+    const Recording recording = recorded(options(model));
+    const ReplayReport report = replay(recording, read_database(file_));
+    EXPECT_TRUE(report.is_reproduced()) << name(model) << ": " << report.different_in;
+    EXPECT_EQ(report.compared, 8000) << name(model);
+    EXPECT_GT(report.force_max_n, 0.02) << name(model);
+    EXPECT_EQ(report.force_difference_n, 0.0) << name(model);
+    EXPECT_EQ(report.net_energy_j, report.replayed_net_j) << name(model);
+    EXPECT_NE(summary(report, true).find("reproduced: 8000 ticks bit for bit"),
+              std::string::npos);
+  }
+}
+
+TEST_F(Replay, ReproducesARunInRealTimeWhateverItsTiming) {
+  SimulationOptions o = options(LocalModel::kElement);
+  o.real_time = true;
+  o.duration_s = 1.5;
+  const Recording recording = recorded(o);
+  ASSERT_GT(recording.tick.size(), 10U);
+  ASSERT_FALSE(recording.arrival.empty());
+  EXPECT_EQ(recording.header.clock, "real");
+  const ReplayReport report = replay(recording, database_);
+  EXPECT_TRUE(report.is_reproduced()) << report.different_in;
+}
+
+TEST_F(Replay, ReproducesAStreamedRunFromTheWholeDatabase) {
+  SimulationOptions o = options(LocalModel::kElement);
+  (void)simulate_streamed(file_, std::span(&o, 1), std::size_t{32} << 20, stop_);
+  const ReplayReport report = replay(read_recording(recording_), database_);
+  EXPECT_TRUE(report.is_reproduced()) << report.different_in;
+  EXPECT_GT(report.force_max_n, 0.1);
+}
+
+TEST_F(Replay, ReproducesScaledForces) {
+  database_ = body(4000.0);
+  SimulationOptions o = options(LocalModel::kElement);
+  o.device.damping_n_s_per_m = 0.1;
+  const Recording recording = recorded(o);
+  EXPECT_LT(recording.header.force_scale, 0.5);
+  EXPECT_TRUE(replay(recording, database_).is_reproduced());
+}
+
+TEST_F(Replay, NamesTheFirstTickThatDiffers) {
+  Recording recording = recorded(options(LocalModel::kElement));
+  double& force = recording.tick[3210].force_n[2];
+  force = std::nextafter(force, 1e9);
+  const ReplayReport report = replay(recording, database_);
+  EXPECT_FALSE(report.is_reproduced());
+  EXPECT_EQ(report.different_tick, 3210);
+  EXPECT_EQ(report.identical, 3210);
+  EXPECT_NEAR(report.different_s, 1.605, 1e-9);
+  EXPECT_NE(report.different_in.find("force z"), std::string::npos);
+  EXPECT_GT(report.force_difference_n, 0.0);
+}
+
+TEST_F(Replay, StopsAtAGapAndSaysSo) {
+  const Recording whole = recorded(options(LocalModel::kElement));
+  Recording recording = whole;
+  recording.tick.erase(recording.tick.begin() + 500);
+  ReplayReport report = replay(recording, database_);
+  EXPECT_EQ(report.gap_tick, 500);
+  EXPECT_EQ(report.identical, 500);
+  EXPECT_FALSE(report.is_reproduced());
+
+  recording = whole;
+  recording.arrival.erase(recording.arrival.begin() + 100);
+  report = replay(recording, database_);
+  EXPECT_GT(report.gap_tick, 0);
+  EXPECT_FALSE(report.is_reproduced());
+
+  recording = whole;
+  recording.tick.erase(recording.tick.begin());
+  EXPECT_FALSE(replay(recording, database_).is_reproduced());
+}
+
+TEST_F(Replay, OfAStifferBodyShowsForcesInProportion) {
+  const Recording recording = recorded(options(LocalModel::kElement));
+  const ReplayReport same = render_again(recording, database_, LocalModel::kElement);
+  const ReplayReport stiffer =
+      render_again(recording, body(120.0), LocalModel::kElement);
+  EXPECT_LT(same.force_rms_n, 2e-3 * same.force_max_n);  // elements a tick earlier
+  EXPECT_NEAR(stiffer.replayed_max_n, 1.2 * same.replayed_max_n,
+              1e-3 * same.replayed_max_n);
+  EXPECT_NEAR(stiffer.replayed_net_j, 1.2 * same.replayed_net_j,
+              1e-2 * same.replayed_net_j);
+}
+
+TEST_F(Replay, WithAnotherModelRendersTheSameTrajectory) {
+  const Recording recording = recorded(options(LocalModel::kElement));
+  const ReplayReport report = render_again(recording, database_, LocalModel::kSingle);
+  EXPECT_EQ(report.compared, 8000);
+  EXPECT_EQ(report.fault, Fault::kNone);
+  EXPECT_GT(report.force_rms_n, 1e-3);
+  EXPECT_LT(report.force_difference_n, report.force_max_n);
+}
+
+TEST_F(Replay, RefusesAnotherDatabaseAndAnotherModelByName) {
+  const Recording recording = recorded(options(LocalModel::kElement));
+  EXPECT_NO_THROW(check_same_database(recording, database_sha256(file_), "body.h5"));
+  try {
+    check_same_database(recording, std::string(64, '0'), "other.h5");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("other.h5: is not the database"),
+              std::string::npos);
+  }
+  Recording foreign = recording;
+  foreign.header.model = "magic";
+  EXPECT_THROW((void)replay(foreign, database_), FormatError);
+  foreign = recording;
+  foreign.header.force_max_n = -1.0;
+  EXPECT_THROW((void)replay(foreign, database_), FormatError);
+  foreign = recording;
+  foreign.arrival[0].triangle = 1 << 30;
+  EXPECT_THROW((void)replay(foreign, database_), FormatError);
+}
+
+TEST_F(Replay, HoldsAnUnfinishedRecordingOfAKilledRun) {
+  const Recording whole = recorded(options(LocalModel::kElement));
+  Recording cut = whole;
+  cut.ended = false;
+  cut.tick.resize(4096);
+  EXPECT_TRUE(replay(cut, database_).is_reproduced());
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,127 @@
+// Pages that watch a device's run: what they are told, and that they cannot steer.
+#include "runtime/view/watch_view.h"
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/sample_bodies.h"
+
+namespace palpate {
+namespace {
+
+class Outbox : public ViewOutbox {
+ public:
+  void send(ViewClient client, std::string text) override {
+    sent[client] = nlohmann::json::parse(text);
+  }
+  void send_latest(ViewClient client,
+                   const std::shared_ptr<const std::string>& text) override {
+    frame[client] = nlohmann::json::parse(*text);
+  }
+  std::map<ViewClient, nlohmann::json> sent;
+  std::map<ViewClient, nlohmann::json> frame;
+};
+
+class WatchViewTest : public testing::Test {
+ protected:
+  WatchViewTest() { view_.answer_through(outbox_); }
+
+  ResponseDatabase database_ = sample_database(
+      plate(0.1, 10), ball(0.005, 0.3, 5e-4),
+      [](Eigen::Index, double d) {
+        return 200.0 * d;
+      },
+      0.01);
+  ViewedBody body_{.database = database_,
+                   .table = database_.tools[0],
+                   .name = "plate",
+                   .device = "falcon",
+                   .fast_hz = 1000.0,
+                   .force_max_n = 8.0};
+  static SimulationOptions options() {
+    SimulationOptions o;
+    o.fast_hz = 1000.0;
+    o.slow_hz = 50.0;
+    return o;
+  }
+  std::unique_ptr<TickQueue> ticks_ = std::make_unique<TickQueue>();
+  WatchView view_{body_, options(), *ticks_};
+  Outbox outbox_;
+};
+
+TEST_F(WatchViewTest, ShowsEveryTickAndCountsTheLateOnes) {
+  view_.opened(1);
+  view_.frame();
+  EXPECT_EQ(outbox_.frame[1]["state"], "waiting for the device");
+  for (int i = 0; i < 40; ++i) {
+    TickRecord tick{.tick = i,
+                    .time_ns = 5'000'000'000 + i * 1'000'000,
+                    .position_m = {0.001, 0.002, 0.003},
+                    .force_n = {0.0, 0.0, 0.01 * i},
+                    .depth_m = 0.002,
+                    .work_j = 1e-3,
+                    .flags = static_cast<std::uint8_t>(TickFlag::kContact)};
+    if (i % 10 == 3) {
+      tick.flags |= static_cast<std::uint8_t>(TickFlag::kSkipped);
+    }
+    ASSERT_TRUE(ticks_->push(tick));
+  }
+  view_.frame();
+  const nlohmann::json& frame = outbox_.frame[1];
+  EXPECT_EQ(frame["state"], "pressing");
+  EXPECT_EQ(frame["run"]["ticks"], 40);
+  EXPECT_EQ(frame["run"]["late_ticks"], 4);
+  EXPECT_EQ(frame["run"]["force_max_n"], 0.39);
+  EXPECT_TRUE(frame["run"]["step_p50_ns"].is_null());
+  EXPECT_TRUE(frame["hand_m"].is_null());
+  EXPECT_TRUE(frame["settings"]["stiffness_scale"].is_null());
+  EXPECT_EQ(frame["settings"]["slow_hz"], 50.0);
+  EXPECT_EQ(frame["trace"]["force_n"].size(), 40U);
+  EXPECT_EQ(frame["trace"]["time_s"][0], 0.0);  // since the run's first tick
+  EXPECT_NEAR(frame["time_s"], 0.039, 1e-9);
+  EXPECT_NEAR(frame["contact_m"][2], 0.0, 1e-12);  // on the plate
+  EXPECT_EQ(frame["net_j"], 1e-3);
+  view_.frame();
+  EXPECT_EQ(outbox_.frame[1]["trace"]["force_n"].size(), 0U);  // none twice
+}
+
+TEST_F(WatchViewTest, LetsNoPageSteer) {
+  view_.opened(1);
+  EXPECT_EQ(outbox_.sent[1]["role"], "watcher");
+  for (const char* wish : {R"({"type":"point","hold":true,"target_m":[0,0,0]})",
+                           R"({"type":"set","slow_hz":20})",
+                           R"({"type":"run","do":"pause"})", "nonsense"}) {
+    view_.received(1, wish);
+    EXPECT_EQ(outbox_.sent[1]["type"], "refused") << wish;
+  }
+  view_.received(1, R"({"type":"node","node":3})");
+  EXPECT_EQ(outbox_.sent[1]["type"], "curve");
+  EXPECT_EQ(outbox_.sent[1]["node"], 3);
+  view_.received(1, R"({"type":"field","node":3})");
+  EXPECT_EQ(outbox_.sent[1]["type"], "field");
+}
+
+TEST_F(WatchViewTest, ForgetsAPageThatIsGone) {
+  view_.opened(1);
+  view_.opened(2);
+  view_.closed(1);
+  view_.frame();
+  EXPECT_EQ(outbox_.frame.count(1), 0U);
+  EXPECT_EQ(outbox_.frame[2]["clients"], 1);
+}
+
+TEST_F(WatchViewTest, ShowsAFault) {
+  view_.opened(1);
+  TickRecord tick;
+  tick.fault = static_cast<std::uint8_t>(Fault::kDeviceLost);
+  ASSERT_TRUE(ticks_->push(tick));
+  view_.frame();
+  EXPECT_EQ(outbox_.frame[1]["fault"], "device-lost");
+}
+
+}  // namespace
+}  // namespace palpate
