@@ -17,8 +17,9 @@ constexpr std::size_t kMostKnown = 40;
 // one within a step. Nearer to zero, forces grow beyond what a step can be computed
 // from.
 constexpr double kThinner = 0.2;
-// A start is too far away after so many steps that are cut below this length while the
-// energy that they promise is above this share of the elastic energy.
+// A start is too far away after so many steps of which less than this share keeps
+// elements from turning inside out, while the energy that they promise is above this
+// share of the elastic energy.
 constexpr int kMostCreeping = 3;
 constexpr double kCreeping = 0.02;
 constexpr double kFarFromRest = 0.1;
@@ -129,18 +130,22 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
   // Past 1e-14 the energy's own rounding decides.
   const double energy = potential_j(tool, multipliers, state) + 1e-14 * scale;
   const double thinnest = kThinner * near_.smallest_jacobian(state.displacement_m);
+  bool admissible = false;
   for (double length = 1.0; length > kShortest; length *= 0.5) {
     NearState next = state;
     add(next, length, step.direction);
-    if (near_.smallest_jacobian(next.displacement_m) < thinnest) {
-      continue;
+    if (!admissible) {
+      if (near_.smallest_jacobian(next.displacement_m) < thinnest) {
+        continue;
+      }
+      admissible = true;
+      if (length < kCreeping && report.decrement_relative > kFarFromRest) {
+        ++report.creeping;
+      }
     }
     if (potential_j(tool, multipliers, next) <=
         energy + kArmijo * length * step.slope) {
       state = std::move(next);
-      if (length < kCreeping && report.decrement_relative > kFarFromRest) {
-        ++report.creeping;
-      }
       convex_ = length < 0.5 || (convex_ && report.decrement_relative > kNearRest);
       return true;
     }
@@ -151,7 +156,7 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
 }
 
 EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
-                                    Multipliers& multipliers) {
+                                    Multipliers& multipliers, bool may_give_up) {
   EquilibriumReport report;
   if (!std::isfinite(potential_j(tool, multipliers, state))) {
     report.failure = "the start turns an element inside out";
@@ -166,7 +171,7 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
       report.failure = "no step lowers the energy";
       return report;
     }
-    if (report.creeping >= kMostCreeping) {
+    if (may_give_up && report.creeping >= kMostCreeping) {
       report.failure = "steps turn elements inside out";
       report.too_far = true;
       return report;

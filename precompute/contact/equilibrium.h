@@ -38,11 +38,11 @@ struct EquilibriumOptions {
 struct EquilibriumReport {
   bool converged = false;
   std::string failure;  ///< why not, as the end of a sentence
-  /// Not converged because steps far from rest had to be cut to nearly nothing: from a
+  /// Not converged because steps far from rest would turn elements inside out: from a
   /// nearer start, a tool that moves less, it may be.
   bool too_far = false;
   int newton = 0;
-  int creeping = 0;   ///< Newton steps far from rest that were cut to nearly nothing
+  int creeping = 0;  ///< Newton steps far from rest that would turn elements inside out
   int gradients = 0;  ///< conjugate-gradient iterations, one solve each
   int lagrange = 0;
   double decrement_relative = 0.0;
@@ -58,8 +58,9 @@ class Equilibrium {
       : near_(near), contact_(contact), solve_(solve), options_(options) {}
 
   /// Finds the rest state from `state` and `multipliers`, and leaves it there.
+  /// @param may_give_up a start that is too far away is not followed to the end.
   EquilibriumReport find(const PlacedTool& tool, NearState& state,
-                         Multipliers& multipliers);
+                         Multipliers& multipliers, bool may_give_up = false);
 
   [[nodiscard]] double elastic_energy_j(const NearState& state) const {
     return 0.5 * state.source_n.dot(state.displacement_m) +

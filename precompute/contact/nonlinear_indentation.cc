@@ -195,13 +195,13 @@ class Press {
     const PlacedTool tool = place_(penetration_m);
     Multipliers multipliers = multipliers_;
     NearState state = predicted(penetration_m, multipliers);
-    last_ = equilibrium_->find(tool, state, multipliers);
+    const bool may_cut = depth < options_.bisections_max && newton_ <= newton_limit();
+    last_ = equilibrium_->find(tool, state, multipliers, may_cut || was_cut_);
     sample.newton += last_.newton;
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
     newton_ += last_.newton;
-    const bool may_cut = depth < options_.bisections_max && newton_ <= newton_limit();
-    if (!last_.converged && !stiff_ && !(last_.too_far && may_cut)) {
+    if (!last_.converged && !stiff_ && !last_.too_far) {
       stiffen();
       return reach(penetration_m, sample, depth);
     }
@@ -209,6 +209,7 @@ class Press {
       if (!may_cut) {
         return false;
       }
+      was_cut_ = true;
       return reach(0.5 * (at_m_ + penetration_m), sample, depth + 1) &&
              reach(penetration_m, sample, depth + 1);
     }
@@ -259,6 +260,7 @@ class Press {
   int reached_ = 0;
   int newton_ = 0;
   bool stiff_ = false;
+  bool was_cut_ = false;  // some step was: a path that is hard to follow
   EquilibriumReport last_;
   NonlinearIndentation result_;
 };

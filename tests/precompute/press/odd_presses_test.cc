@@ -294,7 +294,7 @@ TEST(Guides, ACurveThatLosesContactIsStoredAsItWasPressed) {
   EXPECT_EQ(to_response(nothing, along, 0.05).origin, ResponseOrigin::kNone);
 }
 
-TEST(RatioFields, AVertexThatIsNotAlikeCountsAsAnErrorAndNotInMeans) {
+TEST(RatioFieldsOfOddPresses, AVertexThatIsNotAlikeCountsAsAnErrorAndNotInMeans) {
   SurfaceMesh body;
   body.position_m.resize(3, 3);
   body.position_m << 0, 0, 0, 0.001, 0, 0, 0.002, 0, 0;

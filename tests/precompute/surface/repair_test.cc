@@ -189,7 +189,7 @@ TEST(Repair, MendsARealLiver) {
   EXPECT_LT(wrapped.report.volume_relative, 0.1);
 }
 
-TEST(RequireBody, SaysWhatToTryNext) {
+TEST(RepairedBody, SaysWhatToTryNext) {
   std::vector<std::string> notes;
   const SurfaceMesh open = without_triangles(icosphere(0.01, 3), 2);
   try {
