@@ -25,8 +25,9 @@ struct Modulus {
   std::vector<FitFlag> flags;  ///< of the law's own fit
 };
 
-/// Refused for an unknown geometry, an empty run, and (but of a plate) without an
-/// identified contact point: E goes with a power of the depth. Flagged where a sphere's
+/// No modulus (with the reason) for an unknown indenter, an empty run, or, except for a
+/// plate, a contact point that the data do not determine: E depends on a power of the
+/// depth, so an error of the contact point becomes one of E. Flagged where a sphere's
 /// depth passes R/4, and where the free exponent differs from the law's by more than 3
 /// standard deviations and 0.1.
 /// @param free the fit with a free exponent. @param indenter as read_session() checks.

@@ -15,8 +15,8 @@ struct AttachedPoint {
   double distance_m = 0.0;  ///< [m] of the point in space from the surface
 };
 
-/// The closest point of the surface (Ericson, Real-Time Collision Detection, 5.1.5, on
-/// every triangle; ties go to the first).
+/// The closest point of the surface: on every triangle the projection onto its plane
+/// where that lies inside, else the closest point of its edges; ties go to the first.
 /// @throws InputError for a surface without triangles, or a point that is not finite.
 [[nodiscard]] AttachedPoint closest_surface_point(const SurfaceMesh& mesh,
                                                   const Eigen::Vector3d& point_m);

@@ -14,7 +14,7 @@
 
 #include "formats/base/error.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): another library's name
 class App;
 class Option;
 }  // namespace CLI

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "formats/base/error.h"
+#include "formats/base/quantile.h"
 #include "formats/database/work_unit.h"
 #include "formats/response/response_curve.h"
 
@@ -152,11 +153,6 @@ void take(const UnitPlan& plan, const UnitOutcome& unit,
           tool.response.at(v), node.response, plan.normal.row(node.vertex).transpose());
     }
   }
-}
-
-double quantile(const std::vector<double>& ascending, double share) {
-  return ascending[static_cast<std::size_t>(
-      std::lround(share * static_cast<double>(ascending.size() - 1)))];
 }
 
 AccuracyRecord accuracy_record(double budget, std::vector<double> verified) {

@@ -1,6 +1,6 @@
 // HDF5 files as the database needs them: flat datasets with a unit, small attributes,
-// and a digest of everything that passes through. The one place that knows HDF5's C
-// interface.
+// and a digest of everything that passes through. Beside this sub-room only the readers
+// of recordings and of afmformats files call HDF5's C interface.
 //
 // Hdf5Writer and Hdf5Reader have the same methods, so that one template states what a
 // file holds and in which order, for both. HDF5's own error printing is silent while
@@ -313,8 +313,10 @@ class Hdf5Reader {
             std::int64_t begin, std::int64_t count, std::int64_t columns,
             void* to) const;
 
-  /// values.size() rows of any precision as doubles, outside the digest.
-  /// @param begin of the nodes from first_node on, counted from first_row.
+  /// Reads values.size() rows from first_row on, as doubles, whatever their stored
+  /// precision; they do not enter the digest.
+  /// @param begin for int16 data: where each node's rows begin relative to first_row,
+  /// the first entry being first_node's.
   void rows_as_reals(const std::string& path, const char* units, std::int64_t first_row,
                      std::int64_t first_node, const std::vector<std::int64_t>& begin,
                      std::vector<double>& values) const;

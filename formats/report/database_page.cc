@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/quantile.h"
 #include "formats/database/database_summary.h"
 #include "formats/report/display_mesh.h"
 #include "formats/report/html_page.h"
@@ -74,7 +75,7 @@ std::string row(const std::string& name, const std::string& value) {
 }
 
 // The error that this share of the responses does not exceed.
-double quantile(const ResponseTable& table, double share) {
+double error_quantile(const ResponseTable& table, double share) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < table.origin.size(); ++i) {
     if (table.origin[i] != 0) {
@@ -82,9 +83,7 @@ double quantile(const ResponseTable& table, double share) {
     }
   }
   std::sort(errors.begin(), errors.end());
-  return errors.empty() ? 0.0
-                        : errors[static_cast<std::size_t>(std::lround(
-                              share * static_cast<double>(errors.size() - 1)))];
+  return quantile(errors, share);
 }
 
 std::string accuracy_of(const ResponseTable& table) {
@@ -92,8 +91,8 @@ std::string accuracy_of(const ResponseTable& table) {
       "estimated error of force {:.2g} % median, {:.2g} % at the 95th percentile, "
       "{:.2g} "
       "% largest",
-      100.0 * quantile(table, 0.5), 100.0 * quantile(table, 0.95),
-      100.0 * quantile(table, 1.0));
+      100.0 * error_quantile(table, 0.5), 100.0 * error_quantile(table, 0.95),
+      100.0 * error_quantile(table, 1.0));
   const AccuracyRecord& accuracy = table.accuracy;
   if (accuracy.budget_relative > 0.0) {
     text += fmt::format("; budget {:.3g} %, verified at {} nodes",

@@ -1,7 +1,7 @@
 // A force-deflection response f(d) along one direction, with its exact energy.
 //
-// Stage: written by precompute/ and fitting/, stored by response_file, evaluated
-// by the fast step of runtime/ at every tick.
+// Stage: written by precompute/ and fitting/, stored in the response database
+// (database/FORMAT.md), evaluated by the fast step of runtime/ at every tick.
 #pragma once
 
 #include <span>

@@ -100,45 +100,4 @@ ResponseTable make_table(const ToolShape& tool,
   return table;
 }
 
-Eigen::Vector3d area_coordinates(const Eigen::Matrix3d& corner_m,
-                                 const Eigen::Vector3d& p_m) noexcept {
-  const Eigen::Vector3d a = corner_m.row(0).transpose();
-  const Eigen::Vector3d e1 = corner_m.row(1).transpose() - a;
-  const Eigen::Vector3d e2 = corner_m.row(2).transpose() - a;
-  const Eigen::Vector3d normal = e1.cross(e2);
-  const double scale = normal.squaredNorm();
-  if (!(scale > 0.0)) {
-    return {1.0, 0.0, 0.0};
-  }
-  const Eigen::Vector3d r = p_m - a;
-  const double n1 = r.cross(e2).dot(normal) / scale;
-  const double n2 = e1.cross(r).dot(normal) / scale;
-  return {1.0 - n1 - n2, n1, n2};
-}
-
-InterpolatedResponse interpolate(const ResponseTable& table, const Points& normal,
-                                 const Eigen::Vector3i& node,
-                                 const Eigen::Vector3d& area_coordinate,
-                                 double depth_m) noexcept {
-  InterpolatedResponse response;
-  for (int j = 0; j < 3; ++j) {
-    const Eigen::Index i = node[j];
-    const double weight = area_coordinate[j];
-    const Eigen::Vector3d u = table.direction.row(i).transpose();
-    const double along = std::abs(normal.row(i).dot(u.transpose()));
-    const double offset = table.touch_offset_m[static_cast<std::size_t>(i)] * along;
-    const ResponseSample sample = table.curve(i).at(depth_m - offset);
-    response.direction += weight * u;
-    response.force_n += weight * sample.force_n;
-    response.stiffness_n_per_m += weight * sample.stiffness_n_per_m;
-    response.energy_j += weight * sample.energy_j;
-    response.extrapolated = response.extrapolated || sample.extrapolated;
-  }
-  const double length = response.direction.norm();
-  if (length > 0.0) {
-    response.direction /= length;
-  }
-  return response;
-}
-
 }  // namespace palpate

@@ -1,7 +1,6 @@
-// The responses of one tool at every node of a body, in flat arrays, and the paper's
-// interpolation between them.
+// The responses of one tool at every node of a body, in flat arrays.
 //
-// Meaning (DESIGN of the database): the body pushes the tool along the unit vector u of
+// Meaning (FORMAT.md): the body pushes the tool along the unit vector u of
 // a node with force f(d); d = (delta - touch_offset) |n_out . u| for a tool at normal
 // penetration delta, so that the integral of f over d is the work of the force vector.
 #pragma once
@@ -100,9 +99,11 @@ struct ResponseTable {
   std::vector<double> verified_error_relative;  ///< (n) [-] measured; NaN: not verified
   std::vector<std::int32_t> failure;            ///< (n) row of failure_reason; -1: none
   std::vector<std::string> failure_reason;      ///< one line each
-  std::vector<double> force_errors_n;         ///< (s) [N] standard uncertainty of force
-  std::vector<std::int64_t> direction_begin;  ///< (n + 1) node i owns rows of ...
-  Points sample_direction;  ///< (q x 3) [-] ... u at its samples: none or one each
+  std::vector<double> force_errors_n;  ///< (s) [N] standard uncertainty of force
+  /// (n + 1) Node i owns rows [begin[i], begin[i+1]) of sample_direction, none or one
+  /// per sample.
+  std::vector<std::int64_t> direction_begin;
+  Points sample_direction;  ///< (q x 3) [-] unit direction, where it turns with depth
   AccuracyRecord accuracy;
   DisplacementField displacement;
   ResponseRelaxation relaxation;
@@ -123,31 +124,5 @@ struct ResponseTable {
 /// @throws InputError naming the node whose samples or direction are not valid.
 [[nodiscard]] ResponseTable make_table(const ToolShape& tool,
                                        const std::vector<NodeResponse>& responses);
-
-/// A response inside a triangle, at area coordinates of a contact point.
-struct InterpolatedResponse {
-  Eigen::Vector3d direction =
-      Eigen::Vector3d::Zero();     ///< [-] unit; (26), renormalised
-  double force_n = 0.0;            ///< [N] (28)
-  double stiffness_n_per_m = 0.0;  ///< [N/m] derivative of (28) with depth
-  double energy_j = 0.0;           ///< [J] integral of (28)
-  bool extrapolated = false;
-};
-
-/// Area coordinates (27) of the projection of p onto the triangle's plane; they sum to
-/// 1 and are negative outside. @param corner_m (3 x 3) one corner per row [m]. A
-/// triangle without area gives the coordinates (1, 0, 0).
-[[nodiscard]] Eigen::Vector3d area_coordinates(const Eigen::Matrix3d& corner_m,
-                                               const Eigen::Vector3d& p_m) noexcept;
-
-/// (26)-(28): directions and forces of the three nodes, weighted by area coordinates.
-/// The depth [m] is counted along the interpolated direction from the rest surface;
-/// each node's touch offset is taken off, scaled by |n_out . u| of that node.
-/// @param normal (n x 3) outward unit normals of the body's vertices.
-[[nodiscard]] InterpolatedResponse interpolate(const ResponseTable& table,
-                                               const Points& normal,
-                                               const Eigen::Vector3i& node,
-                                               const Eigen::Vector3d& area_coordinate,
-                                               double depth_m) noexcept;
 
 }  // namespace palpate

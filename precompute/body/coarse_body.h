@@ -5,10 +5,10 @@
 // contact nodes is exactly
 //   G(x, y) = G_clamped(x, y) + x . E u_y,
 // u_y being what the whole body's cut does under the unit pressure force at y. Here u_y
-// is the coarse body's; of the two nodes' answers, which differ by the coarse body's
-// error, the mean is taken. The clamped part misses the second term, of order a/R of
-// the force for a contact of radius a in a cut at R; what is left is that, times the
-// coarse body's relative error of u_y at the distance R from the load.
+// is computed on the coarse body. It gives G(x, y) and G(y, x) slightly different
+// values; the mean of both is used. Error: a clamped part is wrong by order a/R of the
+// force (contact radius over cut radius); with the coarse body that is multiplied by
+// the coarse body's own relative error of u_y at the distance R from the load.
 #pragma once
 
 #include <cstdint>

@@ -14,11 +14,11 @@
 
 namespace palpate {
 
-/// Edges near a pressed vertex grow with the distance r from it, h = growth * r, so
-/// that the contact spans the same number of nodes at every depth: its radius over the
-/// distance of contact nodes (half an edge) is 2 / growth. Nearer than where the
-/// contact ends at a sixteenth of the largest depth they stay as they are. Around the
-/// rim of a flat punch they shrink likewise.
+/// Edge length at distance r from a pressed vertex: growth * (r - core_m), never below
+/// finest_m, which is what the contact at a sixteenth of the largest depth needs. So a
+/// shallow contact has as many nodes across as a deep one: its radius over the distance
+/// of contact nodes (half an edge) is 2 / growth. Around the rim of a flat punch edges
+/// shrink likewise.
 struct ContactFocus {
   double growth = 1.0;     ///< [-] edge over distance
   double finest_m = 0.0;   ///< [m] smallest edge that is asked for

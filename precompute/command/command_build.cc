@@ -11,6 +11,7 @@
 
 #include "formats/base/command_line.h"
 #include "formats/base/error.h"
+#include "formats/base/quantile.h"
 #include "precompute/build/build.h"
 #include "precompute/command/commands.h"
 #include "precompute/process/interrupt.h"
@@ -31,14 +32,6 @@ struct Flags {
   bool strict = false;
   bool json = false;
 };
-
-double quantile(const std::vector<double>& ascending, double share) {
-  if (ascending.empty()) {
-    return 0.0;
-  }
-  return ascending[static_cast<std::size_t>(share *
-                                            static_cast<double>(ascending.size() - 1))];
-}
 
 bool misses_budget(const Assembly& assembly, double budget) {
   return assembly.over_budget > 0 || assembly.failed > 0 || assembly.truncated > 0 ||

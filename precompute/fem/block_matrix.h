@@ -35,17 +35,6 @@ class BlockMatrix {
     return static_cast<std::int32_t>(begin_.size()) - 1;
   }
 
-  /// f(a, b, block) for every stored block, a >= b.
-  template <class F>
-  void for_each(F&& f) const {
-    for (std::int32_t a = 0; a < nodes(); ++a) {
-      for (auto at = begin_[static_cast<std::size_t>(a)];
-           at < begin_[static_cast<std::size_t>(a) + 1]; ++at) {
-        f(a, column_[static_cast<std::size_t>(at)], block(at));
-      }
-    }
-  }
-
  private:
   using Block = Eigen::Map<const Eigen::Matrix3d>;
   [[nodiscard]] Block block(std::int64_t at) const {

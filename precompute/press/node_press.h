@@ -77,8 +77,9 @@ void drop_if_broken(PressedNode& node, const char* stage);
                                       const BodyModel& model, const SharedTool& tool,
                                       std::int32_t vertex);
 
-/// Compliance among the patches of the nodes. @param wanted, told as SurfaceCompliance
-/// has them.
+/// Compliance among the patches of the nodes.
+/// @param wanted by contact node: 1 where its column is needed (empty: all).
+/// @param told progress, called with columns done and in all; may be null.
 [[nodiscard]] SurfaceCompliance compliance_of(
     const BodyModel& model, std::span<const PressedNode> nodes,
     std::span<const char> wanted,

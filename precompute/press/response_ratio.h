@@ -29,8 +29,8 @@ struct PathRatio {
   /// (k x 3) [-] good direction minus the cheap one, for the same vertex only; else
   /// empty.
   Eigen::MatrixX3d turn;
-  /// (k) [-] what a relative error there counts, less where the force is below a tenth
-  /// of the largest; squares are shares of the depth.
+  /// (k) [-] Weight of sample k in an rms over depth: square root of its share of the
+  /// depth, reduced in proportion where the force is below a tenth of the largest.
   Eigen::VectorXd weight;
 };
 

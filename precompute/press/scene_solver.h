@@ -49,8 +49,9 @@ void require_whole_body(const Scene& scene, const std::string& task);
 
 class SceneSolver {
  public:
-  /// @param vertices every reachable vertex; pressed ones are among them.
-  /// @param pressed whose shared columns will be needed.
+  /// @param vertices all reachable vertices: they decide the size of the compliance.
+  /// @param pressed those that this process will press (one shard's): only their
+  /// columns are solved.
   /// @throws InputError, NumericalError where the body cannot be held or meshed: the
   /// shared mesh, or those of its own for each of a few vertices.
   SceneSolver(const Scene& scene, const BodySource& body, const PressStrategy& strategy,

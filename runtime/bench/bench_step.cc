@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/quantile.h"
 #include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
 
@@ -19,11 +20,9 @@ double elapsed_ns(Clock::time_point from) {
   return std::chrono::duration<double, std::nano>(Clock::now() - from).count();
 }
 
-double percentile(std::vector<double> values, double fraction) {
-  const auto at =
-      static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
+double percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return quantile(values, share);
 }
 
 double clock_cost_ns() {

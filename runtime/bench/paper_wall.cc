@@ -30,15 +30,4 @@ double wall_depth_m(double k_n_per_m, double f_n) noexcept {
                        : f_n / k_n_per_m + kKneeM / 2.0;
 }
 
-void set_wall(ElementNode& node, double k_n_per_m) noexcept {
-  node.samples = 3;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const SlowValue at = wall_response(k_n_per_m, static_cast<double>(i) * kKneeM);
-    node.depth_m[i] = at.x_m;
-    node.force_n[i] = at.f_n;
-    node.stiffness_n_per_m[i] = at.k_n_per_m;
-    node.energy_j[i] = at.energy_j;
-  }
-}
-
 }  // namespace palpate

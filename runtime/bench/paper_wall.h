@@ -1,7 +1,6 @@
 // The nonlinear wall of the paper's experiments.
 #pragma once
 
-#include "runtime/fast/element.h"
 #include "runtime/fast/slow_value_curve.h"
 
 namespace palpate {
@@ -17,8 +16,5 @@ namespace palpate {
 
 /// Penetration at which the wall's force is f_n >= 0 [m].
 [[nodiscard]] double wall_depth_m(double k_n_per_m, double f_n) noexcept;
-
-/// The wall as the response of a node, exact: its pieces are cubics.
-void set_wall(ElementNode& node, double k_n_per_m) noexcept;
 
 }  // namespace palpate

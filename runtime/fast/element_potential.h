@@ -69,7 +69,9 @@ struct ElementResponse {
   [[nodiscard]] Real potential_j() const noexcept { return normal_j + friction_j; }
 };
 
-/// Evaluates the potential at tool position x_m [m]. @param pieces tried, and set.
+/// Evaluates the potential at tool position x_m [m].
+/// @param pieces the cubic last used at each node; reused while the depth stays inside
+/// it, else replaced.
 [[nodiscard]] ElementResponse respond(const ElementModel& model,
                                       const ElementCache& cache, const Vector3& x_m,
                                       CurvePieces& pieces) noexcept;

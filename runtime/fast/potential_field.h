@@ -38,7 +38,8 @@ struct FieldResponse {
   Vector3 force_n = Vector3::Zero();  ///< [N] F, on the tool
 };
 
-/// @param pieces tried, and set.
+/// @param pieces the cubic last used at each node; reused while the depth stays inside
+/// it, else replaced.
 [[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
                                     Real tool_radius_m, Real shift_m,
                                     CurvePieces& pieces) noexcept;

@@ -28,11 +28,11 @@ struct ToolMotion {
 [[nodiscard]] Eigen::AlignedBox3d chunk_box(const DatabaseIndex& index,
                                             std::int64_t chunk);
 
-/// Chunks near the tool, the most urgent first. A chunk at distance d from a place that
-/// the tool reaches after a way s counts as d + s/10 away. Near are all that are no
-/// farther than the least of (distance + four tenths of the box's diagonal), and a
-/// tenth of the whole way more; urgent is what has a small d + s/2. @param horizon_s
-/// [s] >= 0 that the tool is thought to go on.
+/// Chunks near the tool, the most urgent first. Follows the tool along its present
+/// velocity for horizon_s [s] >= 0. For a point s metres ahead and a chunk at distance
+/// d from it: the chunk is taken if d + 0.1 s is at most the smallest (distance + 0.4
+/// box diagonal) of any chunk plus 0.1 of the whole way; chunks are ordered by d + 0.5
+/// s, so that near ones come first.
 [[nodiscard]] std::vector<std::int64_t> chunks_near(const DatabaseIndex& index,
                                                     const ToolMotion& motion,
                                                     double horizon_s);

@@ -62,11 +62,8 @@ class FalconLink : public DeviceLink {
   void close() noexcept override;
   [[nodiscard]] std::string failure() const override { return failure_; }
 
-  [[nodiscard]] std::uint8_t buttons() const noexcept { return reply_.buttons; }
-
  private:
   void start();
-  void prepare_line();
   void boot_and_load();
   void ask_boot_loader();
   void load();

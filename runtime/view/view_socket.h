@@ -1,5 +1,5 @@
-// The insides of the live view's server, for view_server.cc alone: Beast is slow to
-// compile.
+// The insides of the live view's server, for view_server.cc alone: nobody else needs to
+// see Boost.Beast.
 #pragma once
 
 #include <algorithm>

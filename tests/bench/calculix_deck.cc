@@ -27,6 +27,7 @@
 #include "precompute/material/material.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/tets/tetrahedralise.h"
+#include "tests/support/study_bodies.h"
 
 namespace palpate {
 namespace {

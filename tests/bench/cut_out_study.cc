@@ -27,6 +27,7 @@
 #include "precompute/process/peak_memory.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/refine_surface.h"
+#include "tests/support/study_bodies.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {

@@ -25,6 +25,7 @@
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/tets/tetrahedralise.h"
 #include "tests/support/box_tets.h"
+#include "tests/support/study_bodies.h"
 
 namespace palpate {
 namespace {

@@ -12,9 +12,9 @@
 #include "precompute/contact/linear_indentation.h"
 #include "precompute/contact/nonlinear_indentation.h"
 #include "precompute/fem/batched_solves.h"
-#include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/refine_surface.h"
 #include "precompute/tets/tetrahedralise.h"
+#include "tests/support/study_bodies.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {

@@ -6,6 +6,7 @@
 
 #include "formats/base/error.h"
 #include "precompute/surface/primitive_bodies.h"
+#include "tests/support/study_bodies.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {

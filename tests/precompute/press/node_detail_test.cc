@@ -11,6 +11,7 @@
 #include "formats/mesh/obj_writer.h"
 #include "precompute/press/vtu_file.h"
 #include "precompute/surface/primitive_bodies.h"
+#include "tests/support/study_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

@@ -10,6 +10,7 @@
 #include "precompute/surface/subdivide.h"
 #include "precompute/surface/surface_check.h"
 #include "precompute/tets/tetrahedralise.h"
+#include "tests/support/study_bodies.h"
 
 namespace palpate {
 namespace {

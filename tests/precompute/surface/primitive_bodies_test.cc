@@ -7,6 +7,7 @@
 
 #include "formats/base/error.h"
 #include "formats/mesh/surface_reader.h"
+#include "tests/support/study_bodies.h"
 
 namespace palpate {
 namespace {

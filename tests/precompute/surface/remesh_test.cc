@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/surface_check.h"
+#include "tests/support/study_bodies.h"
 
 namespace palpate {
 namespace {

@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "formats/mesh/surface_reader.h"
 #include "precompute/surface/primitive_bodies.h"
+#include "tests/support/study_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

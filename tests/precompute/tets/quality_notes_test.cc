@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "precompute/surface/primitive_bodies.h"
+#include "tests/support/study_bodies.h"
 
 namespace palpate {
 namespace {

@@ -12,6 +12,7 @@
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/subdivide.h"
 #include "precompute/surface/surface_check.h"
+#include "tests/support/study_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
