@@ -1,6 +1,7 @@
 // The batch as CSV for people's spreadsheets and as JSON for their programs.
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -29,8 +30,14 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-// A cell with a comma, quote or line end in quotes; the quotes inside doubled.
-std::string quoted(const std::string& text) {
+// A cell with a comma, quote or line end in quotes; the quotes inside doubled. What a
+// spreadsheet would run as a formula begins with an apostrophe, which it takes for
+// text.
+std::string quoted(std::string text) {
+  if (!text.empty() &&
+      std::string_view("=+-@\t\r").find(text[0]) != std::string::npos) {
+    text.insert(0, 1, '\'');
+  }
   if (text.find_first_of(",\"\n\r") == std::string::npos) {
     return text;
   }

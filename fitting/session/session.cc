@@ -1,15 +1,13 @@
 #include "fitting/session/session.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 
 #include <fmt/ranges.h>
 
 #include "fitting/session/session_runs.h"
+#include "formats/base/input_file.h"
+#include "formats/base/toml_text.h"
 #include "formats/base/units.h"
 #include "formats/measurement/afm_file.h"
 
@@ -67,24 +65,6 @@ constexpr NumberRule kHalfAngle{[](double v) {
                                   return v > 0.0 && v < 90.0;
                                 },
                                 "above 0 and below 90"};
-
-std::string read_text(const std::filesystem::path& file) {
-  constexpr std::size_t kLargest = 16
-                                   << 20;  // bytes: a list of a hundred thousand runs
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in),
-                   std::istreambuf_iterator<char>()};
-  if (!in || std::filesystem::is_directory(file)) {
-    throw InputError(fmt::format("{}: cannot be read: {}", file.string(),
-                                 std::strerror(errno == 0 ? EIO : errno)));
-  }
-  if (text.size() > kLargest) {
-    throw InputError(fmt::format("{}: is larger than {} bytes, must be a session file",
-                                 file.string(), kLargest));
-  }
-  return text;
-}
 
 // The session's tables by name.
 class Tables {
@@ -294,15 +274,10 @@ void read_tables(const Tables& tables, Session& session) {
 Session read_session(const std::filesystem::path& file) {
   Session session;
   session.file = file;
-  session.text = read_text(file);
+  constexpr std::size_t kLargest = 16 << 20;  // bytes: a hundred thousand runs
+  session.text = read_file(file, kLargest, "a session file");
   const std::string name = file.string();
-  toml::table root;
-  try {
-    root = toml::parse(session.text);
-  } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("{}:{}: is not TOML: {}", name,
-                                 error.source().begin.line, error.description()));
-  }
+  const toml::table root = parse_toml(session.text, name);
   read_tables(Tables(name, root), session);
   return session;
 }

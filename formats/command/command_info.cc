@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/printable.h"
 #include "formats/command/commands.h"
 #include "formats/database/chunk_reader.h"
 #include "formats/database/database_summary.h"
@@ -103,7 +104,7 @@ Json to_json(const DatabaseIndex& index) {
 
 void print(const ToolSummary& tool) {
   fmt::print("tool       {}: {}, friction {:.3g}, presliding {:.3g} mm\n",
-             tool.tool.name, describe(tool.tool), tool.tool.friction,
+             printable(tool.tool.name), describe(tool.tool), tool.tool.friction,
              1e3 * tool.tool.presliding_m);
   fmt::print("responses  {} ({} simulated, {} interpolated, {} measured)\n",
              tool.responses, tool.simulated, tool.interpolated, tool.measured);
@@ -126,18 +127,18 @@ void print(const DatabaseIndex& index) {
   const Eigen::Vector3d size = 1e3 * size_m(index);
   const Provenance& provenance = index.provenance;
   fmt::print("format     version {}, {} bytes, by {}\n", kDatabaseVersion, index.bytes,
-             provenance.writer);
+             printable(provenance.writer));
   fmt::print("storage    {}{}, {} chunks\n", name_of(index.storage.precision),
              index.storage.compress ? " compressed" : "", index.chunks());
   fmt::print("body       {} nodes, {} triangles, {:.4g} x {:.4g} x {:.4g} mm\n",
              index.nodes(), index.triangles(), size.x(), size.y(), size.z());
-  fmt::print("source     {}, SHA-256 {}\n", provenance.source_file,
+  fmt::print("source     {}, SHA-256 {}\n", printable(provenance.source_file),
              provenance.source_sha256.empty() ? "unknown" : provenance.source_sha256);
   if (index.measured_samples > 0) {
     fmt::print("measured   {} samples\n", index.measured_samples);
   }
   if (!provenance.left_out.empty()) {
-    fmt::print("left out   {}\n", provenance.left_out);
+    fmt::print("left out   {}\n", printable(provenance.left_out));
   }
   for (const ToolIndex& tool : index.tools) {
     print(summarise(tool));

@@ -3,12 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 
 #include <hdf5.h>
 
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate::hdf5 {
 
@@ -34,6 +35,23 @@ class Handle {
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
+
+/// Opens a regular file to read. A damaged one is refused at once: HDF5 would read the
+/// metadata of one that another process writes again and again.
+/// @param flags beside H5F_ACC_RDONLY
+/// @returns an identifier to close, negative where HDF5 refuses the file. @throws
+/// InputError if it is no regular file.
+[[nodiscard]] hid_t open_read_only(const std::filesystem::path& file,
+                                   unsigned flags = 0);
+
+/// What a path leads to, over hard links alone: soft and external ones are not
+/// followed, because they lead to files that nobody named.
+enum class Link { kNone, kHard, kOther };
+[[nodiscard]] Link link_at(hid_t file, const std::string& path);
+
+/// Whether a dataset's bytes are all in its own file, and all written: none external,
+/// virtual or left out. Those left out would read as zeros, as many as the file claims.
+[[nodiscard]] bool holds_its_bytes(hid_t dataset);
 
 /// The file's type of an element; memory's is the same, on a little-endian machine.
 [[nodiscard]] hid_t file_type(Hdf5Type type);

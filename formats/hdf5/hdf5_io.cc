@@ -1,12 +1,15 @@
 #include "formats/hdf5/hdf5_io.h"
 
+#include <array>
 #include <bit>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <span>
 
 #include <fmt/format.h>
 
+#include "formats/base/input_file.h"
 #include "formats/hdf5/hdf5_handle.h"
 
 namespace palpate {
@@ -19,11 +22,24 @@ void ContentDigest::add(std::string_view head, const void* data, std::size_t byt
   digest_.update({static_cast<const std::byte*>(data), bytes});
 }
 
-Hdf5Lock::Hdf5Lock()
-    : guard_([]() -> std::recursive_mutex& {
-        static std::recursive_mutex mutex;
-        return mutex;
-      }()) {}
+namespace {
+
+std::recursive_mutex& hdf5_mutex() {
+  static std::recursive_mutex mutex;
+  return mutex;
+}
+
+}  // namespace
+
+Hdf5Lock::Hdf5Lock() : guard_(hdf5_mutex()) {}
+
+void lock_hdf5() {
+  hdf5_mutex().lock();
+}
+
+void unlock_hdf5() {
+  hdf5_mutex().unlock();
+}
 
 QuietHdf5::QuietHdf5() {
   H5E_auto2_t function = nullptr;
@@ -41,6 +57,76 @@ void skip_hdf5_exit_cleanup() noexcept {
 }
 
 namespace hdf5 {
+
+hid_t open_read_only(const std::filesystem::path& file, unsigned flags) {
+  require_regular_file(file);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  H5Pset_metadata_read_attempts(access.get(), 1);
+  return H5Fopen(file.c_str(), H5F_ACC_RDONLY | flags, access.get());
+}
+
+Link link_at(hid_t file, const std::string& path) {
+  std::size_t end = 0;
+  do {
+    end = path.find('/', end + 1);
+    const std::string part = path.substr(0, end);
+    H5L_info_t info{};
+    if (part == "/") {
+      continue;
+    }
+    if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0 ||
+        H5Lget_info(file, part.c_str(), &info, H5P_DEFAULT) < 0) {
+      return Link::kNone;
+    }
+    if (info.type != H5L_TYPE_HARD) {
+      return Link::kOther;
+    }
+  } while (end != std::string::npos);
+  return Link::kHard;
+}
+
+namespace {
+
+// Chunks of a dataset that are in the file, against those that its extent needs.
+bool has_every_chunk(hid_t dataset, hid_t space, hid_t create) {
+  std::array<hsize_t, H5S_MAX_RANK> size{};
+  std::array<hsize_t, H5S_MAX_RANK> chunk{};
+  const int rank = H5Sget_simple_extent_dims(space, size.data(), nullptr);
+  if (rank < 1 || H5Pget_chunk(create, rank, chunk.data()) != rank) {
+    return false;
+  }
+  hsize_t stored = 0;
+  if (H5Dget_num_chunks(dataset, space, &stored) < 0) {
+    return false;
+  }
+  double needed = 1.0;  // as a double: a product of hostile extents overflows
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rank); ++i) {
+    needed *= std::ceil(static_cast<double>(size[i]) / static_cast<double>(chunk[i]));
+  }
+  return static_cast<double>(stored) >= needed;
+}
+
+}  // namespace
+
+bool holds_its_bytes(hid_t dataset) {
+  const Handle create(H5Dget_create_plist(dataset), H5Pclose);
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  if (!create || !space || H5Pget_external_count(create.get()) != 0) {
+    return false;
+  }
+  const hssize_t values = H5Sget_simple_extent_npoints(space.get());
+  switch (H5Pget_layout(create.get())) {
+    case H5D_COMPACT:
+      return true;
+    case H5D_CONTIGUOUS:
+      return values == 0 || H5Dget_storage_size(dataset) > 0;
+    case H5D_CHUNKED:
+      return values == 0 || has_every_chunk(dataset, space.get(), create.get());
+    default:
+      return false;
+  }
+}
 
 hid_t file_type(Hdf5Type type) {
   switch (type) {

@@ -1,3 +1,5 @@
+#include "formats/hdf5/hdf5_reader.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -5,11 +7,12 @@
 #include <fstream>
 #include <optional>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
 
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/hdf5/hdf5_handle.h"
-#include "formats/hdf5/hdf5_io.h"
 
 namespace palpate {
 namespace {
@@ -93,9 +96,26 @@ Layout layout_of(hid_t dataset) {
   return filters > 0 ? Layout::kCompressed : Layout::kForeign;
 }
 
+// Deflate makes at most 1032 bytes of one.
+constexpr std::uint64_t kInflation = 1032;
+
+// Of a file with holes nothing larger is believed. [bytes]
+constexpr std::uintmax_t kSmall = std::uintmax_t{1} << 30;
+
+// What a file takes on its disk. A file system that compresses writes less than the
+// file's size, but not less than deflate would. [bytes]
+std::uintmax_t written_bytes(const std::filesystem::path& file) {
+  struct stat status {};
+  constexpr std::uintmax_t kBlock = 512;
+  return ::stat(file.c_str(), &status) == 0
+             ? kBlock * static_cast<std::uintmax_t>(status.st_blocks)
+             : 0;
+}
+
 }  // namespace
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& file) : file_(file) {
+  require_regular_file(file);
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   std::array<char, 8> head{};
@@ -114,9 +134,11 @@ Hdf5Reader::Hdf5Reader(const std::filesystem::path& file) : file_(file) {
     fail(fmt::format("is not an HDF5 file ({} bytes), must be a response database",
                      bytes_));
   }
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
-  id_ = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get());
+  if (const std::uintmax_t written = written_bytes(file);
+      bytes_ / kInflation > written) {
+    bytes_ = std::min(bytes_, std::max(kSmall, written));
+  }
+  id_ = hdf5::open_read_only(file);
   if (id_ < 0) {
     fail(fmt::format("is truncated or damaged ({} bytes): {}", bytes_,
                      hdf5::last_failure()));
@@ -130,6 +152,11 @@ Hdf5Reader::~Hdf5Reader() {
   }
 }
 
+void Hdf5Reader::fail_of_memory(const std::string& path, const Hdf5Shape& shape) const {
+  fail(fmt::format("dataset {} of {} values is more than the memory holds", path,
+                   fmt::join(shape, " x ")));
+}
+
 void Hdf5Reader::fail(const std::string& what) const {
   throw FormatError(fmt::format("{}: {}", file_.string(), what));
 }
@@ -138,18 +165,16 @@ bool Hdf5Reader::has(const std::string& path) const {
   if (const auto known = kept_.find(path); known != kept_.end() && known->second) {
     return true;
   }
-  for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
-    if (H5Lexists(id_, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) {
-      return false;
-    }
-    if (end == std::string::npos) {
-      return true;
-    }
+  const hdf5::Link link = hdf5::link_at(id_, path);
+  if (link == hdf5::Link::kOther) {
+    fail(fmt::format("{} is behind a soft or external link, must be in the file itself",
+                     path));
   }
+  return link == hdf5::Link::kHard;
 }
 
 bool Hdf5Reader::has_attribute(const std::string& object, const char* name) const {
-  return H5Aexists_by_name(id_, object.c_str(), name, H5P_DEFAULT) > 0;
+  return has(object) && H5Aexists_by_name(id_, object.c_str(), name, H5P_DEFAULT) > 0;
 }
 
 void Hdf5Reader::group(const std::string& path) const {
@@ -285,16 +310,27 @@ Hdf5Shape Hdf5Reader::checked_shape(const std::string& path, const char* units,
                     "shuffled and deflated",
                     path));
   }
-  // Deflate makes at most 1032 bytes of one.
-  std::uint64_t most =
-      bytes_ * (layout == Layout::kCompressed ? 1032 : 1) / hdf5::bytes_of(type);
-  for (const std::int64_t size : *shape) {
-    if (size > 0 && static_cast<std::uint64_t>(size) > most) {
-      fail(fmt::format(
-          "dataset {} claims {} rows, more than a file of {} bytes can hold", path,
-          shape->front(), bytes_));
+  // What is small is not worth a look: rows that were never written are zeros.
+  constexpr std::uint64_t kFree = 1 << 20;
+  const std::uint64_t inflation = layout == Layout::kCompressed ? kInflation : 1;
+  const auto require_room = [&](std::uint64_t bytes) {
+    std::uint64_t most = bytes * inflation / hdf5::bytes_of(type);
+    for (const std::int64_t size : *shape) {
+      if (size > 0 && static_cast<std::uint64_t>(size) > most) {
+        fail(fmt::format(
+            "dataset {} claims {} rows, more than a file of {} bytes can hold", path,
+            shape->front(), bytes));
+      }
+      most /= std::max<std::uint64_t>(1, static_cast<std::uint64_t>(size));
     }
-    most /= std::max<std::uint64_t>(1, static_cast<std::uint64_t>(size));
+  };
+  require_room(bytes_);
+  if (hdf5::values_in(*shape) * hdf5::bytes_of(type) > kFree) {
+    if (!hdf5::holds_its_bytes(opened.get())) {
+      fail(fmt::format("dataset {} claims {} rows that were never written", path,
+                       shape->front()));
+    }
+    require_room(std::min<std::uint64_t>(bytes_, H5Dget_storage_size(opened.get())));
   }
   const std::string found = read_text_attribute(path, "units");
   if (found != units) {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "formats/hdf5/hdf5_handle.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 #include "formats/hdf5/storage_options.h"
 
 namespace palpate {
@@ -67,8 +67,10 @@ void Hdf5Reader::reals(const std::string& path, const char* units,
     dataset(path, units, values);
     return;
   }
-  const std::int64_t count = checked_shape(path, units, type, {-1}).front();
-  values.resize(static_cast<std::size_t>(count));
+  const Hdf5Shape shape = checked_shape(path, units, type, {-1});
+  allocate(path, shape, [&] {
+    values.resize(static_cast<std::size_t>(shape[0]));
+  });
   rows_as_reals(path, units, 0, 0, begin, values);
   digest_only(path, values);
 }

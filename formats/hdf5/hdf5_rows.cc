@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "formats/hdf5/hdf5_handle.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate {
 

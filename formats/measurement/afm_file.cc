@@ -25,7 +25,7 @@ constexpr const char* kPositions[] = {"tip position", "height (measured)",
 class AfmFile {
  public:
   explicit AfmFile(const std::filesystem::path& file)
-      : name_(file.string()), id_(open(file), H5Fclose) {
+      : name_(file.string()), id_(hdf5::open_read_only(file), H5Fclose) {
     if (!id_) {
       throw FormatError(fmt::format("{}: is not an HDF5 file", name_));
     }
@@ -37,16 +37,16 @@ class AfmFile {
 
   [[nodiscard]] hid_t id() const { return id_.get(); }
 
-  // Every link on the way must be there: HDF5 complains of a missing parent.
   [[nodiscard]] bool has(const std::string& group, const std::string& dataset) const {
-    return H5Lexists(id(), group.c_str(), H5P_DEFAULT) > 0 &&
-           H5Lexists(id(), (group + "/" + dataset).c_str(), H5P_DEFAULT) > 0;
+    return hdf5::link_at(id(), group + "/" + dataset) == hdf5::Link::kHard;
   }
 
   // A dataset in SI units.
   [[nodiscard]] std::vector<double> values(const std::string& path,
                                            UnitSize size) const {
-    const Handle dataset(H5Dopen2(id(), path.c_str(), H5P_DEFAULT), H5Dclose);
+    const bool in_file = hdf5::link_at(id(), path) == hdf5::Link::kHard;
+    const Handle dataset(in_file ? H5Dopen2(id(), path.c_str(), H5P_DEFAULT) : -1,
+                         H5Dclose);
     if (!dataset) {
       fail(fmt::format("no dataset \"{}\"", path));
     }
@@ -59,6 +59,9 @@ class AfmFile {
         H5Tget_class(type.get()) != H5T_FLOAT) {
       fail(fmt::format("dataset \"{}\" is not one row of 1 to {} real numbers", path,
                        kSamplesMax));
+    }
+    if (!hdf5::holds_its_bytes(dataset.get())) {
+      fail(fmt::format("dataset \"{}\" is not written in full in this file", path));
     }
     std::vector<double> values(samples);
     if (H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
@@ -86,7 +89,8 @@ class AfmFile {
   [[nodiscard]] double spring_n_per_m(const std::string& group) const {
     constexpr const char* kName = "spring constant";
     double value = std::nan("");
-    if (H5Aexists_by_name(id(), group.c_str(), kName, H5P_DEFAULT) > 0) {
+    if (hdf5::link_at(id(), group) == hdf5::Link::kHard &&
+        H5Aexists_by_name(id(), group.c_str(), kName, H5P_DEFAULT) > 0) {
       const Handle attribute(
           H5Aopen_by_name(id(), group.c_str(), kName, H5P_DEFAULT, H5P_DEFAULT),
           H5Aclose);
@@ -102,14 +106,6 @@ class AfmFile {
   }
 
  private:
-  static hid_t open(const std::filesystem::path& file) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(file, ignored)) {
-      throw InputError(fmt::format("{}: no such file", file.string()));
-    }
-    return H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  }
-
   // The attribute "unit": a text of variable length, as Python writes it, or of fixed.
   [[nodiscard]] static std::string text(hid_t dataset) {
     if (H5Aexists(dataset, "unit") <= 0) {

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 
 namespace palpate {
 namespace {
@@ -25,14 +26,7 @@ std::string_view trimmed(std::string_view text) {
 }  // namespace
 
 std::vector<TextLine> read_text_lines(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    throw InputError(fmt::format("{}: no such file", file.string()));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, ignored)) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
+  std::istringstream stream(read_file(file));
   std::vector<TextLine> lines;
   std::string text;
   for (std::size_t number = 1; std::getline(stream, text); ++number) {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/measurement/delimited_text.h"
 
 namespace palpate {
@@ -79,9 +79,8 @@ void require_order(const ResponseSweep& sweep,
 
 std::vector<std::string> read_names(const std::filesystem::path& file,
                                     const std::vector<TextLine>& lines) {
-  std::ifstream in(file);
-  std::string first;
-  std::getline(in, first);
+  const std::string content = read_file(file);
+  const std::string first = content.substr(0, content.find('\n'));
   const auto names =
       lines.empty() ? std::vector<std::string>() : split_cells(lines[0].text, ',');
   if (first != kFirstLine || names.size() < 4 || names.front() != "vertex" ||

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -111,9 +112,15 @@ PlyElement element_of(const Lines& lines, const std::vector<std::string_view>& w
                       std::size_t file_bytes) {
   PlyElement element;
   const char* end = word.size() == 3 ? word[2].data() + word[2].size() : nullptr;
-  if (end == nullptr ||
-      std::from_chars(word[2].data(), end, element.count).ptr != end) {
+  if (end == nullptr) {
     lines.fail("must be \"element\", a name and a count");
+  }
+  const auto [stop, error] = std::from_chars(word[2].data(), end, element.count);
+  if (stop != end || error == std::errc::invalid_argument) {
+    lines.fail("must be \"element\", a name and a count");
+  }
+  if (error == std::errc::result_out_of_range) {
+    element.count = std::numeric_limits<std::size_t>::max();
   }
   if (element.count > file_bytes) {
     lines.fail("announces {} elements, more than a file of {} bytes can hold",

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/base/units.h"
 #include "formats/mesh/stl_reader.h"
 #include "formats/mesh/triangulate_polygon.h"
@@ -35,23 +34,6 @@ std::string extension_of(const std::filesystem::path& file) {
                                  fmt::join(kSurfaceExtensions, ", ")));
   }
   return extension;
-}
-
-std::string read_bytes(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    throw InputError(fmt::format("{}: no such file", file.string()));
-  }
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream bytes;
-  if (!std::filesystem::is_regular_file(file, ignored) || !in) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
-  bytes << in.rdbuf();
-  if (bytes.str().empty()) {
-    throw InputError(fmt::format("{}: the file is empty", file.string()));
-  }
-  return bytes.str();
 }
 
 void check_points(const PolygonSoup& soup, const std::string& name) {
@@ -80,9 +62,16 @@ void check_faces(const PolygonSoup& soup, const std::string& name) {
   }
 }
 
-SurfaceMesh to_mesh(const PolygonSoup& soup, double metres) {
+SurfaceMesh to_mesh(const PolygonSoup& soup, const std::string& name, double metres) {
   std::vector<std::array<std::size_t, 3>> triangles;
+  constexpr std::size_t kCornersMax = 10'000;  // a second's work
   for (const auto& face : soup.face) {
+    if (face.size() > kCornersMax) {
+      throw InputError(
+          fmt::format("{}: a face has {} corners, at most {} are cut into "
+                      "triangles",
+                      name, face.size(), kCornersMax));
+    }
     std::vector<Eigen::Vector3d> corner;
     corner.reserve(face.size());
     for (const std::size_t v : face) {
@@ -126,9 +115,13 @@ SurfaceMesh read_surface(const std::filesystem::path& file,
   const double metres = metres_per(length_unit);
   const std::string extension = extension_of(file);
   const std::string name = file.string();
+  const std::string content = read_file(file);
+  if (content.empty()) {
+    throw InputError(fmt::format("{}: the file is empty", name));
+  }
   PolygonSoup soup;
   try {
-    soup = read_polygon_soup(read_bytes(file), extension);
+    soup = read_polygon_soup(content, extension);
   } catch (const FormatError& error) {
     throw FormatError(fmt::format("{}: {}", name, error.what()));
   }
@@ -138,7 +131,7 @@ SurfaceMesh read_surface(const std::filesystem::path& file,
   }
   check_points(soup, name);
   check_faces(soup, name);
-  SurfaceMesh mesh = to_mesh(soup, metres);
+  SurfaceMesh mesh = to_mesh(soup, name, metres);
   check_extent(mesh, name, length_unit);
   return mesh;
 }

@@ -43,51 +43,101 @@ double smallest_angle(Corners p, const Triple& t) {
   return smallest;
 }
 
-// Which corner of the remaining polygon to cut off; the second one if none is an ear.
-std::size_t best_ear(Corners p, const std::vector<std::size_t>& left,
-                     const Eigen::Vector3d& normal) {
-  const std::size_t n = left.size();
-  std::size_t best = 1;
-  double best_angle = -1.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Triple ear{left[(i + n - 1) % n], left[i], left[(i + 1) % n]};
-    const bool clear =
-        turn(p, ear, normal) > 0.0 &&
-        std::none_of(left.begin(), left.end(), [&](auto q) {
-          return q != ear[0] && q != ear[1] && q != ear[2] && inside(p, ear, q, normal);
-        });
-    if (!clear) {
-      continue;
-    }
-    // What is left of a quadrangle is a triangle too: judge both.
-    double angle = smallest_angle(p, ear);
-    if (n == 4) {
-      const Triple rest{ear[2], left[(i + 2) % n], ear[0]};
-      angle =
-          turn(p, rest, normal) > 0.0 ? std::min(angle, smallest_angle(p, rest)) : 0.0;
-    }
-    if (angle > best_angle) {
-      best = i;
-      best_angle = angle;
-    }
+// The corners that are left, each with what is known of the triangle that cutting it
+// would take. A corner that lay outside of such a triangle stays outside: the search
+// for one inside goes on where it stopped, so that all of it takes n^2 steps.
+class Ears {
+ public:
+  explicit Ears(Corners p)
+      : p_(p), normal_(area_normal(p)), left_(p.size()), ear_(p.size()) {
+    std::iota(left_.begin(), left_.end(), std::size_t{0});
   }
-  return best;
-}
+
+  [[nodiscard]] std::size_t count() const { return left_.size(); }
+
+  // Around place i of those that are left.
+  [[nodiscard]] Triple around(std::size_t i) const {
+    const std::size_t n = left_.size();
+    return {left_[(i + n - 1) % n], left_[i], left_[(i + 1) % n]};
+  }
+
+  // The place to cut off: the best-shaped ear, the second place if there is none.
+  [[nodiscard]] std::size_t best() {
+    std::size_t best = 1;
+    double best_angle = -1.0;
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      if (!is_clear(i)) {
+        continue;
+      }
+      const double angle = angle_of(i);
+      if (angle > best_angle) {
+        best = i;
+        best_angle = angle;
+      }
+    }
+    return best;
+  }
+
+  void cut(std::size_t i) {
+    const Triple triple = around(i);
+    ear_[triple[0]] = {};
+    ear_[triple[2]] = {};
+    ear_[triple[1]].gone = true;
+    left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+
+ private:
+  struct Ear {
+    bool gone = false;
+    std::size_t tried = 0;  // corners below it are not inside
+    double angle = -1.0;    // [rad] smallest; negative: not known yet
+  };
+
+  bool is_clear(std::size_t i) {
+    const Triple ear = around(i);
+    if (!(turn(p_, ear, normal_) > 0.0)) {
+      return false;
+    }
+    std::size_t& q = ear_[ear[1]].tried;
+    while (q < p_.size() && (ear_[q].gone || q == ear[0] || q == ear[1] ||
+                             q == ear[2] || !inside(p_, ear, q, normal_))) {
+      ++q;
+    }
+    return q == p_.size();
+  }
+
+  // What is left of a quadrangle is a triangle too: both are judged.
+  double angle_of(std::size_t i) {
+    const Triple ear = around(i);
+    double& angle = ear_[ear[1]].angle;
+    if (angle < 0.0) {
+      angle = smallest_angle(p_, ear);
+    }
+    if (left_.size() != 4) {
+      return angle;
+    }
+    const Triple rest{ear[2], left_[(i + 2) % 4], ear[0]};
+    return turn(p_, rest, normal_) > 0.0 ? std::min(angle, smallest_angle(p_, rest))
+                                         : 0.0;
+  }
+
+  Corners p_;
+  Eigen::Vector3d normal_;
+  std::vector<std::size_t> left_;
+  std::vector<Ear> ear_;  // by corner
+};
 
 }  // namespace
 
 std::vector<Triple> triangulate_polygon(Corners corner_m) {
-  const Eigen::Vector3d normal = area_normal(corner_m);
-  std::vector<std::size_t> left(corner_m.size());
-  std::iota(left.begin(), left.end(), std::size_t{0});
+  Ears ears(corner_m);
   std::vector<Triple> triangles;
-  while (left.size() > 3) {
-    const std::size_t n = left.size();
-    const std::size_t i = best_ear(corner_m, left, normal);
-    triangles.push_back({left[(i + n - 1) % n], left[i], left[(i + 1) % n]});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
+  while (ears.count() > 3) {
+    const std::size_t i = ears.best();
+    triangles.push_back(ears.around(i));
+    ears.cut(i);
   }
-  triangles.push_back({left[0], left[1], left[2]});
+  triangles.push_back(ears.around(1));
   return triangles;
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/hdf5/hdf5_handle.h"
 #include "formats/recording/recording_layout.h"
 
@@ -55,15 +56,15 @@ class Reader {
 
 // What its writer left open for others to read, when it died, opens in no other way.
 Handle Reader::open(const fs::path& file) {
-  Handle id(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  Handle id(hdf5::open_read_only(file), H5Fclose);
   if (id) {
     return id;
   }
-  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT),
-          H5Fclose};
+  return {hdf5::open_read_only(file, H5F_ACC_SWMR_READ), H5Fclose};
 }
 
 Reader::Reader(const fs::path& file) : file_(file), id_(-1, H5Fclose) {
+  require_regular_file(file);
   std::ifstream in(file, std::ios::binary);
   std::array<char, 8> head{};
   in.read(head.data(), head.size());
@@ -154,8 +155,8 @@ RecordingHeader Reader::header() const {
 
 // Ours in every respect: nothing else is handed to HDF5 to interpret.
 Handle Reader::dataset(const Column& column) const {
-  if (H5Lexists(id_.get(), column.path, H5P_DEFAULT) <= 0) {
-    fail(fmt::format("dataset {} is missing", column.path));
+  if (hdf5::link_at(id_.get(), column.path) != hdf5::Link::kHard) {
+    fail(fmt::format("dataset {} is missing or a link to another", column.path));
   }
   Handle opened(H5Dopen2(id_.get(), column.path, H5P_DEFAULT), H5Dclose);
   const Handle type(opened ? H5Dget_type(opened.get()) : -1, H5Tclose);

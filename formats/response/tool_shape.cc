@@ -57,6 +57,9 @@ void check_lengths(const ToolShape& tool) {
   const bool capsule = tool.kind == "capsule";
   if (punch || capsule || tool.kind == "sphere") {
     require_positive(tool, "radius_m", tool.radius_m);
+    constexpr double kSmallest = 1e-9;  // [m] no tool is sharper than atoms
+    require(tool, "radius_m", tool.radius_m, tool.radius_m >= kSmallest,
+            "at least 1e-9 m");
   } else {
     require_none(tool, "radius_m", tool.radius_m);
   }

@@ -1,13 +1,12 @@
 #include "formats/scene/scene.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
+#include "formats/base/toml_text.h"
 #include "formats/scene/scene_parts.h"
 
 namespace palpate {
@@ -112,39 +111,14 @@ void read_cutout(const Sections& sections, Scene& scene) {
   scene.cutout = cutout;
 }
 
-std::string read_text(const std::filesystem::path& file) {
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  std::string text;
-  constexpr std::size_t kLargest = 1 << 20;
-  char c = 0;
-  while (in.get(c) && text.size() <= kLargest) {
-    text += c;
-  }
-  if (!in && !in.eof()) {
-    throw InputError(fmt::format("{}: cannot be read: {}", file.string(),
-                                 std::strerror(errno == 0 ? EIO : errno)));
-  }
-  if (text.size() > kLargest) {
-    throw InputError(fmt::format("{}: is larger than {} bytes, must be a scene file",
-                                 file.string(), kLargest));
-  }
-  return text;
-}
-
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& file) {
   Scene scene;
-  scene.text = read_text(file);
+  constexpr std::size_t kLargest = 1 << 20;  // bytes
+  scene.text = read_file(file, kLargest, "a scene file");
   const std::string name = file.string();
-  toml::table root;
-  try {
-    root = toml::parse(scene.text);
-  } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("{}:{}: is not TOML: {}", name,
-                                 error.source().begin.line, error.description()));
-  }
+  const toml::table root = parse_toml(scene.text, name);
   const SceneFile scene_file{name, file.parent_path()};
   const Sections sections(scene_file, root);
   read_body(sections, scene);

@@ -1,14 +1,13 @@
 #include "precompute/build/checkpoint.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/base/sha256.h"
 
 namespace palpate {
@@ -18,19 +17,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kDigestLength = 64;
 
-std::vector<std::byte> bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  const auto* first = reinterpret_cast<const std::byte*>(text.data());
-  return {first, first + text.size()};
-}
-
 std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
-}
-
-std::string text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 void write(const fs::path& file, std::span<const std::byte> bytes) {
@@ -51,7 +39,7 @@ Checkpoint::Checkpoint(const fs::path& output, const UnitPlan& plan, bool resume
                       "them; remove the folder to start again",
                       folder_.string()));
     }
-    if (text_of(bytes_of(digest)) != plan.digest) {
+    if (read_file(digest) != plan.digest) {
       throw InputError(
           fmt::format("{} belongs to another scene, body or version; remove "
                       "the folder to start again",
@@ -92,12 +80,12 @@ std::optional<UnitOutcome> Checkpoint::load(std::int64_t unit) const {
   if (!fs::exists(file)) {
     return std::nullopt;
   }
-  const std::vector<std::byte> bytes = bytes_of(file);
-  const auto body = std::span(bytes).subspan(std::min(bytes.size(), kDigestLength));
+  const std::string content = read_file(file);
+  const auto bytes = bytes_of(content);
+  const auto body = bytes.subspan(std::min(bytes.size(), kDigestLength));
   Sha256 sum;
   sum.update(body);
-  if (bytes.size() < kDigestLength ||
-      text_of(std::span(bytes).first(kDigestLength)) != sum.hex()) {
+  if (bytes.size() < kDigestLength || !content.starts_with(sum.hex())) {
     return std::nullopt;
   }
   try {

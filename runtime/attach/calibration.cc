@@ -2,8 +2,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <span>
 
 #include <fmt/format.h>
@@ -11,6 +9,8 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
+#include "formats/base/toml_text.h"
 
 namespace palpate {
 namespace {
@@ -22,20 +22,6 @@ constexpr std::int64_t kVersion = 1;
 std::string number(double value) {
   const std::string text = fmt::format("{}", value);
   return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-}
-
-toml::table parse(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  try {
-    return toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    throw FormatError(fmt::format("{}:{}: {}", file.string(), error.source().begin.line,
-                                  error.description()));
-  }
 }
 
 double read_number(const toml::table& table, const std::filesystem::path& file,
@@ -52,7 +38,15 @@ double read_number(const toml::table& table, const std::filesystem::path& file,
 }  // namespace
 
 Calibration read_calibration(const std::filesystem::path& file) {
-  const toml::table table = parse(file);
+  constexpr std::size_t kLargest = 1 << 16;  // bytes
+  const std::string text = read_file(file, kLargest, "a calibration");
+  const toml::table table = [&] {
+    try {
+      return parse_toml(text, file.string());
+    } catch (const InputError& error) {
+      throw FormatError(error.what());
+    }
+  }();
   if (table["format"].value_or(std::string()) != kFormat ||
       table["version"].value_or(std::int64_t{0}) != kVersion) {
     throw FormatError(

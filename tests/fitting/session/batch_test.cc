@@ -209,6 +209,16 @@ TEST_F(BatchTest, EveryPressOfAFileIsARowOfItsOwn) {
   EXPECT_NE(csv.find("\na.csv press 2,a.csv,2,use"), std::string::npos) << csv;
 }
 
+// A spreadsheet would run it.
+TEST_F(BatchTest, ACellThatBeginsAsAFormulaIsText) {
+  write("=1+2.csv", synthetic({}, 1));
+  const Session s = session(kRead);
+  const BatchReport report = fit_session(s, 1, [](std::size_t) {});
+  const std::string csv = batch_csv(s, report);
+  EXPECT_EQ(csv.find("\n=1+2"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("\n'=1+2.csv"), std::string::npos) << csv;
+}
+
 TEST_F(BatchTest, RepeatedDepthsAndBacklashDoNotStopTheFit) {
   Measurement m = synthetic({}, 1);
   for (std::size_t i = 0; i + 1 < m.depth_m.size(); i += 3) {

@@ -274,6 +274,26 @@ TEST_F(SurfaceReader, RefusesWhatIsNoMesh) {
   EXPECT_THROW((void)read_surface(folder_ / "absent.obj", "m"), InputError);
 }
 
+TEST_F(SurfaceReader, RefusesAFaceOfEndlessCorners) {
+  std::string face = "f";
+  std::string points;
+  for (int i = 1; i <= 10'001; ++i) {
+    face += fmt::format(" {}", i);
+    points += fmt::format("v {} {} 0\n", std::cos(6e-4 * i), std::sin(6e-4 * i));
+  }
+  EXPECT_TRUE(contains(message("a.obj", points + face + "\n"),
+                       "a face has 10001 corners, at most 10000"));
+}
+
+TEST_F(SurfaceReader, NamesACountThatIsNoNumber) {
+  const std::string text = message(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 18446744073709551616\nproperty double "
+      "x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar "
+      "int vertex_indices\nend_header\n0 0 0\n");
+  EXPECT_TRUE(contains(text, "announces 18446744073709551615 elements")) << text;
+}
+
 TEST_F(SurfaceReader, RefusesABodyOfImpossibleSize) {
   const std::string text =
       message("a.obj", "v 0 0 0\nv 1e34 0 0\nv 0 1e34 0\nf 1 2 3\n");

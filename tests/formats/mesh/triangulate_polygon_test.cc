@@ -36,6 +36,25 @@ TEST(TriangulatePolygon, StaysInsideConcavePolygons) {
   EXPECT_NEAR(area_m2(letter), 7.0, 1e-14);
 }
 
+// n^2, not n^3: minutes otherwise. A comb, whose teeth block each other's ears.
+TEST(TriangulatePolygon, CutsThousandsOfCorners) {
+  Polygon comb;
+  constexpr int kTeeth = 2000;
+  for (int k = 0; k < kTeeth; ++k) {
+    comb.emplace_back(k, 0.0, 0.0);
+    comb.emplace_back(k + 0.5, 50.0, 0.0);
+  }
+  comb.emplace_back(kTeeth, 0.0, 0.0);
+  comb.emplace_back(0.5 * kTeeth, -10.0, 0.0);
+  double area = 0.0;
+  for (std::size_t i = 0; i < comb.size(); ++i) {
+    const auto& a = comb[i];
+    const auto& b = comb[(i + 1) % comb.size()];
+    area += 0.5 * (a.x() * b.y() - b.x() * a.y());
+  }
+  EXPECT_NEAR(area_m2(comb), std::abs(area), 1e-6);
+}
+
 TEST(TriangulatePolygon, FacesTheSameWayAsThePolygon) {
   Polygon ring;
   for (int k = 0; k < 9; ++k) {

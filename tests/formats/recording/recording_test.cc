@@ -1,5 +1,6 @@
 #include "formats/recording/recording.h"
 
+#include <chrono>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -186,6 +187,20 @@ TEST_F(RecordingFile, IsRefusedWhenItIsCutAnywhere) {
     const auto size =
         static_cast<std::size_t>(part * static_cast<double>(whole.size()));
     EXPECT_NE(refusal(with_bytes(whole.substr(0, size))), "") << part;
+  }
+}
+
+// HDF5 would read the superblock of what another process writes again and again, with
+// growing sleeps: a minute and more.
+TEST_F(RecordingFile, ADamagedSuperblockIsRefusedAtOnce) {
+  const std::string whole = bytes(written());
+  for (const std::size_t at : {9U, 20U, 30U, 40U, 44U}) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    const fs::path file = with_bytes(damaged);
+    const auto begin = std::chrono::steady_clock::now();
+    (void)refusal(file);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20)) << at;
   }
 }
 

@@ -62,5 +62,14 @@ TEST(LogPicture, NamesCannotBecomeMarkup) {
   EXPECT_EQ(log_picture(picture).find("<script>"), std::string::npos);
 }
 
+// XML with stray bytes is none.
+TEST(LogPicture, BytesThatAreNoUtf8AreReplaced) {
+  LogPicture picture = picture_of({{1.0, 1.0}});
+  picture.title = "l\xff\xc3 Leber \xc3\xa4";
+  const std::string svg = log_picture(picture);
+  EXPECT_NE(svg.find("l\xEF\xBF\xBD\xEF\xBF\xBD Leber \xc3\xa4"), std::string::npos);
+  EXPECT_EQ(svg.find('\xff'), std::string::npos);
+}
+
 }  // namespace
 }  // namespace palpate

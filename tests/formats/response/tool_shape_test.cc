@@ -72,6 +72,8 @@ TEST(ToolShape, ValuesOfOtherKindsOutOfRangeAreNamed) {
             "radius_m = 0.005");
   EXPECT_EQ(error_of(flat_punch(0.0, 0.0)),
             "tool \"punch\": radius_m is 0, must be positive and finite");
+  EXPECT_EQ(error_of(flat_punch(1e-300, 0.0)),
+            "tool \"punch\": radius_m is 1e-300, must be at least 1e-9 m");
   EXPECT_EQ(error_of(cone(0.0, 0.0)),
             "tool \"cone\": half_angle_rad is 0, must be above 0 and below pi/2");
   EXPECT_NE(error_of(cone(1.6, 0.0)).find("half_angle_rad is 1.6"), std::string::npos);

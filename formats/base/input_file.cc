@@ -1,0 +1,61 @@
+#include "formats/base/input_file.h"
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& why) {
+  throw InputError(fmt::format("{}: cannot be read: {}", file.string(), why));
+}
+
+}  // namespace
+
+void require_regular_file(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    fail(file, "no such file");
+  }
+  if (error) {
+    fail(file, error.message());
+  }
+  if (std::filesystem::is_directory(status)) {
+    fail(file, "it is a folder");
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    fail(file, "it is not a regular file");
+  }
+}
+
+std::string read_file(const std::filesystem::path& file, std::size_t most_bytes,
+                      const char* what) {
+  require_regular_file(file);
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) {
+    fail(file, error.message());
+  }
+  if (bytes > most_bytes) {
+    throw InputError(fmt::format("{}: is larger than {} bytes, must be {}",
+                                 file.string(), most_bytes, what));
+  }
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::string content(bytes, '\0');
+  in.read(content.data(), static_cast<std::streamsize>(bytes));
+  if (!in) {
+    fail(file, errno == 0 ? "it became shorter" : std::strerror(errno));
+  }
+  return content;
+}
+
+}  // namespace palpate
