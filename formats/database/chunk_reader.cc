@@ -7,8 +7,9 @@
 #include "formats/base/error.h"
 #include "formats/database/database_check_optional.h"
 #include "formats/database/database_layout.h"
+#include "formats/database/database_rules.h"
 #include "formats/database/index_layout.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate {
 namespace {
@@ -87,6 +88,15 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
   const std::size_t chunks = index.node_begin.empty() ? 0 : index.node_begin.size() - 1;
   check_begins(file, "/index/node_begin", index.node_begin, chunks);
   check_begins(file, "/index/triangle_begin", index.triangle_begin, chunks);
+  for (std::size_t k = 0; k < chunks; ++k) {
+    const std::int64_t size = index.node_begin[k + 1] - index.node_begin[k];
+    if (size < 1 || size > index.storage.chunk_nodes ||
+        (k + 1 < chunks && size != index.storage.chunk_nodes)) {
+      file.fail(
+          fmt::format("dataset /index/node_begin: chunk {} has {} nodes, must have {}",
+                      k, size, index.storage.chunk_nodes));
+    }
+  }
   const auto require = [&](const std::string& path, std::int64_t rows,
                            std::int64_t wanted) {
     if (rows != wanted) {
@@ -150,6 +160,16 @@ void verify(const Hdf5Reader& file, const Sha256Rows& stored, std::int64_t chunk
   }
 }
 
+// Rules name a dataset and a row; who reads them must know the file, too.
+template <typename Rules>
+void by_the_rules(const Hdf5Reader& file, const Rules& check_rules) {
+  try {
+    check_rules();
+  } catch (const FormatError& error) {
+    file.fail(error.what());
+  }
+}
+
 }  // namespace
 
 class ChunkReader::File {
@@ -185,12 +205,12 @@ BodyChunk ChunkReader::body(std::int64_t chunk) const {
   nodes.dataset("/body/source_node", "1", part.source_node);
   triangles.dataset("/body/triangle", "1", part.triangle);
   triangles.dataset("/body/source_triangle", "1", part.source_triangle);
-  if (part.triangle.rows() > 0 &&
-      (part.triangle.minCoeff() < 0 || part.triangle.maxCoeff() >= index_.nodes())) {
-    file.fail(fmt::format(
-        "dataset /body/triangle: chunk {} names a node that is not there", chunk));
-  }
   verify(file, index_.sha256, chunk, chunk_digest(part), "/body");
+  by_the_rules(file, [&] {
+    check_nodes(part.position_m, part.normal, node);
+    check_triangles(part.triangle, index_.nodes(), triangle);
+    check_chunk(index_, chunk, part);
+  });
   return part;
 }
 
@@ -211,6 +231,10 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
                entry.sample_begin.at(k + 1) - sample);
   content::exchange_samples(rows, group, part);
   verify(file_->reader, entry.sha256, chunk, chunk_digest(part), group);
+  by_the_rules(file_->reader, [&] {
+    check_responses(group, part, node);
+    check_chunk(entry, chunk, part);
+  });
   return part;
 }
 

@@ -100,16 +100,13 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
     const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
     const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
-    const std::int64_t first = table.sample_begin[static_cast<std::size_t>(begin)];
-    const std::int64_t last = table.sample_begin[static_cast<std::size_t>(end)];
-    tool.sample_begin.push_back(first);
-    tool.depth_max_m.push_back(largest(table.depth_m, first, last));
-    tool.force_max_n.push_back(largest(table.force_n, first, last));
-    tool.stiffness_max_n_per_m.push_back(
-        largest(table.stiffness_max_n_per_m, begin, end));
-    tool.error_relative_max.push_back(largest(table.error_relative, begin, end));
-    tool.direction_spread_max_rad.push_back(
-        largest(table.direction_spread_rad, begin, end));
+    tool.sample_begin.push_back(table.sample_begin[static_cast<std::size_t>(begin)]);
+    const TableMaxima of = maxima_of(table, begin, end);
+    tool.depth_max_m.push_back(of.depth_m);
+    tool.force_max_n.push_back(of.force_n);
+    tool.stiffness_max_n_per_m.push_back(of.stiffness_n_per_m);
+    tool.error_relative_max.push_back(of.error_relative);
+    tool.direction_spread_max_rad.push_back(of.direction_spread_rad);
     std::vector<std::int32_t> nodes(static_cast<std::size_t>(end - begin));
     std::iota(nodes.begin(), nodes.end(), static_cast<std::int32_t>(begin));
     set_row(tool.sha256, k, chunk_digest(select_nodes(table, nodes)));
@@ -168,6 +165,16 @@ std::vector<std::uint8_t> chunk_digest(const ResponseTable& chunk) {
   add(digest, chunk.stiffness_n_per_m);
   add(digest, chunk.energy_j);
   return bytes_of(digest);
+}
+
+TableMaxima maxima_of(const ResponseTable& table, std::int64_t begin,
+                      std::int64_t end) {
+  const std::int64_t first = table.sample_begin[static_cast<std::size_t>(begin)];
+  const std::int64_t last = table.sample_begin[static_cast<std::size_t>(end)];
+  return {largest(table.depth_m, first, last), largest(table.force_n, first, last),
+          largest(table.stiffness_max_n_per_m, begin, end),
+          largest(table.error_relative, begin, end),
+          largest(table.direction_spread_rad, begin, end)};
 }
 
 DatabaseIndex make_index(const ResponseDatabase& ordered, const StorageOrder& order) {

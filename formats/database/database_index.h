@@ -73,6 +73,20 @@ struct BodyChunk {
 [[nodiscard]] std::vector<std::uint8_t> chunk_digest(const BodyChunk& chunk);
 [[nodiscard]] std::vector<std::uint8_t> chunk_digest(const ResponseTable& chunk);
 
+/// The largest values of some nodes' responses, 0 without any: what the index states of
+/// a chunk.
+struct TableMaxima {
+  double depth_m = 0.0;
+  double force_n = 0.0;
+  double stiffness_n_per_m = 0.0;
+  double error_relative = 0.0;
+  double direction_spread_rad = 0.0;
+};
+
+/// Over the nodes [begin, end) of a table.
+[[nodiscard]] TableMaxima maxima_of(const ResponseTable& table, std::int64_t begin,
+                                    std::int64_t end);
+
 /// Index of a database whose nodes and triangles are in the file's order.
 /// @param order by which they were ordered.
 [[nodiscard]] DatabaseIndex make_index(const ResponseDatabase& ordered,

@@ -14,7 +14,7 @@
 #include "formats/database/response_database.h"
 #include "formats/database/select_nodes.h"
 #include "formats/database/vtk_cells.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 #include "formats/hdf5/storage_options.h"
 
 namespace palpate::content {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "formats/database/database_index.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate::content {
 

@@ -6,10 +6,11 @@
 #include "formats/base/error.h"
 #include "formats/database/database_index.h"
 #include "formats/database/database_layout.h"
+#include "formats/database/database_rules.h"
 #include "formats/database/index_layout.h"
 #include "formats/database/rounded_database.h"
 #include "formats/database/select_nodes.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate {
 namespace {
@@ -33,8 +34,13 @@ void write_database(const std::filesystem::path& file,
   check(database);
   const ResponseDatabase precise = rounded(database);
   check(precise);
-  const StorageOrder order = storage_order(precise.body);
-  const ResponseDatabase ordered = select_nodes(precise, order.node, order.triangle);
+  write_unchecked(file, precise);
+}
+
+void write_unchecked(const std::filesystem::path& file,
+                     const ResponseDatabase& database) {
+  const StorageOrder order = storage_order(database.body);
+  const ResponseDatabase ordered = select_nodes(database, order.node, order.triangle);
   const DatabaseIndex index = make_index(ordered, order);
   const Hdf5Lock lock;
   AtomicFile atomic(file);

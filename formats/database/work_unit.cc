@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/base/sha256.h"
 #include "formats/database/work_unit_cbor.h"
 #include "formats/response/response_rules.h"
@@ -36,16 +36,6 @@ T from_cbor(std::span<const std::byte> bytes, const std::string& source) {
   } catch (const nlohmann::json::exception& error) {
     throw FormatError(fmt::format("{} is damaged: {}", source, error.what()));
   }
-}
-
-std::vector<std::byte> bytes_of_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    throw InputError(fmt::format("{} cannot be read", file.string()));
-  }
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  const auto* first = reinterpret_cast<const std::byte*>(text.data());
-  return {first, first + text.size()};
 }
 
 std::string digest_of(std::span<const std::byte> bytes) {
@@ -115,11 +105,12 @@ void write_shard(const std::filesystem::path& file, const Shard& shard) {
 }
 
 Shard read_shard(const std::filesystem::path& file) {
-  const std::vector<std::byte> bytes = bytes_of_file(file);
+  const std::string content = read_file(file);
+  const auto bytes = std::as_bytes(std::span(content));
   if (!begins_as_shard(bytes)) {
     throw FormatError(fmt::format("{} is no palpate shard", file.string()));
   }
-  const auto rest = std::span(bytes).subspan(kMagic.size());
+  const auto rest = bytes.subspan(kMagic.size());
   const auto body = rest.subspan(std::min(rest.size(), kDigestLength));
   const std::string digest = digest_of(body);
   const auto stored = rest.first(std::min(rest.size(), kDigestLength));

@@ -1,6 +1,8 @@
 #include "runtime/slow/chunk_cache.h"
 
 #include <algorithm>
+#include <exception>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -53,6 +55,18 @@ const SurfacePiece* ChunkCache::take() noexcept {
     taken_.store(published_.latest().number, std::memory_order_release);
   }
   return published_.latest().piece;
+}
+
+void ChunkCache::give_up(const char* why) noexcept {
+  if (!is_damaged()) {
+    try {
+      damage_ = std::string("loading-failed: ") + why;
+    } catch (const std::exception&) {
+      damage_.clear();  // no memory for a reason either
+    }
+    damaged_.store(true, std::memory_order_release);
+  }
+  given_up_.store(true, std::memory_order_release);
 }
 
 void ChunkCache::follow(const ToolMotion& motion) {
@@ -134,7 +148,7 @@ bool ChunkCache::load_next() {
     counts_.bytes -= bytes;
     unreadable_[static_cast<std::size_t>(k)] = 1;
     if (!is_damaged()) {
-      damage_ = error.what();
+      damage_ = std::string("damaged-chunk: ") + error.what();
       damaged_.store(true, std::memory_order_release);
     }
     choose();

@@ -70,8 +70,17 @@ class ChunkCache {
   [[nodiscard]] bool is_damaged() const noexcept {
     return damaged_.load(std::memory_order_acquire);
   }
-  /// Why; only after is_damaged().
+  /// Why, by name: "damaged-chunk: ..." or "loading-failed: ..."; only after
+  /// is_damaged().
   [[nodiscard]] const std::string& damage() const noexcept { return damage_; }
+
+  /// The loading thread cannot go on (memory, a defect): nothing is handed out any
+  /// more.
+  void give_up(const char* why) noexcept;
+  /// Any thread.
+  [[nodiscard]] bool has_given_up() const noexcept {
+    return given_up_.load(std::memory_order_acquire);
+  }
 
  private:
   struct Published {
@@ -108,6 +117,7 @@ class ChunkCache {
   CacheCounts counts_;
   std::string damage_;
   std::atomic<bool> damaged_ = false;
+  std::atomic<bool> given_up_ = false;
   TripleBuffer<Published> published_;
   std::atomic<std::uint64_t> taken_ = 0;  // number of the piece in use
 };

@@ -1,6 +1,8 @@
 #include "runtime/slow/file_elements.h"
 
 #include <chrono>
+#include <exception>
+#include <string>
 
 #include "runtime/realtime/clock.h"
 
@@ -31,15 +33,20 @@ void StreamedElements::stop() {
 }
 
 // The loading thread. Errors of chunks end in the cache; it looks again after a
-// millisecond, a tenth of a slow period.
-void StreamedElements::run() {
-  while (!stop_.load()) {
-    if (wish_.fetch()) {
-      cache_.follow(wish_.latest());
+// millisecond, a tenth of a slow period. Any other exception ends the hand-out of
+// elements, and with it the force.
+void StreamedElements::run() noexcept {
+  try {
+    while (!stop_.load()) {
+      if (wish_.fetch()) {
+        cache_.follow(wish_.latest());
+      }
+      if (!cache_.step()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
     }
-    if (!cache_.step()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+  } catch (const std::exception& error) {
+    cache_.give_up(error.what());
   }
 }
 
@@ -86,6 +93,10 @@ std::size_t StreamedElements::update(const ToolState& tool, std::int64_t now_ns,
     return 0;
   }
   ++updates_;
+  if (cache_.has_given_up()) {
+    ++starved_;
+    return 0;
+  }
   follow(tool);
   const SurfacePiece* piece = cache_.take();
   const bool walk = tool.in_contact && tool.triangle >= 0 &&
@@ -119,7 +130,7 @@ StreamReport StreamedElements::report() const {
   return {.cache = cache_.counts(),
           .updates = updates_,
           .starved = starved_,
-          .fault = cache_.is_damaged() ? "damaged-chunk: " + cache_.damage() : ""};
+          .fault = cache_.is_damaged() ? cache_.damage() : ""};
 }
 
 }  // namespace palpate

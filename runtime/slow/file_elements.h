@@ -43,11 +43,13 @@ class StreamedElements : public ElementSender {
 
   /// Whether a chunk was damaged, any time.
   [[nodiscard]] bool is_damaged() const noexcept { return cache_.is_damaged(); }
+  /// Why; only where is_damaged().
+  [[nodiscard]] const std::string& damage() const noexcept { return cache_.damage(); }
 
  private:
   void follow(const ToolState& tool);
   void load_all(const ToolMotion& motion);
-  void run();
+  void run() noexcept;
   // The active triangle's row; -1 if it is not sure which it is. Without the row in
   // use, left behind by a tool that outran the reading, the nearest one.
   [[nodiscard]] static std::int32_t active_row(const SurfacePiece& piece,

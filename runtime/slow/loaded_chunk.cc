@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "formats/database/database_rules.h"
+
 namespace palpate {
 namespace {
 
@@ -29,6 +31,7 @@ std::shared_ptr<const LoadedChunk> load_chunk(const ChunkReader& reader,
   auto loaded = std::make_shared<LoadedChunk>();
   loaded->body = reader.body(chunk);
   loaded->table = reader.responses(tool, chunk);
+  check_normals(loaded->body.normal, loaded->table, loaded->body.node_begin);
   loaded->thinned = thinned_messages(loaded->rows(force_scale), loaded->loss);
   loaded->needs = chunks_of_nodes(reader.index(), loaded->body, chunk);
   return loaded;

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "formats/hdf5/hdf5_reader.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"

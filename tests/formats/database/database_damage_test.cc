@@ -4,6 +4,7 @@
 #include <random>
 
 #include <hdf5.h>
+#include <sys/stat.h>
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
@@ -116,6 +117,75 @@ void set_first(hid_t file, const char* path, double value) {
 
 #define EXPECT_SAYS(what, text) \
   EXPECT_NE((what).find(text), std::string::npos) << (what)
+
+// Links lead to files that nobody named, or to a pipe that nobody fills.
+TEST_F(DatabaseDamage, SoftAndExternalLinksAreNotFollowed) {
+  const ScratchFolder other;
+  write_database(other / "b.h5", small_database());
+  ASSERT_EQ(::mkfifo((other / "pipe").c_str(), 0600), 0);
+  for (const char* target : {"b.h5", "pipe"}) {
+    for (const char* path : {"/body", "/body/position_m", "/tools/ball/force_n"}) {
+      const std::string what = after([&](hid_t file) {
+        delete_link(file, path);
+        H5Lcreate_external((other / target).c_str(), path, file, path, H5P_DEFAULT,
+                           H5P_DEFAULT);
+      });
+      EXPECT_SAYS(what, "behind a soft or external link");
+    }
+  }
+  EXPECT_SAYS(after([](hid_t file) {
+                delete_link(file, "/tools/ball/force_n");
+                H5Lcreate_soft("/tools/tip/force_n", file, "/tools/ball/force_n",
+                               H5P_DEFAULT, H5P_DEFAULT);
+              }),
+              "behind a soft or external link");
+}
+
+// A file of some kilobytes that says it holds megabytes: nothing is asked of memory.
+TEST_F(DatabaseDamage, WhatWasNeverWrittenIsNotRead) {
+  const std::string what = after([&](hid_t file) {
+    constexpr hsize_t kRows = 1'000'000;
+    delete_link(file, "/body/position_m");
+    const std::array<hsize_t, 2> size{kRows, 3};
+    const std::array<hsize_t, 2> chunk{100'000, 3};
+    const hid_t space = H5Screate_simple(2, size.data(), nullptr);
+    const hid_t create = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(create, 2, chunk.data());
+    H5Pset_deflate(create, 6);
+    const hid_t dataset = H5Dcreate2(file, "/body/position_m", H5T_IEEE_F64LE, space,
+                                     H5P_DEFAULT, create, H5P_DEFAULT);
+    H5Dclose(dataset);
+    H5Pclose(create);
+    H5Sclose(space);
+    set_text(file, "/body/position_m", "units", "m");
+  });
+  EXPECT_SAYS(what, "never written");
+}
+
+// The same with a hole of 64 GB at the file's end, so that its length would allow it.
+TEST_F(DatabaseDamage, AHoleInTheFileDoesNotMakeItLarge) {
+  const hid_t id = H5Fopen(file_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t create = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY);
+  H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
+  const std::array<hsize_t, 2> size{2'000'000'000, 3};
+  const hid_t space = H5Screate_simple(2, size.data(), nullptr);
+  delete_link(id, "/body/position_m");
+  const hid_t dataset = H5Dcreate2(id, "/body/position_m", H5T_IEEE_F64LE, space,
+                                   H5P_DEFAULT, create, H5P_DEFAULT);
+  H5Dclose(dataset);
+  set_text(id, "/body/position_m", "units", "m");
+  H5Pclose(create);
+  H5Sclose(space);
+  H5Fclose(id);
+  EXPECT_SAYS(outcome(file_), "more than a file of");
+}
+
+TEST_F(DatabaseDamage, APipeIsNotWaitedFor) {
+  const std::filesystem::path pipe = folder_ / "pipe.h5";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW((void)read_database(pipe), InputError);
+}
 
 TEST_F(DatabaseDamage, ATruncatedFileIsRefusedAtEveryLength) {
   const std::string whole = bytes_of(file_);

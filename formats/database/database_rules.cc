@@ -1,4 +1,5 @@
-// The rules of FORMAT.md, applied to a database in memory.
+#include "formats/database/database_rules.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,7 +9,6 @@
 
 #include "formats/base/error.h"
 #include "formats/database/database_check_optional.h"
-#include "formats/database/response_database.h"
 #include "formats/response/response_curve.h"
 
 namespace palpate {
@@ -28,33 +28,9 @@ bool is_in(double value, double low, double high) {
   return value >= low && value <= high;
 }
 
-void check_body(const ResponseDatabase& database) {
-  const SurfaceMesh& body = database.body;
-  const Eigen::Index n = body.position_m.rows();
-  if (n == 0 || body.triangle.rows() == 0) {
-    fail("/body has {} nodes and {} triangles, must have some of both", n,
-         body.triangle.rows());
-  }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (!body.position_m.row(i).allFinite()) {
-      fail("/body/position_m: node {} is at ({}, {}, {}), must be finite", i,
-           body.position_m(i, 0), body.position_m(i, 1), body.position_m(i, 2));
-    }
-  }
-  for (Eigen::Index t = 0; t < body.triangle.rows(); ++t) {
-    const auto node = body.triangle.row(t);
-    if (node.minCoeff() < 0 || node.maxCoeff() >= n || node[0] == node[1] ||
-        node[1] == node[2] || node[2] == node[0]) {
-      fail(
-          "/body/triangle: triangle {} is ({}, {}, {}), must be three different nodes "
-          "in [0, {}]",
-          t, node[0], node[1], node[2], n - 1);
-    }
-  }
-  if (database.normal.rows() != n) {
-    fail("/body/normal has {} rows, must have one per node: {}", database.normal.rows(),
-         n);
-  }
+// A node as the file counts it.
+std::int64_t name_of(std::size_t row, std::int64_t first) {
+  return first + static_cast<std::int64_t>(row);
 }
 
 // Every per-node array of a tool has one entry per node.
@@ -80,7 +56,8 @@ void check_sizes(const std::string& group, const ResponseTable& table, std::size
   require("energy_j", table.energy_j.size(), samples);
 }
 
-void check_sample_begin(const std::string& group, const ResponseTable& table) {
+void check_sample_begin(const std::string& group, const ResponseTable& table,
+                        std::int64_t first) {
   const std::vector<std::int64_t>& begin = table.sample_begin;
   if (begin.front() != 0) {
     fail("{}/sample_begin: element 0 is {}, must be 0", group, begin.front());
@@ -89,7 +66,7 @@ void check_sample_begin(const std::string& group, const ResponseTable& table) {
     const std::int64_t count = begin[i + 1] - begin[i];
     if (begin[i + 1] < begin[i] || count == 1) {
       fail("{}/sample_begin: node {} owns samples {} to {}, must be none or 2 or more",
-           group, i, begin[i], begin[i + 1]);
+           group, name_of(i, first), begin[i], begin[i + 1]);
     }
   }
   if (begin.back() != static_cast<std::int64_t>(table.depth_m.size())) {
@@ -99,12 +76,12 @@ void check_sample_begin(const std::string& group, const ResponseTable& table) {
 }
 
 void check_node_values(const std::string& group, const ResponseTable& table,
-                       std::size_t i) {
+                       std::size_t i, std::int64_t first) {
   constexpr double kInfinity = std::numeric_limits<double>::max();
   const auto require = [&](const char* name, double value, double low, double high) {
     if (!is_in(value, low, high)) {
-      fail("{}/{}: node {} has {}, must lie in [{:.6g}, {:.6g}]", group, name, i, value,
-           low, high);
+      fail("{}/{}: node {} has {}, must lie in [{:.6g}, {:.6g}]", group, name,
+           name_of(i, first), value, low, high);
     }
   };
   require("direction_spread_rad", table.direction_spread_rad[i], 0.0, std::numbers::pi);
@@ -116,29 +93,30 @@ void check_node_values(const std::string& group, const ResponseTable& table,
   require("flags", table.flags[i], 0.0, kAllResponseFlags);
   if (table.friction[i] > 0.0 && !(table.presliding_m[i] > 0.0)) {
     fail("{}/presliding_m: node {} has {}, must be positive where friction is", group,
-         i, table.presliding_m[i]);
+         name_of(i, first), table.presliding_m[i]);
   }
 }
 
-void check_direction(const std::string& group, const ResponseDatabase& database,
-                     const ResponseTable& table, std::size_t node) {
-  const auto i = static_cast<Eigen::Index>(node);
-  const double direction = table.direction.row(i).norm();
-  const double normal = database.normal.row(i).norm();
-  const bool has_curve = table.sample_begin[node] != table.sample_begin[node + 1];
-  // A node without a response may do without a vector: then it is exactly zero.
-  const auto is_good = [&](double length) {
-    return std::abs(length - 1.0) <= kUnitTolerance || (length == 0.0 && !has_curve);
-  };
-  if (!is_good(direction)) {
-    fail("{}/direction: node {} has length {}, must be 1", group, node, direction);
-  }
-  if (!is_good(normal)) {
-    fail("/body/normal: node {} has length {}, must be 1", node, normal);
+// A node without a response may do without a vector: then it is exactly zero.
+bool is_direction(double length, bool has_curve) {
+  return std::abs(length - 1.0) <= kUnitTolerance || (length == 0.0 && !has_curve);
+}
+
+bool has_curve(const ResponseTable& table, std::size_t node) {
+  return table.sample_begin[node] != table.sample_begin[node + 1];
+}
+
+void check_direction(const std::string& group, const ResponseTable& table,
+                     std::size_t node, std::int64_t first) {
+  const double length = table.direction.row(static_cast<Eigen::Index>(node)).norm();
+  if (!is_direction(length, has_curve(table, node))) {
+    fail("{}/direction: node {} has length {}, must be 1", group, name_of(node, first),
+         length);
   }
 }
 
-void check_samples(const std::string& group, const CurveView& curve, std::size_t node) {
+void check_samples(const std::string& group, const CurveView& curve,
+                   std::int64_t node) {
   const std::size_t n = curve.depth_m.size();
   if (curve.depth_m[0] != 0.0 || curve.force_n[0] != 0.0 || curve.energy_j[0] != 0.0) {
     fail("{}: the curve of node {} starts at ({} m, {} N, {} J), must start at zero",
@@ -164,7 +142,7 @@ void check_samples(const std::string& group, const CurveView& curve, std::size_t
 
 // The cubic of an interval stays between its ends when both slopes lie in [0, 3 secant]
 // (Fritsch & Carlson 1980).
-void check_slopes(const std::string& group, const CurveView& curve, std::size_t node) {
+void check_slopes(const std::string& group, const CurveView& curve, std::int64_t node) {
   for (std::size_t i = 0; i + 1 < curve.depth_m.size(); ++i) {
     const double secant = (curve.force_n[i + 1] - curve.force_n[i]) /
                           (curve.depth_m[i + 1] - curve.depth_m[i]);
@@ -181,7 +159,7 @@ void check_slopes(const std::string& group, const CurveView& curve, std::size_t 
   }
 }
 
-void check_energy(const std::string& group, const CurveView& curve, std::size_t node) {
+void check_energy(const std::string& group, const CurveView& curve, std::int64_t node) {
   double energy = 0.0;
   double scale = 0.0;
   for (std::size_t i = 0; i + 1 < curve.depth_m.size(); ++i) {
@@ -194,52 +172,48 @@ void check_energy(const std::string& group, const CurveView& curve, std::size_t 
   }
 }
 
-void check_curve(const std::string& group, const ResponseTable& table,
-                 std::size_t node) {
-  const CurveView curve = table.curve(static_cast<std::int64_t>(node));
-  const bool has_curve = !curve.depth_m.empty();
+void check_curve(const std::string& group, const ResponseTable& table, std::size_t row,
+                 std::int64_t first) {
+  const std::int64_t node = name_of(row, first);
+  const CurveView curve = table.curve(static_cast<std::int64_t>(row));
   const bool has_origin =
-      table.origin[node] != static_cast<std::uint8_t>(ResponseOrigin::kNone);
-  if (has_curve != has_origin) {
+      table.origin[row] != static_cast<std::uint8_t>(ResponseOrigin::kNone);
+  if (has_curve(table, row) != has_origin) {
     fail("{}/origin: node {} is {} but has {} samples, must be 0 without samples only",
-         group, node, table.origin[node], curve.depth_m.size());
+         group, node, table.origin[row], curve.depth_m.size());
   }
-  if (has_curve) {
+  if (has_curve(table, row)) {
     check_samples(group, curve, node);
     check_slopes(group, curve, node);
     check_energy(group, curve, node);
   }
   const bool falls = !std::is_sorted(curve.force_n.begin(), curve.force_n.end());
-  const bool flagged = (table.flags[node] & kFallingCurve) != 0;
+  const bool flagged = (table.flags[row] & kFallingCurve) != 0;
   if (falls != flagged) {
     fail("{}/flags: node {} is {}flagged as falling, but its force {}", group, node,
          flagged ? "" : "not ", falls ? "falls with depth" : "never falls");
   }
   const double largest = stiffness_max_n_per_m(curve);
-  if (!(std::abs(table.stiffness_max_n_per_m[node] - largest) <= kRounding * largest)) {
+  if (!(std::abs(table.stiffness_max_n_per_m[row] - largest) <= kRounding * largest)) {
     fail(
         "{}/stiffness_max_n_per_m: node {} has {}, must be the curve's largest slope "
         "{}",
-        group, node, table.stiffness_max_n_per_m[node], largest);
+        group, node, table.stiffness_max_n_per_m[row], largest);
   }
 }
 
-void check_tool(const ResponseDatabase& database, const ResponseTable& table) {
-  try {
-    check(table.tool);
-  } catch (const InputError& error) {
-    fail("/tools: {}", error.what());
+// Each is there at most once. @param limit one more than the largest
+void check_names(const char* path, std::vector<std::int32_t> names,
+                 std::int64_t limit) {
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (!names.empty() && (names.front() < 0 || names.back() >= limit)) {
+    fail("{} holds {}, must lie in [0, {}]", path,
+         names.front() < 0 ? names.front() : names.back(), limit - 1);
   }
-  const std::string group = "/tools/" + table.tool.name;
-  const auto n = static_cast<std::size_t>(database.body.position_m.rows());
-  check_sizes(group, table, n);
-  check_sample_begin(group, table);
-  for (std::size_t i = 0; i < n; ++i) {
-    check_node_values(group, table, i);
-    check_direction(group, database, table, i);
-    check_curve(group, table, i);
+  if (twice != names.end()) {
+    fail("{} holds {} twice, must hold each once", path, *twice);
   }
-  check_optional(group, table);
 }
 
 void check_provenance(const Provenance& provenance) {
@@ -268,19 +242,136 @@ void check_provenance(const Provenance& provenance) {
 
 }  // namespace
 
+void check_nodes(const Points& position_m, const Points& normal, std::int64_t first) {
+  const auto n = static_cast<std::size_t>(position_m.rows());
+  if (normal.rows() != position_m.rows()) {
+    fail("/body/normal has {} rows, must have one per node: {}", normal.rows(), n);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3d at = position_m.row(static_cast<Eigen::Index>(i));
+    const double length = normal.row(static_cast<Eigen::Index>(i)).norm();
+    if (!at.allFinite()) {
+      fail("/body/position_m: node {} is at ({}, {}, {}), must be finite",
+           name_of(i, first), at.x(), at.y(), at.z());
+    }
+    if (!is_direction(length, false)) {
+      fail("/body/normal: node {} has length {}, must be 1", name_of(i, first), length);
+    }
+  }
+}
+
+void check_triangles(const Triangles& triangle, std::int64_t nodes,
+                     std::int64_t first) {
+  for (Eigen::Index t = 0; t < triangle.rows(); ++t) {
+    const auto node = triangle.row(t);
+    if (node.minCoeff() < 0 || node.maxCoeff() >= nodes || node[0] == node[1] ||
+        node[1] == node[2] || node[2] == node[0]) {
+      fail(
+          "/body/triangle: triangle {} is ({}, {}, {}), must be three different nodes "
+          "in [0, {}]",
+          first + t, node[0], node[1], node[2], nodes - 1);
+    }
+  }
+}
+
+void check_responses(const std::string& group, const ResponseTable& table,
+                     std::int64_t first) {
+  try {
+    check(table.tool);
+  } catch (const InputError& error) {
+    fail("/tools: {}", error.what());
+  }
+  const auto n = static_cast<std::size_t>(table.nodes());
+  check_sizes(group, table, n);
+  check_sample_begin(group, table, first);
+  for (std::size_t i = 0; i < n; ++i) {
+    check_node_values(group, table, i, first);
+    check_direction(group, table, i, first);
+    check_curve(group, table, i, first);
+  }
+}
+
+void check_normals(const Points& normal, const ResponseTable& table,
+                   std::int64_t first) {
+  for (Eigen::Index i = 0; i < normal.rows(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    if (const double length = normal.row(i).norm();
+        !is_direction(length, has_curve(table, row))) {
+      fail("/body/normal: node {} has length {}, must be 1", name_of(row, first),
+           length);
+    }
+  }
+}
+
+void check_chunk(const DatabaseIndex& index, std::int64_t chunk,
+                 const BodyChunk& body) {
+  for (Eigen::Index i = 0; i < body.position_m.rows(); ++i) {
+    const auto at = body.position_m.row(i).array();
+    if ((at < index.box_min_m.row(chunk).array()).any() ||
+        (at > index.box_max_m.row(chunk).array()).any()) {
+      fail("/body/position_m: node {} lies outside of the box of chunk {}",
+           body.node_begin + i, chunk);
+    }
+  }
+  const std::int64_t end = body.node_begin + body.position_m.rows();
+  for (Eigen::Index t = 0; t < body.triangle.rows(); ++t) {
+    const std::int32_t least = body.triangle.row(t).minCoeff();
+    if (least < body.node_begin || least >= end) {
+      fail(
+          "/body/triangle: chunk {} holds ({}, {}, {}), whose first node must be its "
+          "own",
+          chunk, body.triangle(t, 0), body.triangle(t, 1), body.triangle(t, 2));
+    }
+  }
+  check_names("/body/source_node", body.source_node, index.nodes());
+  check_names("/body/source_triangle", body.source_triangle, index.triangles());
+}
+
+void check_chunk(const ToolIndex& index, std::int64_t chunk,
+                 const ResponseTable& table) {
+  const auto k = static_cast<std::size_t>(chunk);
+  const TableMaxima found = maxima_of(table, 0, table.nodes());
+  const auto require = [&](const char* name, double stated, double value) {
+    if (stated != value) {
+      fail("/tools/{}/index/{}: chunk {} has {}, must be the largest of its nodes, {}",
+           index.tool.name, name, chunk, stated, value);
+    }
+  };
+  require("depth_max_m", index.depth_max_m[k], found.depth_m);
+  require("force_max_n", index.force_max_n[k], found.force_n);
+  require("stiffness_max_n_per_m", index.stiffness_max_n_per_m[k],
+          found.stiffness_n_per_m);
+  require("error_relative_max", index.error_relative_max[k], found.error_relative);
+  require("direction_spread_max_rad", index.direction_spread_max_rad[k],
+          found.direction_spread_rad);
+}
+
 void check(const ResponseDatabase& database) {
-  check_body(database);
+  const SurfaceMesh& body = database.body;
+  const Eigen::Index n = body.position_m.rows();
+  if (n == 0 || body.triangle.rows() == 0) {
+    fail("/body has {} nodes and {} triangles, must have some of both", n,
+         body.triangle.rows());
+  }
+  check_nodes(body.position_m, database.normal);
+  check_triangles(body.triangle, n);
   if (database.tools.empty()) {
     fail("/tools is empty, must hold at least one tool");
   }
   std::set<std::string> names;
   for (const ResponseTable& table : database.tools) {
-    check_tool(database, table);
+    const std::string group = "/tools/" + table.tool.name;
+    if (table.nodes() != n) {
+      fail("{} has {} nodes, must have {}", group, table.nodes(), n);
+    }
+    check_responses(group, table);
+    check_normals(database.normal, table);
+    check_optional(group, table);
     if (!names.insert(table.tool.name).second) {
       fail("/tools: the name {:?} occurs twice, must be unique", table.tool.name);
     }
   }
-  check(database.measurement, database.body.position_m.rows());
+  check(database.measurement, n);
   check_provenance(database.provenance);
 }
 

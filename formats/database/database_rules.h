@@ -1,0 +1,50 @@
+// The rules of FORMAT.md for parts of a database: all of it at once, or chunk by chunk
+// as a renderer streams it. One writing for both: what is rendered was held to them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "formats/database/database_index.h"
+#include "formats/database/response_database.h"
+
+namespace palpate {
+
+// Every function @throws FormatError naming the dataset, the row, its value and what it
+// must be. Rows are named as the file counts them: first + row.
+
+/// Positions are finite, there is a normal for each, of length 1 or zero.
+void check_nodes(const Points& position_m, const Points& normal,
+                 std::int64_t first = 0);
+
+/// Three different nodes in [0, nodes) for each triangle.
+void check_triangles(const Triangles& triangle, std::int64_t nodes,
+                     std::int64_t first = 0);
+
+/// All of a tool's arrays: their sizes, the shape of the tool, each node's values, its
+/// direction and its curve.
+/// @param group of the tool, for messages: "/tools/ball"
+void check_responses(const std::string& group, const ResponseTable& table,
+                     std::int64_t first = 0);
+
+/// A node with a response has a normal.
+void check_normals(const Points& normal, const ResponseTable& table,
+                   std::int64_t first = 0);
+
+/// A chunk of the body against what the index says of it: its nodes lie in its box, its
+/// triangles begin with one of its nodes, and it names each of the source's nodes and
+/// triangles once at most.
+void check_chunk(const DatabaseIndex& index, std::int64_t chunk, const BodyChunk& body);
+
+/// A chunk of responses against the index: its largest depth, force, slope, error and
+/// spread are those that the index states.
+void check_chunk(const ToolIndex& index, std::int64_t chunk,
+                 const ResponseTable& table);
+
+/// write_database() without the rules: a file whose digests are right and whose content
+/// is not, for tests of who must refuse it. Sizes must agree.
+void write_unchecked(const std::filesystem::path& file,
+                     const ResponseDatabase& database);
+
+}  // namespace palpate
