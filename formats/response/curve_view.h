@@ -21,9 +21,10 @@ struct BasicResponseSample {
 ///
 /// On the interval [d_i, d_{i+1}] of width h, with t = (d - d_i)/h, f is the cubic
 /// Hermite polynomial of f_i, f_{i+1} and the slopes m_i, m_{i+1}; the energy is the
-/// antiderivative of the same polynomial, so E' = f to rounding. Zero for d <= 0;
-/// linear with the last slope beyond the last depth. An empty view is a response of
-/// zero.
+/// antiderivative of the same polynomial, so E' = f to rounding. Zero for d <= 0.
+/// Beyond the last depth linear with the slope max(0, m) of the last sample: a curve
+/// that falls at its end holds its force, because going on it would pull the tool in,
+/// with an energy below zero. An empty view is a response of zero.
 template <typename Scalar>
 struct BasicCurveView {
   std::span<const Scalar> depth_m;            ///< (n) [m] from 0, strictly increasing
@@ -43,7 +44,7 @@ struct BasicCurveView {
     const std::size_t n = depth_m.size();
     if (d > depth_m[n - 1]) {
       const Scalar past = d - depth_m[n - 1];
-      const Scalar m = stiffness_n_per_m[n - 1];
+      const Scalar m = std::max(Scalar(0.0), stiffness_n_per_m[n - 1]);
       return {force_n[n - 1] + m * past, m,
               energy_j[n - 1] + (force_n[n - 1] + 0.5 * m * past) * past, true};
     }

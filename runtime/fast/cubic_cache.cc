@@ -1,5 +1,6 @@
 #include "runtime/fast/cubic_cache.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace palpate {
@@ -10,7 +11,7 @@ CurvePiece piece_around(const ElementCurve& curve, Real d) noexcept {
     return {.from_m = curve.depth_m[last],
             .to_m = std::numeric_limits<Real>::infinity(),
             .force_n = curve.force_n[last],
-            .stiffness_n_per_m = curve.stiffness_n_per_m[last],
+            .stiffness_n_per_m = std::max(Real(0.0), curve.stiffness_n_per_m[last]),
             .energy_j = curve.energy_j[last],
             .extrapolated = true};
   }

@@ -176,7 +176,8 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
     model.received_inside = cache.received;
   }
   if (response.loaded && has_friction(model)) {
-    model.friction_n_per_m = model.friction * response.normal_n / model.presliding_m;
+    model.friction_n_per_m =
+        model.friction * std::max(0.0, response.normal_n) / model.presliding_m;
     response.friction_j =
         0.5 * model.friction_n_per_m * response.presliding_m.squaredNorm();
   }

@@ -105,6 +105,30 @@ Vector3 advance_model(FastState& state, const Vector3& x, Real dt_s,
   }
 }
 
+bool is_finite(const ElementNode& node) {
+  const auto finite = [](const auto& values, std::size_t count) {
+    return std::all_of(values.begin(),
+                       values.begin() + static_cast<std::ptrdiff_t>(count), [](Real x) {
+                         return std::isfinite(x);
+                       });
+  };
+  // Too many are refused by the cache.
+  const auto n = static_cast<std::size_t>(
+      std::clamp<std::int32_t>(node.samples, 0, kElementSamples));
+  return finite(node.position_m, 3) && finite(node.normal, 3) &&
+         finite(node.direction, 3) && std::isfinite(node.touch_offset_m) &&
+         std::isfinite(node.friction) && std::isfinite(node.presliding_m) &&
+         finite(node.depth_m, n) && finite(node.force_n, n) &&
+         finite(node.stiffness_n_per_m, n) && finite(node.energy_j, n);
+}
+
+bool is_finite(const Element& element) {
+  return std::all_of(element.node.begin(), element.node.end(),
+                     [](const ElementNode& node) {
+                       return is_finite(node);
+                     });
+}
+
 // NaN in dt or position is a fault before it can reach the account.
 void check_input(FastState& state, const FastSample& sample, Real dt_s) {
   if (!sample.position_m.allFinite()) {
@@ -136,10 +160,17 @@ const char* check(const FastConfig& config) noexcept {
   if (!(config.ramp_s >= 0.0) || !std::isfinite(config.ramp_s)) {
     return "start-up ramp must be finite and not negative";
   }
+  if (config.ramp_s > 0.0 && !std::isfinite(config.force_max_n)) {
+    return "start-up ramp needs a finite force limit, which it raises";
+  }
   return nullptr;
 }
 
 void accept(FastState& state, const Element& element) noexcept {
+  if (!is_finite(element)) {
+    raise_fault(state, Fault::kNotFinite);
+    return;
+  }
   store(state.cache, element);
   state.update_due = state.update_due || element.active;
 }
@@ -171,6 +202,12 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
   command.dissipated_j = state.ledger.dissipated_j;
   command.fault = static_cast<std::uint8_t>(state.safety.fault);
   return command;
+}
+
+void delivered(FastState& state, const Vector3& force_n) noexcept {
+  if (force_n.allFinite() && state.safety.fault == Fault::kNone) {
+    state.safety.delivered_n = force_n;
+  }
 }
 
 FastContact contact(const FastState& state) noexcept {

@@ -89,7 +89,8 @@ struct FastState {
 
 /// Takes in one element of the slow process. For the scalar models an element marked
 /// active is the slow update: its response at the next sample is the slow simulation's
-/// value, and the model goes on from there until the next one.
+/// value, and the model goes on from there until the next one. One with a number that
+/// is not finite is not taken in: a fault.
 void accept(FastState& state, const Element& element) noexcept;
 
 /// One tick. A fault (safety.h) is latched and leaves zero force: a position that is
@@ -97,6 +98,13 @@ void accept(FastState& state, const Element& element) noexcept;
 /// model follows the sample, the force stays as it was.
 /// @param dt_s [s] since the last step, [0, 1].
 FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept;
+
+/// Tells the account what the device made of the latest command, where its driver could
+/// not render it whole: motors that saturate, a pose without transmission, an exchange
+/// that was missed. Without a call the command counts as rendered.
+/// @param force_n [N] on the tool until the next step. A vector that is not finite
+///   counts as the command.
+void delivered(FastState& state, const Vector3& force_n) noexcept;
 
 /// The contact point and active triangle after the latest step.
 [[nodiscard]] FastContact contact(const FastState& state) noexcept;

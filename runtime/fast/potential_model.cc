@@ -151,8 +151,8 @@ void set_spring(PotentialModel& model, const ElementCache& cache) {
     return;
   }
   const Real before = model.friction_n_per_m;
-  const Real now =
-      friction.coefficient * model.response.normal_n / friction.presliding_m;
+  const Real now = friction.coefficient * std::max(0.0, model.response.normal_n) /
+                   friction.presliding_m;
   model.friction_n_per_m = now;
   Vector3& t = model.presliding_m;
   const Real length2 = t.squaredNorm();

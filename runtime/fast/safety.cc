@@ -29,15 +29,15 @@ bool account_holds(const PassivityLedger& ledger, const SafetyState& state,
   const double tolerance =
       kRoundingJ + kRoundingRelative * (ledger.stored_j + ledger.dissipated_j);
   return std::abs(imbalance_j(ledger)) <= tolerance && ledger.created_j <= tolerance &&
-         ledger.tank_j >= 0 && ledger.work_j - state.clamp_gain_j >= -floor_j;
+         ledger.tank_j >= 0 && allowance_j(ledger) - state.owed_j >= -floor_j;
 }
 
 }  // namespace
 
 std::string_view name(Fault fault) noexcept {
-  constexpr std::array<std::string_view, 8> kNames{
-      "none",         "not-finite",  "time-step", "energy",
-      "slow-stalled", "device-lost", "deadlines", "device-silent"};
+  constexpr std::array<std::string_view, 9> kNames{
+      "none",        "not-finite", "time-step",     "energy", "slow-stalled",
+      "device-lost", "deadlines",  "device-silent", "jump"};
   const auto i = static_cast<std::size_t>(fault);
   return i < kNames.size() ? kNames[i] : "unknown";
 }
@@ -51,11 +51,13 @@ void raise_fault(SafetyState& state, Fault fault) noexcept {
 Vector3 make_safe(SafetyState& state, const SafetyLimits& limits,
                   const PassivityLedger& ledger, const Vector3& wanted_n,
                   const Vector3& moved_m, Real dt_s) noexcept {
-  const Real gain_j = (state.force_n - state.model_n).dot(moved_m);
+  const Real gain_j = (state.delivered_n - state.model_n).dot(moved_m);
+  const double dissipated_j = ledger.dissipated_j - state.dissipated_seen_j;
+  state.dissipated_seen_j = ledger.dissipated_j;
   if (!wanted_n.allFinite() || !std::isfinite(gain_j)) {
     raise_fault(state, Fault::kNotFinite);
   } else {
-    state.clamp_gain_j = std::max<double>(0.0, state.clamp_gain_j + double(gain_j));
+    state.owed_j = std::max<double>(0.0, state.owed_j + double(gain_j) - dissipated_j);
   }
   if (state.fault == Fault::kNone && std::isfinite(limits.energy_floor_j) &&
       !account_holds(ledger, state, limits.energy_floor_j)) {
@@ -63,6 +65,7 @@ Vector3 make_safe(SafetyState& state, const SafetyLimits& limits,
   }
   if (state.fault != Fault::kNone) {
     state.force_n.setZero();
+    state.delivered_n.setZero();
     state.model_n.setZero();
     return state.force_n;
   }
@@ -72,6 +75,7 @@ Vector3 make_safe(SafetyState& state, const SafetyLimits& limits,
   // An infinite slew limit and dt 0 would be NaN; no time, no change.
   const Real change_max = dt_s > 0.0 ? limits.slew_max_n_per_s * dt_s : 0.0;
   state.force_n += clamp_length(clamped - state.force_n, change_max);
+  state.delivered_n = state.force_n;
   return state.force_n;
 }
 

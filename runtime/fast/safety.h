@@ -21,10 +21,11 @@ enum class Fault : std::uint8_t {
   kDeviceLost = 5,    ///< raised outside: transport failed
   kDeadlines = 6,     ///< raised outside: a burst of missed deadlines
   kDeviceSilent = 7,  ///< raised outside: no answer of the device for too long
+  kJump = 8,          ///< raised outside: a position farther away than a hand moves
 };
 
 /// "none", "not-finite", "time-step", "energy", "slow-stalled", "device-lost",
-/// "deadlines", "device-silent"; "unknown" for a value that is no Fault.
+/// "deadlines", "device-silent", "jump"; "unknown" for a value that is no Fault.
 [[nodiscard]] std::string_view name(Fault fault) noexcept;
 
 struct SafetyLimits {
@@ -35,10 +36,12 @@ struct SafetyLimits {
 };
 
 struct SafetyState {
-  Vector3 force_n = Vector3::Zero();  ///< [N] last that left
-  Vector3 model_n = Vector3::Zero();  ///< [N] last that was asked for
-  double clamp_gain_j = 0.0;          ///< [J] >= 0 given to the user beyond the model
-  Real age_s = 0.0;                   ///< [s] since the start, as the steps counted it
+  Vector3 force_n = Vector3::Zero();      ///< [N] last that left
+  Vector3 delivered_n = Vector3::Zero();  ///< [N] what the device made of it
+  Vector3 model_n = Vector3::Zero();      ///< [N] last that was asked for
+  double owed_j = 0.0;             ///< [J] >= 0 given to the user beyond the model
+  double dissipated_seen_j = 0.0;  ///< [J] the ledger's, at the last call
+  Real age_s = 0.0;                ///< [s] since the start, as the steps counted it
   Fault fault = Fault::kNone;
 };
 
@@ -48,11 +51,16 @@ void raise_fault(SafetyState& state, Fault fault) noexcept;
 /// In order: finite check, force clamp (whole vector, direction kept), slew clamp,
 /// energy check. From the start the clamp rises in proportion to time, to force_max_n
 /// after ramp_s: a tool that starts inside a body is not thrown out. The energy check
-/// holds the ledger's identity to rounding, and work - clamp_gain >= -energy_floor,
-/// where clamp_gain is the sum, never below zero (what the clamps took is not lent), of
-/// (force that left - force of the model) . (movement of
-/// the tool after it). An infinite energy_floor omits the energy check, as the holds
-/// need, which create energy.
+/// holds the ledger's identity to rounding, and
+///
+///   stored + tank - owed >= -energy_floor,   owed <- max(0, owed + g - dissipated now)
+///
+/// with g = (force that was delivered - force of the model) . (movement of the tool
+/// after it). stored + tank - owed is what the user has really put in and can still get
+/// back. What clamps or a driver took from the user, and what friction took, pays for
+/// what they gave before, and is never lent for later: between any two moments the user
+/// gets at most stored + tank of the first and the floor. An infinite energy_floor
+/// omits the energy check, as the holds need, which create energy.
 /// @param wanted_n [N] the local model's force.
 /// @param moved_m  [m] movement of the tool since the last call.
 /// @param dt_s     [s] >= 0 since the last call; 0 leaves the force as it was.

@@ -13,7 +13,8 @@ void switch_model(FastState& state, LocalModel model) noexcept {
     // A held force stores F x, of any sign and size: what counts is the work put in.
     const double work_j = std::max<double>(0.0, ledger.work_j);
     ledger = {.work_j = work_j, .tank_j = work_j};
-    state.safety.clamp_gain_j = 0.0;
+    state.safety.owed_j = 0.0;
+    state.safety.dissipated_seen_j = 0.0;
   } else {
     book_change(ledger, 0.0, allowance_j(ledger));
   }

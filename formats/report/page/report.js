@@ -10,7 +10,7 @@ const originColour = [[200, 200, 200], [0, 114, 178], [230, 159, 0], [0, 158, 11
 function response(tool, i, d) {
   const a = tool.begin[i], b = tool.begin[i + 1], D = tool.depth, F = tool.force, M = tool.slope;
   if (a === b) return null;
-  if (d > D[b - 1]) return {force: F[b - 1] + M[b - 1] * (d - D[b - 1]), extrapolated: true};
+  if (d > D[b - 1]) return {force: F[b - 1] + Math.max(0, M[b - 1]) * (d - D[b - 1]), extrapolated: true};
   let k = a;
   while (k < b - 2 && D[k + 1] < d) ++k;
   const h = D[k + 1] - D[k], x = (d - D[k]) / h, s = (F[k + 1] - F[k]) / h, m = M[k], e = M[k + 1];

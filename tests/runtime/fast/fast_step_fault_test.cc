@@ -1,6 +1,8 @@
 // Bad samples, bad elements, bad configurations: defined behaviour of the fast step.
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -89,6 +91,54 @@ TEST(FastStepFault, DegenerateElementAndSlopesOfZeroStayFinite) {
     const FastCommand command = step(state, {x, 0}, kTickS);
     ASSERT_TRUE(command.force_n.allFinite());
     ASSERT_EQ(command.fault, 0);
+  }
+}
+
+// Wherever it stands: one that a comparison would pass by is a fault, too.
+TEST(FastStepFault, NotANumberAnywhereInAnElementIsNotTakenIn) {
+  const BenchBody body = make_bench_body({});
+  constexpr Real kNaN = std::numeric_limits<Real>::quiet_NaN();
+  const std::vector<std::function<void(ElementNode&)>> places{[](ElementNode& n) {
+                                                                n.position_m[1] = kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.normal[2] = kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.direction[0] = kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.touch_offset_m = kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.friction = kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.presliding_m = kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.depth_m[3] = kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.stiffness_n_per_m[3] =
+                                                                    kNaN;
+                                                              },
+                                                              [](ElementNode& n) {
+                                                                n.energy_j[3] = kNaN;
+                                                              }};
+  for (const auto& place : places) {
+    for (const LocalModel model : {LocalModel::kElement, LocalModel::kPotential}) {
+      FastState state = element_state(0.0);
+      state.config.model = model;
+      const Eigen::Vector3d x = over_middle(body, 0.001);
+      Element broken = body.element[static_cast<std::size_t>(body.triangle_at(x))];
+      broken.active = true;
+      place(broken.node[1]);
+      accept(state, broken);
+      EXPECT_EQ(step(state, {x, 0}, kTickS).fault,
+                static_cast<std::uint8_t>(Fault::kNotFinite));
+      EXPECT_EQ(state.cache.received, 0U);
+    }
   }
 }
 

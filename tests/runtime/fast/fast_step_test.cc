@@ -275,6 +275,45 @@ TEST(FrictionSpring, LedgerKeepsALateralPressCyclePassive) {
   EXPECT_EQ(state.safety.fault, Fault::kNone);
 }
 
+// The slow value of a scalar model begins where the first node that has a response is
+// touched: on a linear body the tank's curve is that line, also on the way out.
+TEST(FastStep, TheTankBeginsWhereANodeWithAResponseIsTouched) {
+  constexpr double kTouch = 1e-3;
+  BenchBody body = make_bench_body({.exponent = 1.0});
+  for (Element& element : body.element) {
+    for (ElementNode& node : element.node) {
+      node.touch_offset_m = kTouch;
+    }
+    element.node[2].samples = 0;
+    element.node[2].touch_offset_m = -0.005;
+  }
+  FastState state = element_state(0.0);
+  state.config.model = LocalModel::kEnergyTank;
+  const auto at_depth = [&](double depth_m, bool update) {
+    const Eigen::Vector3d x(0.52 * body.side_m(), 0.51 * body.side_m(), -depth_m);
+    if (update) {
+      send(state, body, x);
+    }
+    return step(state, {x, 0}, kTickS).force_n.z();
+  };
+  double deepest_n = 0.0;
+  for (int n = -100; n <= 600; ++n) {
+    deepest_n = at_depth(1e-5 * n, n % 20 == 0);
+  }
+  // It begins deeper by what could not be paid for at the first update in contact,
+  // which comes 0.2 mm after the touch.
+  const double slope = (deepest_n - at_depth(5e-3, false)) / 1e-3;
+  const double begins_m = 6e-3 - deepest_n / slope;
+  EXPECT_GE(begins_m, kTouch - 1e-9);
+  EXPECT_LE(begins_m, kTouch + 2.1e-4);
+  for (int n = 500; n >= 0; n -= 10) {
+    const double depth = 1e-5 * n;
+    EXPECT_NEAR(at_depth(depth, false), slope * std::max(0.0, depth - begins_m),
+                1e-6 * deepest_n)
+        << n;
+  }
+}
+
 TEST(FastStep, ToolThatStartsInsideFeelsNothingUntilItMoves) {
   const BenchBody body = make_bench_body({.exponent = 2.0});
   FastState state = pressed(body, over_middle(body, 0.004));

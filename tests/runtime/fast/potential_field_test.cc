@@ -259,6 +259,29 @@ TEST(PotentialField, FallsToZeroTowardsANodeWithoutResponse) {
   }
 }
 
+// A needle of no width at z = 30 mm, alone: no coordinates, but a nearest point.
+TEST(FieldPlace, WithoutCoordinatesItIsTheDistanceToTheNearestPoint) {
+  constexpr double kHeight = 0.03;
+  Element needle;
+  needle.triangle = 0;
+  for (std::size_t j = 0; j < 3; ++j) {
+    needle.node[j].node = static_cast<std::int32_t>(j);
+    needle.node[j].position_m = {0.004 * (static_cast<double>(j) - 1.0), 0.0, kHeight};
+    needle.node[j].normal = {0.0, 0.0, 1.0};
+  }
+  needle.neighbour = {-1, -1, -1};
+  auto cache = std::make_unique<ElementCache>();
+  store(*cache, needle);
+  for (const double up_m : {-0.02, -0.001, 0.003}) {
+    FieldPlace place;
+    adopt(place, *cache, find(*cache, 0), {0.001, 0.0, kHeight + up_m});
+    EXPECT_TRUE(place.folded);
+    EXPECT_NEAR(place.at.height_m, up_m, 1e-12);
+    follow(place, *cache, {0.002, 0.0, kHeight + 2.0 * up_m});
+    EXPECT_NEAR(place.at.height_m, 2.0 * up_m, 1e-12);
+  }
+}
+
 TEST(FieldPlace, FollowsThroughTrianglesWithoutArea) {
   // Two triangles with a needle of no width between them.
   std::array<Element, 3> strip;

@@ -252,6 +252,83 @@ TEST(PotentialModel, NeedlesAndSliversStayPassiveAndFinite) {
   }
 }
 
+// A stiffer element than the account can pay for whole: the normal part is paid, the
+// spring keeps what is left, no less.
+TEST(PotentialModel, TheFrictionSpringKeepsWhatTheNormalPartLeaves) {
+  constexpr double kStiffness = 250.0;  // [N/m]
+  constexpr double kDepth = 2e-3;
+  constexpr double kStretch = 4e-4;
+  constexpr double kMu = 0.5;
+  BenchBody body = make_bench_body({.exponent = 1.0,
+                                    .force_n = kStiffness * 0.008,
+                                    .friction_min = kMu,
+                                    .friction_max = kMu});
+  const auto state = potential_state(0.0);
+  Eigen::Vector3d x(0.031, 0.0306, 0.0);
+  send(*state, body, x);
+  const auto go = [&](const Eigen::Vector3d& to) {
+    x = to;
+    return step(*state, {x, 0}, kTickS).force_n;
+  };
+  for (int n = -10; n <= 200; ++n) {
+    (void)go({x.x(), x.y(), -kDepth * n / 200.0});
+  }
+  Eigen::Vector3d force;
+  for (int n = 1; n <= 40; ++n) {
+    force = go({0.031 + kStretch * n / 40.0, x.y(), -kDepth});
+  }
+  const double spring_n_per_m = kMu * kStiffness * kDepth / body.options.presliding_m;
+  EXPECT_NEAR(force.x(), -spring_n_per_m * kStretch, 1e-3);
+  const double normal_j = 0.5 * kStiffness * kDepth * kDepth;
+  const double spring_j = 0.5 * spring_n_per_m * kStretch * kStretch;
+  const double stiffer = 1.0 + 0.5 * spring_j / normal_j;
+  for (Element& element : body.element) {
+    for (ElementNode& node : element.node) {
+      set_power_law(node, 1.0, stiffer * kStiffness * 0.008, 0.008);
+    }
+  }
+  send(*state, body, x);
+  force = go(x);
+  EXPECT_NEAR(force.z(), stiffer * kStiffness * kDepth, 1e-6);
+  EXPECT_NEAR(force.x(),
+              -std::sqrt(2.0 * (0.5 * spring_j) * (stiffer * spring_n_per_m)), 2e-3);
+}
+
+// Where there are no coordinates the potential goes on along the normal that is held:
+// deeper costs energy, shallower gives it back, by the curve.
+TEST(PotentialModel, ContinuedPotentialFollowsTheCurve) {
+  constexpr double kHeight = 0.03;
+  constexpr double kStiffness = 100.0;  // [N/m]
+  Element needle;                       // of no width, alone
+  needle.triangle = 0;
+  needle.active = true;
+  for (std::size_t j = 0; j < 3; ++j) {
+    ElementNode& node = needle.node[j];
+    node.node = static_cast<std::int32_t>(j);
+    node.position_m = {0.004 * (static_cast<double>(j) - 1.0), 0.0, kHeight};
+    node.normal = {0.0, 0.0, 1.0};
+    node.direction = {0.0, 0.0, 1.0};
+    set_power_law(node, 1.0, kStiffness * 0.04, 0.04);
+  }
+  needle.neighbour = {-1, -1, -1};
+  const auto state = potential_state(0.0);
+  Eigen::Vector3d x(0.001, 0.0, kHeight + 1e-3);
+  accept(*state, needle);
+  FastCommand command;
+  for (int n = 0; n <= 600; ++n) {
+    x.z() = kHeight + 1e-3 - 1e-5 * n;
+    command = step(*state, {x, 0}, kTickS);
+  }
+  ASSERT_TRUE(state->potential.place.folded);
+  EXPECT_NEAR(command.force_n.z(), kStiffness * 0.005, 1e-9);
+  EXPECT_NEAR(potential_j(*state, x), 0.5 * kStiffness * 0.005 * 0.005, 1e-12);
+  for (const double deeper_m : {-4e-3, -1e-3, 1e-3, 4e-3}) {
+    const Eigen::Vector3d there(x.x(), x.y(), x.z() - deeper_m);
+    EXPECT_NEAR(potential_j(*state, there),
+                0.5 * kStiffness * std::pow(0.005 + deeper_m, 2), 1e-12);
+  }
+}
+
 TEST(PotentialModel, ZeroResponseGivesZeroForce) {
   BenchBody body = make_bench_body(small_body(0.3));
   for (Element& element : body.element) {

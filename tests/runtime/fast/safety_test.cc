@@ -72,7 +72,7 @@ TEST(Safety, WhatTheClampsTookIsNotLent) {
   const SafetyLimits limits{.force_max_n = 1.0, .slew_max_n_per_s = kInf};
   (void)make_safe(state, limits, {}, {0.0, 0.0, 400.0}, {0.0, 0.0, -1.0}, kTickS);
   (void)make_safe(state, limits, {}, kStill, {0.0, 0.0, 1.0}, kTickS);
-  EXPECT_EQ(state.clamp_gain_j, 0.0);
+  EXPECT_EQ(state.owed_j, 0.0);
   EXPECT_EQ(state.fault, Fault::kNone);
 }
 
@@ -83,12 +83,12 @@ TEST(Safety, ClampThatHoldsWhilePressingAndReleasingGainsNothing) {
   for (const double way : {-1e-4, 1e-4}) {
     for (int n = 0; n < 50; ++n) {  // 3 N of the model, 5 mm in, 5 mm out
       (void)make_safe(state, limits, {}, {0.0, 0.0, 3.0}, {0.0, 0.0, way}, kTickS);
-      largest = std::max(largest, state.clamp_gain_j);
+      largest = std::max(largest, state.owed_j);
     }
   }
   EXPECT_NEAR(largest, 2.0 * 49e-4, 1e-12);  // below the floor of 10 mJ
   EXPECT_EQ(state.fault, Fault::kNone);
-  EXPECT_LE(state.clamp_gain_j, 1e-12);
+  EXPECT_LE(state.owed_j, 1e-12);
 }
 
 TEST(Safety, RampRaisesTheClampFromZeroInProportionToTime) {
@@ -123,6 +123,16 @@ TEST(PassivityLedger, EveryChangeKeepsTheIdentity) {
   book_work(ledger, 0.0);  // the user withdraws
   EXPECT_DOUBLE_EQ(ledger.work_j, 1.0);
   EXPECT_DOUBLE_EQ(imbalance_j(ledger), 0.0);
+}
+
+TEST(PassivityLedger, ShortfallsAreCountedAndAddedUp) {
+  PassivityLedger ledger{.stored_j = 1.0, .tank_j = 0.5};
+  note_shortfall(ledger, 1.5);  // all of it is there
+  EXPECT_EQ(ledger.interventions, 0U);
+  note_shortfall(ledger, 3.5);
+  note_shortfall(ledger, 2.0);
+  EXPECT_EQ(ledger.interventions, 2U);
+  EXPECT_DOUBLE_EQ(ledger.cut_j, 2.5);
 }
 
 TEST(PassivityLedger, WhatIsNotPaidIsSeen) {

@@ -192,6 +192,7 @@ TEST(Single, HoldsTheSlowForce) {
   r.tick({0.001, 1.5, 0.0, 0.0});
   r.tick({0.009, 0.0, 0.0, 0.0}, false);
   EXPECT_EQ(force_n(r.model, 0.009), 1.5);
+  EXPECT_NEAR(energy_j(r.model, 0.009) - energy_j(r.model, 0.001), 1.5 * 0.008, 1e-15);
 }
 
 }  // namespace

@@ -69,6 +69,33 @@ TEST(LocalCurve, LoweredHoldsWhatIsAllowedAndKeepsForceWhileItCan) {
   }
 }
 
+// A plateau behind a steep start: the cubic would be steeper than thrice, so a line
+// takes its place, as steep as it must be to store no more than the response does.
+TEST(LocalCurve, OfAPlateauIsALineThatStoresTheSame) {
+  for (const double force_n : {0.2, 0.5, 3.0}) {
+    for (const double slope : {0.0, 1.0, 10.0}) {
+      const SlowValue slow{0.005, force_n, slope, 0.95 * force_n * 0.004, 0.001};
+      const LocalCurve curve = local_curve(slow);
+      const CurvePoint end = at(curve, slow.x_m);
+      EXPECT_NEAR(end.force_n, force_n, 1e-12);
+      EXPECT_NEAR(end.energy_j, slow.energy_j, 1e-12 * slow.energy_j);
+      EXPECT_NEAR(at(curve, 0.0049).force_n,
+                  force_n - 1e-4 * force_n * force_n / (2.0 * slow.energy_j), 1e-12);
+    }
+  }
+}
+
+// delta_0 moves the curve deeper: what it says at x, it says at x + delta_0 afterwards.
+TEST(LocalCurve, ShiftedSaysTheSameDeeper) {
+  LocalCurve curve = local_curve(power_law(2000.0, 1.5, 0.01));
+  const LocalCurve before = curve;
+  curve.shift_m = 0.002;
+  for (double x = 0.0; x < 0.014; x += 5e-4) {
+    EXPECT_NEAR(at(curve, x + 0.002).force_n, at(before, x).force_n, 1e-13);
+    EXPECT_NEAR(at(curve, x + 0.002).energy_j, at(before, x).energy_j, 1e-15);
+  }
+}
+
 TEST(LocalCurve, NeverFallsAndIsNoSteeperThanThriceBeyondTheValue) {
   for (const double p : {0.3, 1.0, 3.0}) {
     const SlowValue slow = power_law(100.0, p, 0.01);
