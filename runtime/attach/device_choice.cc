@@ -5,6 +5,7 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -13,6 +14,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/sha256.h"
+#include "runtime/attach/sign_test.h"
 #include "runtime/attach/usb_choice.h"
 #include "runtime/emulation/emulated_falcon.h"
 #include "runtime/emulation/emulated_haply.h"
@@ -35,8 +37,8 @@ void tell_of_firmware(const DeviceRequest& request,
 }
 
 FalconConfig falcon_config(const DeviceRequest& request) {
-  if (!(request.calibration > 0.0 && request.calibration <= 10.0)) {
-    throw InputError(fmt::format("calibration factor is {}, must lie in (0, 10]",
+  if (!(request.calibration >= 0.2 && request.calibration <= 5.0)) {
+    throw InputError(fmt::format("calibration factor is {}, must lie in [0.2, 5]",
                                  request.calibration));
   }
   if (!(request.homing_s > 0.0 && request.homing_s < 1e4)) {
@@ -47,6 +49,7 @@ FalconConfig falcon_config(const DeviceRequest& request) {
   config.calibration = request.calibration;
   config.homing_s = request.homing_s;
   config.tell = request.tell;
+  config.stopped = request.stopped;
   config.event_character = request.event_character;
   config.what = request.name;
   if (!request.firmware.empty()) {
@@ -98,11 +101,20 @@ std::unique_ptr<FalconLink> falcon_link(const DeviceRequest& request,
       close_usb);
 }
 
+std::unique_ptr<DeviceLink> tested(const DeviceRequest& request, int axes,
+                                   std::unique_ptr<DeviceLink> link) {
+  if (!request.sign_test) {
+    return link;
+  }
+  return std::make_unique<SignTestedLink>(
+      std::move(link), SignTestOptions{.axes = axes}, request.tell, request.stopped);
+}
+
 AttachedDevice falcon(const DeviceRequest& request) {
   const FalconConfig config = guarded_falcon_config(request);
   return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
                 [config, request](const HandScript&) {
-                  return falcon_link(request, config);
+                  return tested(request, 3, falcon_link(request, config));
                 });
 }
 
@@ -171,10 +183,24 @@ std::optional<SectionPlane> plane_of(const DeviceRequest& request) {
 AttachedDevice haply(const DeviceRequest& request) {
   HaplyConfig config = haply_config(request);
   config.guarded = true;
+  config.ask = request.ask;
+  if (!config.ask) {
+    throw DeviceError(
+        fmt::format("{}: somebody must put its arms against their stops when it is set "
+                    "up, and say so: run in a terminal",
+                    request.name));
+  }
+  if (request.usb.empty()) {
+    throw InputError(
+        fmt::format("--device {}: name it by --usb: a printer, a modem or any other "
+                    "serial board looks the same and would get its torques "
+                    "(palpate-run devices lists what is attached)",
+                    request.name));
+  }
   return attach(
       HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
       [config, request](const HandScript&) {
-        return std::make_unique<HaplyLink>(
+        auto link = std::make_unique<HaplyLink>(
             config,
             [request] {
               return open_usb(request, [](const UsbDevice& device) {
@@ -182,6 +208,7 @@ AttachedDevice haply(const DeviceRequest& request) {
               });
             },
             close_usb);
+        return tested(request, 2, std::move(link));
       },
       plane_of(request));
 }

@@ -13,11 +13,15 @@ struct DeviceRequest {
   std::string name{};        ///< one of known_device_names()
   std::string firmware{};    ///< file; empty: none
   std::string usb{};         ///< as for choose_usb_device(); empty: the only one
-  double calibration = 1.0;  ///< [-] (0, 10] factor on motor commands
+  double calibration = 1.0;  ///< [-] [0.2, 5] factor on motor commands
   std::string plane{};       ///< of a device that moves in one; as for parse_plane()
   double homing_s = 60.0;    ///< [s] > 0
   bool event_character = false;                    ///< FalconConfig's
   std::function<void(const std::string&)> tell{};  ///< what the person is to do
+  /// The same, and waits until it is done; empty: nobody can be asked.
+  std::function<void(const std::string&)> ask{};
+  std::function<bool()> stopped{};  ///< while a device opens; empty: never
+  bool sign_test = true;            ///< of a real device, at every open (sign_test.h)
 };
 
 /// Without hardware.

@@ -13,8 +13,10 @@
 namespace palpate {
 namespace {
 
-constexpr double kGravity = 9.80665;  // [m/s^2]
-constexpr double kFilterS = 0.01;     // of the velocity
+constexpr double kGravity = 9.80665;   // [m/s^2]
+constexpr double kFilterS = 0.01;      // of the velocity
+constexpr double kRunawayM = 0.015;    // farther from its target than it began
+constexpr double kRunawayMPerS = 0.5;  // the spring carries at some 0.02 m/s
 
 double seconds(std::int64_t duration_ns) {
   return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
@@ -41,18 +43,27 @@ class Carrier {
     }
     last_m_ = position_m;
     last_s_ = time_s;
+    ran_away_ = ran_away_ || velocity_.norm() > kRunawayMPerS;
     const double share = std::min(1.0, 2.0 * time_s / options_.settle_s);
     Eigen::Vector3d target_m = from_m_ + share * (centre_m_ - from_m_);
+    ran_away_ =
+        ran_away_ || (position_m - centre_m_).norm() >
+                         (from_m_ - centre_m_).norm() + options_.sweep_m + kRunawayM;
     const double phase = 2.0 * std::numbers::pi * time_s / options_.period_s;
     target_m.y() += share * options_.sweep_m * std::sin(phase);
     return share * (options_.stiffness_n_per_m * (target_m - position_m) -
                     options_.damping_n_s_per_m * velocity_);
   }
 
+  // Away from where it is carried, or faster than that: the motors push the wrong way,
+  // or nothing hangs in the spring.
+  [[nodiscard]] bool ran_away() const { return ran_away_; }
+
  private:
   Eigen::Vector3d centre_m_;
   WeighOptions options_;
   bool started_ = false;
+  bool ran_away_ = false;
   Eigen::Vector3d from_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
@@ -107,6 +118,13 @@ Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
     if (status == LinkStatus::kOk) {
       ++answered;
       force_n = carrier.force_n(position_m, now_s);
+      if (carrier.ran_away()) {
+        static_cast<void>(link.transact(Eigen::Vector3d::Zero(), position_m));
+        throw DeviceError(
+            fmt::format("{}: the tool ran away from the spring that is to carry it; do "
+                        "its motors push the wrong way?",
+                        link.name()));
+      }
     }
   }
   if (answered * 2 < exchanges) {

@@ -25,8 +25,9 @@ struct Weight {
 /// Carries the tool on a spring about `centre_m`, sweeps it up and down, and averages
 /// the force over whole periods: dry friction, damping and inertia cancel. Nobody holds
 /// the tool. @param link open. @param stop ends it. @throws DeviceError if the link is
-/// lost or answers fewer than half of the exchanges; Interrupted when stopped: who
-/// called then closes the link, which until then holds the last force.
+/// lost, answers fewer than half of the exchanges, or the tool runs away from its
+/// spring (wrong signs): then at zero force; Interrupted when stopped: who called then
+/// closes the link, which until then holds the last force.
 [[nodiscard]] Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
                            const WeighOptions& options, const std::atomic<bool>& stop);
 

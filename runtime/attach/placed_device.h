@@ -67,7 +67,8 @@ class PlacedDevice : public Device {
                         .time_ns = reading.time_ns};
     const DeviceStatus status = device_->read(inner);
     reading = {.position_m = placement_.to_body(inner.position_m),
-               .time_ns = inner.time_ns};
+               .time_ns = inner.time_ns,
+               .withheld_n = placement_.rotation * inner.withheld_n};
     return status;
   }
   [[nodiscard]] DeviceStatus write(const Eigen::Vector3d& force_n) noexcept override {

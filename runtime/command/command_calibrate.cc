@@ -11,6 +11,7 @@
 #include "runtime/attach/calibration.h"
 #include "runtime/attach/device_choice.h"
 #include "runtime/attach/hung_mass.h"
+#include "runtime/attach/sign_test.h"
 #include "runtime/command/commands.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/usb/falcon_geometry.h"
@@ -52,12 +53,28 @@ void ask(const Flags& flags, const std::string& what) {
   }
 }
 
+// While somebody holds the grip: it would fall.
+void test_motor_signs(const Flags& flags) {
+  if (is_emulated(flags.device.name)) {
+    return;
+  }
+  ask(flags, "hold its grip loosely in the middle: it is pushed to and fro a little");
+  const std::unique_ptr<DeviceLink> link = calibration_link(flags.device, 0.0);
+  link->open();
+  static_cast<void>(test_signs(*link, {}, [] {
+    return heed_stop_signals().load();
+  }));
+  link->close();
+  release_stop_signals();
+}
+
 void run(Flags& flags) {
   check(flags);
   flags.device.tell = [](const std::string& text) {
     fmt::print(stderr, "{}\n", text);
   };
   auto bare_link = calibration_link(flags.device, 0.0);
+  test_motor_signs(flags);
   ask(flags, "lay it so that its y axis points up; it will carry its own grip");
   const Weight bare = opened_and_weighed(std::move(bare_link));
   ask(flags, fmt::format("hang {} kg on the grip and support it until it is carried",

@@ -1,15 +1,40 @@
 #include "runtime/command/device_options.h"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "formats/base/error.h"
 #include "runtime/attach/calibration.h"
+#include "runtime/realtime/stop_signals.h"
 
 namespace palpate {
 namespace {
 
 void tell_person(const std::string& text) {
   fmt::print(stderr, "{}\n", text);
+}
+
+// A signal ends the wait as it ends a run.
+void ask_person(const std::string& text) {
+  fmt::print(stderr, "{}; then press Enter\n", text);
+  for (;;) {
+    if (heed_stop_signals()) {
+      throw Interrupted();
+    }
+    constexpr int kLookMs = 100;
+    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    if (::poll(&input, 1, kLookMs) <= 0) {
+      continue;
+    }
+    char byte = 0;
+    if (::read(STDIN_FILENO, &byte, 1) != 1) {
+      throw DeviceError("standard input ended before it was confirmed");
+    }
+    if (byte == '\n') {
+      return;
+    }
+  }
 }
 
 }  // namespace
@@ -30,6 +55,8 @@ void add_device_options(Command command, DeviceFlags& flags) {
   command.add_flag("--event-character", request.event_character,
                    "A falcon's chip sends a reply at its last byte (not tried on "
                    "hardware): more than 1 kHz");
+  command.add_flag("--no-sign-test", flags.no_sign_test,
+                   "Do not feel at the start whether the motors push the right way");
   command.add_option("--plane", request.plane,
                      "Section of the body for a device that moves in a plane: x=0.01 "
                      "[m]; else the one through the pressed node");
@@ -40,6 +67,11 @@ void add_device_options(Command command, DeviceFlags& flags) {
 
 void attach_device(DeviceFlags& flags, SimulationOptions& options) {
   flags.request.tell = tell_person;
+  flags.request.ask = ask_person;
+  flags.request.stopped = [] {
+    return heed_stop_signals().load();
+  };
+  flags.request.sign_test = !flags.no_sign_test;
   flags.request.calibration = motor_factor(flags.calibration, flags.request.name);
   options.real_time = true;
   options.attached = choose_device(flags.request);

@@ -15,6 +15,7 @@ struct DeviceFlags {
   DeviceRequest request;
   std::string calibration = "1";
   std::vector<double> at_m;
+  bool no_sign_test = false;
 };
 
 /// --device and what goes with it. @param flags must outlive the command.

@@ -9,9 +9,9 @@
 //
 // Socket, a driver in a process of its own (socket_device.h): after SIGKILL or a crash
 // a guardian process (guardian.h), as soon as the kernel closes this process's end;
-// when the fast thread hangs, the guardian after its patience, and for good. If the
-// guardian is killed, the renderer stops; if both are, the driver sees the end of its
-// socket.
+// when the fast thread hangs, the guardian after 9/8 of its patience, and for good. If
+// the guardian is killed, the renderer stops; if both are, the driver sees the end of
+// its socket.
 //
 // USB (threaded_device.h): the thread that speaks to the device, when the fast thread
 // falls silent, ends or faults. Nothing that we know of says that their firmware drops
@@ -44,6 +44,11 @@ struct DeviceLimits {
 struct DeviceReading {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< [m] tool reference point
   std::int64_t time_ns = 0;  ///< [ns] monotonic clock, when it was measured
+  /// [N] of the latest force, what the driver could not render: motors that saturate, a
+  /// pose without transmission, an exchange that was missed. Force on the tool =
+  /// written
+  /// - withheld.
+  Eigen::Vector3d withheld_n = Eigen::Vector3d::Zero();
 };
 
 enum class DeviceStatus : std::uint8_t {

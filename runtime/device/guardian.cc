@@ -25,6 +25,7 @@ namespace {
 constexpr int kPriority = 81;  // SCHED_FIFO, one above the fast thread
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr int kLookMs = 5;
+constexpr int kLooks = 8;  // a patience
 
 [[noreturn]] void fail(const char* what) {
   throw DeviceError(
@@ -144,20 +145,24 @@ void Guardian::guard(Shared& shared, int lifeline, int device_descriptor,
       ::_exit(0);
     }
   }
+  // Several looks a patience: silence is seen when it has lasted, not up to twice that.
   std::uint64_t seen = 0;
+  int quiet = 0;
   for (;;) {
-    const timespec until = after(silent_ns);
+    const timespec until = after(silent_ns / kLooks);
     const int got = ::pthread_mutex_clocklock(&shared.held, CLOCK_MONOTONIC, &until);
     if (got != ETIMEDOUT || is_closed(lifeline, 0)) {
       zero_force(device_descriptor, true);
       ::_exit(0);
     }
     const std::uint64_t beats = shared.beats.load(std::memory_order_acquire);
-    if (beats == seen) {
+    quiet = beats == seen ? quiet + 1 : 0;
+    seen = beats;
+    if (quiet >= kLooks) {
+      quiet = 0;
       shared.tripped.store(true, std::memory_order_release);
       zero_force(device_descriptor, false);
     }
-    seen = beats;
   }
 }
 

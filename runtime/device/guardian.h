@@ -20,10 +20,11 @@ namespace palpate {
 /// - when this process's end of a socket between the two is closed, before the first
 ///   beat() and as a second string after it.
 ///
-/// When beat() was not called for `silent_s`, it sends zero force, too, and is tripped
-/// for good: a process that hangs must not take hold of the device again. It is in a
-/// session of its own and ignores SIGINT, SIGTERM and SIGHUP, so that what ends this
-/// process's group leaves it alive.
+/// When beat() was not called for `silent_s`, it sends zero force, too (it looks eight
+/// times in that time, so at most 9/8 of it after the last call, as far as it is given
+/// a processor), and is tripped for good: a process that hangs must not take hold of
+/// the device again. It is in a session of its own and ignores SIGINT, SIGTERM and
+/// SIGHUP, so that what ends this process's group leaves it alive.
 ///
 /// The child calls nothing but async-signal-safe functions and the mutex, so that other
 /// threads may exist when it is forked.

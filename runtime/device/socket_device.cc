@@ -18,6 +18,18 @@ namespace {
 
 constexpr int kHelloMs = 2000;
 
+// Whoever listens gets positions and is told forces: this user, or root.
+void check_peer(int descriptor, const std::string& name) {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  if (::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0 ||
+      (peer.uid != ::geteuid() && peer.uid != 0)) {
+    ::close(descriptor);
+    throw DeviceError(
+        fmt::format("{}: belongs to user {}, must be yours or root's", name, peer.uid));
+  }
+}
+
 int connected(const std::filesystem::path& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -38,6 +50,7 @@ int connected(const std::filesystem::path& path) {
     throw DeviceError(
         fmt::format("{}: no device answers: {}", name, std::strerror(error)));
   }
+  check_peer(descriptor, name);
   return descriptor;
 }
 
@@ -85,7 +98,7 @@ void SocketDevice::greet() {
   pollfd end{.fd = descriptor_, .events = POLLIN, .revents = 0};
   SocketHello hello{};
   if (::poll(&end, 1, kHelloMs) != 1 ||
-      ::recv(descriptor_, &hello, sizeof hello, 0) != sizeof hello) {
+      ::recv(descriptor_, &hello, sizeof hello, MSG_TRUNC) != sizeof hello) {
     throw DeviceError("socket device: no hello of the device within 2 s");
   }
   if (hello.magic != SocketHello{}.magic) {
@@ -114,10 +127,13 @@ void SocketDevice::open() {
 }
 
 DeviceStatus SocketDevice::read(DeviceReading& reading) noexcept {
+  // A driver that floods keeps nobody from the time of a tick.
+  constexpr int kStatesMax = 64;
   DeviceStatus status = DeviceStatus::kLate;
-  for (;;) {
+  for (int taken = 0; taken < kStatesMax; ++taken) {
     SocketState state;
-    const ssize_t bytes = ::recv(descriptor_, &state, sizeof state, MSG_DONTWAIT);
+    const ssize_t bytes =
+        ::recv(descriptor_, &state, sizeof state, MSG_DONTWAIT | MSG_TRUNC);
     if (bytes == sizeof state) {
       reading.time_ns = state.time_ns;
       reading.position_m = {state.position_m[0], state.position_m[1],
@@ -129,6 +145,7 @@ DeviceStatus SocketDevice::read(DeviceReading& reading) noexcept {
       return DeviceStatus::kLost;  // the other end is gone, or talks nonsense
     }
   }
+  return status;
 }
 
 DeviceStatus SocketDevice::write(const Eigen::Vector3d& force_n) noexcept {

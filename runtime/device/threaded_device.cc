@@ -32,6 +32,7 @@ void LinkedDevice::open() {
   silent_ = false;
   report_ = {};
   command_.write({});
+  static_cast<void>(reading_.fetch());  // one of an earlier session is no answer
   link_->open();
   thread_ = std::thread([this] {
     run();
@@ -115,6 +116,7 @@ void LinkedDevice::run() noexcept {
         link_->transact(command.force_n, measured.reading.position_m);
     const std::int64_t end_ns = clock.now_ns();
     measured.reading.time_ns = end_ns;
+    measured.reading.withheld_n = command_.latest().force_n - link_->sent_n();
     report_.time.add(end_ns - start_ns);
     ++report_.transactions;
     if (held.force_n != Eigen::Vector3d::Zero()) {

@@ -36,14 +36,23 @@ FastProcess::FastProcess(const FastProcessConfig& config, Device& device,
 
 bool FastProcess::tick(std::int64_t skipped) noexcept {
   DeviceReading reading = last_;
+  reading.withheld_n.setZero();
   const DeviceStatus status = device_.read(reading);
   if (report_.ticks == 0) {
     first_ns_ = reading.time_ns;
     element_ns_ = reading.time_ns;
   }
   watch(reading, status, skipped);
-  const auto raised = static_cast<std::uint8_t>(state_.safety.fault);
+  auto raised = static_cast<std::uint8_t>(state_.safety.fault);
+  if (reading.withheld_n != Eigen::Vector3d::Zero()) {
+    delivered(state_, held_n_ - reading.withheld_n);
+    withheld_ = true;
+  }
   const FastCommand command = timed_step(reading);
+  if (withheld_ && raised == 0 && state_.safety.fault == Fault::kEnergy) {
+    // A recording does not hold what the driver withheld: its replay is told.
+    raised = static_cast<std::uint8_t>(Fault::kEnergy);
+  }
   if (device_.write(command.force_n) == DeviceStatus::kLost) {
     raise_fault(state_, Fault::kDeviceLost);
   }
@@ -58,7 +67,9 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
   const bool late = status == DeviceStatus::kLate;
   report_.missed_deadlines += skipped;
   report_.late_reads += late ? 1 : 0;
-  silent_ticks_ = late ? silent_ticks_ + 1 + skipped : 0;
+  // A driver whose clock stands still measures nothing new, whatever it says.
+  const bool stands = report_.ticks > 0 && reading.time_ns == last_.time_ns;
+  silent_ticks_ = late || stands ? silent_ticks_ + 1 + skipped : 0;
   flags_ = static_cast<std::uint8_t>(bit(TickFlag::kLateRead, late) |
                                      bit(TickFlag::kSkipped, skipped > 0));
   if (status == DeviceStatus::kLost) {
@@ -66,6 +77,9 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
   }
   if (static_cast<double>(silent_ticks_) > config_.silent_fault_s * config_.rate_hz) {
     raise_fault(state_, Fault::kDeviceSilent);
+  }
+  if (report_.ticks > 0 && jumped(reading)) {
+    raise_fault(state_, Fault::kJump);
   }
   const double silent_s = seconds(reading.time_ns - element_ns_);
   const bool stalled = silent_s > config_.stall_s;
@@ -77,6 +91,14 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
   if (static_cast<double>(skipped) > config_.late_fault_s * config_.rate_hz) {
     raise_fault(state_, Fault::kDeadlines);
   }
+}
+
+bool FastProcess::jumped(const DeviceReading& reading) const noexcept {
+  constexpr double kStillM = 1e-3;  // noise of readings a few microseconds apart
+  const double dt_s = std::max(0.0, seconds(reading.time_ns - last_.time_ns));
+  const double most_m = kStillM + config_.speed_max_m_per_s * dt_s;
+  return std::isfinite(config_.speed_max_m_per_s) &&
+         (reading.position_m - last_.position_m).norm() > most_m;
 }
 
 void FastProcess::take_in(const Element& element) noexcept {

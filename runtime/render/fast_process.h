@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "runtime/device/device.h"
@@ -27,7 +28,10 @@ struct FastProcessConfig {
   double stall_s = 0.05;        ///< [s] > 0 without an element: a stall is counted
   double stall_fault_s = 0.5;   ///< [s] > 0 without an element in contact: fault
   double late_fault_s = 0.25;   ///< [s] > 0 of deadlines missed at once: fault
-  double silent_fault_s = 0.1;  ///< [s] > 0 of reads without an answer in a row: fault
+  double silent_fault_s = 0.1;  ///< [s] > 0 of reads with nothing new in a row: fault
+  /// [m/s] > 0 faster than a hand moves a tool (and 1 mm): fault. One wrong reading
+  /// would be answered with the force of a place where the tool is not.
+  double speed_max_m_per_s = std::numeric_limits<double>::infinity();
 };
 
 /// Where ticks go beside the device; each may be null.
@@ -60,6 +64,7 @@ class FastProcess {
  private:
   void watch(const DeviceReading& reading, DeviceStatus status,
              std::int64_t skipped) noexcept;
+  [[nodiscard]] bool jumped(const DeviceReading& reading) const noexcept;
   void take_in(const Element& element) noexcept;
   [[nodiscard]] FastCommand timed_step(const DeviceReading& reading) noexcept;
   void account(const DeviceReading& reading, const FastCommand& command) noexcept;
@@ -78,6 +83,7 @@ class FastProcess {
   std::int64_t first_ns_ = 0;
   std::int64_t element_ns_ = 0;  // when the latest element was taken in
   bool stalled_ = false;
+  bool withheld_ = false;  // the driver could not render a force whole
   std::int64_t arrivals_ = 0;
   std::int64_t silent_ticks_ = 0;  // reads without an answer, in a row
   std::uint8_t flags_ = 0;         // TickFlag bits known before the step

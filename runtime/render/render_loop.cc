@@ -1,8 +1,10 @@
 #include "runtime/render/render_loop.h"
 
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <span>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -124,8 +126,12 @@ class Pair {
   [[nodiscard]] std::int64_t next_ns() const noexcept { return deadlines_.next_ns(); }
 
   [[nodiscard]] bool goes_on() const noexcept {
-    return !over_ && deadlines_.next_ns() < stop_ns_ && !tool_.setup.stop.load();
+    return !over_ && deadlines_.next_ns() < stop_ns_ && !tool_.setup.stop.load() &&
+           !abandoned_.load();
   }
+
+  // Another tool's thread could not start: this one's ends at its next tick.
+  void abandon() noexcept { abandoned_.store(true); }
 
   [[nodiscard]] bool is_over() const noexcept { return over_; }
 
@@ -175,6 +181,7 @@ class Pair {
   Deadlines deadlines_;
   std::int64_t stop_ns_ = 0;
   bool over_ = false;
+  std::atomic<bool> abandoned_ = false;
   RealTimeGrant grant_;
 };
 
@@ -316,10 +323,17 @@ std::vector<RenderReport> render_in_real_time(std::span<const RenderedTool> tool
                                      serve(scene, done, start_ns, slow_hz);
                                    }));
     std::vector<std::jthread> fast_threads;
-    for (const auto& pair : scene) {
-      fast_threads.emplace_back([&pair, start_ns] {
-        pair->run(start_ns);
-      });
+    try {
+      for (const auto& pair : scene) {
+        fast_threads.emplace_back([&pair, start_ns] {
+          pair->run(start_ns);
+        });
+      }
+    } catch (const std::system_error& error) {
+      for (const auto& pair : scene) {
+        pair->abandon();
+      }
+      throw DeviceError(fmt::format("a tool's thread cannot start: {}", error.what()));
     }
   }
   return reports(scene);

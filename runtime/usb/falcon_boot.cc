@@ -2,13 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/usb/falcon_link.h"
 
@@ -42,21 +40,12 @@ constexpr UsbRequest kFastTimer = request(0x09, 1);
 }  // namespace
 
 std::vector<std::uint8_t> read_firmware(const std::string& file) {
-  std::error_code missing;
-  const std::uintmax_t bytes = std::filesystem::file_size(file, missing);
-  if (missing) {
-    throw InputError(fmt::format("--firmware {}: {}", file, missing.message()));
+  const std::string content =
+      read_file(file, kFirmwareBytesMax, "the firmware's image");
+  if (content.empty()) {
+    throw InputError(fmt::format("{}: the file is empty", file));
   }
-  if (bytes == 0 || bytes > kFirmwareBytesMax) {
-    throw InputError(fmt::format("--firmware {}: has {} bytes, must have 1 to {}", file,
-                                 bytes, kFirmwareBytesMax));
-  }
-  std::ifstream in(file, std::ios::binary);
-  std::vector<std::uint8_t> image{std::istreambuf_iterator<char>(in), {}};
-  if (image.size() != bytes) {
-    throw InputError(fmt::format("--firmware {}: cannot be read", file));
-  }
-  return image;
+  return {content.begin(), content.end()};
 }
 
 // Bytes until all have come, or the time is over.
@@ -64,6 +53,7 @@ std::size_t FalconLink::listen(std::span<std::uint8_t> bytes, double wait_s) {
   const std::int64_t until_ns = deadline_ns_after(wait_s);
   std::size_t count = 0;
   while (count < bytes.size()) {
+    heed_stop();
     std::size_t got = 0;
     const UsbStatus status = usb_->receive(bytes.subspan(count), got, until_ns);
     if (status == UsbStatus::kLost) {
@@ -75,6 +65,12 @@ std::size_t FalconLink::listen(std::span<std::uint8_t> bytes, double wait_s) {
     count += got;
   }
   return count;
+}
+
+void FalconLink::heed_stop() const {
+  if (config_.stopped && config_.stopped()) {
+    throw Interrupted();
+  }
 }
 
 void FalconLink::run_line() {
@@ -90,6 +86,7 @@ void FalconLink::run_line() {
 bool FalconLink::answers() {
   constexpr int kTries = 25;
   for (int i = 0; i < kTries; ++i) {
+    heed_stop();
     const LinkStatus status =
         exchange({.motor = {}, .leds = kFalconRed, .homing = true});
     if (status == LinkStatus::kOk) {
@@ -146,6 +143,7 @@ void FalconLink::boot_and_load() {
 
 void FalconLink::ask_boot_loader() {
   for (int i = 0; i < kQuestions; ++i) {
+    heed_stop();
     usb_->drop_received();
     if (usb_->send(kQuestion, deadline_ns_after(0.1)) == UsbStatus::kLost) {
       throw DeviceError("falcon: unplugged while it was booted");
@@ -168,6 +166,7 @@ void FalconLink::ask_boot_loader() {
 void FalconLink::load() {
   std::array<std::uint8_t, kChunk> echo{};
   const auto send = [&](std::span<const std::uint8_t> chunk, const std::string& where) {
+    heed_stop();
     usb_->drop_received();
     const UsbStatus status = usb_->send(chunk, deadline_ns_after(0.1));
     const std::size_t count =
@@ -189,6 +188,7 @@ void FalconLink::home() {
   bool told = false;
   const std::int64_t until_ns = deadline_ns_after(config_.homing_s);
   while (reply_.homed != kFalconAllHomed) {
+    heed_stop();
     if (!told && config_.tell) {
       config_.tell(
           "falcon: pull the grip all the way out and push it in, until the "

@@ -45,6 +45,7 @@ void FalconLink::open() {
   known_ = false;
   missed_ = 0;
   rejected_ = 0;
+  sent_n_.setZero();
   framer_.clear();
   reply_ = {};
   at_ = {};
@@ -135,8 +136,10 @@ LinkStatus FalconLink::transact(const Eigen::Vector3d& force_n,
   if (length > config_.force_max_n) {
     wanted *= config_.force_max_n / length;
   }
+  sent_n_.setZero();
   if (known_ && missed_ == 0 && reply_.homed == kFalconAllHomed) {
     command.motor = motors_for(wanted, at_.pose.rates, config_.calibration).command;
+    sent_n_ = force_of(command.motor, at_.pose.rates, config_.calibration);
     command.leds = length > 0.0 ? kFalconBlue : kFalconGreen;
   }
   const LinkStatus status = exchange(command);

@@ -41,6 +41,8 @@ struct FalconConfig {
   std::string what = "falcon";  ///< name()
   /// Tells the person what to do; may be empty.
   std::function<void(const std::string&)> tell;
+  /// Whether to give up while it boots or waits to be homed; may be empty: never.
+  std::function<bool()> stopped;
 };
 
 /// After an exchange without a whole, plausible answer the next one carries no force:
@@ -61,8 +63,10 @@ class FalconLink : public DeviceLink {
                                     Eigen::Vector3d& position_m) noexcept override;
   void close() noexcept override;
   [[nodiscard]] std::string failure() const override { return failure_; }
+  [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override { return sent_n_; }
 
  private:
+  void heed_stop() const;
   void start();
   void boot_and_load();
   void ask_boot_loader();
@@ -85,6 +89,7 @@ class FalconLink : public DeviceLink {
   FalconFramer framer_;
   FalconReply reply_;
   FalconForward at_;
+  Eigen::Vector3d sent_n_ = Eigen::Vector3d::Zero();
   bool known_ = false;  // at_ holds a position
   int missed_ = 0;      // exchanges without an answer, in a row: no force
   int rejected_ = 0;    // replies in a row

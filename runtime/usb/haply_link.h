@@ -28,6 +28,10 @@ struct HaplyConfig {
   double coulomb_n = 0.02;         ///< [N] assumed, not measured
   bool guarded = false;            ///< as FalconConfig's
   std::string what = "haply-2diy";
+  /// Asks a person to put the arms against their stops and waits until that is done;
+  /// the set-up takes where they stand then for setup.offset_deg. Called by every
+  /// open(), also after a reconnection. @throws DeviceError where nobody answers.
+  std::function<void(const std::string&)> ask;
 };
 
 /// The board keeps the last torque for ever: every way out sends zero, and the thread
@@ -49,6 +53,7 @@ class HaplyLink : public DeviceLink {
                                     Eigen::Vector3d& position_m) noexcept override;
   void close() noexcept override;
   [[nodiscard]] std::string failure() const override { return failure_; }
+  [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override { return sent_n_; }
 
  private:
   [[nodiscard]] LinkStatus exchange(const std::array<double, 2>& torque_nm) noexcept;
@@ -61,7 +66,10 @@ class HaplyLink : public DeviceLink {
   std::unique_ptr<UsbTransport> usb_;
   std::unique_ptr<Guardian> guardian_;
   PantographPose pose_;
+  Eigen::Vector3d sent_n_ = Eigen::Vector3d::Zero();
   bool known_ = false;
+  bool placed_ = false;  // pose_ holds a position of this session
+  int missed_ = 0;       // exchanges without a position, in a row
   int rejected_ = 0;
   const char* failure_ = "";
 };

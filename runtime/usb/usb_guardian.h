@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// [s] without an exchange until the guardian steps in.
+/// [s] without an exchange until the guardian steps in, and 1/8 more.
 constexpr double kGuardianPatienceS = 0.1;
 
 /// As Guardian::ZeroForce: async-signal-safe. Idle motors, LEDs off.

@@ -248,6 +248,11 @@ TEST_F(GuardedRenderer, ThatHangsIsPutToZeroForGood) {
     return device->log.back().command.sequence == 0;
   }));
   const std::size_t tripped = device->log.size();
+  // 9/8 of the patience after the last beat, not twice; and what a test machine pauses.
+  const double silent_s = 1e-9 * static_cast<double>(device->log[tripped - 1].time_ns -
+                                                     device->log[tripped - 2].time_ns);
+  EXPECT_GE(silent_s, 0.99);
+  EXPECT_LE(silent_s, 1.125 + 0.3);
   ::kill(child_, SIGCONT);
   device->serve_to_the_end();
   const int status = exit_status();

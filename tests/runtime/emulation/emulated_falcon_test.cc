@@ -106,6 +106,43 @@ TEST(EmulatedFalcon, SaysWhatIsWrongWhenItCannotBeOpened) {
 
 // Everything from the first control request to the loop, in both ways in which host
 // controllers report it.
+// At every step of a boot, and while it waits to be homed.
+TEST(EmulatedFalcon, AWishToStopIsHeededWhileItOpens) {
+  for (const int looks : {1, 30, 200, 800}) {
+    EmulatedFalconConfig emulated = held_loaded_falcon();
+    emulated.model.loaded = false;
+    emulated.model.homing_ns = -1;  // nobody homes it
+    const auto falcon = std::make_shared<EmulatedFalcon>(emulated);
+    FalconConfig config = patient_driver();
+    config.homing_s = 60.0;
+    int count = 0;
+    config.stopped = [&] {
+      return ++count >= looks;
+    };
+    const auto link = EmulatedFalcon::link(falcon, config);
+    EXPECT_THROW(link->open(), Interrupted) << looks;
+    EXPECT_EQ(count, looks);  // it was the last that was asked
+    EXPECT_TRUE(falcon->kernel_driver_back());
+  }
+}
+
+TEST(EmulatedFalcon, SaysWhatItSendsWhereItsMotorsSaturate) {
+  const auto falcon = std::make_shared<EmulatedFalcon>(held_loaded_falcon());
+  FalconConfig config = patient_driver();
+  config.force_max_n = 100.0;
+  const auto link = EmulatedFalcon::link(falcon, config);
+  link->open();
+  Eigen::Vector3d position;
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_NE(link->transact({0.0, 0.0, 1.0}, position), LinkStatus::kLost);
+  }
+  EXPECT_NEAR(link->sent_n().z(), 1.0, 0.01);  // whole counts
+  ASSERT_NE(link->transact({0.0, 0.0, 90.0}, position), LinkStatus::kLost);
+  EXPECT_GT(link->sent_n().z(), 2.0);
+  EXPECT_LT(link->sent_n().z(), 60.0);
+  link->close();
+}
+
 TEST(EmulatedFalcon, UnpluggedAtAnyByteIsALossWithAName) {
   std::mt19937 random(1);
   int in_loop = 0;

@@ -76,6 +76,90 @@ TEST(EmulatedHaply, ABoardThatDoesNotAnswerIsNotOpened) {
   EXPECT_THROW(link->open(), DeviceError);
 }
 
+TEST(EmulatedHaply, AsksWhereTheArmsStandBeforeItsSetUpAtEveryOpen) {
+  const auto haply = std::make_shared<EmulatedHaply>(held(), UsbFaults{});
+  HaplyConfig config = driver();
+  int asked = 0;
+  bool answers = true;
+  config.ask = [&](const std::string& text) {
+    ++asked;
+    EXPECT_NE(text.find("against their stops"), std::string::npos) << text;
+    EXPECT_EQ(haply->model().torque_nm(), (std::array<double, 2>{}));
+    if (!answers) {
+      throw DeviceError("nobody there");
+    }
+  };
+  const auto link = EmulatedHaply::link(haply, config);
+  link->open();
+  link->open();  // as after a reconnection
+  EXPECT_EQ(asked, 2);
+  answers = false;
+  EXPECT_THROW(link->open(), DeviceError);
+  Eigen::Vector3d position;
+  EXPECT_TRUE(haply->kernel_driver_back());
+}
+
+TEST(EmulatedHaply, SaysWhatItSendsWhereItsMotorsSaturate) {
+  const auto haply = std::make_shared<EmulatedHaply>(held(), UsbFaults{});
+  HaplyConfig config = driver();
+  config.force_max_n = 50.0;  // more than 0.123 N m give
+  const auto link = EmulatedHaply::link(haply, config);
+  link->open();
+  Eigen::Vector3d position;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_NE(link->transact({0.0, 0.3, 0.0}, position), LinkStatus::kLost);
+  }
+  EXPECT_NEAR(link->sent_n().y(), 0.3, 1e-9);
+  ASSERT_NE(link->transact({0.0, 40.0, 0.0}, position), LinkStatus::kLost);
+  EXPECT_GT(link->sent_n().y(), 0.5);
+  EXPECT_LT(link->sent_n().y(), 20.0);
+  EXPECT_NEAR(link->sent_n().x(), 0.0, 0.1 * link->sent_n().y());  // same direction
+}
+
+// A board that answers whole, and wrong.
+class LyingHaply : public HaplyModel {
+ public:
+  using HaplyModel::HaplyModel;
+  bool lies = false;
+  [[nodiscard]] int receive(std::span<std::uint8_t> packet,
+                            std::int64_t now_ns) override {
+    const int got = HaplyModel::receive(packet, now_ns);
+    if (lies && got == static_cast<int>(kHaplyReplyBytes)) {
+      const auto reply = encode_angles(kHaplyId, {150.0, -20.0});
+      std::copy(reply.begin(), reply.end(), packet.begin());
+      lies = false;
+    }
+    return got;
+  }
+};
+
+TEST(EmulatedHaply, OneWholeWrongReplyMovesNothing) {
+  LyingHaply board(held());
+  FaultyUsb bus(board, UsbFaults{});
+  std::unique_ptr<EmulatedUsb> usb;
+  HaplyLink link(
+      driver(),
+      [&] {
+        usb = std::make_unique<EmulatedUsb>(bus);
+        return usb->descriptor();
+      },
+      [&](int) {
+        usb.reset();
+      });
+  link.open();
+  Eigen::Vector3d before;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(link.transact(Eigen::Vector3d::Zero(), before), LinkStatus::kOk);
+  }
+  board.lies = true;
+  Eigen::Vector3d at = before;
+  EXPECT_EQ(link.transact(Eigen::Vector3d::Zero(), at), LinkStatus::kMissed);
+  EXPECT_EQ(at, before);
+  EXPECT_EQ(link.transact({0.0, 0.3, 0.0}, at), LinkStatus::kOk);
+  EXPECT_EQ(link.sent_n().norm(), 0.0);  // none before the next whole reply
+  EXPECT_LT((at - before).norm(), 5e-3);
+}
+
 TEST(EmulatedHaply, LinksThatCannotBeAreRefused) {
   HaplyConfig config = driver();
   config.links.driven_m = -1.0;

@@ -68,6 +68,57 @@ TEST_F(RenderLoopFault, FaultsAndStaysFiniteOnAPositionThatIsNoNumber) {
   }
 }
 
+TEST_F(RenderLoopFault, AJumpInOneReadingIsAFaultAndNoForce) {
+  for (const double jump_m : {0.0005, 0.005}) {
+    const auto script = press(0.006, 2.0);
+    FakeDevice device(clock_, [&](double t) -> Eigen::Vector3d {
+      const bool wrong = std::abs(t - 0.1) < 0.0002;  // before the tool touches
+      return script(t) - (wrong ? jump_m : 0.0) * Eigen::Vector3d::UnitZ();
+    });
+    RenderConfig c = config(LocalModel::kElement);
+    c.fast.speed_max_m_per_s = 3.0;
+    const RenderReport report = render(device, c);
+    EXPECT_EQ(report.fault, jump_m > 0.003 ? Fault::kJump : Fault::kNone) << jump_m;
+    if (report.fault == Fault::kJump) {
+      EXPECT_NEAR(report.fault_s, 0.1, 2e-3);
+      EXPECT_EQ(report.force_max_n, 0.0);
+    }
+  }
+}
+
+// Motors that give nothing on the way in, and all on the way out: the hand would get
+// the energy of the press for nothing, again and again.
+TEST_F(RenderLoopFault, WhatTheDriverWithholdsIsInTheAccount) {
+  class WithholdingDevice : public FakeDevice {
+   public:
+    using FakeDevice::FakeDevice;
+    [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override {
+      const DeviceStatus status = FakeDevice::read(reading);
+      const bool deeper = reading.position_m.z() < last_z_;
+      last_z_ = reading.position_m.z();
+      if (deeper && !force.empty()) {
+        reading.withheld_n = force.back();
+      }
+      return status;
+    }
+
+   private:
+    double last_z_ = 1.0;
+  };
+  RenderConfig c = config(LocalModel::kElement);
+  c.duration_s = 12.0;  // 23 taps of 0.8 mJ, of which ten and some are the floor
+  const auto taps = [](double t) {
+    return Eigen::Vector3d(0.0031, 0.0017,
+                           kRadius + 0.001 - 0.006 * std::abs(std::sin(6.0 * t)));
+  };
+  FakeDevice honest(clock_, taps);
+  EXPECT_EQ(render(honest, c).fault, Fault::kNone);
+  WithholdingDevice withholding(clock_, taps);
+  const RenderReport report = render(withholding, c);
+  EXPECT_EQ(report.fault, Fault::kEnergy);
+  EXPECT_NEAR(report.fault_s, 6.5, 2.0);
+}
+
 TEST_F(RenderLoopFault, FaultsWhenTimeRunsBackwards) {
   FakeDevice device(clock_, press(0.006, 2.0));
   device.on_read = [](std::size_t number, std::int64_t& time_ns) {
@@ -114,6 +165,21 @@ TEST_F(RenderLoopFault, FaultsWhenTheDeviceStaysSilent) {
   const RenderReport report = render(device, c);
   EXPECT_EQ(report.fault, Fault::kDeviceSilent);
   EXPECT_EQ(report.late_reads, 101);  // a tick more than 0.05 s
+  EXPECT_EQ(device.force.back().norm(), 0.0);
+}
+
+TEST_F(RenderLoopFault, AClockThatStandsStillIsADeviceThatIsSilent) {
+  FakeDevice device(clock_, press(0.006, 2.0));
+  std::int64_t stood_ns = 0;
+  device.on_read = [&](std::size_t number, std::int64_t& time_ns) {
+    stood_ns = number == 1500 ? time_ns : stood_ns;
+    time_ns = number > 1500 ? stood_ns : time_ns;
+  };
+  RenderConfig c = config(LocalModel::kElement);
+  c.fast.silent_fault_s = 0.05;
+  const RenderReport report = render(device, c);
+  EXPECT_EQ(report.fault, Fault::kDeviceSilent);
+  EXPECT_EQ(report.ticks, 1602);
   EXPECT_EQ(device.force.back().norm(), 0.0);
 }
 

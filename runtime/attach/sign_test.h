@@ -1,0 +1,69 @@
+// Whether a device's motors push the way they are asked to, found with little force.
+//
+// A unit that is wired or mirrored otherwise has positive feedback: contact draws the
+// tool in, and the account, which sees positions alone, books that as work of the hand.
+// The test pushes along each axis with F(t) = +-F sin(w t), one period of either sign,
+// and adds up W = sum F . dx. A hand and a mechanism that only take energy make W > 0,
+// whatever their mass, spring and damping; motors that push the other way make W < 0. A
+// constant force and a steady pull of the hand cancel over the two periods.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "runtime/device/device_link.h"
+
+namespace palpate {
+
+struct SignTestOptions {
+  double force_n = 0.3;          ///< [N] > 0
+  double period_s = 0.4;         ///< [s] > 0
+  int axes = 3;                  ///< [1, 3] the first of x, y, z that the device has
+  int rounds = 3;                ///< >= 1, while the answer is not clear
+  double clear_j = 1e-4;         ///< [J] > 0 |W| of an axis that says something
+  double runaway_m = 0.02;       ///< [m] > 0 from where it began: stop
+  double runaway_m_per_s = 0.5;  ///< [m/s] > 0, over 10 ms: stop
+};
+
+/// [J] W of each axis.
+using SignWork = std::array<double, 3>;
+
+/// Tests an open link; leaves it at zero force. Takes 2.4 s where it is clear at once.
+/// @param stopped ends it; may be empty.
+/// @throws DeviceError if an axis pushes the wrong way, the tool ran away, the link was
+/// lost, or nothing could be felt (the tool is held fast or lies at a stop);
+/// Interrupted when stopped.
+SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
+                    const std::function<bool()>& stopped);
+
+/// A link whose every open() ends with that test.
+class SignTestedLink : public DeviceLink {
+ public:
+  /// @param tell says what the person is to do; may be empty.
+  SignTestedLink(std::unique_ptr<DeviceLink> link, const SignTestOptions& options,
+                 std::function<void(const std::string&)> tell,
+                 std::function<bool()> stopped);
+
+  [[nodiscard]] std::string name() const override { return link_->name(); }
+  [[nodiscard]] DeviceLimits limits() const override { return link_->limits(); }
+  void open() override;
+  [[nodiscard]] LinkStatus transact(const Eigen::Vector3d& force_n,
+                                    Eigen::Vector3d& position_m) noexcept override {
+    return link_->transact(force_n, position_m);
+  }
+  [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override {
+    return link_->sent_n();
+  }
+  void close() noexcept override { link_->close(); }
+  [[nodiscard]] std::string failure() const override { return link_->failure(); }
+
+ private:
+  std::unique_ptr<DeviceLink> link_;
+  SignTestOptions options_;
+  std::function<void(const std::string&)> tell_;
+  std::function<bool()> stopped_;
+};
+
+}  // namespace palpate
