@@ -148,7 +148,12 @@ void watch(Flags& flags, const ResponseDatabase& database) {
   if (run.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout) {
     say_where(server);
   }
-  server.run(over);
+  try {
+    server.run(over);
+  } catch (...) {
+    request_stop();  // the device's run ends; else its future would wait for it here
+    throw;
+  }
   const SimulationReport report = run.get();
   fmt::print("{}", summary(report));
   throw_what_ended(report);

@@ -8,7 +8,7 @@ namespace {
 std::atomic<bool> stop_requested = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 
-extern "C" void request_stop(int /*signal*/) {
+extern "C" void take_stop_signal(int /*signal*/) {
   stop_requested.store(true);
 }
 
@@ -21,8 +21,12 @@ void on_stop_signals(void (*action)(int)) {
 }  // namespace
 
 const std::atomic<bool>& heed_stop_signals() {
-  on_stop_signals(request_stop);
+  on_stop_signals(take_stop_signal);
   return stop_requested;
+}
+
+void request_stop() noexcept {
+  stop_requested.store(true);
 }
 
 void release_stop_signals() {

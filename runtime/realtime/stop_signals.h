@@ -9,6 +9,9 @@ namespace palpate {
 /// process.
 [[nodiscard]] const std::atomic<bool>& heed_stop_signals();
 
+/// As a signal would, from within: sets what heed_stop_signals() returns.
+void request_stop() noexcept;
+
 /// From now on they end the process again.
 void release_stop_signals();
 

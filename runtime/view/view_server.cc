@@ -17,7 +17,10 @@ class ViewServer::Parts::Connection : public std::enable_shared_from_this<Connec
       : parts_(parts), stream_(std::move(socket)) {
     ++parts_.connections;
   }
-  ~Connection() { parts_.connections -= handed_over_ ? 0 : 1; }
+  ~Connection() {
+    be_heard();
+    parts_.connections -= handed_over_ ? 0 : 1;
+  }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
@@ -26,15 +29,25 @@ class ViewServer::Parts::Connection : public std::enable_shared_from_this<Connec
     parser_->header_limit(kHeaderBytes);
     parser_->body_limit(0);
     stream_.expires_after(kRequestTime);
+    parts_.silent.push_back(this);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](Failure failure, std::size_t) {
+                       self->be_heard();
                        if (!failure) {
                          self->serve();
                        }  // else gone, too slow or no HTTP: the stream closes
                      });
   }
 
+  // Another connection needs its place.
+  void close() {
+    Failure ignored;
+    stream_.socket().close(ignored);
+  }
+
  private:
+  void be_heard() { parts_.silent.remove(this); }
+
   void serve() {
     const Request request = parser_->release();
     if (websocket::is_upgrade(request) && parts_.may_upgrade(request)) {
@@ -93,13 +106,24 @@ void ViewServer::Parts::accept() {
     if (!acceptor.is_open()) {
       return;
     }
-    if (!failure && connections < kConnectionsMax) {
+    // Connections that say nothing must not keep the page's own requests out.
+    if (!failure && (connections < kConnectionsMax || close_idlest())) {
       Failure ignored;
       socket.set_option(tcp::no_delay(true), ignored);
       std::make_shared<Connection>(*this, std::move(socket))->read();
     }
     accept();
   });
+}
+
+bool ViewServer::Parts::close_idlest() {
+  if (silent.empty()) {
+    return false;
+  }
+  Connection* const idlest = silent.front();
+  silent.pop_front();
+  idlest->close();  // its read ends with a failure, and with it the connection
+  return true;
 }
 
 void ViewServer::Parts::schedule(const std::atomic<bool>& stop) {

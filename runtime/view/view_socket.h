@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <list>
 #include <map>
 #include <optional>
 #include <utility>  // before asio, which forgets it
@@ -36,6 +37,7 @@ inline constexpr std::size_t kHeaderBytes = 8192;
 inline constexpr std::size_t kWaitingMax = 64;      // messages for one client
 inline constexpr std::size_t kConnectionsMax = 32;  // of any kind
 inline constexpr auto kRequestTime = std::chrono::seconds(10);
+inline constexpr auto kControlFramesPerS = 20.0;  // pings and pongs of one client
 
 inline std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -68,6 +70,8 @@ struct ViewServer::Parts {
   [[nodiscard]] std::optional<http::status> refusal(const Request& request) const;
   [[nodiscard]] Response answer(const Request& request) const;
   [[nodiscard]] bool may_upgrade(const Request& request) const;
+  /// Closes the connection that has said nothing for longest; false where all speak.
+  bool close_idlest();
   /// Null for a client that has gone.
   [[nodiscard]] std::shared_ptr<Socket> socket(ViewClient client) const {
     const auto found = sockets.find(client);
@@ -81,6 +85,7 @@ struct ViewServer::Parts {
   std::map<ViewClient, std::weak_ptr<Socket>> sockets;
   ViewClient last = 0;
   std::size_t connections = 0;
+  std::list<Connection*> silent;  ///< that wait for a request, oldest first
   boost::asio::io_context io{1};  // after what its connections touch when they end
   tcp::acceptor acceptor;
   boost::asio::steady_timer timer;
@@ -93,7 +98,8 @@ class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
       : parts_(parts),
         stream_(std::move(stream)),
         client_(client),
-        rate_(parts.options.messages_per_s_max) {}
+        rate_(parts.options.messages_per_s_max),
+        control_rate_(kControlFramesPerS) {}
   ~Socket() { --parts_.connections; }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
@@ -109,6 +115,12 @@ class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
       response.set(http::field::sec_websocket_protocol, view(kViewProtocol));
     }));
     stream_.read_message_max(kViewMessageBytes);
+    stream_.control_callback([this](websocket::frame_type, beast::string_view) {
+      // Frames that are no messages cost time, too. Beast answers this one yet.
+      if (!control_rate_.allow(SocketClock::now()) && !closing_) {
+        drop(websocket::close_code::policy_error);
+      }
+    });
     stream_.text(true);
     stream_.async_accept(request, [self = shared_from_this()](Failure failure) {
       if (failure) {
@@ -211,6 +223,7 @@ class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
   beast::flat_buffer buffer_{kViewMessageBytes};
   ViewClient client_;
   MessageRate rate_;
+  MessageRate control_rate_;
   std::deque<std::shared_ptr<const std::string>> waiting_;
   std::shared_ptr<const std::string> latest_;
   std::shared_ptr<const std::string> writing_;
