@@ -72,9 +72,9 @@ class OwnedStream : public ElementSender {
   ElementStream stream_;
 };
 
-bool is_damaged(const ElementSender* sender) {
+std::string damage_of(const ElementSender* sender) {
   const auto* streamed = dynamic_cast<const StreamedElements*>(sender);
-  return streamed != nullptr && streamed->is_damaged();
+  return streamed != nullptr && streamed->is_damaged() ? streamed->damage() : "";
 }
 
 }  // namespace
@@ -108,8 +108,7 @@ void HostBody::open_whole(const std::filesystem::path& file) {
   auto database = std::make_unique<const ResponseDatabase>(read_database(file));
   const ResponseTable& table = find_tool(*database, options_.tool);
   fast_ = fast_config(options_, table.tool);
-  force_scale_ =
-      renderable_scale(options_, rendered_stiffness(table, fast_.force_max_n));
+  take_stiffness(rendered_stiffness(table, fast_.force_max_n));
   whole_ = std::make_unique<OwnedStream>(std::move(database), table, force_scale_);
 }
 
@@ -118,8 +117,7 @@ void HostBody::open_streamed(const std::filesystem::path& file) {
   const CacheOptions wanted{.tool = options_.tool};
   const std::size_t tool = ChunkCache(file, wanted).tool();
   fast_ = fast_config(options_, reader.index().tools[tool].tool);
-  force_scale_ =
-      renderable_scale(options_, streamed_stiffness(reader, tool, fast_.force_max_n));
+  take_stiffness(streamed_stiffness(reader, tool, fast_.force_max_n));
   const StreamedPlace place = streamed_place(reader, tool, std::nullopt);
   const Eigen::Vector3d start_m =
       place.around.body.position_m.row(place.row).transpose();
@@ -128,6 +126,16 @@ void HostBody::open_streamed(const std::filesystem::path& file) {
     return std::make_unique<StreamedElements>(file, cache, start_m,
                                               !options_.own_slow_steps);
   };
+}
+
+void HostBody::take_stiffness(const RenderedStiffness& stiffness) {
+  stiffness_n_per_m_ = stiffness.largest_n_per_m();
+  force_scale_ = renderable_scale(options_, stiffness);
+}
+
+double HostBody::needed_damping_n_s_per_m() const noexcept {
+  return force_scale_ * stiffness_n_per_m_ * options_.position_gain *
+         options_.force_gain * (0.5 * options_.tick_s + options_.delay_s);
 }
 
 HostTool& HostBody::add_tool() {
@@ -146,7 +154,15 @@ std::size_t HostBody::slow_step() {
     throw InputError("a slow thread is at work already: no slow steps of the host's");
   }
   const std::scoped_lock lock(mutex_);
-  return serve();
+  try {
+    return serve();
+  } catch (const Error& error) {
+    failure_ = {error.exit_code(), error.what()};
+    throw;
+  } catch (const std::exception& error) {
+    failure_ = {1, error.what()};
+    throw;
+  }
 }
 
 SlowFailure HostBody::slow_failure() {
@@ -164,8 +180,8 @@ std::size_t HostBody::serve() {
     }
     ElementSender* sender = served->sender ? served->sender.get() : whole_.get();
     sent += sender->update(exchange.tool.latest(), clock.now_ns(), exchange.elements);
-    if (is_damaged(sender)) {
-      failure_ = {FormatError("").exit_code(), "a chunk of the database is damaged"};
+    if (const std::string why = damage_of(sender); !why.empty()) {
+      failure_ = {FormatError("").exit_code(), why};
     }
   }
   return sent;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "runtime/c_api/host_tool.h"
+#include "runtime/device/stability_margin.h"
 #include "runtime/slow/element_source.h"
 
 namespace palpate {
@@ -48,6 +49,10 @@ class HostBody {
   [[nodiscard]] const HostOptions& options() const noexcept { return options_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
 
+  /// [N s/m] b = K (T/2 + delay), K the largest stiffness as the device feels it
+  /// (Colgate & Schenkel 1997; Diolaiti et al. 2006).
+  [[nodiscard]] double needed_damping_n_s_per_m() const noexcept;
+
  private:
   struct Served {
     Served(std::unique_ptr<ElementSender> own, const FastConfig& fast, double tick_s,
@@ -59,11 +64,13 @@ class HostBody {
 
   void open_whole(const std::filesystem::path& file);
   void open_streamed(const std::filesystem::path& file);
+  void take_stiffness(const RenderedStiffness& stiffness);
   std::size_t serve();  // with mutex_ held
   void run() noexcept;
 
   HostOptions options_;
   double force_scale_ = 1.0;
+  double stiffness_n_per_m_ = 0.0;  // largest, at gains of 1 and scale 1
   FastConfig fast_;
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;

@@ -35,12 +35,21 @@ double angle_rad(const Eigen::Vector4d& quaternion) {
 
 }  // namespace
 
+// Beyond these, sums of what is scaled lose their digits.
+void check_scale(const char* what, double value) {
+  constexpr double kLargest = 1e6;
+  if (!(value >= 1.0 / kLargest && value <= kLargest)) {
+    throw InputError(fmt::format("{} is {}, must lie in [{:g}, {:g}]", what, value,
+                                 1.0 / kLargest, kLargest));
+  }
+}
+
 void check(const HostOptions& options) {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
-  check_range("unit of length [m]", options.metres_per_unit, 0.0, kEndless);
-  check_range("unit of force [N]", options.newtons_per_unit, 0.0, kEndless);
-  check_range("position gain", options.position_gain, 0.0, kEndless);
-  check_range("force gain", options.force_gain, 0.0, kEndless);
+  check_scale("unit of length [m]", options.metres_per_unit);
+  check_scale("unit of force [N]", options.newtons_per_unit);
+  check_scale("position gain", options.position_gain);
+  check_scale("force gain", options.force_gain);
   check_range("nominal tick [s]", options.tick_s, 0.0, 1.0);
   check_range("slow rate [Hz]", options.slow_hz, 0.0, 1000.0);
   if (options.slow_hz < 1.0) {

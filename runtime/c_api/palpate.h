@@ -16,11 +16,18 @@
  * Threads: a body's slow process runs in a thread of the library, unless
  * PALPATE_OWN_SLOW_STEPS. Every tool is used by one thread at a time, the haptic one;
  * different tools by different threads. palpate_state_get() may be called from one
- * other thread meanwhile. palpate_open(), palpate_tool_add(), palpate_slow_step() and
+ * other thread instead. palpate_open(), palpate_tool_add(), palpate_slow_step() and
  * palpate_slow_failure() may wait and allocate; palpate_close() when no other call is
  * under way. Functions of the haptic thread say so.
  *
  * No function throws, prints, or ends the process.
+ *
+ * What is guaranteed: the account. Work put in by the tool = stored + tank +
+ * dissipated, the last three never below zero, with positions as they were measured,
+ * whatever elements and models were exchanged, when, and how late. What is not: the
+ * device holds a force from one tick to the next while the tool moves by dx, which
+ * gives the hand up to K |dx|^2 / 2 a tick beyond the account. The device's own damping
+ * must take that: b >= K T / 2 (palpate_needed_damping()).
  */
 #ifndef PALPATE_H
 #define PALPATE_H
@@ -73,16 +80,16 @@ enum palpate_flags {
 typedef struct palpate_options {
   size_t struct_size;      /* sizeof(palpate_options) */
   const char* tool_name;   /* NULL: the database's only tool */
-  double metres_per_unit;  /* [m] > 0, host's unit of length; 1 */
-  double newtons_per_unit; /* [N] > 0, host's unit of force; 1 */
+  double metres_per_unit;  /* [m] [1e-6, 1e6], host's unit of length; 1 */
+  double newtons_per_unit; /* [N] [1e-6, 1e6], host's unit of force; 1 */
   /* A host that scales its workspace makes the device feel position_gain * force_gain
    * times the body's stiffness: the stability bound holds there. */
-  double position_gain;            /* [-] > 0, movement here per device movement; 1 */
-  double force_gain;               /* [-] > 0, device force per force given here; 1 */
-  double nominal_tick_s;           /* [s] (0, 1], what dt_s 0 means; 0.001 */
-  double slow_hz;                  /* [Hz] [1, 1000], of the slow process; 100 */
+  double position_gain;  /* [-] [1e-6, 1e6], movement here per device movement; 1 */
+  double force_gain;     /* [-] [1e-6, 1e6], device force per force given here; 1 */
+  double nominal_tick_s; /* [s] (0, 1], what dt_s 0 means; 0.001 */
+  double slow_hz;        /* [Hz] [1, 1000], of the slow process; 100 */
   double device_damping_n_s_per_m; /* [N s/m] > 0, viscous; 0: unknown, no bound is
-                                      checked */
+                                      checked (palpate_needed_damping()) */
   double device_delay_s;           /* [s] >= 0, from command to force; 0 */
   double force_max_n;              /* [N] > 0, at the device; 8 */
   double stall_s; /* [s] > 0, in contact without an element: fault; 0.5 */
@@ -130,6 +137,25 @@ PALPATE_API palpate_body* palpate_open(const char* file, const palpate_options* 
  * as the body. */
 PALPATE_API palpate_tool* palpate_tool_add(palpate_body* body);
 
+/* The same, with one line in error (may be NULL) where it fails: no memory, a 17th
+ * tool, a budget that does not hold a streamed neighbourhood. */
+PALPATE_API palpate_tool* palpate_tool_open(palpate_body* body, char* error,
+                                            size_t error_bytes);
+
+/* Viscous damping [N s/m] that the device must have at least, at the device, so that a
+ * hand cannot be given energy by the forces that are held between ticks: K (T/2 +
+ * delay), K the largest stiffness of the body as it is felt, T the nominal tick. With
+ * device_damping_n_s_per_m unknown (0) nobody has checked it: a device with less may
+ * vibrate on a stiff spot, however exact the account of the forces is. */
+PALPATE_API double palpate_needed_damping(const palpate_body* body);
+
+/* HDF5 is not thread-safe, and this library uses the process's: in palpate_open(), and
+ * with PALPATE_STREAMED in threads of its own until palpate_close(). A host that calls
+ * HDF5 itself, in any thread, does so between these two; they nest in one thread and
+ * may wait for the reading of a chunk (milliseconds). Never in the haptic thread. */
+PALPATE_API void palpate_hdf5_lock(void);
+PALPATE_API void palpate_hdf5_unlock(void);
+
 /* One turn of the slow process for all tools; only with PALPATE_OWN_SLOW_STEPS.
  * Elements sent, or an error below zero. */
 PALPATE_API int palpate_slow_step(palpate_body* body);
@@ -149,8 +175,10 @@ PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
                               const double quat_xyzw[4], double dt_s,
                               double force_out[3]);
 
-/* Haptic thread, or one other. Fills the first struct_size bytes. */
-PALPATE_API void palpate_state_get(const palpate_tool* tool, palpate_state* state);
+/* The haptic thread, or one other, but always the same one: there is one reader. Fills
+ * the first struct_size bytes; those of a newer header than the library's with zeros.
+ */
+PALPATE_API void palpate_state_get(palpate_tool* tool, palpate_state* state);
 
 /* Haptic thread: clears a fault, the account and what is known of the tool's place, as
  * after a jump. The next slow step finds the tool again; the force ramps up anew. */

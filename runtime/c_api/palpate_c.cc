@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/hdf5/hdf5_io.h"
 #include "runtime/c_api/host_body.h"
 #include "runtime/c_api/palpate.h"
 
@@ -185,10 +186,15 @@ palpate_body* palpate_open(const char* file, const palpate_options* options,
 }
 
 palpate_tool* palpate_tool_add(palpate_body* body) {
+  return palpate_tool_open(body, nullptr, 0);
+}
+
+palpate_tool* palpate_tool_open(palpate_body* body, char* error, size_t error_bytes) {
+  copy_text("", error, error_bytes);
   palpate_tool* tool = nullptr;
-  guarded(nullptr, 0, [&] {
+  guarded(error, error_bytes, [&] {
     if (body == nullptr) {
-      return static_cast<int>(PALPATE_ERROR_INPUT);
+      throw InputError("no body: the pointer is null");
     }
     const std::scoped_lock lock(body->mutex);
     body->tools.reserve(palpate::kHostToolsMax);
@@ -245,7 +251,19 @@ int palpate_force(palpate_tool* tool, const double position[3],
   return status_of(tick.command);
 }
 
-void palpate_state_get(const palpate_tool* tool, palpate_state* state) {
+double palpate_needed_damping(const palpate_body* body) {
+  return body == nullptr ? 0.0 : body->body.needed_damping_n_s_per_m();
+}
+
+void palpate_hdf5_lock(void) {
+  palpate::lock_hdf5();
+}
+
+void palpate_hdf5_unlock(void) {
+  palpate::unlock_hdf5();
+}
+
+void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   if (tool == nullptr || state == nullptr || state->struct_size < sizeof(size_t)) {
     return;
   }
@@ -268,7 +286,12 @@ void palpate_state_get(const palpate_tool* tool, palpate_state* state) {
   all.starved = tick.command.starved ? 1 : 0;
   all.extrapolated = tick.command.extrapolated ? 1 : 0;
   all.ticks = tick.ticks;
-  std::memcpy(state, &all, std::min(state->struct_size, sizeof(all)));
+  const std::size_t bytes = all.struct_size;
+  std::memcpy(state, &all, std::min(bytes, sizeof(all)));
+  if (bytes > sizeof(all)) {
+    std::memset(reinterpret_cast<unsigned char*>(state) + sizeof(all), 0,
+                bytes - sizeof(all));
+  }
 }
 
 void palpate_reset(palpate_tool* tool) {

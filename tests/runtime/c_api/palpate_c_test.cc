@@ -1,6 +1,8 @@
 // The C interface as hosts see it: every call through palpate.h.
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -283,6 +285,67 @@ TEST_F(PalpateC, StructsOfOtherVersions) {
   EXPECT_EQ(palpate_abi_version(), PALPATE_ABI_VERSION);
 }
 
+TEST_F(PalpateC, WhatANewerHeaderAddedToTheStateIsZero) {
+  struct {
+    palpate_state known;
+    double added[4];
+  } newer{};
+  newer.known.struct_size = sizeof newer;
+  for (double& value : newer.added) {
+    value = 7.0;
+  }
+  palpate_tool* tool = open(options());
+  palpate_state_get(tool, &newer.known);
+  EXPECT_EQ(newer.known.struct_size, sizeof newer);
+  for (const double value : newer.added) {
+    EXPECT_EQ(value, 0.0);
+  }
+}
+
+TEST_F(PalpateC, UnitsAndGainsBeyondAllDigitsAreRefused) {
+  for (double palpate_options::*const member :
+       {&palpate_options::metres_per_unit, &palpate_options::newtons_per_unit,
+        &palpate_options::position_gain, &palpate_options::force_gain}) {
+    for (const double value : {1e-300, 1e-7, 1e7, 1e308, -1.0}) {
+      palpate_options wanted = options();
+      wanted.*member = value;
+      EXPECT_EQ(open(wanted), nullptr) << value;
+    }
+  }
+}
+
+// K is friction's 1200 N/m here: 0.3 * 2 N / 0.5 mm.
+TEST_F(PalpateC, StatesTheBoundThatItDidNotCheck) {
+  palpate_options wanted = options();
+  ASSERT_NE(open(wanted), nullptr) << error_;
+  EXPECT_NEAR(palpate_needed_damping(body_), 1200.0 * 0.0005, 1e-6);
+  wanted.position_gain = 2.0;
+  wanted.device_delay_s = 0.002;
+  ASSERT_NE(open(wanted), nullptr) << error_;
+  EXPECT_NEAR(palpate_needed_damping(body_), 2400.0 * 0.0025, 1e-6);
+  EXPECT_EQ(palpate_needed_damping(nullptr), 0.0);
+}
+
+TEST_F(PalpateC, AHostExcludesTheLibraryFromHdf5) {
+  palpate_options wanted = options();
+  wanted.flags = PALPATE_STREAMED;
+  ASSERT_NE(open(wanted), nullptr) << error_;
+  palpate_hdf5_lock();
+  palpate_hdf5_lock();  // nests
+  std::atomic<bool> opened = false;
+  std::thread other([&] {
+    palpate_body* body = palpate_open(file_.c_str(), nullptr, nullptr, 0);
+    opened = true;
+    palpate_close(body);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_FALSE(opened);
+  palpate_hdf5_unlock();
+  palpate_hdf5_unlock();
+  other.join();
+  EXPECT_TRUE(opened);
+}
+
 TEST_F(PalpateC, FailuresToOpenSayWhy) {
   EXPECT_EQ(palpate_open("absent.h5", nullptr, error_, sizeof error_), nullptr);
   EXPECT_NE(std::string(error_).find("absent.h5"), std::string::npos);
@@ -309,6 +372,10 @@ TEST_F(PalpateC, SixteenToolsAndNoMore) {
   }
   EXPECT_EQ(palpate_tool_add(body_), nullptr);
   EXPECT_EQ(palpate_tool_add(nullptr), nullptr);
+  EXPECT_EQ(palpate_tool_open(body_, error_, sizeof error_), nullptr);
+  EXPECT_NE(std::string(error_).find("16 tools at most"), std::string::npos) << error_;
+  EXPECT_EQ(palpate_tool_open(nullptr, error_, sizeof error_), nullptr);
+  EXPECT_NE(std::string(error_).find("no body"), std::string::npos) << error_;
 }
 
 TEST_F(PalpateC, StreamedDatabaseRendersTheSame) {
