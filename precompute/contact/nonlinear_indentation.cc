@@ -174,9 +174,8 @@ class Press {
   }
 
   [[nodiscard]] int newton_limit() const {
-    return (stiff_ ? kPatience : 1) *
-           (options_.equilibrium.newton_max +
-            options_.newton_per_depth * static_cast<int>(steps_.size()));
+    return options_.equilibrium.newton_max +
+           options_.newton_per_depth * static_cast<int>(steps_.size());
   }
 
   // Where the body may give way to a side, as a sharp edge does, updates of the

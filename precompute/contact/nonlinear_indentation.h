@@ -40,9 +40,7 @@ struct NonlinearOptions {
   bool sticking = false;
   int bisections_max = 4;  ///< of a step that fails
   /// Newton steps of a press, on average per depth and beyond those of one depth that
-  /// fails; with more it fails. Usual are 10 and none. Twice as many where a depth has
-  /// failed already: how a sharp edge gives way is decided by roundings, and with them
-  /// how many steps that takes.
+  /// fails; with more it fails. Usual are 10 and none.
   int newton_per_depth = 20;
   EquilibriumOptions equilibrium = {};
 };
