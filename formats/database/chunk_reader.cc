@@ -1,6 +1,7 @@
 #include "formats/database/chunk_reader.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -84,10 +85,26 @@ void check_begins(const Hdf5Reader& file, const std::string& path,
   }
 }
 
+// The begins end where the rows of a dataset do: memory is asked for by them.
+void check_end(const Hdf5Reader& file, const std::string& index,
+               const std::vector<std::int64_t>& begin, const std::string& path,
+               const char* units, const Hdf5Shape& wanted) {
+  const std::int64_t rows =
+      file.shape_of(path, units, file.type_of(path), wanted).front();
+  if (begin.back() != rows) {
+    file.fail(fmt::format("dataset {} ends at {}, must end at the {} rows of {}", index,
+                          begin.back(), rows, path));
+  }
+}
+
 void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
   const std::size_t chunks = index.node_begin.empty() ? 0 : index.node_begin.size() - 1;
   check_begins(file, "/index/node_begin", index.node_begin, chunks);
   check_begins(file, "/index/triangle_begin", index.triangle_begin, chunks);
+  check_end(file, "/index/node_begin", index.node_begin, "/body/position_m", "m",
+            {-1, 3});
+  check_end(file, "/index/triangle_begin", index.triangle_begin, "/body/triangle", "1",
+            {-1, 3});
   for (std::size_t k = 0; k < chunks; ++k) {
     const std::int64_t size = index.node_begin[k + 1] - index.node_begin[k];
     if (size < 1 || size > index.storage.chunk_nodes ||
@@ -111,6 +128,8 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
   for (const ToolIndex& tool : index.tools) {
     const std::string group = "/tools/" + tool.tool.name + "/index";
     check_begins(file, group + "/sample_begin", tool.sample_begin, chunks);
+    check_end(file, group + "/sample_begin", tool.sample_begin,
+              "/tools/" + tool.tool.name + "/depth_m", "m", {-1});
     require(group + "/sha256", tool.sha256.size(), c * std::int64_t{kSha256Bytes});
     for (const auto* values :
          {&tool.depth_max_m, &tool.force_max_n, &tool.stiffness_max_n_per_m,
@@ -176,12 +195,14 @@ class ChunkReader::File {
  public:
   explicit File(const std::filesystem::path& name) : reader(name) {}
   Hdf5Reader reader;
+  std::optional<SourceNames> names;
 };
 
 ChunkReader::ChunkReader(const std::filesystem::path& file) {
   const Hdf5Lock lock;
   file_ = std::make_unique<File>(file);
   index_ = index_of(file_->reader, file);
+  file_->names.emplace(index_);
 }
 
 ChunkReader::~ChunkReader() {
@@ -210,6 +231,7 @@ BodyChunk ChunkReader::body(std::int64_t chunk) const {
     check_nodes(part.position_m, part.normal, node);
     check_triangles(part.triangle, index_.nodes(), triangle);
     check_chunk(index_, chunk, part);
+    file_->names->add(chunk, part);
   });
   return part;
 }

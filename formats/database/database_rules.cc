@@ -202,17 +202,17 @@ void check_curve(const std::string& group, const ResponseTable& table, std::size
   }
 }
 
-// Each is there at most once. @param limit one more than the largest
-void check_names(const char* path, std::vector<std::int32_t> names,
-                 std::int64_t limit) {
-  std::sort(names.begin(), names.end());
-  const auto twice = std::adjacent_find(names.begin(), names.end());
-  if (!names.empty() && (names.front() < 0 || names.back() >= limit)) {
-    fail("{} holds {}, must lie in [0, {}]", path,
-         names.front() < 0 ? names.front() : names.back(), limit - 1);
-  }
-  if (twice != names.end()) {
-    fail("{} holds {} twice, must hold each once", path, *twice);
+// Marks what a chunk names; each may be named once.
+void mark(const char* path, const std::vector<std::int32_t>& names,
+          std::vector<bool>& seen) {
+  for (const std::int32_t name : names) {
+    if (name < 0 || static_cast<std::size_t>(name) >= seen.size()) {
+      fail("{} holds {}, must lie in [0, {}]", path, name, seen.size() - 1);
+    }
+    if (seen[static_cast<std::size_t>(name)]) {
+      fail("{} holds {} twice, must hold each once", path, name);
+    }
+    seen[static_cast<std::size_t>(name)] = true;
   }
 }
 
@@ -323,8 +323,20 @@ void check_chunk(const DatabaseIndex& index, std::int64_t chunk,
           chunk, body.triangle(t, 0), body.triangle(t, 1), body.triangle(t, 2));
     }
   }
-  check_names("/body/source_node", body.source_node, index.nodes());
-  check_names("/body/source_triangle", body.source_triangle, index.triangles());
+}
+
+SourceNames::SourceNames(const DatabaseIndex& index)
+    : chunk_(static_cast<std::size_t>(index.chunks())),
+      node_(static_cast<std::size_t>(index.nodes())),
+      triangle_(static_cast<std::size_t>(index.triangles())) {}
+
+void SourceNames::add(std::int64_t chunk, const BodyChunk& body) {
+  const auto k = static_cast<std::size_t>(chunk);
+  if (!chunk_[k]) {
+    mark("/body/source_node", body.source_node, node_);
+    mark("/body/source_triangle", body.source_triangle, triangle_);
+    chunk_[k] = true;
+  }
 }
 
 void check_chunk(const ToolIndex& index, std::int64_t chunk,

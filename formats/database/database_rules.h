@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "formats/database/database_index.h"
 #include "formats/database/response_database.h"
@@ -32,15 +33,29 @@ void check_responses(const std::string& group, const ResponseTable& table,
 void check_normals(const Points& normal, const ResponseTable& table,
                    std::int64_t first = 0);
 
-/// A chunk of the body against what the index says of it: its nodes lie in its box, its
-/// triangles begin with one of its nodes, and it names each of the source's nodes and
-/// triangles once at most.
+/// A chunk of the body against what the index says of it: its nodes lie in its box, and
+/// its triangles begin with one of its nodes.
 void check_chunk(const DatabaseIndex& index, std::int64_t chunk, const BodyChunk& body);
 
 /// A chunk of responses against the index: its largest depth, force, slope, error and
 /// spread are those that the index states.
 void check_chunk(const ToolIndex& index, std::int64_t chunk,
                  const ResponseTable& table);
+
+/// Which of the source's nodes and triangles chunks have named: each once, by one
+/// chunk. A bit for each.
+class SourceNames {
+ public:
+  explicit SourceNames(const DatabaseIndex& index);
+
+  /// A chunk that was read, for the first time or again.
+  void add(std::int64_t chunk, const BodyChunk& body);
+
+ private:
+  std::vector<bool> chunk_;
+  std::vector<bool> node_;
+  std::vector<bool> triangle_;
+};
 
 /// write_database() without the rules: a file whose digests are right and whose content
 /// is not, for tests of who must refuse it. Sizes must agree.

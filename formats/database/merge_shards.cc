@@ -28,8 +28,8 @@ void require_shard(const fs::path& file) {
 }  // namespace
 
 Assembly merge_shards(std::span<const fs::path> files) {
-  std::optional<UnitPlan> plan;
-  std::vector<UnitOutcome> units;
+  std::optional<JobDescription> plan;
+  std::vector<WorkUnitOutcome> units;
   std::map<std::int64_t, fs::path> origin;
   for (const fs::path& file : files) {
     require_shard(file);
@@ -40,7 +40,7 @@ Assembly merge_shards(std::span<const fs::path> files) {
                       "body, version or another choice of nodes to solve",
                       files.front().string(), file.string()));
     }
-    for (const UnitOutcome& unit : shard.unit) {
+    for (const WorkUnitOutcome& unit : shard.unit) {
       const auto [place, is_new] = origin.try_emplace(unit.index, file);
       if (!is_new) {
         throw InputError(fmt::format("unit {} comes twice: in {} and in {}", unit.index,

@@ -59,7 +59,7 @@ bool begins_as_shard(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-void fail_if_broken(UnitNode& node) {
+void fail_if_broken(WorkUnitNode& node) {
   const std::string broken = broken_rule(node.response);
   if (!broken.empty()) {
     node.failure = fmt::format("its response was dropped: {}", broken);
@@ -70,27 +70,28 @@ void fail_if_broken(UnitNode& node) {
   }
 }
 
-bool is_sound(const UnitOutcome& unit) {
-  return std::all_of(unit.node.begin(), unit.node.end(), [](const UnitNode& node) {
+bool is_sound(const WorkUnitOutcome& unit) {
+  return std::all_of(unit.node.begin(), unit.node.end(), [](const WorkUnitNode& node) {
     return broken_rule(node.response).empty();
   });
 }
 
-std::vector<std::byte> to_bytes(const UnitOutcome& unit) {
+std::vector<std::byte> to_bytes(const WorkUnitOutcome& unit) {
   return to_cbor(unit);
 }
 
-std::vector<std::byte> to_bytes(const UnitPlan& plan) {
+std::vector<std::byte> to_bytes(const JobDescription& plan) {
   return to_cbor(plan);
 }
 
-UnitOutcome unit_from_bytes(std::span<const std::byte> bytes,
-                            const std::string& source) {
-  return from_cbor<UnitOutcome>(bytes, source);
+WorkUnitOutcome unit_from_bytes(std::span<const std::byte> bytes,
+                                const std::string& source) {
+  return from_cbor<WorkUnitOutcome>(bytes, source);
 }
 
-UnitPlan plan_from_bytes(std::span<const std::byte> bytes, const std::string& source) {
-  return from_cbor<UnitPlan>(bytes, source);
+JobDescription plan_from_bytes(std::span<const std::byte> bytes,
+                               const std::string& source) {
+  return from_cbor<JobDescription>(bytes, source);
 }
 
 void write_shard(const std::filesystem::path& file, const Shard& shard) {
@@ -122,8 +123,8 @@ Shard read_shard(const std::filesystem::path& file) {
   }
   const auto json = from_cbor<nlohmann::json>(body, file.string());
   try {
-    return {json.at("plan").get<UnitPlan>(),
-            json.at("unit").get<std::vector<UnitOutcome>>()};
+    return {json.at("plan").get<JobDescription>(),
+            json.at("unit").get<std::vector<WorkUnitOutcome>>()};
   } catch (const nlohmann::json::exception& error) {
     throw FormatError(fmt::format("{} is damaged: {}", file.string(), error.what()));
   }

@@ -18,7 +18,7 @@
 namespace palpate {
 
 /// One node's response with one tool, as a unit delivers it.
-struct UnitNode {
+struct WorkUnitNode {
   std::int32_t tool = 0;  ///< index
   std::int32_t vertex = -1;
   NodeResponse response = {};
@@ -29,18 +29,18 @@ struct UnitNode {
 
 /// A response that breaks a rule (broken_rule) becomes that of a failed node, without a
 /// curve, and the failure says which; a node that failed without a curve is flagged.
-void fail_if_broken(UnitNode& node);
+void fail_if_broken(WorkUnitNode& node);
 
-struct UnitOutcome {
+struct WorkUnitOutcome {
   std::int64_t index = -1;
   /// Solutions one level finer of nodes that other units answer: they measure the
   /// error.
   bool is_check = false;
-  std::vector<UnitNode> node;
+  std::vector<WorkUnitNode> node;
 };
 
 /// What all units of one computation have in common.
-struct UnitPlan {
+struct JobDescription {
   std::string digest;  ///< of everything that the outcomes depend on
   std::int64_t units = 0;
   SurfaceMesh body;
@@ -54,18 +54,18 @@ struct UnitPlan {
   Provenance provenance;      ///< but `left_out`
 };
 
-[[nodiscard]] std::vector<std::byte> to_bytes(const UnitOutcome& unit);
-[[nodiscard]] std::vector<std::byte> to_bytes(const UnitPlan& plan);
+[[nodiscard]] std::vector<std::byte> to_bytes(const WorkUnitOutcome& unit);
+[[nodiscard]] std::vector<std::byte> to_bytes(const JobDescription& plan);
 /// @throws FormatError naming `source` if the bytes are not one.
-[[nodiscard]] UnitOutcome unit_from_bytes(std::span<const std::byte> bytes,
-                                          const std::string& source);
-[[nodiscard]] UnitPlan plan_from_bytes(std::span<const std::byte> bytes,
-                                       const std::string& source);
+[[nodiscard]] WorkUnitOutcome unit_from_bytes(std::span<const std::byte> bytes,
+                                              const std::string& source);
+[[nodiscard]] JobDescription plan_from_bytes(std::span<const std::byte> bytes,
+                                             const std::string& source);
 
 /// Some units of a plan, in one file.
 struct Shard {
-  UnitPlan plan;
-  std::vector<UnitOutcome> unit;
+  JobDescription plan;
+  std::vector<WorkUnitOutcome> unit;
 };
 void write_shard(const std::filesystem::path& file, const Shard& shard);
 /// @throws InputError for a missing file, FormatError for one that is no shard.
@@ -90,16 +90,16 @@ struct Assembly {
 };
 
 /// Whether a unit's nodes all keep the rules: what a checkpoint may give back.
-[[nodiscard]] bool is_sound(const UnitOutcome& unit);
+[[nodiscard]] bool is_sound(const WorkUnitOutcome& unit);
 
 /// Puts the units together; their order does not matter. A node whose response breaks a
 /// rule becomes a failed one (fail_if_broken). @throws InputError naming the units that
 /// are missing, that come twice, or whose nodes the body does not have.
-[[nodiscard]] Assembly assemble(const UnitPlan& plan,
-                                std::span<const UnitOutcome> units);
+[[nodiscard]] Assembly assemble(const JobDescription& plan,
+                                std::span<const WorkUnitOutcome> units);
 
 /// @throws NumericalError saying why if no node at all was solved.
-void require_responses(const UnitPlan& plan, const Assembly& assembly);
+void require_responses(const JobDescription& plan, const Assembly& assembly);
 
 /// Relative difference of two responses of a node: rms over 16 equal steps of the
 /// penetration that both cover, from the earlier first touch on, of the difference in

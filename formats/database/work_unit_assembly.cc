@@ -17,9 +17,10 @@
 namespace palpate {
 namespace {
 
-void check_complete(const UnitPlan& plan, std::span<const UnitOutcome> units) {
+void check_complete(const JobDescription& plan,
+                    std::span<const WorkUnitOutcome> units) {
   std::vector<int> seen(static_cast<std::size_t>(plan.units), 0);
-  for (const UnitOutcome& unit : units) {
+  for (const WorkUnitOutcome& unit : units) {
     if (unit.index < 0 || unit.index >= plan.units) {
       throw InputError(
           fmt::format("unit {} is none of the plan's {}", unit.index, plan.units));
@@ -28,8 +29,8 @@ void check_complete(const UnitPlan& plan, std::span<const UnitOutcome> units) {
       throw InputError(fmt::format("unit {} comes twice", unit.index));
     }
   }
-  for (const UnitOutcome& unit : units) {
-    for (const UnitNode& node : unit.node) {
+  for (const WorkUnitOutcome& unit : units) {
+    for (const WorkUnitNode& node : unit.node) {
       if (node.tool < 0 || std::cmp_greater_equal(node.tool, plan.tool.size()) ||
           node.vertex < 0 || node.vertex >= plan.body.position_m.rows()) {
         throw InputError(fmt::format(
@@ -53,7 +54,7 @@ void check_complete(const UnitPlan& plan, std::span<const UnitOutcome> units) {
   }
 }
 
-void count(const UnitPlan& plan, const UnitNode& node, Assembly& assembly) {
+void count(const JobDescription& plan, const WorkUnitNode& node, Assembly& assembly) {
   const NodeResponse& response = node.response;
   const bool has_curve = response.origin != ResponseOrigin::kNone;
   if (!node.failure.empty()) {
@@ -73,7 +74,7 @@ void count(const UnitPlan& plan, const UnitNode& node, Assembly& assembly) {
   }
 }
 
-std::string left_out(const UnitPlan& plan, const Assembly& assembly) {
+std::string left_out(const JobDescription& plan, const Assembly& assembly) {
   return fmt::format(
       "{} nodes held or outside reach, {} failed, {} untouched; depths beyond {} m and "
       "forces beyond {} N{}{}",
@@ -114,9 +115,9 @@ double response_difference(const NodeResponse& response, const NodeResponse& ref
 
 namespace {
 
-std::vector<const UnitOutcome*> in_order(std::span<const UnitOutcome> units) {
-  std::vector<const UnitOutcome*> ordered;
-  for (const UnitOutcome& unit : units) {
+std::vector<const WorkUnitOutcome*> in_order(std::span<const WorkUnitOutcome> units) {
+  std::vector<const WorkUnitOutcome*> ordered;
+  for (const WorkUnitOutcome& unit : units) {
     ordered.push_back(&unit);
   }
   std::sort(ordered.begin(), ordered.end(), [](const auto* a, const auto* b) {
@@ -137,9 +138,9 @@ struct ToolAnswers {
         verified(nodes, std::numeric_limits<double>::quiet_NaN()) {}
 };
 
-void take(const UnitPlan& plan, const UnitOutcome& unit,
+void take(const JobDescription& plan, const WorkUnitOutcome& unit,
           std::vector<ToolAnswers>& answers) {
-  for (const UnitNode& node : unit.node) {
+  for (const WorkUnitNode& node : unit.node) {
     ToolAnswers& tool = answers.at(static_cast<std::size_t>(node.tool));
     const auto v = static_cast<std::size_t>(node.vertex);
     if (!unit.is_check) {
@@ -173,7 +174,8 @@ AccuracyRecord accuracy_record(double budget, std::vector<double> verified) {
   return record;
 }
 
-ResponseTable table_of(const UnitPlan& plan, std::size_t t, const ToolAnswers& tool) {
+ResponseTable table_of(const JobDescription& plan, std::size_t t,
+                       const ToolAnswers& tool) {
   ResponseTable table = make_table(plan.tool[t], tool.response);
   table.accuracy = accuracy_record(plan.force_relative, tool.verified);
   if (table.accuracy.verified > 0) {
@@ -201,17 +203,17 @@ ResponseTable table_of(const UnitPlan& plan, std::size_t t, const ToolAnswers& t
 
 }  // namespace
 
-Assembly assemble(const UnitPlan& plan, std::span<const UnitOutcome> units) {
+Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> units) {
   check_complete(plan, units);
   Assembly assembly;
   const auto nodes = static_cast<std::size_t>(plan.body.position_m.rows());
   std::vector<ToolAnswers> answers(plan.tool.size(), ToolAnswers(nodes));
   // Checks come last in a plan, and compare with what was taken before.
-  for (const UnitOutcome* given : in_order(units)) {
-    UnitOutcome unit = *given;
+  for (const WorkUnitOutcome* given : in_order(units)) {
+    WorkUnitOutcome unit = *given;
     std::for_each(unit.node.begin(), unit.node.end(), fail_if_broken);
     take(plan, unit, answers);
-    for (const UnitNode& node : unit.node) {
+    for (const WorkUnitNode& node : unit.node) {
       if (!unit.is_check) {
         count(plan, node, assembly);
       }
@@ -235,7 +237,7 @@ Assembly assemble(const UnitPlan& plan, std::span<const UnitOutcome> units) {
   return assembly;
 }
 
-void require_responses(const UnitPlan& plan, const Assembly& assembly) {
+void require_responses(const JobDescription& plan, const Assembly& assembly) {
   if (assembly.solved == 0) {
     throw NumericalError(fmt::format(
         "none of the {} reachable vertices gave a response: {}", plan.reachable,

@@ -70,7 +70,7 @@ ToolShape tool_of(const json& j) {
   return tool;
 }
 
-json to_json(const UnitNode& node) {
+json to_json(const WorkUnitNode& node) {
   const NodeResponse& response = node.response;
   json directions = json::array();
   for (const Eigen::Vector3d& direction : response.sample_direction) {
@@ -91,20 +91,20 @@ json to_json(const UnitNode& node) {
           {"flags", response.flags}};
 }
 
-UnitNode node_of(const json& j) {
-  UnitNode node{.tool = j.at("tool"),
-                .vertex = j.at("vertex"),
-                .response = {.direction = vector_of(j.at("direction")),
-                             .direction_spread_rad = j.at("direction_spread_rad"),
-                             .touch_offset_m = j.at("touch_offset_m"),
-                             .depth_m = j.at("depth_m"),
-                             .force_n = j.at("force_n"),
-                             .error_relative = j.at("error_relative"),
-                             .origin = static_cast<ResponseOrigin>(
-                                 j.at("origin").get<std::uint8_t>()),
-                             .flags = j.at("flags")},
-                .failure = j.at("failure"),
-                .reaches_elsewhere = j.value("elsewhere", false)};
+WorkUnitNode node_of(const json& j) {
+  WorkUnitNode node{.tool = j.at("tool"),
+                    .vertex = j.at("vertex"),
+                    .response = {.direction = vector_of(j.at("direction")),
+                                 .direction_spread_rad = j.at("direction_spread_rad"),
+                                 .touch_offset_m = j.at("touch_offset_m"),
+                                 .depth_m = j.at("depth_m"),
+                                 .force_n = j.at("force_n"),
+                                 .error_relative = j.at("error_relative"),
+                                 .origin = static_cast<ResponseOrigin>(
+                                     j.at("origin").get<std::uint8_t>()),
+                                 .flags = j.at("flags")},
+                    .failure = j.at("failure"),
+                    .reaches_elsewhere = j.value("elsewhere", false)};
   for (const json& direction : j.at("sample_direction")) {
     node.response.sample_direction.push_back(vector_of(direction));
   }
@@ -113,21 +113,21 @@ UnitNode node_of(const json& j) {
 
 }  // namespace
 
-void to_json(json& j, const UnitOutcome& unit) {
+void to_json(json& j, const WorkUnitOutcome& unit) {
   j = {{"index", unit.index}, {"is_check", unit.is_check}, {"node", json::array()}};
-  for (const UnitNode& node : unit.node) {
+  for (const WorkUnitNode& node : unit.node) {
     j["node"].push_back(to_json(node));
   }
 }
 
-void from_json(const json& j, UnitOutcome& unit) {
+void from_json(const json& j, WorkUnitOutcome& unit) {
   unit = {.index = j.at("index"), .is_check = j.at("is_check"), .node = {}};
   for (const json& node : j.at("node")) {
     unit.node.push_back(node_of(node));
   }
 }
 
-void to_json(json& j, const UnitPlan& plan) {
+void to_json(json& j, const JobDescription& plan) {
   const Provenance& from = plan.provenance;
   j = {{"digest", plan.digest},
        {"units", plan.units},
@@ -148,7 +148,7 @@ void to_json(json& j, const UnitPlan& plan) {
   }
 }
 
-void from_json(const json& j, UnitPlan& plan) {
+void from_json(const json& j, JobDescription& plan) {
   plan = {.digest = j.at("digest"),
           .units = j.at("units"),
           .body = mesh_of(j.at("body")),

@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-void to_json(nlohmann::json& json, const UnitOutcome& unit);
-void from_json(const nlohmann::json& json, UnitOutcome& unit);
-void to_json(nlohmann::json& json, const UnitPlan& plan);
-void from_json(const nlohmann::json& json, UnitPlan& plan);
+void to_json(nlohmann::json& json, const WorkUnitOutcome& unit);
+void from_json(const nlohmann::json& json, WorkUnitOutcome& unit);
+void to_json(nlohmann::json& json, const JobDescription& plan);
+void from_json(const nlohmann::json& json, JobDescription& plan);
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <charconv>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -119,12 +118,9 @@ PlyElement element_of(const Lines& lines, const std::vector<std::string_view>& w
   if (stop != end || error == std::errc::invalid_argument) {
     lines.fail("must be \"element\", a name and a count");
   }
-  if (error == std::errc::result_out_of_range) {
-    element.count = std::numeric_limits<std::size_t>::max();
-  }
-  if (element.count > file_bytes) {
-    lines.fail("announces {} elements, more than a file of {} bytes can hold",
-               element.count, file_bytes);
+  if (error == std::errc::result_out_of_range || element.count > file_bytes) {
+    lines.fail("announces {} elements, more than a file of {} bytes can hold", word[2],
+               file_bytes);
   }
   element.name = word[1];
   return element;

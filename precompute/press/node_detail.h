@@ -68,7 +68,8 @@ struct NodeDetail {
                                           const DeformedBody& body);
 
 /// Presses one vertex on a mesh of its own, nonlinear (if the scene asks for it) at
-/// every depth. @param options but for sticking, which is the tool's.
+/// every depth, with twice the Newton steps per depth of `options`. @param options but
+/// for sticking, which is the tool's.
 /// @throws InputError if the vertex does not exist or is held, NumericalError if
 /// nothing was solved.
 [[nodiscard]] NodeDetail press_in_detail(const Scene& scene, const BodySource& body,

@@ -72,6 +72,17 @@ class OwnedStream : public ElementSender {
   ElementStream stream_;
 };
 
+// Of the exception that is being handled.
+SlowFailure failure_in_hand() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return {error.exit_code(), error.what()};
+  } catch (const std::exception& error) {
+    return {1, error.what()};
+  }
+}
+
 std::string damage_of(const ElementSender* sender) {
   const auto* streamed = dynamic_cast<const StreamedElements*>(sender);
   return streamed != nullptr && streamed->is_damaged() ? streamed->damage() : "";
@@ -156,11 +167,8 @@ std::size_t HostBody::slow_step() {
   const std::scoped_lock lock(mutex_);
   try {
     return serve();
-  } catch (const Error& error) {
-    failure_ = {error.exit_code(), error.what()};
-    throw;
-  } catch (const std::exception& error) {
-    failure_ = {1, error.what()};
+  } catch (...) {
+    failure_ = failure_in_hand();
     throw;
   }
 }
@@ -197,11 +205,8 @@ void HostBody::run() noexcept {
     const std::scoped_lock lock(mutex_);
     try {
       serve();
-    } catch (const Error& error) {
-      failure_ = {error.exit_code(), error.what()};
-      return;
-    } catch (const std::exception& error) {
-      failure_ = {1, error.what()};
+    } catch (...) {
+      failure_ = failure_in_hand();
       return;
     }
   }

@@ -169,6 +169,8 @@ PALPATE_API int palpate_slow_failure(palpate_body* body, char* text, size_t text
  * quat_xyzw: orientation, of any length; NULL or zero: none. Responses are of one
  * orientation: another one changes tilt_rad alone.
  * dt_s: since the last call, at most 1; 0: the nominal tick.
+ * Any movement is followed: a host that reads a device refuses wrong readings itself,
+ * one of which would be answered with the force of a place where the tool is not.
  * force_out [host force]: on the tool; zero in free space and on a fault.
  * Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero. */
 PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],

@@ -1,5 +1,4 @@
 // `palpate-run calibrate`: what a device's motors really give, by a hung mass.
-#include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "runtime/attach/hung_mass.h"
 #include "runtime/attach/sign_test.h"
 #include "runtime/command/commands.h"
+#include "runtime/command/device_options.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/usb/falcon_geometry.h"
 
@@ -33,8 +33,8 @@ void check(const Flags& flags) {
   }
 }
 
-// Opens the device, which homes it, and weighs what hangs on it. A signal ends the
-// process at once except while there is force: then the link is closed first.
+// Opens the device, which homes it, and weighs what hangs on it. A signal ends either;
+// the link is closed first.
 Weight opened_and_weighed(const std::unique_ptr<DeviceLink> link) {
   link->open();
   const Weight weight = weigh(*link, falcon_centre_m(), {}, heed_stop_signals());
@@ -45,11 +45,7 @@ Weight opened_and_weighed(const std::unique_ptr<DeviceLink> link) {
 
 void ask(const Flags& flags, const std::string& what) {
   if (!is_emulated(flags.device.name)) {
-    fmt::print(stderr, "{}: {}, then press Enter\n", flags.device.name, what);
-    std::string line;
-    if (!std::getline(std::cin, line)) {
-      throw InputError("calibration: standard input ended before it was confirmed");
-    }
+    ask_person(fmt::format("{}: {}", flags.device.name, what));
   }
 }
 
@@ -61,9 +57,7 @@ void test_motor_signs(const Flags& flags) {
   ask(flags, "hold its grip loosely in the middle: it is pushed to and fro a little");
   const std::unique_ptr<DeviceLink> link = calibration_link(flags.device, 0.0);
   link->open();
-  static_cast<void>(test_signs(*link, {}, [] {
-    return heed_stop_signals().load();
-  }));
+  static_cast<void>(test_signs(*link, {}, flags.device.stopped));
   link->close();
   release_stop_signals();
 }
@@ -73,8 +67,11 @@ void run(Flags& flags) {
   flags.device.tell = [](const std::string& text) {
     fmt::print(stderr, "{}\n", text);
   };
-  auto bare_link = calibration_link(flags.device, 0.0);
+  flags.device.stopped = [] {
+    return heed_stop_signals().load();
+  };
   test_motor_signs(flags);
+  auto bare_link = calibration_link(flags.device, 0.0);
   ask(flags, "lay it so that its y axis points up; it will carry its own grip");
   const Weight bare = opened_and_weighed(std::move(bare_link));
   ask(flags, fmt::format("hang {} kg on the grip and support it until it is carried",

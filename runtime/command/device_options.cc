@@ -15,7 +15,8 @@ void tell_person(const std::string& text) {
   fmt::print(stderr, "{}\n", text);
 }
 
-// A signal ends the wait as it ends a run.
+}  // namespace
+
 void ask_person(const std::string& text) {
   fmt::print(stderr, "{}; then press Enter\n", text);
   for (;;) {
@@ -29,15 +30,13 @@ void ask_person(const std::string& text) {
     }
     char byte = 0;
     if (::read(STDIN_FILENO, &byte, 1) != 1) {
-      throw DeviceError("standard input ended before it was confirmed");
+      throw InputError("standard input ended before it was confirmed");
     }
     if (byte == '\n') {
       return;
     }
   }
 }
-
-}  // namespace
 
 void add_device_options(Command command, DeviceFlags& flags) {
   DeviceRequest& request = flags.request;

@@ -21,6 +21,10 @@ struct DeviceFlags {
 /// --device and what goes with it. @param flags must outlive the command.
 void add_device_options(Command command, DeviceFlags& flags);
 
+/// Says what a person is to do and waits for Enter. @throws Interrupted on a signal,
+/// InputError where standard input ends.
+void ask_person(const std::string& text);
+
 /// Chooses the device, for a run in real time. @throws as choose_device().
 void attach_device(DeviceFlags& flags, SimulationOptions& options);
 

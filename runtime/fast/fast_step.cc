@@ -1,6 +1,7 @@
 #include "runtime/fast/fast_step.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -105,21 +106,22 @@ Vector3 advance_model(FastState& state, const Vector3& x, Real dt_s,
   }
 }
 
+// A sum of products with zero is zero, or not a number where one of them is infinite or
+// none: several at a time, without a branch for each.
+template <std::size_t kCount>
+bool is_finite(const std::array<Real, kCount>& values, std::int32_t count) {
+  using Reals = Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>>;
+  return (Reals(values.data(), count) * Real(0.0)).sum() == Real(0.0);
+}
+
 bool is_finite(const ElementNode& node) {
-  const auto finite = [](const auto& values, std::size_t count) {
-    return std::all_of(values.begin(),
-                       values.begin() + static_cast<std::ptrdiff_t>(count), [](Real x) {
-                         return std::isfinite(x);
-                       });
-  };
   // Too many are refused by the cache.
-  const auto n = static_cast<std::size_t>(
-      std::clamp<std::int32_t>(node.samples, 0, kElementSamples));
-  return finite(node.position_m, 3) && finite(node.normal, 3) &&
-         finite(node.direction, 3) && std::isfinite(node.touch_offset_m) &&
+  const auto n = std::clamp<std::int32_t>(node.samples, 0, kElementSamples);
+  return is_finite(node.position_m, 3) && is_finite(node.normal, 3) &&
+         is_finite(node.direction, 3) && std::isfinite(node.touch_offset_m) &&
          std::isfinite(node.friction) && std::isfinite(node.presliding_m) &&
-         finite(node.depth_m, n) && finite(node.force_n, n) &&
-         finite(node.stiffness_n_per_m, n) && finite(node.energy_j, n);
+         is_finite(node.depth_m, n) && is_finite(node.force_n, n) &&
+         is_finite(node.stiffness_n_per_m, n) && is_finite(node.energy_j, n);
 }
 
 bool is_finite(const Element& element) {

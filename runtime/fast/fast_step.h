@@ -35,7 +35,8 @@ struct FastConfig {
   Real slew_max_n_per_s = 5000.0;  ///< [N/s] (0, inf]
   Real energy_floor_j = 0.01;      ///< [J] (0, inf] what clamping may create
   Real recovery_m_per_s = 0.01;    ///< [m/s] [0, inf) how fast delta_0 is bled back
-  Real ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
+  /// [s] [0, inf) from the start until force_max_n, then finite, is allowed
+  Real ramp_s = 0.0;
 };
 
 /// Null if the configuration is valid, else what is wrong with it, one line.

@@ -30,7 +30,7 @@ struct HaplyConfig {
   std::string what = "haply-2diy";
   /// Asks a person to put the arms against their stops and waits until that is done;
   /// the set-up takes where they stand then for setup.offset_deg. Called by every
-  /// open(), also after a reconnection. @throws DeviceError where nobody answers.
+  /// open(), also after a reconnection. May throw where nobody answers.
   std::function<void(const std::string&)> ask;
 };
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <random>
 
+#include <hdf5.h>
+
 #include "formats/base/error.h"
 #include "formats/database/database_rules.h"
 #include "formats/hdf5/hdf5_io.h"
@@ -180,25 +182,78 @@ TEST(ChunkAgainstIndex, WhatTheIndexStatesIsWhatTheChunkHolds) {
   }
   const BodyChunk body = reader.body(1);
   EXPECT_NO_THROW(check_chunk(reader.index(), 1, body));
-  for (const auto& make : std::vector<std::function<void(BodyChunk&)>>{
-           [](BodyChunk& b) {
-             b.position_m(0, 0) += 1.0;
-           },
-           [](BodyChunk& b) {
-             b.triangle.row(0).setZero();
-           },
-           [](BodyChunk& b) {
-             b.source_node[1] = b.source_node[0];
-           },
-           [](BodyChunk& b) {
-             b.source_triangle[1] = b.source_triangle[0];
-           },
-           [](BodyChunk& b) {
-             b.source_triangle[0] = -1;
-           }}) {
-    BodyChunk other = body;
-    make(other);
-    EXPECT_THROW(check_chunk(reader.index(), 1, other), FormatError);
+  BodyChunk elsewhere = body;
+  elsewhere.position_m(0, 0) += 1.0;
+  EXPECT_THROW(check_chunk(reader.index(), 1, elsewhere), FormatError);
+  BodyChunk foreign = body;
+  foreign.triangle.row(0).setZero();
+  EXPECT_THROW(check_chunk(reader.index(), 1, foreign), FormatError);
+}
+
+TEST(ChunkAgainstIndex, EachOfTheSourcesNodesAndTrianglesIsNamedOnce) {
+  const ScratchFolder folder;
+  ResponseDatabase database = sphere_database(12, 9);
+  database.storage.chunk_nodes = 32;
+  write_database(folder / "a.h5", database);
+  const ChunkReader reader(folder / "a.h5");
+  const BodyChunk first = reader.body(0);
+  const BodyChunk second = reader.body(1);
+  SourceNames sound(reader.index());
+  sound.add(0, first);
+  sound.add(1, second);
+  EXPECT_NO_THROW(sound.add(0, first));  // it comes again
+  const auto refused = [&](BodyChunk chunk, auto member, std::int32_t name) {
+    (chunk.*member)[0] = name;
+    SourceNames names(reader.index());
+    names.add(0, first);
+    EXPECT_THROW(names.add(1, chunk), FormatError) << name;
+  };
+  for (auto member : {&BodyChunk::source_node, &BodyChunk::source_triangle}) {
+    refused(second, member, (first.*member)[3]);   // of another chunk
+    refused(second, member, (second.*member)[1]);  // of its own
+    refused(second, member, -1);
+    refused(second, member, 1'000'000);
+  }
+}
+
+// An index with the right digest that claims what is not in the file: nothing is asked
+// of memory for it.
+TEST(ChunkAgainstIndex, ItEndsWhereTheFileDoes) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "a.h5";
+  for (const char* path : {"/index/node_begin", "/index/triangle_begin",
+                           "/tools/ball/index/sample_begin"}) {
+    ResponseDatabase database = sphere_database(12, 9);
+    database.storage.chunk_nodes = 32;
+    write_database(file, database);
+    DatabaseIndex index = read_index(file);
+    constexpr std::int64_t kMuch = std::int64_t{1} << 40;
+    (path == std::string("/index/node_begin")       ? index.node_begin
+     : path == std::string("/index/triangle_begin") ? index.triangle_begin
+                                                    : index.tools[0].sample_begin)
+        .back() = kMuch;
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t dataset = H5Dopen2(id, path, H5P_DEFAULT);
+    const hid_t there = H5Dget_space(dataset);
+    const hsize_t last = static_cast<hsize_t>(index.chunks());
+    const hsize_t one = 1;
+    const hid_t here = H5Screate_simple(1, &one, nullptr);
+    H5Sselect_hyperslab(there, H5S_SELECT_SET, &last, nullptr, &one, nullptr);
+    H5Dwrite(dataset, H5T_NATIVE_INT64, here, there, H5P_DEFAULT, &kMuch);
+    const hid_t attribute =
+        H5Aopen_by_name(id, "/index", "index_sha256", H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute);
+    const std::string digest = index_digest(index);
+    H5Awrite(attribute, type, digest.data());
+    H5Tclose(type);
+    H5Aclose(attribute);
+    H5Sclose(here);
+    H5Sclose(there);
+    H5Dclose(dataset);
+    H5Fclose(id);
+    const std::string why = streamed(file);
+    EXPECT_NE(why.find(fmt::format("{} ends at {}", path, kMuch)), std::string::npos)
+        << why;
   }
 }
 

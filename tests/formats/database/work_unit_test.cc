@@ -17,7 +17,7 @@ namespace {
 
 using Limits = std::numeric_limits<double>;
 
-void expect_same(const UnitNode& a, const UnitNode& b) {
+void expect_same(const WorkUnitNode& a, const WorkUnitNode& b) {
   EXPECT_EQ(a.tool, b.tool);
   EXPECT_EQ(a.vertex, b.vertex);
   EXPECT_EQ(a.failure, b.failure);
@@ -32,7 +32,7 @@ void expect_same(const UnitNode& a, const UnitNode& b) {
   EXPECT_EQ(a.response.flags, b.response.flags);
 }
 
-void expect_same(const UnitOutcome& a, const UnitOutcome& b) {
+void expect_same(const WorkUnitOutcome& a, const WorkUnitOutcome& b) {
   EXPECT_EQ(a.index, b.index);
   EXPECT_EQ(a.is_check, b.is_check);
   ASSERT_EQ(a.node.size(), b.node.size());
@@ -57,7 +57,7 @@ void expect_same(const ToolShape& a, const ToolShape& b) {
   EXPECT_EQ(a.sticking, b.sticking);
 }
 
-void expect_same(const UnitPlan& a, const UnitPlan& b) {
+void expect_same(const JobDescription& a, const JobDescription& b) {
   EXPECT_EQ(a.digest, b.digest);
   EXPECT_EQ(a.units, b.units);
   EXPECT_EQ(a.body.position_m, b.body.position_m);
@@ -78,25 +78,25 @@ void expect_same(const UnitPlan& a, const UnitPlan& b) {
 }
 
 TEST(UnitBytes, KeepEveryFieldOfAUnit) {
-  for (const UnitOutcome& unit : sample_units()) {
+  for (const WorkUnitOutcome& unit : sample_units()) {
     expect_same(unit, unit_from_bytes(to_bytes(unit), "unit"));
   }
 }
 
 TEST(UnitBytes, KeepNumbersAtTheEdgesOfDoublePrecision) {
-  UnitOutcome unit = sample_units().front();
+  WorkUnitOutcome unit = sample_units().front();
   unit.node.front().response.force_n = {0.0, Limits::denorm_min(), Limits::min(),
                                         1.0 + Limits::epsilon(), Limits::max()};
   unit.node.front().response.touch_offset_m = -0.0;
   unit.node.front().response.sample_direction.assign(
       5, Eigen::Vector3d(1.0 / 3.0, -0.0, Limits::epsilon()));
-  const UnitOutcome back = unit_from_bytes(to_bytes(unit), "unit");
+  const WorkUnitOutcome back = unit_from_bytes(to_bytes(unit), "unit");
   expect_same(unit, back);
   EXPECT_TRUE(std::signbit(back.node.front().response.touch_offset_m));
 }
 
 TEST(UnitBytes, KeepEveryFieldOfAPlan) {
-  UnitPlan plan = sample_plan();
+  JobDescription plan = sample_plan();
   expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
   plan.force_max_n = Limits::infinity();  // a scene without a largest force
   plan.tool.front().axis.reset();
@@ -122,7 +122,7 @@ TEST(ShardFile, HoldsPlanAndUnits) {
   EXPECT_TRUE(is_shard(file));
   const Shard shard = read_shard(file);
   expect_same(shard.plan, sample_plan());
-  const std::vector<UnitOutcome> units = sample_units();
+  const std::vector<WorkUnitOutcome> units = sample_units();
   ASSERT_EQ(shard.unit.size(), units.size());
   for (std::size_t i = 0; i < units.size(); ++i) {
     expect_same(shard.unit[i], units[i]);
@@ -187,7 +187,7 @@ TEST(Assembly, MeasuresChecksAgainstWhatUnitsAnswered) {
 
 TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {
   const ScratchFolder folder;
-  std::vector<UnitOutcome> units = sample_units();
+  std::vector<WorkUnitOutcome> units = sample_units();
   write_database(folder / "a.h5", assemble(sample_plan(), units).database);
   std::reverse(units.begin(), units.end());
   write_database(folder / "b.h5", assemble(sample_plan(), units).database);
@@ -198,7 +198,8 @@ TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {
   EXPECT_TRUE(read(folder / "a.h5") == read(folder / "b.h5"));
 }
 
-std::string refusal(const UnitPlan& plan, const std::vector<UnitOutcome>& units) {
+std::string refusal(const JobDescription& plan,
+                    const std::vector<WorkUnitOutcome>& units) {
   try {
     (void)assemble(plan, units);
   } catch (const InputError& error) {
@@ -208,9 +209,9 @@ std::string refusal(const UnitPlan& plan, const std::vector<UnitOutcome>& units)
 }
 
 TEST(Assembly, NamesUnitsThatAreMissingTwiceOrForeign) {
-  const UnitPlan plan = sample_plan();
-  std::vector<UnitOutcome> units = sample_units();
-  const UnitOutcome last = units.back();
+  const JobDescription plan = sample_plan();
+  std::vector<WorkUnitOutcome> units = sample_units();
+  const WorkUnitOutcome last = units.back();
   units.pop_back();
   EXPECT_EQ(refusal(plan, units), "1 of 3 units are missing: 2");
   units.push_back(units.front());
@@ -227,10 +228,10 @@ TEST(Assembly, NamesUnitsThatAreMissingTwiceOrForeign) {
 }
 
 TEST(Assembly, WithoutAnyResponseIsNoDatabase) {
-  UnitPlan plan = sample_plan();
-  std::vector<UnitOutcome> units = sample_units();
-  for (UnitOutcome& unit : units) {
-    for (UnitNode& node : unit.node) {
+  JobDescription plan = sample_plan();
+  std::vector<WorkUnitOutcome> units = sample_units();
+  for (WorkUnitOutcome& unit : units) {
+    for (WorkUnitNode& node : unit.node) {
       node.response = {};
       node.failure.clear();
     }

@@ -291,7 +291,7 @@ TEST_F(SurfaceReader, NamesACountThatIsNoNumber) {
       "ply\nformat ascii 1.0\nelement vertex 18446744073709551616\nproperty double "
       "x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar "
       "int vertex_indices\nend_header\n0 0 0\n");
-  EXPECT_TRUE(contains(text, "announces 18446744073709551615 elements")) << text;
+  EXPECT_TRUE(contains(text, "announces 18446744073709551616 elements")) << text;
 }
 
 TEST_F(SurfaceReader, RefusesABodyOfImpossibleSize) {

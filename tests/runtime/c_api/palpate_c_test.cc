@@ -1,23 +1,18 @@
 // The C interface as hosts see it: every call through palpate.h.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "formats/database/response_database.h"
-#include "runtime/c_api/palpate.h"
 #include "tests/runtime/c_api/host_standins.h"
+#include "tests/runtime/c_api/pressed_plate_host.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/run_tool.h"
-#include "tests/support/sample_bodies.h"
-#include "tests/support/test_data.h"
 
 // The examples follow what they are examples for.
 #include "runtime/c_api/examples/chai3d_effect.h"
@@ -26,63 +21,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRadius = 0.005;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-// f = 2e4 d^2: 0.18 N at 3 mm, slope 120 N/m there.
-double wall(Eigen::Index /*node*/, double d) {
-  return 2e4 * d * d;
-}
-
-struct Answer {
-  int status = 0;
-  std::array<double, 3> force{};
-};
-
-class PalpateC : public testing::Test {
- protected:
-  void SetUp() override {
-    write_database(file_, sample_database(plate(0.1, 10), ball(kRadius, 0.3, 5e-4),
-                                          wall, 0.01, 41));
-  }
-  void TearDown() override { palpate_close(body_); }
-
-  // All defaults but the slow thread.
-  static palpate_options options() {
-    palpate_options all{};
-    all.struct_size = sizeof all;
-    all.flags = PALPATE_OWN_SLOW_STEPS;
-    return all;
-  }
-  palpate_tool* open(const palpate_options& options) {
-    palpate_close(body_);
-    body_ = palpate_open(file_.c_str(), &options, error_, sizeof error_);
-    return body_ == nullptr ? nullptr : palpate_tool_add(body_);
-  }
-  static Answer force(palpate_tool* tool, double depth_m, double dt_s = 0.001) {
-    const double at[3] = {0.0031, 0.0017, kRadius - depth_m};
-    Answer answer;
-    answer.status = palpate_force(tool, at, nullptr, dt_s, answer.force.data());
-    return answer;
-  }
-  // From 1 mm above down to depth_m in 0.4 s, then half a second of rest.
-  Answer press(palpate_tool* tool, double depth_m) {
-    Answer answer;
-    for (int tick = 0; tick < 900; ++tick) {
-      const double part = std::min(1.0, tick / 400.0);
-      answer = force(tool, -0.001 + part * (depth_m + 0.001));
-      if (tick % 10 == 0) {
-        EXPECT_GE(palpate_slow_step(body_), 0);
-      }
-    }
-    return answer;
-  }
-
-  ScratchFolder folder_;
-  std::string file_ = (folder_ / "plate.h5").string();
-  palpate_body* body_ = nullptr;
-  char error_[256] = {};
-};
+class PalpateC : public PressedPlateHost {};
 
 TEST_F(PalpateC, PressRendersTheStoredCurve) {
   palpate_tool* tool = open(options());
@@ -256,128 +195,7 @@ TEST_F(PalpateC, ForceIsLimitedAtTheDevice) {
   EXPECT_NEAR(press(tool, 0.008).force[2], 0.05, 1e-12);
 }
 
-TEST_F(PalpateC, StructsOfOtherVersions) {
-  palpate_options old = options();
-  old.struct_size = offsetof(palpate_options, metres_per_unit);
-  old.metres_per_unit = kNan;  // not looked at
-  palpate_body* body = palpate_open(file_.c_str(), &old, error_, sizeof error_);
-  EXPECT_NE(body, nullptr) << error_;
-  palpate_close(body);
-  struct {
-    palpate_options known;
-    double added;
-  } newer{options(), 0.0};
-  newer.known.struct_size = sizeof newer;
-  EXPECT_NE(open(newer.known), nullptr) << error_;
-  newer.added = 1.0;
-  body = palpate_open(file_.c_str(), &newer.known, error_, sizeof error_);
-  EXPECT_EQ(body, nullptr);
-  palpate_close(body);
-  palpate_options none{};
-  EXPECT_EQ(open(none), nullptr);
-  palpate_tool* tool = open(options());
-  palpate_state state{};
-  state.struct_size = offsetof(palpate_state, contact_point);
-  state.contact_point[0] = 7.0;
-  palpate_state_get(tool, &state);
-  EXPECT_EQ(state.triangle, -1);
-  EXPECT_EQ(state.contact_point[0], 7.0);
-  EXPECT_EQ(palpate_abi_version(), PALPATE_ABI_VERSION);
-}
-
-TEST_F(PalpateC, WhatANewerHeaderAddedToTheStateIsZero) {
-  struct {
-    palpate_state known;
-    double added[4];
-  } newer{};
-  newer.known.struct_size = sizeof newer;
-  for (double& value : newer.added) {
-    value = 7.0;
-  }
-  palpate_tool* tool = open(options());
-  palpate_state_get(tool, &newer.known);
-  EXPECT_EQ(newer.known.struct_size, sizeof newer);
-  for (const double value : newer.added) {
-    EXPECT_EQ(value, 0.0);
-  }
-}
-
-TEST_F(PalpateC, UnitsAndGainsBeyondAllDigitsAreRefused) {
-  for (double palpate_options::*const member :
-       {&palpate_options::metres_per_unit, &palpate_options::newtons_per_unit,
-        &palpate_options::position_gain, &palpate_options::force_gain}) {
-    for (const double value : {1e-300, 1e-7, 1e7, 1e308, -1.0}) {
-      palpate_options wanted = options();
-      wanted.*member = value;
-      EXPECT_EQ(open(wanted), nullptr) << value;
-    }
-  }
-}
-
 // K is friction's 1200 N/m here: 0.3 * 2 N / 0.5 mm.
-TEST_F(PalpateC, StatesTheBoundThatItDidNotCheck) {
-  palpate_options wanted = options();
-  ASSERT_NE(open(wanted), nullptr) << error_;
-  EXPECT_NEAR(palpate_needed_damping(body_), 1200.0 * 0.0005, 1e-6);
-  wanted.position_gain = 2.0;
-  wanted.device_delay_s = 0.002;
-  ASSERT_NE(open(wanted), nullptr) << error_;
-  EXPECT_NEAR(palpate_needed_damping(body_), 2400.0 * 0.0025, 1e-6);
-  EXPECT_EQ(palpate_needed_damping(nullptr), 0.0);
-}
-
-TEST_F(PalpateC, AHostExcludesTheLibraryFromHdf5) {
-  palpate_options wanted = options();
-  wanted.flags = PALPATE_STREAMED;
-  ASSERT_NE(open(wanted), nullptr) << error_;
-  palpate_hdf5_lock();
-  palpate_hdf5_lock();  // nests
-  std::atomic<bool> opened = false;
-  std::thread other([&] {
-    palpate_body* body = palpate_open(file_.c_str(), nullptr, nullptr, 0);
-    opened = true;
-    palpate_close(body);
-  });
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_FALSE(opened);
-  palpate_hdf5_unlock();
-  palpate_hdf5_unlock();
-  other.join();
-  EXPECT_TRUE(opened);
-}
-
-TEST_F(PalpateC, FailuresToOpenSayWhy) {
-  EXPECT_EQ(palpate_open("absent.h5", nullptr, error_, sizeof error_), nullptr);
-  EXPECT_NE(std::string(error_).find("absent.h5"), std::string::npos);
-  EXPECT_EQ(palpate_open(nullptr, nullptr, nullptr, 0), nullptr);
-  palpate_options wanted = options();
-  wanted.tool_name = "spoon";
-  EXPECT_EQ(open(wanted), nullptr);
-  EXPECT_NE(std::string(error_).find("spoon"), std::string::npos);
-  wanted = options();
-  wanted.slow_hz = kNan;
-  EXPECT_EQ(open(wanted), nullptr);
-  wanted = options();
-  wanted.flags |= 64;
-  EXPECT_EQ(open(wanted), nullptr);
-  char small[4];
-  EXPECT_EQ(palpate_open("absent.h5", nullptr, small, sizeof small), nullptr);
-  EXPECT_EQ(std::strlen(small), 3U);
-}
-
-TEST_F(PalpateC, SixteenToolsAndNoMore) {
-  ASSERT_NE(open(options()), nullptr);
-  for (int i = 1; i < 16; ++i) {
-    EXPECT_NE(palpate_tool_add(body_), nullptr);
-  }
-  EXPECT_EQ(palpate_tool_add(body_), nullptr);
-  EXPECT_EQ(palpate_tool_add(nullptr), nullptr);
-  EXPECT_EQ(palpate_tool_open(body_, error_, sizeof error_), nullptr);
-  EXPECT_NE(std::string(error_).find("16 tools at most"), std::string::npos) << error_;
-  EXPECT_EQ(palpate_tool_open(nullptr, error_, sizeof error_), nullptr);
-  EXPECT_NE(std::string(error_).find("no body"), std::string::npos) << error_;
-}
-
 TEST_F(PalpateC, StreamedDatabaseRendersTheSame) {
   const Answer whole = press(open(options()), 0.003);
   palpate_options wanted = options();
@@ -407,14 +225,6 @@ TEST_F(PalpateC, OwnSlowThreadServesTools) {
   }
   EXPECT_EQ(answer.status, PALPATE_CONTACT);
   EXPECT_EQ(palpate_slow_failure(body_, nullptr, 0), 0);
-}
-
-TEST_F(PalpateC, StatusNamesAreFixed) {
-  EXPECT_STREQ(palpate_fault_name(PALPATE_FREE), "free");
-  EXPECT_STREQ(palpate_fault_name(PALPATE_FAULT_ENERGY), "energy");
-  EXPECT_STREQ(palpate_fault_name(PALPATE_ERROR_FORMAT), "format-error");
-  EXPECT_STREQ(palpate_fault_name(-99), "unknown");
-  EXPECT_STREQ(palpate_fault_name(std::numeric_limits<int>::min()), "unknown");
 }
 
 TEST_F(PalpateC, Chai3dEffectFeelsTheBodyWithEveryTool) {
