@@ -130,7 +130,7 @@ class TradeRun {
 // As close together as a build's good solutions probably are, so that interpolation
 // between them is what it is in a build: in parts of territories.
 void TradeRun::choose_vertices() {
-  for (Unit& unit : units_of(scene_, body_, reachable_)) {
+  for (WorkUnit& unit : units_of(scene_, body_, reachable_)) {
     if (!unit.is_check) {
       territory_.push_back(std::move(unit.vertex));
     }

@@ -46,9 +46,9 @@ std::string digest_of(const Scene& scene, const BodySource& body,
   return sum.hex();
 }
 
-UnitPlan plan_of(const Scene& scene, const BodySource& body,
-                 const BuildOptions& options, std::size_t reachable,
-                 std::size_t units) {
+JobDescription plan_of(const Scene& scene, const BodySource& body,
+                       const BuildOptions& options, std::size_t reachable,
+                       std::size_t units) {
   std::vector<ToolShape> tools;
   for (const SharedTool& tool : body.tool) {
     tools.push_back(tool->shape());
@@ -71,9 +71,9 @@ UnitPlan plan_of(const Scene& scene, const BodySource& body,
                      .left_out = {}}};
 }
 
-std::vector<std::int32_t> vertices_of(std::span<const Unit> units) {
+std::vector<std::int32_t> vertices_of(std::span<const WorkUnit> units) {
   std::vector<std::int32_t> vertices;
-  for (const Unit& unit : units) {
+  for (const WorkUnit& unit : units) {
     if (!unit.is_check) {
       vertices.insert(vertices.end(), unit.vertex.begin(), unit.vertex.end());
     }
@@ -94,10 +94,11 @@ class UnitRun {
         progress_(progress) {}
 
   // Solves what is not kept yet; outcomes in the units' order.
-  std::vector<UnitOutcome> run(std::span<const std::int32_t> reachable,
-                               std::span<const Unit> units, BuildReport& report) {
-    std::vector<UnitOutcome> outcome(units.size());
-    std::vector<Unit> open;
+  std::vector<WorkUnitOutcome> run(std::span<const std::int32_t> reachable,
+                                   std::span<const WorkUnit> units,
+                                   BuildReport& report) {
+    std::vector<WorkUnitOutcome> outcome(units.size());
+    std::vector<WorkUnit> open;
     std::vector<std::size_t> place;
     for (std::size_t i = 0; i < units.size(); ++i) {
       if (auto kept = checkpoint_.load(units[i].index)) {
@@ -131,8 +132,9 @@ class UnitRun {
  private:
   // A unit that cannot be computed at all does not end the build. It is not kept, so
   // that --resume tries again.
-  UnitOutcome solved_or_failed(const SceneSolver& solver, const Unit& unit) const {
-    UnitOutcome outcome;
+  WorkUnitOutcome solved_or_failed(const SceneSolver& solver,
+                                   const WorkUnit& unit) const {
+    WorkUnitOutcome outcome;
     const std::string reason = failure_of("its unit", [&] {
       outcome = solve_unit(scene_, body_, strategy_, solver, unit, solve_all_);
       checkpoint_.keep(outcome);
@@ -220,11 +222,12 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   const BodySource body = read_body(scene, options.repair);
   const std::vector<std::int32_t> reachable = reachable_vertices(scene, body);
   const PressStrategy strategy = choose_strategy(scene, body, reachable);
-  const std::vector<Unit> units = units_of(scene, body, reachable);
-  const UnitPlan plan = plan_of(scene, body, options, reachable.size(), units.size());
-  std::vector<Unit> mine;
+  const std::vector<WorkUnit> units = units_of(scene, body, reachable);
+  const JobDescription plan =
+      plan_of(scene, body, options, reachable.size(), units.size());
+  std::vector<WorkUnit> mine;
   std::copy_if(units.begin(), units.end(), std::back_inserter(mine),
-               [&](const Unit& unit) {
+               [&](const WorkUnit& unit) {
                  return unit.index % options.shards == options.shard;
                });
   const Checkpoint checkpoint(options.output, plan, options.resume);
@@ -233,7 +236,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   report.node_spacing_m = strategy.spacing_m;
   report.notes = body.notes;
   report.notes.insert(report.notes.end(), strategy.notes.begin(), strategy.notes.end());
-  std::vector<UnitOutcome> outcomes =
+  std::vector<WorkUnitOutcome> outcomes =
       UnitRun(scene, body, strategy, checkpoint,
               options.solve_all || scene.accuracy.solve == "all", progress)
           .run(reachable, mine, report);

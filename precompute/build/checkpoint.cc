@@ -29,7 +29,7 @@ void write(const fs::path& file, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-Checkpoint::Checkpoint(const fs::path& output, const UnitPlan& plan, bool resume)
+Checkpoint::Checkpoint(const fs::path& output, const JobDescription& plan, bool resume)
     : folder_(output.string() + ".partial") {
   const fs::path digest = folder_ / "digest";
   if (holds_units() && fs::exists(digest)) {
@@ -75,7 +75,7 @@ fs::path Checkpoint::file_of(std::int64_t unit) const {
   return folder_ / fmt::format("unit-{:06}", unit);
 }
 
-std::optional<UnitOutcome> Checkpoint::load(std::int64_t unit) const {
+std::optional<WorkUnitOutcome> Checkpoint::load(std::int64_t unit) const {
   const fs::path file = file_of(unit);
   if (!fs::exists(file)) {
     return std::nullopt;
@@ -89,7 +89,7 @@ std::optional<UnitOutcome> Checkpoint::load(std::int64_t unit) const {
     return std::nullopt;
   }
   try {
-    UnitOutcome outcome = unit_from_bytes(body, file.string());
+    WorkUnitOutcome outcome = unit_from_bytes(body, file.string());
     if (outcome.index == unit && is_sound(outcome)) {
       return outcome;
     }
@@ -99,7 +99,7 @@ std::optional<UnitOutcome> Checkpoint::load(std::int64_t unit) const {
   return std::nullopt;
 }
 
-void Checkpoint::keep(const UnitOutcome& unit) const {
+void Checkpoint::keep(const WorkUnitOutcome& unit) const {
   const std::vector<std::byte> body = to_bytes(unit);
   Sha256 sum;
   sum.update(body);

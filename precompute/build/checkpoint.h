@@ -13,7 +13,8 @@ class Checkpoint {
  public:
   /// Opens "OUTPUT.partial". @throws InputError if it holds units and `resume` is
   /// false, or units of another plan.
-  Checkpoint(const std::filesystem::path& output, const UnitPlan& plan, bool resume);
+  Checkpoint(const std::filesystem::path& output, const JobDescription& plan,
+             bool resume);
   /// Takes the folder away if it holds no unit.
   ~Checkpoint();
   Checkpoint(const Checkpoint&) = delete;
@@ -21,11 +22,11 @@ class Checkpoint {
 
   /// A unit that was kept; none if it is missing or damaged, or if one of its nodes
   /// breaks a rule (is_sound): such a unit is computed again.
-  [[nodiscard]] std::optional<UnitOutcome> load(std::int64_t unit) const;
+  [[nodiscard]] std::optional<WorkUnitOutcome> load(std::int64_t unit) const;
 
   /// Keeps a unit: whole or not at all, whenever the power goes. Safe from several
   /// threads for different units.
-  void keep(const UnitOutcome& unit) const;
+  void keep(const WorkUnitOutcome& unit) const;
 
   /// Takes the folder away.
   void remove() const;

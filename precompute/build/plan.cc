@@ -81,8 +81,8 @@ class Planner {
   void time_own_meshes(const std::string& work, const std::vector<Group>& groups,
                        std::size_t count, const ContactFocus& focus, bool nonlinear,
                        double times = 1.0);
-  [[nodiscard]] std::vector<const Unit*> territories() const;
-  [[nodiscard]] std::size_t good_of(const Unit& territory) const;
+  [[nodiscard]] std::vector<const WorkUnit*> territories() const;
+  [[nodiscard]] std::size_t good_of(const WorkUnit& territory) const;
   // Whether a build will probably solve every vertex without a cheap press before.
   [[nodiscard]] bool all_solved_alone() const {
     const auto all = territories();
@@ -91,7 +91,7 @@ class Planner {
            });
   }
   [[nodiscard]] std::vector<Group> some_groups(
-      const std::function<std::vector<Group>(const Unit&)>& groups_of) const;
+      const std::function<std::vector<Group>(const WorkUnit&)>& groups_of) const;
 
   const Scene& scene_;
   RepairMode repair_;
@@ -101,7 +101,7 @@ class Planner {
   BodySource body_;
   std::vector<std::int32_t> reachable_;
   PressStrategy strategy_;
-  std::vector<Unit> units_;
+  std::vector<WorkUnit> units_;
   PlanReport report_;
   // Stays, as in a build, while presses on own meshes are timed.
   std::optional<PlanSharedMesh> shared_;
@@ -109,9 +109,9 @@ class Planner {
   double again_share_ = 0.0;
 };
 
-std::vector<const Unit*> Planner::territories() const {
-  std::vector<const Unit*> territories;
-  for (const Unit& unit : units_) {
+std::vector<const WorkUnit*> Planner::territories() const {
+  std::vector<const WorkUnit*> territories;
+  for (const WorkUnit& unit : units_) {
     if (!unit.is_check) {
       territories.push_back(&unit);
     }
@@ -119,7 +119,7 @@ std::vector<const Unit*> Planner::territories() const {
   return territories;
 }
 
-std::size_t Planner::good_of(const Unit& territory) const {
+std::size_t Planner::good_of(const WorkUnit& territory) const {
   if (strategy_.cheap_is_good) {
     return static_cast<std::size_t>(
         std::lround(again_share_ * static_cast<double>(territory.vertex.size())));
@@ -146,9 +146,10 @@ void Planner::describe_scene() {
   report_.outside_reach = report_.nodes - report_.reachable - report_.held;
   report_.tools = static_cast<std::int64_t>(body_.tool.size());
   report_.units = static_cast<std::int64_t>(units_.size());
-  report_.checks = std::count_if(units_.begin(), units_.end(), [](const Unit& unit) {
-    return unit.is_check;
-  });
+  report_.checks =
+      std::count_if(units_.begin(), units_.end(), [](const WorkUnit& unit) {
+        return unit.is_check;
+      });
   report_.nonlinear = strategy_.nonlinear;
   report_.shared_mesh = strategy_.shared_mesh;
   report_.cut_out = strategy_.cut_out;
@@ -171,7 +172,7 @@ void Planner::time_shared_mesh() {
   }
   if (strategy_.nonlinear && !strategy_.graded) {
     std::size_t count = 0;
-    for (const Unit* territory : territories()) {
+    for (const WorkUnit* territory : territories()) {
       count += good_of(*territory);
     }
     shared_->time_nonlinear(count * body_.tool.size());
@@ -179,9 +180,9 @@ void Planner::time_shared_mesh() {
 }
 
 std::vector<Planner::Group> Planner::some_groups(
-    const std::function<std::vector<Group>(const Unit&)>& groups_of) const {
+    const std::function<std::vector<Group>(const WorkUnit&)>& groups_of) const {
   std::vector<Group> some;
-  const std::vector<const Unit*> all = territories();
+  const std::vector<const WorkUnit*> all = territories();
   for (std::size_t batch = 0; batch < kMostBatches; ++batch) {
     for (std::size_t w = 0; w < workers_; ++w) {
       const std::size_t place = 2 * (w * kMostBatches + batch) + 1;
@@ -221,11 +222,11 @@ void Planner::time_own_meshes(const std::string& work, const std::vector<Group>&
 }
 
 void Planner::time_cheap_on_own_meshes() {
-  const auto groups_of = [&](const Unit& unit) {
+  const auto groups_of = [&](const WorkUnit& unit) {
     return group_vertices(body_.surface, unit.vertex, strategy_.focus);
   };
   std::size_t count = 0;
-  for (const Unit* territory : territories()) {
+  for (const WorkUnit* territory : territories()) {
     count += groups_of(*territory).size();
   }
   const auto groups = some_groups(groups_of);
@@ -246,14 +247,14 @@ void Planner::time_good() {
   }
   // Samples come in rounds; neighbours of a round share a mesh.
   const bool in_rounds = !strategy_.cheap_is_good && !solve_all_;
-  const auto groups_of = [&](const Unit& unit) {
+  const auto groups_of = [&](const WorkUnit& unit) {
     const std::size_t first = in_rounds ? kFirstSamples : good_of(unit);
     return group_presses(body_.surface,
                          spread_over(unit.vertex, std::max<std::size_t>(first, 1)),
                          strategy_.focus, strategy_.nonlinear);
   };
   double count = 0.0;
-  for (const Unit* territory : territories()) {
+  for (const WorkUnit* territory : territories()) {
     const auto groups = groups_of(*territory);
     std::size_t vertices = 0;
     for (const auto& group : groups) {
@@ -274,7 +275,7 @@ void Planner::time_good() {
 
 void Planner::time_checks() {
   std::vector<Group> checks;
-  for (const Unit& unit : units_) {
+  for (const WorkUnit& unit : units_) {
     if (unit.is_check) {
       checks.push_back(unit.vertex);
     }
@@ -303,7 +304,7 @@ void Planner::count_responses() {
   if (!strategy_.cheap_is_good && !solve_all_) {
     report_.solved_at_least = 0;
     report_.solved_expected = 0;
-    for (const Unit* territory : territories()) {
+    for (const WorkUnit* territory : territories()) {
       report_.solved_at_least +=
           report_.tools *
           static_cast<std::int64_t>(std::min(kFirstSamples, territory->vertex.size()));

@@ -35,8 +35,9 @@ PlanCost price(const CutOutSolver& solver, const BodySource& body,
 
 void plan_cut_outs(const Scene& scene, const BodySource& body,
                    const PressStrategy& strategy,
-                   std::span<const std::int32_t> vertices, std::span<const Unit> units,
-                   std::size_t workers, Progress& progress, PlanReport& report) {
+                   std::span<const std::int32_t> vertices,
+                   std::span<const WorkUnit> units, std::size_t workers,
+                   Progress& progress, PlanReport& report) {
   const std::string once = "mesh to cut from, coarse body";
   progress.stage(once);
   const auto began = std::chrono::steady_clock::now();
@@ -47,7 +48,7 @@ void plan_cut_outs(const Scene& scene, const BodySource& body,
   report.notes.push_back(solver.text());
   Groups groups;
   Groups checks;
-  for (const Unit& unit : units) {
+  for (const WorkUnit& unit : units) {
     Groups of_unit = solver.groups(unit.vertex);
     std::move(of_unit.begin(), of_unit.end(),
               std::back_inserter(unit.is_check ? checks : groups));

@@ -16,7 +16,8 @@ namespace palpate {
 /// @throws as CutOutSolver.
 void plan_cut_outs(const Scene& scene, const BodySource& body,
                    const PressStrategy& strategy,
-                   std::span<const std::int32_t> vertices, std::span<const Unit> units,
-                   std::size_t workers, Progress& progress, PlanReport& report);
+                   std::span<const std::int32_t> vertices,
+                   std::span<const WorkUnit> units, std::size_t workers,
+                   Progress& progress, PlanReport& report);
 
 }  // namespace palpate

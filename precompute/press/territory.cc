@@ -102,10 +102,10 @@ void Territory::solve_until_within_budget() {
   }
 }
 
-void Territory::answer(std::int32_t tool, std::vector<UnitNode>& nodes) const {
+void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) const {
   const std::vector<double> left_out = field_.leave_one_out();
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
-    UnitNode node{.tool = tool, .vertex = vertex_[i]};
+    WorkUnitNode node{.tool = tool, .vertex = vertex_[i]};
     const PressedNode& press = good_[i] ? *good_[i] : cheap_[i];
     node.failure = press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;

@@ -51,7 +51,7 @@ class Territory {
 
   /// Appends the vertices' responses, ascending; each keeps the rules (broken_rule) or
   /// has failed.
-  void answer(std::int32_t tool, std::vector<UnitNode>& nodes) const;
+  void answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) const;
 
  private:
   using Places = std::vector<std::size_t>;  // in vertex_

@@ -21,9 +21,9 @@ std::size_t territory_size(std::size_t vertices) {
   return std::clamp<std::size_t>((vertices + 3) / 4, 128, 512);
 }
 
-UnitOutcome solve_check(const Scene& scene, const BodySource& body,
-                        const SceneSolver& solver, const Unit& unit) {
-  UnitOutcome outcome{.index = unit.index, .is_check = true, .node = {}};
+WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
+                            const SceneSolver& solver, const WorkUnit& unit) {
+  WorkUnitOutcome outcome{.index = unit.index, .is_check = true, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     for (const PressedNode& node :
          solver.good(body.tool[t], unit.vertex, kCheckTimesFiner)) {
@@ -44,9 +44,9 @@ std::size_t expected_samples(double force_relative) {
   return kFirstSamples + kMoreSamples * (force_relative < 0.03 ? 12 : 6);
 }
 
-std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
-                           std::span<const std::int32_t> vertices) {
-  std::vector<Unit> units;
+std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
+                               std::span<const std::int32_t> vertices) {
+  std::vector<WorkUnit> units;
   for (auto& group :
        in_neighbourhoods(body.surface, vertices, territory_size(vertices.size()))) {
     units.push_back({static_cast<std::int64_t>(units.size()), false, std::move(group)});
@@ -65,9 +65,9 @@ std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
   return units;
 }
 
-UnitOutcome failed_unit(const Unit& unit, std::size_t tools,
-                        const std::string& reason) {
-  UnitOutcome outcome{.index = unit.index, .is_check = unit.is_check, .node = {}};
+WorkUnitOutcome failed_unit(const WorkUnit& unit, std::size_t tools,
+                            const std::string& reason) {
+  WorkUnitOutcome outcome{.index = unit.index, .is_check = unit.is_check, .node = {}};
   for (std::size_t t = 0; t < tools; ++t) {
     for (const std::int32_t vertex : unit.vertex) {
       outcome.node.push_back({.tool = static_cast<std::int32_t>(t),
@@ -80,13 +80,13 @@ UnitOutcome failed_unit(const Unit& unit, std::size_t tools,
   return outcome;
 }
 
-UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
-                       const PressStrategy& strategy, const SceneSolver& solver,
-                       const Unit& unit, bool solve_all) {
+WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
+                           const PressStrategy& strategy, const SceneSolver& solver,
+                           const WorkUnit& unit, bool solve_all) {
   if (unit.is_check) {
     return solve_check(scene, body, solver, unit);
   }
-  UnitOutcome outcome{.index = unit.index, .is_check = false, .node = {}};
+  WorkUnitOutcome outcome{.index = unit.index, .is_check = false, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     Territory territory(scene, body, solver, body.tool[t], unit.vertex);
     const bool own_meshes = !strategy.shared_mesh && !strategy.cut_out;

@@ -22,7 +22,7 @@ inline constexpr double kCheckTimesFiner = 2.0;  ///< elements of checks
 /// Either a territory: neighbouring vertices that are answered together, some solved,
 /// some interpolated from those. Or a check: one vertex that is solved again one level
 /// finer.
-struct Unit {
+struct WorkUnit {
   std::int64_t index = -1;
   bool is_check = false;
   std::vector<std::int32_t> vertex;  ///< ascending
@@ -30,8 +30,8 @@ struct Unit {
 
 /// Territories in the order of a space-filling curve, then checks. The same for every
 /// shard and number of workers. @param vertices reachable ones, ascending.
-[[nodiscard]] std::vector<Unit> units_of(const Scene& scene, const BodySource& body,
-                                         std::span<const std::int32_t> vertices);
+[[nodiscard]] std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
+                                             std::span<const std::int32_t> vertices);
 
 /// Solves a unit for every tool. Nodes are solved well until the ratio of good and
 /// cheap solutions, interpolated between them, predicts each left-out one within the
@@ -41,13 +41,13 @@ struct Unit {
 /// fails leaves the others as they are, but for what would have been interpolated from
 /// it.
 /// @param solve_all no interpolation.
-[[nodiscard]] UnitOutcome solve_unit(const Scene& scene, const BodySource& body,
-                                     const PressStrategy& strategy,
-                                     const SceneSolver& solver, const Unit& unit,
-                                     bool solve_all);
+[[nodiscard]] WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
+                                         const PressStrategy& strategy,
+                                         const SceneSolver& solver,
+                                         const WorkUnit& unit, bool solve_all);
 
 /// The outcome of a unit of which nothing could be computed.
-[[nodiscard]] UnitOutcome failed_unit(const Unit& unit, std::size_t tools,
-                                      const std::string& reason);
+[[nodiscard]] WorkUnitOutcome failed_unit(const WorkUnit& unit, std::size_t tools,
+                                          const std::string& reason);
 
 }  // namespace palpate

@@ -106,9 +106,9 @@ std::int64_t wait(Deadlines& deadlines, Clock& clock) noexcept {
 }
 
 // One tool: what its two processes share, and its fast one.
-class Pair {
+class ToolRun {
  public:
-  explicit Pair(const RenderedTool& tool)
+  explicit ToolRun(const RenderedTool& tool)
       : tool_(tool),
         exchange_(std::make_unique<RenderExchange>()),
         fast_(std::make_unique<FastProcess>(tool.config.fast, tool.setup.device,
@@ -185,54 +185,53 @@ class Pair {
   RealTimeGrant grant_;
 };
 
-using Scene = std::vector<std::unique_ptr<Pair>>;
+using ToolRuns = std::vector<std::unique_ptr<ToolRun>>;
 
-Scene make_scene(std::span<const RenderedTool> tools) {
-  Scene scene;
+ToolRuns make_runs(std::span<const RenderedTool> tools) {
+  ToolRuns runs;
   for (const RenderedTool& tool : tools) {
-    scene.push_back(std::make_unique<Pair>(tool));
+    runs.push_back(std::make_unique<ToolRun>(tool));
   }
-  return scene;
+  return runs;
 }
 
 // Whose tick is next; null when all have ended.
-Pair* earliest(const Scene& scene) {
-  Pair* next = nullptr;
-  for (const auto& pair : scene) {
-    if (pair->goes_on() && (next == nullptr || pair->next_ns() < next->next_ns())) {
-      next = pair.get();
+ToolRun* earliest(const ToolRuns& runs) {
+  ToolRun* next = nullptr;
+  for (const auto& run : runs) {
+    if (run->goes_on() && (next == nullptr || run->next_ns() < next->next_ns())) {
+      next = run.get();
     }
   }
   return next;
 }
 
 // One slow turn, for the tools that go on.
-void serve(const Scene& scene, std::int64_t now_ns, std::int64_t skipped) {
-  for (const auto& pair : scene) {
-    if (!pair->is_over()) {
-      pair->serve(now_ns, skipped);
+void serve_tools(const ToolRuns& runs, std::int64_t now_ns, std::int64_t skipped) {
+  for (const auto& run : runs) {
+    if (!run->is_over()) {
+      run->serve(now_ns, skipped);
     }
   }
 }
 
-// The slow thread.
-void serve(const Scene& scene, const std::atomic<bool>& done, std::int64_t start_ns,
-           double slow_hz) noexcept {
+void run_slow_process(const ToolRuns& runs, const std::atomic<bool>& done,
+                      std::int64_t start_ns, double slow_hz) noexcept {
   request_slow_real_time();
   MonotonicClock clock;
   Deadlines deadlines(start_ns, slow_hz);
   while (!done.load()) {
     const std::int64_t skipped = wait(deadlines, clock);
-    for (const auto& pair : scene) {
-      pair->serve(clock.now_ns(), skipped);
+    for (const auto& run : runs) {
+      run->serve(clock.now_ns(), skipped);
     }
   }
 }
 
-std::vector<RenderReport> reports(const Scene& scene) {
+std::vector<RenderReport> reports(const ToolRuns& runs) {
   std::vector<RenderReport> all;
-  for (const auto& pair : scene) {
-    all.push_back(pair->report());
+  for (const auto& run : runs) {
+    all.push_back(run->report());
   }
   return all;
 }
@@ -286,28 +285,28 @@ RenderReport render_in_real_time(const RenderConfig& config, const RenderSetup& 
 std::vector<RenderReport> render_in_turns(std::span<const RenderedTool> tools,
                                           Clock& clock) {
   check(tools);
-  const Scene scene = make_scene(tools);
+  const ToolRuns runs = make_runs(tools);
   const std::int64_t start_ns = clock.now_ns();
-  for (const auto& pair : scene) {
-    pair->begin(start_ns);
+  for (const auto& run : runs) {
+    run->begin(start_ns);
   }
   Deadlines slow_deadlines(start_ns, tools.front().config.slow_hz);
-  for (Pair* next = earliest(scene); next != nullptr;) {
+  for (ToolRun* next = earliest(runs); next != nullptr;) {
     const std::int64_t due_ns = next->next_ns();
     next->turn(wait(next->deadlines(), clock));
     next->drain();
-    next = earliest(scene);
+    next = earliest(runs);
     const bool all = next == nullptr || next->next_ns() > due_ns;
     if (all && clock.now_ns() >= slow_deadlines.next_ns()) {
-      serve(scene, clock.now_ns(), slow_deadlines.begin(clock.now_ns()));
+      serve_tools(runs, clock.now_ns(), slow_deadlines.begin(clock.now_ns()));
     }
   }
-  return reports(scene);
+  return reports(runs);
 }
 
 std::vector<RenderReport> render_in_real_time(std::span<const RenderedTool> tools) {
   check(tools);
-  const Scene scene = make_scene(tools);
+  const ToolRuns runs = make_runs(tools);
   for (const RenderedTool& tool : tools) {
     if (tool.setup.recorder != nullptr) {
       tool.setup.recorder->start();
@@ -320,23 +319,23 @@ std::vector<RenderReport> render_in_real_time(std::span<const RenderedTool> tool
   // The threads touch what is theirs, the exchanges and the flags; nothing else.
   {
     const JoinedThread slow_thread(done, std::thread([&] {
-                                     serve(scene, done, start_ns, slow_hz);
+                                     run_slow_process(runs, done, start_ns, slow_hz);
                                    }));
     std::vector<std::jthread> fast_threads;
     try {
-      for (const auto& pair : scene) {
-        fast_threads.emplace_back([&pair, start_ns] {
-          pair->run(start_ns);
+      for (const auto& run : runs) {
+        fast_threads.emplace_back([&run, start_ns] {
+          run->run(start_ns);
         });
       }
     } catch (const std::system_error& error) {
-      for (const auto& pair : scene) {
-        pair->abandon();
+      for (const auto& run : runs) {
+        run->abandon();
       }
       throw DeviceError(fmt::format("a tool's thread cannot start: {}", error.what()));
     }
   }
-  return reports(scene);
+  return reports(runs);
 }
 
 }  // namespace palpate

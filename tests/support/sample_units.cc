@@ -7,8 +7,8 @@
 namespace palpate {
 namespace {
 
-UnitNode hertzian(std::int32_t vertex, double stiffness) {
-  UnitNode node{.tool = 0, .vertex = vertex, .response = {}, .failure = {}};
+WorkUnitNode hertzian(std::int32_t vertex, double stiffness) {
+  WorkUnitNode node{.tool = 0, .vertex = vertex, .response = {}, .failure = {}};
   NodeResponse& response = node.response;
   response.direction = (octahedron(0.02).position_m.row(vertex).transpose() +
                         Eigen::Vector3d(0, 0, 1e-4))
@@ -27,43 +27,44 @@ UnitNode hertzian(std::int32_t vertex, double stiffness) {
 
 }  // namespace
 
-UnitPlan sample_plan() {
-  UnitPlan plan{.digest = "0123abcd",
-                .units = 3,
-                .body = octahedron(0.02),
-                .normal = {},
-                .tool = {{.name = "tip",
-                          .kind = "cone",
-                          .friction = 0.3,
-                          .presliding_m = 5e-4,
-                          .half_angle_rad = 0.5,
-                          .tip_radius_m = 1e-3,
-                          .length_m = 0.02,
-                          .axis = Eigen::Vector3d(0.6, 0.0, 0.8),
-                          .sticking = true}},
-                .force_relative = 0.05,
-                .reachable = 5,
-                .depth_max_m = 0.003,
-                .force_max_n = 7.5,
-                .provenance = {.writer = "palpate-precompute 0.0",
-                               .scene_toml = "# Umlaute: \xc3\xa4\n[body]\n",
-                               .source_file = "body.obj",
-                               .source_sha256 = std::string(64, 'a'),
-                               .left_out = {}}};
+JobDescription sample_plan() {
+  JobDescription plan{.digest = "0123abcd",
+                      .units = 3,
+                      .body = octahedron(0.02),
+                      .normal = {},
+                      .tool = {{.name = "tip",
+                                .kind = "cone",
+                                .friction = 0.3,
+                                .presliding_m = 5e-4,
+                                .half_angle_rad = 0.5,
+                                .tip_radius_m = 1e-3,
+                                .length_m = 0.02,
+                                .axis = Eigen::Vector3d(0.6, 0.0, 0.8),
+                                .sticking = true}},
+                      .force_relative = 0.05,
+                      .reachable = 5,
+                      .depth_max_m = 0.003,
+                      .force_max_n = 7.5,
+                      .provenance = {.writer = "palpate-precompute 0.0",
+                                     .scene_toml = "# Umlaute: \xc3\xa4\n[body]\n",
+                                     .source_file = "body.obj",
+                                     .source_sha256 = std::string(64, 'a'),
+                                     .left_out = {}}};
   plan.normal = plan.body.position_m.rowwise().normalized();
   return plan;
 }
 
-std::vector<UnitOutcome> sample_units() {
-  UnitNode interpolated = hertzian(2, 900.0);
+std::vector<WorkUnitOutcome> sample_units() {
+  WorkUnitNode interpolated = hertzian(2, 900.0);
   interpolated.response.origin = ResponseOrigin::kInterpolated;
   interpolated.response.error_relative = 0.08;
   interpolated.response.flags = kErrorOverBudget;
-  UnitNode partial = hertzian(3, 800.0);
+  WorkUnitNode partial = hertzian(3, 800.0);
   partial.failure = "no equilibrium at 2.5 mm";
-  UnitNode failed{.tool = 0, .vertex = 4, .response = {}, .failure = "meshing failed"};
+  WorkUnitNode failed{
+      .tool = 0, .vertex = 4, .response = {}, .failure = "meshing failed"};
   failed.response.flags = kFailed;
-  UnitNode check = hertzian(0, 1000.0);
+  WorkUnitNode check = hertzian(0, 1000.0);
   for (double& force_n : check.response.force_n) {
     force_n *= 1.1;
   }

@@ -142,7 +142,7 @@ TEST_F(BuildUnits, KilledAgainAndAgainAndResumedGivesTheSameBytes) {
 void fail_first_node(const fs::path& unit) {
   constexpr std::size_t kDigest = 64;
   const std::string kept = read(unit);
-  UnitOutcome outcome =
+  WorkUnitOutcome outcome =
       unit_from_bytes(std::as_bytes(std::span(kept)).subspan(kDigest), unit.string());
   ASSERT_FALSE(outcome.is_check);
   outcome.node.front().response = {};

@@ -234,9 +234,9 @@ TEST_F(BuildFaults, EveryNodeFailingIsSaidWithTheReason) {
 void spoil_unit(const fs::path& file, std::int32_t vertex) {
   constexpr std::size_t kDigest = 64;
   const std::string kept = read(file);
-  UnitOutcome outcome =
+  WorkUnitOutcome outcome =
       unit_from_bytes(std::as_bytes(std::span(kept)).subspan(kDigest), file.string());
-  for (UnitNode& node : outcome.node) {
+  for (WorkUnitNode& node : outcome.node) {
     if (node.vertex == vertex) {
       node.response.direction[1] = kNaN;
     }

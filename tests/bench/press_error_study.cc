@@ -1,0 +1,121 @@
+// What the mesh adds to the error of a press: single vertices of a scene, pressed on
+// the shared mesh and on meshes of their own that are finer and finer.
+//
+// press_error_study SCENE.toml [VERTICES] [FINEST]   (default: 8 vertices, 4 times)
+//
+// Forces are compared at equal tool position with those of the finest mesh, in percent
+// of the larger of the force there and a tenth of the vertex' largest.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "formats/base/stopwatch.h"
+#include "formats/scene/scene.h"
+#include "precompute/body/scene_body.h"
+#include "precompute/press/compliance_sample.h"
+#include "precompute/press/own_mesh_press.h"
+#include "precompute/press/scene_solver.h"
+
+namespace palpate {
+namespace {
+
+// |F| at a penetration, between samples along a straight line of the secant's
+// stiffness.
+double force_at(const Indentation& path, double penetration_m) {
+  const auto& sample = path.sample;
+  if (sample.size() < 2 || penetration_m <= sample.front().penetration_m) {
+    return 0.0;
+  }
+  for (std::size_t k = 1; k < sample.size(); ++k) {
+    if (penetration_m <= sample[k].penetration_m) {
+      const double low = sample[k - 1].penetration_m;
+      const double t = (penetration_m - low) / (sample[k].penetration_m - low);
+      return (1.0 - t) * sample[k - 1].force_n.norm() + t * sample[k].force_n.norm();
+    }
+  }
+  return sample.back().force_n.norm();
+}
+
+int run(const std::string& file, std::size_t count, double finest) {
+  const Scene scene = read_scene(file);
+  const BodySource body = read_body(scene);
+  const auto reachable = reachable_vertices(scene, body);
+  const auto vertices = spread_over(reachable, count);
+  const PressStrategy strategy = choose_strategy(scene, body, reachable);
+  constexpr std::array kAt{0.1, 0.2, 0.33, 0.5, 0.75, 1.0};
+  fmt::print(
+      "{} reachable, shared mesh {} ({:.3g} mm), growth {:.3g}, finest {:.3g} mm\n",
+      reachable.size(), strategy.shared_mesh, 1e3 * strategy.spacing_m,
+      strategy.focus.growth, 1e3 * strategy.focus.finest_m);
+  Progress quiet(nullptr);
+  const SceneSolver solver(scene, body, strategy, reachable, vertices, quiet);
+  for (const std::int32_t vertex : vertices) {
+    struct Row {
+      std::string name;
+      PressedNode node;
+      double seconds = 0.0;
+    };
+    std::vector<Row> rows;
+    const auto add = [&](const std::string& name, const auto& press) {
+      rows.push_back({name, {}, 0.0});
+      rows.back().seconds = seconds_of([&] {
+        rows.back().node = press();
+      });
+    };
+    add("shared", [&] {
+      return solver.cheap(body.tool[0], {&vertex, 1}).front();
+    });
+    for (double times = 0.5; times <= finest; times *= 2.0) {
+      add(fmt::format("own x{:g}", times), [&] {
+        return solver
+            .good(body.tool[0], {&vertex, 1}, times == 1.0 ? 1.0 + 1e-12 : times)
+            .front();
+      });
+    }
+    const Indentation& reference = rows.back().node.indentation;
+    const double depth = scene.reach.depth_max_m;
+    const double largest = force_at(reference, depth);
+    fmt::print("vertex {}: {:.4g} N, touch {:.3f} mm\n", vertex, largest,
+               1e3 * reference.sample.front().penetration_m);
+    for (const Row& row : rows) {
+      const auto& path = row.node.indentation;
+      fmt::print("  {:<9} {:6.2f} s touch {:+.3f} mm", row.name, row.seconds,
+                 path.sample.empty() ? 0.0
+                                     : 1e3 * (path.sample.front().penetration_m -
+                                              reference.sample.front().penetration_m));
+      for (const double at : kAt) {
+        const double truth = force_at(reference, at * depth);
+        fmt::print(" {:+6.2f}", 100.0 * (force_at(path, at * depth) - truth) /
+                                    std::max(truth, 0.1 * largest));
+      }
+      const NodeResponse response =
+          to_response(path, row.node.path, scene.force_relative);
+      fmt::print("   stated {:.2f}  {}\n", 100.0 * response.error_relative,
+                 row.node.failure);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    fmt::print(stderr, "usage: press_error_study SCENE.toml [VERTICES] [FINEST]\n");
+    return 2;
+  }
+  try {
+    return palpate::run(argv[1], argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 8,
+                        argc > 3 ? std::strtod(argv[3], nullptr) : 4.0);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "press_error_study: {}\n", error.what());
+    return 1;
+  }
+}
