@@ -31,6 +31,7 @@ Json to_json(const ToolDifference& tool) {
                      {"largest_n", node.curve.largest_n},
                      {"rms_n", node.curve.rms_n},
                      {"relative_rms", node.relative_rms},
+                     {"largest_relative", node.largest_relative},
                      {"direction_rad", node.direction_rad}});
   }
   return {{"tool", tool.tool},
@@ -43,6 +44,11 @@ Json to_json(const ToolDifference& tool) {
           {"largest_depth_m", tool.largest_depth_m},
           {"largest_direction_rad", tool.largest_direction_rad},
           {"largest_relaxation", tool.largest_relaxation},
+          {"stated_errors",
+           {{"covered", tool.stated.covered},
+            {"stated_over_found", tool.stated.stated_over_found},
+            {"found_median", tool.stated.found_median},
+            {"found_p95", tool.stated.found_p95}}},
           {"worst", worst}};
 }
 
@@ -58,6 +64,15 @@ void print(const ToolDifference& tool) {
       "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
       "the force held\n",
       tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation);
+  if (tool.compared > 0) {
+    fmt::print(
+        "stated     {:.1f} % of nodes differ by no more than the first's stated error, "
+        "which is {:.2g} times the difference in the median; differences are {:.2g} % "
+        "in "
+        "the median, {:.2g} % at the 95th percentile\n",
+        100.0 * tool.stated.covered, tool.stated.stated_over_found,
+        100.0 * tool.stated.found_median, 100.0 * tool.stated.found_p95);
+  }
   for (const NodeDifference& node : tool.worst) {
     fmt::print(
         "  node {:<8} {:.4g} relative, rms {:.4g} N, largest {:.4g} N to {:.4g} mm\n",

@@ -59,11 +59,15 @@ Json to_json(const ToolSummary& tool) {
           {"failed", tool.failed},
           {"extrapolated", tool.extrapolated},
           {"truncated_path", tool.truncated_path},
+          {"hard_path", tool.hard_path},
           {"depth_max_m", tool.depth_max_m},
           {"force_max_n", tool.force_max_n},
           {"stiffness_max_n_per_m", tool.stiffness_max_n_per_m},
           {"error_relative_max", tool.error_relative_max},
           {"direction_spread_max_rad", tool.direction_spread_max_rad},
+          {"budget_relative", tool.accuracy.budget_relative},
+          {"checked", tool.accuracy.verified},
+          {"error_factor", tool.accuracy.error_factor},
           {"relaxation", to_json(tool.relaxation)}};
 }
 
@@ -110,14 +114,17 @@ void print(const ToolSummary& tool) {
              tool.responses, tool.simulated, tool.interpolated, tool.measured);
   fmt::print(
       "flags      {} falling, {} force capped, {} coarse contact, {} over the "
-      "error budget, {} failed\n",
+      "error budget, {} failed, {} with a path that was hard to follow\n",
       tool.falling, tool.force_capped, tool.coarse_contact, tool.error_over_budget,
-      tool.failed);
+      tool.failed, tool.hard_path);
   fmt::print(
       "largest    depth {:.4g} mm, force {:.4g} N, stiffness {:.4g} N/m, "
       "relative error {:.2g}\n",
       1e3 * tool.depth_max_m, tool.force_max_n, tool.stiffness_max_n_per_m,
       tool.error_relative_max);
+  if (const std::string errors = describe(tool.accuracy); !errors.empty()) {
+    fmt::print("errors     {}\n", errors);
+  }
   if (!tool.relaxation.empty()) {
     fmt::print("relaxation {}\n", describe(tool.relaxation));
   }

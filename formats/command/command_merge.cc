@@ -84,6 +84,8 @@ void run_shards(const Flags& flags) {
            {"outside_reach", all.outside_reach},
            {"over_budget", all.over_budget},
            {"checked", all.checked},
+           {"error_factor", all.error_factor},
+           {"hard_path", all.hard_path},
            {"failures", all.failures}});
   } else {
     fmt::print(

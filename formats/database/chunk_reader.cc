@@ -137,7 +137,9 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
       require(group, static_cast<std::int64_t>(values->size()), c);
     }
     require(group + "/origin_count", std::ssize(tool.origin_count), 4);
-    require(group + "/flag_count", std::ssize(tool.flag_count), 7);
+    require(
+        group + "/flag_count", std::ssize(tool.flag_count),
+        tool.flag_count.size() == kResponseFlags ? kResponseFlags : kResponseFlags - 1);
     check_relaxation("/tools/" + tool.tool.name + "/relaxation", tool.relaxation,
                      index.nodes());
   }
@@ -155,6 +157,7 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
     content::exchange_shape(file, "/tools/" + tool, entry.tool);
     content::exchange_relaxation(file, "/tools/" + tool + "/relaxation",
                                  entry.relaxation);
+    content::exchange_accuracy(file, "/tools/" + tool + "/accuracy", entry.accuracy);
   }
   content::ReadIndex access{file};
   content::exchange_index(access, index);

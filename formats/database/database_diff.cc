@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/quantile.h"
 
 namespace palpate {
 namespace {
@@ -18,14 +19,19 @@ constexpr std::array<double, 4> kGaussPlace{0.06943184420297371, 0.3300094782075
 constexpr std::array<double, 4> kGaussWeight{0.17392742256872692, 0.32607257743127305,
                                              0.32607257743127305, 0.17392742256872692};
 
-// Samples of both curves up to a depth, in order, each once.
-std::vector<double> common_samples(const CurveView& a, const CurveView& b,
-                                   double depth_m) {
-  std::vector<double> all(a.depth_m.begin(), a.depth_m.end());
-  all.insert(all.end(), b.depth_m.begin(), b.depth_m.end());
+// Normal penetrations of the samples of both curves up to one, in order, each once.
+std::vector<double> common_samples(const PlacedCurve& a, const PlacedCurve& b,
+                                   double end_m) {
+  std::vector<double> all;
+  for (const PlacedCurve* placed : {&a, &b}) {
+    for (const double depth_m : placed->curve.depth_m) {
+      all.push_back(placed->touch_offset_m + depth_m / placed->along);
+    }
+  }
+  all.push_back(end_m);
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
-  all.erase(std::upper_bound(all.begin(), all.end(), depth_m), all.end());
+  all.erase(std::upper_bound(all.begin(), all.end(), end_m), all.end());
   return all;
 }
 
@@ -34,10 +40,13 @@ double ratio(double part, double whole) {
 }
 
 NodeDifference node_difference(const ResponseTable& a, const ResponseTable& b,
-                               std::int64_t node) {
+                               std::int64_t node, const Eigen::Vector3d& outward) {
   NodeDifference result;
   result.node = node;
-  result.curve = difference(a.curve(node), b.curve(node));
+  const PlacedCurve first = placed_curve(a, node, outward);
+  const PlacedCurve second = placed_curve(b, node, outward);
+  result.curve = difference(first, second);
+  result.largest_relative = force_difference(first, second);
   result.relative_rms = ratio(result.curve.rms_n, result.curve.force_rms_n);
   const Eigen::Vector3d u = a.direction.row(node).transpose();
   const Eigen::Vector3d v = b.direction.row(node).transpose();
@@ -60,8 +69,33 @@ double relaxation_difference(const ResponseRelaxation& a, const ResponseRelaxati
   return largest;
 }
 
+StatedErrors stated_errors(const ResponseTable& a,
+                           const std::vector<NodeDifference>& nodes) {
+  StatedErrors stated;
+  if (nodes.empty()) {
+    return stated;
+  }
+  std::vector<double> found;
+  std::vector<double> over;
+  for (const NodeDifference& node : nodes) {
+    const double error = a.error_relative[static_cast<std::size_t>(node.node)];
+    stated.covered += node.largest_relative <= error ? 1.0 : 0.0;
+    found.push_back(node.largest_relative);
+    if (node.largest_relative > 0.0) {
+      over.push_back(error / node.largest_relative);
+    }
+  }
+  stated.covered /= static_cast<double>(nodes.size());
+  std::sort(found.begin(), found.end());
+  std::sort(over.begin(), over.end());
+  stated.stated_over_found = quantile(over, 0.5);
+  stated.found_median = quantile(found, 0.5);
+  stated.found_p95 = quantile(found, 0.95);
+  return stated;
+}
+
 ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
-                               std::size_t worst) {
+                               const Points& normal, std::size_t worst) {
   ToolDifference result;
   result.tool = a.tool.name;
   double squares = 0.0;
@@ -75,7 +109,8 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
       continue;
     }
     ++result.compared;
-    const NodeDifference& node = nodes.emplace_back(node_difference(a, b, i));
+    const NodeDifference& node =
+        nodes.emplace_back(node_difference(a, b, i, normal.row(i).transpose()));
     squares += node.curve.rms_n * node.curve.rms_n;
     result.largest_n = std::max(result.largest_n, node.curve.largest_n);
     result.largest_relative_rms =
@@ -95,6 +130,7 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
   if (result.compared > 0) {
     result.rms_n = std::sqrt(squares / static_cast<double>(result.compared));
   }
+  result.stated = stated_errors(a, nodes);
   const auto listed = static_cast<std::ptrdiff_t>(std::min(worst, nodes.size()));
   std::partial_sort(nodes.begin(), nodes.begin() + listed, nodes.end(),
                     [](const NodeDifference& x, const NodeDifference& y) {
@@ -108,27 +144,31 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
 
 }  // namespace
 
-CurveDifference difference(const CurveView& a, const CurveView& b) {
+CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b) {
   CurveDifference result;
-  result.depth_m = std::min(a.depth_max_m(), b.depth_max_m());
-  const std::vector<double> depth = common_samples(a, b, result.depth_m);
+  if (a.curve.depth_m.empty() || b.curve.depth_m.empty()) {
+    return result;
+  }
+  const double end_m = std::min(a.end_m(), b.end_m());
+  const std::vector<double> at_m = common_samples(a, b, end_m);
   double squares = 0.0;
   double force_squares = 0.0;
-  for (std::size_t i = 0; i + 1 < depth.size(); ++i) {
-    const double h = depth[i + 1] - depth[i];
+  for (std::size_t i = 0; i + 1 < at_m.size(); ++i) {
+    const double h = at_m[i + 1] - at_m[i];
     for (std::size_t q = 0; q < kGaussPlace.size(); ++q) {
-      const double d = depth[i] + h * kGaussPlace[q];
-      const double force_n = a.at(d).force_n;
-      const double off = b.at(d).force_n - force_n;
+      const double at = at_m[i] + h * kGaussPlace[q];
+      const double force_n = a.force_n(at);
+      const double off = b.force_n(at) - force_n;
       squares += h * kGaussWeight[q] * off * off;
       force_squares += h * kGaussWeight[q] * force_n * force_n;
       result.largest_n = std::max(result.largest_n, std::abs(off));
     }
   }
-  if (result.depth_m > 0.0) {
+  if (at_m.size() > 1) {
+    result.depth_m = end_m - at_m.front();
     result.rms_n = std::sqrt(squares / result.depth_m);
     result.force_rms_n = std::sqrt(force_squares / result.depth_m);
-    const double end = b.at(result.depth_m).force_n - a.at(result.depth_m).force_n;
+    const double end = b.force_n(end_m) - a.force_n(end_m);
     result.largest_n = std::max(result.largest_n, std::abs(end));
   }
   return result;
@@ -173,7 +213,7 @@ std::vector<ToolDifference> difference(const ResponseDatabase& a,
       return t.tool.name == table.tool.name;
     });
     if (other != b.tools.end()) {
-      result.push_back(tool_difference(table, *other, worst));
+      result.push_back(tool_difference(table, *other, a.normal, worst));
     }
   }
   if (result.empty()) {

@@ -6,26 +6,37 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
+#include "formats/response/force_difference.h"
 
 namespace palpate {
 
-/// Two curves over the depths that both have.
+/// Two curves over the tool positions that both have.
 struct CurveDifference {
-  double depth_m = 0.0;      ///< [m] common depth: the smaller of both largest
-  double largest_n = 0.0;    ///< [N] largest difference of force on the Gauss points
-  double rms_n = 0.0;        ///< [N] root mean square over the common depth, exact
+  double depth_m = 0.0;    ///< [m] from the first touch of either to the end of either
+  double largest_n = 0.0;  ///< [N] largest difference of force on the Gauss points
+  double rms_n = 0.0;      ///< [N] root mean square over the common depth, exact
   double force_rms_n = 0.0;  ///< [N] of the first curve there
 };
 
 /// The mean is an integral over cubics between the samples of both, four Gauss points
 /// each: exact to rounding. Zero without a common depth.
-[[nodiscard]] CurveDifference difference(const CurveView& a, const CurveView& b);
+[[nodiscard]] CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b);
 
 struct NodeDifference {
   std::int64_t node = 0;
   CurveDifference curve;
-  double relative_rms = 0.0;   ///< [-] rms over the first curve's rms; 0 for 0/0
-  double direction_rad = 0.0;  ///< [rad] angle between the directions
+  double relative_rms = 0.0;      ///< [-] rms over the first curve's rms; 0 for 0/0
+  double direction_rad = 0.0;     ///< [rad] angle between the directions
+  double largest_relative = 0.0;  ///< [-] what a stated error bounds: force_difference
+};
+
+/// How the first database's stated errors (`error_relative`) compare with what the
+/// second, computed better, finds.
+struct StatedErrors {
+  double covered = 0.0;            ///< [-] share of nodes that are within theirs
+  double stated_over_found = 0.0;  ///< [-] median
+  double found_median = 0.0;       ///< [-]
+  double found_p95 = 0.0;          ///< [-]
 };
 
 struct ToolDifference {
@@ -39,6 +50,7 @@ struct ToolDifference {
   double largest_depth_m = 0.0;       ///< [m] largest difference of largest depths
   double largest_direction_rad = 0.0;
   double largest_relaxation = 0.0;  ///< [-] of F(0) while held; unstated: none relaxes
+  StatedErrors stated;
   std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
 
   /// Whether no force differs by more than this part of the node's own, no node has a

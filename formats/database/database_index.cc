@@ -88,8 +88,14 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   ToolIndex tool;
   tool.tool = table.tool;
   tool.relaxation = table.relaxation;
+  tool.accuracy = table.accuracy;
   tool.origin_count.assign(4, 0);
-  tool.flag_count.assign(7, 0);
+  // Seven where there are no more, as it was before there was an eighth flag.
+  const bool eighth =
+      std::any_of(table.flags.begin(), table.flags.end(), [](auto bits) {
+        return (bits & kHardPath) != 0;
+      });
+  tool.flag_count.assign(eighth ? kResponseFlags : kResponseFlags - 1, 0);
   for (std::size_t i = 0; i < table.origin.size(); ++i) {
     ++tool.origin_count[table.origin[i] & 3u];
     for (std::size_t bit = 0; bit < tool.flag_count.size(); ++bit) {

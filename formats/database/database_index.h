@@ -26,11 +26,12 @@ struct ToolIndex {
   std::vector<double> depth_max_m;               ///< (c) [m]
   std::vector<double> force_max_n;               ///< (c) [N] of any sample
   std::vector<double> stiffness_max_n_per_m;     ///< (c) [N/m] largest slope
-  std::vector<double> error_relative_max;        ///< (c) [-] worst estimate
+  std::vector<double> error_relative_max;        ///< (c) [-] largest stated error
   std::vector<double> direction_spread_max_rad;  ///< (c) [rad]
   std::vector<std::int64_t> origin_count;        ///< (4) nodes by ResponseOrigin
-  std::vector<std::int64_t> flag_count;          ///< (7) nodes by flag bit
+  std::vector<std::int64_t> flag_count;          ///< (7 or 8) nodes by flag bit
   ResponseRelaxation relaxation;                 ///< as the table's
+  AccuracyRecord accuracy;                       ///< as the table's
   Sha256Rows sha256;                             ///< (c x 32) chunk_digest()
 };
 

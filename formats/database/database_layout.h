@@ -98,6 +98,17 @@ void exchange_lines(File& file, const std::string& path, Lines& lines) {
   }
 }
 
+template <typename File, typename Accuracy>
+void exchange_accuracy(File& file, const std::string& group, Accuracy& accuracy) {
+  if (file.optional_group(group, accuracy.budget_relative > 0.0)) {
+    file.attribute(group, "budget_relative", accuracy.budget_relative);
+    file.attribute(group, "verified", accuracy.verified);
+    exchange_number(file, group, "error_factor", accuracy.error_factor);
+    exchange_if_any(file, group + "/quantile_level", "1", accuracy.quantile_level);
+    exchange_if_any(file, group + "/error_relative", "1", accuracy.error_relative);
+  }
+}
+
 // What a computation says about its own responses.
 template <typename File, typename Table>
 void exchange_quality(File& file, const std::string& group, Table& table) {
@@ -108,15 +119,7 @@ void exchange_quality(File& file, const std::string& group, Table& table) {
   exchange_if_any(file, group + "/force_n_errors", "N", table.force_errors_n);
   exchange_if_any(file, group + "/direction_begin", "1", table.direction_begin);
   exchange_if_any(file, group + "/sample_direction", "1", table.sample_direction);
-  auto& accuracy = table.accuracy;
-  if (file.optional_group(group + "/accuracy", accuracy.budget_relative > 0.0)) {
-    file.attribute(group + "/accuracy", "budget_relative", accuracy.budget_relative);
-    file.attribute(group + "/accuracy", "verified", accuracy.verified);
-    exchange_if_any(file, group + "/accuracy/quantile_level", "1",
-                    accuracy.quantile_level);
-    exchange_if_any(file, group + "/accuracy/error_relative", "1",
-                    accuracy.error_relative);
-  }
+  exchange_accuracy(file, group + "/accuracy", table.accuracy);
 }
 
 template <typename File, typename Field>
@@ -165,9 +168,9 @@ void exchange_nodes(File& file, const std::string& group, Table& table) {
   file.dataset(group + "/flags", "1", table.flags);
   file.flags(group + "/flags",
              {kFallingCurve, kForceCapped, kCoarseContact, kErrorOverBudget, kFailed,
-              kExtrapolated, kTruncatedPath},
+              kExtrapolated, kTruncatedPath, kHardPath},
              "falling_curve force_capped coarse_contact error_over_budget failed "
-             "extrapolated truncated_path",
+             "extrapolated truncated_path hard_path",
              true);
   file.begins(group + "/sample_begin", table.sample_begin);
 }

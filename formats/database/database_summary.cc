@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <bit>
 
+#include <fmt/format.h>
+
+#include "formats/database/error_calibration.h"
+
 namespace palpate {
 namespace {
 
@@ -36,12 +40,14 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.failed = flagged(kFailed);
   summary.extrapolated = flagged(kExtrapolated);
   summary.truncated_path = flagged(kTruncatedPath);
+  summary.hard_path = flagged(kHardPath);
   summary.depth_max_m = table.depth_max_m();
   summary.force_max_n = largest_of(table.force_n);
   summary.stiffness_max_n_per_m = largest_of(table.stiffness_max_n_per_m);
   summary.error_relative_max = largest_of(table.error_relative);
   summary.direction_spread_max_rad = largest_of(table.direction_spread_rad);
   summary.relaxation = table.relaxation;
+  summary.accuracy = table.accuracy;
   return summary;
 }
 
@@ -50,8 +56,9 @@ ToolSummary summarise(const ToolIndex& tool) {
     return tool.origin_count[static_cast<std::size_t>(origin)];
   };
   const auto flagged = [&](ResponseFlag flag) {
-    return tool.flag_count[static_cast<std::size_t>(
-        std::countr_zero(static_cast<unsigned>(flag)))];
+    const auto bit =
+        static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(flag)));
+    return bit < tool.flag_count.size() ? tool.flag_count[bit] : 0;
   };
   ToolSummary summary;
   summary.tool = tool.tool;
@@ -66,13 +73,42 @@ ToolSummary summarise(const ToolIndex& tool) {
   summary.failed = flagged(kFailed);
   summary.extrapolated = flagged(kExtrapolated);
   summary.truncated_path = flagged(kTruncatedPath);
+  summary.hard_path = flagged(kHardPath);
   summary.depth_max_m = largest_of(tool.depth_max_m);
   summary.force_max_n = largest_of(tool.force_max_n);
   summary.stiffness_max_n_per_m = largest_of(tool.stiffness_max_n_per_m);
   summary.error_relative_max = largest_of(tool.error_relative_max);
   summary.direction_spread_max_rad = largest_of(tool.direction_spread_max_rad);
   summary.relaxation = tool.relaxation;
+  summary.accuracy = tool.accuracy;
   return summary;
+}
+
+std::string describe(const AccuracyRecord& accuracy) {
+  if (accuracy.error_factor == 0.0) {
+    return {};
+  }
+  const double coverage = 100.0 * kErrorCoverage;
+  if (accuracy.verified == 0) {
+    return fmt::format(
+        "meant to hold at {:.0f} % of nodes: {:.2g} times estimates; no node was "
+        "solved "
+        "again to see",
+        coverage, accuracy.error_factor);
+  }
+  std::string text = fmt::format(
+      "{} at {:.0f} % of nodes: {:.2g} times estimates, by {} nodes that were solved "
+      "again, better",
+      accuracy.verified < kChecksToCalibrate ? "meant to hold" : "hold", coverage,
+      accuracy.error_factor, accuracy.verified);
+  for (std::size_t i = 0; i < accuracy.quantile_level.size(); ++i) {
+    if (accuracy.quantile_level[i] == 0.5) {
+      text += fmt::format(
+          "; there they differ by {:.2g} % in the median, {:.2g} % at most",
+          100.0 * accuracy.error_relative[i], 100.0 * accuracy.error_relative.back());
+    }
+  }
+  return text;
 }
 
 }  // namespace palpate

@@ -24,13 +24,19 @@ struct ToolSummary {
   std::int64_t failed = 0;                ///< solves that failed: no curve
   std::int64_t extrapolated = 0;          ///< beyond the curves they come from
   std::int64_t truncated_path = 0;        ///< the solve stopped early
+  std::int64_t hard_path = 0;             ///< other equilibria may lie near
   double depth_max_m = 0.0;               ///< [m]
   double force_max_n = 0.0;               ///< [N] of any sample
   double stiffness_max_n_per_m = 0.0;     ///< [N/m] largest slope
-  double error_relative_max = 0.0;        ///< [-] worst estimate
+  double error_relative_max = 0.0;        ///< [-] largest stated error
   double direction_spread_max_rad = 0.0;  ///< [rad]
   ResponseRelaxation relaxation;          ///< empty where none is known
+  AccuracyRecord accuracy;
 };
+
+/// "hold at 95 % of nodes: ...", in a sentence's end: how a tool's stated errors were
+/// found. Empty where no computation says.
+[[nodiscard]] std::string describe(const AccuracyRecord& accuracy);
 
 [[nodiscard]] ToolSummary summarise(const ResponseTable& table);
 

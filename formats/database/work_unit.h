@@ -21,6 +21,7 @@ namespace palpate {
 struct WorkUnitNode {
   std::int32_t tool = 0;  ///< index
   std::int32_t vertex = -1;
+  /// Its error_relative is an estimate, which assemble() calibrates.
   NodeResponse response = {};
   std::string failure = {};  ///< why the path ends early, or is missing; else empty
   /// The tool also met a part of the body whose contact is not in the response.
@@ -33,8 +34,7 @@ void fail_if_broken(WorkUnitNode& node);
 
 struct WorkUnitOutcome {
   std::int64_t index = -1;
-  /// Solutions one level finer of nodes that other units answer: they measure the
-  /// error.
+  /// Better solutions of nodes that other units answer: they measure the error.
   bool is_check = false;
   std::vector<WorkUnitNode> node;
 };
@@ -83,8 +83,10 @@ struct Assembly {
   std::int64_t untouched = 0;  ///< reachable, but the tool met nothing to press
   std::int64_t outside_reach = 0;
   std::int64_t over_budget = 0;
+  std::int64_t hard_path = 0;           ///< other equilibria may lie near
+  double error_factor = 0.0;            ///< [-] stated errors over estimates, largest
   std::int64_t reaching_elsewhere = 0;  ///< the tool also met another part of the body
-  std::vector<double> error;            ///< [-] estimates, ascending
+  std::vector<double> error;            ///< [-] stated, ascending
   std::vector<double> checked;        ///< [-] errors against finer solutions, ascending
   std::vector<std::string> failures;  ///< "vertex 12, tool ball: reason"
 };
@@ -92,19 +94,18 @@ struct Assembly {
 /// Whether a unit's nodes all keep the rules: what a checkpoint may give back.
 [[nodiscard]] bool is_sound(const WorkUnitOutcome& unit);
 
-/// Puts the units together; their order does not matter. A node whose response breaks a
-/// rule becomes a failed one (fail_if_broken). @throws InputError naming the units that
-/// are missing, that come twice, or whose nodes the body does not have.
+/// Puts the units together; their order does not matter. Estimates of error become
+/// stated errors: times the factor that checks found (error_calibration.h). A node
+/// whose response breaks a rule becomes a failed one (fail_if_broken). @throws
+/// InputError naming the units that are missing, that come twice, or whose nodes the
+/// body does not have.
 [[nodiscard]] Assembly assemble(const JobDescription& plan,
                                 std::span<const WorkUnitOutcome> units);
 
 /// @throws NumericalError saying why if no node at all was solved.
 void require_responses(const JobDescription& plan, const Assembly& assembly);
 
-/// Relative difference of two responses of a node: rms over 16 equal steps of the
-/// penetration that both cover, from the earlier first touch on, of the difference in
-/// force over the reference's force, or over a tenth of its largest where it is
-/// smaller.
+/// force_difference() of two responses of a node.
 [[nodiscard]] double response_difference(const NodeResponse& response,
                                          const NodeResponse& reference,
                                          const Eigen::Vector3d& outward);

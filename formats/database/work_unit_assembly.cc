@@ -11,7 +11,9 @@
 
 #include "formats/base/error.h"
 #include "formats/base/quantile.h"
+#include "formats/database/error_calibration.h"
 #include "formats/database/work_unit.h"
+#include "formats/response/force_difference.h"
 #include "formats/response/response_curve.h"
 
 namespace palpate {
@@ -66,8 +68,7 @@ void count(const JobDescription& plan, const WorkUnitNode& node, Assembly& assem
   if (has_curve) {
     ++(response.origin == ResponseOrigin::kInterpolated ? assembly.interpolated
                                                         : assembly.solved);
-    assembly.error.push_back(response.error_relative);
-    assembly.over_budget += (response.flags & kErrorOverBudget) != 0 ? 1 : 0;
+    assembly.hard_path += (response.flags & kHardPath) != 0 ? 1 : 0;
     assembly.reaching_elsewhere += node.reaches_elsewhere ? 1 : 0;
   } else if (node.failure.empty()) {
     ++assembly.untouched;
@@ -86,31 +87,16 @@ std::string left_out(const JobDescription& plan, const Assembly& assembly) {
 
 double response_difference(const NodeResponse& response, const NodeResponse& reference,
                            const Eigen::Vector3d& outward) {
-  constexpr int kSteps = 16;
-  constexpr double kFloor = 0.1;  // of the largest force
   if (response.depth_m.size() < 2 || reference.depth_m.size() < 2) {
     return response.depth_m.size() == reference.depth_m.size() ? 0.0 : 1.0;
   }
-  const auto force_at = [&](const NodeResponse& r, double penetration_m) {
-    const double depth =
-        (penetration_m - r.touch_offset_m) * std::abs(outward.dot(r.direction));
-    return ResponseCurve(r.depth_m, r.force_n).at(std::max(0.0, depth)).force_n;
+  const ResponseCurve curve(response.depth_m, response.force_n);
+  const ResponseCurve better(reference.depth_m, reference.force_n);
+  const auto placed = [&](const ResponseCurve& of, const NodeResponse& node) {
+    return PlacedCurve{of.view(), node.touch_offset_m,
+                       std::abs(outward.dot(node.direction))};
   };
-  const auto end_m = [&](const NodeResponse& r) {
-    return r.touch_offset_m + r.depth_m.back() / std::abs(outward.dot(r.direction));
-  };
-  const double touch = std::min(response.touch_offset_m, reference.touch_offset_m);
-  const double end = std::min(end_m(response), end_m(reference));
-  const double floor_n = kFloor * reference.force_n.back();
-  double sum = 0.0;
-  for (int k = 1; k <= kSteps; ++k) {
-    const double penetration = touch + (end - touch) * k / kSteps;
-    const double wanted = force_at(reference, penetration);
-    const double difference =
-        (force_at(response, penetration) - wanted) / std::max(wanted, floor_n);
-    sum += difference * difference;
-  }
-  return std::sqrt(sum / kSteps);
+  return force_difference(placed(curve, response), placed(better, reference));
 }
 
 namespace {
@@ -156,15 +142,43 @@ void take(const JobDescription& plan, const WorkUnitOutcome& unit,
   }
 }
 
-AccuracyRecord accuracy_record(double budget, std::vector<double> verified) {
+// Estimates become stated errors, and flags where those are above the budget.
+ErrorCalibration calibrate(const JobDescription& plan, ToolAnswers& tool) {
+  std::vector<double> estimate;
+  std::vector<double> error;
+  for (std::size_t v = 0; v < tool.response.size(); ++v) {
+    const double stated = tool.response[v].error_relative;
+    if (!std::isnan(tool.verified[v]) && stated > 0.0) {
+      estimate.push_back(stated);
+      error.push_back(kErrorPerCheck * tool.verified[v]);
+    }
+  }
+  const ErrorCalibration calibration = calibrate_errors(estimate, error);
+  for (NodeResponse& response : tool.response) {
+    if (response.origin != ResponseOrigin::kNone) {
+      response.error_relative *= calibration.factor;
+      if (response.error_relative > plan.force_relative) {
+        response.flags = static_cast<std::uint8_t>(response.flags | kErrorOverBudget);
+      }
+    }
+  }
+  return calibration;
+}
+
+AccuracyRecord accuracy_record(double budget, double factor,
+                               std::vector<double> verified) {
   std::erase_if(verified, [](double error) {
     return std::isnan(error);
   });
   if (verified.empty()) {
-    return {};
+    return {.budget_relative = budget,
+            .error_factor = factor,
+            .quantile_level = {},
+            .error_relative = {}};
   }
   std::sort(verified.begin(), verified.end());
   AccuracyRecord record{.budget_relative = budget,
+                        .error_factor = factor,
                         .verified = static_cast<std::int64_t>(verified.size()),
                         .quantile_level = {0.0, 0.25, 0.5, 0.75, 0.95, 1.0},
                         .error_relative = {}};
@@ -175,9 +189,9 @@ AccuracyRecord accuracy_record(double budget, std::vector<double> verified) {
 }
 
 ResponseTable table_of(const JobDescription& plan, std::size_t t,
-                       const ToolAnswers& tool) {
+                       const ToolAnswers& tool, double error_factor) {
   ResponseTable table = make_table(plan.tool[t], tool.response);
-  table.accuracy = accuracy_record(plan.force_relative, tool.verified);
+  table.accuracy = accuracy_record(plan.force_relative, error_factor, tool.verified);
   if (table.accuracy.verified > 0) {
     table.verified_error_relative = tool.verified;
   }
@@ -224,7 +238,16 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
                  std::back_inserter(assembly.checked), [](double error) {
                    return !std::isnan(error);
                  });
-    assembly.database.tools.push_back(table_of(plan, t, answers[t]));
+    const ErrorCalibration calibration = calibrate(plan, answers[t]);
+    for (const NodeResponse& response : answers[t].response) {
+      if (response.origin != ResponseOrigin::kNone) {
+        assembly.error.push_back(response.error_relative);
+        assembly.over_budget += (response.flags & kErrorOverBudget) != 0 ? 1 : 0;
+      }
+    }
+    assembly.error_factor = std::max(assembly.error_factor, calibration.factor);
+    assembly.database.tools.push_back(
+        table_of(plan, t, answers[t], calibration.factor));
   }
   std::sort(assembly.error.begin(), assembly.error.end());
   std::sort(assembly.checked.begin(), assembly.checked.end());

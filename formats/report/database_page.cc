@@ -88,19 +88,17 @@ double error_quantile(const ResponseTable& table, double share) {
 
 std::string accuracy_of(const ResponseTable& table) {
   std::string text = fmt::format(
-      "estimated error of force {:.2g} % median, {:.2g} % at the 95th percentile, "
+      "stated error of force {:.2g} % median, {:.2g} % at the 95th percentile, "
       "{:.2g} "
       "% largest",
       100.0 * error_quantile(table, 0.5), 100.0 * error_quantile(table, 0.95),
       100.0 * error_quantile(table, 1.0));
   const AccuracyRecord& accuracy = table.accuracy;
   if (accuracy.budget_relative > 0.0) {
-    text += fmt::format("; budget {:.3g} %, verified at {} nodes",
-                        100.0 * accuracy.budget_relative, accuracy.verified);
+    text += fmt::format("; budget {:.3g} %", 100.0 * accuracy.budget_relative);
   }
-  for (std::size_t i = 0; i < accuracy.quantile_level.size(); ++i) {
-    text += fmt::format("{} {:.2g} % at level {:.3g}", i == 0 ? ":" : ",",
-                        100.0 * accuracy.error_relative[i], accuracy.quantile_level[i]);
+  if (const std::string errors = describe(accuracy); !errors.empty()) {
+    text += "; these " + errors;
   }
   return text;
 }
@@ -121,10 +119,10 @@ std::string tool_rows(const ResponseTable& table) {
   text += row("flags",
               fmt::format("{} falling, {} force capped, {} coarse contact, {} over "
                           "the error budget, {} failed, {} extrapolated, {} "
-                          "truncated",
+                          "truncated, {} with a path that was hard to follow",
                           all.falling, all.force_capped, all.coarse_contact,
                           all.error_over_budget, all.failed, all.extrapolated,
-                          all.truncated_path));
+                          all.truncated_path, all.hard_path));
   if (!table.relaxation.empty()) {
     text += row("relaxation", describe(table.relaxation));
   }

@@ -5,6 +5,7 @@
 // penetration delta, so that the integral of f over d is the work of the force vector.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -38,8 +39,12 @@ enum ResponseFlag : std::uint8_t {
   kFailed = 16,          ///< the solve failed: no curve
   kExtrapolated = 32,    ///< interpolated from curves beyond their last sample
   kTruncatedPath = 64,   ///< the nonlinear solve stopped before the depth asked for
+  /// The nonlinear path was hard to follow: a step was cut, the contact stiffened, or
+  /// the body was about to give way. Other equilibria may lie near.
+  kHardPath = 128,
 };
-constexpr std::uint8_t kAllResponseFlags = 127;
+constexpr std::uint8_t kAllResponseFlags = 255;
+constexpr std::size_t kResponseFlags = 8;
 
 /// One node's response as a simulation or a fit delivers it.
 struct NodeResponse {
@@ -52,16 +57,19 @@ struct NodeResponse {
   std::vector<double> force_n;  ///< (k) [N] from 0
   /// (k) [-] unit, force on the tool; empty where `direction` tells enough
   std::vector<Eigen::Vector3d> sample_direction = {};
-  double error_relative = 0.0;  ///< [-] estimated error of force, deeper half
+  double error_relative = 0.0;  ///< [-] error of force that force_difference() measures
   ResponseOrigin origin = ResponseOrigin::kNone;
   std::uint8_t flags = 0;
 };
 
 /// How well a tool's responses keep the accuracy budget, measured at nodes that were
-/// interpolated and then solved to compare.
+/// solved once more, better, to compare.
 struct AccuracyRecord {
   double budget_relative = 0.0;  ///< [-] of force, as the scene asks; 0: no record
-  std::int64_t verified = 0;     ///< nodes behind the quantiles
+  /// [-] What estimates were multiplied by to give error_relative, so that it holds at
+  /// 95 % of nodes (error_calibration.h); 0: not calibrated.
+  double error_factor = 0.0;
+  std::int64_t verified = 0;           ///< nodes behind the quantiles
   std::vector<double> quantile_level;  ///< (q) [-] [0, 1], increasing
   std::vector<double> error_relative;  ///< (q) [-] measured error at these levels
 };
@@ -83,7 +91,7 @@ struct ResponseTable {
   Points direction;                           ///< (n x 3) [-]
   std::vector<double> direction_spread_rad;   ///< (n) [rad]
   std::vector<double> touch_offset_m;         ///< (n) [m]
-  std::vector<double> error_relative;         ///< (n) [-]
+  std::vector<double> error_relative;         ///< (n) [-] stated error of force
   std::vector<double> friction;               ///< (n) [-]
   std::vector<double> presliding_m;           ///< (n) [m]
   std::vector<double> stiffness_max_n_per_m;  ///< (n) [N/m] largest slope of the curve

@@ -97,7 +97,7 @@ struct SceneAccuracy {
   std::string method = "auto";  ///< auto, linear or nonlinear
   std::string refine = "auto";  ///< auto, global or local refinement under the tool
   std::string solve = "auto";   ///< auto: interpolate where the budget allows; or all
-  int verify = 8;               ///< [-] [0, 1000000] nodes solved again one level finer
+  int verify = 24;              ///< [-] [0, 1000000] nodes solved again, better
 };
 
 /// Every node is answered by a part of the body around it, cut out of the body's tets,

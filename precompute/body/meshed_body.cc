@@ -22,7 +22,7 @@ namespace {
 
 // Edges of the far surface over what the mesh would have there; the shorter ones where
 // the coarse surface crosses itself.
-constexpr std::array<double, 3> kFarShares{0.6, 0.3, 0.15};
+constexpr std::array<double, 3> kFarShares{0.3, 0.15, 0.08};
 
 // Nodes of the mesh that are held, or stand on springs with all of their face.
 std::vector<Eigen::Vector3d> supported_m(const Scene& scene, const BodyModel& model) {

@@ -173,8 +173,8 @@ void PlanSharedMesh::time_nonlinear(std::size_t count) {
         nodes.push_back(placed_node(scene_, body_, *model_, tool, sample_[w]));
         press_linear(*model_, *compliance_, nodes.back());
       }
-      press_nonlinear(*model_, *compliance_, nodes, nonlinear_options(scene_, tool),
-                      false);
+      press_nonlinear(*model_, *compliance_, nodes,
+                      {.nonlinear = true, .options = nonlinear_options(scene_, tool)});
     });
   });
   report_.cost.push_back(cost_of_all(

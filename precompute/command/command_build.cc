@@ -12,6 +12,7 @@
 #include "formats/base/command_line.h"
 #include "formats/base/error.h"
 #include "formats/base/quantile.h"
+#include "formats/database/error_calibration.h"
 #include "precompute/build/build.h"
 #include "precompute/command/commands.h"
 #include "precompute/process/interrupt.h"
@@ -57,6 +58,8 @@ nlohmann::ordered_json to_json(const BuildReport& report) {
           {"error_median", quantile(all.error, 0.5)},
           {"error_p95", quantile(all.error, 0.95)},
           {"checked", all.checked},
+          {"error_factor", all.error_factor},
+          {"hard_path", all.hard_path},
           {"units", report.units},
           {"resumed", report.resumed},
           {"node_spacing_m", report.node_spacing_m},
@@ -77,22 +80,30 @@ void print_failures(const std::vector<std::string>& failures) {
 }
 
 void print_errors(const Assembly& all, double budget) {
-  fmt::print(
-      "force error   {:.1f} % median, {:.1f} % at the 95th percentile (estimate)\n",
-      100 * quantile(all.error, 0.5), 100 * quantile(all.error, 0.95));
-  if (!all.checked.empty()) {
+  fmt::print("force error   {:.1f} % median, {:.1f} % at the 95th percentile\n",
+             100 * quantile(all.error, 0.5), 100 * quantile(all.error, 0.95));
+  if (all.checked.empty()) {
     fmt::print(
-        "checked       {} nodes solved again one level finer: {:.1f} % median, {:.1f} "
-        "% "
-        "largest\n",
-        all.checked.size(), 100 * quantile(all.checked, 0.5),
-        100 * quantile(all.checked, 1.0));
+        "              {:.2g} times estimates, meant to hold at {:.0f} % of nodes; "
+        "nothing was checked (accuracy.verify)\n",
+        all.error_factor, 100 * kErrorCoverage);
+  } else {
+    fmt::print(
+        "              {:.2g} times estimates, so that it holds at {:.0f} % of nodes:\n"
+        "checked       {} nodes solved again, better; they differ by {:.1f} % in the "
+        "median, {:.1f} % at most\n",
+        all.error_factor, 100 * kErrorCoverage, all.checked.size(),
+        100 * quantile(all.checked, 0.5), 100 * quantile(all.checked, 1.0));
   }
   print_failures(all.failures);
   if (all.over_budget > 0) {
+    fmt::print("warning       {} of {} responses may miss the budget of {} %\n",
+               all.over_budget, all.solved + all.interpolated, 100 * budget);
+  }
+  if (all.hard_path > 0) {
     fmt::print(
-        "warning       {} of {} responses are estimated outside the budget of {} %\n",
-        all.over_budget, all.solved + all.interpolated, 100 * budget);
+        "warning       {} presses were hard to follow: other equilibria may lie near\n",
+        all.hard_path);
   }
   if (all.reaching_elsewhere > 0) {
     fmt::print(
@@ -100,13 +111,13 @@ void print_errors(const Assembly& all, double budget) {
         "(a fold, a step, a held face): that contact is not in their force\n",
         all.reaching_elsewhere);
   }
-  if (quantile(all.checked, 1.0) > budget) {
+  const auto outside =
+      std::count_if(all.checked.begin(), all.checked.end(), [&](double error) {
+        return error > budget;
+      });
+  if (outside > 0) {
     fmt::print("warning       {} of {} checked nodes are outside the budget of {} %\n",
-               std::count_if(all.checked.begin(), all.checked.end(),
-                             [&](double error) {
-                               return error > budget;
-                             }),
-               all.checked.size(), 100 * budget);
+               outside, all.checked.size(), 100 * budget);
   }
 }
 

@@ -123,14 +123,15 @@ void print_repair(const RepairReport& report) {
              report.displaced_m, 100.0 * report.volume_relative);
 }
 
-// The end of a refusal: the command to try now.
-std::string next_step(const CheckFlags& flags, RepairMode mode) {
-  if (mode == RepairMode::kWrap) {
-    return "mend it by hand";
+// The end of a refusal: the command that works.
+std::string next_step(const CheckFlags& flags, RepairMode works) {
+  std::string advice = repair_advice(works);
+  if (works != RepairMode::kOff) {
+    advice += fmt::format(
+        ": palpate-precompute check {} --length-unit {} --repair={} -o repaired.obj",
+        flags.mesh, flags.length_unit, works == RepairMode::kSafe ? "safe" : "wrap");
   }
-  return fmt::format(
-      "try palpate-precompute check {} --length-unit {} --repair={} -o repaired.obj",
-      flags.mesh, flags.length_unit, mode == RepairMode::kOff ? "safe" : "wrap");
+  return advice;
 }
 
 void write_files(const CheckFlags& flags, const SurfaceMesh& mesh,
@@ -165,8 +166,8 @@ void run_check(const CheckFlags& flags) {
   }
   write_files(flags, mesh, repaired);
   if (!report.refusal.empty()) {
-    throw InputError(
-        fmt::format("{}: {}; {}", flags.mesh, verdict, next_step(flags, mode)));
+    throw InputError(fmt::format("{}: {}; {}", flags.mesh, verdict,
+                                 next_step(flags, working_repair(mesh, mode))));
   }
 }
 
@@ -183,7 +184,8 @@ void add_check_command(Command app) {
       .required();
   command
       .add_option("--repair", flags->repair,
-                  "safe: mend without moving vertices; wrap: a new surface around")
+                  "safe: mend, no vertex moves, the surface by at most 1 % of "
+                  "its diagonal; wrap: close all holes, and a new surface around")
       .one_of({"off", "safe", "wrap"})
       .show_default();
   command.add_option("-o,--output", flags->output,

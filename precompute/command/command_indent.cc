@@ -80,7 +80,13 @@ nlohmann::ordered_json to_json(const NodeDetail& detail, const NodeResponse& res
   report["touch_offset_m"] = response.touch_offset_m;
   report["direction"] = list(response.direction);
   report["direction_spread_rad"] = response.direction_spread_rad;
-  report["error_relative"] = response.error_relative;
+  const Indentation& path = result.indentation;
+  report["error_relative"] = response.error_relative;  // an estimate, by ...
+  report["error_parts"] = {
+      {"pressure_mesh", path.sample.size() > 1 ? pressure_mesh_error(path) : 0.0},
+      {"path", path.path_error},
+      {"contact_edge", path.edge_share}};
+  report["hard_path"] = path.hard_path;
   report["node_spacing_m"] = result.indentation.node_spacing_m;
   report["nonlinear"] = result.nonlinear != nullptr;
   report["tets"] = detail.model.mesh.tet.rows();
@@ -136,7 +142,8 @@ void print(const NodeDetail& detail, const NodeResponse& response) {
       detail.model.mesh.tet.rows(), result.checks.near_tets);
   print_samples(detail);
   fmt::print(
-      "estimated force error {:.1f} %, direction spread {:.2f} deg, contact node "
+      "estimated force error {:.1f} % (a build says more, by its checks), direction "
+      "spread {:.2f} deg, contact node "
       "spacing {:.3g} mm\n",
       100 * response.error_relative, response.direction_spread_rad * 57.29577951,
       1e3 * result.indentation.node_spacing_m);

@@ -100,7 +100,8 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
     contact_.add_curvature(p.displacement_m, q);
     near_.mask(q);
     const double curvature = p.displacement_m.dot(q);
-    if (!(curvature > 0.0)) {
+    report.indefinite = !(curvature > 0.0);
+    if (report.indefinite) {
       if (i == 0) {
         step.direction = p;
       }

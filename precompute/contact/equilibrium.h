@@ -41,6 +41,7 @@ struct EquilibriumReport {
   /// Not converged because steps far from rest would turn elements inside out: from a
   /// nearer start, a tool that moves less, it may be.
   bool too_far = false;
+  bool indefinite = false;  ///< the last step's tangent had negative curvature
   int newton = 0;
   int creeping = 0;  ///< Newton steps far from rest that would turn elements inside out
   int gradients = 0;  ///< conjugate-gradient iterations, one solve each

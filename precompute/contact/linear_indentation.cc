@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "formats/response/force_difference.h"
 #include "precompute/contact/complementarity.h"
 #include "precompute/contact/contact_gap.h"
 
@@ -17,6 +18,11 @@ namespace {
 
 // Faces turned more than this from the press are another side of the body.
 constexpr double kFacingCosine = 0.1;
+// The error of a mesh is 1/(2^p - 1) of its difference to one twice as coarse, where
+// the order is p: 1.5, between that of the contact's edge and that of its inside.
+constexpr double kErrorPerDifference = 0.55;
+// What no estimate sees of a mesh that was made for a budget, over that budget.
+constexpr double kLeastErrorShare = 0.1;
 
 struct Gaps {
   Eigen::VectorXd distance_m;  // (n)
@@ -118,18 +124,35 @@ class CoarseContact {
   Eigen::VectorXd f_;
 };
 
-bool touches_edge(const ContactSurface& surface, std::span<const std::int32_t> patch,
-                  const Eigen::VectorXd& f) {
+bool faces(const ContactNode& node, const Eigen::Vector3d& outward) {
+  return node.normal.dot(outward) > kFacingCosine;
+}
+
+// Of the force, the share that nodes bear whose neighbours were left out of the patch
+// for their distance alone: neighbours that face away end a contact, as an edge does.
+// @param pushed (n x 3) direction of each node's force.
+double edge_share(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                  const IndentationPath& path, const Eigen::VectorXd& f,
+                  const Eigen::MatrixX3d& pushed) {
+  const auto away_m = [&](std::int32_t v) {
+    return (node_of(surface, v).position_m - path.vertex_m).norm();
+  };
+  double reach_m = 0.0;
+  for (const std::int32_t v : patch) {
+    reach_m = std::max(reach_m, away_m(v));
+  }
+  Eigen::Vector3d edge = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < patch.size(); ++i) {
-    if (f[static_cast<Eigen::Index>(i)] > 0.0) {
-      for (const std::int32_t v : node_of(surface, patch[i]).neighbours) {
-        if (!std::binary_search(patch.begin(), patch.end(), v)) {
-          return true;
-        }
-      }
+    const auto& neighbours = node_of(surface, patch[i]).neighbours;
+    if (std::any_of(neighbours.begin(), neighbours.end(), [&](std::int32_t v) {
+          return away_m(v) > reach_m && faces(node_of(surface, v), path.outward);
+        })) {
+      const auto k = static_cast<Eigen::Index>(i);
+      edge += f[k] * pushed.row(k).transpose();
     }
   }
-  return false;
+  const double whole = (pushed.transpose() * f).norm();
+  return whole > 0.0 ? edge.norm() / whole : 0.0;
 }
 
 double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
@@ -141,11 +164,6 @@ double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
   return sum / static_cast<double>(node.neighbours.size());
 }
 
-// The error of a mesh is 1/(2^p - 1) of its difference to one twice as coarse, where
-// the order is p: one at the edge of the contact, two inside. Between them lies a half.
-constexpr double kErrorPerDifference = 0.5;
-constexpr double kErrorFloor = 0.1;  // of the largest force
-
 double largest_force_n(const Indentation& indentation) {
   double largest = 0.0;
   for (const IndentationSample& sample : indentation.sample) {
@@ -154,27 +172,22 @@ double largest_force_n(const Indentation& indentation) {
   return largest;
 }
 
-// @param indentation with some force.
-double estimated_error(const Indentation& indentation) {
-  const double touch = indentation.sample.front().penetration_m;
-  const double halfway = 0.5 * (touch + indentation.sample.back().penetration_m);
+}  // namespace
+
+double pressure_mesh_error(const Indentation& indentation) {
+  const double from_m = kErrorCountsFrom * indentation.sample.back().penetration_m;
   // Where the tool has left contact again an error relative to nothing says nothing.
-  const double least_n = kErrorFloor * largest_force_n(indentation);
-  double sum = 0.0;
-  int count = 0;
+  const double least_n = kErrorCountsFrom * largest_force_n(indentation);
+  double largest = 0.0;
   for (const IndentationSample& sample : indentation.sample) {
-    if (sample.penetration_m >= halfway) {
-      const double force = sample.force_n.norm();
-      const double difference =
-          (sample.coarse_force_n - force) / std::max(force, least_n);
-      sum += difference * difference;
-      ++count;
+    if (sample.penetration_m >= from_m) {
+      const double force_n = sample.force_n.norm();
+      largest = std::max(largest, std::abs(sample.coarse_force_n - force_n) /
+                                      std::max(force_n, least_n));
     }
   }
-  return kErrorPerDifference * std::sqrt(sum / count);
+  return kErrorPerDifference * largest;
 }
-
-}  // namespace
 
 double patch_radius_m(const IndentationPath& path, double node_spacing_m) {
   // 1.2 times the radius at which a sphere stands depth_max_m above its lowest point.
@@ -188,7 +201,7 @@ std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
                                         double radius_m) {
   const ContactNode& centre = node_of(surface, start);
   const auto faces_tool = [&](const ContactNode& node) {
-    return node.normal.dot(outward) > kFacingCosine;
+    return faces(node, outward);
   };
   std::vector<std::int32_t> patch;
   std::vector<std::int32_t> queue{start};
@@ -238,6 +251,7 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     result.iterations += report.iterations;
     result.converged = result.converged && report.converged;
     sample.force_n = gaps.by_centre.transpose() * f;
+    result.edge_share = edge_share(surface, patch, path, f, gaps.by_centre);
     sample.energy_j = 0.5 * f.dot(A * f);
     sample.pressure_n = f;
     sample.coarse_force_n = coarse.force_n(gaps);
@@ -250,7 +264,6 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     result.force_capped = sample.force_n.norm() > path.force_max_n;
     result.sample.push_back(sample);
   }
-  result.reached_patch_edge = touches_edge(surface, patch, f);
   std::int32_t nearest = patch.front();
   for (const std::int32_t v : patch) {
     if ((node_of(surface, v).position_m - path.vertex_m).squaredNorm() <
@@ -325,15 +338,17 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
   }
   const IndentationSample& last = indentation.sample.back();
   response.error_relative =
-      std::hypot(estimated_error(indentation), indentation.exterior_error_relative);
+      std::hypot(std::hypot(pressure_mesh_error(indentation), indentation.path_error,
+                            indentation.edge_share),
+                 std::hypot(indentation.exterior_error_relative,
+                            kLeastErrorShare * force_relative_budget));
   const auto flag_if = [&](bool set, ResponseFlag flag) {
     response.flags = static_cast<std::uint8_t>(response.flags | (set ? flag : 0));
   };
   flag_if(indentation.force_capped, kForceCapped);
   flag_if(last.contact_radius_m < 1.5 * indentation.node_spacing_m, kCoarseContact);
-  flag_if(response.error_relative > force_relative_budget ||
-              indentation.reached_patch_edge || indentation.reaches_elsewhere,
-          kErrorOverBudget);
+  flag_if(indentation.hard_path, kHardPath);
+  flag_if(indentation.reaches_elsewhere, kErrorOverBudget);
   return response;
 }
 

@@ -46,10 +46,18 @@ struct Indentation {
   double node_spacing_m = 0.0;  ///< [m] contact nodes' mean distance around the vertex
   /// [-] of the force at the last depth, by what is left out of the body around
   double exterior_error_relative = 0.0;
+  /// [-] of the force, by depths that were not solved but interpolated
+  double path_error = 0.0;
+  /// [-] What the laws' energy adds to the linear body's at half of its displacements
+  /// at the last depth, over that; where nobody asked, 0.
+  double nonlinearity = 0.0;
+  /// The nonlinear path was cut, stiffened or met a body about to give way.
+  bool hard_path = false;
   int iterations = 0;  ///< of the complementarity solver, all depths
   bool converged = true;
-  bool reached_patch_edge =
-      false;                  ///< contact grew to the last node that was considered
+  /// [-] Of the force at the last depth, what bears on the last nodes that were
+  /// considered: as much again may bear beyond them.
+  double edge_share = 0.0;
   bool force_capped = false;  ///< ended at force_max_n
   /// The tool also meets a part of the body whose contact is not in the force
   /// (other_contact.h).
@@ -83,6 +91,10 @@ struct Indentation {
 /// sentence that says what is not, or empty.
 [[nodiscard]] std::string broken_rule(const Indentation& indentation);
 
+/// What the pressure's mesh makes of the force [-], in force_difference()'s sense, told
+/// by pressure on a mesh twice as coarse. @param indentation with some force.
+[[nodiscard]] double pressure_mesh_error(const Indentation& indentation);
+
 /// The stored form: |F| against displacement along one direction, the mean of the force
 /// along the path. Origin kSimulated, or kNone where the tool met nothing, which is
 /// also so where no depth carries force.
@@ -92,13 +104,14 @@ struct Indentation {
 /// without force; a tool that loses contact on its way, or touches twice, has depths of
 /// zero force between others, and a falling curve.
 ///
-/// kErrorOverBudget is set where the estimate is above the budget, where the contact
-/// grew to the end of the patch, and where the tool also reaches elsewhere.
+/// kErrorOverBudget is set where the tool also reaches elsewhere; whether the error is
+/// above the budget is known once it is calibrated (error_calibration.h).
 ///
-/// The estimated error is half the rms difference that pressure on a mesh twice as
-/// coarse makes over the deeper half of the path, relative to the force or to a tenth
-/// of the path's largest, whichever is more: what is left at an order of 1.6. An
-/// estimate, not a bound: see the tests on Hertz's problem.
+/// error_relative is an estimate of what force_difference() measures, to be calibrated:
+/// what the pressure's mesh makes (0.55 of the difference to pressure on a mesh twice
+/// as coarse), what bears on the patch's edge, what interpolation between depths and
+/// the part left out around make, and a tenth of the budget for what none of them sees
+/// (root of the sum of squares).
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

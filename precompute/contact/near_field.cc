@@ -134,19 +134,80 @@ double NearField::smallest_jacobian(const Eigen::VectorXd& u_m) const {
   return smallest;
 }
 
+namespace {
+
+ElementVector nodal_values(const QuadraticMesh& mesh, Eigen::Index tet,
+                           const Eigen::VectorXd& u_m) {
+  ElementVector u;
+  for (Eigen::Index j = 0; j < 10; ++j) {
+    u.segment<3>(3 * j) = u_m.segment<3>(3 * Eigen::Index{mesh.tet(tet, j)});
+  }
+  return u;
+}
+
+const Material& material_of(const QuadraticMesh& mesh,
+                            std::span<const Material> materials, Eigen::Index tet) {
+  return materials[static_cast<std::size_t>(region_of(mesh, tet))];
+}
+
+}  // namespace
+
 std::vector<Eigen::Index> strained_tets(const QuadraticMesh& mesh,
+                                        std::span<const Material> materials,
                                         const Eigen::VectorXd& u_m, double threshold) {
   std::vector<Eigen::Index> tets;
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
-    ElementVector u;
-    for (Eigen::Index j = 0; j < 10; ++j) {
-      u.segment<3>(3 * j) = u_m.segment<3>(3 * Eigen::Index{mesh.tet(t, j)});
-    }
-    if (largest_gradient(element_geometry(tet_corners(mesh, t), t), u) >= threshold) {
+    if (has_kink(material_of(mesh, materials, t)) ||
+        largest_gradient(element_geometry(tet_corners(mesh, t), t),
+                         nodal_values(mesh, t, u_m)) >= threshold) {
       tets.push_back(t);
     }
   }
   return tets;
+}
+
+double far_excess_j(const QuadraticMesh& mesh, std::span<const Material> materials,
+                    std::span<const Eigen::Index> near, const Eigen::VectorXd& u_m) {
+  double excess = 0.0;
+  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+    const Material& material = material_of(mesh, materials, t);
+    if (is_linear(material) || std::binary_search(near.begin(), near.end(), t)) {
+      continue;
+    }
+    const ElementGeometry geometry = element_geometry(tet_corners(mesh, t), t);
+    const ElementVector u = nodal_values(mesh, t, u_m);
+    const ElementMatrix rest =
+        element_response(geometry, material, ElementVector::Zero()).stiffness;
+    excess += std::abs(element_energy(geometry, material, u) - 0.5 * u.dot(rest * u));
+  }
+  return excess;
+}
+
+double nonlinearity(const QuadraticMesh& mesh, std::span<const Material> materials,
+                    const Eigen::VectorXd& u_m) {
+  constexpr double kLeast = 0.05;
+  constexpr double kMost = 10.0;
+  std::vector<double> gradient;
+  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+    gradient.push_back(largest_gradient(element_geometry(tet_corners(mesh, t), t),
+                                        nodal_values(mesh, t, u_m)));
+  }
+  const double least = kLeast * *std::max_element(gradient.begin(), gradient.end());
+  double energy_j = 0.0;
+  double linear_j = 0.0;
+  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+    if (gradient[static_cast<std::size_t>(t)] < least) {
+      continue;
+    }
+    const Material& material = material_of(mesh, materials, t);
+    const ElementGeometry geometry = element_geometry(tet_corners(mesh, t), t);
+    const ElementVector u = nodal_values(mesh, t, u_m);
+    const ElementMatrix rest =
+        element_response(geometry, material, ElementVector::Zero()).stiffness;
+    linear_j += 0.5 * u.dot(rest * u);
+    energy_j += element_energy(geometry, material, u);
+  }
+  return linear_j > 0.0 ? std::min(kMost, energy_j / linear_j - 1.0) : 0.0;
 }
 
 }  // namespace palpate

@@ -77,9 +77,27 @@ class NearField {
   BlockMatrix change_;
 };
 
-/// Tets in which the displacement gradient of `u_m` (3 n_nodes) reaches `threshold`.
-[[nodiscard]] std::vector<Eigen::Index> strained_tets(const QuadraticMesh& mesh,
-                                                      const Eigen::VectorXd& u_m,
-                                                      double threshold);
+/// Tets in which the displacement gradient of `u_m` (3 n_nodes) reaches `threshold`,
+/// and all of those whose law has no tangent at rest that holds for small strains
+/// (has_kink).
+[[nodiscard]] std::vector<Eigen::Index> strained_tets(
+    const QuadraticMesh& mesh, std::span<const Material> materials,
+    const Eigen::VectorXd& u_m, double threshold);
+
+/// What the laws' energy adds to that of the rest stiffness at u_m (3 n_nodes), over
+/// the latter [-], at most 10: a measure of how nonlinear the body is where it is
+/// strained. Tets with less than a twentieth of the largest displacement gradient are
+/// left out.
+[[nodiscard]] double nonlinearity(const QuadraticMesh& mesh,
+                                  std::span<const Material> materials,
+                                  const Eigen::VectorXd& u_m);
+
+/// What the rest stiffness misses in the far tets: sum of |W_e - u.K_e u/2| [J] over
+/// those that are not near, at u_m (3 n_nodes). +inf where a law does not admit it.
+/// @param near ascending.
+[[nodiscard]] double far_excess_j(const QuadraticMesh& mesh,
+                                  std::span<const Material> materials,
+                                  std::span<const Eigen::Index> near,
+                                  const Eigen::VectorXd& u_m);
 
 }  // namespace palpate

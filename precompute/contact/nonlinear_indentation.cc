@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -15,6 +16,10 @@ constexpr double kPredictedThinner = 0.3;
 constexpr double kStiffer = 10.0;
 constexpr int kStiffUpdates = 3;
 constexpr int kPatience = 2;
+// Near fields that are too small.
+constexpr int kWidened = 2;
+constexpr double kWider = 0.3;
+constexpr double kNoForceN = 1e-300;
 
 const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
   return surface.node[static_cast<std::size_t>(v)];
@@ -90,6 +95,12 @@ class Press {
       result_.pressure_n = multipliers_.pressure_n;
       result_.state = state_;
     }
+    result_.hard_path = stiff_ || was_cut_ || was_indefinite_;
+    if (!result_.sample.empty()) {
+      result_.far_excess_relative =
+          far_excess_j(body_.mesh, body_.material, near_tet_, displacement_m()) /
+          std::max(result_.sample.back().energy_j, std::numeric_limits<double>::min());
+    }
     result_.near_tets = near_.tets();
     result_.near_nodes = near_.size() / 3;
     result_.near_tet = near_tet_;
@@ -101,7 +112,19 @@ class Press {
   std::vector<Eigen::Index> strained() const {
     const Eigen::VectorXd u =
         linear_displacement_m(body_, patch_, steps_.back().linear_pressure_n, solve_);
-    return strained_tets(body_.mesh, u, options_.near_gradient);
+    return strained_tets(body_.mesh, body_.material, u, options_.near_gradient);
+  }
+
+  // Of the whole body (3 n_nodes), at the last state.
+  Eigen::VectorXd displacement_m() const {
+    Eigen::VectorXd source = Eigen::VectorXd::Zero(3 * body_.mesh.position_m.rows());
+    for (Eigen::Index n = 0; n < body_.mesh.position_m.rows(); ++n) {
+      const std::int32_t near = near_.near_node(static_cast<std::int32_t>(n));
+      if (near >= 0) {
+        source.segment<3>(3 * n) = state_.source_n.segment<3>(3 * Eigen::Index{near});
+      }
+    }
+    return solve_(body_.supports.free_index, source);
   }
 
   // The linear body's state at the first step, drawn back where it turns an element
@@ -205,7 +228,9 @@ class Press {
       stiffen();
       return reach(penetration_m, sample, depth);
     }
-    if (!last_.converged) {
+    // Where the tangent is indefinite another branch begins: small steps find the one
+    // that the body takes.
+    if (!last_.converged || (last_.indefinite && may_cut)) {
       if (!may_cut) {
         return false;
       }
@@ -213,6 +238,7 @@ class Press {
       return reach(0.5 * (at_m_ + penetration_m), sample, depth + 1) &&
              reach(penetration_m, sample, depth + 1);
     }
+    was_indefinite_ = was_indefinite_ || last_.indefinite;
     const ContactState& contact = last_.contact;
     tie(tool, contact.pressure_n, state.displacement_m, multipliers);
     before_ = std::move(state_);
@@ -229,8 +255,11 @@ class Press {
     ++reached_;
     sample.force_n = contact.force_n;
     sample.moment_nm = contact.moment_nm;
+    sample.multiplier_relative = last_.multiplier_relative;
     sample.energy_j = equilibrium_->elastic_energy_j(state_);
     sample.largest_overlap_m = std::max(0.0, -contact.gap_m.minCoeff());
+    sample.overlap_m = contact.pressure_n.dot((-contact.gap_m).cwiseMax(0.0)) /
+                       std::max(contact.pressure_n.sum(), kNoForceN);
     sample.smallest_jacobian = near_.smallest_jacobian(state_.displacement_m);
     sample.contact_area_m2 = 0.0;
     for (std::size_t i = 0; i < patch_.size(); ++i) {
@@ -261,6 +290,7 @@ class Press {
   int newton_ = 0;
   bool stiff_ = false;
   bool was_cut_ = false;  // some step was: a path that is hard to follow
+  bool was_indefinite_ = false;
   EquilibriumReport last_;
   NonlinearIndentation result_;
 };
@@ -274,7 +304,16 @@ NonlinearIndentation indent_nonlinear(const NonlinearBody& body,
                                       const std::function<PlacedTool(double)>& place,
                                       const RestSolve& solve,
                                       const NonlinearOptions& options) {
-  return Press(body, patch, compliance, touch_m, steps, place, solve, options).follow();
+  NonlinearOptions wider = options;
+  for (int attempt = 0;; ++attempt) {
+    NonlinearIndentation result =
+        Press(body, patch, compliance, touch_m, steps, place, solve, wider).follow();
+    if (attempt == kWidened || !result.converged() ||
+        !(result.far_excess_relative > options.far_excess_max)) {
+      return result;
+    }
+    wider.near_gradient *= kWider;
+  }
 }
 
 }  // namespace palpate

@@ -33,8 +33,14 @@ struct PressStep {
 
 struct NonlinearOptions {
   /// [-] Tets whose linear displacement gradient at the largest depth stays below it
-  /// keep their rest stiffness.
+  /// keep their rest stiffness, but for laws with a kink (has_kink).
   double near_gradient = 0.05;
+  /// [-] Where what they miss by it is a larger share of the energy at the last depth,
+  /// the press is done again with near_gradient a third of it, twice at most.
+  double far_excess_max = 0.005;
+  /// [-] Where interpolation between solved depths makes a larger error of force, all
+  /// depths are solved.
+  double depth_error_max = 0.015;
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
@@ -57,11 +63,17 @@ struct NonlinearSample {
   int newton = 0;
   int gradients = 0;
   int lagrange = 0;
+  double multiplier_relative = 0.0;  ///< [-] pressures that springs carry still
+  double overlap_m = 0.0;  ///< [m] tool in the body, mean weighted by pressure
 };
 
 struct NonlinearIndentation {
   std::vector<NonlinearSample> sample;  ///< as far as it came
   std::string failure;                  ///< empty where every step converged
+  /// A step was cut, the contact stiffened, or the tangent was indefinite where
+  /// Newton's method ended: other equilibria may lie near.
+  bool hard_path = false;
+  double far_excess_relative = 0.0;  ///< [-] far_excess_j over the energy, at the end
   Eigen::Index near_tets = 0;
   Eigen::Index near_nodes = 0;
   std::vector<Eigen::Index> near_tet;  ///< of the mesh, ascending; linear laws too

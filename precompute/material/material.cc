@@ -47,6 +47,10 @@ double volume_modulus_pa(const Material& material) {
   return volume_term_of(material).modulus_pa;
 }
 
+bool has_kink(const Material& material) {
+  return std::holds_alternative<FibreExponential>(material);
+}
+
 bool is_linear(const Material& material) {
   const auto* oriented = std::get_if<TransverselyIsotropic>(&material);
   return std::holds_alternative<Linear>(material) ||

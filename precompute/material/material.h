@@ -37,6 +37,10 @@ using Material = std::variant<Linear, StVenantKirchhoff, NeoHookean, MooneyRivli
 /// True for laws whose stress is linear in F: one solve is exact.
 [[nodiscard]] bool is_linear(const Material& material);
 
+/// True for laws whose stiffness at rest depends on the direction of the strain: fibres
+/// that bear nothing when compressed. Its tangent at rest is that of pulled fibres.
+[[nodiscard]] bool has_kink(const Material& material);
+
 /// Distortion and volume term at one point: for tests and for laws without averaging.
 [[nodiscard]] LocalResponse response(const Material& material,
                                      const Eigen::Matrix3d& F);

@@ -216,7 +216,7 @@ LocalResponse distortion_response(const FibreExponential& law,
   }
   const double x = fibre_excess(law, F, log_J);
   const FibreEnergy fibre = fibre_energy(law, x);
-  if (!(x > 0.0)) {
+  if (!(x >= 0.0)) {  // at rest fibres count as pulled
     return response;
   }
   if (!std::isfinite(fibre.curvature)) {

@@ -7,7 +7,9 @@
 
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
+#include "precompute/press/own_mesh_press.h"
 #include "precompute/press/scene_solver.h"
+#include "precompute/press/work_unit_solver.h"
 
 namespace palpate {
 namespace {
@@ -191,8 +193,11 @@ std::vector<DepthDetail> depths_of(const BodyModel& model, const PressedNode& pr
   std::vector<DepthDetail> depth(pressed.indentation.sample.size());
   for (std::size_t k = 1; k < depth.size(); ++k) {
     if (pressed.nonlinear) {
-      const NonlinearSample& solved = pressed.nonlinear->sample[k - 1];
-      depth[k] = {solved.newton, solved.gradients, solved.smallest_jacobian};
+      for (const NonlinearSample& solved : pressed.nonlinear->sample) {
+        if (solved.penetration_m == pressed.indentation.sample[k].penetration_m) {
+          depth[k] = {solved.newton, solved.gradients, solved.smallest_jacobian};
+        }
+      }
       continue;
     }
     const Eigen::VectorXd u = solved_m(
@@ -266,25 +271,74 @@ BalanceChecks check_balance(const Scene& scene, const BodyModel& model,
   return checks;
 }
 
+namespace {
+
+// The vertices that a build presses on one mesh with this one.
+std::vector<std::int32_t> group_of(const Scene& scene, const BodySource& body,
+                                   const PressStrategy& strategy,
+                                   std::span<const std::int32_t> reachable,
+                                   std::int32_t vertex) {
+  const auto has_it = [&](const std::vector<std::int32_t>& vertices) {
+    return std::find(vertices.begin(), vertices.end(), vertex) != vertices.end();
+  };
+  for (const WorkUnit& unit : units_of(scene, body, reachable)) {
+    if (unit.is_check || !has_it(unit.vertex)) {
+      continue;
+    }
+    for (auto& group :
+         group_presses(body.surface, unit.vertex, strategy.focus, strategy.nonlinear)) {
+      if (has_it(group)) {
+        return std::move(group);
+      }
+    }
+  }
+  return {vertex};
+}
+
+// The press, and the mesh that it was made on.
+void press_on_its_mesh(const Scene& scene, const BodySource& body,
+                       const SharedTool& tool, const PressStrategy& strategy,
+                       const std::vector<std::int32_t>& group, std::int32_t vertex,
+                       const PressMode& mode, NodeDetail& detail) {
+  for (PressedNode& node :
+       press_on_own_mesh(scene, body, tool, group, strategy.focus, mode)) {
+    if (node.vertex == vertex) {
+      detail.pressed = std::move(node);
+    }
+  }
+  const double again = detail.pressed.again_times_finer;
+  detail.model = again > 0.0 ? make_own_model(scene, body, {&vertex, 1},
+                                              finer(strategy.focus, again))
+                             : make_own_model(scene, body, group, strategy.focus);
+}
+
+}  // namespace
+
 NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
                            const SharedTool& tool, std::int64_t vertex,
-                           const NonlinearOptions& options, Progress& progress) {
+                           const std::optional<NonlinearOptions>& options,
+                           Progress& progress) {
   require_whole_body(scene, "indent");
   const std::int32_t v = checked_vertex(scene, body, vertex);
   progress.stage("indentation");
-  const PressStrategy strategy = choose_strategy(scene, body, std::span(&v, 1));
-  // A build tries a press that fails on other meshes. Here there is one, so it has
-  // twice the steps: how a sharp edge gives way is decided by roundings, and with them
-  // how many that takes.
-  NonlinearOptions patient = options;
-  patient.newton_per_depth *= 2;
+  std::vector<std::int32_t> reachable = reachable_vertices(scene, body);
+  if (!std::binary_search(reachable.begin(), reachable.end(), v)) {
+    reachable = {v};  // a build leaves it out
+  }
+  const PressStrategy strategy = choose_strategy(scene, body, reachable);
+  const PressMode mode{.nonlinear = strategy.nonlinear,
+                       .every_depth = options.has_value(),
+                       .options = options.value_or(nonlinear_options(scene, tool)),
+                       .keep_states = true};
   NodeDetail detail;
-  detail.model = make_graded_model(scene, body, std::span(&v, 1), strategy.focus);
-  detail.pressed = std::move(
-      press_on_model(
-          scene, body, detail.model, tool, std::span(&v, 1),
-          {.nonlinear = strategy.nonlinear, .every_depth = true, .options = patient})
-          .front());
+  if (strategy.shared_mesh && (strategy.cheap_is_good || !strategy.graded)) {
+    detail.model = make_shared_model(scene, body, strategy);
+    detail.pressed = std::move(
+        press_on_model(scene, body, detail.model, tool, {&v, 1}, mode).front());
+  } else {
+    press_on_its_mesh(scene, body, tool, strategy,
+                      group_of(scene, body, strategy, reachable, v), v, mode, detail);
+  }
   if (detail.pressed.indentation.sample.empty() && !detail.pressed.failure.empty()) {
     throw NumericalError(fmt::format("vertex {}: {}", v, detail.pressed.failure));
   }

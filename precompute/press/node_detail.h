@@ -1,9 +1,10 @@
-// One node pressed as well as the scene's budget asks for, with all that is known of
-// it: what every depth cost, the deformed body, and what it should be in balance with.
+// One node pressed as a build presses it, with all that is known of it: what every
+// depth cost, the deformed body, and what it should be in balance with.
 #pragma once
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@
 namespace palpate {
 
 struct DepthDetail {
-  std::int64_t newton = 0;         ///< steps; 0 for a linear press
+  std::int64_t newton = 0;         ///< steps; 0 where it was not solved nonlinear
   std::int64_t gradients = 0;      ///< conjugate gradients, one solve each
   double smallest_jacobian = 1.0;  ///< [-] det F of the near tets; of all if linear
 };
@@ -67,14 +68,17 @@ struct NodeDetail {
                                           const PressedNode& pressed,
                                           const DeformedBody& body);
 
-/// Presses one vertex on a mesh of its own, nonlinear (if the scene asks for it) at
-/// every depth, with twice the Newton steps per depth of `options`. @param options but
-/// for sticking, which is the tool's.
+/// Presses one vertex as a build solves it: on the mesh of its group, with the same
+/// options, at the same depths, and again where that does not do. Its forces are those
+/// of a build to the last bit, but where a build interpolates, or presses again a
+/// linear node that its shared mesh is too coarse for.
+/// @param options if given, every depth is solved with these, but for sticking, which
+///   is the tool's.
 /// @throws InputError if the vertex does not exist or is held, NumericalError if
 /// nothing was solved.
 [[nodiscard]] NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
                                          const SharedTool& tool, std::int64_t vertex,
-                                         const NonlinearOptions& options,
+                                         const std::optional<NonlinearOptions>& options,
                                          Progress& progress);
 
 /// The vertex nearest to a point [m].

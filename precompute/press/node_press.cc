@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/response/force_difference.h"
 #include "precompute/contact/contact_gap.h"
 #include "precompute/contact/other_contact.h"
 #include "precompute/fem/batched_solves.h"
@@ -25,6 +26,10 @@ constexpr std::size_t kLockStep = 32;
 
 // Depths that are solved nonlinear, as shares of a path's samples.
 constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
+
+// What interpolation between two solved depths makes, over what leaving one out makes:
+// intervals are half as long then.
+constexpr double kErrorPerLeftOut = 0.25;
 
 std::vector<std::size_t> corrected_samples(std::size_t samples, bool every_depth) {
   std::vector<std::size_t> at;
@@ -75,6 +80,48 @@ void cap_force(PressedNode& node, double force_max_n) {
   }
 }
 
+// Largest error of force at a solved depth if it had been interpolated between the
+// others. @param path linear, to the last knot.
+double left_out_error(std::span<const IndentationSample> path,
+                      std::span<const RelativeCorrection::Knot> knots) {
+  const auto linear_n = [&](double penetration_m) {
+    const auto at = std::lower_bound(path.begin(), path.end(), penetration_m,
+                                     [](const IndentationSample& sample, double x) {
+                                       return sample.penetration_m < x;
+                                     });
+    return at->force_n.norm();
+  };
+  const double largest_n =
+      linear_n(knots.back().penetration_m) * (1.0 + knots.back().value.norm());
+  double largest = 0.0;
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+    std::vector<RelativeCorrection::Knot> others(knots.begin(), knots.end());
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    const RelativeCorrection without(path.front().penetration_m, others);
+    const double force_n = linear_n(knots[k].penetration_m);
+    const double off_n =
+        force_n * (without.at(knots[k].penetration_m) - knots[k].value).norm();
+    largest =
+        std::max(largest, off_n / std::max(force_n, kErrorCountsFrom * largest_n));
+  }
+  return largest;
+}
+
+// A tool that has sunk into the body by o feels what it should have felt o before:
+// forces grow with the depth to the power of 1.5 (Hertz) or nearly so.
+double overlap_error(double touch_m, double from_m,
+                     const NonlinearIndentation& result) {
+  constexpr double kPower = 1.5;
+  double largest = 0.0;
+  for (const NonlinearSample& sample : result.sample) {
+    const double depth_m = sample.penetration_m - touch_m;
+    if (sample.penetration_m >= from_m && depth_m > 0.0) {
+      largest = std::max(largest, kPower * sample.overlap_m / depth_m);
+    }
+  }
+  return largest;
+}
+
 // Solved depths take the solved force; between them the linear force is corrected by
 // what the solved ones differ by, relative to it. Where the linear press carries no
 // force nothing is relative to it: such paths are solved at every depth.
@@ -102,6 +149,14 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
   const std::size_t reached =
       result.sample.empty() ? 0 : samples[result.sample.size() - 1];
   path.resize(reached + 1);
+  if (knots.size() + 1 < path.size()) {
+    node.indentation.path_error = kErrorPerLeftOut * left_out_error(path, knots);
+  }
+  node.indentation.path_error =
+      std::hypot(node.indentation.path_error, result.far_excess_relative,
+                 overlap_error(path.front().penetration_m,
+                               kErrorCountsFrom * path.back().penetration_m, result));
+  node.indentation.hard_path = result.hard_path;
   if (!knots.empty()) {
     const RelativeCorrection correction(path.front().penetration_m, knots);
     for (IndentationSample& sample : path) {
@@ -140,8 +195,10 @@ NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
   const double share = std::min(1.0, budgets);
   NonlinearOptions options{.near_gradient = std::clamp(0.05 * budgets, 0.01, 0.1),
                            .sticking = tool->shape().sticking};
+  options.far_excess_max = 0.1 * scene.force_relative;
+  options.depth_error_max = 0.3 * scene.force_relative;
   options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
-  options.equilibrium.multiplier_relative = std::max(0.005, 0.1 * share);
+  options.equilibrium.multiplier_relative = std::max(0.003, 0.03 * share);
   return options;
 }
 
@@ -257,9 +314,30 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
   note_pressed_vertex(-1);
 }
 
+void probe_nonlinearity(const BodyModel& model, PressedNode& node) {
+  constexpr double kShare = 0.5;  // of the displacements: fewer tets turn inside out
+  if (node.indentation.sample.size() < 2 || !node.failure.empty()) {
+    return;
+  }
+  contain(node, [&] {
+    const Eigen::VectorXd& pressure_n = node.indentation.sample.back().pressure_n;
+    Eigen::VectorXd source = Eigen::VectorXd::Zero(3 * model.mesh.position_m.rows());
+    for (std::size_t i = 0; i < node.patch.size(); ++i) {
+      const auto v = static_cast<std::size_t>(node.patch[i]);
+      for (const NodalForce& entry : model.contact.node[v].load) {
+        source.segment<3>(3 * Eigen::Index{entry.node}) +=
+            kShare * pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
+      }
+    }
+    const RestSolve solve = single_solves(*model.factor);
+    node.indentation.nonlinearity = nonlinearity(
+        model.mesh, model.material, solve(model.supports.free_index, source));
+  });
+}
+
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
-                     std::span<PressedNode> nodes, const NonlinearOptions& options,
-                     bool every_depth) {
+                     std::span<PressedNode> nodes, const PressMode& mode) {
+  const NonlinearOptions& options = mode.options;
   const NonlinearBody body{model.mesh, model.material, model.supports, model.contact};
   std::vector<PressedNode*> pressed;
   for (PressedNode& node : nodes) {
@@ -273,9 +351,7 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
     for (std::size_t i = first; i < last; ++i) {
       tasks.emplace_back([&, node = pressed[i]](const RestSolve& solve) {
         contain(*node, [&] {
-          const auto samples =
-              corrected_samples(node->indentation.sample.size(),
-                                every_depth || !is_guide(node->indentation));
+          const bool all = mode.every_depth || !is_guide(node->indentation);
           const auto place = [&](double penetration_m) {
             return tool_at(node->path, penetration_m);
           };
@@ -285,14 +361,28 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
             note_pressed_vertex(node->vertex);  // others had their turn meanwhile
             return u;
           };
-          NonlinearIndentation result =
-              indent_nonlinear(body, node->patch, compliance.among(node->patch),
-                               node->indentation.sample.front().penetration_m,
-                               steps_of(*node, samples), place, noted, options);
-          spoil(*node, result);
           node->linear = node->indentation;
-          correct(*node, samples, result);
-          if (every_depth) {
+          const auto press_at = [&](const std::vector<std::size_t>& samples) {
+            NonlinearIndentation result =
+                indent_nonlinear(body, node->patch, compliance.among(node->patch),
+                                 node->linear.sample.front().penetration_m,
+                                 steps_of(*node, samples), place, noted, options);
+            spoil(*node, result);
+            correct(*node, samples, result);
+            return result;
+          };
+          const std::size_t depths = node->linear.sample.size();
+          NonlinearIndentation result = press_at(corrected_samples(depths, all));
+          if (!all && node->failure.empty() &&
+              node->indentation.path_error > options.depth_error_max) {
+            PressedNode few = *node;
+            node->indentation = node->linear;
+            result = press_at(corrected_samples(depths, true));
+            if (!node->failure.empty()) {
+              *node = std::move(few);
+            }
+          }
+          if (mode.keep_states) {
             node->nonlinear =
                 std::make_shared<const NonlinearIndentation>(std::move(result));
           }
@@ -320,11 +410,14 @@ std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& bo
     node.path.force_max_n *= mode.nonlinear ? 3.0 : 1.0;
     press_linear(model, compliance, node);
     node.path.force_max_n = scene.reach.force_max_n;
+    if (mode.probe || mode.nonlinear) {
+      probe_nonlinearity(model, node);
+    }
   }
   if (mode.nonlinear) {
-    NonlinearOptions options = mode.options;
-    options.sticking = tool->shape().sticking;
-    press_nonlinear(model, compliance, nodes, options, mode.every_depth);
+    PressMode of_tool = mode;
+    of_tool.options.sticking = tool->shape().sticking;
+    press_nonlinear(model, compliance, nodes, of_tool);
   }
   return nodes;
 }

@@ -28,6 +28,14 @@ struct PressChecks {
   double smallest_jacobian = 1.0;  ///< [-] det F anywhere, any depth
 };
 
+struct PressMode {
+  bool nonlinear = false;
+  bool every_depth = false;       ///< nonlinear at every sample of the path
+  NonlinearOptions options = {};  ///< but for sticking, which is the tool's
+  bool keep_states = false;       ///< of nonlinear presses, in PressedNode::nonlinear
+  bool probe = false;             ///< linear presses measure Indentation::nonlinearity
+};
+
 struct PressedNode {
   std::int32_t vertex = -1;
   IndentationPath path;
@@ -38,8 +46,11 @@ struct PressedNode {
   PressChecks checks = {};
   /// What a nonlinear press corrected: the linear one on the same mesh.
   Indentation linear = {};
-  /// As solved, where every depth was; else null.
+  /// As solved, where PressMode::keep_states; else null.
   std::shared_ptr<const NonlinearIndentation> nonlinear = {};
+  /// The mesh made for its group was not good enough: it was pressed again on one of
+  /// its own, so many times finer. 0: it was not.
+  double again_times_finer = 0.0;
 };
 
 /// Whether the mesh is too coarse for the vertex: where the tool's end has reached the
@@ -89,20 +100,18 @@ void drop_if_broken(PressedNode& node, const char* stage);
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
                   PressedNode& node);
 
+/// Measures how nonlinear the body is where a linear press strains it: one solve, and
+/// the energy of the tets around.
+void probe_nonlinearity(const BodyModel& model, PressedNode& node);
+
 /// Corrects linear presses by the nonlinear body's response at some of their depths:
 /// the difference of the force vectors, relative to the linear force, is interpolated
-/// in between and zero at first touch. Every depth is solved if `every_depth`, and
-/// where the linear press is no guide (is_guide). Nodes go in lock step, blocks of at
-/// most 32.
+/// in between and zero at first touch. Every depth is solved if the mode says so, where
+/// the linear press is no guide (is_guide), and where a few solved depths do not tell
+/// those between them (NonlinearOptions::depth_error_max). Nodes go in lock step,
+/// blocks of at most 32.
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
-                     std::span<PressedNode> nodes, const NonlinearOptions& options,
-                     bool every_depth);
-
-struct PressMode {
-  bool nonlinear = false;
-  bool every_depth = false;       ///< nonlinear at every sample of the path
-  NonlinearOptions options = {};  ///< but for sticking, which is the tool's
-};
+                     std::span<PressedNode> nodes, const PressMode& mode);
 
 /// Presses the vertices on a model that was made for them. A vertex that fails has its
 /// reason; the others are what they would be without it.

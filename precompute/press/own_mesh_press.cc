@@ -39,6 +39,7 @@ class OwnMeshes {
         return;  // what is finer would fail, too
       }
       node = std::move(again);
+      node.again_times_finer = std::exp2(attempt);
     }
   }
 
@@ -54,6 +55,7 @@ class OwnMeshes {
       const bool whole = again.failure.empty() && !touches_late(again);
       if (samples(again) > 1 && (whole || samples(again) > samples(node))) {
         node = std::move(again);
+        node.again_times_finer = std::exp2(-attempt);
       }
     }
     if (!node.failure.empty() && samples(node) < 2 && !node.patch.empty()) {
@@ -62,6 +64,7 @@ class OwnMeshes {
       PressedNode again = pressed_again(node, focus, mode);
       if (samples(again) > 1) {
         node = std::move(again);
+        node.again_times_finer = 1.0;
       }
     }
   }

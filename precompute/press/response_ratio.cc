@@ -4,13 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/response/force_difference.h"
+
 namespace palpate {
 namespace {
 
 constexpr std::size_t kNeighbours = 6;
 // Contact radii that normals a radian apart count as, or stiffnesses e times apart.
 constexpr double kAlikeRadii = 4.0;
-constexpr double kFloor = 0.1;     // of the largest force: smaller ones count as that
+// Energy that laws add which counts as a stiffness e times as large.
+constexpr double kAlikeEnergy = 0.25;
 constexpr double kNoForce = 1e-9;  // of the largest force: rounding, not contact
 // Presses of one vertex on one mesh that differ by more do not follow one mechanism.
 constexpr double kAlike = 10.0;
@@ -25,10 +28,11 @@ Eigen::VectorXd error_weights(const Indentation& path) {
   const double largest = path.sample.back().force_n.norm();
   Eigen::VectorXd weight(static_cast<Eigen::Index>(n));
   for (std::size_t k = 1; k <= n; ++k) {
-    const double step = path.sample[k].penetration_m - path.sample[k - 1].penetration_m;
     const double share = path.sample[k].force_n.norm() / largest;
+    const bool counts =
+        path.sample[k].penetration_m >= kErrorCountsFrom * path.sample[n].penetration_m;
     weight[static_cast<Eigen::Index>(k - 1)] =
-        std::sqrt(step / past_touch_m(path, n)) * std::min(1.0, share / kFloor);
+        counts ? std::min(1.0, share / kErrorCountsFrom) : 0.0;
   }
   return weight;
 }
@@ -38,7 +42,7 @@ double ratio_difference(const PathRatio& a, const PathRatio& b) {
   return ((a.force.head(n).array() / b.force.head(n).array() - 1.0) *
           b.weight.head(n).array())
       .matrix()
-      .norm();
+      .lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace
@@ -105,7 +109,8 @@ RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& c
   // Of the secant at the path's end.
   const double force_n =
       std::max(cheap.sample.back().force_n.norm(), std::numeric_limits<double>::min());
-  return {vertex, std::log(force_n / past_touch_m(cheap, cheap.sample.size() - 1))};
+  return {vertex, std::log(force_n / past_touch_m(cheap, cheap.sample.size() - 1)),
+          cheap.nonlinearity};
 }
 
 void RatioField::add(std::int32_t vertex, const Indentation& cheap,
@@ -124,7 +129,9 @@ double RatioField::distance_m(const Place& a, const Place& b) const {
       (surface_.position_m.row(a.vertex) - surface_.position_m.row(b.vertex)).norm();
   const double turned = (normal_.row(a.vertex) - normal_.row(b.vertex)).norm();
   const double stiffer = a.log_stiffness - b.log_stiffness;
-  return std::hypot(away, kAlikeRadii * contact_m_ * std::hypot(turned, stiffer));
+  const double unlike = (a.nonlinearity - b.nonlinearity) / kAlikeEnergy;
+  return std::hypot(away,
+                    kAlikeRadii * contact_m_ * std::hypot(turned, stiffer, unlike));
 }
 
 std::vector<RatioField::Weight> RatioField::weights(const Place& place,

@@ -29,8 +29,9 @@ struct PathRatio {
   /// (k x 3) [-] good direction minus the cheap one, for the same vertex only; else
   /// empty.
   Eigen::MatrixX3d turn;
-  /// (k) [-] Weight of sample k in an rms over depth: square root of its share of the
-  /// depth, reduced in proportion where the force is below a tenth of the largest.
+  /// (k) [-] What sample k's ratio counts in an error, as force_difference() has it:
+  /// nothing below a tenth of the depth, less where the force is below a tenth of the
+  /// largest.
   Eigen::VectorXd weight;
 };
 
@@ -66,7 +67,8 @@ class RatioField {
   [[nodiscard]] std::size_t size() const { return ratios_; }
 
   /// How far apart two vertices are for ratios [m]: in space, and so much more as they
-  /// face elsewhere or as the cheap path of one is stiffer than the other's.
+  /// face elsewhere, as the cheap path of one is stiffer than the other's, or as the
+  /// body is more nonlinear there.
   [[nodiscard]] double distance_m(std::int32_t a, const Indentation& cheap_a,
                                   std::int32_t b, const Indentation& cheap_b) const;
 
@@ -88,6 +90,7 @@ class RatioField {
   struct Place {
     std::int32_t vertex = -1;
     double log_stiffness = 0.0;  // of the cheap path
+    double nonlinearity = 0.0;
   };
   struct Known {
     Place place;

@@ -67,6 +67,9 @@ std::vector<PressedNode> in_groups(
 }
 
 constexpr std::size_t kTriedFirst = 3;
+constexpr double kFinerStep = 2.0;
+// Of tolerances, in presses that others are measured by.
+constexpr double kBetterShare = 0.3;
 
 // One surface for all presses: uniformly fine, or only around what is pressed where
 // that makes it smaller.
@@ -137,8 +140,11 @@ PressStrategy choose_strategy(const Scene& scene, const BodySource& body,
         sticking ? "a tool's contact is \"sticking\", must be \"frictionless\""
                  : "set accuracy.method to \"linear\", or take [cutout] out"));
   }
-  const double wanted_m = uniform_spacing_m(scene, body, strategy.nonlinear);
   const std::string& refine = scene.accuracy.refine;
+  // Where there is a choice, a mesh for all must be as fine as those for each.
+  const double wanted_m = refine == "auto" && !strategy.cut_out
+                              ? 0.5 * strategy.focus.finest_m
+                              : uniform_spacing_m(scene, body, strategy.nonlinear);
   const UniformSurface shared = shared_surface(
       scene, body, pressed, wanted_m, strategy.cut_out || refine == "global",
       strategy.cut_out ? kMostCutTriangles : kMostTriangles);
@@ -168,6 +174,13 @@ void require_whole_body(const Scene& scene, const std::string& task) {
   }
 }
 
+BodyModel make_shared_model(const Scene& scene, const BodySource& body,
+                            const PressStrategy& strategy) {
+  BodyModel model = make_body_model(scene, body, strategy.surface);
+  model.contact_spacing_m = strategy.spacing_m;
+  return model;
+}
+
 SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
                          const PressStrategy& strategy,
                          std::span<const std::int32_t> vertices,
@@ -185,8 +198,7 @@ SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
     return;
   }
   progress.stage("shared mesh and factor");
-  model_.emplace(make_body_model(scene, body, strategy.surface));
-  model_->contact_spacing_m = strategy.spacing_m;
+  model_.emplace(make_shared_model(scene, body, strategy));
   progress.stage("surface compliance");
   std::vector<PressedNode> placed;
   std::vector<char> wanted(model_->contact.node.size(), 0);
@@ -213,12 +225,16 @@ std::vector<PressedNode> SceneSolver::cheap(
     for (const std::int32_t v : vertices) {
       PressedNode node = placed_node(scene_, body_, *model_, tool, v);
       press_linear(*model_, *compliance_, node);
+      if (strategy_.nonlinear) {
+        probe_nonlinearity(*model_, node);
+      }
       nodes.push_back(std::move(node));
     }
     return nodes;
   }
   return strategy_.cut_out ? on_cut_outs(tool, vertices, 1.0)
-                           : on_own_meshes(tool, vertices, strategy_.focus, false);
+                           : on_own_meshes(tool, vertices, strategy_.focus,
+                                           {.probe = strategy_.nonlinear});
 }
 
 std::vector<PressedNode> SceneSolver::on_cut_outs(
@@ -231,32 +247,53 @@ std::vector<PressedNode> SceneSolver::on_cut_outs(
 
 std::vector<PressedNode> SceneSolver::on_own_meshes(
     const SharedTool& tool, std::span<const std::int32_t> vertices,
-    const ContactFocus& focus, bool nonlinear) const {
-  return in_groups(
-      group_presses(body_.surface, vertices, focus, nonlinear),
-      [&](const Group& group) {
-        return press_on_own_mesh(
-            scene_, body_, tool, group, focus,
-            {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
-      });
+    const ContactFocus& focus, const PressMode& mode) const {
+  return in_groups(group_presses(body_.surface, vertices, focus, mode.nonlinear),
+                   [&](const Group& group) {
+                     return press_on_own_mesh(scene_, body_, tool, group, focus, mode);
+                   });
 }
 
-std::vector<PressedNode> SceneSolver::good(const SharedTool& tool,
-                                           std::span<const std::int32_t> vertices,
-                                           double times_finer) const {
+std::vector<PressedNode> SceneSolver::good(
+    const SharedTool& tool, std::span<const std::int32_t> vertices) const {
   if (strategy_.cut_out) {
-    return on_cut_outs(tool, vertices, times_finer == 1.0 ? 1.0 : kCutStep);
+    return on_cut_outs(tool, vertices, 1.0);
   }
-  if (strategy_.graded || times_finer != 1.0) {
-    return on_own_meshes(tool, vertices, finer(strategy_.focus, times_finer),
-                         strategy_.nonlinear);
+  if (strategy_.graded) {
+    return on_own_meshes(
+        tool, vertices, strategy_.focus,
+        {.nonlinear = strategy_.nonlinear, .options = nonlinear_options(scene_, tool)});
   }
   std::vector<PressedNode> nodes = cheap(tool, vertices);
   if (strategy_.nonlinear) {
-    press_nonlinear(*model_, *compliance_, nodes, nonlinear_options(scene_, tool),
-                    false);
+    press_nonlinear(*model_, *compliance_, nodes,
+                    {.nonlinear = true, .options = nonlinear_options(scene_, tool)});
   }
   return nodes;
+}
+
+std::vector<PressedNode> SceneSolver::finer(
+    const SharedTool& tool, std::span<const std::int32_t> vertices) const {
+  return on_own_meshes(tool, vertices,
+                       strategy_.shared_mesh
+                           ? strategy_.focus
+                           : palpate::finer(strategy_.focus, kFinerStep),
+                       {});
+}
+
+std::vector<PressedNode> SceneSolver::better(const SharedTool& tool,
+                                             std::span<const std::int32_t> vertices,
+                                             double times_finer) const {
+  if (strategy_.cut_out) {
+    return on_cut_outs(tool, vertices, kCutStep);
+  }
+  NonlinearOptions options = nonlinear_options(scene_, tool);
+  options.near_gradient *= kBetterShare;
+  options.equilibrium.decrement_relative *= kBetterShare;
+  options.equilibrium.multiplier_relative *= kBetterShare;
+  return on_own_meshes(
+      tool, vertices, palpate::finer(strategy_.focus, times_finer),
+      {.nonlinear = strategy_.nonlinear, .every_depth = true, .options = options});
 }
 
 }  // namespace palpate

@@ -47,6 +47,10 @@ struct PressStrategy {
 /// @throws InputError if the scene wants cut-outs, which `task` does not know.
 void require_whole_body(const Scene& scene, const std::string& task);
 
+/// The body on the surface that all presses share.
+[[nodiscard]] BodyModel make_shared_model(const Scene& scene, const BodySource& body,
+                                          const PressStrategy& strategy);
+
 class SceneSolver {
  public:
   /// @param vertices all reachable vertices: they decide the size of the compliance.
@@ -62,10 +66,20 @@ class SceneSolver {
   [[nodiscard]] std::vector<PressedNode> cheap(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
-  /// The best presses there are at the strategy's mesh size, or some times finer.
-  [[nodiscard]] std::vector<PressedNode> good(const SharedTool& tool,
-                                              std::span<const std::int32_t> vertices,
-                                              double times_finer = 1.0) const;
+  /// The best presses there are at the strategy's mesh size.
+  [[nodiscard]] std::vector<PressedNode> good(
+      const SharedTool& tool, std::span<const std::int32_t> vertices) const;
+
+  /// Linear presses for those that the strategy's mesh is too coarse for: each on its
+  /// own mesh, of the strategy's size where there is a shared one, else twice as fine.
+  [[nodiscard]] std::vector<PressedNode> finer(
+      const SharedTool& tool, std::span<const std::int32_t> vertices) const;
+
+  /// Presses to measure others by: on meshes so many times finer, nonlinear at every
+  /// depth, with more of the body nonlinear and tighter tolerances; cut-outs wider.
+  [[nodiscard]] std::vector<PressedNode> better(const SharedTool& tool,
+                                                std::span<const std::int32_t> vertices,
+                                                double times_finer) const;
 
   /// None where no mesh is shared.
   [[nodiscard]] const BodyModel* shared() const { return model_ ? &*model_ : nullptr; }
@@ -76,7 +90,7 @@ class SceneSolver {
  private:
   [[nodiscard]] std::vector<PressedNode> on_own_meshes(
       const SharedTool& tool, std::span<const std::int32_t> vertices,
-      const ContactFocus& focus, bool nonlinear) const;
+      const ContactFocus& focus, const PressMode& mode) const;
 
   const Scene& scene_;
   const BodySource& body_;

@@ -26,20 +26,36 @@ RatioField Territory::no_ratios() const {
   return {body_.surface, body_.normal, contact_focus(scene_, body_).contact_m};
 }
 
-void Territory::keep_cheap_within_budget(bool again) {
+void Territory::keep_cheap_within_budget(bool graded) {
   Places outside;
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
-    const double error =
-        to_response(cheap_[i].indentation, cheap_[i].path, scene_.force_relative)
-            .error_relative;
-    if (again && !cheap_[i].patch.empty() &&
-        (error > scene_.force_relative || touches_late(cheap_[i]))) {
+    good_[i] = cheap_[i];
+    if (graded && !cheap_[i].patch.empty() &&
+        (estimate(cheap_[i]) > scene_.force_relative || touches_late(cheap_[i]))) {
       outside.push_back(i);
-    } else {
-      good_[i] = cheap_[i];
     }
   }
-  solve(outside);
+  for (PressedNode& node : solver_.finer(tool_, vertices_at(outside))) {
+    PressedNode& kept = *good_[index_of(node.vertex)];
+    if (node.failure.empty() && node.indentation.sample.size() > 1 &&
+        (touches_late(kept) || estimate(node) < estimate(kept))) {
+      kept = std::move(node);
+    }
+  }
+}
+
+double Territory::estimate(const PressedNode& node) const {
+  return to_response(node.indentation, node.path, scene_.force_relative).error_relative;
+}
+
+std::vector<std::int32_t> Territory::vertices_at(const Places& which) const {
+  std::vector<std::int32_t> vertices;
+  vertices.reserve(which.size());
+  for (const std::size_t i : which) {
+    vertices.push_back(vertex_[i]);
+  }
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
 }
 
 void Territory::solve_within_budget() {
@@ -231,22 +247,12 @@ NodeResponse Territory::interpolated(std::size_t i,
   response.error_relative =
       std::hypot(response.error_relative, field_.error_at(vertex_[i], cheap, left_out));
   fault_point(FaultPlace::kInterpolation, vertex_[i], response.force_n);
-  response.flags = static_cast<std::uint8_t>(
-      (response.flags & ~(kErrorOverBudget | kCoarseContact)) |
-      (response.error_relative > scene_.force_relative || cheap.reaches_elsewhere
-           ? kErrorOverBudget
-           : 0));
+  response.flags = static_cast<std::uint8_t>(response.flags & ~kCoarseContact);
   return response;
 }
 
 void Territory::solve(const Places& which) {
-  std::vector<std::int32_t> vertices;
-  vertices.reserve(which.size());
-  for (const std::size_t i : which) {
-    vertices.push_back(vertex_[i]);
-  }
-  std::sort(vertices.begin(), vertices.end());
-  for (PressedNode& node : solver_.good(tool_, vertices)) {
+  for (PressedNode& node : solver_.good(tool_, vertices_at(which))) {
     const std::size_t i = index_of(node.vertex);
     if (node.failure.empty() && is_like_others(i)) {
       take_ratio(i, node);
@@ -260,21 +266,18 @@ std::size_t Territory::index_of(std::int32_t vertex) const {
       std::lower_bound(vertex_.begin(), vertex_.end(), vertex) - vertex_.begin());
 }
 
-// What a good press says about its neighbours; its own path becomes the cheap one times
-// the ratio, which is the good one on the cheap one's mesh. A press without a ratio
-// stays as it is.
-void Territory::take_ratio(std::size_t i, PressedNode& node) {
+// What a good press says about its neighbours: the law's share alone, both on one mesh.
+void Territory::take_ratio(std::size_t i, const PressedNode& node) {
   const Indentation& cheap = cheap_[i].indentation;
   auto ratio = path_ratio(node.indentation, node.linear);
   if (ratio) {
     fault_point(FaultPlace::kRatio, node.vertex,
                 {ratio->force.data(), static_cast<std::size_t>(ratio->force.size())});
-    node.indentation = scaled(cheap, *ratio, scene_.reach.force_max_n);
-    drop_if_broken(node, "ratio of nonlinear and linear force");
+    if (!ratio->force.allFinite()) {
+      ratio.reset();  // it would spoil its neighbours' means
+    }
   }
-  if (node.failure.empty()) {
-    field_.add(node.vertex, cheap, std::move(ratio));
-  }
+  field_.add(node.vertex, cheap, std::move(ratio));
 }
 
 }  // namespace palpate

@@ -34,9 +34,9 @@ class Territory {
 
   void press_cheap() { cheap_ = solver_.cheap(tool_, vertex_); }
 
-  /// Where cheap presses are of the same kind as good ones. @param again those that
-  /// their own estimate finds outside the budget are done well.
-  void keep_cheap_within_budget(bool again);
+  /// Where cheap presses are of the same kind as good ones. @param graded those that
+  /// their own estimate finds outside the budget are done again on finer meshes.
+  void keep_cheap_within_budget(bool graded);
 
   void solve_all() { solve(unsolved()); }
 
@@ -69,9 +69,11 @@ class Territory {
   [[nodiscard]] NodeResponse interpolated(std::size_t i,
                                           std::span<const double> left_out) const;
   [[nodiscard]] std::size_t index_of(std::int32_t vertex) const;
+  [[nodiscard]] double estimate(const PressedNode& node) const;
+  [[nodiscard]] std::vector<std::int32_t> vertices_at(const Places& which) const;
   void solve(const Places& which);
   void solve_until_within_budget();
-  void take_ratio(std::size_t i, PressedNode& node);
+  void take_ratio(std::size_t i, const PressedNode& node);
 
   const Scene& scene_;
   const BodySource& body_;

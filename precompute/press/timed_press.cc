@@ -43,8 +43,8 @@ void press(const Scene& scene, const BodyModel& model,
     node.path.force_max_n = scene.reach.force_max_n;
   }
   if (mode.nonlinear) {
-    press_nonlinear(model, compliance, nodes, nonlinear_options(scene, tool),
-                    mode.every_depth);
+    mode.options = nonlinear_options(scene, tool);
+    press_nonlinear(model, compliance, nodes, mode);
   }
 }
 

@@ -26,7 +26,7 @@ WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
   WorkUnitOutcome outcome{.index = unit.index, .is_check = true, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     for (const PressedNode& node :
-         solver.good(body.tool[t], unit.vertex, kCheckTimesFiner)) {
+         solver.better(body.tool[t], unit.vertex, kCheckTimesFiner)) {
       outcome.node.push_back(
           {.tool = static_cast<std::int32_t>(t),
            .vertex = node.vertex,
@@ -92,7 +92,7 @@ WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
     const bool own_meshes = !strategy.shared_mesh && !strategy.cut_out;
     if (strategy.cheap_is_good) {
       territory.press_cheap();
-      territory.keep_cheap_within_budget(strategy.graded && strategy.shared_mesh);
+      territory.keep_cheap_within_budget(strategy.graded);
     } else if (solve_all) {
       if (!own_meshes) {  // else cheap ones cost about as much
         territory.press_cheap();

@@ -70,8 +70,20 @@ void set_handlers() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+// Interrupts wait while a process does not know yet whom they are for.
+void hold_interrupts(bool held) {
+  sigset_t interrupts;
+  sigemptyset(&interrupts);
+  sigaddset(&interrupts, SIGINT);
+  sigaddset(&interrupts, SIGTERM);
+  sigprocmask(held ? SIG_BLOCK : SIG_UNBLOCK, &interrupts, nullptr);
+}
+
 [[noreturn]] void child(const std::function<int(bool)>& work, bool resume) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::signal(SIGINT, SIG_DFL);  // until the work has its own handler
+  std::signal(SIGTERM, SIG_DFL);
+  hold_interrupts(false);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {
     std::signal(signal, note_crash);
   }
@@ -114,15 +126,18 @@ int run_supervised(const std::function<int(bool)>& work) {
   std::fflush(nullptr);
   for (bool resume = false;; resume = true) {
     const int before = g_crashes->count.load();
+    hold_interrupts(true);
     set_handlers();
     const pid_t pid = fork();
     if (pid < 0) {
+      hold_interrupts(false);
       return work(resume);
     }
     if (pid == 0) {
       child(work, resume);
     }
     g_child = pid;
+    hold_interrupts(false);
     const int status = wait_for(pid);
     g_child = 0;
     if (WIFEXITED(status)) {

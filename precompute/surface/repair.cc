@@ -14,6 +14,7 @@
 #include "precompute/surface/surface_distance.h"
 #include "precompute/surface/surface_in_child.h"
 #include "precompute/surface/surface_soup.h"
+#include "precompute/surface/winding_number.h"
 #include "precompute/surface/wrap_surface.h"
 
 namespace palpate {
@@ -25,8 +26,10 @@ constexpr double kVolumeChange = 0.05;  // [-] of a closed surface's volume
 constexpr double kAreaChange = 0.1;     // [-] of an open surface's area
 constexpr double kWrapOpening = 0.01;
 constexpr double kWrapOffset = 0.0005;
+constexpr double kLostMax = 0.1;  // [-] of what is enclosed, by a wrap
 
 // What each of the counts that the child sends back stands for.
+constexpr std::size_t kFilledHoles = 8;
 constexpr std::array<const char*, 10> kSteps{
     "duplicate vertices welded",
     "collapsed triangles taken out",
@@ -73,10 +76,19 @@ SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
                     topology.filled_holes, replaced}};
 }
 
+// Holes are closed first: a wrap would go in through them and line the inside.
 SurfaceAndCounts wrap_repair(const SurfaceMesh& mesh) {
   const double size_m = diagonal_m(mesh);
-  return {.mesh = wrap_surface(mesh, kWrapOpening * size_m, kWrapOffset * size_m),
-          .count = {}};
+  SoupChanges soup;
+  TopologyChanges topology;
+  const SurfaceMesh closed = close_holes(clean_soup(mesh, soup), topology);
+  SurfaceAndCounts result{
+      .mesh = wrap_surface(closed, kWrapOpening * size_m, kWrapOffset * size_m),
+      .count = {}};
+  result.count.resize(kSteps.size());
+  result.count[kFilledHoles] = topology.filled_holes;
+  result.lost_share = share_outside(closed, result.mesh);
+  return result;
 }
 
 // Parts of the surface once equal vertices are one: a file may list each triangle
@@ -117,8 +129,16 @@ std::string doubts(const SurfaceMesh& mesh, const RepairReport& report) {
   return {};
 }
 
-void describe(const SurfaceMesh& mesh, RepairMode mode,
-              const std::vector<std::size_t>& count, RepairedSurface& result) {
+std::string lost(double share) {
+  return fmt::format(
+      "the wrap is hollow: it leaves out {:.0f} % of what the surface encloses: "
+      "openings are too wide to tell inside from outside",
+      100.0 * share);
+}
+
+void describe(const SurfaceMesh& mesh, RepairMode mode, const SurfaceAndCounts& made,
+              RepairedSurface& result) {
+  const std::vector<std::size_t>& count = made.count;
   RepairReport& report = result.report;
   for (std::size_t i = 0; i < count.size(); ++i) {
     if (count[i] > 0) {
@@ -145,6 +165,8 @@ void describe(const SurfaceMesh& mesh, RepairMode mode,
   }
   if (mode == RepairMode::kSafe) {
     report.refusal = doubts(mesh, report);
+  } else if (made.lost_share > kLostMax) {
+    report.refusal = lost(made.lost_share);
   }
 }
 
@@ -191,8 +213,29 @@ RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode) {
         return mode == RepairMode::kSafe ? safe_repair(mesh) : wrap_repair(mesh);
       });
   result.mesh = std::move(made.mesh);
-  describe(mesh, mode, made.count, result);
+  describe(mesh, mode, made, result);
   return result;
+}
+
+RepairMode working_repair(const SurfaceMesh& mesh, RepairMode tried) {
+  for (const RepairMode mode : {RepairMode::kSafe, RepairMode::kWrap}) {
+    if (mode > tried) {
+      try {
+        if (repair_surface(mesh, mode).report.refusal.empty()) {
+          return mode;
+        }
+      } catch (const NumericalError&) {
+        // It does not work.
+      }
+    }
+  }
+  return RepairMode::kOff;
+}
+
+std::string repair_advice(RepairMode mode) {
+  return mode == RepairMode::kOff
+             ? "no repair makes a body of it: mend it by hand"
+             : fmt::format("--repair={} makes a body of it", mode_name(mode));
 }
 
 CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
@@ -200,13 +243,12 @@ CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
   RepairedSurface repaired = repair_surface(mesh, mode);
   RepairReport& report = repaired.report;
   if (!report.refusal.empty()) {
-    throw InputError(
+    const std::string what =
         mode == RepairMode::kOff
-            ? fmt::format("{}: {}; try --repair=safe", name, report.refusal)
-            : fmt::format(
-                  "{}: repair \"{}\" failed: {}; {}", name, mode_name(mode),
-                  report.refusal,
-                  mode == RepairMode::kSafe ? "try --repair=wrap" : "mend it by hand"));
+            ? report.refusal
+            : fmt::format("repair \"{}\" failed: {}", mode_name(mode), report.refusal);
+    throw InputError(fmt::format("{}: {}; {}", name, what,
+                                 repair_advice(working_repair(mesh, mode))));
   }
   for (const RepairStep& step : report.changed) {
     notes.push_back(fmt::format("{}: repair: {} {}", name, step.count, step.what));

@@ -53,17 +53,26 @@ struct RepairedSurface {
 /// diagonal from where it was, with 5 % of its volume, or, if it had none, 10 % of its
 /// area.
 ///
-/// kWrap lays a new surface around the old one (see wrap_surface.h), with openings of a
-/// hundredth and an offset of a two-thousandth of the diagonal; it is refused unless
-/// the result is a body.
+/// kWrap closes every hole and lays a new surface around the old one (see
+/// wrap_surface.h), with openings of a hundredth and an offset of a two-thousandth of
+/// the diagonal; it is refused unless the result is a body that leaves out at most a
+/// tenth of what the old surface encloses (share_outside): where holes could not be
+/// closed a wrap is a hollow shell.
 ///
 /// The work is done in a child process with limits of time and memory.
 /// @throws NumericalError if the child dies; InputError for a surface of no triangles.
 [[nodiscard]] RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode);
 
+/// The weakest repair above `tried` whose result is to be trusted, found by trying;
+/// kOff if there is none.
+[[nodiscard]] RepairMode working_repair(const SurfaceMesh& mesh, RepairMode tried);
+
+/// A sentence's end: what working_repair() found.
+[[nodiscard]] std::string repair_advice(RepairMode mode);
+
 /// require_body() for a surface that may be repaired.
 /// @param notes gains one line for each change.
-/// @throws InputError "<name>: ..." with the defects, and with what to try next.
+/// @throws InputError "<name>: ..." with the defects, and with the repair that works.
 [[nodiscard]] CheckedSurface require_body(const SurfaceMesh& mesh, RepairMode mode,
                                           std::string_view name,
                                           std::vector<std::string>& notes);

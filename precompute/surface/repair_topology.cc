@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -75,6 +76,10 @@ std::size_t fill_holes(CgalMesh& mesh, double hole_max_m) {
 }
 
 }  // namespace
+
+SurfaceMesh close_holes(const SurfaceMesh& mesh, TopologyChanges& changes) {
+  return repair_topology(mesh, std::numeric_limits<double>::infinity(), changes);
+}
 
 SurfaceMesh repair_topology(const SurfaceMesh& mesh, double hole_max_m,
                             TopologyChanges& changes) {

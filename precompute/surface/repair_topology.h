@@ -21,4 +21,9 @@ struct TopologyChanges {
 [[nodiscard]] SurfaceMesh repair_topology(const SurfaceMesh& mesh, double hole_max_m,
                                           TopologyChanges& changes);
 
+/// For a wrap: turns, stitches and fills every hole, however large. What cannot be
+/// filled stays open; the result may cross itself.
+[[nodiscard]] SurfaceMesh close_holes(const SurfaceMesh& mesh,
+                                      TopologyChanges& changes);
+
 }  // namespace palpate

@@ -20,6 +20,7 @@ struct Sizes {
   std::int64_t triangles = 0;
   std::int64_t counts = 0;
   std::int64_t failure = 0;
+  double lost_share = 0.0;
 };
 
 template <typename T>
@@ -41,7 +42,8 @@ void take(std::span<const char>& bytes, T* data, std::int64_t count) {
 std::vector<char> packed(const SurfaceAndCounts& result) {
   const Sizes sizes{.vertices = result.mesh.position_m.rows(),
                     .triangles = result.mesh.triangle.rows(),
-                    .counts = std::ssize(result.count)};
+                    .counts = std::ssize(result.count),
+                    .lost_share = result.lost_share};
   std::vector<char> bytes;
   append(bytes, &sizes, 1);
   append(bytes, result.mesh.position_m.data(), 3 * sizes.vertices);
@@ -69,6 +71,7 @@ SurfaceAndCounts unpacked(std::span<const char> bytes, std::string_view what) {
     throw NumericalError(fmt::format("{}: {}", what, text));
   }
   SurfaceAndCounts result;
+  result.lost_share = sizes.lost_share;
   result.mesh.position_m.resize(sizes.vertices, 3);
   result.mesh.triangle.resize(sizes.triangles, 3);
   result.count.resize(static_cast<std::size_t>(sizes.counts));

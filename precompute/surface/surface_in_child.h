@@ -13,6 +13,7 @@ namespace palpate {
 struct SurfaceAndCounts {
   SurfaceMesh mesh;
   std::vector<std::size_t> count;  ///< whatever the work has counted
+  double lost_share = 0.0;         ///< [-] of what the old surface encloses
 };
 
 /// What `work` returns, made in a child process of at most 600 s and 8 GB.

@@ -25,4 +25,40 @@ double winding_number(const SurfaceMesh& mesh, const Eigen::Vector3d& point_m) {
   return angle / (4.0 * std::numbers::pi);
 }
 
+namespace {
+
+// Van der Corput's sequence.
+double radical_inverse(int base, int i) {
+  double value = 0.0;
+  double digit = 1.0 / base;
+  for (; i > 0; i /= base, digit /= base) {
+    value += digit * (i % base);
+  }
+  return value;
+}
+
+}  // namespace
+
+double share_outside(const SurfaceMesh& mesh, const SurfaceMesh& of) {
+  constexpr int kWanted = 200;
+  constexpr int kTried = 100 * kWanted;
+  constexpr int kFewest = 10;
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
+  const auto is_inside = [](const SurfaceMesh& surface, const Eigen::Vector3d& p) {
+    return std::abs(winding_number(surface, p)) >= 0.5;
+  };
+  int inside = 0;
+  int lost = 0;
+  for (int i = 1; i <= kTried && inside < kWanted; ++i) {
+    const Eigen::Vector3d unit(radical_inverse(2, i), radical_inverse(3, i),
+                               radical_inverse(5, i));
+    const Eigen::Vector3d p = box.min() + unit.cwiseProduct(box.sizes());
+    if (is_inside(mesh, p)) {
+      ++inside;
+      lost += is_inside(of, p) ? 0 : 1;
+    }
+  }
+  return inside < kFewest ? 1.0 : static_cast<double>(lost) / inside;
+}
+
 }  // namespace palpate

@@ -50,9 +50,9 @@ std::string_view origin_name(std::uint8_t origin) {
 }
 
 Json flag_names(std::uint8_t flags) {
-  constexpr std::array<std::string_view, 7> kNames{
+  constexpr std::array<std::string_view, kResponseFlags> kNames{
       "falling curve", "force capped", "coarse contact", "error over budget",
-      "failed",        "extrapolated", "truncated path"};
+      "failed",        "extrapolated", "truncated path", "hard path"};
   Json names = Json::array();
   for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
     if ((flags >> bit & 1U) != 0U) {

@@ -4,7 +4,8 @@
 // press_error_study SCENE.toml [VERTICES] [FINEST]   (default: 8 vertices, 4 times)
 //
 // Forces are compared at equal tool position with those of the finest mesh, in percent
-// of the larger of the force there and a tenth of the vertex' largest.
+// of the larger of the force there and a tenth of the vertex' largest; "error" is the
+// largest from a tenth of the depth on, "estimate" what a build calibrates.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +16,9 @@
 
 #include <fmt/format.h>
 
+#include "formats/base/quantile.h"
 #include "formats/base/stopwatch.h"
+#include "formats/database/work_unit.h"
 #include "formats/scene/scene.h"
 #include "precompute/body/scene_body.h"
 #include "precompute/press/compliance_sample.h"
@@ -55,6 +58,7 @@ int run(const std::string& file, std::size_t count, double finest) {
       strategy.focus.growth, 1e3 * strategy.focus.finest_m);
   Progress quiet(nullptr);
   const SceneSolver solver(scene, body, strategy, reachable, vertices, quiet);
+  std::vector<double> per_check;
   for (const std::int32_t vertex : vertices) {
     struct Row {
       std::string name;
@@ -73,9 +77,7 @@ int run(const std::string& file, std::size_t count, double finest) {
     });
     for (double times = 0.5; times <= finest; times *= 2.0) {
       add(fmt::format("own x{:g}", times), [&] {
-        return solver
-            .good(body.tool[0], {&vertex, 1}, times == 1.0 ? 1.0 + 1e-12 : times)
-            .front();
+        return solver.better(body.tool[0], {&vertex, 1}, times).front();
       });
     }
     const Indentation& reference = rows.back().node.indentation;
@@ -83,6 +85,12 @@ int run(const std::string& file, std::size_t count, double finest) {
     const double largest = force_at(reference, depth);
     fmt::print("vertex {}: {:.4g} N, touch {:.3f} mm\n", vertex, largest,
                1e3 * reference.sample.front().penetration_m);
+    const auto response_of = [&](const Row& row) {
+      return to_response(row.node.indentation, row.node.path, scene.force_relative);
+    };
+    const NodeResponse best =
+        to_response(reference, rows.back().node.path, scene.force_relative);
+    const Eigen::Vector3d outward = rows.back().node.path.outward;
     for (const Row& row : rows) {
       const auto& path = row.node.indentation;
       fmt::print("  {:<9} {:6.2f} s touch {:+.3f} mm", row.name, row.seconds,
@@ -94,12 +102,21 @@ int run(const std::string& file, std::size_t count, double finest) {
         fmt::print(" {:+6.2f}", 100.0 * (force_at(path, at * depth) - truth) /
                                     std::max(truth, 0.1 * largest));
       }
-      const NodeResponse response =
-          to_response(path, row.node.path, scene.force_relative);
-      fmt::print("   stated {:.2f}  {}\n", 100.0 * response.error_relative,
-                 row.node.failure);
+      const NodeResponse response = response_of(row);
+      fmt::print("   error {:.2f} estimate {:.2f} {}\n",
+                 100.0 * response_difference(response, best, outward),
+                 100.0 * response.error_relative, row.node.failure);
+    }
+    if (rows.size() > 4) {  // x1 against the finest, over x1 against x2
+      const NodeResponse built = response_of(rows[2]);
+      per_check.push_back(response_difference(built, best, outward) /
+                          response_difference(built, response_of(rows[3]), outward));
     }
   }
+  std::sort(per_check.begin(), per_check.end());
+  fmt::print(
+      "error over what a check finds: {:.2f} median, {:.2f} and {:.2f} quartiles\n",
+      quantile(per_check, 0.5), quantile(per_check, 0.25), quantile(per_check, 0.75));
   return 0;
 }
 

@@ -135,7 +135,7 @@ class Bench {
     IndentationPath path = path_;
     path.depth_max_m = depth_m;
     const Indentation indentation = indent(surface_, *compliance_, patch_, path);
-    if (!indentation.converged || indentation.reached_patch_edge) {
+    if (!indentation.converged || indentation.edge_share > 0.0) {
       throw std::runtime_error("the contact was not found");
     }
     return indentation.sample.back();

@@ -18,13 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Three territories and three checks.
+// One territory and three checks.
 constexpr const char* kScene = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
 radius_m = 0.03
 [reach]
-box_m = [[-1.0, -1.0, 0.022], [1.0, 1.0, 1.0]]
+box_m = [[-1.0, -1.0, 0.036], [1.0, 1.0, 1.0]]
 depth_max_m = 0.005
 [accuracy]
 force_relative = 0.3

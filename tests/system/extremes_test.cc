@@ -58,7 +58,7 @@ radius_m = {:.17e}
 [reach]
 depth_max_m = {:.17e}
 [accuracy]
-force_relative = 0.1
+force_relative = 0.02
 contact_resolution = {:.17e}
 depths = 6
 {})",

@@ -23,7 +23,7 @@ const kinds = {
     at: (t, i) => { const r = response(t, i, state.depth); return r ? r.force / state.depth : NaN; }},
   slope: {name: 'largest slope', unit: 'N/m', at: (t, i) => t.begin[i] < t.begin[i + 1] ? t.slopeMax[i] : NaN},
   depth: {name: 'largest depth', unit: 'mm', at: (t, i) => t.begin[i] < t.begin[i + 1] ? 1e3 * t.depth[t.begin[i + 1] - 1] : NaN},
-  error: {name: 'estimated error of force', unit: '%', at: (t, i) => t.origin[i] ? 100 * t.error[i] : NaN},
+  error: {name: 'stated error of force', unit: '%', at: (t, i) => t.origin[i] ? 100 * t.error[i] : NaN},
   verified: {name: 'verified error of force', unit: '%', at: (t, i) => t.verified.length ? 100 * t.verified[i] : NaN},
   origin: {name: 'origin', unit: '', at: (t, i) => t.origin[i]},
 };
@@ -83,7 +83,7 @@ function drawCurve() {
   p.add('line', {class: 'mark', x1: mark, x2: mark, y1: p.py(0), y2: p.py(1.05 * top)});
   const points = Array.from({length: 201}, (_, k) => [1e3 * end * k / 200, response(tool, i, end * k / 200).force]);
   p.curve(points, tool.error[i], Array.from(tool.depth.subarray(a, b), (d, k) => [1e3 * d, tool.force[a + k]]));
-  text += `, estimated error ${tell(100 * tool.error[i], 2)} %. At ${tell(1e3 * state.depth)} mm: ${tell(at.force)} N, ${tell(at.force / state.depth)} N/m${at.extrapolated ? ' (beyond the last sample)' : ''}.`;
+  text += `, stated error ${tell(100 * tool.error[i], 2)} %. At ${tell(1e3 * state.depth)} mm: ${tell(at.force)} N, ${tell(at.force / state.depth)} N/m${at.extrapolated ? ' (beyond the last sample)' : ''}.`;
   $('said').textContent = text;
 }
 

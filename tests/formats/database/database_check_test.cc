@@ -138,11 +138,6 @@ const std::vector<Violation> kTool = {
        tip(d).origin[5] = 1;
      },
      "/tools/tip/origin: node 5 is 1 but has 0 samples"},
-    {"FlagUnknown",
-     [](ResponseDatabase& d) {
-       tip(d).flags[0] = 128;
-     },
-     "/tools/tip/flags: node 0 has 128"},
     {"OffsetInfinite",
      [](ResponseDatabase& d) {
        tip(d).touch_offset_m[1] = -std::numeric_limits<double>::infinity();

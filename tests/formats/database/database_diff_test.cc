@@ -15,7 +15,7 @@ TEST(CurveDifference, OfStraightLinesIsClosedForm) {
   // sqrt 3.
   const ResponseCurve a(std::vector{0.0, 0.0007, 0.002}, std::vector{0.0, 0.07, 0.2});
   const ResponseCurve b(std::vector{0.0, 0.001}, std::vector{0.0, 0.13});
-  const CurveDifference found = difference(a.view(), b.view());
+  const CurveDifference found = difference({a.view()}, {b.view()});
   EXPECT_DOUBLE_EQ(found.depth_m, 0.001);
   EXPECT_NEAR(found.largest_n, 0.03, 1e-15);
   EXPECT_NEAR(found.rms_n, 0.03 / std::numbers::sqrt3, 1e-15);
@@ -25,8 +25,23 @@ TEST(CurveDifference, OfStraightLinesIsClosedForm) {
 TEST(CurveDifference, OfACurveAndItselfOrNothingIsZero) {
   const ResponseDatabase database = small_database();
   const CurveView curve = database.tools[0].curve(2);
-  EXPECT_EQ(difference(curve, curve).largest_n, 0.0);
-  EXPECT_EQ(difference(curve, CurveView{}).rms_n, 0.0);
+  EXPECT_EQ(difference({curve}, {curve}).largest_n, 0.0);
+  EXPECT_EQ(difference({curve}, PlacedCurve{}).rms_n, 0.0);
+}
+
+// The same force of the tool's position, stored from two first touches and along two
+// directions: no difference of force.
+TEST(CurveDifference, IsTakenWhereTheToolIsAtTheSamePlace) {
+  const ResponseCurve a(std::vector{0.0, 0.001, 0.002}, std::vector{0.0, 0.1, 0.2});
+  const ResponseCurve b(std::vector{0.0, 0.0006, 0.0012}, std::vector{0.0, 0.1, 0.2});
+  const PlacedCurve first{a.view(), 0.0003, 1.0};
+  const PlacedCurve same{b.view(), 0.0003, 0.6};
+  EXPECT_NEAR(difference(first, same).largest_n, 0.0, 1e-15);
+  EXPECT_NEAR(force_difference(first, same), 0.0, 1e-12);
+  // 0.1 mm later: 100 N/m times that everywhere, of a tenth of the largest at least.
+  const PlacedCurve later{a.view(), 0.0004, 1.0};
+  EXPECT_NEAR(difference(first, later).largest_n, 0.01, 1e-12);
+  EXPECT_NEAR(force_difference(later, first), 0.01 / 0.02, 1e-9);
 }
 
 TEST(DatabaseDifference, ListsTheNodeThatWasChangedFirst) {
@@ -45,6 +60,9 @@ TEST(DatabaseDifference, ListsTheNodeThatWasChangedFirst) {
   EXPECT_FALSE(found[1].agrees(0.49));
   EXPECT_TRUE(found[1].agrees(0.51));
   EXPECT_EQ(found[1].compared, 5);
+  // The stated errors of the five are theirs in the first file; one differs by half.
+  EXPECT_DOUBLE_EQ(found[1].stated.covered, 0.8);
+  EXPECT_EQ(found[1].stated.found_median, 0.0);
   ASSERT_EQ(found[1].worst.size(), 2u);
   EXPECT_EQ(found[1].worst[0].node, 3);
   EXPECT_NEAR(found[1].worst[0].relative_rms, 0.5, 1e-12);

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "formats/database/error_calibration.h"
 #include "tests/support/sample_units.h"
 #include "tests/support/test_data.h"
 
@@ -165,24 +166,41 @@ TEST(Assembly, CountsEveryNodeOnce) {
   EXPECT_EQ(all.truncated, 1);
   EXPECT_EQ(all.untouched, 0);
   EXPECT_EQ(all.outside_reach, 1);
-  EXPECT_EQ(all.over_budget, 1);
   EXPECT_EQ(all.failures.size(), 2U);
   EXPECT_TRUE(std::is_sorted(all.error.begin(), all.error.end()));
   EXPECT_EQ(all.error.size(), 4U);
 }
 
 TEST(Assembly, MeasuresChecksAgainstWhatUnitsAnswered) {
-  // The check's forces are 1.1 times those of the node that it solves again, which grow
-  // as depth to three halves; below a tenth of the largest a difference counts less.
-  double sum = 0.0;
-  for (int k = 1; k <= 16; ++k) {
-    const double share = std::min(1.0, std::pow(k / 16.0, 1.5) / 0.1) * 0.1 / 1.1;
-    sum += share * share;
-  }
+  // The check's forces are 1.1 times those of the node that it solves again.
   const Assembly all = assemble(sample_plan(), sample_units());
   ASSERT_EQ(all.checked.size(), 1U);
-  // A cubic through 9 samples follows the power to a part in a thousand.
-  EXPECT_NEAR(all.checked.front(), std::sqrt(sum / 16.0), 1e-4);
+  EXPECT_NEAR(all.checked.front(), 0.1 / 1.1, 1e-12);
+}
+
+TEST(Assembly, StatesEstimatesTimesWhatTheChecksFound) {
+  const JobDescription plan = sample_plan();
+  std::vector<WorkUnitOutcome> units = sample_units();
+  const Assembly all = assemble(plan, units);
+  const ResponseTable& table = all.database.tools.front();
+  EXPECT_EQ(table.accuracy.error_factor, all.error_factor);
+  EXPECT_EQ(table.accuracy.verified, 1);
+  EXPECT_GE(all.error_factor, kUncheckedFactor);
+  std::int64_t over = 0;
+  for (const WorkUnitOutcome& unit : units) {
+    for (const WorkUnitNode& node : unit.node) {
+      const auto v = static_cast<std::size_t>(node.vertex);
+      if (!unit.is_check && !node.response.depth_m.empty()) {
+        const double stated = all.error_factor * node.response.error_relative;
+        EXPECT_DOUBLE_EQ(table.error_relative[v], stated);
+        EXPECT_EQ((table.flags[v] & kErrorOverBudget) != 0,
+                  stated > plan.force_relative ||
+                      (node.response.flags & kErrorOverBudget) != 0);
+        over += (table.flags[v] & kErrorOverBudget) != 0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_EQ(all.over_budget, over);
 }
 
 TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {

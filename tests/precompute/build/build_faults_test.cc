@@ -157,11 +157,6 @@ TEST_F(BuildFaults, AnInfiniteForceOfANonlinearPressCostsItsNodeAlone) {
       "nonlinear press");
 }
 
-TEST_F(BuildFaults, ANaNFromARatioCostsItsNodeAlone) {
-  expect_only("neo-hookean", ResponseOrigin::kSimulated, FaultPlace::kRatio, to_nan,
-              "ratio");
-}
-
 TEST_F(BuildFaults, ANaNInAnInterpolatedResponseCostsItsNodeAlone) {
   expect_only(
       "neo-hookean", ResponseOrigin::kInterpolated, FaultPlace::kInterpolation,
@@ -195,21 +190,25 @@ TEST_F(BuildFaults, AWorkerThatDiesCostsItsNodeAlone) {
 TEST_F(BuildFaults, ARatioThatFailsLeavesItsNeighboursTheOthers) {
   set_fault_maker({});
   const BuildReport sound = build_one("neo-hookean", false);
+  ASSERT_GT(sound.assembly.interpolated, 0);
   const std::int32_t bad = vertex_of(sound, ResponseOrigin::kSimulated, 2);
+  int met = 0;
   set_fault_maker([&](FaultPlace at, std::int32_t vertex, std::span<double> numbers) {
     if (at == FaultPlace::kRatio && vertex == bad) {
+      ++met;
       to_nan(numbers);
     }
   });
   const BuildReport spoilt = build_one("neo-hookean", false);
-  EXPECT_EQ(spoilt.assembly.failed, 1);
+  EXPECT_GT(met, 0);
+  EXPECT_EQ(spoilt.assembly.failed, 0);  // its own press is sound
   EXPECT_GT(spoilt.assembly.interpolated, 0);
   const ResponseTable& before = sound.assembly.database.tools.front();
   const ResponseTable& after = spoilt.assembly.database.tools.front();
   for (std::int64_t v = 0; v < before.nodes(); ++v) {
-    if (v != bad && !before.curve(v).depth_m.empty()) {
+    if (!before.curve(v).depth_m.empty()) {
       const double was = before.curve(v).force_n.back();
-      EXPECT_NEAR(after.curve(v).force_n.back(), was, 0.1 * was) << v;
+      EXPECT_NEAR(after.curve(v).force_n.back(), was, v == bad ? 0.0 : 0.1 * was) << v;
     }
   }
 }

@@ -69,6 +69,12 @@ double hertz_force_n(double depth_m) {
   return 4.0 / 3.0 * E_star * std::sqrt(kRadius) * std::pow(depth_m, 1.5);
 }
 
+// The floor at 0.12 m: +1.1 % at the largest depth, a/h = 0.012, from the bonded
+// layer's table (kappa_s and chi_s at a/h = 0.2, linear in a/h).
+double layer_stiffening(double depth_m) {
+  return 1.0 + 0.93 * std::sqrt(kRadius * depth_m) / kHalf;
+}
+
 // Root mean square deviation from Hertz where the contact spans 1.5 nodes or more.
 double deviation_from_hertz(const Indentation& indentation, double spacing_m) {
   double sum = 0.0;
@@ -76,10 +82,7 @@ double deviation_from_hertz(const Indentation& indentation, double spacing_m) {
   for (const IndentationSample& sample : indentation.sample) {
     if (std::sqrt(kRadius * sample.penetration_m) > 1.5 * spacing_m) {
       const double ratio = sample.force_n.z() / hertz_force_n(sample.penetration_m);
-      // The floor at 0.12 m: +1.1 % at the largest depth, a/h = 0.012, from the bonded
-      // layer's table (kappa_s and chi_s at a/h = 0.2, linear in a/h).
-      const double layer =
-          1.0 + 0.93 * std::sqrt(kRadius * sample.penetration_m) / kHalf;
+      const double layer = layer_stiffening(sample.penetration_m);
       sum += (ratio / layer - 1.0) * (ratio / layer - 1.0);
       ++count;
     }
@@ -108,25 +111,33 @@ TEST(Indentation, SphereOnALargeBlockMeetsHertzWithinThreePercentAndConverges) {
   EXPECT_LT(error_fine, 0.75 * error_middle);
 }
 
-// Error of force in the deeper half of the path.
-double error_in_depth(const Indentation& indentation) {
-  Indentation deep = indentation;
-  std::erase_if(deep.sample, [](const IndentationSample& sample) {
-    return sample.penetration_m < 0.5 * kDepth;
-  });
-  return deviation_from_hertz(deep, 0.0);
+// Largest error of force from a tenth of the depth on: what an estimate is of.
+double largest_error(const Indentation& indentation) {
+  const double last_n = hertz_force_n(kDepth);
+  double largest = 0.0;
+  for (const IndentationSample& sample : indentation.sample) {
+    if (sample.penetration_m >= 0.1 * kDepth) {
+      const double truth_n =
+          hertz_force_n(sample.penetration_m) * layer_stiffening(sample.penetration_m);
+      largest = std::max(largest, std::abs(sample.force_n.z() - truth_n) /
+                                      std::max(truth_n, 0.1 * last_n));
+    }
+  }
+  return largest;
 }
 
+// The estimate is of the pressure's mesh alone; on a flat block of even tets there is
+// little else.
 TEST(Indentation, TheEstimateIsOfTheOrderOfTheErrorOnHertzsProblem) {
-  for (const double edge_m : {0.0016, 0.0008}) {
+  for (const double edge_m : {0.0008, 0.0005333}) {
     const IndentationPath path = straight_down(30);
     const Indentation indentation = Block(edge_m).press(path);
-    const double error = error_in_depth(indentation);
-    const double estimate = to_response(indentation, path, 0.05).error_relative;
+    const double error = largest_error(indentation);
+    const double estimate = pressure_mesh_error(indentation);
     std::printf("edges of %.1f mm: error %.4f, estimate %.4f\n", edge_m * 1e3, error,
                 estimate);
-    EXPECT_GT(estimate, 0.3 * error);
-    EXPECT_LT(estimate, 2.5 * error);
+    EXPECT_GT(estimate, 0.8 * error);
+    EXPECT_LT(estimate, 4.0 * error);
   }
 }
 

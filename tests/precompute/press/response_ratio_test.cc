@@ -78,6 +78,9 @@ TEST_F(RatioFields, VerticesThatFaceElsewhereOrAreStifferAreFartherAway) {
   EXPECT_NEAR(field.distance_m(0, soft, 1, soft), 0.001, 1e-12);
   EXPECT_GT(field.distance_m(0, soft, 2, soft), 0.005);
   EXPECT_GT(field.distance_m(0, soft, 3, stiff), 0.01);
+  Indentation bent = soft;  // of the same stiffness, but not for long
+  bent.nonlinearity = 0.5;
+  EXPECT_GT(field.distance_m(0, soft, 1, bent), 0.01);
   EXPECT_DOUBLE_EQ(field.distance_m(0, soft, 3, stiff),
                    field.distance_m(3, stiff, 0, soft));
 }

@@ -9,6 +9,7 @@
 #include "formats/mesh/surface_reader.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/surface_soup.h"
+#include "precompute/surface/winding_number.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -65,6 +66,23 @@ void expect_originals_in_place(const RepairedSurface& repaired, const SurfaceMes
       EXPECT_GE(original[v - 1], 0);
     }
   }
+}
+
+// Without the triangles whose centre lies above z.
+SurfaceMesh cut_open(const SurfaceMesh& mesh, double z_m) {
+  SurfaceMesh open = mesh;
+  Eigen::Index kept = 0;
+  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
+    double z = 0.0;
+    for (int j = 0; j < 3; ++j) {
+      z += mesh.position_m(mesh.triangle(t, j), 2) / 3.0;
+    }
+    if (z < z_m) {
+      open.triangle.row(kept++) = mesh.triangle.row(t);
+    }
+  }
+  open.triangle.conservativeResize(kept, 3);
+  return open;
 }
 
 TEST(Repair, LeavesAGoodBodyAlone) {
@@ -165,6 +183,40 @@ TEST(Repair, WrapsWhatSafeRefuses) {
   EXPECT_LT(wrapped.report.after.volume_m3, 2.0 * one_m3);
 }
 
+// A tooth is scanned without its root: a wide hole, and some triangles that cross.
+TEST(Repair, ClosesAWideHoleBeforeItWraps) {
+  const double radius_m = 0.01;
+  SurfaceMesh open = cut_open(icosphere(radius_m, 4), 0.4 * radius_m);
+  open.position_m.row(open.triangle(10, 0)) *= 0.6;  // a dent that crosses others
+  const RepairedSurface wrapped = repair_surface(open, RepairMode::kWrap);
+  EXPECT_EQ(wrapped.report.refusal, "");
+  EXPECT_EQ(changes(wrapped.report, "holes filled"), 1U);
+  // A ball whose cap of height h is cut off: pi h^2 (R - h / 3) is missing.
+  const double h = 0.6;
+  const double left = 1.0 - 0.75 * h * h * (1.0 - h / 3.0);
+  const double ball_m3 = enclosed_volume_m3(icosphere(radius_m, 4));
+  EXPECT_NEAR(wrapped.report.after.volume_m3 / ball_m3, left, 0.05);
+}
+
+TEST(Repair, RefusesAWrapOfWhatEnclosesNothing) {
+  SurfaceMesh sheet = icosphere(0.01, 1);
+  sheet.triangle.conservativeResize(1, 3);
+  const RepairedSurface wrapped = repair_surface(sheet, RepairMode::kWrap);
+  EXPECT_NE(wrapped.report.refusal.find("hollow"), std::string::npos)
+      << wrapped.report.refusal;
+}
+
+TEST(ShareOutside, TellsAShellFromABall) {
+  const SurfaceMesh ball = icosphere(0.01, 3);
+  SurfaceMesh inner = icosphere(0.0098, 3);
+  EXPECT_EQ(share_outside(ball, ball), 0.0);
+  inner.triangle.col(1).swap(inner.triangle.col(2));
+  EXPECT_GT(share_outside(ball, joined(ball, inner)), 0.9);
+  SurfaceMesh half = icosphere(0.01, 3);
+  half.position_m.col(2) = half.position_m.col(2).cwiseMax(0.0);
+  EXPECT_NEAR(share_outside(ball, half), 0.5, 0.05);
+}
+
 TEST(Repair, MendsARealLiver) {
   const auto file = test_data("meshes/sofa_liver-smooth.obj");
   if (!file) {
@@ -196,11 +248,33 @@ TEST(RepairedBody, SaysWhatToTryNext) {
     (void)require_body(open, RepairMode::kOff, "liver.obj", notes);
     FAIL() << "took an open surface";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("try --repair=safe"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("--repair=safe makes a body of it"),
+              std::string::npos);
   }
   EXPECT_TRUE(
       require_body(open, RepairMode::kSafe, "liver.obj", notes).report.accepted());
   EXPECT_EQ(notes, std::vector<std::string>{"liver.obj: repair: 1 holes filled"});
+}
+
+TEST(RepairedBody, NamesTheRepairThatWorks) {
+  std::vector<std::string> notes;
+  const auto advice = [&](const SurfaceMesh& mesh, RepairMode mode) -> std::string {
+    try {
+      (void)require_body(mesh, mode, "tooth.stl", notes);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const SurfaceMesh wide = cut_open(icosphere(0.01, 3), 0.004);
+  for (const RepairMode mode : {RepairMode::kOff, RepairMode::kSafe}) {
+    const std::string said = advice(wide, mode);
+    EXPECT_NE(said.find("--repair=wrap makes a body of it"), std::string::npos) << said;
+    EXPECT_EQ(said.find("--repair=safe"), std::string::npos) << said;
+  }
+  SurfaceMesh sheet = icosphere(0.01, 1);
+  sheet.triangle.conservativeResize(1, 3);
+  EXPECT_NE(advice(sheet, RepairMode::kOff).find("mend it by hand"), std::string::npos);
 }
 
 TEST(RepairMode, KnowsItsNames) {

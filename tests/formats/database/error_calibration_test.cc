@@ -1,0 +1,65 @@
+// Stated errors: what a factor from a few checked nodes covers of all the others.
+#include "formats/database/error_calibration.h"
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+TEST(ErrorCalibration, TakesTheRatioThatSoManyOthersStayBelow) {
+  const std::vector<double> estimate(39, 0.02);
+  std::vector<double> error;
+  for (int i = 1; i <= 39; ++i) {
+    error.push_back(0.001 * i);
+  }
+  // ceil(0.95 * 40) = 38: one ratio of 39 is above.
+  const ErrorCalibration found = calibrate_errors(estimate, error);
+  EXPECT_EQ(found.checks, 39);
+  EXPECT_DOUBLE_EQ(found.factor, 0.038 / 0.02);
+}
+
+TEST(ErrorCalibration, WithFewChecksNeverFallsBelowWhatIsTakenWithout) {
+  EXPECT_EQ(calibrate_errors({}, {}).factor, kUncheckedFactor);
+  const std::vector<double> estimate(18, 0.02);
+  std::vector<double> error(18, 0.001);
+  EXPECT_EQ(calibrate_errors(estimate, error).factor, kUncheckedFactor);
+  error[7] = 0.2;
+  EXPECT_DOUBLE_EQ(calibrate_errors(estimate, error).factor, 10.0);
+}
+
+// Errors that estimates know little of: log-normal ratios of any width, and estimates
+// that say nothing at all. Coverage of new nodes must be 0.95 to 0.95 + 1/(n + 1).
+TEST(ErrorCalibration, CoversNinetyFivePercentOfNodesThatWereNotChecked) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  for (const double width : {0.2, 0.8, 1.5}) {
+    constexpr int kChecks = 24;
+    constexpr int kBuilds = 4000;
+    double covered = 0.0;
+    for (int build = 0; build < kBuilds; ++build) {
+      std::vector<double> estimate;
+      std::vector<double> error;
+      for (int i = 0; i <= kChecks; ++i) {
+        estimate.push_back(std::exp(normal(random)));
+        error.push_back(0.03 * estimate.back() * std::exp(width * normal(random)));
+      }
+      const double last_estimate = estimate.back();
+      const double last_error = error.back();
+      estimate.pop_back();
+      error.pop_back();
+      const double factor = calibrate_errors(estimate, error).factor;
+      covered += last_error <= factor * last_estimate ? 1.0 : 0.0;
+    }
+    covered /= kBuilds;
+    // ceil(0.95 * 25) / 25 = 0.96; the deviation of 4000 draws is 0.0031.
+    EXPECT_NEAR(covered, 0.96, 0.0125) << width;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
