@@ -68,6 +68,7 @@ Json to_json(const ToolSummary& tool) {
           {"budget_relative", tool.accuracy.budget_relative},
           {"checked", tool.accuracy.verified},
           {"error_factor", tool.accuracy.error_factor},
+          {"hard_error_factor", tool.accuracy.hard_error_factor},
           {"relaxation", to_json(tool.relaxation)}};
 }
 

@@ -85,6 +85,7 @@ void run_shards(const Flags& flags) {
            {"over_budget", all.over_budget},
            {"checked", all.checked},
            {"error_factor", all.error_factor},
+           {"hard_error_factor", all.hard_error_factor},
            {"hard_path", all.hard_path},
            {"failures", all.failures}});
   } else {

@@ -112,6 +112,8 @@ void check_accuracy(const std::string& group, const AccuracyRecord& accuracy) {
                 kLargest);
   require_range(path + "@error_factor", std::vector{accuracy.error_factor}, 0.0,
                 kLargest);
+  require_range(path + "@hard_error_factor", std::vector{accuracy.hard_error_factor},
+                0.0, kLargest);
   require_range(path + "@verified", std::vector{accuracy.verified}, 0.0, 1e18);
   require_range(path + "/quantile_level", accuracy.quantile_level, 0.0, 1.0);
   require_range(path + "/error_relative", accuracy.error_relative, 0.0, kLargest);

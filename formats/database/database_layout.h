@@ -104,6 +104,7 @@ void exchange_accuracy(File& file, const std::string& group, Accuracy& accuracy)
     file.attribute(group, "budget_relative", accuracy.budget_relative);
     file.attribute(group, "verified", accuracy.verified);
     exchange_number(file, group, "error_factor", accuracy.error_factor);
+    exchange_number(file, group, "hard_error_factor", accuracy.hard_error_factor);
     exchange_if_any(file, group + "/quantile_level", "1", accuracy.quantile_level);
     exchange_if_any(file, group + "/error_relative", "1", accuracy.error_relative);
   }

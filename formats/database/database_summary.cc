@@ -88,19 +88,22 @@ std::string describe(const AccuracyRecord& accuracy) {
   if (accuracy.error_factor == 0.0) {
     return {};
   }
+  std::string factor = fmt::format("{:.2g} times estimates", accuracy.error_factor);
+  if (accuracy.hard_error_factor > 0.0) {
+    factor += fmt::format(", {:.2g} times where the path was hard to follow",
+                          accuracy.hard_error_factor);
+  }
   const double coverage = 100.0 * kErrorCoverage;
   if (accuracy.verified == 0) {
     return fmt::format(
-        "meant to hold at {:.0f} % of nodes: {:.2g} times estimates; no node was "
-        "solved "
-        "again to see",
-        coverage, accuracy.error_factor);
+        "meant to hold at {:.0f} % of nodes: {}; no node was solved again to see",
+        coverage, factor);
   }
+  const bool enough =
+      accuracy.verified >= static_cast<std::int64_t>(kChecksToCalibrate);
   std::string text = fmt::format(
-      "{} at {:.0f} % of nodes: {:.2g} times estimates, by {} nodes that were solved "
-      "again, better",
-      accuracy.verified < kChecksToCalibrate ? "meant to hold" : "hold", coverage,
-      accuracy.error_factor, accuracy.verified);
+      "{} at {:.0f} % of nodes: {}, by {} nodes that were solved again, better",
+      enough ? "hold" : "meant to hold", coverage, factor, accuracy.verified);
   for (std::size_t i = 0; i < accuracy.quantile_level.size(); ++i) {
     if (accuracy.quantile_level[i] == 0.5) {
       text += fmt::format(

@@ -6,25 +6,18 @@
 
 namespace palpate {
 
-ErrorCalibration calibrate_errors(std::span<const double> estimate,
-                                  std::span<const double> error) {
-  ErrorCalibration calibration;
-  calibration.checks = std::ssize(error);
-  if (error.empty()) {
-    return calibration;
-  }
+double calibrate_errors(std::span<const double> estimate,
+                        std::span<const double> error) {
   std::vector<double> ratio(error.size());
   for (std::size_t i = 0; i < error.size(); ++i) {
     ratio[i] = error[i] / estimate[i];
   }
   std::sort(ratio.begin(), ratio.end());
-  if (calibration.checks < kChecksToCalibrate) {
-    calibration.factor = std::max(kUncheckedFactor, ratio.back());
-    return calibration;
+  if (ratio.size() < kChecksToCalibrate) {
+    return ratio.empty() ? kUncheckedFactor : std::max(kUncheckedFactor, ratio.back());
   }
   const double rank = std::ceil(kErrorCoverage * static_cast<double>(ratio.size() + 1));
-  calibration.factor = ratio[static_cast<std::size_t>(rank) - 1];
-  return calibration;
+  return ratio[static_cast<std::size_t>(rank) - 1];
 }
 
 }  // namespace palpate

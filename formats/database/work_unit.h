@@ -83,8 +83,10 @@ struct Assembly {
   std::int64_t untouched = 0;  ///< reachable, but the tool met nothing to press
   std::int64_t outside_reach = 0;
   std::int64_t over_budget = 0;
-  std::int64_t hard_path = 0;           ///< other equilibria may lie near
-  double error_factor = 0.0;            ///< [-] stated errors over estimates, largest
+  std::int64_t hard_path = 0;  ///< other equilibria may lie near
+  double error_factor =
+      0.0;  ///< [-] stated errors over estimates, of tools the largest
+  double hard_error_factor = 0.0;       ///< [-] the same of nodes with kHardPath
   std::int64_t reaching_elsewhere = 0;  ///< the tool also met another part of the body
   std::vector<double> error;            ///< [-] stated, ascending
   std::vector<double> checked;        ///< [-] errors against finer solutions, ascending

@@ -142,43 +142,58 @@ void take(const JobDescription& plan, const WorkUnitOutcome& unit,
   }
 }
 
+// Factors on estimates: of nodes whose path was easy to follow, and of the others,
+// which are few and off by more.
+struct ErrorFactors {
+  double easy = 0.0;
+  double hard = 0.0;  // 0: there is no such node
+};
+
 // Estimates become stated errors, and flags where those are above the budget.
-ErrorCalibration calibrate(const JobDescription& plan, ToolAnswers& tool) {
+double calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
   std::vector<double> estimate;
   std::vector<double> error;
+  std::vector<NodeResponse*> nodes;
   for (std::size_t v = 0; v < tool.response.size(); ++v) {
-    const double stated = tool.response[v].error_relative;
-    if (!std::isnan(tool.verified[v]) && stated > 0.0) {
-      estimate.push_back(stated);
-      error.push_back(kErrorPerCheck * tool.verified[v]);
-    }
-  }
-  const ErrorCalibration calibration = calibrate_errors(estimate, error);
-  for (NodeResponse& response : tool.response) {
-    if (response.origin != ResponseOrigin::kNone) {
-      response.error_relative *= calibration.factor;
-      if (response.error_relative > plan.force_relative) {
-        response.flags = static_cast<std::uint8_t>(response.flags | kErrorOverBudget);
+    NodeResponse& response = tool.response[v];
+    if (response.origin != ResponseOrigin::kNone &&
+        ((response.flags & kHardPath) != 0) == hard) {
+      nodes.push_back(&response);
+      if (!std::isnan(tool.verified[v]) && response.error_relative > 0.0) {
+        estimate.push_back(response.error_relative);
+        error.push_back(kErrorPerCheck * tool.verified[v]);
       }
     }
   }
-  return calibration;
+  if (nodes.empty()) {
+    return 0.0;
+  }
+  const double factor = calibrate_errors(estimate, error);
+  for (NodeResponse* response : nodes) {
+    response->error_relative *= factor;
+    if (response->error_relative > plan.force_relative) {
+      response->flags = static_cast<std::uint8_t>(response->flags | kErrorOverBudget);
+    }
+  }
+  return factor;
 }
 
-AccuracyRecord accuracy_record(double budget, double factor,
+AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
                                std::vector<double> verified) {
   std::erase_if(verified, [](double error) {
     return std::isnan(error);
   });
   if (verified.empty()) {
     return {.budget_relative = budget,
-            .error_factor = factor,
+            .error_factor = factor.easy,
+            .hard_error_factor = factor.hard,
             .quantile_level = {},
             .error_relative = {}};
   }
   std::sort(verified.begin(), verified.end());
   AccuracyRecord record{.budget_relative = budget,
-                        .error_factor = factor,
+                        .error_factor = factor.easy,
+                        .hard_error_factor = factor.hard,
                         .verified = static_cast<std::int64_t>(verified.size()),
                         .quantile_level = {0.0, 0.25, 0.5, 0.75, 0.95, 1.0},
                         .error_relative = {}};
@@ -189,7 +204,7 @@ AccuracyRecord accuracy_record(double budget, double factor,
 }
 
 ResponseTable table_of(const JobDescription& plan, std::size_t t,
-                       const ToolAnswers& tool, double error_factor) {
+                       const ToolAnswers& tool, const ErrorFactors& error_factor) {
   ResponseTable table = make_table(plan.tool[t], tool.response);
   table.accuracy = accuracy_record(plan.force_relative, error_factor, tool.verified);
   if (table.accuracy.verified > 0) {
@@ -238,16 +253,17 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
                  std::back_inserter(assembly.checked), [](double error) {
                    return !std::isnan(error);
                  });
-    const ErrorCalibration calibration = calibrate(plan, answers[t]);
+    const ErrorFactors factor{calibrate(plan, answers[t], false),
+                              calibrate(plan, answers[t], true)};
     for (const NodeResponse& response : answers[t].response) {
       if (response.origin != ResponseOrigin::kNone) {
         assembly.error.push_back(response.error_relative);
         assembly.over_budget += (response.flags & kErrorOverBudget) != 0 ? 1 : 0;
       }
     }
-    assembly.error_factor = std::max(assembly.error_factor, calibration.factor);
-    assembly.database.tools.push_back(
-        table_of(plan, t, answers[t], calibration.factor));
+    assembly.error_factor = std::max(assembly.error_factor, factor.easy);
+    assembly.hard_error_factor = std::max(assembly.hard_error_factor, factor.hard);
+    assembly.database.tools.push_back(table_of(plan, t, answers[t], factor));
   }
   std::sort(assembly.error.begin(), assembly.error.end());
   std::sort(assembly.checked.begin(), assembly.checked.end());

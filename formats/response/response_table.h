@@ -69,7 +69,8 @@ struct AccuracyRecord {
   /// [-] What estimates were multiplied by to give error_relative, so that it holds at
   /// 95 % of nodes (error_calibration.h); 0: not calibrated.
   double error_factor = 0.0;
-  std::int64_t verified = 0;           ///< nodes behind the quantiles
+  double hard_error_factor = 0.0;  ///< [-] the same of nodes with kHardPath; 0: none
+  std::int64_t verified = 0;       ///< nodes behind the quantiles
   std::vector<double> quantile_level;  ///< (q) [-] [0, 1], increasing
   std::vector<double> error_relative;  ///< (q) [-] measured error at these levels
 };

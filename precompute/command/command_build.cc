@@ -59,6 +59,7 @@ nlohmann::ordered_json to_json(const BuildReport& report) {
           {"error_p95", quantile(all.error, 0.95)},
           {"checked", all.checked},
           {"error_factor", all.error_factor},
+          {"hard_error_factor", all.hard_error_factor},
           {"hard_path", all.hard_path},
           {"units", report.units},
           {"resumed", report.resumed},
@@ -82,6 +83,11 @@ void print_failures(const std::vector<std::string>& failures) {
 void print_errors(const Assembly& all, double budget) {
   fmt::print("force error   {:.1f} % median, {:.1f} % at the 95th percentile\n",
              100 * quantile(all.error, 0.5), 100 * quantile(all.error, 0.95));
+  if (all.hard_path > 0) {
+    fmt::print(
+        "              {:.2g} times estimates where the path was hard to follow\n",
+        all.hard_error_factor);
+  }
   if (all.checked.empty()) {
     fmt::print(
         "              {:.2g} times estimates, meant to hold at {:.0f} % of nodes; "

@@ -82,7 +82,7 @@ const std::vector<Violation> kViolations = {
      "/tools/tip/sample_direction: row 0 has length"},
     {"QuantileBeyondOne",
      [](ResponseDatabase& d) {
-       tip(d).accuracy = {0.05, 1.2, 1, {1.5}, {0.1}};
+       tip(d).accuracy = {0.05, 1.2, 0.0, 1, {1.5}, {0.1}};
      },
      "/tools/tip/accuracy/quantile_level: element 0 is 1.5"},
     {"ModesDoNotFit",

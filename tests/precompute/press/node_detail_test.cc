@@ -32,16 +32,22 @@ class NodeDetails : public testing::Test {
 
   Scene scene(const std::string& law, const std::string& support = kFixed,
               double depth_m = 0.005, int depths = 6) const {
+    return scene_of(
+        fmt::format("law = \"{}\"\nyoungs_modulus_pa = 6000.0\npoissons_ratio = 0.4\n",
+                    law),
+        support, depth_m, depths);
+  }
+
+  // @param law the material's keys.
+  Scene scene_of(const std::string& law, const std::string& support, double depth_m,
+                 int depths) const {
     std::ofstream(folder_ / "scene.toml") << fmt::format(
         R"([body]
 mesh = "ball.obj"
 length_unit = "m"
 [[material]]
 region = "body"
-law = "{}"
-youngs_modulus_pa = 6000.0
-poissons_ratio = 0.4
-{}[[tool]]
+{}{}[[tool]]
 name = "tip"
 shape = "sphere"
 radius_m = 0.012
@@ -56,7 +62,8 @@ depths = {}
     return read_scene(folder_ / "scene.toml");
   }
 
-  static NodeDetail press(const Scene& scene, const NonlinearOptions& options) {
+  static NodeDetail press(const Scene& scene,
+                          const std::optional<NonlinearOptions>& options) {
     const BodySource body = read_body(scene);
     Progress quiet(nullptr);
     // Aside of the top, so that nothing is symmetric.
@@ -102,6 +109,52 @@ TEST_F(NodeDetails, AFarFieldAtRestStiffnessIsInBalanceAboutItsRestPosition) {
   EXPECT_LT(detail.checks.theory_moment, 0.05);
 }
 
+// Laws with one Young's modulus and Poisson's ratio at small strain, or fibres beside.
+TEST_F(NodeDetails, EveryLawIsPressedInBalanceAndTheWorkIsStored) {
+  const std::string same = "youngs_modulus_pa = 6000.0\npoissons_ratio = 0.4\n";
+  const double mu = 6000.0 / 2.8;
+  const std::string poisson = "poissons_ratio = 0.4\n";
+  const std::string fibre =
+      "law = \"transversely-isotropic\"\nfibre = [1.0, 0.0, 0.0]\n";
+  struct Law {
+    std::string text;
+    bool isotropic = true;
+  };
+  const std::vector<Law> laws{
+      {"law = \"linear\"\n" + same},
+      {"law = \"st-venant-kirchhoff\"\n" + same},
+      {"law = \"neo-hookean\"\n" + same},
+      {fmt::format("law = \"mooney-rivlin\"\nc10_pa = {}\nc01_pa = {}\n", 0.35 * mu,
+                   0.15 * mu) +
+       poisson},
+      {fmt::format("law = \"ogden\"\nmu_pa = [{}]\nalpha = [8.0]\n", mu / 4.0) +
+       poisson},
+      {fibre + "fibre_law = \"exponential\"\nk1_pa = 5000.0\nk2 = 1.0\n" + same, false},
+      {fibre +
+           "fibre_law = \"linear\"\nyoungs_modulus_fibre_pa = 20000.0\n"
+           "youngs_modulus_pa = 6000.0\nshear_modulus_fibre_pa = 2500.0\n"
+           "poissons_ratio_fibre = 0.3\npoissons_ratio = 0.4\nfinite_strain = true\n",
+       false}};
+  double shallow_n = 0.0;  // of the linear law
+  for (const Law& law : laws) {
+    const NodeDetail small = press(scene_of(law.text, kFixed, 0.0002, 3), tight());
+    const NodeDetail deep = press(scene_of(law.text, kFixed, 0.004, 12), tight());
+    for (const NodeDetail* detail : {&small, &deep}) {
+      EXPECT_EQ(detail->pressed.failure, "") << law.text;
+      EXPECT_LT(detail->checks.force, 1e-5) << law.text;
+      EXPECT_LT(detail->checks.moment, 1e-5) << law.text;
+      EXPECT_LT(detail->checks.work, 0.02) << law.text;
+    }
+    const double force_n = small.pressed.indentation.sample.back().force_n.norm();
+    shallow_n = shallow_n > 0.0 ? shallow_n : force_n;
+    if (law.isotropic) {
+      EXPECT_NEAR(force_n / shallow_n, 1.0, 0.05) << law.text;
+    } else {
+      EXPECT_GT(force_n / shallow_n, 1.05) << law.text;  // fibres add
+    }
+  }
+}
+
 // A sharp rim folds to a side under the tool: updates of the contact's multipliers
 // alone do not settle there.
 TEST_F(NodeDetails, ASharpRimThatGivesWayIsPressedToTheEnd) {
@@ -114,7 +167,7 @@ TEST_F(NodeDetails, ASharpRimThatGivesWayIsPressedToTheEnd) {
   Progress quiet(nullptr);
   const std::int64_t rim = nearest_vertex(body.surface, {0.02, 0.0, 0.02});
   const NodeDetail detail =
-      press_in_detail(ball, body, body.tool.front(), rim, {}, quiet);
+      press_in_detail(ball, body, body.tool.front(), rim, NonlinearOptions{}, quiet);
   EXPECT_EQ(detail.pressed.failure, "");
   EXPECT_EQ(detail.pressed.indentation.sample.size(), 21U);
   EXPECT_LT(detail.checks.force, 1e-3);
