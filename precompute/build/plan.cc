@@ -78,9 +78,11 @@ class Planner {
 
   // Own meshes for groups of vertices, as many at once as there are workers, until that
   // takes a while; of `count` groups. @param times longer than a timed one each takes.
-  void time_own_meshes(const std::string& work, const std::vector<Group>& groups,
-                       std::size_t count, const ContactFocus& focus, bool nonlinear,
-                       double times = 1.0);
+  // Returns the errors that are estimated of these.
+  std::vector<double> time_own_meshes(const std::string& work,
+                                      const std::vector<Group>& groups,
+                                      std::size_t count, const ContactFocus& focus,
+                                      bool nonlinear, double times = 1.0);
   [[nodiscard]] std::vector<const WorkUnit*> territories() const;
   [[nodiscard]] std::size_t good_of(const WorkUnit& territory) const;
   // Whether a build will probably solve every vertex without a cheap press before.
@@ -197,11 +199,14 @@ std::vector<Planner::Group> Planner::some_groups(
   return some;
 }
 
-void Planner::time_own_meshes(const std::string& work, const std::vector<Group>& groups,
-                              std::size_t count, const ContactFocus& focus,
-                              bool nonlinear, double times) {
+std::vector<double> Planner::time_own_meshes(const std::string& work,
+                                             const std::vector<Group>& groups,
+                                             std::size_t count,
+                                             const ContactFocus& focus, bool nonlinear,
+                                             double times) {
   progress_.stage("some of: " + work);
   const SharedTool& tool = body_.tool.front();
+  std::vector<std::vector<PressedNode>> pressed(groups.size());
   std::size_t timed = 0;
   double seconds = 0.0;
   while (timed < groups.size() && seconds < kGroupsS) {
@@ -209,7 +214,7 @@ void Planner::time_own_meshes(const std::string& work, const std::vector<Group>&
     seconds += seconds_of([&] {
       tbb::parallel_for(timed, timed + batch, [&](std::size_t i) {
         // Without what is done again where a press fails (press_on_own_mesh).
-        (void)press_on_model(
+        pressed[i] = press_on_model(
             scene_, body_, make_own_model(scene_, body_, groups[i], focus), tool,
             groups[i],
             {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
@@ -219,6 +224,14 @@ void Planner::time_own_meshes(const std::string& work, const std::vector<Group>&
   }
   report_.cost.push_back(
       cost_of_all(work, count * body_.tool.size(), timed, seconds, times));
+  std::vector<double> error;
+  for (const auto& group : pressed) {
+    for (const PressedNode& node : group) {
+      error.push_back(to_response(node.indentation, node.path, scene_.force_relative)
+                          .error_relative);
+    }
+  }
+  return error;
 }
 
 void Planner::time_cheap_on_own_meshes() {
@@ -237,8 +250,16 @@ void Planner::time_cheap_on_own_meshes() {
   if (all_solved_alone()) {
     return;
   }
-  time_own_meshes("groups of linear presses on meshes of their own", groups, count,
-                  strategy_.focus, false);
+  const std::vector<double> error =
+      time_own_meshes("groups of linear presses on meshes of their own", groups, count,
+                      strategy_.focus, false);
+  if (strategy_.cheap_is_good) {
+    again_share_ = static_cast<double>(std::count_if(error.begin(), error.end(),
+                                                     [&](double e) {
+                                                       return e > scene_.force_relative;
+                                                     })) /
+                   static_cast<double>(error.size());
+  }
 }
 
 void Planner::time_good() {
@@ -266,11 +287,13 @@ void Planner::time_good() {
   if (count < 0.5) {
     return;
   }
-  time_own_meshes(strategy_.cheap_is_good
-                      ? "groups of presses outside the budget, on meshes of their own"
-                      : "groups of good presses on meshes of their own",
-                  some_groups(groups_of), static_cast<std::size_t>(std::lround(count)),
-                  strategy_.focus, strategy_.nonlinear);
+  const bool finer_still = strategy_.cheap_is_good && !strategy_.shared_mesh;
+  (void)time_own_meshes(
+      strategy_.cheap_is_good ? "groups of presses outside the budget, on finer meshes"
+                              : "groups of good presses on meshes of their own",
+      some_groups(groups_of), static_cast<std::size_t>(std::lround(count)),
+      finer_still ? finer(strategy_.focus, kFinerStep) : strategy_.focus,
+      strategy_.nonlinear);
 }
 
 void Planner::time_checks() {
@@ -293,8 +316,8 @@ void Planner::time_checks() {
                        : strategy_.nonlinear
                            ? there.triangles / here.triangles
                            : expected_cpu_s(there) / expected_cpu_s(here);
-  time_own_meshes("checks one level finer", checks, count,
-                  affordable ? fine : strategy_.focus, strategy_.nonlinear, times);
+  (void)time_own_meshes("checks", checks, count, affordable ? fine : strategy_.focus,
+                        strategy_.nonlinear, times);
 }
 
 void Planner::count_responses() {

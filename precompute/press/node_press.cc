@@ -178,7 +178,7 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
 }  // namespace
 
 bool touches_late(const PressedNode& node) {
-  constexpr double kLate = 0.25;
+  constexpr double kLate = 0.5 * kErrorCountsFrom;
   const auto& sample = node.indentation.sample;
   return !node.patch.empty() &&
          (sample.size() < 2 ||

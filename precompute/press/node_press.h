@@ -56,8 +56,8 @@ struct PressedNode {
 /// Whether the mesh is too coarse for the vertex: where the tool's end has reached the
 /// vertex, at zero penetration, it touches the body, but gaps are averaged over the
 /// hats of contact nodes, and around a corner or on a spike the average lies behind.
-/// True where the first touch comes after a quarter of the largest depth, or not at
-/// all.
+/// True where the first touch comes after a twentieth of the largest depth, half of
+/// where errors of force begin to count, or not at all.
 [[nodiscard]] bool touches_late(const PressedNode& node);
 
 /// Whether the scene's materials and method ask for nonlinear solutions.

@@ -67,7 +67,6 @@ std::vector<PressedNode> in_groups(
 }
 
 constexpr std::size_t kTriedFirst = 3;
-constexpr double kFinerStep = 2.0;
 // Of tolerances, in presses that others are measured by.
 constexpr double kBetterShare = 0.3;
 

@@ -47,6 +47,9 @@ struct PressStrategy {
 /// @throws InputError if the scene wants cut-outs, which `task` does not know.
 void require_whole_body(const Scene& scene, const std::string& task);
 
+/// Meshes of linear presses that are made again for being outside the budget.
+inline constexpr double kFinerStep = 2.0;
+
 /// The body on the surface that all presses share.
 [[nodiscard]] BodyModel make_shared_model(const Scene& scene, const BodySource& body,
                                           const PressStrategy& strategy);
@@ -70,8 +73,9 @@ class SceneSolver {
   [[nodiscard]] std::vector<PressedNode> good(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
-  /// Linear presses for those that the strategy's mesh is too coarse for: each on its
-  /// own mesh, of the strategy's size where there is a shared one, else twice as fine.
+  /// Linear presses for those that the strategy's mesh is too coarse for, on meshes
+  /// made for them: of the strategy's size where there was a shared one, else
+  /// kFinerStep times finer.
   [[nodiscard]] std::vector<PressedNode> finer(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 

@@ -24,7 +24,7 @@ name = "fingertip"
 shape = "sphere"
 radius_m = 0.03
 [reach]
-box_m = [[-1.0, -1.0, 0.036], [1.0, 1.0, 1.0]]
+box_m = [[-1.0, -1.0, 0.041], [1.0, 1.0, 1.0]]
 depth_max_m = 0.005
 [accuracy]
 force_relative = 0.3

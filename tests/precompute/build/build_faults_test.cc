@@ -73,7 +73,8 @@ class BuildFaults : public testing::Test {
 
   Scene scene(const std::string& law) const {
     std::ofstream(folder_ / "scene.toml")
-        << organ_on_table(law) << kBallOnTop << "verify = " << verify_ << "\n";
+        << organ_on_table(law) << kBallOnTop
+        << "refine = \"global\"\nverify = " << verify_ << "\n";
     return read_scene(folder_ / "scene.toml");
   }
 

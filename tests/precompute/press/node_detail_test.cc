@@ -118,40 +118,41 @@ TEST_F(NodeDetails, EveryLawIsPressedInBalanceAndTheWorkIsStored) {
       "law = \"transversely-isotropic\"\nfibre = [1.0, 0.0, 0.0]\n";
   struct Law {
     std::string text;
-    bool isotropic = true;
+    double least = 0.95;  // of the linear law's force, 0.2 mm deep
+    double most = 1.05;
   };
   const std::vector<Law> laws{
       {"law = \"linear\"\n" + same},
-      {"law = \"st-venant-kirchhoff\"\n" + same},
+      {"law = \"st-venant-kirchhoff\"\n" + same, 0.8,
+       1.0},  // gives way when compressed
       {"law = \"neo-hookean\"\n" + same},
       {fmt::format("law = \"mooney-rivlin\"\nc10_pa = {}\nc01_pa = {}\n", 0.35 * mu,
                    0.15 * mu) +
        poisson},
       {fmt::format("law = \"ogden\"\nmu_pa = [{}]\nalpha = [8.0]\n", mu / 4.0) +
        poisson},
-      {fibre + "fibre_law = \"exponential\"\nk1_pa = 5000.0\nk2 = 1.0\n" + same, false},
+      {fibre + "fibre_law = \"exponential\"\nk1_pa = 5000.0\nk2 = 1.0\n" + same, 1.05,
+       2.0},
       {fibre +
            "fibre_law = \"linear\"\nyoungs_modulus_fibre_pa = 20000.0\n"
            "youngs_modulus_pa = 6000.0\nshear_modulus_fibre_pa = 2500.0\n"
            "poissons_ratio_fibre = 0.3\npoissons_ratio = 0.4\nfinite_strain = true\n",
-       false}};
+       0.8, 1.2}};
+  const NonlinearOptions every_depth;
   double shallow_n = 0.0;  // of the linear law
   for (const Law& law : laws) {
-    const NodeDetail small = press(scene_of(law.text, kFixed, 0.0002, 3), tight());
-    const NodeDetail deep = press(scene_of(law.text, kFixed, 0.004, 12), tight());
+    const NodeDetail small = press(scene_of(law.text, kFixed, 0.0002, 3), every_depth);
+    const NodeDetail deep = press(scene_of(law.text, kFixed, 0.002, 8), every_depth);
     for (const NodeDetail* detail : {&small, &deep}) {
       EXPECT_EQ(detail->pressed.failure, "") << law.text;
-      EXPECT_LT(detail->checks.force, 1e-5) << law.text;
-      EXPECT_LT(detail->checks.moment, 1e-5) << law.text;
+      EXPECT_LT(detail->checks.force, 1e-2) << law.text;
+      EXPECT_LT(detail->checks.moment, 1e-2) << law.text;
       EXPECT_LT(detail->checks.work, 0.02) << law.text;
     }
     const double force_n = small.pressed.indentation.sample.back().force_n.norm();
     shallow_n = shallow_n > 0.0 ? shallow_n : force_n;
-    if (law.isotropic) {
-      EXPECT_NEAR(force_n / shallow_n, 1.0, 0.05) << law.text;
-    } else {
-      EXPECT_GT(force_n / shallow_n, 1.05) << law.text;  // fibres add
-    }
+    EXPECT_GT(force_n / shallow_n, law.least) << law.text;
+    EXPECT_LT(force_n / shallow_n, law.most) << law.text;
   }
 }
 
@@ -202,7 +203,7 @@ TEST_F(NodeDetails, ContactOverTheSupportIsNotCompared) {
 }
 
 TEST_F(NodeDetails, EveryDepthSaysWhatItCost) {
-  const NodeDetail detail = press(scene("neo-hookean"), {});
+  const NodeDetail detail = press(scene("neo-hookean"), NonlinearOptions{});
   ASSERT_EQ(detail.depth.size(), detail.pressed.indentation.sample.size());
   for (std::size_t k = 1; k < detail.depth.size(); ++k) {
     EXPECT_GT(detail.depth[k].newton, 0);
