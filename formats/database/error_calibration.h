@@ -27,8 +27,9 @@ inline constexpr double kUncheckedFactor = 1.5;
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,
                                       std::span<const double> error);
 
-/// The error of a solution over its difference to one on a mesh twice as fine, in the
-/// median: 1.3 on the organ, against a mesh four times as fine (press_error_study).
-inline constexpr double kErrorPerCheck = 1.3;
+/// The error of a solution over its difference to one on a mesh twice as fine: 1.6
+/// to 1.7 in the median, against a mesh four times as fine (press_error_study on the
+/// organ), as where errors fall with the order 1.4.
+inline constexpr double kErrorPerCheck = 1.6;
 
 }  // namespace palpate

@@ -91,8 +91,7 @@ void print(const PlanReport& plan) {
   print_meshes(plan);
   fmt::print("responses     {} solved at least, about {}; about {} interpolated\n",
              plan.solved_at_least, plan.solved_expected, plan.interpolated_expected);
-  fmt::print("units         {} ({} of them checks)\n", plan.units,
-             plan.checks);
+  fmt::print("units         {} ({} of them checks)\n", plan.units, plan.checks);
   for (const PlanCost& cost : plan.cost) {
     fmt::print("  {:8.2f} s  {} {}\n", cost.seconds, cost.count, cost.work);
   }
