@@ -189,10 +189,13 @@ TEST_F(BuildFaults, AWorkerThatDiesCostsItsNodeAlone) {
 }
 
 TEST_F(BuildFaults, ARatioThatFailsLeavesItsNeighboursTheOthers) {
-  set_fault_maker({});
+  std::int32_t bad = -1;
+  set_fault_maker([&](FaultPlace at, std::int32_t vertex, std::span<double>) {
+    bad = at == FaultPlace::kRatio && bad < 0 ? vertex : bad;
+  });
   const BuildReport sound = build_one("neo-hookean", false);
   ASSERT_GT(sound.assembly.interpolated, 0);
-  const std::int32_t bad = vertex_of(sound, ResponseOrigin::kSimulated, 2);
+  ASSERT_GE(bad, 0);
   int met = 0;
   set_fault_maker([&](FaultPlace at, std::int32_t vertex, std::span<double> numbers) {
     if (at == FaultPlace::kRatio && vertex == bad) {
