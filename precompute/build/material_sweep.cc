@@ -14,6 +14,7 @@
 #include "formats/response/response_curve.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/material/material_of_scene.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 
 namespace palpate {

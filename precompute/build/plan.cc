@@ -15,6 +15,7 @@
 #include "precompute/build/plan_shared_mesh.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/node_press.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/press_cost.h"
 #include "precompute/press/scene_solver.h"

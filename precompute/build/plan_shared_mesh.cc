@@ -8,6 +8,7 @@
 #include "formats/base/stopwatch.h"
 #include "precompute/build/estimated_share.h"
 #include "precompute/press/compliance_sample.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/press/press_cost.h"
 #include "precompute/process/machine_memory.h"
 

@@ -122,4 +122,18 @@ ContactSurface make_contact_surface(const QuadraticMesh& mesh) {
   return surface;
 }
 
+Eigen::VectorXd pressure_load_n(const ContactSurface& surface,
+                                std::span<const std::int32_t> patch,
+                                const Eigen::VectorXd& pressure_n) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * std::ssize(surface.of_mesh_node));
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    for (const NodalForce& entry :
+         surface.node[static_cast<std::size_t>(patch[i])].load) {
+      load.segment<3>(3 * Eigen::Index{entry.node}) +=
+          pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
+    }
+  }
+  return load;
+}
+
 }  // namespace palpate

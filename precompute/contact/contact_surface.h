@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -50,5 +51,11 @@ struct ContactSurface {
 };
 
 [[nodiscard]] ContactSurface make_contact_surface(const QuadraticMesh& mesh);
+
+/// (3 n_mesh_nodes) [N] on the mesh's nodes, of pressures on a patch's hats.
+/// @param pressure_n (n_patch) [N].
+[[nodiscard]] Eigen::VectorXd pressure_load_n(const ContactSurface& surface,
+                                              std::span<const std::int32_t> patch,
+                                              const Eigen::VectorXd& pressure_n);
 
 }  // namespace palpate

@@ -136,15 +136,6 @@ double NearField::smallest_jacobian(const Eigen::VectorXd& u_m) const {
 
 namespace {
 
-ElementVector nodal_values(const QuadraticMesh& mesh, Eigen::Index tet,
-                           const Eigen::VectorXd& u_m) {
-  ElementVector u;
-  for (Eigen::Index j = 0; j < 10; ++j) {
-    u.segment<3>(3 * j) = u_m.segment<3>(3 * Eigen::Index{mesh.tet(tet, j)});
-  }
-  return u;
-}
-
 const Material& material_of(const QuadraticMesh& mesh,
                             std::span<const Material> materials, Eigen::Index tet) {
   return materials[static_cast<std::size_t>(region_of(mesh, tet))];

@@ -25,21 +25,6 @@ const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
   return surface.node[static_cast<std::size_t>(v)];
 }
 
-// Displacement (3 n_nodes) of the linear body under pressures of the patch.
-Eigen::VectorXd linear_displacement_m(const NonlinearBody& body,
-                                      std::span<const std::int32_t> patch,
-                                      const Eigen::VectorXd& pressure_n,
-                                      const RestSolve& solve) {
-  Eigen::VectorXd source = Eigen::VectorXd::Zero(3 * body.mesh.position_m.rows());
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    for (const NodalForce& entry : node_of(body.surface, patch[i]).load) {
-      source.segment<3>(3 * Eigen::Index{entry.node}) +=
-          pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
-    }
-  }
-  return solve(body.supports.free_index, source);
-}
-
 // Nodes of every face that carries one of the patch's hats.
 std::vector<std::int32_t> contact_mesh_nodes(const NonlinearBody& body,
                                              std::span<const std::int32_t> patch) {
@@ -97,9 +82,10 @@ class Press {
     }
     result_.hard_path = stiff_ || was_cut_ || was_indefinite_;
     if (!result_.sample.empty()) {
-      result_.far_excess_relative =
-          far_excess_j(body_.mesh, body_.material, near_tet_, displacement_m()) /
-          std::max(result_.sample.back().energy_j, std::numeric_limits<double>::min());
+      result_.far_excess_relative = std::min(
+          1.0, far_excess_j(body_.mesh, body_.material, near_tet_, displacement_m()) /
+                   std::max(result_.sample.back().energy_j,
+                            std::numeric_limits<double>::min()));
     }
     result_.near_tets = near_.tets();
     result_.near_nodes = near_.size() / 3;
@@ -111,7 +97,8 @@ class Press {
  private:
   std::vector<Eigen::Index> strained() const {
     const Eigen::VectorXd u =
-        linear_displacement_m(body_, patch_, steps_.back().linear_pressure_n, solve_);
+        solve_(body_.supports.free_index,
+               pressure_load_n(body_.surface, patch_, steps_.back().linear_pressure_n));
     return strained_tets(body_.mesh, body_.material, u, options_.near_gradient);
   }
 

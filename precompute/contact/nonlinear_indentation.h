@@ -73,7 +73,8 @@ struct NonlinearIndentation {
   /// A step was cut, the contact stiffened, or the tangent was indefinite where
   /// Newton's method ended: other equilibria may lie near.
   bool hard_path = false;
-  double far_excess_relative = 0.0;  ///< [-] far_excess_j over the energy, at the end
+  /// [-] far_excess_j over the energy, at the end; at most 1
+  double far_excess_relative = 0.0;
   Eigen::Index near_tets = 0;
   Eigen::Index near_nodes = 0;
   std::vector<Eigen::Index> near_tet;  ///< of the mesh, ascending; linear laws too

@@ -98,6 +98,15 @@ std::array<Eigen::Matrix3d, 4> all_gradients(const ElementGeometry& geometry,
 
 }  // namespace
 
+ElementVector nodal_values(const QuadraticMesh& mesh, Eigen::Index tet,
+                           const Eigen::VectorXd& u) {
+  ElementVector values;
+  for (Eigen::Index j = 0; j < 10; ++j) {
+    values.segment<3>(3 * j) = u.segment<3>(3 * Eigen::Index{mesh.tet(tet, j)});
+  }
+  return values;
+}
+
 ElementGeometry element_geometry(const Eigen::Matrix<double, 4, 3>& corner_m,
                                  Eigen::Index tet) {
   Eigen::Matrix3d edges;

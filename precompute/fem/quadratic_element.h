@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "precompute/fem/quadratic_mesh.h"
 #include "precompute/material/material.h"
 
 namespace palpate {
@@ -36,6 +37,10 @@ struct ElementLinearisation {
   ElementVector force_n;    ///< dW/du
   ElementMatrix stiffness;  ///< d2W/du2 [N/m], symmetric
 };
+
+/// Of a tet's ten nodes, out of u (3 n_nodes).
+[[nodiscard]] ElementVector nodal_values(const QuadraticMesh& mesh, Eigen::Index tet,
+                                         const Eigen::VectorXd& u);
 
 /// [J]; +inf where the law does not admit the deformation.
 [[nodiscard]] double element_energy(const ElementGeometry& geometry,

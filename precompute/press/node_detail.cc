@@ -7,6 +7,7 @@
 
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/scene_solver.h"
 #include "precompute/press/work_unit_solver.h"
@@ -23,26 +24,9 @@ struct Resultant {
   }
 };
 
-ElementVector gather(const QuadraticMesh& mesh, Eigen::Index tet,
-                     const Eigen::VectorXd& u_m) {
-  ElementVector u;
-  for (Eigen::Index j = 0; j < 10; ++j) {
-    u.segment<3>(3 * j) = u_m.segment<3>(3 * Eigen::Index{mesh.tet(tet, j)});
-  }
-  return u;
-}
-
 Eigen::VectorXd pressure_load_n(const BodyModel& model, const PressedNode& pressed,
                                 const Eigen::VectorXd& pressure_n) {
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * model.mesh.position_m.rows());
-  for (std::size_t i = 0; i < pressed.patch.size(); ++i) {
-    const auto v = static_cast<std::size_t>(pressed.patch[i]);
-    for (const NodalForce& entry : model.contact.node[v].load) {
-      load.segment<3>(3 * Eigen::Index{entry.node}) +=
-          pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
-    }
-  }
-  return load;
+  return pressure_load_n(model.contact, pressed.patch, pressure_n);
 }
 
 bool is_held_node(const BodyModel& model, Eigen::Index node) {
@@ -113,7 +97,7 @@ struct Internal {
 Internal internal_forces(const BodyModel& model, const DeformedBody& body) {
   Internal all{.force_n = Eigen::VectorXd::Zero(body.displacement_m.size())};
   for (Eigen::Index t = 0; t < model.mesh.tet.rows(); ++t) {
-    const ElementVector u = gather(model.mesh, t, body.displacement_m);
+    const ElementVector u = nodal_values(model.mesh, t, body.displacement_m);
     const auto geometry = element_geometry(tet_corners(model.mesh, t), t);
     const Material& law =
         model.material[static_cast<std::size_t>(region_of(model.mesh, t))];
@@ -207,7 +191,7 @@ std::vector<DepthDetail> depths_of(const BodyModel& model, const PressedNode& pr
       depth[k].smallest_jacobian =
           std::min(depth[k].smallest_jacobian,
                    smallest_jacobian(element_geometry(tet_corners(model.mesh, t), t),
-                                     gather(model.mesh, t, u)));
+                                     nodal_values(model.mesh, t, u)));
     }
   }
   return depth;

