@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/precision_choice.h"
 #include "formats/database/work_unit.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/response_ratio.h"
@@ -17,10 +18,23 @@
 namespace palpate {
 namespace {
 
-// Shares of a database that one response takes: four numbers per sample, eight numbers
-// and two bytes per node, and where its samples begin.
-std::int64_t stored_bytes(const NodeResponse& response) {
-  return static_cast<std::int64_t>(response.depth_m.size()) * 32 + 8 * 9 + 8 + 2;
+// Of the database that a build would write of these responses (FORMAT.md, "Precision"):
+// depths and forces as precisely as the budget needs; float64 files also keep slopes and
+// energies, int16 files two scales per node. Eight numbers and two bytes per node, and
+// where its samples begin.
+std::int64_t stored_bytes(const std::vector<NodeResponse>& responses,
+                          double force_relative) {
+  ResponseDatabase database;
+  database.tools.push_back(make_table({}, responses));
+  const Precision precision = cheapest_precision(database, force_relative);
+  const auto nodes = static_cast<std::int64_t>(responses.size());
+  const auto samples = static_cast<std::int64_t>(database.tools.front().depth_m.size());
+  const std::int64_t of_sample = precision == Precision::kFloat64   ? 4 * 8
+                                 : precision == Precision::kFloat32 ? 2 * 4
+                                                                    : 2 * 2;
+  const std::int64_t of_node =
+      8 * 8 + 2 + 8 + (precision == Precision::kInt16 ? 2 * 8 : 0);
+  return samples * of_sample + nodes * of_node;
 }
 
 bool is_complete(const PressedNode& node) {
@@ -295,7 +309,7 @@ void TradeRun::add_interpolated(const Scene& scene, const PressStrategy& strateg
 void TradeRun::add(const AccuracyTradeRow& row, const Responses& responses) {
   AccuracyTradeRow whole = row;
   double sum = 0.0;
-  std::int64_t bytes = 0;
+  std::vector<NodeResponse> compared;
   for (std::size_t i = 0; i < responses.size(); ++i) {
     if (!responses[i] || !reference_[i]) {
       continue;
@@ -304,12 +318,13 @@ void TradeRun::add(const AccuracyTradeRow& row, const Responses& responses) {
         *responses[i], *reference_[i], body_.normal.row(report_.vertex[i]).transpose());
     ++whole.compared;
     sum += error * error;
-    bytes += stored_bytes(*responses[i]);
+    compared.push_back(*responses[i]);
     whole.error_largest = std::max(whole.error_largest, error);
   }
   if (whole.compared > 0) {
     whole.error_rms = std::sqrt(sum / static_cast<double>(whole.compared));
-    whole.response_bytes = bytes * report_.reachable / whole.compared;
+    whole.response_bytes = stored_bytes(compared, report_.force_relative) *
+                           report_.reachable / whole.compared;
   }
   report_.row.push_back(whole);
 }

@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
-constexpr double kCanBeWrongBy = 1.5;
+constexpr double kCanBeWrongBy = 1.4;
 
 std::int64_t available_bytes() {
   std::ifstream in("/proc/meminfo");
@@ -49,7 +49,7 @@ std::int64_t free_memory_bytes() {
 }
 
 double expected_memory_bytes(std::int64_t triangles) {
-  return 1.06e4 * std::pow(static_cast<double>(triangles), 1.240);
+  return 1.40e4 * std::pow(static_cast<double>(triangles), 1.240);
 }
 
 void require_memory(std::int64_t triangles) {

@@ -2,10 +2,10 @@
 //
 // factor_study [BYTES]
 //
-// Two kinds of bodies, finer from row to row until the next would need more than BYTES
-// (default 3e9): a cylinder, whose quadratic tets are as fine as its surface there and
-// grow inwards, as a build's shared mesh; and a box of equal tets, the most that a body
-// of so many unknowns can need. Fitted are powers, y = c x^p, by least squares of the
+// Three kinds of bodies, finer from row to row until the next would need more than BYTES
+// (default 4e9): a cylinder and the demo's organ, whose quadratic tets are as fine as
+// their surface there and grow inwards, as a build's shared mesh; and a box of equal
+// tets, the most that a body of so many unknowns can need. Fitted are powers, y = c x^p, by least squares of the
 // logarithms over the larger half of the rows; they say the largest body for a memory.
 #include <cmath>
 #include <cstdlib>
@@ -31,6 +31,7 @@ namespace palpate {
 namespace {
 
 constexpr double kCylinderStep = 1.5;  // of edges
+constexpr double kOrganStep = 2.0;
 constexpr double kBoxStep = 1.25;
 constexpr int kMostRows = 12;
 constexpr double kGigabyte = 1e9;
@@ -55,6 +56,11 @@ Solid cylinder_of(int row) {
   const int rings = static_cast<int>(std::lround(5.0 * std::pow(kCylinderStep, row)));
   const SurfaceMesh surface = cylinder(0.02, 0.02, rings);
   return {tetrahedralise(surface), surface.triangle, 1e-9};
+}
+
+Solid organ_of(int row) {
+  const SurfaceMesh surface = organ(3 + row);
+  return {tetrahedralise(surface), surface.triangle, 0.002};
 }
 
 Solid box_of(int row) {
@@ -117,6 +123,9 @@ Power fitted(const std::vector<Row>& rows, double Row::*x, double Row::*y) {
 void print_fits(const std::vector<Row>& all) {
   const std::vector<Row> rows(all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2),
                               all.end());
+  if (rows.size() < 2) {
+    return;
+  }
   const Power nonzeros = fitted(rows, &Row::unknowns, &Row::nonzeros);
   const Power memory = fitted(rows, &Row::unknowns, &Row::peak_bytes);
   const Power time = fitted(rows, &Row::unknowns, &Row::factor_s);
@@ -160,7 +169,7 @@ void study(const std::string& name, const std::function<Solid(int)>& solid_of,
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  const double most_bytes = argc > 1 ? std::atof(argv[1]) : 3e9;
+  const double most_bytes = argc > 1 ? std::atof(argv[1]) : 4e9;
   if (argc > 2 || !(most_bytes > 0.0)) {
     fmt::print(stderr, "usage: factor_study [BYTES]\n");
     return EXIT_FAILURE;
@@ -168,6 +177,8 @@ int main(int argc, char** argv) {
   try {
     palpate::study("cylinder, tets growing inwards", palpate::cylinder_of,
                    std::pow(palpate::kCylinderStep, 2.5), most_bytes);
+    palpate::study("organ, tets growing inwards", palpate::organ_of,
+                   std::pow(palpate::kOrganStep, 2.5), most_bytes);
     palpate::study("box, equal tets", palpate::box_of, std::pow(palpate::kBoxStep, 4.0),
                    most_bytes);
     return EXIT_SUCCESS;

@@ -61,9 +61,10 @@ TEST_F(Trade, TheWorstVertexIsNoBetterThanTheirMean) {
   }
 }
 
-TEST_F(Trade, ASampleOfACurveTakesFourNumbers) {
+TEST_F(Trade, ASampleOfACurveTakesTwoNumbersOfSixteenBits) {
   EXPECT_EQ(report_.row[1].response_bytes - report_.row[0].response_bytes,
-            report_.reachable * 5 * 4 * 8);
+            report_.reachable * 5 * 2 * 2)
+      << "FORMAT.md, \"Precision\": what a budget of 5 % is written with";
 }
 
 TEST_F(Trade, TheCheapestAndTheMostExactAreOnTheFront) {
