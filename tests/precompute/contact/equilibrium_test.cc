@@ -2,53 +2,28 @@
 // sooner found where tangents are known.
 #include "precompute/contact/equilibrium.h"
 
-#include <array>
-#include <cmath>
 #include <memory>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
-#include "precompute/contact/contact_gap.h"
-#include "precompute/fem/linear_elasticity.h"
-#include "tests/support/box_tets.h"
-#include "tests/support/tool_shapes.h"
+#include "tests/precompute/contact/soft_block.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kHalf = 0.02;
-constexpr double kRadius = 0.006;
-const std::array<Material, 1> kGel{neo_hookean(5e3, 0.48)};
-
-// All of it near; its contact nodes are those of the top.
-struct Block {
-  Block() {
-    const std::vector<double> x = graded(kHalf, 0.004, 0.004, 2.0);
-    const std::vector<double> z(
-        x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2) + 1);
-    const BoxTets box = box_tets(x, x, z);
-    mesh = make_quadratic(box.tets, box.surface);
-    const Eigen::AlignedBox3d floor(Eigen::Vector3d::Constant(-1),
-                                    Eigen::Vector3d(1, 1, -kHalf + 1e-9));
-    supports = hold_boxes(mesh, std::span(&floor, 1));
-    surface = make_contact_surface(mesh);
-    factor = std::make_unique<CholeskyFactor>(
-        reduce(assemble_stiffness(mesh, kGel), supports));
-    solve = single_solves(*factor);
+// All of it near.
+struct Block : SoftBlock {
+  Block() : SoftBlock(neo_hookean(5e3, 0.48)) {
     std::vector<std::int32_t> nodes;
-    for (std::size_t v = 0; v < surface.node.size(); ++v) {
-      const ContactNode& node = surface.node[v];
-      if (node.normal.z() > 0.9 && node.position_m.norm() < 0.009) {
-        patch.push_back(static_cast<std::int32_t>(v));
-        for (const NodalForce& entry : node.load) {
-          nodes.push_back(entry.node);
-        }
+    for (const std::int32_t v : patch) {
+      for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
+        nodes.push_back(entry.node);
       }
     }
     std::vector<Eigen::Index> tets(static_cast<std::size_t>(mesh.tet.rows()));
     std::iota(tets.begin(), tets.end(), Eigen::Index{0});
-    near = std::make_unique<NearField>(mesh, kGel, supports, tets, nodes);
+    near = std::make_unique<NearField>(mesh, material, supports, tets, nodes);
     contact = std::make_unique<ContactPotential>(surface, mesh, patch, *near);
   }
 
@@ -70,18 +45,11 @@ struct Block {
   // To a ball so deep in the block.
   EquilibriumReport press(Equilibrium& equilibrium, double depth_m,
                           Start& start) const {
-    return equilibrium.find(
-        place_on_path(ball, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), depth_m),
-        start.state, start.multipliers);
+    return equilibrium.find(place_on_path(*ball, Eigen::Vector3d::Zero(),
+                                          Eigen::Vector3d::UnitZ(), depth_m),
+                            start.state, start.multipliers);
   }
 
-  ToolSurface ball{sphere(kRadius)};
-  QuadraticMesh mesh;
-  Supports supports;
-  ContactSurface surface;
-  std::unique_ptr<CholeskyFactor> factor;
-  RestSolve solve;
-  std::vector<std::int32_t> patch;
   std::unique_ptr<NearField> near;
   std::unique_ptr<ContactPotential> contact;
 };
