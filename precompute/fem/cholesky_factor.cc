@@ -13,17 +13,31 @@
 
 // OpenBLAS; its own header is not needed for one call.
 extern "C" void openblas_set_num_threads(int threads);
+// OpenMP's; null where CHOLMOD was built without.
+extern "C" [[gnu::weak]] void omp_set_max_active_levels(int levels);
 
 namespace palpate {
 namespace {
+
+// Keeps libraries from starting threads of their own under the calling one: ours run
+// over nodes and over blocks of right-hand sides, and CHOLMOD wakes four for each
+// supernode, which costs more than they do. OpenMP keeps the setting by thread.
+void stay_on_this_thread() {
+  thread_local bool done = false;
+  if (!done) {
+    openblas_set_num_threads(1);
+    if (omp_set_max_active_levels != nullptr) {
+      omp_set_max_active_levels(0);
+    }
+    done = true;
+  }
+}
 
 // Memory that CHOLMOD hands out, with the workspace that it needs to give it back.
 struct Common {
   cholmod_common c{};
   Common() {
-    // Threads run over blocks of right-hand sides: a second level inside BLAS only
-    // costs.
-    openblas_set_num_threads(1);
+    stay_on_this_thread();
     cholmod_l_start(&c);
     c.supernodal = CHOLMOD_SUPERNODAL;
     c.final_ll = 1;
