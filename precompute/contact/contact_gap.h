@@ -29,6 +29,10 @@ struct Gap {
 /// n_D / (n_D . press). For a sphere t = -b - sqrt(R^2 - s^2), b = press . r,
 /// r = p - centre, s = |r - b press|, straight beyond s = 0.95 R. Zero where the
 /// surface faces away.
+///
+/// No point meets the tool before it has moved by D: outside the tool the gap is D
+/// where that is larger. It is on steep walls far below the tool, whose height counts
+/// little along their normals; nowhere on a surface across the press (D <= t).
 [[nodiscard]] Gap tool_gap(const Eigen::Vector3d& p_m, const Eigen::Vector3d& normal,
                            const PlacedTool& tool);
 

@@ -51,17 +51,27 @@ Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
   return gaps;
 }
 
-// Penetration at which the first gap closes. The tool moves along the press, and so
-// does the height of its near side above every point (contact_gap.h): gaps are linear
-// in the penetration, gap(delta) = gap(0) - rate delta.
+// Penetration at which the first gap closes. Nearly always gaps are linear in the
+// penetration, because the height of the tool's near side above a point is; where the
+// distance to the tool counts instead (contact_gap.h) they are convex, and Newton's
+// steps come closer from the side that is open.
 double first_touch_m(const ContactSurface& surface, std::span<const std::int32_t> patch,
                      const IndentationPath& path) {
-  const Gaps gaps = gaps_at(surface, patch, path, 0.0);
-  double touch = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < gaps.distance_m.size(); ++i) {
-    const double rate = gaps.by_centre.row(i).dot(path.outward);
-    if (rate > 0.0) {
-      touch = std::min(touch, gaps.distance_m[i] / rate);
+  constexpr int kSteps = 30;
+  constexpr double kClosed = 1e-9;  // [-] of the largest depth
+  double touch = 0.0;
+  for (int step = 0; step < kSteps; ++step) {
+    const Gaps gaps = gaps_at(surface, patch, path, touch);
+    double further = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < gaps.distance_m.size(); ++i) {
+      const double rate = gaps.by_centre.row(i).dot(path.outward);
+      if (rate > 0.0) {
+        further = std::min(further, gaps.distance_m[i] / rate);
+      }
+    }
+    touch += further;
+    if (!(std::abs(further) > kClosed * path.depth_max_m) || !std::isfinite(touch)) {
+      break;
     }
   }
   return touch;

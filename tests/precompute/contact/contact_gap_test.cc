@@ -55,6 +55,25 @@ TEST(SphereGap, PushesATiltedSurfaceAlongItsNormalWhereItTouches) {
   EXPECT_NEAR(sphere_gap(beside, normal, sphere).distance_m, 1e-6, 1e-8);
 }
 
+TEST(SphereGap, OfAWallFarBelowIsNoLessThanTheDistanceToTheBall) {
+  const PressedSphere ball{{0, 0, 0.006}, {0, 0, 1}, 0.012};
+  const Eigen::Vector3d wall(0.0092, 0.0, -0.0056);
+  const Eigen::Vector3d normal = Eigen::Vector3d(1.0, 0.0, 0.12).normalized();
+  const double distance_m = std::hypot(0.0092, 0.0116) - 0.012;
+  const Gap gap = sphere_gap(wall, normal, ball);
+  EXPECT_NEAR(gap.distance_m, distance_m, 1e-15);
+  EXPECT_NEAR((gap.by_tool - Eigen::Vector3d(-0.0092, 0.0, 0.0116).normalized()).norm(),
+              0.0, 1e-12);
+  // Its height times the cosine would be a fifth of that.
+  const double height_m = 0.006 - std::sqrt(0.012 * 0.012 - 0.0092 * 0.0092) + 0.0056;
+  EXPECT_LT(0.12 * height_m, 0.25 * distance_m);
+  // Within the ball, and where the surface lies across the press, heights count.
+  const double inside_m = -0.006 + std::sqrt(0.012 * 0.012 - 0.0092 * 0.0092) - 0.001;
+  EXPECT_NEAR(sphere_gap({0.0092, 0.0, -inside_m}, normal, ball).distance_m,
+              normal.z() * -0.001, 1e-12);
+  EXPECT_NEAR(sphere_gap(wall, {0, 0, 1}, ball).distance_m, height_m, 1e-15);
+}
+
 TEST(SphereGap, OfASurfaceThatFacesAwayIsZero) {
   const PressedSphere sphere{{0, 0, 1}, {0, 0, 1}, 1.0};
   const Gap gap = sphere_gap({0.1, 0, 0.3}, {0, 0.6, -0.8}, sphere);
