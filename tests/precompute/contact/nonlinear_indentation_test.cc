@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -135,6 +136,11 @@ TEST_F(PressIntoGel, ForceIsAlongThePressAndGrowsFasterThanTheLinearBodys) {
     }
     EXPECT_GT(sample.smallest_jacobian, 0.3);
     EXPECT_LE(sample.smallest_jacobian, 1.0);
+    if (k > kSteps / 2) {  // Hertz: pi R d, within what hats resolve
+      EXPECT_NEAR(sample.contact_area_m2,
+                  std::numbers::pi * SoftBlock::kRadius * sample.penetration_m,
+                  0.4 * sample.contact_area_m2);
+    }
     if (k > 0) {
       EXPECT_GE(sample.contact_area_m2, exact_.sample[k - 1].contact_area_m2);
       EXPECT_GT(sample.energy_j, exact_.sample[k - 1].energy_j);
@@ -183,6 +189,8 @@ TEST_F(PressIntoGel, AFarFieldThatKeepsItsRestStiffnessChangesLittle) {
   ASSERT_TRUE(usual_.converged()) << usual_.failure;
   EXPECT_LT(usual_.near_tets, exact_.near_tets);
   EXPECT_EQ(exact_.near_tets, gel_->block().mesh.tet.rows());
+  EXPECT_EQ(exact_.near_nodes, gel_->block().mesh.position_m.rows());
+  EXPECT_LT(usual_.near_nodes, exact_.near_nodes);
   EXPECT_EQ(static_cast<Eigen::Index>(usual_.near_tet.size()), usual_.near_tets);
   EXPECT_EQ(exact_.far_excess_relative, 0.0);
   EXPECT_GT(usual_.far_excess_relative, 0.0);

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "tests/precompute/material/material_laws.h"
+#include "tests/support/every_law.h"
 
 namespace palpate {
 namespace {
@@ -33,6 +34,28 @@ double lateral_contraction(const Material& law) {
   }
   const Vector9 strain = regular.fullPivLu().solve(as_vector(stress));
   return -strain[4] / strain[0];
+}
+
+TEST(SmallModuli, AreTheVoigtMeansOfTheTangentAtRest) {
+  for (const NamedLaw& named : every_law()) {
+    Matrix3d F = Matrix3d::Identity();
+    F(0, 0) += 1e-9;  // fibres along x bear something
+    const Tangent C = response(named.law, F).tangent;
+    double iijj = 0.0;
+    double ijij = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        iijj += C(4 * i, 4 * j);
+        ijij += C(i + 3 * j, i + 3 * j);
+      }
+    }
+    const double shear = (3.0 * ijij - iijj) / 30.0;
+    const double bulk = iijj / 9.0;
+    const double youngs = 9.0 * bulk * shear / (3.0 * bulk + shear);
+    EXPECT_NEAR(small_shear_modulus_pa(named.law), shear, 1e-6 * shear) << named.name;
+    EXPECT_NEAR(small_youngs_modulus_pa(named.law), youngs, 1e-6 * youngs)
+        << named.name;
+  }
 }
 
 TEST(VolumeMeasure, DerivativesAreThoseOfTheta) {
