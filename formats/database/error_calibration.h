@@ -16,7 +16,7 @@ inline constexpr double kErrorCoverage = 0.95;
 inline constexpr std::size_t kChecksToCalibrate = 19;
 
 /// Times an estimate where nothing was measured, and at least where few checks were:
-/// builds with enough checks find 1.1 to 1.4 (MEASURED.md).
+/// builds with enough checks find about as much (tests/bench/coverage prints factors).
 inline constexpr double kUncheckedFactor = 1.5;
 
 /// [-] The factor on estimates that covers 95 % of new nodes, whatever the distribution
