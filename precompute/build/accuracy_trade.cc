@@ -19,9 +19,9 @@ namespace palpate {
 namespace {
 
 // Of the database that a build would write of these responses (FORMAT.md, "Precision"):
-// depths and forces as precisely as the budget needs; float64 files also keep slopes and
-// energies, int16 files two scales per node. Eight numbers and two bytes per node, and
-// where its samples begin.
+// depths and forces as precisely as the budget needs; float64 files also keep slopes
+// and energies, int16 files two scales per node. Eight numbers and two bytes per node,
+// and where its samples begin.
 std::int64_t stored_bytes(const std::vector<NodeResponse>& responses,
                           double force_relative) {
   ResponseDatabase database;

@@ -11,10 +11,10 @@ namespace palpate {
 [[nodiscard]] std::int64_t free_memory_bytes();
 
 /// Peak memory [bytes] of factorising a compact body in quadratic tets that grow
-/// inwards from a surface of so many triangles: rather too much, because too little ends
-/// in a killed build. Within 5 % of an organ of 5,120 and 20,480 triangles, a third more
-/// than cylinders of 3,000 to 15,000 need (tests/bench/factor_study.cc). Thin bodies
-/// take less, bodies of equal tets more.
+/// inwards from a surface of so many triangles: rather too much, because too little
+/// ends in a killed build. Within 5 % of an organ of 5,120 and 20,480 triangles, a
+/// third more than cylinders of 3,000 to 15,000 need (tests/bench/factor_study.cc).
+/// Thin bodies take less, bodies of equal tets more.
 [[nodiscard]] double expected_memory_bytes(std::int64_t triangles);
 
 /// @throws InputError saying what to do if a body of so many surface triangles would

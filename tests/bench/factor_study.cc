@@ -2,11 +2,12 @@
 //
 // factor_study [BYTES]
 //
-// Three kinds of bodies, finer from row to row until the next would need more than BYTES
-// (default 4e9): a cylinder and the demo's organ, whose quadratic tets are as fine as
-// their surface there and grow inwards, as a build's shared mesh; and a box of equal
-// tets, the most that a body of so many unknowns can need. Fitted are powers, y = c x^p, by least squares of the
-// logarithms over the larger half of the rows; they say the largest body for a memory.
+// Three kinds of bodies, finer from row to row until the next would need more than
+// BYTES (default 4e9): a cylinder and the demo's organ, whose quadratic tets are as
+// fine as their surface there and grow inwards, as a build's shared mesh; and a box of
+// equal tets, the most that a body of so many unknowns can need. Fitted are powers, y =
+// c x^p, by least squares of the logarithms over the larger half of the rows; they say
+// the largest body for a memory.
 #include <cmath>
 #include <cstdlib>
 #include <exception>

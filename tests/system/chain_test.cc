@@ -211,6 +211,7 @@ TEST(RealOrgan, BuildsAndItsDatabaseHolds) {
   ASSERT_EQ(build.exit_code, 0) << build.err;
   const Json report = Json::parse(build.out);
   EXPECT_EQ(report.at("nodes"), 1170);
+  EXPECT_GT(report.at("tets"), 1000) << "of the mesh that all nodes share";
   EXPECT_EQ(report.at("failed"), 0);
   EXPECT_GT(report.at("solved"), 1000);
   EXPECT_EQ(run_tool_process("palpate-db", {"check", database}).exit_code, 0);
