@@ -110,7 +110,7 @@ struct Indentation {
 /// error_relative is an estimate of what force_difference() measures, to be calibrated:
 /// what the pressure's mesh makes (0.55 of the difference to pressure on a mesh twice
 /// as coarse), what bears on the patch's edge, what interpolation between depths and
-/// the part left out around make, and a tenth of the budget for what none of them sees
+/// the part left out around make, and a fifth of the budget for what none of them sees
 /// (root of the sum of squares).
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,

@@ -287,7 +287,7 @@ TEST(Guides, ACurveThatLosesContactIsStoredAsItWasPressed) {
   for (int k = 0; k < 6; ++k) {
     EXPECT_DOUBLE_EQ(r.force_n[static_cast<std::size_t>(k)], force[k]);
   }
-  EXPECT_DOUBLE_EQ(r.error_relative, 0.1 * 0.05);  // the least there is, not 0/0
+  EXPECT_DOUBLE_EQ(r.error_relative, 0.2 * 0.05);  // the least there is, not 0/0
   Indentation nothing = path;
   for (IndentationSample& sample : nothing.sample) {
     sample.force_n.setZero();
