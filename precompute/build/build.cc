@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
@@ -21,6 +20,7 @@
 #include "precompute/press/surface_displacement.h"
 #include "precompute/press/work_unit_solver.h"
 #include "precompute/process/failure_of.h"
+#include "precompute/process/parallel.h"
 #include "precompute/process/peak_memory.h"
 #include "precompute/tets/quality_notes.h"
 
@@ -118,7 +118,7 @@ class UnitRun {
     progress_.stage("indentation");
     std::atomic<std::size_t> done = 0;
     std::mutex reporting;
-    tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
+    in_parallel(open.size(), [&](std::size_t i) {
       outcome[place[i]] = solved_or_failed(solver, open[i]);
       ++done;
       if (reporting.try_lock()) {

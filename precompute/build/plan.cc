@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 
 #include "formats/base/stopwatch.h"
 #include "precompute/build/plan_cut_outs.h"
@@ -21,6 +20,7 @@
 #include "precompute/press/scene_solver.h"
 #include "precompute/press/territory.h"
 #include "precompute/press/work_unit_solver.h"
+#include "precompute/process/parallel.h"
 #include "precompute/process/peak_memory.h"
 
 namespace palpate {
@@ -213,7 +213,8 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
   while (timed < groups.size() && seconds < kGroupsS) {
     const std::size_t batch = std::min(workers_, groups.size() - timed);
     seconds += seconds_of([&] {
-      tbb::parallel_for(timed, timed + batch, [&](std::size_t i) {
+      in_parallel(batch, [&](std::size_t b) {
+        const std::size_t i = timed + b;
         // Without what is done again where a press fails (press_on_own_mesh).
         pressed[i] = press_on_model(
             scene_, body_, make_own_model(scene_, body_, groups[i], focus), tool,

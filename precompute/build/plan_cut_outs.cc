@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
 #include "formats/base/stopwatch.h"
 #include "precompute/press/cut_out_press.h"
+#include "precompute/process/parallel.h"
 
 namespace palpate {
 namespace {
@@ -23,7 +22,7 @@ PlanCost price(const CutOutSolver& solver, const BodySource& body,
                double times_wider) {
   const std::size_t timed = std::min(workers, groups.size());
   const auto began = std::chrono::steady_clock::now();
-  tbb::parallel_for(std::size_t{0}, timed, [&](std::size_t i) {
+  in_parallel(timed, [&](std::size_t i) {
     (void)solver.press(body.tool.front(),
                        groups[(2 * i + 1) * groups.size() / (2 * timed)], times_wider);
   });

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include "formats/base/stopwatch.h"
 #include "precompute/build/estimated_share.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/press_cost.h"
 #include "precompute/process/machine_memory.h"
+#include "precompute/process/parallel.h"
 
 namespace palpate {
 namespace {
@@ -146,7 +145,7 @@ void PlanSharedMesh::time_linear() {
   progress_.stage("a few linear presses");
   std::vector<double> error(sample_.size(), 0.0);
   const double seconds = seconds_of([&] {
-    tbb::parallel_for(std::size_t{0}, sample_.size(), [&](std::size_t i) {
+    in_parallel(sample_.size(), [&](std::size_t i) {
       PressedNode node =
           placed_node(scene_, body_, *model_, body_.tool.front(), sample_[i]);
       press_linear(*model_, *compliance_, node);
@@ -168,7 +167,7 @@ void PlanSharedMesh::time_nonlinear(std::size_t count) {
   progress_.stage("a few nonlinear presses");
   const SharedTool& tool = body_.tool.front();
   const double seconds = seconds_of([&] {
-    tbb::parallel_for(std::size_t{0}, workers_, [&](std::size_t w) {
+    in_parallel(workers_, [&](std::size_t w) {
       std::vector<PressedNode> nodes;
       if (w < sample_.size()) {
         nodes.push_back(placed_node(scene_, body_, *model_, tool, sample_[w]));

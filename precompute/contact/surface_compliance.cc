@@ -4,10 +4,8 @@
 #include <atomic>
 #include <mutex>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "precompute/contact/face_quadrature.h"
+#include "precompute/process/parallel.h"
 
 namespace palpate {
 namespace {
@@ -246,12 +244,9 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
     }
   };
   const std::size_t blocks = (nodes.size() + kBlock - 1) / kBlock;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                        solve_block(i * kBlock);
-                      }
-                    });
+  in_parallel(blocks, [&](std::size_t i) {
+    solve_block(i * kBlock);
+  });
 }
 
 void SurfaceCompliance::add(std::span<const std::int32_t> nodes,

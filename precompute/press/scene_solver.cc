@@ -5,7 +5,6 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "formats/base/error.h"
@@ -14,6 +13,7 @@
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/press_cost.h"
 #include "precompute/process/interrupt.h"
+#include "precompute/process/parallel.h"
 
 namespace palpate {
 namespace {
@@ -52,7 +52,7 @@ std::vector<PressedNode> in_groups(
     const std::function<std::vector<PressedNode>(const Group&)>& press) {
   std::vector<std::vector<PressedNode>> pressed(groups.size());
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
+    in_parallel(groups.size(), [&](std::size_t i) {
       check_interrupted();
       pressed[i] = contained(groups[i], press);
     });

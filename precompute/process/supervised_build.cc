@@ -39,6 +39,8 @@ Crashes* g_crashes =
     nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 std::atomic<pid_t> g_child =
     0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+std::atomic<int> g_unsent =
+    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 thread_local std::int32_t t_vertex = -1;
 
 // Notes the vertex of the thread that crashed and dies as without a handler.
@@ -53,12 +55,22 @@ void note_crash(int signal) {
   raise(signal);
 }
 
-// Ctrl-C reaches the child by itself; a signal that somebody sent to this process alone
+// Hands the signal on for which there was no child before, if any.
+void hand_on_unsent() {
+  const pid_t child = g_child.load();
+  if (child > 0) {
+    if (const int signal = g_unsent.exchange(0); signal != 0) {
+      kill(child, signal);
+    }
+  }
+}
+
+// Ctrl-C reaches a child by itself; a signal that somebody sent to this process alone
 // does not.
 void hand_on(int signal, siginfo_t* info, void* /*context*/) {
-  const pid_t child = g_child.load();
-  if (child > 0 && info->si_code <= 0) {
-    kill(child, signal);
+  if (g_child.load() <= 0 || info->si_code <= 0) {
+    g_unsent = signal;
+    hand_on_unsent();
   }
 }
 
@@ -70,7 +82,8 @@ void set_handlers() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-// Interrupts wait while a process does not know yet whom they are for.
+// Interrupts of this thread and of children that it forks wait. Other threads (a
+// library's) still take the process's.
 void hold_interrupts(bool held) {
   sigset_t interrupts;
   sigemptyset(&interrupts);
@@ -137,6 +150,7 @@ int run_supervised(const std::function<int(bool)>& work) {
       child(work, resume);
     }
     g_child = pid;
+    hand_on_unsent();
     hold_interrupts(false);
     const int status = wait_for(pid);
     g_child = 0;

@@ -77,12 +77,12 @@ ToolRun interrupt_tool_process(const std::string& tool,
 
 ToolRun kill_tool_process(const std::string& tool,
                           const std::vector<std::string>& arguments,
-                          const std::function<bool()>& now) {
+                          const std::function<bool()>& now, int signal) {
   return run(tool, arguments, [&](pid_t child) {
     int status = 0;
     while (waitpid(child, &status, WNOHANG) == 0) {
       if (now()) {
-        kill(child, SIGKILL);
+        kill(child, signal);
         return wait_for(child);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -1,6 +1,7 @@
 // Runs one of the command-line tools as a user would.
 #pragma once
 
+#include <csignal>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,10 +23,11 @@ struct ToolRun {
                                              const std::vector<std::string>& arguments,
                                              int milliseconds);
 
-/// Starts the tool and sends it SIGKILL as soon as `now` is true, unless it ends
+/// Starts the tool and sends it a signal as soon as `now` is true, unless it ends
 /// before.
 [[nodiscard]] ToolRun kill_tool_process(const std::string& tool,
                                         const std::vector<std::string>& arguments,
-                                        const std::function<bool()>& now);
+                                        const std::function<bool()>& now,
+                                        int signal = SIGKILL);
 
 }  // namespace palpate

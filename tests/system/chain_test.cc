@@ -156,13 +156,24 @@ TEST_F(Chain, EveryLocalModelRendersTheDatabase) {
   }
 }
 
-TEST_F(Chain, AnInterruptedBuildLeavesNoFile) {
+// What it had solved is kept whole, and nothing else.
+TEST_F(Chain, AnInterruptedBuildLeavesNoFileAndGoesOnToTheSameBytes) {
   const ScratchFolder out;
   const std::string file = (out / "half.h5").string();
-  const ToolRun run =
-      interrupt_tool_process("palpate-precompute", {"build", scene(), "-o", file}, 30);
+  const std::string partial = file + ".partial";
+  const ToolRun run = kill_tool_process(
+      "palpate-precompute", {"build", scene(), "-o", file},
+      [&] {
+        return std::filesystem::exists(partial);
+      },
+      SIGINT);
   EXPECT_EQ(run.exit_code, 130) << run.err;
-  EXPECT_TRUE(std::filesystem::is_empty(out.path()));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  const ToolRun rest = run_tool_process("palpate-precompute",
+                                        {"build", scene(), "-o", file, "--resume"});
+  ASSERT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_TRUE(read(file) == read(database()));
+  EXPECT_FALSE(std::filesystem::exists(partial));
 }
 
 TEST_F(Chain, TwoDistinctNodesAreNotOneCurve) {
