@@ -15,8 +15,9 @@ inline constexpr double kErrorCoverage = 0.95;
 /// n / (n + 1).
 inline constexpr std::size_t kChecksToCalibrate = 19;
 
-/// Times an estimate where nothing was measured, and at least where few checks were:
-/// builds with enough checks find about as much (tests/bench/coverage prints factors).
+/// Times an estimate where nothing was measured, and at least where few checks were.
+/// Builds with enough checks find 1.1 on an organ and 2.8 on a liver (MEASURED.md): an
+/// error that was not checked is no promise.
 inline constexpr double kUncheckedFactor = 1.5;
 
 /// [-] The factor on estimates that covers 95 % of new nodes, whatever the distribution

@@ -22,8 +22,8 @@ constexpr double kFacingCosine = 0.1;
 // the order is p: 1.5, between that of the contact's edge and that of its inside.
 constexpr double kErrorPerDifference = 0.55;
 // What no estimate sees of a mesh that was made for a budget, over that budget: mostly
-// the body's own mesh. With half of it, checks of a thin organ ask for a factor of 3.2
-// on all estimates (tests/bench/coverage, liver), with twice of it nothing is gained.
+// what the body's own mesh makes. Chosen on an organ and a liver, so that the factor
+// that checks find (error_calibration.h) is not asked for by small estimates alone.
 constexpr double kLeastErrorShare = 0.2;
 
 struct Gaps {

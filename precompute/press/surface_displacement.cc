@@ -10,20 +10,15 @@ namespace {
 
 constexpr Eigen::Index kBlock = 64;  // columns per solve
 
+// On the free degrees of freedom, at the node's last sample.
 void add_load(const BodyModel& model, const PressedNode& node,
               Eigen::Ref<Eigen::VectorXd> b) {
-  const Eigen::VectorXd& pressure_n = node.indentation.sample.back().pressure_n;
-  for (std::size_t i = 0; i < node.patch.size(); ++i) {
-    const auto v = static_cast<std::size_t>(node.patch[i]);
-    for (const NodalForce& entry : model.contact.node[v].load) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t dof =
-            model.supports.free_index[3 * static_cast<std::size_t>(entry.node) + axis];
-        if (dof >= 0) {
-          b[dof] += pressure_n[static_cast<Eigen::Index>(i)] *
-                    entry.force[static_cast<Eigen::Index>(axis)];
-        }
-      }
+  const Eigen::VectorXd load_n = pressure_load_n(
+      model.contact, node.patch, node.indentation.sample.back().pressure_n);
+  for (Eigen::Index i = 0; i < load_n.size(); ++i) {
+    const std::int64_t dof = model.supports.free_index[static_cast<std::size_t>(i)];
+    if (dof >= 0) {
+      b[dof] += load_n[i];
     }
   }
 }

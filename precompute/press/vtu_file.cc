@@ -58,12 +58,9 @@ void add_cell_data(std::string& text, const QuadraticMesh& mesh,
   const Eigen::Index tets = mesh.tet.rows();
   text += "<CellData>\n";
   add_array(text, "Float64", "det_f", 1, tets, [&](Eigen::Index t, auto out) {
-    ElementVector u;
-    for (Eigen::Index j = 0; j < 10; ++j) {
-      u.segment<3>(3 * j) = u_m.segment<3>(3 * Eigen::Index{mesh.tet(t, j)});
-    }
     fmt::format_to(out, "{:.9g}",
-                   smallest_jacobian(element_geometry(tet_corners(mesh, t), t), u));
+                   smallest_jacobian(element_geometry(tet_corners(mesh, t), t),
+                                     nodal_values(mesh, t, u_m)));
   });
   add_array(text, "Int32", "region", 1, tets, [&](Eigen::Index t, auto out) {
     fmt::format_to(out, "{}", region_of(mesh, t));

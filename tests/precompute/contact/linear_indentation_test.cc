@@ -6,9 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/fem/linear_elasticity.h"
-#include "tests/support/box_tets.h"
-#include "tests/support/tool_shapes.h"
+#include "tests/precompute/contact/soft_block.h"
 
 namespace palpate {
 namespace {
@@ -30,17 +28,9 @@ IndentationPath straight_down(int samples = 10) {
 }
 
 // A block held at its floor, fine around the middle of its top, which is the origin.
-struct Block {
-  explicit Block(double fine_m, double growth = 2.2) {
-    const std::vector<double> x = graded(kHalf, 0.0016, fine_m, growth);
-    const std::vector<double> z(
-        x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2) + 1);
-    const BoxTets box = box_tets(x, x, z);
-    mesh = make_quadratic(box.tets, box.surface);
-    const Eigen::AlignedBox3d floor(Eigen::Vector3d::Constant(-1),
-                                    Eigen::Vector3d(1, 1, -kHalf + 1e-9));
-    supports = hold_boxes(mesh, std::span(&floor, 1));
-    surface = make_contact_surface(mesh);
+struct Block : HeldBlock {
+  explicit Block(double fine_m, double growth = 2.2)
+      : HeldBlock(kHalf, 0.0016, fine_m, growth) {
     const CholeskyFactor factor(reduce(assemble_stiffness(mesh, kGel), supports));
     for (std::size_t i = 0; i < surface.node.size(); ++i) {
       if (surface.node[i].position_m.norm() < 1e-12) {
@@ -56,9 +46,6 @@ struct Block {
     return indent(surface, *compliance, patch, path);
   }
 
-  QuadraticMesh mesh;
-  Supports supports;
-  ContactSurface surface;
   std::int32_t centre = -1;
   std::vector<std::int32_t> patch;
   std::unique_ptr<SurfaceCompliance> compliance;

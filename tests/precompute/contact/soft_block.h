@@ -1,4 +1,4 @@
-// A soft block on a floor and a ball above its middle, for tests of contact.
+// Blocks on a floor, and a ball above the middle, for tests of contact.
 #pragma once
 
 #include <array>
@@ -22,22 +22,32 @@
 
 namespace palpate {
 
-/// 40 x 40 x 20 mm, its top at z = 0, held below; contact nodes are those of the top
-/// within 9 mm of the middle.
-struct SoftBlock {
-  static constexpr double kHalf = 0.02;
-  static constexpr double kRadius = 0.006;
-
-  explicit SoftBlock(const Material& law) : material{law} {
-    const std::vector<double> x = graded(kHalf, 0.004, 0.004, 2.0);
+/// As deep as half of its width, its top at z = 0, held below, fine around the middle.
+struct HeldBlock {
+  /// Arguments as of graded().
+  HeldBlock(double half_m, double inner_m, double fine_m, double growth) {
+    const std::vector<double> x = graded(half_m, inner_m, fine_m, growth);
     const std::vector<double> z(
         x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2) + 1);
     const BoxTets box = box_tets(x, x, z);
     mesh = make_quadratic(box.tets, box.surface);
     const Eigen::AlignedBox3d floor(Eigen::Vector3d::Constant(-1),
-                                    Eigen::Vector3d(1, 1, -kHalf + 1e-9));
+                                    Eigen::Vector3d(1, 1, -half_m + 1e-9));
     supports = hold_boxes(mesh, std::span(&floor, 1));
     surface = make_contact_surface(mesh);
+  }
+
+  QuadraticMesh mesh;
+  Supports supports;
+  ContactSurface surface;
+};
+
+/// 40 x 40 x 20 mm; contact nodes are those of the top within 9 mm of the middle.
+struct SoftBlock : HeldBlock {
+  static constexpr double kRadius = 0.006;
+
+  explicit SoftBlock(const Material& law)
+      : HeldBlock(0.02, 0.004, 0.004, 2.0), material{law} {
     factor = std::make_unique<CholeskyFactor>(
         reduce(assemble_stiffness(mesh, material), supports));
     solve = single_solves(*factor);
@@ -52,9 +62,6 @@ struct SoftBlock {
   std::array<Material, 1> material;
   std::shared_ptr<const ToolSurface> ball =
       std::make_shared<const ToolSurface>(sphere(kRadius));
-  QuadraticMesh mesh;
-  Supports supports;
-  ContactSurface surface;
   std::unique_ptr<CholeskyFactor> factor;
   RestSolve solve;
   std::vector<std::int32_t> patch;
