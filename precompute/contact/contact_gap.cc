@@ -156,11 +156,9 @@ Gap tool_gap(const Eigen::Vector3d& p_m, const Eigen::Vector3d& normal,
   const Height height = stands_along_press(tool) ? height_by_profile(p_m, tool)
                                                  : height_on_line(p_m, tool);
   const Gap gap{facing * height.along_m, facing * height.by_tool};
-  if (facing < 1.0 && gap.distance_m > 0.0) {
+  if (facing < 1.0 && gap.distance_m > 0.0 && distance_m(tool, p_m) > gap.distance_m) {
     const ToolDistance straight = distance(tool, p_m);
-    if (straight.distance_m > gap.distance_m) {
-      return {straight.distance_m, -straight.normal};
-    }
+    return {straight.distance_m, -straight.normal};
   }
   return gap;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <unordered_map>
@@ -142,10 +143,11 @@ bool faces(const ContactNode& node, const Eigen::Vector3d& outward) {
 
 // Of the force, the share that nodes bear whose neighbours were left out of the patch
 // for their distance alone: neighbours that face away end a contact, as an edge does.
-// @param pushed (n x 3) direction of each node's force.
+// @param f (n) forces at those of the patch that may be met. @param pushed (n x 3)
+// direction of each.
 double edge_share(const ContactSurface& surface, std::span<const std::int32_t> patch,
-                  const IndentationPath& path, const Eigen::VectorXd& f,
-                  const Eigen::MatrixX3d& pushed) {
+                  std::span<const std::int32_t> met, const IndentationPath& path,
+                  const Eigen::VectorXd& f, const Eigen::MatrixX3d& pushed) {
   const auto away_m = [&](std::int32_t v) {
     return (node_of(surface, v).position_m - path.vertex_m).norm();
   };
@@ -154,8 +156,8 @@ double edge_share(const ContactSurface& surface, std::span<const std::int32_t> p
     reach_m = std::max(reach_m, away_m(v));
   }
   Eigen::Vector3d edge = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    const auto& neighbours = node_of(surface, patch[i]).neighbours;
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    const auto& neighbours = node_of(surface, met[i]).neighbours;
     if (std::any_of(neighbours.begin(), neighbours.end(), [&](std::int32_t v) {
           return away_m(v) > reach_m && faces(node_of(surface, v), path.outward);
         })) {
@@ -175,6 +177,36 @@ double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
   }
   return sum / static_cast<double>(node.neighbours.size());
 }
+
+// Where the compliance has no columns: there the tool must not be met.
+class Outside {
+ public:
+  Outside(const ContactSurface& surface, const SurfaceCompliance& compliance,
+          std::span<const std::int32_t> patch, const IndentationPath& path,
+          std::span<const std::int32_t> columns)
+      : depth_m_(path.depth_max_m) {
+    std::vector<std::int32_t> nodes;
+    std::set_difference(patch.begin(), patch.end(), columns.begin(), columns.end(),
+                        std::back_inserter(nodes));
+    const Gaps gaps = gaps_at(surface, nodes, path, depth_m_);
+    gap_m_ = gaps.distance_m;
+    closing_ = gaps.by_centre * path.outward;
+    moved_ = compliance.between(nodes, columns);
+  }
+
+  // Gaps are convex in the penetration (first_touch_m): a tangent is below them.
+  [[nodiscard]] bool is_met(double penetration_m, const Eigen::VectorXd& f) const {
+    const Eigen::VectorXd least =
+        gap_m_ + (depth_m_ - penetration_m) * closing_ + moved_ * f;
+    return least.size() > 0 && least.minCoeff() < 0.0;
+  }
+
+ private:
+  double depth_m_;
+  Eigen::VectorXd gap_m_;    // (n) at the largest depth
+  Eigen::VectorXd closing_;  // (n) [-] there, by the penetration
+  Eigen::MatrixXd moved_;    // (n x n_columns) [m/N]
+};
 
 double largest_force_n(const Indentation& indentation) {
   double largest = 0.0;
@@ -237,14 +269,44 @@ std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
   return patch;
 }
 
+std::vector<std::int32_t> cut_by_tool(const ContactSurface& surface,
+                                      std::span<const std::int32_t> patch,
+                                      const IndentationPath& path, double share) {
+  std::vector<std::int32_t> cut;
+  if (patch.empty()) {
+    return cut;
+  }
+  const Gaps gaps = gaps_at(surface, patch, path, path.depth_max_m);
+  const double least_m = share * std::min(gaps.distance_m.minCoeff(), 0.0);
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    // One that opens may have been closed before.
+    if (gaps.distance_m[k] < least_m || gaps.by_centre.row(k).dot(path.outward) < 0.0) {
+      const auto& neighbours = node_of(surface, patch[i]).neighbours;
+      cut.push_back(patch[i]);
+      std::copy_if(neighbours.begin(), neighbours.end(), std::back_inserter(cut),
+                   [&](std::int32_t v) {
+                     return std::binary_search(patch.begin(), patch.end(), v);
+                   });
+    }
+  }
+  std::sort(cut.begin(), cut.end());
+  cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
+  return cut;
+}
+
 Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compliance,
                    std::span<const std::int32_t> patch, const IndentationPath& path) {
   Indentation result;
   if (patch.empty()) {
     return result;
   }
-  const Eigen::MatrixXd A = compliance.among(patch);
-  const double touch = first_touch_m(surface, patch, path);
+  std::vector<std::int32_t> columns;
+  std::copy_if(patch.begin(), patch.end(), std::back_inserter(columns),
+               [&](std::int32_t v) {
+                 return compliance.is_column(v);
+               });
+  const double touch = first_touch_m(surface, columns.empty() ? patch : columns, path);
   if (!std::isfinite(touch)) {
     return result;
   }
@@ -252,25 +314,37 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
   if (!(touch < path.depth_max_m)) {
     return result;
   }
+  const Eigen::MatrixXd A = compliance.among(columns);
+  const Outside outside(surface, compliance, patch, path, columns);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
-  CoarseContact coarse(surface, patch, A);
+  CoarseContact coarse(surface, columns, A);
   for (int k = 1; k <= path.samples && !result.force_capped; ++k) {
     const double share = static_cast<double>(k) / path.samples;
     IndentationSample sample;
     sample.penetration_m = touch + (path.depth_max_m - touch) * share * share;
-    const Gaps gaps = gaps_at(surface, patch, path, sample.penetration_m);
+    const Gaps gaps = gaps_at(surface, columns, path, sample.penetration_m);
     const ComplementarityReport report = solve_complementarity(A, gaps.distance_m, f);
     result.iterations += report.iterations;
     result.converged = result.converged && report.converged;
+    result.needs_columns = outside.is_met(sample.penetration_m, f);
+    if (result.needs_columns) {
+      return result;
+    }
     sample.force_n = gaps.by_centre.transpose() * f;
-    result.edge_share = edge_share(surface, patch, path, f, gaps.by_centre);
     sample.energy_j = 0.5 * f.dot(A * f);
-    sample.pressure_n = f;
+    sample.pressure_n = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(patch.size()));
+    for (Eigen::Index i = 0, column = 0; i < sample.pressure_n.size(); ++i) {
+      if (compliance.is_column(patch[static_cast<std::size_t>(i)])) {
+        sample.pressure_n[i] = f[column++];
+      }
+    }
+    result.edge_share = edge_share(surface, patch, columns, path, f, gaps.by_centre);
     sample.coarse_force_n = coarse.force_n(gaps);
     double area = 0.0;
-    for (std::size_t i = 0; i < patch.size(); ++i) {
-      area += f[static_cast<Eigen::Index>(i)] > 0.0 ? node_of(surface, patch[i]).area_m2
-                                                    : 0.0;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      area += f[static_cast<Eigen::Index>(i)] > 0.0
+                  ? node_of(surface, columns[i]).area_m2
+                  : 0.0;
     }
     sample.contact_radius_m = std::sqrt(area / std::numbers::pi);
     result.force_capped = sample.force_n.norm() > path.force_max_n;

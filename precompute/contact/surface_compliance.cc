@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <iterator>
 #include <mutex>
 
 #include "precompute/contact/face_quadrature.h"
@@ -28,13 +29,13 @@ void add_load(const ContactNode& node, const Supports& supports,
 }
 
 // Nodes of `nodes` within the radius of each of them, ascending: a sweep along x.
-std::vector<std::vector<std::int32_t>> near_pairs(
-    const ContactSurface& surface, const std::vector<std::int32_t>& nodes,
-    double radius_m) {
+std::vector<std::vector<std::int32_t>> near_pairs(const ContactSurface& surface,
+                                                  std::span<const std::int32_t> nodes,
+                                                  double radius_m) {
   const auto position = [&](std::int32_t v) -> const Eigen::Vector3d& {
     return surface.node[static_cast<std::size_t>(v)].position_m;
   };
-  std::vector<std::int32_t> by_x = nodes;
+  std::vector<std::int32_t> by_x(nodes.begin(), nodes.end());
   std::sort(by_x.begin(), by_x.end(), [&](std::int32_t a, std::int32_t b) {
     return position(a).x() < position(b).x();
   });
@@ -194,9 +195,11 @@ LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
 SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      const Supports& supports,
                                      const ContactSurface& surface,
-                                     std::vector<std::int32_t> nodes, double radius_m,
-                                     std::span<const char> wanted,
-                                     const std::function<void(std::size_t)>& progress) {
+                                     std::span<const std::int32_t> nodes,
+                                     std::span<const std::int32_t> columns,
+                                     double radius_m, std::span<const char> wanted,
+                                     const std::function<void(std::size_t)>& progress)
+    : is_column_(surface.node.size(), 0) {
   const auto near = near_pairs(surface, nodes, radius_m);
   begin_.push_back(0);
   for (const auto& list : near) {
@@ -204,14 +207,42 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
     begin_.push_back(static_cast<std::int64_t>(neighbour_.size()));
   }
   value_.assign(neighbour_.size(), 0.0);
+  solve(factor, supports, surface, columns, wanted, progress);
+}
 
+void SurfaceCompliance::add_columns(const CholeskyFactor& factor,
+                                    const Supports& supports,
+                                    const ContactSurface& surface,
+                                    std::span<const std::int32_t> columns) {
+  std::vector<std::int32_t> missing;
+  std::copy_if(columns.begin(), columns.end(), std::back_inserter(missing),
+               [&](std::int32_t v) {
+                 return !is_column(v);
+               });
+  solve(factor, supports, surface, missing, {}, nullptr);
+}
+
+void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supports,
+                              const ContactSurface& surface,
+                              std::span<const std::int32_t> columns,
+                              std::span<const char> wanted,
+                              const std::function<void(std::size_t)>& progress) {
+  for (const std::int32_t v : columns) {
+    is_column_[static_cast<std::size_t>(v)] = 1;
+  }
+  std::vector<std::int32_t> nodes;  // each is its own neighbour
+  for (std::size_t v = 0; v + 1 < begin_.size(); ++v) {
+    if (begin_[v + 1] > begin_[v]) {
+      nodes.push_back(static_cast<std::int32_t>(v));
+    }
+  }
   const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
   const Supports& unknowns = loaded.supports;
   std::atomic<std::size_t> done = 0;
   std::mutex reporting;
   const auto solve_block = [&](std::size_t first) {
-    const std::size_t count = std::min(kBlock, nodes.size() - first);
-    const auto block = nodes.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::size_t count = std::min(kBlock, columns.size() - first);
+    const auto block = columns.begin() + static_cast<std::ptrdiff_t>(first);
     const bool needed =
         wanted.empty() || std::any_of(block, block + static_cast<std::ptrdiff_t>(count),
                                       [&](std::int32_t v) {
@@ -224,12 +255,12 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
     Eigen::MatrixXd B =
         Eigen::MatrixXd::Zero(unknowns.free, static_cast<Eigen::Index>(count));
     for (std::size_t k = 0; k < count; ++k) {
-      add_load(surface.node[static_cast<std::size_t>(nodes[first + k])], unknowns,
+      add_load(surface.node[static_cast<std::size_t>(columns[first + k])], unknowns,
                B.col(static_cast<Eigen::Index>(k)));
     }
     const Eigen::MatrixXd X = loaded.factor.solve(B);
     for (std::size_t k = 0; k < count; ++k) {
-      const auto v = static_cast<std::size_t>(nodes[first + k]);
+      const auto v = static_cast<std::size_t>(columns[first + k]);
       for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
         const auto w =
             static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)]);
@@ -243,7 +274,7 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
       progress(done);
     }
   };
-  const std::size_t blocks = (nodes.size() + kBlock - 1) / kBlock;
+  const std::size_t blocks = (columns.size() + kBlock - 1) / kBlock;
   in_parallel(blocks, [&](std::size_t i) {
     solve_block(i * kBlock);
   });
@@ -263,22 +294,36 @@ void SurfaceCompliance::add(std::span<const std::int32_t> nodes,
   }
 }
 
+double SurfaceCompliance::entry(std::int32_t row, std::int32_t column) const {
+  const auto first = neighbour_.begin() + begin_[static_cast<std::size_t>(column)];
+  const auto last = neighbour_.begin() + begin_[static_cast<std::size_t>(column) + 1];
+  const auto at = std::lower_bound(first, last, row);
+  return at != last && *at == row
+             ? value_[static_cast<std::size_t>(at - neighbour_.begin())]
+             : 0.0;
+}
+
 Eigen::MatrixXd SurfaceCompliance::among(std::span<const std::int32_t> nodes) const {
   const auto n = static_cast<Eigen::Index>(nodes.size());
-  const auto entry = [&](std::int32_t v, std::int32_t w) {
-    const auto first = neighbour_.begin() + begin_[static_cast<std::size_t>(v)];
-    const auto last = neighbour_.begin() + begin_[static_cast<std::size_t>(v) + 1];
-    const auto at = std::lower_bound(first, last, w);
-    return at != last && *at == w
-               ? value_[static_cast<std::size_t>(at - neighbour_.begin())]
-               : 0.0;
-  };
   Eigen::MatrixXd A(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) {
       A(i, j) =
-          entry(nodes[static_cast<std::size_t>(i)], nodes[static_cast<std::size_t>(j)]);
+          entry(nodes[static_cast<std::size_t>(j)], nodes[static_cast<std::size_t>(i)]);
       A(j, i) = A(i, j);
+    }
+  }
+  return A;
+}
+
+Eigen::MatrixXd SurfaceCompliance::between(
+    std::span<const std::int32_t> rows, std::span<const std::int32_t> columns) const {
+  Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()),
+                    static_cast<Eigen::Index>(columns.size()));
+  for (Eigen::Index j = 0; j < A.cols(); ++j) {
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      A(i, j) = entry(rows[static_cast<std::size_t>(i)],
+                      columns[static_cast<std::size_t>(j)]);
     }
   }
   return A;

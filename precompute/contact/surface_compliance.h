@@ -49,17 +49,25 @@ class SurfaceCompliance {
   static constexpr std::size_t kBlock =
       64;  ///< columns per solve, the knee of the cost
 
-  /// Solves for one column per node of `nodes` and keeps the rows within `radius_m`.
+  /// Solves for one column per node of `columns` and keeps its rows within `radius_m`.
   /// Runs on all cores; the result does not depend on their number.
-  /// @param nodes contact nodes, ascending.
+  /// @param nodes contact nodes, ascending: the rows. @param columns of them,
+  /// ascending.
   /// @param wanted by contact node: blocks of columns without a wanted one are left
   /// out; empty: all are wanted. What is wanted does not change the bits of a column.
   /// @param progress called now and then from one thread with the columns done; may
   /// throw.
   SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
-                    const ContactSurface& surface, std::vector<std::int32_t> nodes,
-                    double radius_m, std::span<const char> wanted,
+                    const ContactSurface& surface, std::span<const std::int32_t> nodes,
+                    std::span<const std::int32_t> columns, double radius_m,
+                    std::span<const char> wanted,
                     const std::function<void(std::size_t)>& progress);
+
+  /// Solves for columns that are missing, as the constructor does.
+  /// @param columns of its nodes, ascending; those that are there are passed over.
+  void add_columns(const CholeskyFactor& factor, const Supports& supports,
+                   const ContactSurface& surface,
+                   std::span<const std::int32_t> columns);
 
   /// Adds to the compliance among the given contact nodes, where it is kept.
   /// @param nodes ascending. @param more (n x n) [m/N], symmetric.
@@ -69,7 +77,23 @@ class SurfaceCompliance {
   /// radius are zero; every node must be one of those that were solved for.
   [[nodiscard]] Eigen::MatrixXd among(std::span<const std::int32_t> nodes) const;
 
+  /// (n_rows x n_columns), zero as above. @param columns that were solved for.
+  [[nodiscard]] Eigen::MatrixXd between(std::span<const std::int32_t> rows,
+                                        std::span<const std::int32_t> columns) const;
+
+  /// Whether a contact node is one of the columns.
+  [[nodiscard]] bool is_column(std::int32_t node) const {
+    return is_column_[static_cast<std::size_t>(node)] != 0;
+  }
+
  private:
+  void solve(const CholeskyFactor& factor, const Supports& supports,
+             const ContactSurface& surface, std::span<const std::int32_t> columns,
+             std::span<const char> wanted,
+             const std::function<void(std::size_t)>& progress);
+  [[nodiscard]] double entry(std::int32_t row, std::int32_t column) const;
+
+  std::vector<char> is_column_;          // (n_contact_nodes)
   std::vector<std::int64_t> begin_;      // (n_contact_nodes + 1)
   std::vector<std::int32_t> neighbour_;  // ascending within a node's range
   std::vector<double> value_;

@@ -100,6 +100,12 @@ PlaneDistance outside_distance(const std::vector<OutlineEdge>& outline,
   return nearest;
 }
 
+PlaneDistance plane_distance(const std::vector<OutlineEdge>& outline,
+                             const Eigen::Vector2d& q) {
+  const PlaneDistance plane = inside_distance(outline, q);
+  return plane.distance_m < 0.0 ? plane : outside_distance(outline, q);
+}
+
 double largest_distance_from_axis(const SurfaceMesh& mesh) {
   return mesh.position_m.leftCols<2>().rowwise().norm().maxCoeff();
 }
@@ -142,13 +148,17 @@ ToolDistance ToolSurface::distance(const Eigen::Vector3d& p_m) const {
   return turns_about_axis() ? distance_to_core(p_m) : distance_to_mesh(p_m);
 }
 
+double ToolSurface::distance_m(const Eigen::Vector3d& p_m) const {
+  return turns_about_axis()
+             ? plane_distance(outline_, {std::hypot(p_m.x(), p_m.y()), p_m.z()})
+                       .distance_m -
+                   ball_radius_m_
+             : distance_to_mesh(p_m).distance_m;
+}
+
 ToolDistance ToolSurface::distance_to_core(const Eigen::Vector3d& p_m) const {
   const double s = std::hypot(p_m.x(), p_m.y());
-  const Eigen::Vector2d q(s, p_m.z());
-  PlaneDistance plane = inside_distance(outline_, q);
-  if (!(plane.distance_m < 0.0)) {
-    plane = outside_distance(outline_, q);
-  }
+  const PlaneDistance plane = plane_distance(outline_, {s, p_m.z()});
   const Eigen::Vector3d out = s > 0.0 ? Eigen::Vector3d(p_m.x() / s, p_m.y() / s, 0.0)
                                       : Eigen::Vector3d::UnitX();
   const Eigen::Vector3d round(-out.y(), out.x(), 0.0);
@@ -234,6 +244,10 @@ PlacedTool place_on_path(const ToolSurface& surface, const Eigen::Vector3d& vert
                                    : Eigen::Vector3d(-rotation.transpose() * outward);
   return {&surface, rotation,
           vertex_m + (surface.support_m(down) - penetration_m) * outward, outward};
+}
+
+double distance_m(const PlacedTool& tool, const Eigen::Vector3d& p_m) {
+  return tool.surface->distance_m(tool.rotation.transpose() * (p_m - tool.reference_m));
 }
 
 ToolDistance distance(const PlacedTool& tool, const Eigen::Vector3d& p_m) {

@@ -43,6 +43,8 @@ class ToolSurface {
   /// (a sphere's centre, a sharp edge from inside) it is one of those that there are.
   /// The curvature is that of the smooth piece.
   [[nodiscard]] ToolDistance distance(const Eigen::Vector3d& p_m) const;
+  /// [m] The distance alone, at a part of the cost.
+  [[nodiscard]] double distance_m(const Eigen::Vector3d& p_m) const;
 
   /// Largest x . direction over the tool [m per unit of direction]; inf where the tool
   /// has no end that way.
@@ -97,6 +99,7 @@ struct PlacedTool {
 
 /// Distance of a point of the world; normal and curvature in the world's frame.
 [[nodiscard]] ToolDistance distance(const PlacedTool& tool, const Eigen::Vector3d& p_m);
+[[nodiscard]] double distance_m(const PlacedTool& tool, const Eigen::Vector3d& p_m);
 
 /// Expected radius of the contact [m] at a depth [m], for sizing meshes, on a flat
 /// elastic half-space: sphere and capsule min(R, sqrt(R d)); flat punch R; cone

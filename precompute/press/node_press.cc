@@ -16,6 +16,12 @@
 #include "precompute/process/supervised_build.h"
 
 namespace palpate {
+namespace {
+
+// Of the deepest cut (cut_by_tool).
+constexpr double kLikelyMet = 0.6;
+
+}  // namespace
 
 bool touches_late(const PressedNode& node) {
   constexpr double kLate = 0.5 * kErrorCountsFrom;
@@ -81,31 +87,73 @@ PressedNode placed_node(const Scene& scene, const BodySource& body,
   return node;
 }
 
-SurfaceCompliance compliance_of(
-    const BodyModel& model, std::span<const PressedNode> nodes,
-    std::span<const char> needed,
-    const std::function<void(std::size_t, std::size_t)>& told) {
-  std::vector<std::int32_t> wanted;
+namespace {
+
+std::vector<std::int32_t> patches_of(std::span<const PressedNode> nodes) {
+  std::vector<std::int32_t> all;
+  for (const PressedNode& node : nodes) {
+    all.insert(all.end(), node.patch.begin(), node.patch.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// Two contact nodes of one patch are at most twice its radius apart.
+double apart_m(const BodyModel& model, std::span<const PressedNode> nodes) {
   double radius_m = 0.0;
   for (const PressedNode& node : nodes) {
-    wanted.insert(wanted.end(), node.patch.begin(), node.patch.end());
     if (!node.patch.empty()) {
       radius_m = std::max(radius_m, patch_radius_m(node.path, model.contact_spacing_m));
     }
   }
-  std::sort(wanted.begin(), wanted.end());
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  const std::size_t columns = wanted.size();
-  // Two nodes of one patch are at most twice its radius apart.
+  return 2.0 * radius_m;
+}
+
+std::vector<std::int32_t> cut_by_tools(const BodyModel& model,
+                                       std::span<const PressedNode> nodes,
+                                       double share) {
+  std::vector<std::int32_t> cut;
+  for (const PressedNode& node : nodes) {
+    const auto more = cut_by_tool(model.contact, node.patch, node.path, share);
+    cut.insert(cut.end(), more.begin(), more.end());
+  }
+  std::sort(cut.begin(), cut.end());
+  cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
+  return cut;
+}
+
+// With columns only where the tool is likely to be met.
+SurfaceCompliance likely_compliance(const BodyModel& model,
+                                    std::span<const PressedNode> nodes) {
+  const std::vector<std::int32_t> columns = cut_by_tools(model, nodes, kLikelyMet);
   return {*model.factor,
           model.supports,
           model.contact,
-          std::move(wanted),
-          2.0 * radius_m,
+          patches_of(nodes),
+          columns,
+          apart_m(model, nodes),
+          {},
+          nullptr};
+}
+
+}  // namespace
+
+SurfaceCompliance compliance_of(
+    const BodyModel& model, std::span<const PressedNode> nodes,
+    std::span<const char> needed,
+    const std::function<void(std::size_t, std::size_t)>& told) {
+  const std::vector<std::int32_t> all = patches_of(nodes);
+  return {*model.factor,
+          model.supports,
+          model.contact,
+          all,
+          all,
+          apart_m(model, nodes),
           needed,
           [&](std::size_t done) {
             if (told) {
-              told(done, columns);
+              told(done, all.size());
             }
           }};
 }
@@ -137,6 +185,44 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
   note_pressed_vertex(-1);
 }
 
+namespace {
+
+// Presses all, and solves for more columns where the tool is met elsewhere.
+// @param further times their largest force: a linear body may be stiffer than the true
+// one, and its force says little about where the path ends.
+void press_linear(const BodyModel& model, SurfaceCompliance& compliance,
+                  std::span<PressedNode> nodes, double further) {
+  const auto press_those = [&](const auto& which) {
+    for (PressedNode& node : nodes) {
+      if (which(node)) {
+        const double force_max_n = node.path.force_max_n;
+        node.path.force_max_n *= further;
+        press_linear(model, compliance, node);
+        node.path.force_max_n = force_max_n;
+      }
+    }
+  };
+  const auto any = [](const PressedNode&) {
+    return true;
+  };
+  const auto needs_more = [](const PressedNode& node) {
+    return node.indentation.needs_columns;
+  };
+  press_those(any);
+  if (std::any_of(nodes.begin(), nodes.end(), needs_more)) {
+    compliance.add_columns(*model.factor, model.supports, model.contact,
+                           cut_by_tools(model, nodes, 0.0));
+    press_those(needs_more);
+  }
+  if (std::any_of(nodes.begin(), nodes.end(), needs_more)) {
+    compliance.add_columns(*model.factor, model.supports, model.contact,
+                           patches_of(nodes));
+    press_those(needs_more);
+  }
+}
+
+}  // namespace
+
 std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& body,
                                         const BodyModel& model, const SharedTool& tool,
                                         std::span<const std::int32_t> vertices,
@@ -145,13 +231,11 @@ std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& bo
   for (const std::int32_t vertex : vertices) {
     nodes.push_back(placed_node(scene, body, model, tool, vertex));
   }
-  const SurfaceCompliance compliance = compliance_of(model, nodes, {}, nullptr);
+  SurfaceCompliance compliance = mode.nonlinear
+                                     ? compliance_of(model, nodes, {}, nullptr)
+                                     : likely_compliance(model, nodes);
+  press_linear(model, compliance, nodes, mode.nonlinear ? 3.0 : 1.0);
   for (PressedNode& node : nodes) {
-    // A linear body may be stiffer than the true one: its force says little about where
-    // the path ends.
-    node.path.force_max_n *= mode.nonlinear ? 3.0 : 1.0;
-    press_linear(model, compliance, node);
-    node.path.force_max_n = scene.reach.force_max_n;
     if (mode.probe || mode.nonlinear) {
       probe_nonlinearity(model, node);
     }
