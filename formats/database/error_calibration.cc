@@ -13,11 +13,12 @@ double calibrate_errors(std::span<const double> estimate,
     ratio[i] = error[i] / estimate[i];
   }
   std::sort(ratio.begin(), ratio.end());
-  if (ratio.size() < kChecksToCalibrate) {
-    return ratio.empty() ? kUncheckedFactor : std::max(kUncheckedFactor, ratio.back());
+  if (ratio.empty()) {
+    return kLeastErrorFactor;
   }
   const double rank = std::ceil(kErrorCoverage * static_cast<double>(ratio.size() + 1));
-  return ratio[static_cast<std::size_t>(rank) - 1];
+  const std::size_t at = std::min(static_cast<std::size_t>(rank), ratio.size()) - 1;
+  return std::max(kLeastErrorFactor, ratio[at]);
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <tbb/global_control.h>
 
 #include "formats/base/stopwatch.h"
+#include "formats/database/error_calibration.h"
 #include "precompute/build/plan_cut_outs.h"
 #include "precompute/build/plan_left_out.h"
 #include "precompute/build/plan_shared_mesh.h"
@@ -258,7 +259,8 @@ void Planner::time_cheap_on_own_meshes() {
   if (strategy_.cheap_is_good) {
     again_share_ = static_cast<double>(std::count_if(error.begin(), error.end(),
                                                      [&](double e) {
-                                                       return e > scene_.force_relative;
+                                                       return kLeastErrorFactor * e >
+                                                              scene_.force_relative;
                                                      })) /
                    static_cast<double>(error.size());
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "formats/base/stopwatch.h"
+#include "formats/database/error_calibration.h"
 #include "precompute/build/estimated_share.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/nonlinear_press.h"
@@ -157,7 +158,7 @@ void PlanSharedMesh::time_linear() {
   });
   report_.cost.push_back(cost_of_all(
       "linear presses", vertex_.size() * body_.tool.size(), sample_.size(), seconds));
-  outside_ = share_above(error, scene_.force_relative);
+  outside_ = share_above(error, scene_.force_relative / kLeastErrorFactor);
 }
 
 void PlanSharedMesh::time_nonlinear(std::size_t count) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "formats/database/error_calibration.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/process/fault_point.h"
 
@@ -27,11 +28,10 @@ RatioField Territory::no_ratios() const {
 }
 
 void Territory::keep_cheap_within_budget(bool graded) {
+  std::copy(cheap_.begin(), cheap_.end(), good_.begin());
   Places outside;
-  for (std::size_t i = 0; i < vertex_.size(); ++i) {
-    good_[i] = cheap_[i];
-    if (graded && !cheap_[i].patch.empty() &&
-        (estimate(cheap_[i]) > scene_.force_relative || touches_late(cheap_[i]))) {
+  for (std::size_t i = 0; graded && i < good_.size(); ++i) {
+    if (!good_[i]->patch.empty() && is_outside_budget(*good_[i])) {
       outside.push_back(i);
     }
   }
@@ -42,6 +42,11 @@ void Territory::keep_cheap_within_budget(bool graded) {
       kept = std::move(node);
     }
   }
+}
+
+bool Territory::is_outside_budget(const PressedNode& node) const {
+  return kLeastErrorFactor * estimate(node) > scene_.force_relative ||
+         touches_late(node);
 }
 
 double Territory::estimate(const PressedNode& node) const {

@@ -21,11 +21,18 @@ TEST(ErrorCalibration, TakesTheRatioThatSoManyOthersStayBelow) {
   EXPECT_DOUBLE_EQ(calibrate_errors(estimate, error), 0.038 / 0.02);
 }
 
-TEST(ErrorCalibration, WithFewChecksNeverFallsBelowWhatIsTakenWithout) {
-  EXPECT_EQ(calibrate_errors({}, {}), kUncheckedFactor);
+TEST(ErrorCalibration, NeverFallsBelowWhatIsTakenWithoutChecks) {
+  EXPECT_EQ(calibrate_errors({}, {}), kLeastErrorFactor);
+  for (const std::size_t checks : {1, 18, 24, 100}) {
+    const std::vector<double> estimate(checks, 0.02);
+    const std::vector<double> error(checks, 0.001);
+    EXPECT_EQ(calibrate_errors(estimate, error), kLeastErrorFactor) << checks;
+  }
+}
+
+TEST(ErrorCalibration, WithFewChecksTakesTheLargestRatio) {
   const std::vector<double> estimate(18, 0.02);
   std::vector<double> error(18, 0.001);
-  EXPECT_EQ(calibrate_errors(estimate, error), kUncheckedFactor);
   error[7] = 0.2;
   EXPECT_DOUBLE_EQ(calibrate_errors(estimate, error), 10.0);
 }
@@ -44,7 +51,7 @@ TEST(ErrorCalibration, CoversNinetyFivePercentOfNodesThatWereNotChecked) {
       std::vector<double> error;
       for (int i = 0; i <= kChecks; ++i) {
         estimate.push_back(std::exp(normal(random)));
-        error.push_back(0.03 * estimate.back() * std::exp(width * normal(random)));
+        error.push_back(30.0 * estimate.back() * std::exp(width * normal(random)));
       }
       const double last_estimate = estimate.back();
       const double last_error = error.back();

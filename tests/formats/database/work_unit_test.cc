@@ -185,7 +185,7 @@ TEST(Assembly, StatesEstimatesTimesWhatTheChecksFound) {
   const ResponseTable& table = all.database.tools.front();
   EXPECT_EQ(table.accuracy.error_factor, all.error_factor);
   EXPECT_EQ(table.accuracy.verified, 1);
-  EXPECT_GE(all.error_factor, kUncheckedFactor);
+  EXPECT_GE(all.error_factor, kLeastErrorFactor);
   std::int64_t over = 0;
   for (const WorkUnitOutcome& unit : units) {
     for (const WorkUnitNode& node : unit.node) {
