@@ -118,7 +118,8 @@ TEST_F(BuildUnits, SubmittedToThisMachineGivesTheSameBytes) {
 
 TEST_F(BuildUnits, KilledAgainAndAgainAndResumedGivesTheSameBytes) {
   int killed = 0;
-  for (const std::int64_t units : {0, 1, 3, 4}) {
+  // Not after the last of the four: the file comes at once.
+  for (const std::int64_t units : {0, 1, 2, 3}) {
     const ToolRun run = kill_tool_process(
         "palpate-precompute", arguments("killed.h5", {"--resume"}), [&] {
           return fs::exists(path("killed.h5.partial/digest")) &&
