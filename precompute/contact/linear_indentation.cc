@@ -169,6 +169,29 @@ double edge_share(const ContactSurface& surface, std::span<const std::int32_t> p
   return whole > 0.0 ? edge.norm() / whole : 0.0;
 }
 
+// Forces at the compliance's columns as forces at the whole patch.
+Eigen::VectorXd on_patch(const SurfaceCompliance& compliance,
+                         std::span<const std::int32_t> patch,
+                         const Eigen::VectorXd& f) {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(patch.size()));
+  for (Eigen::Index i = 0, column = 0; i < all.size(); ++i) {
+    if (compliance.is_column(patch[static_cast<std::size_t>(i)])) {
+      all[i] = f[column++];
+    }
+  }
+  return all;
+}
+
+double contact_area_m2(const ContactSurface& surface,
+                       std::span<const std::int32_t> nodes, const Eigen::VectorXd& f) {
+  double area = 0.0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    area += f[static_cast<Eigen::Index>(i)] > 0.0 ? node_of(surface, nodes[i]).area_m2
+                                                  : 0.0;
+  }
+  return area;
+}
+
 double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
   const ContactNode& node = node_of(surface, v);
   double sum = 0.0;
@@ -332,21 +355,11 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     }
     sample.force_n = gaps.by_centre.transpose() * f;
     sample.energy_j = 0.5 * f.dot(A * f);
-    sample.pressure_n = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(patch.size()));
-    for (Eigen::Index i = 0, column = 0; i < sample.pressure_n.size(); ++i) {
-      if (compliance.is_column(patch[static_cast<std::size_t>(i)])) {
-        sample.pressure_n[i] = f[column++];
-      }
-    }
+    sample.pressure_n = on_patch(compliance, patch, f);
     result.edge_share = edge_share(surface, patch, columns, path, f, gaps.by_centre);
     sample.coarse_force_n = coarse.force_n(gaps);
-    double area = 0.0;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      area += f[static_cast<Eigen::Index>(i)] > 0.0
-                  ? node_of(surface, columns[i]).area_m2
-                  : 0.0;
-    }
-    sample.contact_radius_m = std::sqrt(area / std::numbers::pi);
+    sample.contact_radius_m =
+        std::sqrt(contact_area_m2(surface, columns, f) / std::numbers::pi);
     result.force_capped = sample.force_n.norm() > path.force_max_n;
     result.sample.push_back(sample);
   }
