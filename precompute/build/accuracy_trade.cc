@@ -10,6 +10,7 @@
 #include "formats/base/error.h"
 #include "formats/database/precision_choice.h"
 #include "formats/database/work_unit.h"
+#include "precompute/contact/indentation_response.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/response_ratio.h"
 #include "precompute/press/timed_press.h"

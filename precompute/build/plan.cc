@@ -13,6 +13,7 @@
 #include "precompute/build/plan_cut_outs.h"
 #include "precompute/build/plan_left_out.h"
 #include "precompute/build/plan_shared_mesh.h"
+#include "precompute/contact/indentation_response.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/node_press.h"
 #include "precompute/press/nonlinear_press.h"

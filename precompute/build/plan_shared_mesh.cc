@@ -6,6 +6,7 @@
 #include "formats/base/stopwatch.h"
 #include "formats/database/error_calibration.h"
 #include "precompute/build/estimated_share.h"
+#include "precompute/contact/indentation_response.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/press_cost.h"

@@ -9,6 +9,7 @@
 
 #include "formats/base/error.h"
 #include "precompute/command/commands.h"
+#include "precompute/contact/indentation_response.h"
 #include "precompute/press/node_detail.h"
 #include "precompute/press/vtu_file.h"
 #include "precompute/process/interrupt.h"

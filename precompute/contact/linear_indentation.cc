@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "formats/response/force_difference.h"
 #include "precompute/contact/complementarity.h"
 #include "precompute/contact/contact_gap.h"
 
@@ -19,13 +18,6 @@ namespace {
 
 // Faces turned more than this from the press are another side of the body.
 constexpr double kFacingCosine = 0.1;
-// The error of a mesh is 1/(2^p - 1) of its difference to one twice as coarse, where
-// the order is p: 1.5, between that of the contact's edge and that of its inside.
-constexpr double kErrorPerDifference = 0.55;
-// What no estimate sees of a mesh that was made for a budget, over that budget: mostly
-// what the body's own mesh makes. Chosen on an organ and a liver, so that the factor
-// that checks find (error_calibration.h) is not asked for by small estimates alone.
-constexpr double kLeastErrorShare = 0.2;
 
 struct Gaps {
   Eigen::VectorXd distance_m;  // (n)
@@ -231,30 +223,7 @@ class Outside {
   Eigen::MatrixXd moved_;    // (n x n_columns) [m/N]
 };
 
-double largest_force_n(const Indentation& indentation) {
-  double largest = 0.0;
-  for (const IndentationSample& sample : indentation.sample) {
-    largest = std::max(largest, sample.force_n.norm());
-  }
-  return largest;
-}
-
 }  // namespace
-
-double pressure_mesh_error(const Indentation& indentation) {
-  const double from_m = kErrorCountsFrom * indentation.sample.back().penetration_m;
-  // Where the tool has left contact again an error relative to nothing says nothing.
-  const double least_n = kErrorCountsFrom * largest_force_n(indentation);
-  double largest = 0.0;
-  for (const IndentationSample& sample : indentation.sample) {
-    if (sample.penetration_m >= from_m) {
-      const double force_n = sample.force_n.norm();
-      largest = std::max(largest, std::abs(sample.coarse_force_n - force_n) /
-                                      std::max(force_n, least_n));
-    }
-  }
-  return kErrorPerDifference * largest;
-}
 
 double patch_radius_m(const IndentationPath& path, double node_spacing_m) {
   // 1.2 times the radius at which a sphere stands depth_max_m above its lowest point.
@@ -392,63 +361,6 @@ std::string broken_rule(const Indentation& indentation) {
   return std::isfinite(indentation.exterior_error_relative)
              ? ""
              : "the error of what is left out around it is not finite";
-}
-
-NodeResponse to_response(const Indentation& indentation, const IndentationPath& path,
-                         double force_relative_budget) {
-  NodeResponse response;
-  if (indentation.sample.size() < 2 || !indentation.converged) {
-    response.flags = indentation.converged ? 0 : kFailed;
-    return response;
-  }
-  if (largest_force_n(indentation) == 0.0) {
-    return response;
-  }
-  response.origin = ResponseOrigin::kSimulated;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (std::size_t k = 1; k < indentation.sample.size(); ++k) {
-    const IndentationSample& before = indentation.sample[k - 1];
-    const IndentationSample& after = indentation.sample[k];
-    mean += 0.5 * (before.force_n + after.force_n) *
-            (after.penetration_m - before.penetration_m);
-  }
-  response.direction = mean.normalized();
-  response.touch_offset_m = indentation.sample.front().penetration_m;
-  const double along = std::abs(path.outward.dot(response.direction));
-  for (const IndentationSample& sample : indentation.sample) {
-    response.depth_m.push_back((sample.penetration_m - response.touch_offset_m) *
-                               along);
-    response.force_n.push_back(sample.force_n.norm());
-    if (sample.force_n.norm() > 0.0) {
-      response.direction_spread_rad =
-          std::max(response.direction_spread_rad,
-                   std::atan2(sample.force_n.cross(response.direction).norm(),
-                              sample.force_n.dot(response.direction)));
-    }
-  }
-  if (std::sin(response.direction_spread_rad) > force_relative_budget) {
-    // One direction alone would cost more than the budget of the force.
-    for (const IndentationSample& sample : indentation.sample) {
-      const double force_n = sample.force_n.norm();
-      response.sample_direction.push_back(
-          force_n > 0.0 ? (sample.force_n / force_n).eval() : response.direction);
-    }
-    response.sample_direction.front() = response.sample_direction[1];
-  }
-  const IndentationSample& last = indentation.sample.back();
-  response.error_relative =
-      std::hypot(std::hypot(pressure_mesh_error(indentation), indentation.path_error,
-                            indentation.edge_share),
-                 std::hypot(indentation.exterior_error_relative,
-                            kLeastErrorShare * force_relative_budget));
-  const auto flag_if = [&](bool set, ResponseFlag flag) {
-    response.flags = static_cast<std::uint8_t>(response.flags | (set ? flag : 0));
-  };
-  flag_if(indentation.force_capped, kForceCapped);
-  flag_if(last.contact_radius_m < 1.5 * indentation.node_spacing_m, kCoarseContact);
-  flag_if(indentation.hard_path, kHardPath);
-  flag_if(indentation.reaches_elsewhere, kErrorOverBudget);
-  return response;
 }
 
 }  // namespace palpate

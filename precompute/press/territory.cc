@@ -7,6 +7,7 @@
 
 #include "formats/database/error_calibration.h"
 #include "precompute/body/mesh_grading.h"
+#include "precompute/contact/indentation_response.h"
 #include "precompute/process/fault_point.h"
 
 namespace palpate {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "precompute/contact/indentation_response.h"
 #include "precompute/press/territory.h"
 
 namespace palpate {

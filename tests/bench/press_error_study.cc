@@ -21,6 +21,7 @@
 #include "formats/database/work_unit.h"
 #include "formats/scene/scene.h"
 #include "precompute/body/scene_body.h"
+#include "precompute/contact/indentation_response.h"
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/scene_solver.h"

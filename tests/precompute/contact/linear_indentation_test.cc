@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "precompute/contact/indentation_response.h"
 #include "tests/precompute/contact/soft_block.h"
 
 namespace palpate {

@@ -118,6 +118,13 @@ TEST_P(EveryTool, DistanceIsConvexAndOneLipschitz) {
   }
 }
 
+TEST_P(EveryTool, TheDistanceAloneIsTheSame) {
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d p = random_point();
+    EXPECT_EQ(surface_.distance_m(p), surface_.distance(p).distance_m);
+  }
+}
+
 TEST(ToolSurface, ClosedFormsOfTheDistance) {
   const ToolSurface punch(flat_punch(0.01, 0.002));
   EXPECT_NEAR(punch.distance({0.003, 0.0, -0.005}).distance_m, 0.005, 1e-17);

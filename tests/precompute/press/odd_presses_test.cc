@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/mesh/obj_writer.h"
+#include "precompute/contact/indentation_response.h"
 #include "precompute/press/node_press.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"

@@ -1,0 +1,35 @@
+// What is stored of a press: a curve of force and displacement, and how far off it may
+// be.
+#pragma once
+
+#include "formats/response/response_table.h"
+#include "precompute/contact/linear_indentation.h"
+
+namespace palpate {
+
+/// What the pressure's mesh makes of the force [-], in force_difference()'s sense, told
+/// by pressure on a mesh twice as coarse. @param indentation with some force.
+[[nodiscard]] double pressure_mesh_error(const Indentation& indentation);
+
+/// The stored form: |F| against displacement along one direction, the mean of the force
+/// along the path. Origin kSimulated, or kNone where the tool met nothing, which is
+/// also so where no depth carries force.
+///
+/// The curve is stored as it was pressed. Its first sample is the first touch of the
+/// path, which may be at a negative penetration (a cup touches the tool's side first),
+/// without force; a tool that loses contact on its way, or touches twice, has depths of
+/// zero force between others, and a falling curve.
+///
+/// kErrorOverBudget is set where the tool also reaches elsewhere; whether the error is
+/// above the budget is known once it is calibrated (error_calibration.h).
+///
+/// error_relative is an estimate of what force_difference() measures, to be calibrated:
+/// what the pressure's mesh makes (0.55 of the difference to pressure on a mesh twice
+/// as coarse), what bears on the patch's edge, what interpolation between depths and
+/// the part left out around make, and a fifth of the budget for what none of them sees
+/// (root of the sum of squares).
+[[nodiscard]] NodeResponse to_response(const Indentation& indentation,
+                                       const IndentationPath& path,
+                                       double force_relative_budget);
+
+}  // namespace palpate
