@@ -102,6 +102,9 @@ BodySource read_body(const Scene& scene, RepairMode repair) {
   body.surface = read_mesh(scene, repair, body.notes);
   body.files.push_back(scene.mesh);
   body.normal = vertex_normals(body.surface);
+  body.held = held_points(body.surface, [&](const Eigen::Vector3d& p_m) {
+    return is_held(scene, p_m);
+  });
   read_inclusions(scene, body);
   for (std::size_t i = 0; i < scene.tool.size(); ++i) {
     ToolShape tool = scene.tool[i];

@@ -9,6 +9,7 @@
 
 #include "formats/mesh/surface_mesh.h"
 #include "formats/scene/scene.h"
+#include "precompute/contact/held_obstacle.h"
 #include "precompute/contact/tool_surface.h"
 #include "precompute/material/material.h"
 #include "precompute/surface/repair.h"
@@ -19,6 +20,7 @@ namespace palpate {
 struct BodySource {
   SurfaceMesh surface;  ///< in metres, outside out; its vertices are the nodes
   Points normal;        ///< (n_vertices x 3) outward unit normals
+  std::vector<HeldPoint> held;      ///< of the surface, by fixed supports
   std::vector<InnerSurface> inner;  ///< of inclusions, as the scene has them
   std::vector<Material> material;   ///< by region: the body, then the inclusions
   std::vector<std::shared_ptr<const ToolSurface>> tool;  ///< as the scene has them

@@ -8,6 +8,7 @@
 #include "formats/base/error.h"
 #include "formats/response/force_difference.h"
 #include "precompute/contact/contact_gap.h"
+#include "precompute/contact/held_obstacle.h"
 #include "precompute/contact/other_contact.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/response_ratio.h"
@@ -113,6 +114,12 @@ bool touches_late(const PressedNode& node) {
           sample.front().penetration_m > kLate * node.path.depth_max_m);
 }
 
+bool ends_at_support(const Scene& scene, const PressedNode& node) {
+  return node.failure.empty() && node.indentation.sample.size() > 1 &&
+         !node.indentation.force_capped &&
+         node.path.depth_max_m < scene.reach.depth_max_m;
+}
+
 bool is_nonlinear(const Scene& scene, const BodySource& body) {
   return scene.accuracy.method != "linear" &&
          !std::all_of(body.material.begin(), body.material.end(), is_linear);
@@ -151,6 +158,7 @@ PressedNode placed_node(const Scene& scene, const BodySource& body,
     return node;
   }
   contain(node, [&] {
+    node.path.depth_max_m = depth_until_held_m(body.held, node.path);
     const double radius_m = patch_radius_m(node.path, model.contact_spacing_m);
     if (std::isfinite(radius_m)) {
       const std::int32_t start =

@@ -60,6 +60,10 @@ struct PressedNode {
 /// where errors of force begin to count, or not at all.
 [[nodiscard]] bool touches_late(const PressedNode& node);
 
+/// Whether a press that went to its end ended there because the tool meets a part of
+/// the body that is held (depth_until_held_m), short of the depth that the scene wants.
+[[nodiscard]] bool ends_at_support(const Scene& scene, const PressedNode& node);
+
 /// Whether the scene's materials and method ask for nonlinear solutions.
 [[nodiscard]] bool is_nonlinear(const Scene& scene, const BodySource& body);
 

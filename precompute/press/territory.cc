@@ -129,7 +129,9 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
     WorkUnitNode node{.tool = tool, .vertex = vertex_[i]};
     const PressedNode& press = good_[i] ? *good_[i] : cheap_[i];
-    node.failure = press.failure;
+    node.failure = ends_at_support(scene_, press)
+                       ? "the tool meets a held part of the body"
+                       : press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
     if (good_[i]) {
       node.response = to_response(press.indentation, press.path, scene_.force_relative);
