@@ -115,6 +115,15 @@ ContactPotential::RowEntry& ContactPotential::row_entry(std::int32_t hat,
   return row.emplace_back(RowEntry{node, Eigen::Vector3d::Zero(), 0.0});
 }
 
+double ContactPotential::point_spring(const Point& point,
+                                      const Multipliers& multipliers) {
+  double spring = 0.0;
+  for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
+    spring += point.omega[h] * multipliers.spring_n_per_m[point.hat[h]];
+  }
+  return spring;
+}
+
 Eigen::Vector3d ContactPotential::displaced(const Point& point,
                                             const Eigen::VectorXd& u_m) const {
   const FaceRulePoint& rule = rule_point(point.rule);
@@ -141,6 +150,8 @@ ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
                                         const PlacedTool& tool,
                                         const Multipliers& multipliers) const {
   ContactState state;
+  state.force_n.setZero();
+  state.moment_nm.setZero();
   state.gap_m = Eigen::VectorXd::Zero(nodes());
   Eigen::MatrixX3d normal = Eigen::MatrixX3d::Zero(nodes(), 3);
   Eigen::MatrixX3d torque = Eigen::MatrixX3d::Zero(nodes(), 3);
@@ -152,15 +163,21 @@ ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
       normal.row(point.hat[h]) += point.omega[h] * phi.normal.transpose();
       torque.row(point.hat[h]) += point.omega[h] * x.cross(phi.normal).transpose();
     }
+    if (phi.distance_m < 0.0) {
+      const double push = -point_spring(point, multipliers) * phi.distance_m;
+      state.energy_j -= 0.5 * push * phi.distance_m;
+      state.force_n -= push * phi.normal;
+      state.moment_nm -= push * x.cross(phi.normal);
+    }
   }
   const Eigen::VectorXd& k = multipliers.spring_n_per_m;
   const Eigen::VectorXd& lambda = multipliers.pressure_n;
   state.pressure_n = (lambda - k.cwiseProduct(state.gap_m)).cwiseMax(0.0);
-  state.energy_j = ((state.pressure_n.array().square() - lambda.array().square()) /
-                    (2.0 * k.array()))
-                       .sum();
-  state.force_n = -normal.transpose() * state.pressure_n;
-  state.moment_nm = -torque.transpose() * state.pressure_n;
+  state.energy_j += ((state.pressure_n.array().square() - lambda.array().square()) /
+                     (2.0 * k.array()))
+                        .sum();
+  state.force_n -= normal.transpose() * state.pressure_n;
+  state.moment_nm -= torque.transpose() * state.pressure_n;
   state.tie_n = Eigen::MatrixX3d::Zero(nodes(), 3);
   if (multipliers.tied.empty()) {
     return state;
@@ -206,13 +223,16 @@ void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& t
     const Point& point = point_[p];
     const FaceRulePoint& rule = rule_point(point.rule);
     double pressure = 0.0;
-    bool active = false;
     for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
       pressure += point.omega[h] * state.pressure_n[point.hat[h]];
-      active = active || row_spring_[static_cast<std::size_t>(point.hat[h])] > 0.0;
     }
-    if (active) {
-      const ToolDistance phi = distance_to(tool, displaced(point, u_m));
+    const ToolDistance phi = distance_to(tool, displaced(point, u_m));
+    const double overlap_m = std::max(0.0, -phi.distance_m);
+    if (pressure > 0.0 || overlap_m > 0.0) {
+      const double spring = overlap_m > 0.0 ? point_spring(point, multipliers) : 0.0;
+      const Eigen::Matrix3d curvature =
+          spring * phi.normal * phi.normal.transpose() -
+          (pressure + spring * overlap_m) * phi.curvature_per_m;
       for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
         for (int j = 0; j < 6; ++j) {
           row_entry(point.hat[h], face_(point.face, j)).gradient +=
@@ -221,9 +241,10 @@ void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& t
       }
       for (int j = 0; j < 6; ++j) {
         for (int i = 0; i < 6; ++i) {
-          block.block<3, 3>(3 * i, 3 * j) -=
-              pressure * rule.shape[i] * rule.shape[j] * phi.curvature_per_m;
+          block.block<3, 3>(3 * i, 3 * j) += rule.shape[i] * rule.shape[j] * curvature;
         }
+        force_n.segment<3>(3 * Eigen::Index{face_(point.face, j)}) -=
+            spring * overlap_m * rule.shape[j] * phi.normal;
       }
     }
     if (p + 1 == point_.size() || point_[p + 1].face != point.face) {

@@ -6,6 +6,11 @@
 //   Psi(u) = sum_v ( <lambda_v - k_v g_v>^2 - lambda_v^2 ) / (2 k_v),
 // pressure force p_v = <lambda_v - k_v g_v>, <x> = max(x, 0) (Rockafellar 1974; Simo
 // and Laursen 1992). Where lambda = p, g.p = 0 and g >= 0 hold exactly.
+//
+// An averaged gap does not see a surface that folds into the tool within a hat, and
+// under a sharp edge a body saves energy by that. Springs at the points stand against
+// it: sum_q (k_q/2) <-phi(x_q + u(x_q))>^2, k_q = sum_v omega_vq k_v. A surface that
+// lies on the tool feels them by what its elements cannot follow of the tool's shape.
 #pragma once
 
 #include <array>
@@ -82,6 +87,9 @@ class ContactPotential {
   };
   [[nodiscard]] Eigen::Vector3d displaced(const Point& point,
                                           const Eigen::VectorXd& u_m) const;
+  /// k_q [N/m]
+  [[nodiscard]] static double point_spring(const Point& point,
+                                           const Multipliers& multipliers);
   RowEntry& row_entry(std::int32_t hat, std::int32_t node);
 
   std::size_t patch_size_ = 0;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kPredictedThinner = 0.3;
 // A press that fails goes on with these.
 constexpr double kStiffer = 10.0;
-constexpr int kStiffUpdates = 3;
+constexpr int kStiffUpdates = 1;
 constexpr int kPatience = 2;
 // Near fields that are too small.
 constexpr int kWidened = 2;
@@ -64,6 +64,9 @@ class Press {
     multipliers_.anchor_m = Eigen::MatrixX3d::Zero(contact_.nodes(), 3);
     if (options.sticking) {
       multipliers_.tied.assign(patch.size(), 0);
+    }
+    if (options.stiff) {
+      stiffen();
     }
   }
 
@@ -211,6 +214,9 @@ class Press {
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
     newton_ += last_.newton;
+    if (!last_.converged && options_.only_if_easy) {
+      return false;
+    }
     if (!last_.converged && !stiff_ && !last_.too_far) {
       stiffen();
       return reach(penetration_m, sample, depth);

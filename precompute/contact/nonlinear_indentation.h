@@ -44,6 +44,10 @@ struct NonlinearOptions {
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
+  /// A step that does not converge at once ends the path.
+  bool only_if_easy = false;
+  /// Stiff contact from the first step on, which is else tried where a step fails.
+  bool stiff = false;
   int bisections_max = 4;  ///< of a step that fails
   /// Newton steps of a press, on average per depth and beyond those of one depth that
   /// fails; with more it fails. Usual are 10 and none.

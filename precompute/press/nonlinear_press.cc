@@ -24,6 +24,10 @@ constexpr std::size_t kLockStep = 32;
 // Depths that are solved nonlinear, as shares of a path's samples.
 constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
 
+// Newton steps of a depth, where few depths are solved: usual are 10. A press that
+// needs more goes on with all depths, whose steps are smaller.
+constexpr int kEasyNewton = 20;
+
 // What interpolation between two solved depths makes, over what leaving one out makes:
 // intervals are half as long then.
 constexpr double kErrorPerLeftOut = 0.25;
@@ -202,15 +206,21 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
   node.linear = node.indentation;
   const std::size_t depths = node.linear.sample.size();
   const bool all = mode.every_depth || !is_guide(node.linear);
-  NonlinearIndentation result = press_at(
-      model, compliance, node, corrected_samples(depths, all), mode.options, noted);
-  if (!all && node.failure.empty() &&
-      node.indentation.path_error > mode.options.depth_error_max) {
+  NonlinearOptions options = mode.options;
+  if (!all) {
+    options.only_if_easy = true;
+    options.equilibrium.newton_max = kEasyNewton;
+  }
+  NonlinearIndentation result =
+      press_at(model, compliance, node, corrected_samples(depths, all), options, noted);
+  const bool easy = node.failure.empty();
+  if (!all && (!easy || node.indentation.path_error > options.depth_error_max)) {
+    options = mode.options;
+    options.stiff = options.stiff || !easy;
     PressedNode at_all = node;
-    NonlinearIndentation more =
-        press_at(model, compliance, at_all, corrected_samples(depths, true),
-                 mode.options, noted);
-    if (at_all.failure.empty()) {
+    NonlinearIndentation more = press_at(
+        model, compliance, at_all, corrected_samples(depths, true), options, noted);
+    if (!easy || at_all.failure.empty()) {
       node = std::move(at_all);
       result = std::move(more);
     }

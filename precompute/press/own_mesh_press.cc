@@ -9,9 +9,8 @@
 namespace palpate {
 namespace {
 
-constexpr int kFinerForTouch = 3;    // meshes, each twice as fine
-constexpr int kCoarserToEnd = 2;     // meshes, each twice as coarse
-constexpr int kPatientNewton = 100;  // a step, of presses that have failed once
+constexpr int kFinerForTouch = 3;  // meshes, each twice as fine
+constexpr int kCoarserToEnd = 2;   // meshes, each twice as coarse
 
 // One tool, and meshes made for the vertices that it presses.
 class OwnMeshes {
@@ -47,7 +46,8 @@ class OwnMeshes {
   // presses converge.
   void press_coarser_if_failed(PressedNode& node, const ContactFocus& focus,
                                PressMode mode) const {
-    mode.options.equilibrium.newton_max = kPatientNewton;
+    mode.every_depth = true;
+    mode.options.stiff = true;
     for (int attempt = 1; attempt <= kCoarserToEnd && !node.failure.empty();
          ++attempt) {
       PressedNode again = pressed_again(node, finer(focus, std::exp2(-attempt)), mode);
@@ -56,15 +56,6 @@ class OwnMeshes {
       if (samples(again) > 1 && (whole || samples(again) > samples(node))) {
         node = std::move(again);
         node.again_times_finer = std::exp2(-attempt);
-      }
-    }
-    if (!node.failure.empty() && samples(node) < 2 && !node.patch.empty()) {
-      // The first of a few depths is too far for one step.
-      mode.every_depth = true;
-      PressedNode again = pressed_again(node, focus, mode);
-      if (samples(again) > 1) {
-        node = std::move(again);
-        node.again_times_finer = 1.0;
       }
     }
   }
