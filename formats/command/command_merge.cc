@@ -80,6 +80,7 @@ void run_shards(const Flags& flags) {
            {"interpolated", all.interpolated},
            {"failed", all.failed},
            {"truncated", all.truncated},
+           {"ended_at_support", all.ended_at_support},
            {"untouched", all.untouched},
            {"outside_reach", all.outside_reach},
            {"over_budget", all.over_budget},

@@ -23,7 +23,7 @@ struct ToolSummary {
   std::int64_t error_over_budget = 0;     ///< outside the scene's accuracy budget
   std::int64_t failed = 0;                ///< solves that failed: no curve
   std::int64_t extrapolated = 0;          ///< beyond the curves they come from
-  std::int64_t truncated_path = 0;        ///< the solve stopped early
+  std::int64_t truncated_path = 0;        ///< they end early
   std::int64_t hard_path = 0;             ///< other equilibria may lie near
   double depth_max_m = 0.0;               ///< [m]
   double force_max_n = 0.0;               ///< [N] of any sample

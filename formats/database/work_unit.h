@@ -80,6 +80,8 @@ struct Assembly {
   std::int64_t interpolated = 0;
   std::int64_t failed = 0;     ///< without a curve
   std::int64_t truncated = 0;  ///< solved, but not to the end of the path
+  /// Of those with a curve: it ends where the tool meets a held part of the body.
+  std::int64_t ended_at_support = 0;
   std::int64_t untouched = 0;  ///< reachable, but the tool met nothing to press
   std::int64_t outside_reach = 0;
   std::int64_t over_budget = 0;

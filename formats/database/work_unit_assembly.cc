@@ -64,6 +64,8 @@ void count(const JobDescription& plan, const WorkUnitNode& node, Assembly& assem
         fmt::format("vertex {}, tool {}: {}", node.vertex,
                     plan.tool[static_cast<std::size_t>(node.tool)].name, node.failure));
     ++(has_curve ? assembly.truncated : assembly.failed);
+  } else if ((response.flags & kTruncatedPath) != 0) {
+    ++assembly.ended_at_support;
   }
   if (has_curve) {
     ++(response.origin == ResponseOrigin::kInterpolated ? assembly.interpolated

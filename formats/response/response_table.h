@@ -38,7 +38,7 @@ enum ResponseFlag : std::uint8_t {
   kErrorOverBudget = 8,  ///< error estimate exceeds the scene's accuracy budget
   kFailed = 16,          ///< the solve failed: no curve
   kExtrapolated = 32,    ///< interpolated from curves beyond their last sample
-  kTruncatedPath = 64,   ///< the nonlinear solve stopped before the depth asked for
+  kTruncatedPath = 64,   ///< ends early: solve stopped, or tool at a support
   /// The nonlinear path was hard to follow: a step was cut, the contact stiffened, or
   /// the body was about to give way. Other equilibria may lie near.
   kHardPath = 128,

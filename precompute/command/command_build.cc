@@ -47,6 +47,7 @@ nlohmann::ordered_json to_json(const BuildReport& report) {
           {"interpolated", all.interpolated},
           {"failed", all.failed},
           {"truncated", all.truncated},
+          {"ended_at_support", all.ended_at_support},
           {"precision", name_of(all.database.storage.precision)},
           {"seconds", report.seconds},
           {"peak_memory_bytes", report.peak_memory_bytes},
@@ -110,6 +111,12 @@ void print_errors(const Assembly& all, double budget) {
     fmt::print(
         "warning       {} presses were hard to follow: other equilibria may lie near\n",
         all.hard_path);
+  }
+  if (all.ended_at_support > 0) {
+    fmt::print(
+        "note          {} curves end early: there the tool meets a held part of the "
+        "body\n",
+        all.ended_at_support);
   }
   if (all.reaching_elsewhere > 0) {
     fmt::print(

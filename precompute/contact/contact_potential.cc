@@ -121,7 +121,7 @@ double ContactPotential::point_spring(const Point& point,
   for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
     spring += point.omega[h] * multipliers.spring_n_per_m[point.hat[h]];
   }
-  return spring;
+  return multipliers.point_share * spring;
 }
 
 Eigen::Vector3d ContactPotential::displaced(const Point& point,
@@ -163,7 +163,7 @@ ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
       normal.row(point.hat[h]) += point.omega[h] * phi.normal.transpose();
       torque.row(point.hat[h]) += point.omega[h] * x.cross(phi.normal).transpose();
     }
-    if (phi.distance_m < 0.0) {
+    if (phi.distance_m < 0.0 && multipliers.point_share > 0.0) {
       const double push = -point_spring(point, multipliers) * phi.distance_m;
       state.energy_j -= 0.5 * push * phi.distance_m;
       state.force_n -= push * phi.normal;
@@ -226,9 +226,9 @@ void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& t
     for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
       pressure += point.omega[h] * state.pressure_n[point.hat[h]];
     }
-    const ToolDistance phi = distance_to(tool, displaced(point, u_m));
-    const double overlap_m = std::max(0.0, -phi.distance_m);
-    if (pressure > 0.0 || overlap_m > 0.0) {
+    if (pressure > 0.0 || multipliers.point_share > 0.0) {
+      const ToolDistance phi = distance_to(tool, displaced(point, u_m));
+      const double overlap_m = std::max(0.0, -phi.distance_m);
       const double spring = overlap_m > 0.0 ? point_spring(point, multipliers) : 0.0;
       const Eigen::Matrix3d curvature =
           spring * phi.normal * phi.normal.transpose() -

@@ -7,10 +7,11 @@
 // pressure force p_v = <lambda_v - k_v g_v>, <x> = max(x, 0) (Rockafellar 1974; Simo
 // and Laursen 1992). Where lambda = p, g.p = 0 and g >= 0 hold exactly.
 //
-// An averaged gap does not see a surface that folds into the tool within a hat, and
-// under a sharp edge a body saves energy by that. Springs at the points stand against
-// it: sum_q (k_q/2) <-phi(x_q + u(x_q))>^2, k_q = sum_v omega_vq k_v. A surface that
-// lies on the tool feels them by what its elements cannot follow of the tool's shape.
+// An averaged gap does not see a surface that folds into the tool within a hat, and a
+// sharp edge under a tool saves energy by that. Springs at the points stand against it
+// where they are asked for: sum_q (k_q/2) <-phi(x_q + u(x_q))>^2, k_q a share of
+// sum_v omega_vq k_v. What they store is not the body's energy: they are for paths that
+// are hard to follow without.
 #pragma once
 
 #include <array>
@@ -31,6 +32,7 @@ namespace palpate {
 struct Multipliers {
   Eigen::VectorXd pressure_n;      ///< (n_patch) [N] lambda
   Eigen::VectorXd spring_n_per_m;  ///< (n_patch) [N/m] k
+  double point_share = 0.0;        ///< [-] springs at the points over those
   /// (n_patch x 3) [N] of the ties of a sticking tool; zero for a frictionless one.
   Eigen::MatrixX3d tie_n;
   /// (n_patch x 3) [m] where each node's average point first touched, in the tool's

@@ -12,7 +12,7 @@ namespace {
 
 // Directions that the preconditioner remembers, each with three vectors over the near
 // unknowns.
-constexpr std::size_t kMostKnown = 16;
+constexpr std::size_t kMostKnown = 24;
 // [-] An element's volume over its volume at rest may become this share of the least
 // one within a step. Nearer to zero, forces grow beyond what a step can be computed
 // from.

@@ -15,6 +15,7 @@ constexpr double kPredictedThinner = 0.3;
 // A press that fails goes on with these.
 constexpr double kStiffer = 10.0;
 constexpr int kStiffUpdates = 1;
+constexpr double kPointShare = 1.0;
 constexpr int kPatience = 2;
 // Near fields that are too small.
 constexpr int kWidened = 2;
@@ -197,6 +198,7 @@ class Press {
   void stiffen() {
     stiff_ = true;
     multipliers_.spring_n_per_m *= kStiffer;
+    multipliers_.point_share = kPointShare;
     EquilibriumOptions patient = options_.equilibrium;
     patient.lagrange_max = kStiffUpdates;
     patient.newton_max *= kPatience;
@@ -214,7 +216,7 @@ class Press {
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
     newton_ += last_.newton;
-    if (!last_.converged && options_.only_if_easy) {
+    if (!last_.converged && options_.only_if_easy && (stiff_ || reached_ == 0)) {
       return false;
     }
     if (!last_.converged && !stiff_ && !last_.too_far) {

@@ -44,7 +44,8 @@ struct NonlinearOptions {
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
-  /// A step that does not converge at once ends the path.
+  /// The path ends at its first step if that does not converge at once, and later at
+  /// one that does not in stiff contact, instead of being cut.
   bool only_if_easy = false;
   /// Stiff contact from the first step on, which is else tried where a step fails.
   bool stiff = false;

@@ -129,9 +129,7 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
     WorkUnitNode node{.tool = tool, .vertex = vertex_[i]};
     const PressedNode& press = good_[i] ? *good_[i] : cheap_[i];
-    node.failure = ends_at_support(scene_, press)
-                       ? "the tool meets a held part of the body"
-                       : press.failure;
+    node.failure = press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
     if (good_[i]) {
       node.response = to_response(press.indentation, press.path, scene_.force_relative);
@@ -139,6 +137,10 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
       node.response = interpolated(i, left_out);
     } else if (touches(i)) {
       node.failure = "no neighbour was solved that it could be interpolated from";
+    }
+    if (ends_at_support(scene_, press) && !node.response.depth_m.empty()) {
+      node.response.flags =
+          static_cast<std::uint8_t>(node.response.flags | kTruncatedPath);
     }
     fail_if_broken(node);
     nodes.push_back(std::move(node));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numeric>
 #include <random>
+#include <tuple>
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -181,14 +182,17 @@ TEST_P(NearFieldOfLaw, ForceAndChangeAreDerivativesOfTheExcess) {
 }
 
 // The contact's potential does not know of laws.
-class ContactDerivatives : public testing::TestWithParam<ToolShape> {};
+class ContactDerivatives
+    : public testing::TestWithParam<std::tuple<ToolShape, double>> {};
 INSTANTIATE_TEST_SUITE_P(Tools, ContactDerivatives,
-                         testing::Values(sphere(1.3 * kEdge), capsule(kEdge, kEdge),
-                                         cone(1.1, 0.4 * kEdge)));
+                         testing::Combine(testing::Values(sphere(1.3 * kEdge),
+                                                          capsule(kEdge, kEdge),
+                                                          cone(1.1, 0.4 * kEdge)),
+                                          testing::Values(0.0, 0.7)));
 
 TEST_P(ContactDerivatives, ForceIsTheGradientAndCurvatureItsDerivative) {
   const Block block(neo_hookean(5e3, 0.45));
-  const ToolSurface tool{GetParam()};
+  const ToolSurface tool{std::get<0>(GetParam())};
   const PlacedTool placed = place_on_path(tool, Eigen::Vector3d::Zero(),
                                           Eigen::Vector3d::UnitZ(), 0.15 * kEdge);
   ContactPotential contact(block.surface, block.mesh, block.patch, *block.near);
@@ -196,6 +200,7 @@ TEST_P(ContactDerivatives, ForceIsTheGradientAndCurvatureItsDerivative) {
   const Multipliers multipliers{
       .pressure_n = 1e-3 * random_vector(n, 1.0, 5).cwiseAbs(),
       .spring_n_per_m = Eigen::VectorXd::Constant(n, 20.0),
+      .point_share = std::get<1>(GetParam()),
       .tie_n = Eigen::MatrixX3d::Zero(n, 3),
       .anchor_m = Eigen::MatrixX3d::Zero(n, 3),
       .tied = {}};

@@ -82,6 +82,7 @@ NonlinearOptions tight() {
   options.equilibrium.gradient_tolerance = 1e-4;
   options.equilibrium.gradients_total = 20000;
   options.newton_per_depth = 200;
+  options.equilibrium.newton_max = 200;
   return options;
 }
 
@@ -172,6 +173,14 @@ TEST_F(NodeDetails, ASharpRimThatGivesWayIsPressedToTheEnd) {
   EXPECT_EQ(detail.pressed.failure, "");
   EXPECT_EQ(detail.pressed.indentation.sample.size(), 21U);
   EXPECT_LT(detail.checks.force, 1e-3);
+  // Another place of the rim, on a mesh of its own: the same force within what is said.
+  const NodeDetail other = press_in_detail(
+      ball, body, body.tool.front(), nearest_vertex(body.surface, {0.0, 0.02, 0.02}),
+      NonlinearOptions{}, quiet);
+  const double force_n = detail.pressed.indentation.sample.back().force_n.norm();
+  EXPECT_EQ(other.pressed.failure, "");
+  EXPECT_NEAR(other.pressed.indentation.sample.back().force_n.norm(), force_n,
+              0.02 * force_n);
 }
 
 TEST_F(NodeDetails, ALinearPressIsInBalanceToRounding) {
