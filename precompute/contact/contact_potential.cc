@@ -14,13 +14,6 @@ const FaceRulePoint& rule_point(std::int32_t i) {
   return face_rule()[static_cast<std::size_t>(i)];
 }
 
-ToolDistance distance_to(const PlacedTool& tool, const Eigen::Vector3d& p_m) {
-  const ToolDistance local =
-      tool.surface->distance(tool.rotation.transpose() * (p_m - tool.reference_m));
-  return {local.distance_m, tool.rotation * local.normal,
-          tool.rotation * local.curvature_per_m * tool.rotation.transpose()};
-}
-
 // Projection on the tool's tangent plane at a tied node's anchor.
 Eigen::Matrix3d tangent_plane(const PlacedTool& tool, const Eigen::Vector3d& anchor_m) {
   const Eigen::Vector3d n =
@@ -157,7 +150,7 @@ ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
   Eigen::MatrixX3d torque = Eigen::MatrixX3d::Zero(nodes(), 3);
   for (const Point& point : point_) {
     const Eigen::Vector3d x = displaced(point, u_m);
-    const ToolDistance phi = distance_to(tool, x);
+    const ToolDistance phi = distance(tool, x);
     for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
       state.gap_m[point.hat[h]] += point.omega[h] * phi.distance_m;
       normal.row(point.hat[h]) += point.omega[h] * phi.normal.transpose();
@@ -227,7 +220,7 @@ void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& t
       pressure += point.omega[h] * state.pressure_n[point.hat[h]];
     }
     if (pressure > 0.0 || multipliers.point_share > 0.0) {
-      const ToolDistance phi = distance_to(tool, displaced(point, u_m));
+      const ToolDistance phi = distance(tool, displaced(point, u_m));
       const double overlap_m = std::max(0.0, -phi.distance_m);
       const double spring = overlap_m > 0.0 ? point_spring(point, multipliers) : 0.0;
       const Eigen::Matrix3d curvature =

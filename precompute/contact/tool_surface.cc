@@ -113,7 +113,9 @@ double largest_distance_from_axis(const SurfaceMesh& mesh) {
 }  // namespace
 
 ToolSurface::ToolSurface(const ToolShape& shape)
-    : shape_(shape), steepest_cosine_(kSteepestCosine) {
+    : shape_(shape),
+      is_ball_(shape.kind == "sphere"),
+      steepest_cosine_(kSteepestCosine) {
   check(shape);
   outline_ = outline_of(shape);
   ball_radius_m_ = ball_radius_of(shape);
@@ -247,12 +249,20 @@ PlacedTool place_on_path(const ToolSurface& surface, const Eigen::Vector3d& vert
 }
 
 double distance_m(const PlacedTool& tool, const Eigen::Vector3d& p_m) {
+  if (tool.surface->is_ball()) {
+    return (p_m - tool.reference_m).norm() - tool.surface->ball_radius_m();
+  }
   return tool.surface->distance_m(tool.rotation.transpose() * (p_m - tool.reference_m));
 }
 
 ToolDistance distance(const PlacedTool& tool, const Eigen::Vector3d& p_m) {
-  ToolDistance d =
-      tool.surface->distance(tool.rotation.transpose() * (p_m - tool.reference_m));
+  const Eigen::Vector3d from_m = p_m - tool.reference_m;
+  if (const double r_m = from_m.norm(); tool.surface->is_ball() && r_m > 0.0) {
+    const Eigen::Vector3d n = from_m / r_m;
+    return {r_m - tool.surface->ball_radius_m(), n,
+            (Eigen::Matrix3d::Identity() - n * n.transpose()) / r_m};
+  }
+  ToolDistance d = tool.surface->distance(tool.rotation.transpose() * from_m);
   d.normal = tool.rotation * d.normal;
   d.curvature_per_m = tool.rotation * d.curvature_per_m * tool.rotation.transpose();
   return d;

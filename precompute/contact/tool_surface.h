@@ -56,6 +56,9 @@ class ToolSurface {
   /// Whether it looks the same from all sides about its axis (every kind but a mesh).
   [[nodiscard]] bool turns_about_axis() const { return !outline_.empty(); }
 
+  /// Whether it is a sphere, the same from everywhere.
+  [[nodiscard]] bool is_ball() const { return is_ball_; }
+
   /// Of kinds that turn about the axis: the core's outline, from the axis outwards and
   /// up, and the radius of the ball.
   [[nodiscard]] const std::vector<OutlineEdge>& outline() const { return outline_; }
@@ -75,6 +78,7 @@ class ToolSurface {
   ToolShape shape_;
   std::vector<OutlineEdge> outline_;  // empty for a mesh
   double ball_radius_m_ = 0.0;
+  bool is_ball_ = false;
   double steepest_cosine_ = 0.0;
   Eigen::MatrixX3d plane_normal_;  // (n_triangles x 3) of a mesh
   Eigen::VectorXd plane_offset_m_;

@@ -125,6 +125,25 @@ TEST_P(EveryTool, TheDistanceAloneIsTheSame) {
   }
 }
 
+TEST_P(EveryTool, WhereItIsPlacedItsDistanceIsTurnedWithIt) {
+  const Eigen::Matrix3d rotation =
+      Eigen::Quaterniond(0.3, -0.5, 0.7, 0.4).normalized().toRotationMatrix();
+  const PlacedTool tool{&surface_, rotation, {0.1, -0.2, 0.3}, rotation.col(2)};
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p = random_point();
+    const Eigen::Vector3d placed = rotation * p + tool.reference_m;
+    const ToolDistance expected = surface_.distance(p);
+    const ToolDistance found = distance(tool, placed);
+    EXPECT_NEAR(found.distance_m, expected.distance_m, 1e-15);
+    EXPECT_NEAR(distance_m(tool, placed), expected.distance_m, 1e-15);
+    EXPECT_LT((found.normal - rotation * expected.normal).norm(), 1e-12);
+    EXPECT_LT((found.curvature_per_m -
+               rotation * expected.curvature_per_m * rotation.transpose())
+                  .norm(),
+              1e-12 * (1.0 + expected.curvature_per_m.squaredNorm()));
+  }
+}
+
 TEST(ToolSurface, ClosedFormsOfTheDistance) {
   const ToolSurface punch(flat_punch(0.01, 0.002));
   EXPECT_NEAR(punch.distance({0.003, 0.0, -0.005}).distance_m, 0.005, 1e-17);
