@@ -19,9 +19,9 @@ namespace palpate {
 
 /// Meshes the body around the vertices and presses them with the tool. A vertex that
 /// the tool touches late (touches_late) is pressed again on meshes up to eight times
-/// finer, a nonlinear press that fails on meshes two and four times coarser and, where
-/// it came nowhere, in small steps; what has come farthest is taken. The estimated
-/// error of forces is of the mesh that was taken.
+/// finer, a nonlinear press that fails on meshes two and four times coarser, in small
+/// steps and stiff contact; what has come farthest is taken. The estimated error of
+/// forces is of the mesh that was taken.
 /// @throws as make_own_model(), for the first mesh.
 [[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
     const Scene& scene, const BodySource& body, const SharedTool& tool,

@@ -264,10 +264,18 @@ std::vector<PressedNode> SceneSolver::good(
         tool, vertices, strategy_.focus,
         {.nonlinear = strategy_.nonlinear, .options = nonlinear_options(scene_, tool)});
   }
+  return on_shared_mesh(tool, vertices, false);
+}
+
+std::vector<PressedNode> SceneSolver::on_shared_mesh(
+    const SharedTool& tool, std::span<const std::int32_t> vertices,
+    bool keep_states) const {
   std::vector<PressedNode> nodes = cheap(tool, vertices);
   if (strategy_.nonlinear) {
     press_nonlinear(*model_, *compliance_, nodes,
-                    {.nonlinear = true, .options = nonlinear_options(scene_, tool)});
+                    {.nonlinear = true,
+                     .options = nonlinear_options(scene_, tool),
+                     .keep_states = keep_states});
   }
   return nodes;
 }

@@ -73,6 +73,12 @@ class SceneSolver {
   [[nodiscard]] std::vector<PressedNode> good(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
+  /// The best presses there are on the mesh that all share.
+  /// @param keep_states as PressMode's.
+  [[nodiscard]] std::vector<PressedNode> on_shared_mesh(
+      const SharedTool& tool, std::span<const std::int32_t> vertices,
+      bool keep_states) const;
+
   /// Linear presses for those that the strategy's mesh is too coarse for, on meshes
   /// made for them: of the strategy's size where there was a shared one, else
   /// kFinerStep times finer.

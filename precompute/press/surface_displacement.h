@@ -17,25 +17,32 @@
 
 namespace palpate {
 
-/// Displacements of the body's vertices [m], one column per node: of the linear body
-/// under the pressures of the node's last sample, whatever the body's laws (enough to
-/// draw it, not to measure it). @return (3 n_vertices x n_nodes).
-/// @param model whose first nodes are the vertices. @param nodes linear presses of two
-/// or more samples.
-[[nodiscard]] Eigen::MatrixXd surface_displacements_m(
-    const BodyModel& model, Eigen::Index vertices, std::span<const PressedNode> nodes);
+/// Displacements of the body's vertices under presses of its nodes.
+struct SurfaceFields {
+  std::vector<std::int32_t> node;  ///< (k)
+  std::vector<double> depth_m;     ///< (k) penetration, the deepest that was solved
+  Eigen::MatrixXd field_m;         ///< (3 n_vertices x k)
+};
+
+/// @param model whose first nodes are the vertices. @param nodes pressed on it: of a
+/// nonlinear press with its state (PressMode::keep_states) the field is the solved one,
+/// else the linear body's under the pressures of the last sample. Presses without a
+/// contact are left out.
+[[nodiscard]] SurfaceFields surface_fields(const BodyModel& model,
+                                           Eigen::Index vertices,
+                                           std::span<const PressedNode> nodes);
 
 /// Basis and coefficients of the fields: left singular vectors of the fields, each
 /// divided by its largest displacement, as many as are needed until no vertex of any
 /// field is off by more than `error_relative` of that field's largest displacement.
 /// Node, depth and, of the numbers as they are stored, the errors (L2 over vertices)
-/// with them. @param field_m (3 n x k), no column zero. @param error_relative (0, 1).
-[[nodiscard]] DisplacementField compress_fields(const Eigen::MatrixXd& field_m,
-                                                std::span<const PressedNode> nodes,
+/// with them. @param fields no column zero. @param error_relative (0, 1).
+[[nodiscard]] DisplacementField compress_fields(const SurfaceFields& fields,
                                                 double error_relative);
 
 /// Gives every tool's table the fields of its solved nodes, as the scene's [drawing]
-/// wants them. On a shared mesh of their own, made for this: one more factor.
+/// wants them. On a shared mesh of their own, made for this: one more factor, and the
+/// presses once more, nonlinear where the body is.
 void add_surface_fields(const Scene& scene, const BodySource& body,
                         const PressStrategy& strategy,
                         std::span<const std::int32_t> reachable,

@@ -10,6 +10,7 @@
 #include "formats/mesh/obj_writer.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/press/own_mesh_press.h"
+#include "precompute/press/surface_displacement.h"
 #include "tests/support/odd_bodies.h"
 #include "tests/support/test_data.h"
 
@@ -123,6 +124,30 @@ TEST_F(PressedMiddle, EveryDepthTakesTheForceThatWasSolvedThere) {
     EXPECT_EQ(all_.nonlinear->sample[k].energy_j,
               all_.indentation.sample[k + 1].energy_j);
   }
+}
+
+TEST_F(PressedMiddle, ItsFieldIsTheSolvedDisplacement) {
+  const Eigen::Index vertices = body_->surface.position_m.rows();
+  const SurfaceFields solved = surface_fields(*model_, vertices, {&few_, 1});
+  ASSERT_EQ(solved.node, std::vector<std::int32_t>{kMiddle});
+  EXPECT_EQ(solved.depth_m.front(), few_.nonlinear->sample.back().penetration_m);
+  const NonlinearIndentation& press = *few_.nonlinear;
+  const double largest_m = solved.field_m.cwiseAbs().maxCoeff();
+  int compared = 0;
+  for (Eigen::Index i = 0; i < 3 * vertices; ++i) {
+    const std::int64_t dof = model_->supports.free_index[static_cast<std::size_t>(i)];
+    const auto near = std::find(press.near_dof.begin(), press.near_dof.end(), dof);
+    if (dof >= 0 && near != press.near_dof.end()) {
+      const double u_m = press.state.displacement_m[near - press.near_dof.begin()];
+      EXPECT_NEAR(solved.field_m(i, 0), u_m, 1e-9 * largest_m);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 20);
+  PressedNode linear = few_;
+  linear.nonlinear.reset();
+  const SurfaceFields rough = surface_fields(*model_, vertices, {&linear, 1});
+  EXPECT_GT((rough.field_m - solved.field_m).norm(), 0.01 * solved.field_m.norm());
 }
 
 TEST_F(PressedMiddle, AFewDepthsAreSolvedAndTellThoseBetweenThem) {

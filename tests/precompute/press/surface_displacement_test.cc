@@ -8,15 +8,14 @@
 namespace palpate {
 namespace {
 
-// Presses of which only vertex and last depth matter here.
-std::vector<PressedNode> presses(std::size_t count) {
-  std::vector<PressedNode> nodes(count);
-  for (std::size_t j = 0; j < count; ++j) {
-    nodes[j].vertex = static_cast<std::int32_t>(j);
-    nodes[j].indentation.sample.resize(1);
-    nodes[j].indentation.sample[0].penetration_m = 0.001 * static_cast<double>(j + 1);
+SurfaceFields pressed(const Eigen::MatrixXd& field_m) {
+  SurfaceFields fields;
+  fields.field_m = field_m;
+  for (Eigen::Index j = 0; j < field_m.cols(); ++j) {
+    fields.node.push_back(static_cast<std::int32_t>(j));
+    fields.depth_m.push_back(0.001 * static_cast<double>(j + 1));
   }
-  return nodes;
+  return fields;
 }
 
 // Smooth bumps along a line of 200 vertices.
@@ -54,7 +53,7 @@ TEST(SurfaceField, NoVertexIsOffByMoreThanAskedFor) {
   const Eigen::MatrixXd field = bumps(40);
   Eigen::Index modes = 0;
   for (const double error : {0.2, 0.02, 0.002}) {
-    const DisplacementField stored = compress_fields(field, presses(40), error);
+    const DisplacementField stored = compress_fields(pressed(field), error);
     EXPECT_LE(worst(field, stored), error * 1.001);
     EXPECT_GT(stored.basis.cols(), modes);
     EXPECT_LT(stored.basis.cols(), 40);
@@ -64,7 +63,7 @@ TEST(SurfaceField, NoVertexIsOffByMoreThanAskedFor) {
 
 TEST(SurfaceField, FieldsOfRankTwoNeedTwoModes) {
   Eigen::MatrixXd field = bumps(2) * Eigen::MatrixXd::Random(2, 12);
-  const DisplacementField stored = compress_fields(field, presses(12), 1e-4);
+  const DisplacementField stored = compress_fields(pressed(field), 1e-4);
   EXPECT_EQ(stored.basis.cols(), 2);
   for (const double error : stored.error_relative) {
     EXPECT_LT(error, 1e-5);
@@ -72,11 +71,11 @@ TEST(SurfaceField, FieldsOfRankTwoNeedTwoModes) {
 }
 
 TEST(SurfaceField, NodesAndDepthsAreThoseOfThePresses) {
-  const DisplacementField stored = compress_fields(bumps(3), presses(3), 0.1);
+  const DisplacementField stored = compress_fields(pressed(bumps(3)), 0.1);
   EXPECT_EQ(stored.node, (std::vector<std::int32_t>{0, 1, 2}));
   EXPECT_DOUBLE_EQ(stored.depth_m[2], 0.003);
   EXPECT_EQ(stored.coefficient.rows(), 3);
-  EXPECT_EQ(compress_fields(Eigen::MatrixXd(600, 0), {}, 0.1).node.size(), 0U);
+  EXPECT_EQ(compress_fields({}, 0.1).node.size(), 0U);
 }
 
 }  // namespace
