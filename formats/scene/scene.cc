@@ -103,11 +103,6 @@ void read_cutout(const Sections& sections, Scene& scene) {
         "[cutout] takes parts of one mesh: accuracy.refine is \"local\", must be "
         "\"auto\" or \"global\"");
   }
-  if (scene.drawing.displacement) {
-    section.fail(
-        "[cutout] knows nothing of the body far away: drawing.displacement is true, "
-        "must be false");
-  }
   scene.cutout = cutout;
 }
 

@@ -105,29 +105,8 @@ CoarseLoads coarse_loads(const BodyModel& coarse, const TetLocator& where,
   return loads;
 }
 
-// Displacements of the part's cut that the coarse body's have, (3 n_nodes x k); zero
-// elsewhere. @param X (n_free x k) of the coarse body.
-Eigen::MatrixXd on_cut_m(const ClampedPart& part, const BodyModel& coarse,
-                         std::span<const TetLocator::Place> place,
-                         const Eigen::MatrixXd& X) {
-  Eigen::MatrixXd cut_m =
-      Eigen::MatrixXd::Zero(3 * part.model.mesh.position_m.rows(), X.cols());
-  for (std::size_t i = 0; i < part.cut.size(); ++i) {
-    for (std::size_t a = 0; a < 10; ++a) {
-      const auto node = static_cast<std::size_t>(place[i].node[a]);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t dof = coarse.supports.free_index[3 * node + axis];
-        if (dof >= 0) {
-          cut_m.row(3 * Eigen::Index{part.cut[i]} + static_cast<Eigen::Index>(axis)) +=
-              place[i].shape[static_cast<Eigen::Index>(a)] * X.row(dof);
-        }
-      }
-    }
-  }
-  return cut_m;
-}
-
 // Displacements of the part's free degrees of freedom for those of its cut.
+// @param cut_m (3 n_nodes x k), zero elsewhere.
 Eigen::MatrixXd extended_m(const ClampedPart& part, const Eigen::MatrixXd& cut_m) {
   const Eigen::MatrixXd force = part.stiffness.selfadjointView<Eigen::Lower>() * cut_m;
   const Supports& supports = part.model.supports;
@@ -150,13 +129,63 @@ CoarseBody::CoarseBody(const Scene& scene, const BodySource& body,
 CoarseBody::CoarseBody(BodyModel model)
     : model_(std::move(model)), where_(model_.mesh) {}
 
-Eigen::MatrixXd CoarseBody::exterior_compliance(
-    const ClampedPart& part, std::span<const std::int32_t> nodes) const {
-  const CoarseLoads loads = coarse_loads(model_, where_, part.model, nodes);
+Eigen::MatrixXd CoarseBody::at_m(const TetLocator::Place& place,
+                                 const Eigen::MatrixXd& moved_m) const {
+  Eigen::MatrixXd there_m = Eigen::MatrixXd::Zero(3, moved_m.cols());
+  for (std::size_t a = 0; a < 10; ++a) {
+    const auto node = static_cast<std::size_t>(place.node[a]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int64_t dof = model_.supports.free_index[3 * node + axis];
+      if (dof >= 0) {
+        there_m.row(static_cast<Eigen::Index>(axis)) +=
+            place.shape[static_cast<Eigen::Index>(a)] * moved_m.row(dof);
+      }
+    }
+  }
+  return there_m;
+}
+
+std::vector<TetLocator::Place> CoarseBody::places_of_cut(
+    const ClampedPart& part) const {
   std::vector<TetLocator::Place> place;
   for (const std::int32_t node : part.cut) {
     place.push_back(where_.place(part.model.mesh.position_m.row(node).transpose()));
   }
+  return place;
+}
+
+Eigen::MatrixXd CoarseBody::carried_m(const ClampedPart& part,
+                                      std::span<const TetLocator::Place> place,
+                                      const Eigen::MatrixXd& moved_m) const {
+  Eigen::MatrixXd cut_m =
+      Eigen::MatrixXd::Zero(3 * part.model.mesh.position_m.rows(), moved_m.cols());
+  for (std::size_t i = 0; i < part.cut.size(); ++i) {
+    cut_m.middleRows(3 * Eigen::Index{part.cut[i]}, 3) = at_m(place[i], moved_m);
+  }
+  return extended_m(part, cut_m);
+}
+
+Eigen::MatrixXd CoarseBody::carried_m(const ClampedPart& part,
+                                      const Eigen::MatrixXd& moved_m) const {
+  return carried_m(part, places_of_cut(part), moved_m);
+}
+
+Eigen::MatrixXd CoarseBody::displaced_m(const ClampedPart& part,
+                                        std::span<const std::int32_t> nodes,
+                                        const Eigen::MatrixXd& pressure_n) const {
+  const CoarseLoads loads = coarse_loads(model_, where_, part.model, nodes);
+  const Eigen::MatrixXd load_n = loads.share.transpose() * pressure_n;
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(model_.supports.free, pressure_n.cols());
+  for (std::size_t k = 0; k < loads.dof.size(); ++k) {
+    B.row(loads.dof[k]) = load_n.row(static_cast<Eigen::Index>(k));
+  }
+  return model_.factor->solve(B);
+}
+
+Eigen::MatrixXd CoarseBody::exterior_compliance(
+    const ClampedPart& part, std::span<const std::int32_t> nodes) const {
+  const CoarseLoads loads = coarse_loads(model_, where_, part.model, nodes);
+  const std::vector<TetLocator::Place> place = places_of_cut(part);
   const auto n = static_cast<Eigen::Index>(nodes.size());
   const Eigen::Index m = loads.share.cols();
   constexpr auto kBlock = static_cast<Eigen::Index>(SurfaceCompliance::kBlock);
@@ -167,8 +196,7 @@ Eigen::MatrixXd CoarseBody::exterior_compliance(
     for (Eigen::Index k = 0; k < count; ++k) {
       B(loads.dof[static_cast<std::size_t>(first + k)], k) = 1.0;
     }
-    const Eigen::MatrixXd inside_m =
-        extended_m(part, on_cut_m(part, model_, place, model_.factor->solve(B)));
+    const Eigen::MatrixXd inside_m = carried_m(part, place, model_.factor->solve(B));
     Eigen::MatrixXd moved_m(n, count);
     for (Eigen::Index i = 0; i < n; ++i) {
       const ContactNode& node =

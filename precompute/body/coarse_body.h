@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -28,6 +29,7 @@ struct ClampedPart {
   BodyModel model;
   Stiffness stiffness;            ///< of all degrees of freedom, lower triangle
   std::vector<std::int32_t> cut;  ///< nodes of the mesh on the cut; empty: all the body
+  std::vector<std::int32_t> corner;  ///< (n_corners) of the body's tets, ascending
 };
 
 class CoarseBody {
@@ -49,7 +51,32 @@ class CoarseBody {
   [[nodiscard]] Eigen::MatrixXd exterior_compliance(
       const ClampedPart& part, std::span<const std::int32_t> nodes) const;
 
+  /// What pressures on contact nodes of a part do to the coarse body, (n_free x k) [m]
+  /// on its free degrees of freedom. @param pressure_n (n_nodes x k) [N].
+  [[nodiscard]] Eigen::MatrixXd displaced_m(const ClampedPart& part,
+                                            std::span<const std::int32_t> nodes,
+                                            const Eigen::MatrixXd& pressure_n) const;
+
+  /// What the part does, unloaded, where its cut moves with the coarse body, [m] on its
+  /// free degrees of freedom. @param moved_m (n_free x k) of the coarse body.
+  [[nodiscard]] Eigen::MatrixXd carried_m(const ClampedPart& part,
+                                          const Eigen::MatrixXd& moved_m) const;
+
+  /// Of a point in or near the coarse body.
+  [[nodiscard]] TetLocator::Place place(const Eigen::Vector3d& p_m) const {
+    return where_.place(p_m);
+  }
+  /// (3 x k) [m] there. @param moved_m (n_free x k) of the coarse body.
+  [[nodiscard]] Eigen::MatrixXd at_m(const TetLocator::Place& place,
+                                     const Eigen::MatrixXd& moved_m) const;
+
  private:
+  [[nodiscard]] std::vector<TetLocator::Place> places_of_cut(
+      const ClampedPart& part) const;
+  [[nodiscard]] Eigen::MatrixXd carried_m(const ClampedPart& part,
+                                          std::span<const TetLocator::Place> place,
+                                          const Eigen::MatrixXd& moved_m) const;
+
   BodyModel model_;
   TetLocator where_;
 };

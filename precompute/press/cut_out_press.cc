@@ -107,6 +107,7 @@ ClampedPart CutOutSolver::part(std::span<const std::int32_t> group,
   std::vector<std::int32_t> cut;
   model.mesh = with_cut(taken, cut);
   model.material = body_.material;
+  part.corner = taken.corner;
   for (const std::int32_t vertex : group) {
     model.corner.emplace(
         vertex, static_cast<std::int32_t>(
@@ -157,6 +158,20 @@ SurfaceCompliance CutOutSolver::compliance(const ClampedPart& part,
   return compliance;
 }
 
+std::vector<PressedNode> CutOutSolver::press_on(
+    const ClampedPart& part, const SharedTool& tool,
+    std::span<const std::int32_t> group) const {
+  std::vector<PressedNode> nodes;
+  for (const std::int32_t vertex : group) {
+    nodes.push_back(placed_node(scene_, body_, part.model, tool, vertex));
+  }
+  const SurfaceCompliance among = compliance(part, nodes, coarse_.get());
+  for (PressedNode& node : nodes) {
+    press_linear(part.model, among, node);
+  }
+  return nodes;
+}
+
 std::vector<PressedNode> CutOutSolver::press(const SharedTool& tool,
                                              std::span<const std::int32_t> group,
                                              double times_wider) const {
@@ -166,13 +181,7 @@ std::vector<PressedNode> CutOutSolver::press(const SharedTool& tool,
   {
     const ClampedPart part = this->part(group, radius_m);
     whole = part.cut.empty();
-    for (const std::int32_t vertex : group) {
-      nodes.push_back(placed_node(scene_, body_, part.model, tool, vertex));
-    }
-    const SurfaceCompliance among = compliance(part, nodes, coarse_.get());
-    for (PressedNode& node : nodes) {
-      press_linear(part.model, among, node);
-    }
+    nodes = press_on(part, tool, group);
   }
   if (!whole) {
     estimate(nodes, group, radius_m / kCutStep);

@@ -47,13 +47,18 @@ class CutOutSolver {
                                                std::span<const std::int32_t> group,
                                                double times_wider = 1.0) const;
 
+  /// The same on a part that was made for the group, without the estimate.
+  [[nodiscard]] std::vector<PressedNode> press_on(
+      const ClampedPart& part, const SharedTool& tool,
+      std::span<const std::int32_t> group) const;
+
   /// What is cut from what, one line.
   [[nodiscard]] std::string text() const;
 
   [[nodiscard]] const TetMesh& tets() const { return tets_.mesh; }
   /// None where the cut is clamped.
   [[nodiscard]] const CoarseBody* coarse() const { return coarse_.get(); }
-  /// The part around a group.
+  /// The part around a group. @param radius_m [m] the scene's, if it is to be pressed.
   [[nodiscard]] ClampedPart part(std::span<const std::int32_t> group,
                                  double radius_m) const;
 

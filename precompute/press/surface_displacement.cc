@@ -1,11 +1,13 @@
 #include "precompute/press/surface_displacement.h"
 
 #include <algorithm>
-#include <iterator>
+#include <functional>
 #include <mutex>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
+#include "formats/base/error.h"
 #include "precompute/process/interrupt.h"
 #include "precompute/process/parallel.h"
 
@@ -82,37 +84,47 @@ Eigen::MatrixXd modes_of(const Eigen::MatrixXd& unit, double error_relative) {
   return basis.leftCols(modes);
 }
 
-void append(const SurfaceFields& more, SurfaceFields& all) {
-  all.node.insert(all.node.end(), more.node.begin(), more.node.end());
-  all.depth_m.insert(all.depth_m.end(), more.depth_m.begin(), more.depth_m.end());
-  const Eigen::Index before = all.field_m.cols();
-  all.field_m.conservativeResize(more.field_m.rows(), before + more.field_m.cols());
-  all.field_m.rightCols(more.field_m.cols()) = more.field_m;
+SurfaceFields joined(std::span<const SurfaceFields> block, Eigen::Index vertices) {
+  SurfaceFields all;
+  for (const SurfaceFields& more : block) {
+    all.node.insert(all.node.end(), more.node.begin(), more.node.end());
+    all.depth_m.insert(all.depth_m.end(), more.depth_m.begin(), more.depth_m.end());
+  }
+  all.field_m.resize(3 * vertices, static_cast<Eigen::Index>(all.node.size()));
+  Eigen::Index first = 0;
+  for (const SurfaceFields& more : block) {
+    all.field_m.middleCols(first, more.field_m.cols()) = more.field_m;
+    first += more.field_m.cols();
+  }
+  return all;
 }
 
-// In blocks side by side: states of nonlinear presses are too large for all at once.
-SurfaceFields fields_under(const SceneSolver& solver, const BodySource& body,
-                           const SharedTool& tool,
-                           std::span<const std::int32_t> vertices, Progress& progress) {
-  std::vector<SurfaceFields> block((vertices.size() + kBlock - 1) / kBlock);
+using Group = std::vector<std::int32_t>;
+
+// Of blocks side by side: states of nonlinear presses are too large for all at once.
+SurfaceFields in_blocks(const std::vector<Group>& block, Eigen::Index vertices,
+                        const std::function<SurfaceFields(const Group&)>& fields,
+                        Progress& progress) {
+  std::vector<SurfaceFields> of_block(block.size());
   std::mutex told;
   std::size_t done = 0;
   in_parallel(block.size(), [&](std::size_t i) {
     check_interrupted();
-    const std::size_t first = i * kBlock;
-    const auto of_block =
-        vertices.subspan(first, std::min(kBlock, vertices.size() - first));
-    block[i] = surface_fields(*solver.shared(), body.surface.position_m.rows(),
-                              solver.on_shared_mesh(tool, of_block, true));
+    of_block[i] = fields(block[i]);
     const std::lock_guard lock(told);
-    done += of_block.size();
-    progress.advance(done, vertices.size(), "fields");
+    progress.advance(++done, block.size(), "blocks");
   });
-  SurfaceFields all;
-  for (const SurfaceFields& more : block) {
-    append(more, all);
+  return joined(of_block, vertices);
+}
+
+std::vector<Group> blocks_of(std::span<const std::int32_t> vertices) {
+  std::vector<Group> blocks;
+  for (std::size_t first = 0; first < vertices.size(); first += kBlock) {
+    const auto block =
+        vertices.subspan(first, std::min(kBlock, vertices.size() - first));
+    blocks.emplace_back(block.begin(), block.end());
   }
-  return all;
+  return blocks;
 }
 
 std::vector<std::int32_t> solved_nodes(const ResponseTable& table) {
@@ -128,7 +140,7 @@ std::vector<std::int32_t> solved_nodes(const ResponseTable& table) {
 // On one mesh, not as fine as forces want it.
 PressStrategy for_drawing(const PressStrategy& strategy, const BodySource& body) {
   PressStrategy drawing = strategy;
-  if (!strategy.shared_mesh) {
+  if (!strategy.shared_mesh && !strategy.cut_out) {
     const UniformSurface uniform =
         uniform_surface(body, strategy.focus.contact_m / kDrawnAcross, kMostTriangles);
     drawing.surface = uniform.surface;
@@ -139,37 +151,149 @@ PressStrategy for_drawing(const PressStrategy& strategy, const BodySource& body)
   return drawing;
 }
 
+// Those with a contact.
+std::vector<const PressedNode*> drawn(std::span<const PressedNode> nodes) {
+  std::vector<const PressedNode*> pressed;
+  for (const PressedNode& node : nodes) {
+    if (can_be_drawn(node)) {
+      pressed.push_back(&node);
+    }
+  }
+  return pressed;
+}
+
+// Nodes, depths and fields of zero.
+SurfaceFields named_fields(std::span<const PressedNode* const> nodes,
+                           Eigen::Index vertices) {
+  SurfaceFields fields;
+  for (const PressedNode* node : nodes) {
+    const NonlinearIndentation* state = state_of(*node);
+    fields.node.push_back(node->vertex);
+    fields.depth_m.push_back(state != nullptr
+                                 ? state->sample.back().penetration_m
+                                 : node->indentation.sample.back().penetration_m);
+  }
+  fields.field_m.setZero(3 * vertices, static_cast<Eigen::Index>(nodes.size()));
+  return fields;
+}
+
+// Of the free degrees of freedom, (n_free x n_nodes).
+Eigen::MatrixXd displaced_m(const BodyModel& model,
+                            std::span<const PressedNode* const> nodes) {
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(model.factor->size(),
+                                            static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    add_load(model, *nodes[k], B.col(static_cast<Eigen::Index>(k)));
+  }
+  return model.factor->solve(B);
+}
+
+// Gives a vertex what a node of the mesh does.
+void take_node(const Supports& supports, std::int64_t node, const Eigen::MatrixXd& X,
+               std::int64_t vertex, Eigen::MatrixXd& field_m) {
+  for (std::int64_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t dof =
+        supports.free_index[static_cast<std::size_t>(3 * node + axis)];
+    if (dof >= 0) {
+      field_m.row(3 * vertex + axis) = X.row(dof);
+    } else {
+      field_m.row(3 * vertex + axis).setZero();
+    }
+  }
+}
+
+// Contact nodes that any of the presses may touch, ascending, and the pressures on
+// them, (n x n_nodes) [N].
+std::vector<std::int32_t> pressures_of(std::span<const PressedNode* const> nodes,
+                                       Eigen::MatrixXd& pressure_n) {
+  std::vector<std::int32_t> touched;
+  for (const PressedNode* node : nodes) {
+    touched.insert(touched.end(), node->patch.begin(), node->patch.end());
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  pressure_n.setZero(static_cast<Eigen::Index>(touched.size()),
+                     static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const std::vector<std::int32_t>& patch = nodes[k]->patch;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      const auto row =
+          std::lower_bound(touched.begin(), touched.end(), patch[i]) - touched.begin();
+      pressure_n(row, static_cast<Eigen::Index>(k)) =
+          nodes[k]->indentation.sample.back().pressure_n[static_cast<Eigen::Index>(i)];
+    }
+  }
+  return touched;
+}
+
+// Blocks of a body whose parts are pressed.
+SurfaceFields fields_of_parts(const Scene& scene, const CutOutSolver& cut_out,
+                              const BodySource& body, const SharedTool& tool,
+                              std::span<const std::int32_t> solved,
+                              Progress& progress) {
+  const CoarseBody* rest = cut_out.coarse();
+  const Eigen::Index vertices = body.surface.position_m.rows();
+  std::vector<TetLocator::Place> place;
+  for (Eigen::Index v = 0; rest != nullptr && v < vertices; ++v) {
+    place.push_back(rest->place(body.surface.position_m.row(v).transpose()));
+  }
+  return in_blocks(
+      cut_out.groups(solved), vertices,
+      [&](const Group& group) {
+        const ClampedPart part = cut_out.part(group, scene.cutout->radius_m);
+        return part_fields(part, rest, place, vertices,
+                           cut_out.press_on(part, tool, group));
+      },
+      progress);
+}
+
+// Dense ones; where they do not fit, modes that viewers can draw with do not either.
+void require_few_fields(Eigen::Index vertices, std::size_t solved) {
+  constexpr double kMostBytes = 2.0 * (1 << 30);
+  const double bytes =
+      24.0 * static_cast<double>(vertices) * static_cast<double>(solved);
+  if (bytes > kMostBytes) {
+    throw InputError(fmt::format(
+        "{} solved nodes move {} vertices each, {:.0f} GB of displacements; at most "
+        "{:.0f} GB are computed",
+        solved, vertices, 1e-9 * bytes, 1e-9 * kMostBytes));
+  }
+}
+
 }  // namespace
 
 SurfaceFields surface_fields(const BodyModel& model, Eigen::Index vertices,
                              std::span<const PressedNode> nodes) {
-  SurfaceFields fields;
-  std::vector<const PressedNode*> drawn;
-  for (const PressedNode& node : nodes) {
-    if (can_be_drawn(node)) {
-      const NonlinearIndentation* state = state_of(node);
-      drawn.push_back(&node);
-      fields.node.push_back(node.vertex);
-      fields.depth_m.push_back(state != nullptr
-                                   ? state->sample.back().penetration_m
-                                   : node.indentation.sample.back().penetration_m);
+  const std::vector<const PressedNode*> pressed = drawn(nodes);
+  SurfaceFields fields = named_fields(pressed, vertices);
+  const Eigen::MatrixXd X = displaced_m(model, pressed);
+  for (Eigen::Index v = 0; v < vertices; ++v) {
+    take_node(model.supports, v, X, v, fields.field_m);
+  }
+  return fields;
+}
+
+SurfaceFields part_fields(const ClampedPart& part, const CoarseBody* rest,
+                          std::span<const TetLocator::Place> place,
+                          Eigen::Index vertices, std::span<const PressedNode> nodes) {
+  const std::vector<const PressedNode*> pressed = drawn(nodes);
+  SurfaceFields fields = named_fields(pressed, vertices);
+  Eigen::MatrixXd X = displaced_m(part.model, pressed);
+  if (rest != nullptr && !part.cut.empty() && !pressed.empty()) {
+    Eigen::MatrixXd pressure_n;
+    const std::vector<std::int32_t> touched = pressures_of(pressed, pressure_n);
+    const Eigen::MatrixXd moved_m = rest->displaced_m(part, touched, pressure_n);
+    X += rest->carried_m(part, moved_m);
+    for (Eigen::Index v = 0; v < vertices; ++v) {
+      fields.field_m.middleRows(3 * v, 3) =
+          rest->at_m(place[static_cast<std::size_t>(v)], moved_m);
     }
   }
-  const auto columns = static_cast<Eigen::Index>(drawn.size());
-  fields.field_m = Eigen::MatrixXd::Zero(3 * vertices, columns);
-  constexpr auto kColumns = static_cast<Eigen::Index>(kBlock);
-  for (Eigen::Index first = 0; first < columns; first += kColumns) {
-    const Eigen::Index count = std::min(kColumns, columns - first);
-    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(model.factor->size(), count);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      add_load(model, *drawn[static_cast<std::size_t>(first + k)], B.col(k));
-    }
-    const Eigen::MatrixXd X = model.factor->solve(B);
-    for (Eigen::Index i = 0; i < 3 * vertices; ++i) {
-      const std::int64_t dof = model.supports.free_index[static_cast<std::size_t>(i)];
-      if (dof >= 0) {
-        fields.field_m.row(i).segment(first, count) = X.row(dof);
-      }
+  for (std::size_t i = 0; i < part.corner.size(); ++i) {
+    const auto node = static_cast<std::int32_t>(i);
+    if (part.corner[i] < vertices &&
+        !std::binary_search(part.cut.begin(), part.cut.end(), node)) {
+      take_node(part.model.supports, node, X, part.corner[i], fields.field_m);
     }
   }
   return fields;
@@ -210,11 +334,23 @@ void add_surface_fields(const Scene& scene, const BodySource& body,
   const PressStrategy shared = for_drawing(strategy, body);
   const SceneSolver solver(scene, body, shared, reachable, any, progress);
   progress.stage("surface fields");
+  const Eigen::Index vertices = body.surface.position_m.rows();
   for (std::size_t t = 0; t < database.tools.size(); ++t) {
-    ResponseTable& table = database.tools[t];
-    table.displacement = compress_fields(
-        fields_under(solver, body, body.tool[t], solved_nodes(table), progress),
-        scene.drawing.error_relative);
+    const SharedTool& tool = body.tool[t];
+    const std::vector<std::int32_t> solved = solved_nodes(database.tools[t]);
+    require_few_fields(vertices, solved.size());
+    const SurfaceFields fields =
+        strategy.cut_out
+            ? fields_of_parts(scene, *solver.cut_out(), body, tool, solved, progress)
+            : in_blocks(
+                  blocks_of(solved), vertices,
+                  [&](const Group& block) {
+                    return surface_fields(*solver.shared(), vertices,
+                                          solver.on_shared_mesh(tool, block, true));
+                  },
+                  progress);
+    database.tools[t].displacement =
+        compress_fields(fields, scene.drawing.error_relative);
   }
   progress.finish();
 }

@@ -9,8 +9,10 @@
 
 #include "formats/database/response_database.h"
 #include "formats/scene/scene.h"
+#include "precompute/body/coarse_body.h"
 #include "precompute/body/meshed_body.h"
 #include "precompute/body/scene_body.h"
+#include "precompute/fem/tet_locator.h"
 #include "precompute/press/node_press.h"
 #include "precompute/press/scene_solver.h"
 #include "precompute/process/progress.h"
@@ -32,6 +34,14 @@ struct SurfaceFields {
                                            Eigen::Index vertices,
                                            std::span<const PressedNode> nodes);
 
+/// The same of a part that is cut out of the body, linear: its own vertices as it moves
+/// in front of the coarse body, all others with the coarse body; at rest where `rest`
+/// is none. @param place (vertices) in the coarse body.
+[[nodiscard]] SurfaceFields part_fields(const ClampedPart& part, const CoarseBody* rest,
+                                        std::span<const TetLocator::Place> place,
+                                        Eigen::Index vertices,
+                                        std::span<const PressedNode> nodes);
+
 /// Basis and coefficients of the fields: left singular vectors of the fields, each
 /// divided by its largest displacement, as many as are needed until no vertex of any
 /// field is off by more than `error_relative` of that field's largest displacement.
@@ -42,7 +52,8 @@ struct SurfaceFields {
 
 /// Gives every tool's table the fields of its solved nodes, as the scene's [drawing]
 /// wants them. On a shared mesh of their own, made for this: one more factor, and the
-/// presses once more, nonlinear where the body is.
+/// presses once more, nonlinear where the body is; on cut-outs where the strategy has
+/// them. @throws InputError where fields are too many to compute.
 void add_surface_fields(const Scene& scene, const BodySource& body,
                         const PressStrategy& strategy,
                         std::span<const std::int32_t> reachable,

@@ -79,9 +79,6 @@ TEST(Scene, CutOutsThatContradictTheSceneAreRefused) {
   EXPECT_NE(refusal("refine = \"local\"\n[cutout]\nradius_m = 0.03\n")
                 .find("accuracy.refine is \"local\", must be \"auto\" or \"global\""),
             std::string::npos);
-  EXPECT_NE(refusal("[cutout]\nradius_m = 0.03\n[drawing]\ndisplacement = true\n")
-                .find("drawing.displacement is true, must be false"),
-            std::string::npos);
   EXPECT_NE(
       refusal(
           "[cutout]\nradius_m = 0.03\nexterior = \"clamped\"\ncoarse_edge_m = 0.01\n")

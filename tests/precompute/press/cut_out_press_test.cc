@@ -1,10 +1,14 @@
 #include "precompute/press/cut_out_press.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "precompute/press/surface_displacement.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "tests/support/study_bodies.h"
 #include "tests/support/tool_shapes.h"
@@ -61,6 +65,23 @@ class Slab : public testing::Test {
   BodySource body_;
 };
 
+// Contact nodes in the order of their places: every mesh has its own.
+std::vector<Eigen::Index> by_place(const BodyModel& model,
+                                   const std::vector<std::int32_t>& nodes) {
+  std::vector<Eigen::Index> order(nodes.size());
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  const auto at = [&](Eigen::Index i) {
+    const Eigen::Vector3d& p =
+        model.contact.node[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])]
+            .position_m;
+    return std::array{p.x(), p.y(), p.z()};
+  };
+  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return at(a) < at(b);
+  });
+  return order;
+}
+
 TEST_F(Slab, AClampedPartAndTheBodysOwnAnswerAtTheCutAreTheWholeBody) {
   scene_.cutout = SceneCutout{5.0 * kContact_m, "clamped", 0.0};
   const std::int32_t vertex = 0;
@@ -79,32 +100,49 @@ TEST_F(Slab, AClampedPartAndTheBodysOwnAnswerAtTheCutAreTheWholeBody) {
   const Eigen::MatrixXd clamped =
       compliance_of(part.model, of_part, {}, nullptr).among(patch);
   const Eigen::MatrixXd together = clamped + same.exterior_compliance(part, patch);
-  // Contact nodes in the order of their places: both meshes have their own.
-  const auto order = [](const BodyModel& model,
-                        const std::vector<std::int32_t>& nodes) {
-    std::vector<Eigen::Index> by_place(nodes.size());
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      by_place[i] = static_cast<Eigen::Index>(i);
-    }
-    const auto at = [&](Eigen::Index i) {
-      const Eigen::Vector3d& p =
-          model.contact
-              .node[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])]
-              .position_m;
-      return std::array{p.x(), p.y(), p.z()};
-    };
-    std::sort(by_place.begin(), by_place.end(), [&](Eigen::Index a, Eigen::Index b) {
-      return at(a) < at(b);
-    });
-    return by_place;
-  };
-  const auto in_part = order(part.model, patch);
-  const auto in_whole = order(same.model(), of_whole[0].patch);
+  const auto in_part = by_place(part.model, patch);
+  const auto in_whole = by_place(same.model(), of_whole[0].patch);
   const Eigen::MatrixXd wanted = compliance_of(same.model(), of_whole, {}, nullptr)
                                      .among(of_whole[0].patch)(in_whole, in_whole);
   // Rounding: of solves with condition numbers of about 1e6.
   EXPECT_LT((together(in_part, in_part) - wanted).norm(), 1e-9 * wanted.norm());
   EXPECT_GT((clamped(in_part, in_part) - wanted).norm(), 1e-3 * wanted.norm());
+}
+
+TEST_F(Slab, APartsFieldBeforeTheBodyItselfIsTheBodysField) {
+  scene_.cutout = SceneCutout{5.0 * kContact_m, "clamped", 0.0};
+  const std::int32_t vertex = 0;
+  const CutOutSolver solver(scene_, body_, body_.surface, 0.5 * kEdge_m,
+                            std::span(&vertex, 1));
+  const ClampedPart part = solver.part(std::span(&vertex, 1), 5.0 * kContact_m);
+  ASSERT_FALSE(part.cut.empty());
+  const CoarseBody same(whole());
+  const std::vector<PressedNode> of_part =
+      solver.press_on(part, body_.tool[0], std::span(&vertex, 1));
+  std::vector<PressedNode> of_whole{
+      placed_node(scene_, body_, same.model(), body_.tool[0], vertex)};
+  // The same pressures on the whole.
+  of_whole[0].indentation = of_part[0].indentation;
+  Eigen::VectorXd& pressure_n = of_whole[0].indentation.sample.back().pressure_n;
+  const auto in_part = by_place(part.model, of_part[0].patch);
+  const auto in_whole = by_place(same.model(), of_whole[0].patch);
+  for (std::size_t i = 0; i < in_part.size(); ++i) {
+    pressure_n[in_whole[i]] =
+        of_part[0].indentation.sample.back().pressure_n[in_part[i]];
+  }
+  const Eigen::Index vertices = body_.surface.position_m.rows();
+  std::vector<TetLocator::Place> place;
+  for (Eigen::Index v = 0; v < vertices; ++v) {
+    place.push_back(same.place(body_.surface.position_m.row(v).transpose()));
+  }
+  const SurfaceFields wanted = surface_fields(same.model(), vertices, of_whole);
+  const SurfaceFields together = part_fields(part, &same, place, vertices, of_part);
+  const SurfaceFields clamped = part_fields(part, nullptr, {}, vertices, of_part);
+  ASSERT_GT(wanted.field_m.norm(), 0.0);
+  EXPECT_EQ(together.node, wanted.node);
+  EXPECT_EQ(together.depth_m, wanted.depth_m);
+  EXPECT_LT((together.field_m - wanted.field_m).norm(), 1e-9 * wanted.field_m.norm());
+  EXPECT_GT((clamped.field_m - wanted.field_m).norm(), 1e-2 * wanted.field_m.norm());
 }
 
 TEST_F(Slab, AClampedPartIsStifferAndTheCoarseBodyTakesMostOfThatAway) {
