@@ -30,7 +30,12 @@ namespace {
 
 // What would take longer is told from something smaller, so that a plan takes seconds.
 constexpr double kChecksCpuS = 2.0;
-constexpr double kGroupsS = 3.0;  // of one kind; more groups are timed until then
+constexpr double kGroupsS = 3.0;   // of one kind; more groups are timed until then
+constexpr double kPressesS = 6.0;  // nonlinear ones, which differ more
+// A nonlinear check beside the median press: on a mesh twice as fine, at every depth
+// and to tighter tolerances (11 on a small organ, 23 on a gel cylinder).
+constexpr double kCheckTimes = 15.0;
+constexpr double kCheckMemory = 1.8;  // likewise
 
 constexpr std::size_t kMostBatches = 4;
 
@@ -52,6 +57,7 @@ class Planner {
     } else {
       time_whole_bodies();
     }
+    count_memory();
     count_responses();
     report_.left_out = left_out_of(scene_, strategy_, report_);
     for (const PlanCost& cost : report_.cost) {
@@ -77,6 +83,7 @@ class Planner {
   void time_cheap_on_own_meshes();
   void time_good();
   void time_checks();
+  void count_memory();
   void count_responses();
 
   // Own meshes for groups of vertices, as many at once as there are workers, until that
@@ -110,6 +117,8 @@ class Planner {
   PlanReport report_;
   // Stays, as in a build, while presses on own meshes are timed.
   std::optional<PlanSharedMesh> shared_;
+  std::int64_t body_bytes_ = 0;  // before anything is meshed
+  double press_s_ = 0.0;         // wall time of a nonlinear press, all workers busy
   // Cheap presses outside the budget, which are done again on meshes of their own.
   double again_share_ = 0.0;
 };
@@ -143,6 +152,7 @@ void Planner::describe_scene() {
     units_ = units_of(scene_, body_, reachable_);
   });
   report_.cost.push_back(cost_once("read and check the body", seconds));
+  body_bytes_ = peak_memory_bytes();
   report_.nodes = body_.surface.position_m.rows();
   report_.reachable = static_cast<std::int64_t>(reachable_.size());
   for (Eigen::Index v = 0; v < body_.surface.position_m.rows(); ++v) {
@@ -210,13 +220,14 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
   progress_.stage("some of: " + work);
   const SharedTool& tool = body_.tool.front();
   std::vector<std::vector<PressedNode>> pressed(groups.size());
+  std::vector<double> took_s(groups.size());
   std::size_t timed = 0;
-  double seconds = 0.0;
-  while (timed < groups.size() && seconds < kGroupsS) {
+  double seconds = 0.0;  // of all workers together
+  while (timed < groups.size() && seconds < (nonlinear ? kPressesS : kGroupsS)) {
     const std::size_t batch = std::min(workers_, groups.size() - timed);
-    seconds += seconds_of([&] {
-      in_parallel(batch, [&](std::size_t b) {
-        const std::size_t i = timed + b;
+    in_parallel(batch, [&](std::size_t b) {
+      const std::size_t i = timed + b;
+      took_s[i] = seconds_of([&] {
         // Without what is done again where a press fails (press_on_own_mesh).
         pressed[i] = press_on_model(
             scene_, body_, make_own_model(scene_, body_, groups[i], focus), tool,
@@ -224,10 +235,19 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
             {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
       });
     });
-    timed += batch;
+    for (std::size_t b = 0; b < batch; ++b) {
+      seconds += took_s[timed++] / static_cast<double>(workers_);
+    }
   }
+  took_s.resize(timed);
   report_.cost.push_back(
       cost_of_all(work, count * body_.tool.size(), timed, seconds, times));
+  if (nonlinear) {
+    // Half of them take less: those that fail cost a check no more than its node.
+    std::nth_element(took_s.begin(), took_s.begin() + std::ssize(took_s) / 2,
+                     took_s.end());
+    press_s_ = took_s[timed / 2] / static_cast<double>(workers_);
+  }
   std::vector<double> error;
   for (const auto& group : pressed) {
     for (const PressedNode& node : group) {
@@ -271,13 +291,14 @@ void Planner::time_good() {
   if (!strategy_.graded) {
     return;
   }
-  // Samples come in rounds; neighbours of a round share a mesh.
+  // Samples come in rounds; neighbours of a round share a mesh. What is outside the
+  // budget lies side by side.
   const bool in_rounds = !strategy_.cheap_is_good && !solve_all_;
   const auto groups_of = [&](const WorkUnit& unit) {
-    const std::size_t first = in_rounds ? kFirstSamples : good_of(unit);
-    return group_presses(body_.surface,
-                         spread_over(unit.vertex, std::max<std::size_t>(first, 1)),
-                         strategy_.focus, strategy_.nonlinear);
+    return group_presses(
+        body_.surface,
+        in_rounds ? spread_over(unit.vertex, kFirstSamples) : unit.vertex,
+        strategy_.focus, strategy_.nonlinear);
   };
   double count = 0.0;
   for (const WorkUnit* territory : territories()) {
@@ -312,17 +333,33 @@ void Planner::time_checks() {
     return;
   }
   const std::size_t count = checks.size();
-  // A linear press costs as its factor and columns do; a nonlinear one as its elements.
+  if (press_s_ > 0.0) {  // of good presses, more than would be timed here
+    report_.cost.push_back(
+        cost_of_all("checks", count * body_.tool.size(), 1, press_s_, kCheckTimes));
+    return;
+  }
+  // A linear press costs as its factor and columns do.
   const ContactFocus fine = finer(strategy_.focus, kCheckTimesFiner);
   const MeshWork here = own_mesh_work(scene_, body_, checks.front(), strategy_.focus);
   const MeshWork there = own_mesh_work(scene_, body_, checks.front(), fine);
   const bool affordable = !strategy_.nonlinear && expected_cpu_s(there) < kChecksCpuS;
   const double times = affordable ? 1.0
                        : strategy_.nonlinear
-                           ? there.triangles / here.triangles
+                           ? kCheckTimes
                            : expected_cpu_s(there) / expected_cpu_s(here);
   (void)time_own_meshes("checks", checks, count, affordable ? fine : strategy_.focus,
                         strategy_.nonlinear, times);
+}
+
+// Every kind of work was done by all workers at once, beside what all of them share.
+void Planner::count_memory() {
+  const std::int64_t peak = peak_memory_bytes();
+  const double pressed = static_cast<double>(peak - body_bytes_);
+  const double most =
+      static_cast<double>(body_bytes_) +
+      (strategy_.nonlinear && report_.checks > 0 ? kCheckMemory : 1.0) * pressed;
+  report_.peak_memory_bytes =
+      std::max(report_.peak_memory_bytes, static_cast<std::int64_t>(most));
 }
 
 void Planner::count_responses() {
@@ -359,8 +396,6 @@ PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progre
   });
   progress.finish();
   report.plan_seconds = seconds;
-  // Every kind of work was done by all workers at once, beside what all of them share.
-  report.peak_memory_bytes = std::max(report.peak_memory_bytes, peak_memory_bytes());
   return report;
 }
 
