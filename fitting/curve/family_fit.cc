@@ -196,8 +196,7 @@ FamilyFit fit_one(const FamilyData& data, std::string_view name, double contact,
       data.force_n * std::sqrt(sum_of_squares(r) / static_cast<double>(r.size()));
   fit.effective_n = effective_samples(r);
   fit.free_parameters = solution.free_parameters;
-  fit.covariance = solution.covariance *
-                   (static_cast<double>(r.size()) / std::max(1.0, fit.effective_n));
+  fit.covariance = solution.covariance;
   fit.depth_max_m = data.length_m * (data.x.maxCoeff() - fit.scaled[kFamilyContact]);
   unscale(data, solution, fit);
   return fit;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "fitting/numerics/bounded_linear.h"
+#include "fitting/numerics/correlated_noise.h"
 #include "fitting/numerics/least_squares.h"
 #include "formats/base/error.h"
 
@@ -46,7 +47,7 @@ LeastSquaresProblem joint_problem(const FamilyData& data, const CurveFamily& fam
                                   bool contact_free) {
   const auto p = static_cast<Eigen::Index>(family.parameters().size()) + kFamilyShared;
   LeastSquaresProblem problem;
-  problem.residuals = static_cast<int>(data.x.size());
+  problem.residuals = problem.in_a_row = static_cast<int>(data.x.size());
   problem.lower = Eigen::VectorXd::Constant(p, -kInf);
   problem.upper = Eigen::VectorXd::Constant(p, kInf);
   problem.lower[kFamilyContact] = data.contact_min;
@@ -206,13 +207,12 @@ void solve_bins(const FamilyData& data, double contact, FamilySolution& solution
   for (Eigen::Index j = 0; j < p; ++j) {
     solution.q[kFamilyShared + j] = std::max(0.0, means[static_cast<std::size_t>(j)]);
   }
-  double squares = 0.0;
-  for (Eigen::Index i = 0; i < data.x.size(); ++i) {
-    squares +=
-        std::pow(scaled_force(*solution.family, solution.q, data.x[i]) - data.f[i], 2);
+  Eigen::VectorXd residual(data.x.size());
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    residual[i] = scaled_force(*solution.family, solution.q, data.x[i]) - data.f[i];
   }
   const double variance =
-      squares / std::max(1.0, static_cast<double>(data.x.size() - p));
+      long_run_variance(noises_of(Eigen::MatrixXd(residual.size(), 0), residual));
   solution.covariance = Eigen::MatrixXd::Zero(kFamilyShared + p, kFamilyShared + p);
   for (Eigen::Index j = 0; j < p; ++j) {
     solution.covariance(kFamilyShared + j, kFamilyShared + j) =

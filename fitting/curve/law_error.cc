@@ -5,9 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/QR>
-
 #include "fitting/curve/family_solve.h"
+#include "fitting/numerics/correlated_noise.h"
 
 namespace palpate {
 namespace {
@@ -33,20 +32,6 @@ struct Law {
     return row;
   }
 };
-
-// Variance of the residuals, raised for what neighbours have in common.
-double effective_variance(const std::vector<double>& residual, std::ptrdiff_t free) {
-  double squares = 0.0;
-  double products = 0.0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    squares += residual[i] * residual[i];
-    products += i > 0 ? residual[i] * residual[i - 1] : 0.0;
-  }
-  const double r = squares > 0.0 ? std::clamp(products / squares, 0.0, 0.98) : 0.0;
-  const auto left =
-      static_cast<double>(std::max<std::ptrdiff_t>(1, std::ssize(residual) - free));
-  return squares / left * (1.0 + r) / (1.0 - r);
-}
 
 }  // namespace
 
@@ -76,27 +61,17 @@ Eigen::VectorXd log_force_errors(const Approach& approach, const ContactFit& fit
   Eigen::VectorXd errors = Eigen::VectorXd::Constant(
       depth_m.size(), std::numeric_limits<double>::infinity());
   J.conservativeResize(rows, Eigen::NoChange);
-  const Eigen::VectorXd scale = J.colwise().norm();
-  if (rows <= J.cols() || J.cols() == 0 || !(scale.minCoeff() > 0.0)) {
+  const Eigen::Map<const Eigen::VectorXd> r(residual.data(), rows);
+  const Eigen::MatrixXd C = covariance_under_noise(J, r, rows);
+  if (!C.allFinite()) {
     return errors;
   }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J * scale.cwiseInverse().asDiagonal());
-  qr.setThreshold(1e-10);
-  if (qr.rank() < J.cols()) {
-    return errors;
-  }
-  const double variance = effective_variance(residual, J.cols());
-  const auto R = qr.matrixR()
-                     .topLeftCorner(J.cols(), J.cols())
-                     .template triangularView<Eigen::Upper>();
   for (Eigen::Index k = 0; k < depth_m.size(); ++k) {
     Row g = Row::Zero();  // of log f at a depth from the contact point
     g[3] = std::log(depth_m[k] / law.reference_m);
     g[4] = 1.0;
-    const Eigen::VectorXd scaled = g(free).transpose().cwiseQuotient(scale);
-    const Eigen::VectorXd permuted = qr.colsPermutation().transpose() * scaled;
-    const Eigen::VectorXd root = R.transpose().solve(permuted);
-    errors[k] = std::sqrt(variance * root.squaredNorm());
+    const Eigen::VectorXd gradient = g(free).transpose();
+    errors[k] = std::sqrt(gradient.dot(C * gradient));
   }
   return errors;
 }

@@ -11,11 +11,10 @@ namespace palpate {
 
 /// Standard error [-] of the logarithm of K d^p at each depth d [m] (k), d > 0 and at
 /// most a few times the measured one: g^T C g with g the gradient by the free
-/// parameters, C = (J^T J)^-1 s^2, J the Jacobian of baseline, drift, contact point,
-/// exponent and coefficient over the approach, s^2 the residuals' variance times
-/// (1 + r) / (1 - r), r their first autocorrelation if positive: neighbours that err
-/// together count as fewer samples. The depth counts from the fitted contact point,
-/// whose error is part of C. Infinite where the parameters cannot be told apart.
+/// parameters, C the covariance of baseline, drift, contact point, exponent and
+/// coefficient under the noise of the approach (covariance_under_noise). The depth
+/// counts from the fitted contact point, whose error is part of C. Infinite where the
+/// parameters cannot be told apart.
 /// @param fit of this approach, not an empty run.
 [[nodiscard]] Eigen::VectorXd log_force_errors(const Approach& approach,
                                                const ContactFit& fit,

@@ -53,16 +53,16 @@ struct ContactFitOptions {
 };
 
 /// Least squares from several starts with a robust loss, then without loss on the
-/// inliers; standard deviations from the residuals' own variance. Parameters at a bound
-/// are held there and named. The drift is expected to lift the force by no more than
-/// a tenth of its range (one standard deviation), which matters where the free travel
-/// is short; one too short to tell drift from contact is fitted without drift, where
-/// that fits as well. Where no free travel can be told from contact - contact point
-/// among the first samples, or a "drift" that lifts the force by more than 10 % of its
-/// range before contact - the contact point is assumed at the first sample, the drift
-/// zero, and that is flagged - unless the approach is known to be free at first
-/// (contact_from_m): the contact point is then not before that, and the drift is always
-/// fitted.
+/// inliers; standard deviations from the residuals' own noise, white and shared by
+/// neighbours. Parameters at a bound are held there and named. The drift is expected to
+/// lift the force by no more than a tenth of its range (one standard deviation), which
+/// matters where the free travel is short; one too short to tell drift from contact is
+/// fitted without drift, where that fits as well. Where no free travel can be told from
+/// contact - contact point among the first samples, or a "drift" that lifts the force
+/// by more than 10 % of its range before contact - the contact point is assumed at the
+/// first sample, the drift zero, and that is flagged - unless the approach is known to
+/// be free at first (contact_from_m): the contact point is then not before that, and
+/// the drift is always fitted.
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

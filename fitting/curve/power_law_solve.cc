@@ -41,6 +41,7 @@ LeastSquaresProblem contact_problem(const ScaledCurve& curve,
   LeastSquaresProblem problem;
   const bool weighed = curve.drift_weight > 0.0;
   problem.residuals = static_cast<int>(curve.x.size()) + (weighed ? 1 : 0);
+  problem.in_a_row = static_cast<int>(curve.x.size());
   problem.evaluate = [&curve, weighed](const Eigen::VectorXd& q,
                                        Eigen::Ref<Eigen::VectorXd> r,
                                        RowMajorMatrix* jacobian) {

@@ -47,9 +47,9 @@ struct ContactSolveReport {
 [[nodiscard]] std::vector<double> contact_residuals(const ScaledCurve& curve,
                                                     const ContactModel& model);
 
-/// Covariance of the parameters at a plain least-squares solution: (J^T J)^-1 times
-/// sum of squares / (n - p), p the number of free parameters; rows and columns of held
-/// ones are zero. (5 x 5); all NaN where the free parameters cannot be told apart.
+/// Covariance of the parameters at a plain least-squares solution, under the noise of
+/// its residuals (least_squares_covariance); rows and columns of held ones are zero.
+/// (5 x 5); all NaN where the free parameters cannot be told apart.
 [[nodiscard]] Eigen::Matrix<double, kContactParameters, kContactParameters>
 contact_covariance(const ScaledCurve& curve, const ContactModel& model,
                    const HeldParameters& held);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "fitting/material/material_solve.h"
+#include "fitting/numerics/correlated_noise.h"
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -42,17 +43,12 @@ ScaledMaterialCurve scaled(const ResponseSweep& sweep, const MaterialCurve& curv
   return result;
 }
 
-// Standard deviation of residuals, raised for what neighbours have in common.
+// Standard deviation that residuals would have if each told as little alone as they do
+// together.
 double effective_sigma(const std::vector<double>& residual) {
-  double squares = 0.0;
-  double products = 0.0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    squares += residual[i] * residual[i];
-    products += i > 0 ? residual[i] * residual[i - 1] : 0.0;
-  }
-  const double r = squares > 0.0 ? std::clamp(products / squares, 0.0, 0.98) : 0.0;
-  const double variance = squares / static_cast<double>(residual.size());
-  return std::sqrt(std::max(variance, 1e-14) * (1.0 + r) / (1.0 - r));
+  const Eigen::Map<const Eigen::VectorXd> r(residual.data(), std::ssize(residual));
+  const double variance = long_run_variance(noises_of(Eigen::MatrixXd(r.size(), 0), r));
+  return std::sqrt(std::max(variance, 1e-14));
 }
 
 MaterialBox box_of(const ResponseSweep& sweep) {

@@ -53,7 +53,7 @@ struct MaterialFit {
 /// Least squares (Ceres) of b + f(parameters, x - x0) over all curves at once, f the
 /// sweep's force interpolated in logarithms, b and x0 of each curve free, parameters
 /// within the sweep, from several starts. Residuals of a curve count in units of their
-/// own rms, fewer where neighbours err together (law_error.h). Profiles: each
+/// own rms, fewer where neighbours err together (correlated_noise.h). Profiles: each
 /// parameter held at values across the sweep, all else free.
 ///
 /// Identifiable is a parameter whose profile rises above 3.84 on both sides inside the

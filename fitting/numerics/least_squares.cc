@@ -6,6 +6,8 @@
 #include <Eigen/QR>
 #include <ceres/ceres.h>
 
+#include "fitting/numerics/correlated_noise.h"
+
 namespace palpate {
 namespace {
 
@@ -212,8 +214,10 @@ Eigen::MatrixXd least_squares_covariance(const LeastSquaresProblem& problem,
   if (!problem.evaluate(q, r, &jacobian)) {
     return covariance;
   }
-  const Eigen::MatrixXd of_free =
-      covariance_of(jacobian(Eigen::all, free), r.squaredNorm());
+  const Eigen::MatrixXd J = jacobian(Eigen::all, free);
+  const Eigen::MatrixXd of_free = problem.in_a_row > 0
+                                      ? covariance_under_noise(J, r, problem.in_a_row)
+                                      : covariance_of(J, r.squaredNorm());
   if (of_free.allFinite()) {
     covariance.setZero();
     covariance(free, free) = of_free;

@@ -28,6 +28,9 @@ struct LeastSquaresProblem {
       evaluate;
   Eigen::VectorXd lower, upper;  ///< (p); empty: unbounded. +-inf where there is none
   std::vector<bool> held;        ///< (p); empty: all are free
+  /// So many of the first residuals are of samples in a row, whose noise may be shared
+  /// by neighbours; the others are expectations. 0: all are independent.
+  int in_a_row = 0;
 };
 
 struct LeastSquaresOptions {
@@ -60,8 +63,9 @@ struct SolverSeconds {
     const LeastSquaresProblem& problem, const std::vector<Eigen::VectorXd>& starts,
     const LeastSquaresOptions& options = {});
 
-/// (J^T J)^-1 sum of squares / (n - p) at q, p the number of free parameters; rows and
-/// columns of held ones, and of those at a bound, are zero. (p x p); all NaN where the
+/// Of the parameters at q, (p x p): (J^T J)^-1 sum of squares / (n - p), p the number
+/// of free parameters, or under the noise of samples in a row (covariance_under_noise).
+/// Rows and columns of held ones, and of those at a bound, are zero; all NaN where the
 /// free ones cannot be told apart.
 [[nodiscard]] Eigen::MatrixXd least_squares_covariance(
     const LeastSquaresProblem& problem, const Eigen::VectorXd& q);

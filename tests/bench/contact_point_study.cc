@@ -51,7 +51,10 @@ int main(int argc, char** argv) {
                                  {"noise 2 %", {.noise_n = 0.02}},
                                  {"drift 5 %", {.drift_n = 0.05}},
                                  {"p 2.5", {.exponent = 2.5}},
-                                 {"0.3 mm of free travel", {.free_m = 0.3e-3}}};
+                                 {"0.3 mm of free travel", {.free_m = 0.3e-3}},
+                                 {"neighbours alike by 0.5", {.rho = 0.5}},
+                                 {"by 0.8", {.rho = 0.8}},
+                                 {"by 0.95", {.rho = 0.95}}};
   fmt::print("{:<28} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "errors in mm", "bias",
              "sd", "told sd", "coverage", "none", "ms a fit");
   for (const auto& c : cases) {

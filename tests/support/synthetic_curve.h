@@ -12,7 +12,8 @@ namespace palpate {
 /// Force whose contact part reaches 1 N at 5 mm depth.
 struct SyntheticCurve {
   double exponent = 1.5;
-  double noise_n = 0.005;  ///< [N] standard deviation, white
+  double noise_n = 0.005;  ///< [N] standard deviation
+  double rho = 0.0;        ///< [-] of the noise of neighbours
   double drift_n = 0.0;    ///< [N] over the whole travel, linear
   double free_m = 2e-3;    ///< [m] travel before contact
   double offset_n = 0.0;   ///< [N]
@@ -26,12 +27,14 @@ inline Measurement synthetic(const SyntheticCurve& c, unsigned seed) {
   std::normal_distribution<double> normal;
   const double travel = c.free_m + kSyntheticDepth;
   Measurement m;
+  double noise = normal(generator);
   for (int i = 0; i < c.samples; ++i) {
     const double x = travel * i / (c.samples - 1);
     const double d = std::max(0.0, x - c.free_m) / kSyntheticDepth;
     m.depth_m.push_back(x);
     m.force_n.push_back(c.offset_n + c.drift_n * x / travel + std::pow(d, c.exponent) +
-                        c.noise_n * normal(generator));
+                        c.noise_n * noise);
+    noise = c.rho * noise + std::sqrt(1.0 - c.rho * c.rho) * normal(generator);
   }
   return m;
 }

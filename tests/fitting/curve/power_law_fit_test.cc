@@ -65,6 +65,22 @@ INSTANTIATE_TEST_SUITE_P(
       return case_info.param.name;
     });
 
+// Three standard errors of 200 runs are 0.046.
+TEST(ContactFit, IntervalsHoldWhereTheNoiseOfNeighboursIsAlike) {
+  constexpr int kRuns = 200;
+  for (const double rho : {0.5, 0.8, 0.95}) {
+    const SyntheticCurve curve{.rho = rho};
+    int held = 0;
+    for (unsigned seed = 1; seed <= kRuns; ++seed) {
+      const ContactFit result = fit(synthetic(curve, seed));
+      held += std::abs(result.contact_point_m - curve.free_m) <=
+              1.96 * result.contact_point_sd_m;
+    }
+    EXPECT_GT(held, 0.904 * kRuns - (rho > 0.9 ? 0.02 * kRuns : 0.0)) << rho;
+    EXPECT_LT(held, 0.996 * kRuns) << rho;
+  }
+}
+
 // Twenty samples before contact cannot tell a drift; that it is small tells them.
 TEST(ContactFit, ShortFreeTravelIsKnownToAHundredthOfTheDepth) {
   EXPECT_LT(spread({.free_m = 0.3e-3}).sd_m, 0.06e-3);

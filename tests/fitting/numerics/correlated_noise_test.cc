@@ -1,0 +1,122 @@
+#include "fitting/numerics/correlated_noise.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+constexpr Eigen::Index kSamples = 200;
+
+Eigen::MatrixXd covariance(const CorrelatedNoise& noise, Eigen::Index n) {
+  Eigen::MatrixXd V(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      V(i, j) = noise.shared * noise.shared *
+                    std::pow(noise.rho, std::abs(static_cast<double>(i - j))) +
+                (i == j ? noise.white * noise.white : 0.0);
+    }
+  }
+  return V;
+}
+
+// A line through samples in a row.
+Eigen::MatrixXd line(Eigen::Index n) {
+  Eigen::MatrixXd J(n, 2);
+  J.col(0).setOnes();
+  J.col(1).setLinSpaced(n, -1.0, 1.0);
+  return J;
+}
+
+Eigen::VectorXd drawn(const CorrelatedNoise& noise, Eigen::Index n,
+                      std::mt19937& generator) {
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd r(n);
+  double shared = normal(generator);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    r[i] = noise.shared * shared + noise.white * normal(generator);
+    shared =
+        noise.rho * shared + std::sqrt(1.0 - noise.rho * noise.rho) * normal(generator);
+  }
+  return r;
+}
+
+Eigen::VectorXd residual_of_fit(const Eigen::MatrixXd& J, const Eigen::VectorXd& y) {
+  return y - J * (J.transpose() * J).ldlt().solve(J.transpose() * y);
+}
+
+TEST(CorrelatedNoise, ProductsAreThoseOfItsCovariance) {
+  const CorrelatedNoise noise{0.3, 1.2, 0.8};
+  const Eigen::MatrixXd X = Eigen::MatrixXd::Random(30, 3);
+  EXPECT_LT((times_covariance(noise, X) - covariance(noise, 30) * X).norm(),
+            1e-13 * X.norm());
+}
+
+TEST(CorrelatedNoise, LongRunVarianceIsThatOfAMean) {
+  const CorrelatedNoise noise{0.3, 1.2, 0.8};
+  constexpr Eigen::Index kMany = 2000;
+  EXPECT_NEAR(covariance(noise, kMany).sum() / kMany, noise.long_run_variance(),
+              0.01 * noise.long_run_variance());
+}
+
+// How often a parameter, zero in truth, lies within 1.96 of its stated deviations.
+TEST(CorrelatedNoise, IntervalsHoldTheTruthAsOftenAsTheySay) {
+  std::mt19937 generator(7);
+  const Eigen::MatrixXd J = line(kSamples);
+  constexpr int kDraws = 400;
+  for (const double rho : {0.0, 0.5, 0.9}) {
+    const CorrelatedNoise truth{rho > 0.0 ? 0.2 : 1.0, rho > 0.0 ? 1.0 : 0.0, rho};
+    Eigen::Array2d held = Eigen::Array2d::Zero();
+    for (int k = 0; k < kDraws; ++k) {
+      const Eigen::VectorXd y = drawn(truth, kSamples, generator);
+      const Eigen::VectorXd r = residual_of_fit(J, y);
+      const Eigen::Vector2d q = (J.transpose() * J).ldlt().solve(J.transpose() * y);
+      const Eigen::Array2d sd =
+          covariance_under_noise(J, r, kSamples).diagonal().array().sqrt();
+      held += (q.array().abs() <= 1.96 * sd).cast<double>() / kDraws;
+    }
+    // Three standard errors of 400 draws are 0.033.
+    EXPECT_GT(held.minCoeff(), 0.92) << rho;
+    EXPECT_LT(held.maxCoeff(), 0.99) << rho;
+  }
+}
+
+TEST(CorrelatedNoise, AFewSamplesAreTakenForWhite) {
+  std::mt19937 generator(2);
+  const Eigen::MatrixXd J = line(12);
+  const Eigen::VectorXd r = residual_of_fit(J, drawn({0.2, 1.0, 0.9}, 12, generator));
+  const Eigen::MatrixXd white =
+      (J.transpose() * J).inverse() * r.squaredNorm() / (12 - 2);
+  EXPECT_LT((covariance_under_noise(J, r, 12) - white).norm(), 1e-12 * white.norm());
+}
+
+TEST(CorrelatedNoise, VeryManySamplesAreAveragedFirst) {
+  std::mt19937 generator(3);
+  constexpr Eigen::Index kMany = 20000;
+  const CorrelatedNoise truth{1.0, 0.5, 0.99};
+  const Eigen::MatrixXd J = line(kMany);
+  const Eigen::MatrixXd bread = (J.transpose() * J).inverse();
+  const Eigen::MatrixXd wanted =
+      bread * J.transpose() * times_covariance(truth, J) * bread;
+  constexpr int kDraws = 20;
+  double mean = 0.0;
+  for (int k = 0; k < kDraws; ++k) {
+    const Eigen::VectorXd r = residual_of_fit(J, drawn(truth, kMany, generator));
+    mean += covariance_under_noise(J, r, kMany)(0, 0) / kDraws;
+  }
+  EXPECT_NEAR(mean / wanted(0, 0), 1.0, 0.2);
+}
+
+TEST(CorrelatedNoise, ParametersThatCannotBeToldApartHaveNone) {
+  Eigen::MatrixXd J(kSamples, 2);
+  J.setOnes();
+  std::mt19937 generator(1);
+  EXPECT_FALSE(
+      covariance_under_noise(J, drawn({1.0, 0.0, 0.0}, kSamples, generator), kSamples)
+          .allFinite());
+}
+
+}  // namespace
+}  // namespace palpate
