@@ -39,6 +39,20 @@ struct CurveResult {
   std::vector<FitFlag> flags;  // the fit's, then the modulus' own
 };
 
+// Columns and units that were not told are the header's.
+void take_header(CurveOptions& options) {
+  try {
+    const MeasurementColumns columns =
+        columns_of_header(options.file, {options.depth, options.force});
+    options.depth = columns.depth;
+    options.force = columns.force;
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("{} (--depth-column, --depth-unit, --force-column, --force-unit)",
+                    error.what()));
+  }
+}
+
 CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
   CurveResult result;
   result.measurement = read_measurement(
@@ -67,6 +81,8 @@ CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
 
 void print_json(const CurveResult& r, const CurveOptions& options) {
   nlohmann::ordered_json json;
+  json["depth_column"] = r.measurement.depth_column;
+  json["force_column"] = r.measurement.force_column;
   json["family"] = r.fit.family;
   json["parameters"] = to_json(r.fit.parameters);
   json["contact_point_m"] = r.fit.contact_point_m;
@@ -98,8 +114,20 @@ void print_line(const std::string& name, double value, double sd,
   fmt::print("{:<24} {:>13.6g}{:<10} {}\n", name, value, spread, rest);
 }
 
+void print_columns(const CurveResult& r, const CurveOptions& options) {
+  const auto named = [](const std::string& name, const MeasurementColumn& column) {
+    return fmt::format(
+        "{}{}", name.empty() ? "column " + column.column : fmt::format("\"{}\"", name),
+        column.unit == kUnitFromHeader ? "" : " in " + column.unit);
+  };
+  fmt::print("{:<24} depth {}, force {}\n", "read",
+             named(r.measurement.depth_column, options.depth),
+             named(r.measurement.force_column, options.force));
+}
+
 void print_report(const CurveResult& r, const CurveOptions& options) {
   const auto& approach = r.approach;
+  print_columns(r, options);
   fmt::print(
       "{:<24} {} of {} samples ({} held, {} retracting, {} spikes, {} outliers)\n",
       "approach", r.fit.samples_used, r.measurement.samples.force_n.size(),
@@ -128,7 +156,8 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
   }
 }
 
-void run(const CurveOptions& options) {
+void run(CurveOptions& options) {
+  take_header(options);
   const Indenter indenter = indenter_of(options.indenter);
   const std::optional<ToolShape> tool = rendered_tool(indenter);
   if (!options.output.empty() && !tool) {
@@ -152,14 +181,15 @@ void add_curve_command(Command app) {
   Command command =
       app.add_subcommand("curve", "Fit contact point and power law to one curve.");
   command.add_option("FILE", options->file, "delimited text").required();
-  command.add_option("--depth-column", options->depth.column, "name or number")
-      .required();
-  command.add_option("--depth-unit", options->depth.unit, "m, cm, mm, um, nm, in")
-      .required();
-  command.add_option("--force-column", options->force.column, "name or number")
-      .required();
-  command.add_option("--force-unit", options->force.unit, "N, mN, uN, nN, gf, kgf")
-      .required();
+  const std::string by_header = "; default: as the header tells by its units";
+  command.add_option("--depth-column", options->depth.column,
+                     "name or number" + by_header);
+  command.add_option("--depth-unit", options->depth.unit,
+                     "m, cm, mm, um, nm, in; default: the header's");
+  command.add_option("--force-column", options->force.column,
+                     "name or number" + by_header);
+  command.add_option("--force-unit", options->force.unit,
+                     "N, mN, uN, nN, gf, kgf; default: the header's");
   command.add_flag("--ignore-header-units", options->ignore_header_units,
                    "trust the flags where the header states other units");
   command.add_option("--from-m", options->range.from_m, "fit from this displacement");

@@ -265,6 +265,87 @@ bool all_empty(const Table& table, const Cells& cells) {
   });
 }
 
+// Units of the columns, from their names, else from a line of units below these.
+Cells units_of(const Cells& names, const Cells& below) {
+  Cells units;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::string unit = parse_column_name(names[i]).unit;
+    if (unit.empty() && i < below.size()) {
+      unit = stated_in(below[i]);
+    }
+    units.push_back(std::move(unit));
+  }
+  return units;
+}
+
+// The table's names and units: those above its first row of numbers.
+struct NamesAndUnits {
+  Cells name, unit;
+};
+
+std::optional<NamesAndUnits> names_and_units(std::span<const TextLine> lines,
+                                             char delimiter) {
+  const auto table = first_numbers(lines, delimiter);
+  if (!table || table->header.empty()) {
+    return std::nullopt;
+  }
+  const Cells& last = table->header;
+  const bool are_units = std::all_of(last.begin(), last.end(), [](const auto& cell) {
+    return cell.empty() || is_unit(stated_in(cell));
+  });
+  if (are_units && table->begin > 1) {
+    Cells names = split_cells(lines[table->begin - 2].text, delimiter);
+    if (names.size() == last.size()) {
+      return NamesAndUnits{names, units_of(names, last)};
+    }
+  }
+  return NamesAndUnits{last, units_of(last, {})};
+}
+
+std::optional<NamesAndUnits> header_of(std::span<const TextLine> lines) {
+  for (const char delimiter : {'\t', ';', ','}) {
+    if (auto header = names_and_units(lines, delimiter)) {
+      return header;
+    }
+  }
+  return std::nullopt;
+}
+
+// By its name, or by its number where others have the same.
+std::string chosen_by(const NamesAndUnits& header, std::size_t column) {
+  const std::string& name = header.name[column];
+  const bool named = !name.empty() && !column_number({name, ""}) &&
+                     matching_columns(header.name, name).size() == 1;
+  return named ? name : std::to_string(column + 1);
+}
+
+std::string only_one(const std::string& file, const NamesAndUnits& header,
+                     std::size_t which) {
+  std::vector<std::size_t> found;
+  std::string named;
+  for (std::size_t i = 0; i < header.name.size(); ++i) {
+    if (unit_si(which, header.unit[i])) {
+      found.push_back(i);
+      named += fmt::format("{}\"{}\" (column {})", named.empty() ? "" : ", ",
+                           header.name[i], i + 1);
+    }
+  }
+  if (found.size() == 1) {
+    return chosen_by(header, found.front());
+  }
+  std::string all;
+  for (const std::string& name : header.name) {
+    all += fmt::format("{}\"{}\"", all.empty() ? "" : ", ", name);
+  }
+  throw InputError(
+      found.empty()
+          ? fmt::format("{}: no column of the header states a unit of {}; columns "
+                        "found: {}; tell which is the {}, and its unit",
+                        file, which == 0 ? "length" : "force", all, kQuantity[which])
+          : fmt::format("{}: {} columns may be the {}: {}; tell which", file,
+                        found.size(), kQuantity[which], named));
+}
+
 Request make_request(const std::filesystem::path& file,
                      const MeasurementColumns& columns, HeaderUnits header_units) {
   Request request{file.string(), {&columns.depth, &columns.force}, header_units};
@@ -284,6 +365,32 @@ Request make_request(const std::filesystem::path& file,
 }
 
 }  // namespace
+
+MeasurementColumns columns_of_header(const std::filesystem::path& file,
+                                     const MeasurementColumns& told) {
+  MeasurementColumns columns = told;
+  std::optional<NamesAndUnits> header;
+  if (told.depth.column.empty() || told.force.column.empty()) {
+    header = header_of(read_text_lines(file));
+    if (!header) {
+      throw InputError(fmt::format(
+          "{}: no line of names above the first row of numbers; tell depth and force "
+          "column by number, from 1, and their units",
+          file.string()));
+    }
+  }
+  MeasurementColumn* asked[] = {&columns.depth, &columns.force};
+  for (std::size_t which = 0; which < std::size(asked); ++which) {
+    MeasurementColumn& column = *asked[which];
+    if (column.column.empty()) {
+      column.column = only_one(file.string(), *header, which);
+    }
+    if (column.unit.empty()) {
+      column.unit = kUnitFromHeader;
+    }
+  }
+  return columns;
+}
 
 MeasurementFile read_measurement(const std::filesystem::path& file,
                                  const MeasurementColumns& columns,

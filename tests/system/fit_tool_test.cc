@@ -66,6 +66,17 @@ TEST_F(FitTool, ReportsEveryKeyForPrograms) {
   EXPECT_GT(json.at("youngs_modulus_pa"), 0.0);
 }
 
+TEST_F(FitTool, TakesAFileByItsHeaderAndSaysWhatItTook) {
+  const ToolRun alone = run({});
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_NE(alone.out.find("depth \"Travel (mm)\", force \"Load (N)\""),
+            std::string::npos)
+      << alone.out;
+  const auto by_header = nlohmann::json::parse(run({"--json"}).out);
+  const auto told = nlohmann::json::parse(run(columns({"--json"})).out);
+  EXPECT_EQ(by_header.at("contact_point_m"), told.at("contact_point_m"));
+}
+
 TEST_F(FitTool, ClaimsNoModulusWithoutATool) {
   const auto json = nlohmann::json::parse(run(columns({"--json"})).out);
   EXPECT_TRUE(json.at("youngs_modulus_pa").is_null());
