@@ -118,10 +118,13 @@ std::vector<ProbableNoise> weighed(const std::vector<Tried>& tried) {
   return noises;
 }
 
-// The most probable near one.
-CorrelatedNoise refined(const Restricted& likelihood, const CorrelatedNoise& start) {
-  const auto noise_at = [](const Eigen::VectorXd& q) {
-    return unit_noise(squashed(q[0]), squashed(q[1]));
+// The most probable near one, of no greater length: what is shared by all samples no
+// residual can tell.
+CorrelatedNoise refined(const Restricted& likelihood, const CorrelatedNoise& start,
+                        double longest) {
+  const double rho_max = std::exp(-1.0 / longest);
+  const auto noise_at = [&](const Eigen::VectorXd& q) {
+    return unit_noise(squashed(q[0]), std::min(squashed(q[1]), rho_max));
   };
   const double white = start.white * start.white;
   const double shared = start.shared * start.shared;
@@ -179,7 +182,7 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
         return a.weight < b.weight;
       });
   if (best->weight > kSure && best->noise.shared > 0.0) {
-    return {{refined(likelihood, best->noise), 1.0}};
+    return {{refined(likelihood, best->noise, longest), 1.0}};
   }
   return noises;
 }

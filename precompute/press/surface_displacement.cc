@@ -84,15 +84,15 @@ Eigen::MatrixXd modes_of(const Eigen::MatrixXd& unit, double error_relative) {
   return basis.leftCols(modes);
 }
 
-SurfaceFields joined(std::span<const SurfaceFields> block, Eigen::Index vertices) {
-  SurfaceFields all;
-  for (const SurfaceFields& more : block) {
+PressFields joined(std::span<const PressFields> block, Eigen::Index vertices) {
+  PressFields all;
+  for (const PressFields& more : block) {
     all.node.insert(all.node.end(), more.node.begin(), more.node.end());
     all.depth_m.insert(all.depth_m.end(), more.depth_m.begin(), more.depth_m.end());
   }
   all.field_m.resize(3 * vertices, static_cast<Eigen::Index>(all.node.size()));
   Eigen::Index first = 0;
-  for (const SurfaceFields& more : block) {
+  for (const PressFields& more : block) {
     all.field_m.middleCols(first, more.field_m.cols()) = more.field_m;
     first += more.field_m.cols();
   }
@@ -102,10 +102,10 @@ SurfaceFields joined(std::span<const SurfaceFields> block, Eigen::Index vertices
 using Group = std::vector<std::int32_t>;
 
 // Of blocks side by side: states of nonlinear presses are too large for all at once.
-SurfaceFields in_blocks(const std::vector<Group>& block, Eigen::Index vertices,
-                        const std::function<SurfaceFields(const Group&)>& fields,
-                        Progress& progress) {
-  std::vector<SurfaceFields> of_block(block.size());
+PressFields in_blocks(const std::vector<Group>& block, Eigen::Index vertices,
+                      const std::function<PressFields(const Group&)>& fields,
+                      Progress& progress) {
+  std::vector<PressFields> of_block(block.size());
   std::mutex told;
   std::size_t done = 0;
   in_parallel(block.size(), [&](std::size_t i) {
@@ -163,9 +163,9 @@ std::vector<const PressedNode*> drawn(std::span<const PressedNode> nodes) {
 }
 
 // Nodes, depths and fields of zero.
-SurfaceFields named_fields(std::span<const PressedNode* const> nodes,
-                           Eigen::Index vertices) {
-  SurfaceFields fields;
+PressFields named_fields(std::span<const PressedNode* const> nodes,
+                         Eigen::Index vertices) {
+  PressFields fields;
   for (const PressedNode* node : nodes) {
     const NonlinearIndentation* state = state_of(*node);
     fields.node.push_back(node->vertex);
@@ -227,10 +227,9 @@ std::vector<std::int32_t> pressures_of(std::span<const PressedNode* const> nodes
 }
 
 // Blocks of a body whose parts are pressed.
-SurfaceFields fields_of_parts(const Scene& scene, const CutOutSolver& cut_out,
-                              const BodySource& body, const SharedTool& tool,
-                              std::span<const std::int32_t> solved,
-                              Progress& progress) {
+PressFields fields_of_parts(const Scene& scene, const CutOutSolver& cut_out,
+                            const BodySource& body, const SharedTool& tool,
+                            std::span<const std::int32_t> solved, Progress& progress) {
   const CoarseBody* rest = cut_out.coarse();
   const Eigen::Index vertices = body.surface.position_m.rows();
   std::vector<TetLocator::Place> place;
@@ -262,10 +261,10 @@ void require_few_fields(Eigen::Index vertices, std::size_t solved) {
 
 }  // namespace
 
-SurfaceFields surface_fields(const BodyModel& model, Eigen::Index vertices,
-                             std::span<const PressedNode> nodes) {
+PressFields press_fields(const BodyModel& model, Eigen::Index vertices,
+                         std::span<const PressedNode> nodes) {
   const std::vector<const PressedNode*> pressed = drawn(nodes);
-  SurfaceFields fields = named_fields(pressed, vertices);
+  PressFields fields = named_fields(pressed, vertices);
   const Eigen::MatrixXd X = displaced_m(model, pressed);
   for (Eigen::Index v = 0; v < vertices; ++v) {
     take_node(model.supports, v, X, v, fields.field_m);
@@ -273,11 +272,11 @@ SurfaceFields surface_fields(const BodyModel& model, Eigen::Index vertices,
   return fields;
 }
 
-SurfaceFields part_fields(const ClampedPart& part, const CoarseBody* rest,
-                          std::span<const TetLocator::Place> place,
-                          Eigen::Index vertices, std::span<const PressedNode> nodes) {
+PressFields part_fields(const ClampedPart& part, const CoarseBody* rest,
+                        std::span<const TetLocator::Place> place, Eigen::Index vertices,
+                        std::span<const PressedNode> nodes) {
   const std::vector<const PressedNode*> pressed = drawn(nodes);
-  SurfaceFields fields = named_fields(pressed, vertices);
+  PressFields fields = named_fields(pressed, vertices);
   Eigen::MatrixXd X = displaced_m(part.model, pressed);
   if (rest != nullptr && !part.cut.empty() && !pressed.empty()) {
     Eigen::MatrixXd pressure_n;
@@ -299,7 +298,7 @@ SurfaceFields part_fields(const ClampedPart& part, const CoarseBody* rest,
   return fields;
 }
 
-DisplacementField compress_fields(const SurfaceFields& fields, double error_relative) {
+DisplacementField compress_fields(const PressFields& fields, double error_relative) {
   DisplacementField stored;
   if (fields.node.empty()) {
     return stored;
@@ -339,14 +338,14 @@ void add_surface_fields(const Scene& scene, const BodySource& body,
     const SharedTool& tool = body.tool[t];
     const std::vector<std::int32_t> solved = solved_nodes(database.tools[t]);
     require_few_fields(vertices, solved.size());
-    const SurfaceFields fields =
+    const PressFields fields =
         strategy.cut_out
             ? fields_of_parts(scene, *solver.cut_out(), body, tool, solved, progress)
             : in_blocks(
                   blocks_of(solved), vertices,
                   [&](const Group& block) {
-                    return surface_fields(*solver.shared(), vertices,
-                                          solver.on_shared_mesh(tool, block, true));
+                    return press_fields(*solver.shared(), vertices,
+                                        solver.on_shared_mesh(tool, block, true));
                   },
                   progress);
     database.tools[t].displacement =

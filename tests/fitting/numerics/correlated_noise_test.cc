@@ -83,6 +83,20 @@ TEST(CorrelatedNoise, IntervalsHoldTheTruthAsOftenAsTheySay) {
   }
 }
 
+// A bow that the line does not follow is shared by all samples.
+TEST(CorrelatedNoise, WhatALawMissesWidensIntervalsToItsOwnSizeAtMost) {
+  const Eigen::MatrixXd J = line(kSamples);
+  const Eigen::VectorXd bow = J.col(1).array().square();
+  const Eigen::VectorXd r = residual_of_fit(J, bow);
+  const Eigen::Vector2d sd =
+      covariance_under_noise(J, r, kSamples).diagonal().cwiseSqrt();
+  const double largest = r.cwiseAbs().maxCoeff();
+  const double white =
+      std::sqrt(r.squaredNorm() / (kSamples - 2) * (J.transpose() * J).inverse()(0, 0));
+  EXPECT_GT(sd.minCoeff(), 2.0 * white);
+  EXPECT_LT(sd.maxCoeff(), 5.0 * largest);
+}
+
 TEST(CorrelatedNoise, AFewSamplesAreTakenForWhite) {
   std::mt19937 generator(2);
   const Eigen::MatrixXd J = line(12);

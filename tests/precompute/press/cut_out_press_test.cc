@@ -135,9 +135,9 @@ TEST_F(Slab, APartsFieldBeforeTheBodyItselfIsTheBodysField) {
   for (Eigen::Index v = 0; v < vertices; ++v) {
     place.push_back(same.place(body_.surface.position_m.row(v).transpose()));
   }
-  const SurfaceFields wanted = surface_fields(same.model(), vertices, of_whole);
-  const SurfaceFields together = part_fields(part, &same, place, vertices, of_part);
-  const SurfaceFields clamped = part_fields(part, nullptr, {}, vertices, of_part);
+  const PressFields wanted = press_fields(same.model(), vertices, of_whole);
+  const PressFields together = part_fields(part, &same, place, vertices, of_part);
+  const PressFields clamped = part_fields(part, nullptr, {}, vertices, of_part);
   ASSERT_GT(wanted.field_m.norm(), 0.0);
   EXPECT_EQ(together.node, wanted.node);
   EXPECT_EQ(together.depth_m, wanted.depth_m);

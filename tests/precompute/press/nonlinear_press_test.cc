@@ -128,7 +128,7 @@ TEST_F(PressedMiddle, EveryDepthTakesTheForceThatWasSolvedThere) {
 
 TEST_F(PressedMiddle, ItsFieldIsTheSolvedDisplacement) {
   const Eigen::Index vertices = body_->surface.position_m.rows();
-  const SurfaceFields solved = surface_fields(*model_, vertices, {&few_, 1});
+  const PressFields solved = press_fields(*model_, vertices, {&few_, 1});
   ASSERT_EQ(solved.node, std::vector<std::int32_t>{kMiddle});
   EXPECT_EQ(solved.depth_m.front(), few_.nonlinear->sample.back().penetration_m);
   const NonlinearIndentation& press = *few_.nonlinear;
@@ -146,7 +146,7 @@ TEST_F(PressedMiddle, ItsFieldIsTheSolvedDisplacement) {
   EXPECT_GT(compared, 20);
   PressedNode linear = few_;
   linear.nonlinear.reset();
-  const SurfaceFields rough = surface_fields(*model_, vertices, {&linear, 1});
+  const PressFields rough = press_fields(*model_, vertices, {&linear, 1});
   EXPECT_GT((rough.field_m - solved.field_m).norm(), 0.01 * solved.field_m.norm());
 }
 

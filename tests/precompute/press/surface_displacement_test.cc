@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-SurfaceFields pressed(const Eigen::MatrixXd& field_m) {
-  SurfaceFields fields;
+PressFields pressed(const Eigen::MatrixXd& field_m) {
+  PressFields fields;
   fields.field_m = field_m;
   for (Eigen::Index j = 0; j < field_m.cols(); ++j) {
     fields.node.push_back(static_cast<std::int32_t>(j));
