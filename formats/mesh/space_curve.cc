@@ -62,10 +62,10 @@ std::vector<std::int32_t> curve_order(const Points& points) {
   std::vector<std::uint64_t> key(n);
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::RowVector3d at =
-        ((points.row(static_cast<Eigen::Index>(i)) - low) * scale)
-            .cwiseMin(cells)
-            .cwiseMax(0.0);
-    key[i] = hilbert_place(at.transpose().cast<std::uint32_t>());
+        (points.row(static_cast<Eigen::Index>(i)) - low) * scale;
+    key[i] = hilbert_place(at.transpose().unaryExpr([cells](double x) {
+      return static_cast<std::uint32_t>(x > 0.0 ? std::min(x, cells) : 0.0);
+    }));
   }
   std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
     return key[static_cast<std::size_t>(a)] < key[static_cast<std::size_t>(b)];

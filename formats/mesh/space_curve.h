@@ -18,7 +18,8 @@ constexpr int kCurveBits = 21;
     const Eigen::Matrix<std::uint32_t, 3, 1>& cell);
 
 /// (n) point indices in the order of the curve through the points' bounding cube;
-/// points of one cell keep their order. @param points (n x 3) finite.
+/// points of one cell keep their order. @param points (n x 3); what is not finite lies
+/// somewhere in the order.
 [[nodiscard]] std::vector<std::int32_t> curve_order(const Points& points);
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <random>
+#include <limits>
 #include <set>
 
 namespace palpate {
@@ -65,6 +66,18 @@ TEST(SpaceCurve, ChunksOfTheOrderAreCompact) {
 TEST(SpaceCurve, NoPointsAndOnePlaceAreFine) {
   EXPECT_TRUE(curve_order(Points(0, 3)).empty());
   EXPECT_EQ(curve_order(Points::Ones(3, 3)), (std::vector<std::int32_t>{0, 1, 2}));
+}
+
+TEST(SpaceCurve, PointsThatAreNotFiniteLieInTheOrderToo) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double odd : {std::nan(""), -std::nan(""), infinite, -infinite}) {
+    for (Eigen::Index row = 0; row < 4; ++row) {
+      Points points = Points::Random(4, 3);
+      points(row, 1) = odd;
+      const std::vector<std::int32_t> order = curve_order(points);
+      EXPECT_EQ(std::set<std::int32_t>(order.begin(), order.end()).size(), 4u) << odd;
+    }
+  }
 }
 
 }  // namespace
