@@ -227,15 +227,16 @@ class ConvexSpline : public CurveFamily {
   int intervals_;
 };
 
-class MonotoneCubic : public CurveFamily {
+class Cubic : public CurveFamily {
  public:
-  explicit MonotoneCubic(std::vector<double> depth) : depth_(std::move(depth)) {
+  Cubic(std::string_view name, std::vector<double> depth)
+      : name_(name), depth_(std::move(depth)) {
     depth_.insert(depth_.begin(), 0.0);
     for (std::size_t j = 1; j < depth_.size(); ++j) {
       add_parameter({"force", "N", 0.0, kInf, 1, 0});
     }
   }
-  std::string_view name() const override { return "monotone-cubic"; }
+  std::string_view name() const override { return name_; }
 
   FamilyPoint at(std::span<const double> q, double d) const override {
     if (d <= 0.0) {
@@ -263,6 +264,7 @@ class MonotoneCubic : public CurveFamily {
   }
 
  private:
+  std::string_view name_;
   std::vector<double> depth_;
 };
 
@@ -288,8 +290,10 @@ std::shared_ptr<const CurveFamily> convex_spline_family(int knots) {
   return std::make_shared<ConvexSpline>(knots);
 }
 
-std::shared_ptr<const CurveFamily> monotone_cubic_family(std::vector<double> depth) {
-  return std::make_shared<MonotoneCubic>(std::move(depth));
+std::shared_ptr<const CurveFamily> cubic_family(std::string_view name,
+                                                std::vector<double> depth) {
+  const auto known = std::find(kFamilyNames.begin(), kFamilyNames.end(), name);
+  return std::make_shared<Cubic>(*known, std::move(depth));
 }
 
 std::shared_ptr<const CurveFamily> family_by_name(std::string_view name) {
@@ -308,7 +312,7 @@ std::shared_ptr<const CurveFamily> family_by_name(std::string_view name) {
   if (name == "convex-spline") {
     return convex_spline_family();
   }
-  if (name == "monotone-cubic") {
+  if (name == "monotone-cubic" || name == "interpolating") {
     return nullptr;
   }
   throw InputError(fmt::format("family \"{}\" is not available; available: {}", name,

@@ -2,7 +2,8 @@
 // 0.
 //
 // Depth and force are scaled: d = 1 is the largest depth measured, f = 1 the range of
-// the force. All families rise (f' >= 0); all but monotone-cubic are convex.
+// the force. All families but interpolating rise (f' >= 0); all but it and
+// monotone-cubic are convex.
 #pragma once
 
 #include <array>
@@ -16,9 +17,9 @@
 namespace palpate {
 
 /// Names of the curve families, as session files and reports write them.
-inline constexpr std::array<std::string_view, 6> kFamilyNames{
-    "quadratic-linear", "power-law",     "linear-exponential",
-    "polynomial",       "convex-spline", "monotone-cubic"};
+inline constexpr std::array<std::string_view, 7> kFamilyNames{
+    "quadratic-linear", "power-law",      "linear-exponential", "polynomial",
+    "convex-spline",    "monotone-cubic", "interpolating"};
 
 struct FamilyParameter {
   std::string_view name;
@@ -82,14 +83,15 @@ class CurveFamily {
 /// knots is one.
 [[nodiscard]] std::shared_ptr<const CurveFamily> convex_spline_family(int knots = 10);
 
-/// Monotone C1 cubic (response_curve.h) through (0, 0) and the forces q at these
-/// depths. The gradient is that of the polygon through them.
+/// C1 cubic that does not overshoot (response_curve.h) through (0, 0) and the forces q
+/// at these depths. The gradient is that of the polygon through them.
+/// @param name "monotone-cubic", whose forces rise, or "interpolating", whose need not.
 /// @param depth (m) rising, > 0
-[[nodiscard]] std::shared_ptr<const CurveFamily> monotone_cubic_family(
-    std::vector<double> depth);
+[[nodiscard]] std::shared_ptr<const CurveFamily> cubic_family(
+    std::string_view name, std::vector<double> depth);
 
-/// By its name of kFamilyNames; null for "monotone-cubic", whose depths
-/// come from the data. @throws InputError for another name.
+/// By its name of kFamilyNames; null for those of cubic_family(), whose depths come
+/// from the data. @throws InputError for another name.
 [[nodiscard]] std::shared_ptr<const CurveFamily> family_by_name(std::string_view name);
 
 }  // namespace palpate

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include "fitting/curve/family_solve.h"
+#include "fitting/curve/power_law_solve.h"
 #include "fitting/curve/power_law_start.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/base/error.h"
@@ -16,9 +19,10 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOutlierDeviations = 5.0;
 constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fails
-constexpr const char* kSupplest = "convex-spline";
+constexpr int kFeaturePoints = 200;
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
+constexpr std::string_view kMayFall = "interpolating";
 constexpr double kFlatShare = 1.0 / 6.0;  // [-] of the travel
 constexpr double kFlatSlope = 0.05;       // [-] of the force range over the depth
 constexpr Eigen::Index kFlatSamplesMin = 8;
@@ -61,10 +65,12 @@ void take_inliers(const Approach& approach, const ContactFit& reference,
 }
 
 FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
-                       const ContactFit& reference, const FamilyFitOptions& options) {
+                       const ContactFit& reference) {
   FamilyData data;
   data.x_origin_m = reference.contact_point_m;
-  data.length_m = reference.depth_max_m;
+  data.length_m =
+      *std::max_element(choice.displacement_m.begin(), choice.displacement_m.end()) -
+      data.x_origin_m;
   data.force_n = extent(running_median(choice.force_n, 2));
   const auto n = static_cast<Eigen::Index>(choice.force_n.size());
   data.x.resize(n);
@@ -76,7 +82,7 @@ FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
     data.x[i] = (choice.displacement_m[k] - data.x_origin_m) / data.length_m;
     data.f[i] = choice.force_n[k] / data.force_n;
     data.weight[i] =
-        noise / std::hypot(noise, options.noise_relative * choice.force_n[k]);
+        noise / std::hypot(noise, reference.noise_relative * choice.force_n[k]);
   }
   data.contact_min = data.x.minCoeff();
   data.contact_min =
@@ -145,7 +151,8 @@ FamilyParameter joint_parameter(const CurveFamily& family, Eigen::Index j) {
 }
 
 // Scaled parameters and their covariance in SI units.
-void unscale(const FamilyData& data, const FamilySolution& solution, FamilyFit& fit) {
+void unscale(const FamilyData& data, const std::vector<std::string>& held,
+             FamilyFit& fit) {
   const double F = data.force_n, L = data.length_m;
   for (Eigen::Index j = 0; j < fit.scaled.size(); ++j) {
     const FamilyParameter p = joint_parameter(*fit.curve, j);
@@ -158,7 +165,7 @@ void unscale(const FamilyData& data, const FamilySolution& solution, FamilyFit& 
     out.unit = p.unit;
     out.value = si * fit.scaled[j];
     out.sd = si * std::sqrt(fit.covariance(j, j));
-    out.held = solution.held[static_cast<std::size_t>(j)];
+    out.held = held[static_cast<std::size_t>(j)];
     if (!out.held.empty()) {
       out.sd = kNaN;
     }
@@ -179,6 +186,16 @@ void unscale(const FamilyData& data, const FamilySolution& solution, FamilyFit& 
   fit.contact_point_sd_m = fit.parameters[2].sd;
 }
 
+// What follows from the scaled parameters.
+void describe(const FamilyData& data, const std::vector<std::string>& held,
+              FamilyFit& fit) {
+  const std::vector<double> r = residuals(data, *fit.curve, fit.scaled);
+  fit.rms_n =
+      data.force_n * std::sqrt(sum_of_squares(r) / static_cast<double>(r.size()));
+  fit.depth_max_m = data.length_m * (data.x.maxCoeff() - fit.scaled[kFamilyContact]);
+  unscale(data, held, fit);
+}
+
 FamilyFit fit_one(const FamilyData& data, std::string_view name, double contact,
                   bool contact_free) {
   const FamilySolution solution = solve_family(data, name, contact, contact_free);
@@ -191,14 +208,47 @@ FamilyFit fit_one(const FamilyData& data, std::string_view name, double contact,
   fit.x_origin_m = data.x_origin_m;
   fit.length_m = data.length_m;
   fit.force_n = data.force_n;
-  const std::vector<double> r = residuals(data, *fit.curve, fit.scaled);
-  fit.rms_n =
-      data.force_n * std::sqrt(sum_of_squares(r) / static_cast<double>(r.size()));
-  fit.effective_n = effective_samples(r);
   fit.free_parameters = solution.free_parameters;
   fit.covariance = solution.covariance;
-  fit.depth_max_m = data.length_m * (data.x.maxCoeff() - fit.scaled[kFamilyContact]);
-  unscale(data, solution, fit);
+  describe(data, solution.held, fit);
+  return fit;
+}
+
+// The reference itself, in this data's units.
+FamilyFit power_law(const FamilyData& data, const ContactFit& reference) {
+  const double F = data.force_n, L = data.length_m, origin = data.x_origin_m;
+  const double b0 = reference.parameters[0].value, b1 = reference.parameters[1].value;
+  const double p = reference.exponent;
+  const double force = reference.coefficient * std::pow(L, p);  // at the depth L
+  FamilyFit fit;
+  fit.family = "power-law";
+  fit.curve = power_law_family();
+  fit.converged = reference.converged;
+  fit.iterations = reference.iterations;
+  fit.x_origin_m = origin;
+  fit.length_m = L;
+  fit.force_n = F;
+  fit.scaled.resize(5);
+  fit.scaled << (b0 + b1 * origin) / F, b1 * L / F,
+      (reference.contact_point_m - origin) / L, force / F, p;
+  using Matrix = Eigen::Matrix<double, 5, 5>;
+  Matrix J =
+      Matrix::Zero();  // by baseline, drift, contact point, exponent, coefficient
+  J(kFamilyForce, kBaselineForce) = 1.0 / F;
+  J(kFamilyForce, kBaselineSlope) = origin / F;
+  J(kFamilySlope, kBaselineSlope) = L / F;
+  J(kFamilyContact, kContact) = 1.0 / L;
+  J(kFamilyShared, kExponent) = force / F * std::log(L);
+  J(kFamilyShared, kCoefficient) = std::pow(L, p) / F;
+  J(kFamilyShared + 1, kExponent) = 1.0;
+  fit.covariance = J * reference.covariance * J.transpose();
+  std::vector<std::string> held;
+  for (const FitParameter& parameter : reference.parameters) {
+    held.push_back(parameter.held);
+    fit.free_parameters += parameter.held.empty() ? 1 : 0;
+  }
+  std::swap(held[kExponent], held[kCoefficient]);  // the family's order
+  describe(data, held, fit);
   return fit;
 }
 
@@ -228,15 +278,36 @@ double cross_validated(const FamilyData& all, const FamilyFit& fit, bool contact
   return all.force_n * std::sqrt(squares / static_cast<double>(n));
 }
 
-// Both criteria with the same number of independent samples for all. What a law misses
-// is no repetition of samples: the largest number that any curve's residuals show.
-void judge(FamilyChoice& choice, double independent) {
+// By the noise of the family that misses least.
+void find_misfits(const FamilyData& data, FamilyChoice& choice) {
+  const auto residuals_of = [&](const FamilyFit& fit) {
+    std::vector<double> r = residuals(data, *fit.curve, fit.scaled);
+    for (double& value : r) {
+      value *= data.force_n;
+    }
+    return r;
+  };
+  const auto closest = std::min_element(choice.fits.begin(), choice.fits.end(),
+                                        [](const auto& a, const auto& b) {
+                                          return a.rms_n < b.rms_n;
+                                        });
+  const ResidualNoise noise(choice.displacement_m, residuals_of(*closest));
+  choice.noise_sd_n = noise.noise_sd();
+  choice.independent_samples = noise.independent_samples();
+  for (FamilyFit& fit : choice.fits) {
+    fit.misfit = noise.misfit(residuals_of(fit));
+    fit.misses = matters(fit.misfit, data.force_n);
+  }
+}
+
+// Both criteria with the same number of independent samples for all.
+void judge(FamilyChoice& choice) {
   // Never so few that the correction has no value: all would be as bad then.
   int most = 0;
   for (const FamilyFit& fit : choice.fits) {
     most = std::max(most, fit.free_parameters);
   }
-  const double n = std::max(independent, most + 4.0);
+  const double n = std::max(choice.independent_samples, most + 4.0);
   for (FamilyFit& fit : choice.fits) {
     const double k = fit.free_parameters + 1.0;  // and the noise
     const double likelihood = n * std::log(fit.rms_n * fit.rms_n + 1e-300);
@@ -244,29 +315,59 @@ void judge(FamilyChoice& choice, double independent) {
                            : std::numeric_limits<double>::infinity();
     fit.bic = likelihood + k * std::log(std::max(n, 1.0));
   }
-  const auto score = [&](const FamilyFit& fit) {
-    return choice.criterion == "bic"                ? fit.bic
-           : choice.criterion == "cross-validation" ? fit.cross_rms_n
-                                                    : fit.aicc;
+  const auto rank = [&](const FamilyFit& fit) {
+    const double score = fit.misses                               ? fit.rms_n
+                         : choice.criterion == "bic"              ? fit.bic
+                         : choice.criterion == "cross-validation" ? fit.cross_rms_n
+                                                                  : fit.aicc;
+    return std::tuple(!fit.converged, fit.misses, !fit.misses && fit.family == kMayFall,
+                      score);
   };
   std::stable_sort(choice.fits.begin(), choice.fits.end(), [&](auto& a, auto& b) {
-    return a.converged != b.converged ? a.converged : score(a) < score(b);
+    return rank(a) < rank(b);
   });
 }
 
-}  // namespace
-
-double effective_samples(std::span<const double> residuals) {
-  const std::size_t n = residuals.size();
-  double squares = 0.0, products = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    squares += residuals[i] * residuals[i];
-    products += i + 1 < n ? residuals[i] * residuals[i + 1] : 0.0;
+// Where the power law found no contact point because it is not the law, but the force
+// is flat over the first sixth of the travel and leaves that later: the law once more,
+// contact not before that.
+std::optional<ContactFit> contact_after_flat(const Approach& approach,
+                                             const FamilyData& data,
+                                             const ContactFit& whole) {
+  if (!data.contact_held || !flat_until(data)) {
+    return std::nullopt;
   }
-  const double rho = squares > 0.0 ? products / squares : 0.0;
-  const auto count = static_cast<double>(n);
-  return rho > 2.0 / std::sqrt(count) ? count * (1.0 - rho) / (1.0 + rho) : count;
+  Approach told = approach;
+  const double begin = data.x.minCoeff(), travel = data.x.maxCoeff() - begin;
+  told.contact_from_m = data.x_origin_m + data.length_m * (begin + travel * kFlatShare);
+  return fit_contact(told, {.noise_relative = whole.noise_relative});
 }
+
+std::vector<CurveFeature> features_of(const FamilyChoice& choice) {
+  const FamilyFit& fit = choice.fits.front();
+  std::vector<double> depth, force;
+  for (int i = 0; i <= kFeaturePoints; ++i) {
+    depth.push_back(fit.depth_max_m * i / kFeaturePoints);
+    force.push_back(family_point(fit, depth.back()).force);
+  }
+  return find_features(depth, force, choice.noise_sd_n);
+}
+
+FamilyFit fit_named(const std::string& name, const FamilyData& data,
+                    const FamilyFit& law, double contact_sd_m,
+                    const FamilyFitOptions& options) {
+  const bool free = !data.contact_held;
+  const bool joint = free && has_contact_of_its_own(name);
+  FamilyFit fit = name == law.family ? law : fit_one(data, name, 0.0, joint);
+  fit.cross_rms_n = options.cross_validate ? cross_validated(data, fit, joint) : kNaN;
+  if (free && !joint) {
+    fit.contact_point_sd_m = contact_sd_m;
+    fit.free_parameters += 1;  // the contact point that the power law found
+  }
+  return fit;
+}
+
+}  // namespace
 
 FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
                           const std::vector<std::string>& families,
@@ -278,32 +379,27 @@ FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
     return choice;
   }
   take_inliers(approach, reference, choice);
-  FamilyData data = scaled_data(choice, approach, reference, options);
-  double start = 0.0;
-  if (const auto late = flat_until(data); data.contact_held && late) {
-    data.contact_held = false;
-    start = *late;
+  FamilyData data = scaled_data(choice, approach, reference);
+  std::optional<ContactFit> later = contact_after_flat(approach, data, reference);
+  if (later) {
+    data = scaled_data(choice, approach, *later);
   }
-  const bool free = !data.contact_held;
-  const FamilyFit law = fit_one(data, "power-law", start, free);
-  const double contact = law.converged ? law.scaled[kFamilyContact] : 0.0;
+  const ContactFit& whole = later ? *later : reference;
+  const std::optional<ContactFit> start =
+      whole.has(FitFlag::kMisfit) ? fit_beginning(approach, whole) : std::nullopt;
+  if (start) {
+    data = scaled_data(choice, approach, *start);
+  }
+  const FamilyFit law = power_law(data, whole);
+  const double contact_sd_m = (start ? *start : whole).contact_point_sd_m;
+  FamilyFitOptions with = options;
+  with.cross_validate = options.cross_validate || criterion == "cross-validation";
   for (const std::string& name : families) {
-    const bool joint = free && has_contact_of_its_own(name);
-    FamilyFit fit = name == "power-law" ? law : fit_one(data, name, contact, joint);
-    fit.cross_rms_n = options.cross_validate || criterion == "cross-validation"
-                          ? cross_validated(data, fit, joint)
-                          : kNaN;
-    if (free && !joint) {
-      fit.contact_point_sd_m = law.contact_point_sd_m;
-      fit.free_parameters += 1;  // the contact point that the power law found
-    }
-    choice.fits.push_back(std::move(fit));
+    choice.fits.push_back(fit_named(name, data, law, contact_sd_m, with));
   }
-  double independent = fit_one(data, kSupplest, contact, false).effective_n;
-  for (const FamilyFit& fit : choice.fits) {
-    independent = std::max(independent, fit.effective_n);
-  }
-  judge(choice, independent);
+  find_misfits(data, choice);
+  judge(choice);
+  choice.features = features_of(choice);
   return choice;
 }
 

@@ -5,23 +5,27 @@
 // The contact point x0 is fitted with families whose start has a shape of its own;
 // those that could follow any x0 (splines and the polynomial's slope) take the power
 // law's. None is before the approach's contact_from_m.
+//
+// Families that miss the data by more than their noise (misfit.h) come after all that
+// do not, whatever a criterion says, in the order of their residuals; interpolating,
+// which may fall, comes after all others that do not miss.
 #pragma once
 
 #include <limits>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "fitting/curve/curve_family.h"
+#include "fitting/curve/curve_feature.h"
+#include "fitting/curve/misfit.h"
 #include "fitting/curve/power_law_fit.h"
 
 namespace palpate {
 
 struct FamilyFitOptions {
-  double noise_relative = 0.0;  ///< [-] [0, 1) part of the noise that grows with force
   bool cross_validate = true;
 };
 
@@ -33,9 +37,10 @@ struct FamilyFit {
   double depth_max_m = 0.0;  ///< [m] largest displacement beyond the contact point
   double rms_n = 0.0;        ///< [N] of the residuals of the samples used
   double cross_rms_n = 0.0;  ///< [N] of blocks that the fit had not seen; NaN: not done
-  double effective_n = 0.0;  ///< [-] samples, less what autocorrelation repeats
-  double aicc = 0.0;         ///< [-] with the effective number; +inf: too few
-  double bic = 0.0;          ///< [-]
+  Misfit misfit;             ///< [N] by the noise of the family that misses least
+  bool misses = false;       ///< misfit.h, matters()
+  double aicc = 0.0;  ///< [-] with the number of independent samples; +inf: too few
+  double bic = 0.0;   ///< [-]
   int free_parameters = 0;
   bool converged = false;
   int iterations = 0;
@@ -53,10 +58,16 @@ struct FamilyChoice {
   std::vector<FamilyFit> fits;                  ///< empty for an empty run
   std::vector<double> displacement_m, force_n;  ///< (n) the samples used
   std::size_t outliers = 0;
+  double noise_sd_n = 0.0;             ///< [N] of these samples, white and shared
+  double independent_samples = 0;      ///< that tell as much of a mean
+  std::vector<CurveFeature> features;  ///< of the first family's curve
   std::string criterion;
 };
 
-/// @param reference the power law's fit of the same approach, for the start.
+/// @param reference the power law's fit of the same approach, exponent free: the first
+/// family, and baseline and contact point of those without one of their own - unless
+/// the law misses; then those of the law of as much of the curve's beginning as it does
+/// not.
 /// @param criterion one of kCriteria (session.h).
 /// @throws InputError for an unknown family.
 [[nodiscard]] FamilyChoice fit_families(const Approach& approach,
@@ -74,9 +85,5 @@ struct FamilyChoice {
 /// Standard deviation [N] of fitted_force_n() from the parameters' covariance; NaN
 /// where that is not known.
 [[nodiscard]] double fitted_sd_n(const FamilyFit& fit, double displacement_m);
-
-/// Number of independent samples among n residuals whose neighbours correlate by
-/// rho > 2 / sqrt(n): n (1 - rho) / (1 + rho).
-[[nodiscard]] double effective_samples(std::span<const double> residuals);
 
 }  // namespace palpate

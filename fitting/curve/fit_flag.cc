@@ -37,11 +37,15 @@ Text text(FitFlag flag) noexcept {
     case FitFlag::kCovarianceNotAvailable:
       return {"covariance_not_available", "the parameters cannot be told apart"};
     case FitFlag::kMisfit:
-      return {"misfit", "residuals exceed 3 times the noise: the family does not fit"};
+      return {"misfit",
+              "the law misses the data by more than their noise: it is not the law"};
     case FitFlag::kHertzDepthExceeded:
       return {
           "hertz_depth_exceeded",
           "deeper than a quarter of the radius: Hertz's parabola is not the sphere"};
+    case FitFlag::kModulusLawMisfit:
+      return {"modulus_law_misfit",
+              "the modulus' law misses the data by more than their noise"};
     case FitFlag::kHertzExponentRefuted:
       return {"hertz_exponent_refuted",
               "the free exponent is not 1.5: the modulus depends on depth"};

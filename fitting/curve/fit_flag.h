@@ -21,6 +21,7 @@ enum class FitFlag {
   kMisfit,
   kHertzDepthExceeded,
   kHertzExponentRefuted,
+  kModulusLawMisfit,
 };
 
 /// As reports name it: "already_in_contact".

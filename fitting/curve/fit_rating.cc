@@ -45,7 +45,7 @@ double correlation_max(const Eigen::MatrixXd& covariance) {
   return most;
 }
 
-RatingFeatures features_of(const Approach& approach, const FamilyChoice& choice) {
+RatingFeatures features_of(const FamilyChoice& choice) {
   const FamilyFit& fit = choice.fits.front();
   RatingFeatures features;
   std::vector<double> residual, near;
@@ -57,7 +57,7 @@ RatingFeatures features_of(const Approach& approach, const FamilyChoice& choice)
     }
     features.samples_in_contact += d >= 0.0 ? 1 : 0;
   }
-  const double noise = std::max(approach.noise_sd_n, 1e-6 * fit.force_n);
+  const double noise = std::max(choice.noise_sd_n, 1e-6 * fit.force_n);
   features.rms_over_noise = fit.rms_n / noise;
   features.runs_z = runs_z(residual);
   features.near_contact_over_noise = near.empty() ? 0.0 : rms(near) / noise;
@@ -79,15 +79,14 @@ std::string_view verdict_name(Verdict verdict) noexcept {
                                       : "skip";
 }
 
-Rating rate(const Approach& approach, const ContactFit& fit,
-            const FamilyChoice& choice) {
+Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
   Rating rating;
   if (fit.has(FitFlag::kEmptyRun) || choice.fits.empty()) {
     rating.gates.emplace_back("empty_run");
     return rating;
   }
   const FamilyFit& best = choice.fits.front();
-  rating.features = features_of(approach, choice);
+  rating.features = features_of(choice);
   if (rating.features.samples_in_contact < kSamplesMin) {
     rating.gates.emplace_back("too_few_samples");
   }
@@ -106,6 +105,14 @@ Rating rate(const Approach& approach, const ContactFit& fit,
         FitFlag::kNonMonotoneDepth, FitFlag::kNonPassiveLoop}) {
     if (fit.has(flag)) {
       rating.gates.emplace_back(flag_name(flag));
+    }
+  }
+  if (best.misses) {
+    rating.gates.emplace_back(flag_name(FitFlag::kMisfit));
+  }
+  for (const CurveFeature& feature : choice.features) {
+    if (feature.kind == FeatureKind::kFall) {
+      rating.gates.emplace_back(feature_name(feature.kind));
     }
   }
   if (bound_matters(best)) {

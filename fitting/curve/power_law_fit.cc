@@ -22,9 +22,9 @@ constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fa
 constexpr double kDriftShareMax = 0.1;  // [-] of the force range, over the whole travel
 constexpr double kSureDeviations = 3.0;
 constexpr std::ptrdiff_t kFreeSamplesMin = 3;
-constexpr double kFlatRmsMax = 1.05;        // [-] rms without drift over rms with it
-constexpr double kContactSdShareMax = 0.1;  // [-] of the depth
-constexpr double kMisfit = 3.0;             // rms over noise
+constexpr double kFlatRmsMax = 1.05;  // [-] rms without drift over rms with it
+constexpr double kBeginnings[] = {0.5, 0.25, 0.125};  // [-] of the depth
+constexpr double kContactSdShareMax = 0.1;            // [-] of the depth
 
 // The curve in units of its own ranges, and how to get back.
 struct Scaling {
@@ -56,7 +56,18 @@ bool told_free(const ScaledCurve& curve) {
          }) >= kFreeSamplesMin;
 }
 
-Scaling scale(const Approach& approach) {
+// 1 over the standard deviation of a force, in units of the white noise.
+std::vector<double> weights(const Approach& approach, double noise_relative,
+                            double force_n) {
+  std::vector<double> weight;
+  const double noise = std::max(approach.noise_sd_n, 1e-9 * force_n);
+  for (const double force : approach.force_n) {
+    weight.push_back(noise / std::hypot(noise, noise_relative * force));
+  }
+  return weight;
+}
+
+Scaling scale(const Approach& approach, const ContactFitOptions& options) {
   Scaling s;
   const auto& x = approach.displacement_m;
   s.x_min_m = *std::min_element(x.begin(), x.end());
@@ -68,6 +79,9 @@ Scaling scale(const Approach& approach) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     s.curve.x.push_back((x[i] - s.x_min_m) / s.length_m);
     s.curve.f.push_back(approach.force_n[i] / s.force_n);
+  }
+  if (options.noise_relative > 0.0) {
+    s.curve.weight = weights(approach, options.noise_relative, s.force_n);
   }
   s.curve.contact_min =
       std::max(0.0, (approach.contact_from_m - s.x_min_m) / s.length_m);
@@ -112,17 +126,16 @@ ScaledCurve inliers(const ScaledCurve& curve, const ContactModel& model, double 
   const std::vector<double> r = contact_residuals(curve, model);
   const double limit =
       kOutlierDeviations * std::max(robust_standard_deviation(r), noise) + 1e-12;
-  ScaledCurve kept;
-  kept.contact_min = curve.contact_min;
-  kept.drift_weight = curve.drift_weight;
+  std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (std::abs(r[i]) <= limit) {
-      kept.x.push_back(curve.x[i]);
-      kept.f.push_back(curve.f[i]);
+      kept.push_back(i);
     }
   }
-  const auto left_out = static_cast<double>(r.size() - kept.x.size());
-  return left_out > kOutlierShareMax * static_cast<double>(r.size()) ? curve : kept;
+  const auto left_out = static_cast<double>(r.size() - kept.size());
+  return left_out > kOutlierShareMax * static_cast<double>(r.size())
+             ? curve
+             : samples_of(curve, kept);
 }
 
 // Robust from every start, then plain on the inliers of the best.
@@ -161,12 +174,16 @@ std::ptrdiff_t samples_before_contact(const Scaling& s, const Solution& solution
   });
 }
 
-double rms(const Solution& solution) {
+double rms(const std::vector<double>& residuals) {
   double squares = 0.0;
-  for (const double r : contact_residuals(solution.used, solution.model)) {
+  for (const double r : residuals) {
     squares += r * r;
   }
-  return std::sqrt(squares / static_cast<double>(solution.used.x.size()));
+  return std::sqrt(squares / static_cast<double>(residuals.size()));
+}
+
+double rms(const Solution& solution) {
+  return rms(contact_residuals(solution.used, solution.model));
 }
 
 // A drift that surely lifts the force by more than kDriftShareMax of its range is no
@@ -263,6 +280,7 @@ void unscale(const Scaling& s, const Solution& solution,
   J(kCoefficient, kExponent) = -K * std::log(s.length_m);
   const Matrix covariance =
       J * contact_covariance(solution.used, m, solution.held) * J.transpose();
+  fit.covariance = covariance;
   const double value[] = {m.baseline_force * s.force_n - b1 * s.x_min_m, b1,
                           s.x_min_m + m.contact * s.length_m, m.exponent, K};
   const char* name[] = {"baseline_force", "baseline_slope", "contact_point", "exponent",
@@ -289,11 +307,15 @@ void unscale(const Scaling& s, const Solution& solution,
   fit.depth_max_m = (1.0 - m.contact) * s.length_m;
 }
 
-void judge(const Approach& approach, const Scaling& s, const Solution& solution,
-           bool assumed, ContactFit& fit) {
+void judge(const Scaling& s, const Solution& solution, bool assumed, ContactFit& fit) {
   fit.samples_used = solution.used.x.size();
   fit.outliers = solution.outliers;
-  fit.rms_n = s.force_n * rms(solution);
+  std::vector<double> residual = contact_residuals(solution.used, solution.model);
+  for (double& r : residual) {
+    r *= s.force_n;
+  }
+  fit.rms_n = rms(residual);
+  fit.misfit = find_misfit(solution.used.x, residual);
   fit.mean_stiffness_n_per_m = mean_stiffness(s, solution);
   if (assumed) {
     fit.flags.push_back(FitFlag::kAlreadyInContact);
@@ -303,25 +325,19 @@ void judge(const Approach& approach, const Scaling& s, const Solution& solution,
   if (assumed || uncertain) {
     fit.flags.push_back(FitFlag::kContactPointNotIdentified);
   }
-  if (fit.rms_n > std::max(kMisfit * approach.noise_sd_n, 1e-4 * s.force_n)) {
+  if (matters(fit.misfit, s.force_n)) {
     fit.flags.push_back(FitFlag::kMisfit);
   }
 }
 
-}  // namespace
-
-bool ContactFit::has(FitFlag flag) const {
-  return std::find(flags.begin(), flags.end(), flag) != flags.end();
-}
-
-ContactFit fit_contact(const Approach& approach, const ContactFitOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
+ContactFit fit_once(const Approach& approach, const ContactFitOptions& options) {
   if (options.exponent &&
       !(*options.exponent >= kExponentMin && *options.exponent <= kExponentMax)) {
     throw InputError(fmt::format("exponent {} is outside [{}, {}]", *options.exponent,
                                  kExponentMin, kExponentMax));
   }
   ContactFit fit;
+  fit.noise_relative = options.noise_relative;
   fit.flags = approach.flags;
   if (is_empty(approach)) {
     fit.family = "none";
@@ -331,7 +347,7 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
     return fit;
   }
   fit.family = "power_law";
-  const Scaling s = scale(approach);
+  const Scaling s = scale(approach, options);
   const double noise = approach.noise_sd_n / s.force_n;
   HeldParameters held{};
   held[kExponent] = options.exponent.has_value();
@@ -353,12 +369,73 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
   }
   hold_at_bounds(solution.model, s.curve.contact_min, solution.held);
   unscale(s, solution, options, assumed, fit);
-  judge(approach, s, solution, assumed, fit);
+  judge(s, solution, assumed, fit);
   fit.converged = solution.converged;
   fit.iterations = solution.iterations;
+  return fit;
+}
+
+// A law that misses the curve is led by all of it: its contact point is known no better
+// than it agrees with that of the beginning.
+void compare_with_beginning(const Approach& approach, ContactFit& fit) {
+  const auto beginning = fit_beginning(approach, fit);
+  if (beginning) {
+    fit.contact_point_sd_m =
+        std::hypot(std::max(fit.contact_point_sd_m, beginning->contact_point_sd_m),
+                   fit.contact_point_m - beginning->contact_point_m);
+  }
+  const bool known =
+      beginning && fit.contact_point_sd_m <= kContactSdShareMax * fit.depth_max_m;
+  if (!known && !fit.has(FitFlag::kContactPointNotIdentified)) {
+    fit.flags.push_back(FitFlag::kContactPointNotIdentified);
+  }
+}
+
+}  // namespace
+
+bool ContactFit::has(FitFlag flag) const {
+  return std::find(flags.begin(), flags.end(), flag) != flags.end();
+}
+
+ContactFit fit_contact(const Approach& approach, const ContactFitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  ContactFit fit = fit_once(approach, options);
+  const bool found = fit.converged && !fit.has(FitFlag::kEmptyRun) &&
+                     !fit.has(FitFlag::kAlreadyInContact);
+  if (found && is_sure(fit.misfit, extent(approach.force_n))) {
+    compare_with_beginning(approach, fit);
+  }
   fit.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return fit;
+}
+
+std::optional<ContactFit> fit_beginning(const Approach& approach,
+                                        const ContactFit& whole) {
+  for (const double share : kBeginnings) {
+    Approach part = approach;
+    part.displacement_m.clear();
+    part.force_n.clear();
+    std::size_t in_contact = 0;
+    for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+      const double depth = approach.displacement_m[i] - whole.contact_point_m;
+      if (depth <= share * whole.depth_max_m) {
+        part.displacement_m.push_back(approach.displacement_m[i]);
+        part.force_n.push_back(approach.force_n[i]);
+        in_contact += depth > 0.0 ? 1 : 0;
+      }
+    }
+    if (in_contact < kSamplesMin || part.force_n.size() < 2 * kSamplesMin) {
+      break;
+    }
+    ContactFit fit = fit_once(part, {.noise_relative = whole.noise_relative});
+    if (fit.converged && !fit.has(FitFlag::kEmptyRun) &&
+        !fit.has(FitFlag::kAlreadyInContact) &&
+        !is_sure(fit.misfit, extent(part.force_n))) {
+      return fit;
+    }
+  }
+  return std::nullopt;
 }
 
 double contact_force_n(const ContactFit& fit, double depth_m) {

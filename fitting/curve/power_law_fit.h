@@ -14,8 +14,11 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "fitting/curve/fit_flag.h"
 #include "fitting/curve/measured_approach.h"
+#include "fitting/curve/misfit.h"
 
 namespace palpate {
 
@@ -36,20 +39,25 @@ struct ContactFit {
   double coefficient = std::numeric_limits<double>::quiet_NaN();  ///< [N/m^p] K
   double coefficient_sd = std::numeric_limits<double>::quiet_NaN();
   double depth_max_m = 0.0;  ///< [m] largest displacement beyond the contact point
-  double rms_n = 0.0;        ///< [N] of the residuals of the samples used
+  double rms_n = 0.0;        ///< [N] of the weighed residuals of the samples used
+  Misfit misfit;             ///< [N] what of them is noise, and what is not
   double mean_stiffness_n_per_m = 0.0;  ///< [N/m] of the line through those in contact
   std::size_t samples_used = 0;
   std::size_t outliers = 0;    ///< beyond 5 robust standard deviations; left out
   std::vector<FitFlag> flags;  ///< the approach's first
   bool converged = false;
-  int iterations = 0;    ///< of all starts
-  double seconds = 0.0;  ///< [s] wall time
+  int iterations = 0;  ///< of all starts
+  /// (5 x 5) of the parameters in their units, rows of held ones zero; NaN: unknown
+  Eigen::MatrixXd covariance;
+  double seconds = 0.0;         ///< [s] wall time
+  double noise_relative = 0.0;  ///< [-] as told
 
   [[nodiscard]] bool has(FitFlag flag) const;
 };
 
 struct ContactFitOptions {
-  std::optional<double> exponent;  ///< [-] [1, 4] held; free without
+  std::optional<double> exponent = {};  ///< [-] [1, 4] held; free without
+  double noise_relative = 0.0;  ///< [-] [0, 1) part of the noise that grows with force
 };
 
 /// Least squares from several starts with a robust loss, then without loss on the
@@ -63,9 +71,18 @@ struct ContactFitOptions {
 /// first sample, the drift zero, and that is flagged - unless the approach is known to
 /// be free at first (contact_from_m): the contact point is then not before that, and
 /// the drift is always fitted.
+/// Where the law surely misses the curve (misfit.h), its contact point is compared with
+/// that of the curve's beginning, and what lies between them is part of its standard
+/// deviation; without such a beginning it counts as not identified.
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});
+
+/// The same law for as much of the curve's beginning - half, a quarter or an eighth of
+/// the depth - as it does not miss; none where it misses them all.
+/// @param whole of the approach.
+[[nodiscard]] std::optional<ContactFit> fit_beginning(const Approach& approach,
+                                                      const ContactFit& whole);
 
 /// K d^p [N] at depth d [m] beyond the contact point; 0 for d <= 0.
 [[nodiscard]] double contact_force_n(const ContactFit& fit, double depth_m);

@@ -18,14 +18,15 @@ void evaluate(const ScaledCurve& curve, const double* q, double* r,
     const double x = curve.x[i], d = x - q[kContact];
     const double log_d = d > 0.0 ? std::log(d) : 0.0;
     const double power = d > 0.0 ? std::exp(p * log_d) : 0.0;
-    r[i] = q[kBaselineForce] + q[kBaselineSlope] * x + K * power - curve.f[i];
+    const double w = curve.weight.empty() ? 1.0 : curve.weight[i];
+    r[i] = w * (q[kBaselineForce] + q[kBaselineSlope] * x + K * power - curve.f[i]);
     if (jacobian != nullptr) {
       double* row = jacobian->data() + i * kContactParameters;
-      row[kBaselineForce] = 1.0;
-      row[kBaselineSlope] = x;
-      row[kContact] = d > 0.0 ? -K * p * power / d : 0.0;
-      row[kExponent] = K * power * log_d;
-      row[kCoefficient] = power;
+      row[kBaselineForce] = w;
+      row[kBaselineSlope] = w * x;
+      row[kContact] = d > 0.0 ? -w * K * p * power / d : 0.0;
+      row[kExponent] = w * K * power * log_d;
+      row[kCoefficient] = w * power;
     }
   }
 }

@@ -43,7 +43,7 @@ struct ContactSolveReport {
                                                const HeldParameters& held,
                                                double loss_scale);
 
-/// Residuals model - f (n).
+/// Residuals weight (model - f) (n).
 [[nodiscard]] std::vector<double> contact_residuals(const ScaledCurve& curve,
                                                     const ContactModel& model);
 

@@ -70,16 +70,28 @@ RankedModel linear_fit(const ScaledCurve& curve, double contact, double exponent
 
 }  // namespace
 
+ScaledCurve samples_of(const ScaledCurve& curve,
+                       const std::vector<std::size_t>& which) {
+  ScaledCurve some;
+  some.contact_min = curve.contact_min;
+  some.drift_weight = curve.drift_weight;
+  for (const std::size_t i : which) {
+    some.x.push_back(curve.x[i]);
+    some.f.push_back(curve.f[i]);
+    if (!curve.weight.empty()) {
+      some.weight.push_back(curve.weight[i]);
+    }
+  }
+  return some;
+}
+
 ScaledCurve thinned(const ScaledCurve& curve) {
   const std::size_t step = std::max<std::size_t>(1, curve.x.size() / kThinnedSamples);
-  ScaledCurve thin;
-  thin.contact_min = curve.contact_min;
-  thin.drift_weight = curve.drift_weight;
+  std::vector<std::size_t> which;
   for (std::size_t i = 0; i < curve.x.size(); i += step) {
-    thin.x.push_back(curve.x[i]);
-    thin.f.push_back(curve.f[i]);
+    which.push_back(i);
   }
-  return thin;
+  return samples_of(curve, which);
 }
 
 std::optional<double> deviation_from_baseline(const ScaledCurve& curve) {

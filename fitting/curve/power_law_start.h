@@ -10,10 +10,11 @@ namespace palpate {
 
 /// A curve in its own scale: displacement from 0 to 1, force over its range.
 struct ScaledCurve {
-  std::vector<double> x;      ///< (n) [-]
-  std::vector<double> f;      ///< (n) [-]
-  double contact_min = 0.0;   ///< [-] [0, 1) what is before is surely free
-  double drift_weight = 0.0;  ///< [-] of one more residual, the baseline's slope
+  std::vector<double> x;            ///< (n) [-]
+  std::vector<double> f;            ///< (n) [-]
+  std::vector<double> weight = {};  ///< (n) [-] (0, 1] of the residuals; none: all 1
+  double contact_min = 0.0;         ///< [-] [0, 1) what is before is surely free
+  double drift_weight = 0.0;        ///< [-] of one more residual, the baseline's slope
 };
 
 /// f = baseline_force + baseline_slope x + coefficient max(x - contact, 0)^exponent
@@ -24,6 +25,10 @@ struct ContactModel {
   double exponent = 1.0;        ///< [-] [1, 4]
   double coefficient = 0.0;     ///< [-] > 0
 };
+
+/// Some of the samples, all else as it is. @param which of [0, n).
+[[nodiscard]] ScaledCurve samples_of(const ScaledCurve& curve,
+                                     const std::vector<std::size_t>& which);
 
 /// Every k-th sample, so that ranking a long curve costs no more than a short one:
 /// fewer than twice kThinnedSamples.

@@ -162,6 +162,8 @@ Modulus contact_modulus(const Approach& approach, const ContactFit& free,
   Modulus modulus;
   modulus.law = law_of(indenter);
   modulus.flags = fit.flags;
+  std::replace(modulus.flags.begin(), modulus.flags.end(), FitFlag::kMisfit,
+               FitFlag::kModulusLawMisfit);
   modulus.youngs_modulus_pa = per_coefficient(indenter) * fit.coefficient;
   modulus.sd_pa = per_coefficient(indenter) * fit.coefficient_sd;
   const bool sphere_on_layer = indenter.shape == "sphere" && indenter.thickness_m > 0.0;

@@ -159,7 +159,7 @@ Eigen::MatrixXd not_a_number(Eigen::Index p) {
 }  // namespace
 
 std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
-                                     const Eigen::VectorXd& residual) {
+                                     const Eigen::VectorXd& residual, double longest) {
   const Eigen::Index n = residual.size();
   const Eigen::Index left = n - jacobian.cols();
   if (left < kLeftMin || !(residual.squaredNorm() > 0.0)) {
@@ -168,7 +168,9 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
   }
   const Restricted likelihood(jacobian, residual);
   std::vector<Tried> tried{likelihood.at(unit_noise(0.0, 0.0))};
-  const double longest = std::max(1.0, kLongestPerSample * static_cast<double>(n));
+  if (!(longest >= 1.0)) {
+    longest = std::max(1.0, kLongestPerSample * static_cast<double>(n));
+  }
   for (int i = 0; i < kLengths; ++i) {
     const double length =
         kShortest * std::pow(longest / kShortest, i / (kLengths - 1.0));

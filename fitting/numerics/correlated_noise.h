@@ -36,8 +36,10 @@ struct ProbableNoise {
 /// Those that residuals allow, weights below 1e-3 left out.
 /// @param jacobian (n x p) of the fit's free parameters; p may be 0.
 /// @param residual (n) in the samples' order. White noise alone where n < p + 20.
+/// @param longest [samples] at least 1, over which neighbours may share; 0: n / 4.
 [[nodiscard]] std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
-                                                   const Eigen::VectorXd& residual);
+                                                   const Eigen::VectorXd& residual,
+                                                   double longest = 0.0);
 
 /// The mean of their long-run variances.
 [[nodiscard]] double long_run_variance(const std::vector<ProbableNoise>& noises);

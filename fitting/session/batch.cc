@@ -30,8 +30,13 @@ MeasurementFile read(const Session& session, const SessionRun& run) {
   return read_run(session, run);
 }
 
+// Whether the chosen family misses is what matters, not whether the power law does.
 void collect_flags(RunResult& result) {
   result.flags = result.contact.flags;
+  std::erase(result.flags, FitFlag::kMisfit);
+  if (!result.choice.fits.empty() && result.choice.fits.front().misses) {
+    result.flags.push_back(FitFlag::kMisfit);
+  }
   for (const FitFlag flag : result.modulus.flags) {
     if (std::find(result.flags.begin(), result.flags.end(), flag) ==
         result.flags.end()) {
@@ -42,14 +47,15 @@ void collect_flags(RunResult& result) {
 
 void fit(const Session& session, const Measurement& samples, RunResult& result) {
   result.approach = select_approach(samples, session.fit.range, session.fit.baseline);
-  result.contact = fit_contact(result.approach);
+  result.contact =
+      fit_contact(result.approach, {.noise_relative = session.fit.noise_relative});
   result.choice = choose_family(session.fit, result.approach, result.contact);
   result.modulus = find_modulus(result.approach, result.contact, session.indenter);
   result.relaxation = find_relaxation(samples);
   result.loop = find_loop(samples, result.approach, result.contact);
   result.segments = find_segments(turned(samples, result.approach).depth_m);
   collect_flags(result);
-  result.rating = rate(result.approach, result.contact, result.choice);
+  result.rating = rate(result.contact, result.choice);
 }
 
 // Standard deviation over mean of the force at 80 % of the depth that all repeats

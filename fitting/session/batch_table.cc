@@ -71,7 +71,7 @@ std::string csv_row(const RunResult& run) {
   }
   row += "," + best->family;
   for (const double value :
-       {best->rms_n, run.approach.noise_sd_n, run.contact.mean_stiffness_n_per_m,
+       {best->rms_n, run.choice.noise_sd_n, run.contact.mean_stiffness_n_per_m,
         run.modulus.youngs_modulus_pa, run.modulus.sd_pa, run.loop.loss_factor,
         run.relaxation.refused.empty() ? run.relaxation.g_inf : std::nan(""),
         f.rms_over_noise, f.runs_z, f.near_contact_over_noise, f.repeat_scatter,
@@ -92,7 +92,8 @@ Json family_json(const FamilyFit& fit) {
           {"cross_rms_n", fit.cross_rms_n},
           {"aicc", fit.aicc},
           {"bic", fit.bic},
-          {"effective_samples", fit.effective_n},
+          {"missed_rms_n", fit.misfit.missed_rms},
+          {"misses", fit.misses},
           {"free_parameters", fit.free_parameters},
           {"at_bound", fit.at_bound},
           {"converged", fit.converged}};
@@ -165,7 +166,16 @@ Json run_json(const RunResult& run) {
   json["samples_used"] = x.size();
   json["outliers"] = run.choice.outliers;
   json["spikes"] = run.approach.spikes;
-  json["noise_sd_n"] = run.approach.noise_sd_n;
+  json["noise_sd_n"] = run.choice.noise_sd_n;
+  json["independent_samples"] = run.choice.independent_samples;
+  json["features"] = Json::array();
+  for (const CurveFeature& feature : run.choice.features) {
+    json["features"].push_back({{"kind", feature_name(feature.kind)},
+                                {"depth_m", feature.depth_m},
+                                {"depth_end_m", feature.depth_end_m},
+                                {"change", feature.change},
+                                {"text", describe(feature)}});
+  }
   json["mean_stiffness_n_per_m"] = run.contact.mean_stiffness_n_per_m;
   json["youngs_modulus_pa"] = run.modulus.youngs_modulus_pa;
   json["youngs_modulus_sd_pa"] = run.modulus.sd_pa;

@@ -21,7 +21,8 @@ SurfaceProbe probe_of(const Session& session, const SessionRun& run) {
   probe.measurement = read_run(session, run).samples;
   const Measurement press = split_presses(probe.measurement).front();
   probe.approach = select_approach(press, session.fit.range, session.fit.baseline);
-  probe.fit = fit_contact(probe.approach);
+  probe.fit = fit_contact(probe.approach,
+                          {.noise_relative = session.fit.noise_relative});
   Relaxation relaxation = find_relaxation(press);
   if (relaxation.refused.empty() && relaxation.converged) {
     probe.relaxation = std::move(relaxation);
@@ -38,7 +39,6 @@ SurfaceProbe probe_of(const Session& session, const SessionRun& run) {
 FamilyChoice choose_family(const SessionFit& session, const Approach& approach,
                            const ContactFit& reference) {
   FamilyFitOptions options;
-  options.noise_relative = session.noise_relative;
   options.cross_validate = session.criterion == "cross-validation";
   return fit_families(approach, reference, session.families, session.criterion,
                       options);

@@ -1,11 +1,14 @@
-// Contact point of synthetic curves: bias, spread, what the fit says of the spread, and
-// how often its 95 % interval covers the truth. Usage: contact_point_study [runs]
+// Contact point and modulus of synthetic curves: bias, spread, what the fit says of the
+// spread, and how often its 95 % interval covers the truth where it tells one.
+// Usage: contact_point_study [runs]
 #include <cmath>
 #include <cstdlib>
+#include <random>
 
 #include <fmt/format.h>
 
 #include "fitting/curve/power_law_fit.h"
+#include "fitting/material/moduli.h"
 #include "tests/support/synthetic_curve.h"
 
 namespace palpate {
@@ -14,32 +17,76 @@ namespace {
 struct Case {
   const char* name;
   SyntheticCurve curve;
+  double misfit_n = 0.0;         // [N] of a wave over the depth that no law has
+  double misfit_relative = 0.0;  // [-] of the force
 };
 
 constexpr double kNormal95 = 1.959964;
+constexpr double kRadius = 5e-3, kPoisson = 0.45;  // of the sphere and the sample
 
-void report(const Case& c, unsigned runs) {
-  double sum = 0.0, squares = 0.0, told = 0.0, seconds = 0.0;
-  unsigned covered = 0, without = 0;
-  for (unsigned seed = 1; seed <= runs; ++seed) {
-    const ContactFit fit =
-        fit_contact(select_approach(synthetic(c.curve, 1000 + seed)));
-    const double error = fit.contact_point_m - c.curve.free_m;
-    sum += error;
-    squares += error * error;
-    seconds += fit.seconds;
-    if (std::isfinite(fit.contact_point_sd_m)) {
-      told += fit.contact_point_sd_m;
-      covered += std::abs(error) <= kNormal95 * fit.contact_point_sd_m ? 1 : 0;
-    } else {
-      ++without;
+// E of which a sphere's force at kSyntheticDepth is 1 N.
+const double kYoung = 0.75 * (1.0 - kPoisson * kPoisson) / std::sqrt(kRadius) /
+                      std::pow(kSyntheticDepth, 1.5);
+
+// One to two waves over the depth, their place by chance.
+void add_misfit(const Case& c, unsigned seed, Measurement& m) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> share;
+  const double waves = 1.0 + share(generator), phase = 2.0 * M_PI * share(generator);
+  for (std::size_t i = 0; i < m.force_n.size(); ++i) {
+    const double d = (m.depth_m[i] - c.curve.free_m) / kSyntheticDepth;
+    if (d > 0.0) {
+      const double wave = std::sin(2.0 * M_PI * waves * d + phase);
+      m.force_n[i] += c.misfit_n * (wave - std::sin(phase) * (1.0 - d)) +
+                      c.misfit_relative * wave * std::pow(d, c.curve.exponent);
     }
   }
-  const double n = runs, with = n - without, mean = sum / n;
-  const double sd = std::sqrt((squares - n * mean * mean) / (n - 1.0));
-  fmt::print("{:<28} {:>+9.4f} {:>8.4f} {:>8.4f} {:>8.3f} {:>8} {:>9.2f}\n", c.name,
-             1e3 * mean, 1e3 * sd, 1e3 * told / with, covered / with, without,
-             1e3 * seconds / n);
+}
+
+// Errors, what was told of them, and how often the interval held the truth.
+struct Coverage {
+  double sum = 0.0, squares = 0.0, told = 0.0;
+  unsigned covered = 0, with = 0;
+
+  void add(double error, double sd) {
+    if (std::isfinite(sd)) {
+      sum += error;
+      squares += error * error;
+      told += sd;
+      covered += std::abs(error) <= kNormal95 * sd ? 1 : 0;
+      ++with;
+    }
+  }
+  void print(double unit) const {
+    const double n = with, mean = sum / n;
+    fmt::print(" {:>+8.3f} {:>7.3f} {:>7.3f} {:>8.3f} {:>5}", unit * mean,
+               unit * std::sqrt((squares - n * mean * mean) / (n - 1.0)),
+               unit * told / n, covered / n, with);
+  }
+};
+
+void report(const Case& c, unsigned runs) {
+  Indenter sphere{.shape = "sphere", .radius_m = kRadius, .poissons_ratio = kPoisson};
+  Coverage contact, modulus;
+  double seconds = 0.0;
+  for (unsigned seed = 1; seed <= runs; ++seed) {
+    Measurement m = synthetic(c.curve, 1000 + seed);
+    add_misfit(c, seed, m);
+    const Approach approach = select_approach(m);
+    const ContactFit fit = fit_contact(approach);
+    seconds += fit.seconds;
+    if (!fit.has(FitFlag::kContactPointNotIdentified)) {
+      contact.add(fit.contact_point_m - c.curve.free_m, fit.contact_point_sd_m);
+    }
+    if (c.curve.exponent == 1.5) {
+      const Modulus found = find_modulus(approach, fit, sphere);
+      modulus.add(found.youngs_modulus_pa - kYoung, found.sd_pa);
+    }
+  }
+  fmt::print("{:<28}", c.name);
+  contact.print(1e3);
+  modulus.print(100.0 / kYoung);
+  fmt::print(" {:>7.2f}\n", 1e3 * seconds / runs);
 }
 
 }  // namespace
@@ -54,9 +101,17 @@ int main(int argc, char** argv) {
                                  {"0.3 mm of free travel", {.free_m = 0.3e-3}},
                                  {"neighbours alike by 0.5", {.rho = 0.5}},
                                  {"by 0.8", {.rho = 0.8}},
-                                 {"by 0.95", {.rho = 0.95}}};
-  fmt::print("{:<28} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "errors in mm", "bias",
-             "sd", "told sd", "coverage", "none", "ms a fit");
+                                 {"by 0.95", {.rho = 0.95}},
+                                 {"waves of 2 % of the force", {}, 0.0, 0.02},
+                                 {"of 2 % of the largest", {}, 0.02},
+                                 {"the same, noise 0.1 %", {.noise_n = 0.001}, 0.02}};
+  fmt::print("{:<28} {:^39} {:^39}\n", "", "contact point [mm]", "modulus [%]");
+  const char* heads = " {:>8} {:>7} {:>7} {:>8} {:>5}";
+  fmt::print("{:<28}", "case");
+  for (int i = 0; i < 2; ++i) {
+    fmt::print(fmt::runtime(heads), "bias", "sd", "told", "coverage", "of");
+  }
+  fmt::print(" {:>7}\n", "ms a fit");
   for (const auto& c : cases) {
     palpate::report(c, runs);
   }

@@ -6,6 +6,8 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include "fitting/curve/family_solve.h"
+#include "fitting/curve/fit_rating.h"
 #include "fitting/numerics/bounded_linear.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/measurement/measurement_file.h"
@@ -141,9 +143,10 @@ TEST(FamilyFit, RelativeNoiseGivesTheShallowSamplesTheirWeight) {
       m.force_n[i] += std::hypot(1e-3, 0.03 * m.force_n[i]) * unit;
     }
     for (const double relative : {0.0, 0.03}) {
+      const Approach approach = select_approach(m);
+      const ContactFit fit = fit_contact(approach, {.noise_relative = relative});
       const FamilyChoice choice =
-          choose(m, {"power-law"}, "aicc",
-                 {.noise_relative = relative, .cross_validate = false});
+          fit_families(approach, fit, {"power-law"}, "aicc", {.cross_validate = false});
       (relative > 0.0 ? told : untold) +=
           std::pow(choice.fits[0].contact_point_m - 2e-3, 2);
     }
@@ -151,19 +154,48 @@ TEST(FamilyFit, RelativeNoiseGivesTheShallowSamplesTheirWeight) {
   EXPECT_LT(told, 0.5 * untold);
 }
 
-TEST(FamilyFit, RefusesAnotherFamily) {
-  EXPECT_ANY_THROW((void)choose(law(&power, 0.0, 1), {"fourier"}));
+// A force that stays from half of the depth on, and one that falls there by a third.
+double plateau(double d) {
+  return std::pow(std::min(d / 0.5, 1.0), 1.7);
+}
+double fall(double d) {
+  return d < 0.5 ? power(d) / power(0.5) : 0.67 + std::max(0.0, d - 0.6);
 }
 
-TEST(EffectiveSamples, FallWithCorrelation) {
-  std::vector<double> white(1000), slow(1000);
-  for (std::size_t i = 0; i < white.size(); ++i) {
-    white[i] = i % 2 == 0 ? 1.0 : -1.0;
-    slow[i] = i / 10 % 2 == 0 ? 1.0 : -1.0;
+TEST(FamilyFit, FollowsAPlateauAndAFallAndSaysSo) {
+  const std::tuple<double (*)(double), const char*, FeatureKind> cases[] = {
+      {&plateau, "monotone-cubic", FeatureKind::kPlateau},
+      {&fall, "interpolating", FeatureKind::kFall}};
+  for (const auto& [force, family, feature] : cases) {
+    for (const double noise_n : {1e-3, 1e-2}) {
+      const FamilyChoice choice = choose(law(force, noise_n, 7));
+      const FamilyFit& best = choice.fits.front();
+      EXPECT_EQ(best.family, family);
+      EXPECT_FALSE(best.misses);
+      EXPECT_LT(best.rms_n, 1.5 * noise_n);
+      EXPECT_NEAR(choice.noise_sd_n, noise_n, 0.3 * noise_n);
+      EXPECT_TRUE(of(choice, "power-law").misses);
+      ASSERT_FALSE(choice.features.empty());
+      EXPECT_EQ(choice.features.front().kind, feature);
+      EXPECT_NEAR(choice.features.front().depth_m, 0.5 * kSyntheticDepth,
+                  0.05 * kSyntheticDepth);
+    }
   }
-  EXPECT_EQ(effective_samples(white), 1000.0);
-  // Neighbours agree but for one in ten: rho = 0.8, n (1 - 0.8) / (1 + 0.8).
-  EXPECT_NEAR(effective_samples(slow), 1000.0 / 9.0, 1.0);
+}
+
+TEST(FamilyFit, MisfitIsGatedWhereNoFamilyFollows) {
+  const Approach approach = select_approach(law(&plateau, 1e-3, 9));
+  const ContactFit contact = fit_contact(approach);
+  const FamilyChoice choice =
+      fit_families(approach, contact, {"power-law", "quadratic-linear"}, "aicc");
+  const Rating rating = rate(contact, choice);
+  EXPECT_TRUE(choice.fits.front().misses);
+  EXPECT_NE(rating.verdict, Verdict::kUse);
+  EXPECT_EQ(std::count(rating.gates.begin(), rating.gates.end(), "misfit"), 1);
+}
+
+TEST(FamilyFit, RefusesAnotherFamily) {
+  EXPECT_ANY_THROW((void)choose(law(&power, 0.0, 1), {"fourier"}));
 }
 
 TEST(Isotonic, PoolsWhatFalls) {

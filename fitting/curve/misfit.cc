@@ -1,0 +1,157 @@
+#include "fitting/curve/misfit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/QR>
+
+#include "fitting/numerics/correlated_noise.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kSureDeviations = 5.0;
+constexpr double kSureShareMin = 1e-4, kShareMin = 1e-3;  // [-] of the forces' range
+constexpr Eigen::Index kIntervals = 24;
+constexpr Eigen::Index kRowsMax = 400;
+constexpr Eigen::Index kRowsPerInterval = 8;
+
+// Displacements at even shares of the samples, equal ones once.
+std::vector<double> knots_of(std::vector<double> x, Eigen::Index intervals) {
+  std::sort(x.begin(), x.end());
+  std::vector<double> knots;
+  for (Eigen::Index k = 0; k <= intervals; ++k) {
+    knots.push_back(x[static_cast<std::size_t>(k * (std::ssize(x) - 1) / intervals)]);
+  }
+  knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+  return knots;
+}
+
+// The four cubic B-splines that are not zero between knots j and j + 1 (Cox, de Boor).
+std::array<double, 4> cubic_splines(const std::vector<double>& knots, std::ptrdiff_t j,
+                                    double x) {
+  const auto at = [&](std::ptrdiff_t k) {
+    return knots[static_cast<std::size_t>(
+        std::clamp<std::ptrdiff_t>(k, 0, std::ssize(knots) - 1))];
+  };
+  std::array<double, 4> N{1.0, 0.0, 0.0, 0.0};
+  for (std::ptrdiff_t degree = 1; degree <= 3; ++degree) {
+    double carried = 0.0;
+    for (std::ptrdiff_t r = 0; r < degree; ++r) {
+      const double right = at(j + r + 1) - x, left = x - at(j + 1 - degree + r);
+      const auto k = static_cast<std::size_t>(r);
+      const double share = N[k] / (right + left);
+      N[k] = carried + right * share;
+      carried = left * share;
+    }
+    N[static_cast<std::size_t>(degree)] = carried;
+  }
+  return N;
+}
+
+// (n x intervals + 3)
+Eigen::MatrixXd spline_basis(const Eigen::VectorXd& x, Eigen::Index intervals) {
+  const std::vector<double> knots = knots_of({x.begin(), x.end()}, intervals);
+  if (knots.size() < 2) {
+    return Eigen::MatrixXd::Ones(x.size(), 1);
+  }
+  const auto last = std::ssize(knots) - 2;
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(x.size(), last + 4);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const auto above = std::upper_bound(knots.begin(), knots.end(), x[i]);
+    const auto j = std::clamp<std::ptrdiff_t>(above - knots.begin() - 1, 0, last);
+    const auto N = cubic_splines(knots, j, x[i]);
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      S(i, j + k) = N[static_cast<std::size_t>(k)];
+    }
+  }
+  return S;
+}
+
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& S) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(S);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(S.rows(), qr.rank());
+}
+
+}  // namespace
+
+bool is_sure(const Misfit& misfit, double force_range) {
+  return misfit.deviations > kSureDeviations &&
+         misfit.missed_rms > kSureShareMin * force_range;
+}
+
+bool matters(const Misfit& misfit, double force_range) {
+  return is_sure(misfit, force_range) && misfit.missed_rms > misfit.noise_sd &&
+         misfit.missed_rms > kShareMin * force_range;
+}
+
+Eigen::VectorXd ResidualNoise::averaged(std::span<const double> values) const {
+  const Eigen::Map<const Eigen::VectorXd> all(values.data(), std::ssize(values));
+  Eigen::VectorXd means(samples_ / together_);
+  for (Eigen::Index i = 0; i < means.size(); ++i) {
+    means[i] = all.segment(i * together_, together_).mean();
+  }
+  return means;
+}
+
+ResidualNoise::ResidualNoise(std::span<const double> x,
+                             std::span<const double> residual)
+    : samples_(std::ssize(residual)),
+      together_(std::max<Eigen::Index>(1, (samples_ + kRowsMax - 1) / kRowsMax)) {
+  const Eigen::VectorXd r = averaged(residual);
+  Q_ = orthonormal(spline_basis(
+      averaged(x),
+      std::clamp<Eigen::Index>(r.size() / kRowsPerInterval, 1, kIntervals)));
+  const Eigen::VectorXd left = r - Q_ * (Q_.transpose() * r);
+  double variance = 0.0;  // of a row
+  const double interval =
+      static_cast<double>(r.size()) / static_cast<double>(Q_.cols());
+  for (const auto& [noise, weight] : noises_of(Q_, left, std::max(1.0, interval))) {
+    const Eigen::MatrixXd M = Q_.transpose() * times_covariance(noise, Q_);
+    expected_ += weight * M.trace();
+    expected_sd_ += weight * std::sqrt(2.0 * M.squaredNorm());
+    long_run_variance_ += weight * noise.long_run_variance();
+    variance += weight * (noise.white * noise.white + noise.shared * noise.shared);
+  }
+  // Rows are means: within them the samples differ by what the means do not have.
+  double within = 0.0;
+  for (Eigen::Index i = 0; i < r.size() * together_; ++i) {
+    const double apart = residual[static_cast<std::size_t>(i)] - r[i / together_];
+    within += apart * apart;
+  }
+  noise_sd_ = std::sqrt(variance + within / static_cast<double>(r.size() * together_));
+  long_run_variance_ *= static_cast<double>(together_);
+}
+
+double ResidualNoise::independent_samples() const {
+  const double all = static_cast<double>(samples_);
+  return long_run_variance_ > 0.0
+             ? std::min(all, all * noise_sd_ * noise_sd_ / long_run_variance_)
+             : all;
+}
+
+Misfit ResidualNoise::misfit(std::span<const double> residual) const {
+  const Eigen::VectorXd r = averaged(residual);
+  const double more = (Q_.transpose() * r).squaredNorm() - expected_;
+  Misfit misfit{.noise_sd = noise_sd_, .long_run_sd = std::sqrt(long_run_variance_)};
+  misfit.missed_rms = std::sqrt(std::max(0.0, more) / static_cast<double>(r.size()));
+  misfit.deviations = more > 0.0 ? more / std::max(expected_sd_, 1e-300) : 0.0;
+  // What is too sharp for the spline shows in the sum of squares.
+  const Eigen::Map<const Eigen::VectorXd> all(residual.data(), std::ssize(residual));
+  const double noise = noise_sd_ * noise_sd_;
+  const double extra = all.squaredNorm() / static_cast<double>(all.size()) - noise;
+  if (extra > misfit.missed_rms * misfit.missed_rms) {
+    misfit.missed_rms = std::sqrt(extra);
+    misfit.deviations =
+        std::max(misfit.deviations, extra / std::max(noise, 1e-300) *
+                                        std::sqrt(independent_samples() / 2.0));
+  }
+  return misfit;
+}
+
+Misfit find_misfit(std::span<const double> x, std::span<const double> residual) {
+  return ResidualNoise(x, residual).misfit(residual);
+}
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+// What the residuals of a fitted law say: noise, or a shape that the law has not.
+//
+// A cubic spline of up to kIntervals even shares of the samples follows the residuals;
+// what it leaves is noise, white and shared by neighbours (correlated_noise.h, by the
+// restricted likelihood, so that what of the noise the spline has followed is counted).
+// Under that noise V the spline takes tr(Q^T V Q) of the residuals' squares, Q its
+// orthonormal basis, with variance 2 tr((Q^T V Q)^2); the law misses what it takes
+// more, or what the residuals' mean square is above the noise's: that is how a sharp
+// miss shows. What neighbours share over more than a spline's interval counts as shape.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace palpate {
+
+struct Misfit {
+  double noise_sd = 0.0;  ///< of the noise in all, units of the residuals
+  double long_run_sd =
+      0.0;  ///< of a mean of many samples, times the root of their number
+  double missed_rms = 0.0;  ///< of the shape that is missed, the noise taken out
+  double deviations = 0.0;  ///< [-] standard deviations by which that is no noise
+};
+
+/// The shape is there beyond doubt: 5 standard deviations, and a ten thousandth of the
+/// forces' range.
+[[nodiscard]] bool is_sure(const Misfit& misfit, double force_range);
+
+/// It is sure, no smaller than the noise, and larger than a thousandth of the forces'
+/// range.
+[[nodiscard]] bool matters(const Misfit& misfit, double force_range);
+
+/// The noise of samples in a row, found once from the residuals of the law that follows
+/// them best, by which others are judged.
+class ResidualNoise {
+ public:
+  /// @param x (n) displacements, any order. @param residual (n) in the samples' order.
+  ResidualNoise(std::span<const double> x, std::span<const double> residual);
+
+  /// Of other residuals of the same samples (n).
+  [[nodiscard]] Misfit misfit(std::span<const double> residual) const;
+
+  [[nodiscard]] double noise_sd() const { return noise_sd_; }
+  /// Independent samples that tell as much of a mean as these do.
+  [[nodiscard]] double independent_samples() const;
+
+ private:
+  [[nodiscard]] Eigen::VectorXd averaged(std::span<const double> values) const;
+
+  Eigen::Index samples_ = 0, together_ = 1;  // n; neighbours in one row
+  Eigen::MatrixXd Q_;                        // (rows x k) of the spline
+  double expected_ = 0.0, expected_sd_ = 0.0;
+  double noise_sd_ = 0.0, long_run_variance_ = 0.0;
+};
+
+/// Of the residuals by their own noise.
+[[nodiscard]] Misfit find_misfit(std::span<const double> x,
+                                 std::span<const double> residual);
+
+}  // namespace palpate
