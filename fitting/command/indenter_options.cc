@@ -54,8 +54,18 @@ void check_options(const IndenterOptions& o) {
        {ShapeFlag{"--radius-m", o.radius_m, {"sphere", "flat-punch", "plate"}},
         ShapeFlag{"--half-angle-deg", o.half_angle_deg, {"cone"}},
         ShapeFlag{"--height-m", o.height_m, {"plate"}},
-        ShapeFlag{"--thickness-m", o.thickness_m, {"sphere", "flat-punch"}, false}}) {
+        ShapeFlag{"--thickness-m", o.thickness_m, {"sphere", "flat-punch"}, false},
+        ShapeFlag{
+            "--radius-sd-m", o.radius_sd_m, {"sphere", "flat-punch", "plate"}, false},
+        ShapeFlag{"--half-angle-sd-deg", o.half_angle_sd_deg, {"cone"}, false},
+        ShapeFlag{"--height-sd-m", o.height_sd_m, {"plate"}, false},
+        ShapeFlag{
+            "--thickness-sd-m", o.thickness_sd_m, {"sphere", "flat-punch"}, false},
+        ShapeFlag{"--poissons-ratio-sd", o.poissons_ratio_sd, known, false}}) {
     check_flag(flag, o.shape);
+  }
+  if (o.thickness_sd_m && !o.thickness_m) {
+    throw InputError("--thickness-sd-m needs --thickness-m");
   }
   if (o.half_angle_deg && !(*o.half_angle_deg < 90.0)) {
     throw InputError(
@@ -81,6 +91,13 @@ void add_indenter_options(Command command, IndenterOptions& options) {
                      "of the layer under a sphere or punch, bonded to a rigid base");
   command.add_option("--poissons-ratio", options.poissons_ratio, "of the sample")
       .show_default();
+  constexpr const char* kDeviation =
+      "its standard deviation, for the modulus' interval";
+  command.add_option("--radius-sd-m", options.radius_sd_m, kDeviation);
+  command.add_option("--half-angle-sd-deg", options.half_angle_sd_deg, kDeviation);
+  command.add_option("--height-sd-m", options.height_sd_m, kDeviation);
+  command.add_option("--thickness-sd-m", options.thickness_sd_m, kDeviation);
+  command.add_option("--poissons-ratio-sd", options.poissons_ratio_sd, kDeviation);
 }
 
 Indenter indenter_of(const IndenterOptions& options) {
@@ -93,6 +110,12 @@ Indenter indenter_of(const IndenterOptions& options) {
   indenter.height_m = options.height_m.value_or(0.0);
   indenter.thickness_m = options.thickness_m.value_or(0.0);
   indenter.poissons_ratio = options.poissons_ratio;
+  indenter.radius_sd_m = options.radius_sd_m.value_or(0.0);
+  indenter.half_angle_sd_rad =
+      options.half_angle_sd_deg.value_or(0.0) * std::numbers::pi / 180.0;
+  indenter.height_sd_m = options.height_sd_m.value_or(0.0);
+  indenter.thickness_sd_m = options.thickness_sd_m.value_or(0.0);
+  indenter.poissons_ratio_sd = options.poissons_ratio_sd.value_or(0.0);
   return indenter;
 }
 

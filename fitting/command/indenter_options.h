@@ -13,9 +13,13 @@ struct IndenterOptions {
   std::string shape;  ///< of kIndenterShapes but "unknown"; empty: not told
   std::optional<double> radius_m, half_angle_deg, height_m, thickness_m;
   double poissons_ratio = 0.5;
+  // Standard deviations, for the modulus' interval.
+  std::optional<double> radius_sd_m, half_angle_sd_deg, height_sd_m, thickness_sd_m;
+  std::optional<double> poissons_ratio_sd;
 };
 
-/// --tool, --radius-m, --half-angle-deg, --height-m, --thickness-m, --poissons-ratio.
+/// --tool, --radius-m, --half-angle-deg, --height-m, --thickness-m, --poissons-ratio,
+/// and of each but the first its standard deviation, --radius-sd-m and so on.
 void add_indenter_options(Command command, IndenterOptions& options);
 
 /// "unknown" where no shape is told.

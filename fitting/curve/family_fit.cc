@@ -297,23 +297,17 @@ void find_misfits(const FamilyData& data, FamilyChoice& choice) {
   for (FamilyFit& fit : choice.fits) {
     fit.misfit = noise.misfit(residuals_of(fit));
     fit.misses = matters(fit.misfit, data.force_n);
+    fit.deviance = noise.deviance(residuals_of(fit));
   }
 }
 
-// Both criteria with the same number of independent samples for all.
 void judge(FamilyChoice& choice) {
-  // Never so few that the correction has no value: all would be as bad then.
-  int most = 0;
-  for (const FamilyFit& fit : choice.fits) {
-    most = std::max(most, fit.free_parameters);
-  }
-  const double n = std::max(choice.independent_samples, most + 4.0);
+  const auto n = static_cast<double>(choice.force_n.size());
   for (FamilyFit& fit : choice.fits) {
-    const double k = fit.free_parameters + 1.0;  // and the noise
-    const double likelihood = n * std::log(fit.rms_n * fit.rms_n + 1e-300);
-    fit.aicc = n > k + 1.0 ? likelihood + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+    const double k = fit.free_parameters;
+    fit.aicc = n > k + 1.0 ? fit.deviance + 2.0 * k * n / (n - k - 1.0)
                            : std::numeric_limits<double>::infinity();
-    fit.bic = likelihood + k * std::log(std::max(n, 1.0));
+    fit.bic = fit.deviance + k * std::log(n);
   }
   const auto rank = [&](const FamilyFit& fit) {
     const double score = fit.misses                               ? fit.rms_n

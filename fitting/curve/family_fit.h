@@ -39,8 +39,9 @@ struct FamilyFit {
   double cross_rms_n = 0.0;  ///< [N] of blocks that the fit had not seen; NaN: not done
   Misfit misfit;             ///< [N] by the noise of the family that misses least
   bool misses = false;       ///< misfit.h, matters()
-  double aicc = 0.0;  ///< [-] with the number of independent samples; +inf: too few
-  double bic = 0.0;   ///< [-]
+  double deviance = 0.0;     ///< [-] by that noise, misfit.h
+  double aicc = 0.0;  ///< [-] deviance + 2 k n / (n - k - 1); +inf: too few samples
+  double bic = 0.0;   ///< [-] deviance + k log n
   int free_parameters = 0;
   bool converged = false;
   int iterations = 0;

@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/QR>
 
-#include "fitting/numerics/correlated_noise.h"
+#include "fitting/numerics/robust_statistics.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kSureDeviations = 5.0;
 constexpr double kSureShareMin = 1e-4, kShareMin = 1e-3;  // [-] of the forces' range
+constexpr double kClip = 5.0;                             // robust standard deviations
 constexpr Eigen::Index kIntervals = 24;
 constexpr Eigen::Index kRowsMax = 400;
-constexpr Eigen::Index kRowsPerInterval = 8;
+constexpr Eigen::Index kRowsPerInterval = 16;
 
 // Displacements at even shares of the samples, equal ones once.
 std::vector<double> knots_of(std::vector<double> x, Eigen::Index intervals) {
@@ -74,6 +76,16 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& S) {
   return qr.householderQ() * Eigen::MatrixXd::Identity(S.rows(), qr.rank());
 }
 
+// Few samples that stand out are no noise: a step that no curve follows.
+std::vector<double> clipped(std::span<const double> residual) {
+  std::vector<double> values(residual.begin(), residual.end());
+  const double limit = kClip * robust_standard_deviation(values);
+  for (double& value : values) {
+    value = limit > 0.0 ? std::clamp(value, -limit, limit) : value;
+  }
+  return values;
+}
+
 }  // namespace
 
 bool is_sure(const Misfit& misfit, double force_range) {
@@ -95,10 +107,10 @@ Eigen::VectorXd ResidualNoise::averaged(std::span<const double> values) const {
   return means;
 }
 
-ResidualNoise::ResidualNoise(std::span<const double> x,
-                             std::span<const double> residual)
-    : samples_(std::ssize(residual)),
+ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> all)
+    : samples_(std::ssize(all)),
       together_(std::max<Eigen::Index>(1, (samples_ + kRowsMax - 1) / kRowsMax)) {
+  const std::vector<double> residual = clipped(all);
   const Eigen::VectorXd r = averaged(residual);
   Q_ = orthonormal(spline_basis(
       averaged(x),
@@ -107,12 +119,18 @@ ResidualNoise::ResidualNoise(std::span<const double> x,
   double variance = 0.0;  // of a row
   const double interval =
       static_cast<double>(r.size()) / static_cast<double>(Q_.cols());
-  for (const auto& [noise, weight] : noises_of(Q_, left, std::max(1.0, interval))) {
+  noises_ = noises_of(Q_, left, std::max(1.0, interval));
+  for (auto& [noise, weight] : noises_) {
+    noise.white = std::max(noise.white, std::numeric_limits<double>::min());
+    squares_.push_back(weighed_squares(noise, r));
     const Eigen::MatrixXd M = Q_.transpose() * times_covariance(noise, Q_);
     expected_ += weight * M.trace();
     expected_sd_ += weight * std::sqrt(2.0 * M.squaredNorm());
+    const double all_of_it = noise.white * noise.white + noise.shared * noise.shared;
     long_run_variance_ += weight * noise.long_run_variance();
-    variance += weight * (noise.white * noise.white + noise.shared * noise.shared);
+    variance += weight * all_of_it;
+    independent_ +=
+        weight * (all_of_it > 0.0 ? all_of_it / noise.long_run_variance() : 1.0);
   }
   // Rows are means: within them the samples differ by what the means do not have.
   double within = 0.0;
@@ -122,13 +140,25 @@ ResidualNoise::ResidualNoise(std::span<const double> x,
   }
   noise_sd_ = std::sqrt(variance + within / static_cast<double>(r.size() * together_));
   long_run_variance_ *= static_cast<double>(together_);
+  // A row's noise in units of a sample's: what differs within it is independent.
+  independent_ *= variance > 0.0 ? noise_sd_ * noise_sd_ / variance : 1.0;
+  independent_ = std::min(static_cast<double>(samples_),
+                          independent_ * static_cast<double>(r.size()));
 }
 
-double ResidualNoise::independent_samples() const {
-  const double all = static_cast<double>(samples_);
-  return long_run_variance_ > 0.0
-             ? std::min(all, all * noise_sd_ * noise_sd_ / long_run_variance_)
-             : all;
+double ResidualNoise::deviance(std::span<const double> residual) const {
+  const Eigen::VectorXd r = averaged(residual);
+  std::vector<double> logs;
+  for (std::size_t i = 0; i < noises_.size(); ++i) {
+    const auto& [noise, weight] = noises_[i];
+    logs.push_back(std::log(weight) - 0.5 * (weighed_squares(noise, r) - squares_[i]));
+  }
+  const double most = *std::max_element(logs.begin(), logs.end());
+  double sum = 0.0;
+  for (const double value : logs) {
+    sum += std::exp(value - most);
+  }
+  return -2.0 * (most + std::log(sum));
 }
 
 Misfit ResidualNoise::misfit(std::span<const double> residual) const {
@@ -143,9 +173,8 @@ Misfit ResidualNoise::misfit(std::span<const double> residual) const {
   const double extra = all.squaredNorm() / static_cast<double>(all.size()) - noise;
   if (extra > misfit.missed_rms * misfit.missed_rms) {
     misfit.missed_rms = std::sqrt(extra);
-    misfit.deviations =
-        std::max(misfit.deviations, extra / std::max(noise, 1e-300) *
-                                        std::sqrt(independent_samples() / 2.0));
+    misfit.deviations = std::max(misfit.deviations, extra / std::max(noise, 1e-300) *
+                                                        std::sqrt(independent_ / 2.0));
   }
   return misfit;
 }

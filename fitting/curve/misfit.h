@@ -14,6 +14,8 @@
 
 #include <Eigen/Core>
 
+#include "fitting/numerics/correlated_noise.h"
+
 namespace palpate {
 
 struct Misfit {
@@ -42,17 +44,24 @@ class ResidualNoise {
   /// Of other residuals of the same samples (n).
   [[nodiscard]] Misfit misfit(std::span<const double> residual) const;
 
+  /// -2 log of how much less likely other residuals of the same samples are, over all
+  /// noises that these allow.
+  [[nodiscard]] double deviance(std::span<const double> residual) const;
+
   [[nodiscard]] double noise_sd() const { return noise_sd_; }
-  /// Independent samples that tell as much of a mean as these do.
-  [[nodiscard]] double independent_samples() const;
+  /// Independent samples that tell as much of a mean as these do, at most n: the mean
+  /// over all noises that the residuals allow.
+  [[nodiscard]] double independent_samples() const { return independent_; }
 
  private:
   [[nodiscard]] Eigen::VectorXd averaged(std::span<const double> values) const;
 
   Eigen::Index samples_ = 0, together_ = 1;  // n; neighbours in one row
   Eigen::MatrixXd Q_;                        // (rows x k) of the spline
+  std::vector<ProbableNoise> noises_;        // of rows; white and shared not both zero
+  std::vector<double> squares_;              // weighed_squares() of these residuals
   double expected_ = 0.0, expected_sd_ = 0.0;
-  double noise_sd_ = 0.0, long_run_variance_ = 0.0;
+  double noise_sd_ = 0.0, long_run_variance_ = 0.0, independent_ = 0.0;
 };
 
 /// Of the residuals by their own noise.

@@ -402,7 +402,7 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
   ContactFit fit = fit_once(approach, options);
   const bool found = fit.converged && !fit.has(FitFlag::kEmptyRun) &&
                      !fit.has(FitFlag::kAlreadyInContact);
-  if (found && is_sure(fit.misfit, extent(approach.force_n))) {
+  if (found && !options.exponent && is_sure(fit.misfit, extent(approach.force_n))) {
     compare_with_beginning(approach, fit);
   }
   fit.seconds =

@@ -21,6 +21,9 @@ struct Indenter {
   double height_m = 0.0;        ///< [m] > 0 of the cylinder under a plate
   double thickness_m = 0.0;     ///< [m] of the layer on a rigid base; 0: very thick
   double poissons_ratio = 0.5;  ///< [-] (-1, 0.5] of the sample
+  // Standard deviations of the above, as far as they are known.
+  double radius_sd_m = 0.0, half_angle_sd_rad = 0.0, height_sd_m = 0.0;
+  double thickness_sd_m = 0.0, poissons_ratio_sd = 0.0;
 };
 
 /// The indenter as the database holds it, named "probe", without friction; none of a

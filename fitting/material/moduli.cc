@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
-#include <boost/math/tools/minima.hpp>
+#include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "fitting/material/layer_fit.h"
+#include "fitting/numerics/correlated_noise.h"
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -17,20 +20,25 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDepthShareMax = 0.25;  // [-] of a sphere's radius
 constexpr double kStrainMax = 0.1;       // [-] of a cylinder under a plate
 constexpr double kExponentApart = 0.1;
-constexpr double kContactShare = 0.4;  // [-] of the depth: how far contact may move
+constexpr double kStep = 0.5;  // [-] of a standard deviation, for derivatives
 constexpr double kDeviations = 3.0;
+constexpr double kContactSdShareMax = 0.1;  // [-] of the depth
+constexpr const char* kNotIdentified =
+    "contact point not identified: the depth is not known";
 
-std::string reason_to_refuse(const ContactFit& fit) {
+// @param layer its own law finds the contact point then.
+std::string reason_to_refuse(const ContactFit& fit, bool layer) {
   if (fit.has(FitFlag::kEmptyRun)) {
     return "empty run";
   }
   if (fit.has(FitFlag::kAlreadyInContact)) {
     return "already in contact at the first sample: the depth is not known";
   }
-  if (fit.has(FitFlag::kContactPointNotIdentified)) {
-    return "contact point not identified: the depth is not known";
-  }
-  return "";
+  return !layer && fit.has(FitFlag::kContactPointNotIdentified) ? kNotIdentified : "";
+}
+
+bool on_a_layer(const Indenter& indenter) {
+  return indenter.shape == "sphere" && indenter.thickness_m > 0.0;
 }
 
 Modulus refused(std::string why) {
@@ -38,47 +46,6 @@ Modulus refused(std::string why) {
   modulus.youngs_modulus_pa = modulus.sd_pa = kNaN;
   modulus.refused = std::move(why);
   return modulus;
-}
-
-// Least squares of E in F = E g(x - x0), with the baseline of `fit`.
-struct LayerFit {
-  double youngs_modulus_pa = 0.0;
-  double squares = 0.0;  // [N^2] of the residuals
-};
-
-LayerFit fit_layer(const Approach& approach, const ContactFit& fit,
-                   const Indenter& indenter, double contact_m) {
-  const double nu = indenter.poissons_ratio, R = indenter.radius_m;
-  const double b0 = fit.parameters[0].value, b1 = fit.parameters[1].value;
-  double product = 0.0, square = 0.0, total = 0.0;
-  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
-    const double x = approach.displacement_m[i], d = x - contact_m;
-    const double force = approach.force_n[i] - b0 - b1 * x;
-    total += force * force;
-    if (d > 0.0) {
-      const double chi = std::sqrt(R * d) / indenter.thickness_m;
-      const double g = 4.0 / 3.0 / (1.0 - nu * nu) * std::sqrt(R) * std::pow(d, 1.5) *
-                       sphere_layer_factor(chi, nu);
-      product += g * force;
-      square += g * g;
-    }
-  }
-  return {product / square, total - product * product / square};
-}
-
-// A layer stiffens faster than any power of the depth: the power law's contact point is
-// not quite that of the layer's own law.
-double layer_modulus_pa(const Approach& approach, const ContactFit& fit,
-                        const Indenter& indenter) {
-  const double span_m = kContactShare * fit.depth_max_m;
-  const auto [contact_m, squares] = boost::math::tools::brent_find_minima(
-      [&](double x0) {
-        return fit_layer(approach, fit, indenter, x0).squares;
-      },
-      std::max(fit.contact_point_m - span_m, approach.contact_from_m),
-      fit.contact_point_m + span_m, 24);
-  static_cast<void>(squares);
-  return fit_layer(approach, fit, indenter, contact_m).youngs_modulus_pa;
 }
 
 // E over the coefficient K of the law of this exponent.
@@ -108,76 +75,175 @@ const char* law_of(const Indenter& indenter) {
   return layer ? "flat punch on a layer" : "flat punch";
 }
 
-// Slope of force over displacement at strains up to kStrainMax: where the plate has met
-// the cylinder hardly matters then, so that a missing free travel is no reason to
-// refuse.
-Modulus plate_modulus(const Approach& approach, const ContactFit& free,
-                      const Indenter& indenter) {
-  if (free.has(FitFlag::kEmptyRun)) {
-    return refused("empty run");
-  }
-  Approach part = approach;
-  part.displacement_m.clear();
-  part.force_n.clear();
-  const double from = free.contact_point_m + 0.1 * kStrainMax * indenter.height_m;
-  const double to = free.contact_point_m + kStrainMax * indenter.height_m;
-  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
-    const double x = approach.displacement_m[i];
-    if (x >= from && x <= to) {
-      part.displacement_m.push_back(x);
-      part.force_n.push_back(approach.force_n[i]);
-    }
-  }
-  if (part.force_n.size() < kSamplesMin) {
-    return refused(
-        fmt::format("fewer than {} samples between 1 and 10 % strain", kSamplesMin));
-  }
-  const auto n = static_cast<Eigen::Index>(part.force_n.size());
-  const Eigen::Map<const Eigen::ArrayXd> x(part.displacement_m.data(), n),
-      f(part.force_n.data(), n);
-  const Eigen::ArrayXd dx = x - x.mean();
-  const double slope = (dx * f).sum() / dx.square().sum();
-  const double sd = std::sqrt((f - f.mean() - slope * dx).square().sum() /
-                              static_cast<double>(n - 2) / dx.square().sum());
-  const double per_slope =
-      indenter.height_m / (std::numbers::pi * indenter.radius_m * indenter.radius_m);
-  Modulus modulus;
-  modulus.law = "plate on cylinder";
-  modulus.youngs_modulus_pa = per_slope * slope;
-  modulus.sd_pa = per_slope * sd;
-  return modulus;
-}
-
 double exponent_of(const Indenter& indenter) {
   return indenter.shape == "sphere" ? 1.5 : indenter.shape == "cone" ? 2.0 : 1.0;
 }
 
-Modulus contact_modulus(const Approach& approach, const ContactFit& free,
-                        const Indenter& indenter) {
+// E and its standard deviation from the samples alone.
+struct FromData {
+  double youngs_modulus_pa = 0.0;
+  double sd_pa = 0.0;
+};
+
+FromData contact_modulus(const Approach& approach, const ContactFit& held,
+                         const ContactFit& free, const Indenter& indenter) {
+  if (on_a_layer(indenter)) {
+    const LayerFit fit = fit_sphere_on_layer(approach, free, indenter);
+    if (!(fit.contact_point_sd_m <= kContactSdShareMax * free.depth_max_m)) {
+      throw InputError(kNotIdentified);
+    }
+    return {fit.youngs_modulus_pa, fit.sd_pa};
+  }
+  const double factor = per_coefficient(indenter);
+  return {factor * held.coefficient, factor * held.coefficient_sd};
+}
+
+// Where the law misses, E depends on the depth up to which it is fitted: how much it
+// differs over half of it.
+double missed_pa(const Approach& approach, const ContactFit& held,
+                 const ContactFit& free, const Indenter& indenter, double whole_pa) {
+  Approach half = approach;
+  half.displacement_m.clear();
+  half.force_n.clear();
+  const double to_m = held.contact_point_m + 0.5 * held.depth_max_m;
+  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+    if (approach.displacement_m[i] <= to_m) {
+      half.displacement_m.push_back(approach.displacement_m[i]);
+      half.force_n.push_back(approach.force_n[i]);
+    }
+  }
+  if (half.force_n.size() < 2 * kSamplesMin) {
+    return whole_pa;
+  }
+  const ContactFit fit = fit_contact(half, {.exponent = exponent_of(indenter)});
+  return fit.has(FitFlag::kEmptyRun)
+             ? whole_pa
+             : std::abs(contact_modulus(half, fit, free, indenter).youngs_modulus_pa -
+                        whole_pa);
+}
+
+// What one standard deviation of each of the indenter's numbers makes of E.
+std::vector<ModulusError> geometry_errors(
+    const Indenter& indenter,
+    const std::function<double(const Indenter&)>& modulus_pa) {
+  struct Number {
+    const char* name;
+    double Indenter::*value;
+    double sd, low, high;
+  };
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  const Number numbers[] = {
+      {"radius", &Indenter::radius_m, indenter.radius_sd_m, 0.0, kInf},
+      {"half_angle", &Indenter::half_angle_rad, indenter.half_angle_sd_rad, 0.0,
+       0.5 * std::numbers::pi},
+      {"height", &Indenter::height_m, indenter.height_sd_m, 0.0, kInf},
+      {"thickness", &Indenter::thickness_m, indenter.thickness_sd_m, 0.0, kInf},
+      {"poissons_ratio", &Indenter::poissons_ratio, indenter.poissons_ratio_sd, -1.0,
+       0.5}};
+  std::vector<ModulusError> errors;
+  for (const Number& number : numbers) {
+    if (!(number.sd > 0.0)) {
+      continue;
+    }
+    Indenter less = indenter, more = indenter;
+    const double step = kStep * number.sd, value = indenter.*number.value;
+    less.*number.value = std::max(value - step, number.low + 0.1 * step);
+    more.*number.value = std::min(value + step, number.high);
+    const double slope = (modulus_pa(more) - modulus_pa(less)) /
+                         (more.*number.value - less.*number.value);
+    errors.push_back({number.name, std::abs(slope) * number.sd});
+  }
+  return errors;
+}
+
+Modulus with_errors(double modulus_pa, std::vector<ModulusError> errors) {
+  Modulus modulus;
+  modulus.youngs_modulus_pa = modulus_pa;
+  for (const ModulusError& error : errors) {
+    modulus.sd_pa = std::hypot(modulus.sd_pa, error.sd_pa);
+  }
+  modulus.error = std::move(errors);
+  return modulus;
+}
+
+// Slope of force over displacement at strains up to kStrainMax: where the plate has met
+// the cylinder hardly matters then, so that a missing free travel is no reason to
+// refuse.
+FromData plate_slope(const Approach& approach, const ContactFit& free,
+                     double height_m) {
+  std::vector<double> x, f;
+  const double from = free.contact_point_m + 0.1 * kStrainMax * height_m;
+  const double to = free.contact_point_m + kStrainMax * height_m;
+  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+    if (approach.displacement_m[i] >= from && approach.displacement_m[i] <= to) {
+      x.push_back(approach.displacement_m[i]);
+      f.push_back(approach.force_n[i]);
+    }
+  }
+  if (f.size() < kSamplesMin) {
+    throw InputError(
+        fmt::format("fewer than {} samples between 1 and 10 % strain", kSamplesMin));
+  }
+  const auto n = std::ssize(f);
+  const Eigen::Map<const Eigen::ArrayXd> xs(x.data(), n), fs(f.data(), n);
+  Eigen::MatrixXd J(n, 2);
+  J << Eigen::VectorXd::Ones(n), (xs - xs.mean()).matrix();
+  const double slope = J.col(1).dot(fs.matrix()) / J.col(1).squaredNorm();
+  const Eigen::VectorXd residual = fs - fs.mean() - slope * J.col(1).array();
+  return {slope, std::sqrt(covariance_under_noise(J, residual, n)(1, 1))};
+}
+
+Modulus plate_modulus(const Approach& approach, const ContactFit& free,
+                      const Indenter& indenter) {
+  if (free.has(FitFlag::kEmptyRun)) {
+    throw InputError("empty run");
+  }
+  const FromData slope = plate_slope(approach, free, indenter.height_m);
+  const auto per_slope = [](const Indenter& at) {
+    return at.height_m / (std::numbers::pi * at.radius_m * at.radius_m);
+  };
+  std::vector<ModulusError> errors = geometry_errors(indenter, [&](const Indenter& at) {
+    return per_slope(at) * slope.youngs_modulus_pa;
+  });
+  errors.insert(errors.begin(), {"data", per_slope(indenter) * slope.sd_pa});
+  Modulus modulus =
+      with_errors(per_slope(indenter) * slope.youngs_modulus_pa, std::move(errors));
+  modulus.law = "plate on cylinder";
+  return modulus;
+}
+
+Modulus indented_modulus(const Approach& approach, const ContactFit& free,
+                         const Indenter& indenter) {
   const double exponent = exponent_of(indenter);
-  const ContactFit fit = fit_contact(approach, {exponent});
-  if (const std::string reason = reason_to_refuse(fit); !reason.empty()) {
+  const bool layer = on_a_layer(indenter);
+  const ContactFit fit = fit_contact(
+      approach, {.exponent = exponent, .noise_relative = free.noise_relative});
+  if (const std::string reason = reason_to_refuse(fit, layer); !reason.empty()) {
     return refused(reason);
   }
-  Modulus modulus;
+  const FromData found = contact_modulus(approach, fit, free, indenter);
+  std::vector<ModulusError> errors = geometry_errors(indenter, [&](const Indenter& at) {
+    return contact_modulus(approach, fit, free, at).youngs_modulus_pa;
+  });
+  errors.insert(errors.begin(), {"data", found.sd_pa});
+  if (is_sure(fit.misfit, contact_force_n(fit, fit.depth_max_m)) && !layer) {
+    errors.push_back(
+        {"law", missed_pa(approach, fit, free, indenter, found.youngs_modulus_pa)});
+  }
+  Modulus modulus = with_errors(found.youngs_modulus_pa, std::move(errors));
   modulus.law = law_of(indenter);
   modulus.flags = fit.flags;
+  if (layer) {
+    std::erase(modulus.flags, FitFlag::kMisfit);  // of the power law, not of this one
+  }
   std::replace(modulus.flags.begin(), modulus.flags.end(), FitFlag::kMisfit,
                FitFlag::kModulusLawMisfit);
-  modulus.youngs_modulus_pa = per_coefficient(indenter) * fit.coefficient;
-  modulus.sd_pa = per_coefficient(indenter) * fit.coefficient_sd;
-  const bool sphere_on_layer = indenter.shape == "sphere" && indenter.thickness_m > 0.0;
-  if (sphere_on_layer) {
-    const double thick = modulus.youngs_modulus_pa;
-    modulus.youngs_modulus_pa = layer_modulus_pa(approach, free, indenter);
-    modulus.sd_pa *= modulus.youngs_modulus_pa / thick;
-  }
   if (indenter.shape == "sphere" &&
       fit.depth_max_m > kDepthShareMax * indenter.radius_m) {
     modulus.flags.push_back(FitFlag::kHertzDepthExceeded);
   }
   const double apart = std::abs(free.exponent - exponent);
-  if (!sphere_on_layer && apart > kExponentApart &&
+  if (!layer && apart > kExponentApart &&
       !(apart <= kDeviations * free.parameters[3].sd)) {
     modulus.flags.push_back(FitFlag::kHertzExponentRefuted);
   }
@@ -191,15 +257,16 @@ Modulus find_modulus(const Approach& approach, const ContactFit& free,
   if (indenter.shape == "unknown") {
     return refused("the indenter's geometry is not known");
   }
-  if (indenter.shape == "plate") {
-    return plate_modulus(approach, free, indenter);
-  }
-  if (const std::string reason = reason_to_refuse(free); !reason.empty()) {
-    return refused(reason);
-  }
   try {
-    return contact_modulus(approach, free, indenter);
-  } catch (const InputError& error) {
+    if (indenter.shape == "plate") {
+      return plate_modulus(approach, free, indenter);
+    }
+    if (const std::string reason = reason_to_refuse(free, on_a_layer(indenter));
+        !reason.empty()) {
+      return refused(reason);
+    }
+    return indented_modulus(approach, free, indenter);
+  } catch (const Error& error) {
     return refused(error.what());
   }
 }

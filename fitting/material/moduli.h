@@ -10,6 +10,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "fitting/curve/measured_approach.h"
 #include "fitting/curve/power_law_fit.h"
@@ -17,9 +18,18 @@
 
 namespace palpate {
 
+/// A part of a modulus' standard deviation: "data", "radius", "half_angle", "height",
+/// "thickness", "poissons_ratio"; "law": where that surely misses the curve, what E
+/// differs when fitted to half of the depth.
+struct ModulusError {
+  std::string name;
+  double sd_pa = 0.0;
+};
+
 struct Modulus {
-  double youngs_modulus_pa = 0.0;  ///< [Pa] NaN where refused
-  double sd_pa = 0.0;              ///< [Pa] NaN where unknown
+  double youngs_modulus_pa = 0.0;   ///< [Pa] NaN where refused
+  double sd_pa = 0.0;               ///< [Pa] NaN where unknown
+  std::vector<ModulusError> error;  ///< independent parts of sd_pa
   std::string law;             ///< "Hertz", "Hertz on a layer", "Sneddon punch", ...
   std::string refused;         ///< why there is none; empty where there is
   std::vector<FitFlag> flags;  ///< of the law's own fit

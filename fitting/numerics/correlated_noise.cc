@@ -189,6 +189,12 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
   return noises;
 }
 
+double weighed_squares(const CorrelatedNoise& noise, const Eigen::VectorXd& residual) {
+  Eigen::MatrixXd white = residual;
+  (void)whiten(noise, white);
+  return white.squaredNorm();
+}
+
 double long_run_variance(const std::vector<ProbableNoise>& noises) {
   double mean = 0.0;
   for (const auto& [noise, weight] : noises) {

@@ -44,6 +44,10 @@ struct ProbableNoise {
 /// The mean of their long-run variances.
 [[nodiscard]] double long_run_variance(const std::vector<ProbableNoise>& noises);
 
+/// r^T V^-1 r. @param residual (n) in the samples' order. @param noise not zero.
+[[nodiscard]] double weighed_squares(const CorrelatedNoise& noise,
+                                     const Eigen::VectorXd& residual);
+
 /// V X, (n x k) like X.
 [[nodiscard]] Eigen::MatrixXd times_covariance(const CorrelatedNoise& noise,
                                                const Eigen::MatrixXd& X);

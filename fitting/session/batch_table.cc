@@ -179,6 +179,10 @@ Json run_json(const RunResult& run) {
   json["mean_stiffness_n_per_m"] = run.contact.mean_stiffness_n_per_m;
   json["youngs_modulus_pa"] = run.modulus.youngs_modulus_pa;
   json["youngs_modulus_sd_pa"] = run.modulus.sd_pa;
+  json["youngs_modulus_errors_pa"] = Json::object();
+  for (const ModulusError& error : run.modulus.error) {
+    json["youngs_modulus_errors_pa"][error.name] = error.sd_pa;
+  }
   json["youngs_modulus_law"] = run.modulus.law;
   json["youngs_modulus_refused"] = run.modulus.refused;
   json["relaxation"] = relaxation_json(run.relaxation);

@@ -26,13 +26,18 @@ constexpr std::string_view kTextKeys[] = {
 constexpr std::string_view kLayoutKey[] = {"layout"};
 constexpr std::string_view kLayouts[] = {"text", "afm-hdf5"};
 constexpr std::string_view kIndenterKeys[] = {
-    "shape",       "radius_m",       "half_angle_deg", "height_m",
-    "thickness_m", "poissons_ratio", "friction",       "presliding_m"};
-constexpr std::string_view kSharedKeys[] = {"shape", "poissons_ratio", "friction",
-                                            "presliding_m"};
-constexpr std::string_view kRoundKeys[] = {"radius_m", "thickness_m"};
-constexpr std::string_view kConeKeys[] = {"half_angle_deg"};
-constexpr std::string_view kPlateKeys[] = {"radius_m", "height_m"};
+    "shape",          "radius_m",          "radius_sd_m",
+    "half_angle_deg", "half_angle_sd_deg", "height_m",
+    "height_sd_m",    "thickness_m",       "thickness_sd_m",
+    "poissons_ratio", "poissons_ratio_sd", "friction",
+    "presliding_m"};
+constexpr std::string_view kSharedKeys[] = {
+    "shape", "poissons_ratio", "poissons_ratio_sd", "friction", "presliding_m"};
+constexpr std::string_view kRoundKeys[] = {"radius_m", "radius_sd_m", "thickness_m",
+                                           "thickness_sd_m"};
+constexpr std::string_view kConeKeys[] = {"half_angle_deg", "half_angle_sd_deg"};
+constexpr std::string_view kPlateKeys[] = {"radius_m", "radius_sd_m", "height_m",
+                                           "height_sd_m"};
 constexpr std::string_view kBodyKeys[] = {"mesh", "length_unit"};
 constexpr std::string_view kFitKeys[] = {"from_m",   "to_m",      "baseline_m",
                                          "families", "criterion", "noise_relative"};
@@ -175,15 +180,23 @@ void read_indenter(const SceneSection& section, Session& session) {
   section.require_own(fmt::format("shape {:?}", indenter.shape),
                       keys_of(indenter.shape), kSharedKeys);
   indenter.poissons_ratio = section.number_or(0.5, "poissons_ratio", kPoisson);
+  indenter.poissons_ratio_sd =
+      section.number_or(0.0, "poissons_ratio_sd", kNotNegative);
   if (indenter.shape == "cone") {
     indenter.half_angle_rad =
         section.number("half_angle_deg", kHalfAngle) * std::numbers::pi / 180.0;
+    indenter.half_angle_sd_rad =
+        section.number_or(0.0, "half_angle_sd_deg", kNotNegative) * std::numbers::pi /
+        180.0;
   } else if (indenter.shape != "unknown") {
     indenter.radius_m = section.number("radius_m", kPositive);
+    indenter.radius_sd_m = section.number_or(0.0, "radius_sd_m", kNotNegative);
     indenter.thickness_m = section.number_or(0.0, "thickness_m", kPositive);
+    indenter.thickness_sd_m = section.number_or(0.0, "thickness_sd_m", kNotNegative);
   }
   if (indenter.shape == "plate") {
     indenter.height_m = section.number("height_m", kPositive);
+    indenter.height_sd_m = section.number_or(0.0, "height_sd_m", kNotNegative);
   }
   const double friction = section.number_or(0.0, "friction", kFriction);
   const double presliding_m = section.number_or(0.0, "presliding_m", kNotNegative);
