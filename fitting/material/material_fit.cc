@@ -65,14 +65,14 @@ MaterialBox box_of(const ResponseSweep& sweep) {
 }
 
 MaterialSolve best_of_starts(const std::vector<ScaledMaterialCurve>& curves,
-                             const MaterialBox& box) {
+                             const MaterialBox& box, double factor_sd) {
   MaterialSolve best;
   int iterations = 0;
   for (const double share : {0.5, 0.2, 0.8}) {
     const MaterialState start{
         box.lower + share * (box.upper - box.lower),
         std::vector<Eigen::Vector2d>(curves.size(), Eigen::Vector2d::Zero())};
-    const MaterialSolve solve = solve_material(curves, start, box);
+    const MaterialSolve solve = solve_material(curves, start, box, factor_sd);
     iterations += solve.iterations;
     if (best.iterations == 0 || solve.squares < best.squares) {
       best = solve;
@@ -90,14 +90,15 @@ bool at_edge(const MaterialBox& box, const Eigen::VectorXd& x, Eigen::Index j) {
 // From the best towards one edge of the sweep, each point from the one before.
 std::vector<ProfilePoint> half_profile(const std::vector<ScaledMaterialCurve>& curves,
                                        const MaterialSolve& best,
-                                       const MaterialBox& box, int parameter,
-                                       double edge) {
+                                       const MaterialBox& box, double factor_sd,
+                                       int parameter, double edge) {
   std::vector<ProfilePoint> points;
   const double from = best.state.log_parameter[parameter];
   MaterialState state = best.state;
   for (int k = kHalvings; k >= 0 && from != edge; --k) {
     state.log_parameter[parameter] = from + (edge - from) * std::pow(0.5, k);
-    const MaterialSolve solve = solve_material(curves, state, box, parameter);
+    const MaterialSolve solve =
+        solve_material(curves, state, box, factor_sd, parameter);
     state = solve.state;
     ProfilePoint point{std::exp(state.log_parameter[parameter]),
                        solve.squares - best.squares};
@@ -153,12 +154,12 @@ std::string reason(const Crossing& low, const Crossing& high) {
 }
 
 MaterialParameter judged(const std::vector<ScaledMaterialCurve>& curves,
-                         const MaterialSolve& best, const MaterialBox& box, int j,
-                         const std::string& name) {
+                         const MaterialSolve& best, const MaterialBox& box,
+                         double factor_sd, int j, const std::string& name) {
   MaterialParameter result{.name = name};
   result.value = std::exp(best.state.log_parameter[j]);
-  const auto down = half_profile(curves, best, box, j, box.lower[j]);
-  const auto up = half_profile(curves, best, box, j, box.upper[j]);
+  const auto down = half_profile(curves, best, box, factor_sd, j, box.lower[j]);
+  const auto up = half_profile(curves, best, box, factor_sd, j, box.upper[j]);
   const Crossing low = crossing_of(down, result.value);
   const Crossing high = crossing_of(up, result.value);
   result.low = low.value;
@@ -184,22 +185,24 @@ MaterialFit fit_material(const ResponseSweep& sweep,
     scaled_curves.push_back(scaled(sweep, curve));
   }
   const MaterialBox box = box_of(sweep);
-  MaterialSolve best = best_of_starts(scaled_curves, box);
+  const double factor_sd = std::log1p(sweep.error_relative);
+  MaterialSolve best = best_of_starts(scaled_curves, box, factor_sd);
   MaterialFit fit;
   fit.iterations = best.iterations;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     scaled_curves[c].sigma =
         effective_sigma(material_residuals(scaled_curves[c], best.state, c));
   }
-  best = solve_material(scaled_curves, best.state, box);
+  best = solve_material(scaled_curves, best.state, box, factor_sd);
   fit.iterations += best.iterations;
   fit.converged = best.converged;
-  const Eigen::MatrixXd covariance = material_covariance(scaled_curves, best.state);
+  const Eigen::MatrixXd covariance =
+      material_covariance(scaled_curves, best.state, factor_sd);
   const Eigen::VectorXd sd = covariance.diagonal().cwiseSqrt();
   fit.correlation =
       sd.cwiseInverse().asDiagonal() * covariance * sd.cwiseInverse().asDiagonal();
   for (int j = 0; j < static_cast<int>(sd.size()); ++j) {
-    fit.parameter.push_back(judged(scaled_curves, best, box, j,
+    fit.parameter.push_back(judged(scaled_curves, best, box, factor_sd, j,
                                    sweep.parameter[static_cast<std::size_t>(j)].name));
     fit.parameter.back().sd_log = sd[j];
   }

@@ -52,9 +52,11 @@ struct MaterialFit {
 
 /// Least squares (Ceres) of b + f(parameters, x - x0) over all curves at once, f the
 /// sweep's force interpolated in logarithms, b and x0 of each curve free, parameters
-/// within the sweep, from several starts. Residuals of a curve count in units of their
-/// own rms, fewer where neighbours err together (correlated_noise.h). Profiles: each
-/// parameter held at values across the sweep, all else free.
+/// within the sweep, from several starts. A factor on all the sweep's forces is free
+/// too, expected at 1 within the sweep's own error: a modulus is known no better.
+/// Residuals of a curve count in units of their own rms, fewer where neighbours err
+/// together (correlated_noise.h). Profiles: each parameter held at values across the
+/// sweep, all else free.
 ///
 /// Identifiable is a parameter whose profile rises above 3.84 on both sides inside the
 /// sweep, without another one being at the sweep's edge there: else the interval is the

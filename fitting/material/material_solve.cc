@@ -20,15 +20,27 @@ struct CurveResiduals {
     x.emplace_back(0.0);
     const T& contact = blocks[1][0];
     const T& baseline = blocks[1][1];
+    const T factor = exp(blocks[2][0]);
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
       const T d = curve.x[i] - contact;
       T f = baseline - curve.f[i];
       if (d > 0.0) {
         x[p] = log(d * curve.length_m);
-        f += exp(curve.law.log_force(x.data())) / curve.force_n;
+        f += factor * exp(curve.law.log_force(x.data())) / curve.force_n;
       }
       residual[i] = f / curve.sigma;
     }
+    return true;
+  }
+};
+
+// The sweep's forces are expected to be right.
+struct FactorResidual {
+  double sd;
+
+  template <typename T>
+  bool operator()(const T* log_factor, T* residual) const {
+    residual[0] = log_factor[0] / sd;
     return true;
   }
 };
@@ -37,16 +49,25 @@ using CostFunction = ceres::DynamicAutoDiffCostFunction<CurveResiduals, 4>;
 
 // A problem over `state`, which must outlive it.
 void add_curves(const std::vector<ScaledMaterialCurve>& curves, MaterialState& state,
-                ceres::Problem& problem) {
+                double factor_sd, ceres::Problem& problem) {
   for (std::size_t c = 0; c < curves.size(); ++c) {
     auto* cost = new CostFunction(new CurveResiduals{curves[c]});  // the problem's
     cost->AddParameterBlock(static_cast<int>(state.log_parameter.size()));
     cost->AddParameterBlock(2);
+    cost->AddParameterBlock(1);
     cost->SetNumResiduals(static_cast<int>(curves[c].x.size()));
     problem.AddResidualBlock(cost, nullptr, state.log_parameter.data(),
-                             state.contact_baseline[c].data());
+                             state.contact_baseline[c].data(), &state.log_factor);
     problem.SetParameterLowerBound(state.contact_baseline[c].data(), 0, -0.5);
     problem.SetParameterUpperBound(state.contact_baseline[c].data(), 0, 0.95);
+  }
+  if (factor_sd > 0.0) {
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<FactorResidual, 1, 1>(  // the problem's
+            new FactorResidual{factor_sd}),
+        nullptr, &state.log_factor);
+  } else {
+    problem.SetParameterBlockConstant(&state.log_factor);
   }
 }
 
@@ -77,10 +98,10 @@ Eigen::MatrixXd dense(const ceres::CRSMatrix& sparse) {
 
 MaterialSolve solve_material(const std::vector<ScaledMaterialCurve>& curves,
                              const MaterialState& start, const MaterialBox& box,
-                             std::optional<int> held) {
+                             double factor_sd, std::optional<int> held) {
   MaterialSolve result{.state = start};
   ceres::Problem problem;
-  add_curves(curves, result.state, problem);
+  add_curves(curves, result.state, factor_sd, problem);
   double* block = result.state.log_parameter.data();
   for (int j = 0; j < static_cast<int>(box.lower.size()); ++j) {
     if (held != j) {  // a held one may lie on its bound
@@ -110,7 +131,7 @@ std::vector<double> material_residuals(const ScaledMaterialCurve& curve,
                                        const MaterialState& state, std::size_t place) {
   std::vector<double> residual(curve.x.size());
   const double* blocks[] = {state.log_parameter.data(),
-                            state.contact_baseline[place].data()};
+                            state.contact_baseline[place].data(), &state.log_factor};
   CurveResiduals{curve}(blocks, residual.data());
   for (double& r : residual) {
     r *= curve.sigma;
@@ -119,13 +140,16 @@ std::vector<double> material_residuals(const ScaledMaterialCurve& curve,
 }
 
 Eigen::MatrixXd material_covariance(const std::vector<ScaledMaterialCurve>& curves,
-                                    const MaterialState& state) {
+                                    const MaterialState& state, double factor_sd) {
   MaterialState at = state;
   ceres::Problem problem;
-  add_curves(curves, at, problem);
+  add_curves(curves, at, factor_sd, problem);
   std::vector<double*> blocks{at.log_parameter.data()};
   for (Eigen::Vector2d& block : at.contact_baseline) {
     blocks.push_back(block.data());
+  }
+  if (factor_sd > 0.0) {
+    blocks.push_back(&at.log_factor);
   }
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = blocks;

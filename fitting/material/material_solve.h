@@ -23,6 +23,7 @@ struct ScaledMaterialCurve {
 struct MaterialState {
   Eigen::VectorXd log_parameter;                  ///< (p)
   std::vector<Eigen::Vector2d> contact_baseline;  ///< per curve [-], in its units
+  double log_factor = 0.0;                        ///< [-] on all the sweep's forces
 };
 
 struct MaterialSolve {
@@ -37,19 +38,22 @@ struct MaterialBox {
 };
 
 /// Minimises from `start`; @param held a parameter that keeps its value.
+/// @param factor_sd of log_factor, expected to be 0: its square over that is one more
+/// residual; 0: there is no factor.
 [[nodiscard]] MaterialSolve solve_material(
     const std::vector<ScaledMaterialCurve>& curves, const MaterialState& start,
-    const MaterialBox& box, std::optional<int> held = std::nullopt);
+    const MaterialBox& box, double factor_sd, std::optional<int> held = std::nullopt);
 
 /// Residuals of one curve [-], in its units of force.
 [[nodiscard]] std::vector<double> material_residuals(const ScaledMaterialCurve& curve,
                                                      const MaterialState& state,
                                                      std::size_t place);
 
-/// Covariance of the parameters' logarithms (p x p), contact points and baselines
-/// free. Directions that the data say nothing of get a variance of 1e12 of what a lone
-/// parameter would have, so that correlations tell what goes together.
+/// Covariance of the parameters' logarithms (p x p), contact points, baselines and the
+/// factor free. Directions that the data say nothing of get a variance of 1e12 of what
+/// a lone parameter would have, so that correlations tell what goes together.
 [[nodiscard]] Eigen::MatrixXd material_covariance(
-    const std::vector<ScaledMaterialCurve>& curves, const MaterialState& state);
+    const std::vector<ScaledMaterialCurve>& curves, const MaterialState& state,
+    double factor_sd);
 
 }  // namespace palpate

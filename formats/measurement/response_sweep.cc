@@ -15,6 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr const char* kFirstLine = "# palpate response sweep 1";
+constexpr std::string_view kErrorLine = "# error_relative ";
 
 bool rises(const std::vector<double>& values) {
   return values.size() >= 2 && values.front() > 0.0 && std::isfinite(values.back()) &&
@@ -77,6 +78,20 @@ void require_order(const ResponseSweep& sweep,
   }
 }
 
+double read_error(std::string_view content, const std::string& name) {
+  content.remove_prefix(std::min(content.size(), content.find('\n') + 1));
+  const std::string_view second = content.substr(0, content.find('\n'));
+  if (!second.starts_with(kErrorLine)) {
+    return 0.0;
+  }
+  const auto error = parse_number(second.substr(kErrorLine.size()), false);
+  if (!error) {
+    throw FormatError(fmt::format("{}:2: {:?} is not a number", name,
+                                  second.substr(kErrorLine.size())));
+  }
+  return *error;
+}
+
 std::vector<std::string> read_names(const std::filesystem::path& file,
                                     const std::vector<TextLine>& lines) {
   const std::string content = read_file(file);
@@ -135,6 +150,10 @@ void check(const ResponseSweep& sweep) {
   if (!rises(sweep.depth_m)) {
     throw InputError("sweep: depths must be positive and increasing, at least 2");
   }
+  if (!(sweep.error_relative >= 0.0 && sweep.error_relative < 1.0)) {
+    throw InputError(fmt::format("sweep: error_relative is {}, must be in [0, 1)",
+                                 sweep.error_relative));
+  }
   const std::size_t rows =
       sweep.vertex.size() * sweep.combinations() * sweep.depth_m.size();
   if (sweep.force_n.size() != rows) {
@@ -153,7 +172,11 @@ void check(const ResponseSweep& sweep) {
 
 void write_sweep(const std::filesystem::path& file, const ResponseSweep& sweep) {
   check(sweep);
-  std::string text = fmt::format("{}\nvertex", kFirstLine);
+  std::string text = fmt::format("{}\n", kFirstLine);
+  if (sweep.error_relative > 0.0) {
+    text += fmt::format("{}{}\n", kErrorLine, sweep.error_relative);
+  }
+  text += "vertex";
   for (const SweepParameter& p : sweep.parameter) {
     text += "," + p.name;
   }
@@ -192,6 +215,7 @@ ResponseSweep read_sweep(const std::filesystem::path& file) {
     sweep.force_n.push_back(row.back());
   }
   sweep.depth_m = distinct(rows, names.size() - 2);
+  sweep.error_relative = read_error(read_file(file), file.string());
   require_order(sweep, rows, lines, file.string());
   try {
     check(sweep);

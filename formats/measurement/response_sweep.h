@@ -1,7 +1,8 @@
 // Forces of a body under one tool for a grid of material parameters: what measured
 // curves are compared with to find the material.
 //
-// As a file: delimited text. Line 1 "# palpate response sweep 1"; a line of names
+// As a file: delimited text. Line 1 "# palpate response sweep 1"; where the forces' own
+// error is known, line 2 "# error_relative " and it; a line of names
 // "vertex,<parameter>,...,depth_m,force_n"; a row per vertex, combination and depth, in
 // this order, the last parameter fastest. Depth counts from the first touch along the
 // tool's way, force is that on the tool along it.
@@ -27,6 +28,8 @@ struct ResponseSweep {
   std::vector<double> depth_m;            ///< (k >= 2) [m] > 0, increasing
   /// (vertices * combinations * k) [N] > 0
   std::vector<double> force_n;
+  /// [-] [0, 1) standard deviation of a factor on all forces; 0: not known
+  double error_relative = 0.0;
 
   /// Points of the grid: product of the parameters' counts.
   [[nodiscard]] std::size_t combinations() const;

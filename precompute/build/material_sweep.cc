@@ -20,6 +20,10 @@
 namespace palpate {
 namespace {
 
+constexpr double kTimesFiner = 2.0;
+constexpr double kDepthShareMin = 0.1;  // [-] of the depth: before, touch decides
+constexpr double kErrorMax = 0.9;
+
 using Constant = std::pair<const char*, double SceneMaterial::*>;
 
 constexpr std::array<Constant, 9> kConstants{
@@ -116,11 +120,11 @@ std::string where_of(std::int32_t vertex, const ResponseSweep& sweep,
 
 std::vector<PressedNode> pressed_with(const Scene& scene, const BodySource& body,
                                       const SharedTool& tool,
-                                      std::span<const std::int32_t> vertices) {
+                                      std::span<const std::int32_t> vertices,
+                                      const ContactFocus& focus) {
   const PressMode mode{.nonlinear = is_nonlinear(scene, body),
                        .options = nonlinear_options(scene, tool)};
-  return press_on_own_mesh(scene, body, tool, vertices, contact_focus(scene, body),
-                           mode);
+  return press_on_own_mesh(scene, body, tool, vertices, focus, mode);
 }
 
 void sample_curves(const std::vector<ResponseCurve>& curves, int samples,
@@ -141,6 +145,20 @@ void sample_curves(const std::vector<ResponseCurve>& curves, int samples,
       }
     }
   }
+}
+
+double largest_difference(const ResponseSweep& sweep, std::size_t place,
+                          std::size_t combination, const ResponseCurve& better) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < sweep.depth_m.size(); ++k) {
+    const double depth_m = std::min(sweep.depth_m[k], better.depth_max_m());
+    if (depth_m >= kDepthShareMin * sweep.depth_m.back()) {
+      const double force_n = better.at(depth_m).force_n;
+      largest = std::max(
+          largest, std::abs(sweep.curve_n(place, combination)[k] / force_n - 1.0));
+    }
+  }
+  return largest;
 }
 
 }  // namespace
@@ -203,6 +221,7 @@ ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
     }
     (void)materials_of(changed, body);
   }
+  const ContactFocus focus = contact_focus(scene, body);
   progress.stage("sweep");
   std::vector<ResponseCurve> curves;
   for (std::size_t c = 0; c < sweep.combinations(); ++c) {
@@ -211,13 +230,27 @@ ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
     }
     changed_body.material = materials_of(changed, body);
     for (const PressedNode& pressed :
-         pressed_with(changed, changed_body, tool, vertices)) {
+         pressed_with(changed, changed_body, tool, vertices, focus)) {
       curves.push_back(curve_of(pressed, where_of(pressed.vertex, sweep, c)));
     }
     progress.advance(c + 1, sweep.combinations(), "combinations");
   }
   progress.finish();
   sample_curves(curves, scene.accuracy.depths, sweep);
+  const std::size_t middle = sweep.combinations() / 2;
+  for (std::size_t j = 0; j < sweep.parameter.size(); ++j) {
+    set_constant(changed, sweep.parameter[j].name, sweep.values_at(middle)[j]);
+  }
+  changed_body.material = materials_of(changed, body);
+  const auto finer_presses =
+      pressed_with(changed, changed_body, tool, vertices, finer(focus, kTimesFiner));
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const ResponseCurve better =
+        curve_of(finer_presses[v], where_of(vertices[v], sweep, middle) + ", finer");
+    sweep.error_relative =
+        std::max(sweep.error_relative, largest_difference(sweep, v, middle, better));
+  }
+  sweep.error_relative = std::min(sweep.error_relative, kErrorMax);
   check(sweep);
   return sweep;
 }

@@ -80,6 +80,7 @@ void print(const ResponseSweep& sweep, const Flags& flags, double seconds) {
     nlohmann::ordered_json report{{"combinations", sweep.combinations()},
                                   {"vertices", sweep.vertex},
                                   {"depth_max_m", sweep.depth_m.back()},
+                                  {"error_relative", sweep.error_relative},
                                   {"seconds", seconds},
                                   {"file", flags.output}};
     for (const SweepParameter& p : sweep.parameter) {
@@ -88,9 +89,11 @@ void print(const ResponseSweep& sweep, const Flags& flags, double seconds) {
     fmt::print("{}\n", report.dump());
     return;
   }
-  fmt::print("{} combinations at {} vertices to {:.4g} mm in {:.1f} s: {}\n",
-             sweep.combinations(), sweep.vertex.size(), 1e3 * sweep.depth_m.back(),
-             seconds, flags.output);
+  fmt::print(
+      "{} combinations at {} vertices to {:.4g} mm in {:.1f} s, forces within about "
+      "{:.2g} %: {}\n",
+      sweep.combinations(), sweep.vertex.size(), 1e3 * sweep.depth_m.back(), seconds,
+      100.0 * sweep.error_relative, flags.output);
 }
 
 void run(const Flags& flags) {

@@ -106,6 +106,32 @@ TEST(MaterialFit, IntervalsCoverTheTruthNineteenTimesOfTwenty) {
   EXPECT_GE(covered, 51);  // 57 of 60 expected, sd 1.7
 }
 
+// A sweep whose forces are wrong by a common factor: the interval covers the truth as
+// often as it says where it is told how wrong they may be, and never where it is not.
+TEST(MaterialFit, TheSweepsOwnErrorIsPartOfTheInterval) {
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal;
+  constexpr int kRuns = 60;
+  int told = 0, untold = 0;
+  for (unsigned seed = 1; seed <= kRuns; ++seed) {
+    ResponseSweep sweep = hertz_sweep(false);
+    const double factor = std::exp(0.05 * normal(generator));
+    for (double& force : sweep.force_n) {
+      force *= factor;
+    }
+    const MaterialCurve curve[] = {measured(6500.0, 0.45, 1e-3, seed)};
+    for (const double error : {0.0, std::expm1(0.05)}) {
+      sweep.error_relative = error;
+      const MaterialParameter modulus = fit_material(sweep, curve).parameter[0];
+      EXPECT_TRUE(modulus.identifiable);
+      (error > 0.0 ? told : untold) +=
+          modulus.low <= 6500.0 && 6500.0 <= modulus.high ? 1 : 0;
+    }
+  }
+  EXPECT_GE(told, 51);  // 57 of 60 expected, sd 1.7
+  EXPECT_LE(untold, 20);
+}
+
 TEST(MaterialFit, CannotTellModulusFromRatioByOneFrictionlessCurve) {
   const MaterialCurve curve[] = {measured(6500.0, 0.35)};
   const MaterialFit fit = fit_material(hertz_sweep(true), curve);

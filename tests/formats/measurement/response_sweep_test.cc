@@ -31,7 +31,10 @@ ResponseSweep small_sweep() {
 
 TEST(ResponseSweep, ReadsBackBitForBit) {
   const ScratchFolder folder;
-  const ResponseSweep written = small_sweep();
+  ResponseSweep written = small_sweep();
+  write_sweep(folder / "sweep.csv", written);
+  EXPECT_EQ(read_sweep(folder / "sweep.csv").error_relative, 0.0);
+  written.error_relative = 0.1 / 3.0;
   write_sweep(folder / "sweep.csv", written);
   const ResponseSweep read = read_sweep(folder / "sweep.csv");
   ASSERT_EQ(read.parameter.size(), 2U);
@@ -40,6 +43,7 @@ TEST(ResponseSweep, ReadsBackBitForBit) {
   EXPECT_EQ(read.vertex, written.vertex);
   EXPECT_EQ(read.depth_m, written.depth_m);
   EXPECT_EQ(read.force_n, written.force_n);
+  EXPECT_EQ(read.error_relative, written.error_relative);
 }
 
 TEST(ResponseSweep, LastParameterIsTheFastest) {

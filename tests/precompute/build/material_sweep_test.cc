@@ -76,6 +76,8 @@ TEST_F(MaterialSweep, ForceOfALinearBodyGoesWithItsModulus) {
       EXPECT_NEAR(ratio, std::pow(2.0, static_cast<double>(c)), 1e-6 * ratio);
     }
   }
+  EXPECT_GT(sweep.error_relative, 0.0);
+  EXPECT_LT(sweep.error_relative, 0.1);
   // Values that no material has are found before anything is pressed.
   EXPECT_THROW((void)sweep_materials(scene_, body, body.tool.front(), vertices,
                                      {grid_of("poissons_ratio", 0.3, 0.6, 2)}, silent),
