@@ -10,11 +10,12 @@ namespace palpate {
 /// @throws InputError naming the known units.
 [[nodiscard]] double metres_per(std::string_view unit);
 
-/// Newtons in one of `unit`: N, mN, uN, nN, gf, kgf. "µ" may stand for "u".
+/// Newtons in one of `unit`: kN, N, mN, uN, nN, pN, gf, kgf, lbf. "µ" may stand for "u".
 /// @throws InputError naming the known units.
 [[nodiscard]] double newtons_per(std::string_view unit);
 
-/// Seconds in one of `unit`: s, ms, us, ns. "µ" may stand for "u".
+/// Seconds in one of `unit`: s, sec, ms, us, ns, min, in upper or lower case: no time
+/// unit is another's capital. "µ" may stand for "u".
 /// @throws InputError naming the known units.
 [[nodiscard]] double seconds_per(std::string_view unit);
 

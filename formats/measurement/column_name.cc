@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
+#include <initializer_list>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -31,6 +32,31 @@ std::optional<double> known(double (*size)(std::string_view), std::string_view u
   } catch (const InputError&) {
     return std::nullopt;
   }
+}
+
+bool holds_any(std::string_view text, std::initializer_list<const char*> words) {
+  const std::string lower = lower_case(text);
+  return std::any_of(words.begin(), words.end(), [&](const char* word) {
+    return lower.find(word) != std::string::npos;
+  });
+}
+
+bool is_force_name(std::string_view quantity) {
+  const std::string lower = lower_case(quantity);
+  return lower == "f" || lower == "fx" || lower == "fy" || lower == "fz" ||
+         holds_any(lower, {"force", "load", "kraft", "weight"});
+}
+
+bool is_time_name(std::string_view quantity) {
+  return lower_case(quantity) == "t" || holds_any(quantity, {"time", "zeit"});
+}
+
+bool is_plain_time(std::string_view unit) {
+  return unit == "s" || unit == "ms" || unit == "us" || unit == "ns" || unit == "µs";
+}
+
+bool is_known_unit(std::string_view unit) {
+  return time_unit_si(unit) || length_unit_si(unit) || force_unit_si(unit);
 }
 
 // Levenshtein's distance, one row at a time.
@@ -62,20 +88,40 @@ std::optional<double> time_unit_si(std::string_view unit) {
   return known(seconds_per, unit);
 }
 
+std::string unit_beside(std::string_view quantity, std::string_view unit) {
+  const bool mass = unit == "g" || unit == "kg";
+  return std::string(unit) + (mass && is_force_name(quantity) ? "f" : "");
+}
+
 ColumnName parse_column_name(std::string_view header) {
+  const auto taken = [](std::string_view quantity, std::string_view unit) {
+    const std::string name = without_end_blanks(quantity);
+    return ColumnName{name, unit_beside(name, unit)};
+  };
   const char end = header.empty() ? ' ' : header.back();
   if (end == ')' || end == ']') {
     const std::size_t open = header.find_last_of(end == ')' ? '(' : '[');
     if (open != std::string_view::npos) {
-      return {without_end_blanks(header.substr(0, open)),
-              std::string(header.substr(open + 1, header.size() - open - 2))};
+      return taken(header.substr(0, open),
+                   header.substr(open + 1, header.size() - open - 2));
+    }
+  }
+  const std::size_t comma = header.find_last_of(',');
+  if (comma != std::string_view::npos) {
+    std::string_view unit = header.substr(comma + 1);
+    unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
+    const ColumnName name = taken(header.substr(0, comma), unit);
+    if (is_known_unit(name.unit)) {
+      return name;
     }
   }
   const std::size_t bar = header.find_last_of('_');
   if (bar != std::string_view::npos) {
-    const std::string_view unit = header.substr(bar + 1);
-    if (time_unit_si(unit) || length_unit_si(unit) || force_unit_si(unit)) {
-      return {std::string(header.substr(0, bar)), std::string(unit)};
+    const ColumnName name = taken(header.substr(0, bar), header.substr(bar + 1));
+    if (is_known_unit(name.unit) &&
+        (!time_unit_si(name.unit) || is_plain_time(name.unit) ||
+         is_time_name(name.quantity))) {
+      return name;
     }
   }
   return {std::string(header), ""};

@@ -10,14 +10,20 @@
 
 namespace palpate {
 
-/// A header such as "Load (N)", "Load [N]" or "load_N", taken apart. Anything in
-/// brackets at the end is a unit; after an underscore only a known one.
+/// A header such as "Load (N)", "Load [N]", "Load, N" or "load_N", taken apart.
+/// Anything in brackets at the end is a unit; after a comma or an underscore only a
+/// known one, and after an underscore minutes and upper case only beside a time's name
+/// ("Time_S"): "force_min" is a smallest force.
 struct ColumnName {
   std::string quantity;  ///< "Load"
   std::string unit;      ///< "N"; empty where the header states none
 };
 
 [[nodiscard]] ColumnName parse_column_name(std::string_view header);
+
+/// The unit as it is meant beside the name of a quantity: grams and kilograms (g, kg)
+/// of a force are gf and kgf; every other unit is itself.
+[[nodiscard]] std::string unit_beside(std::string_view quantity, std::string_view unit);
 
 /// Size of a known unit in SI base units; none for an unknown one.
 [[nodiscard]] std::optional<double> length_unit_si(std::string_view unit);
