@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <functional>
 #include <initializer_list>
 #include <numeric>
@@ -55,10 +56,6 @@ bool is_plain_time(std::string_view unit) {
   return unit == "s" || unit == "ms" || unit == "us" || unit == "ns" || unit == "µs";
 }
 
-bool is_known_unit(std::string_view unit) {
-  return time_unit_si(unit) || length_unit_si(unit) || force_unit_si(unit);
-}
-
 // Levenshtein's distance, one row at a time.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -86,6 +83,26 @@ std::optional<double> force_unit_si(std::string_view unit) {
 
 std::optional<double> time_unit_si(std::string_view unit) {
   return known(seconds_per, unit);
+}
+
+std::optional<double> unit_si(std::size_t quantity, std::string_view unit) {
+  return quantity == kDepth   ? length_unit_si(unit)
+         : quantity == kForce ? force_unit_si(unit)
+                              : time_unit_si(unit);
+}
+
+bool is_known_unit(std::string_view unit) {
+  return time_unit_si(unit) || length_unit_si(unit) || force_unit_si(unit);
+}
+
+std::optional<std::size_t> column_number(std::string_view choice) {
+  std::size_t number = 0;
+  const char* end = choice.data() + choice.size();
+  const auto [stop, error] = std::from_chars(choice.data(), end, number);
+  if (error != std::errc() || stop != end) {
+    return std::nullopt;
+  }
+  return number;
 }
 
 std::string unit_beside(std::string_view quantity, std::string_view unit) {

@@ -30,6 +30,18 @@ struct ColumnName {
 [[nodiscard]] std::optional<double> force_unit_si(std::string_view unit);
 [[nodiscard]] std::optional<double> time_unit_si(std::string_view unit);
 
+/// What a column may be to a fit, in the order of MeasurementColumns.
+enum Quantity : std::size_t { kDepth, kForce, kTime };
+inline constexpr const char* kQuantityNames[] = {"depth", "force", "time"};
+[[nodiscard]] std::optional<double> unit_si(std::size_t quantity,
+                                            std::string_view unit);
+
+/// Of a length, a force or a time.
+[[nodiscard]] bool is_known_unit(std::string_view unit);
+
+/// The column's number counted from 1, where the choice is one.
+[[nodiscard]] std::optional<std::size_t> column_number(std::string_view choice);
+
 /// Positions of the columns that `name` means: those that equal it; else those that
 /// equal it without regard to case; else those whose quantity does.
 [[nodiscard]] std::vector<std::size_t> matching_columns(

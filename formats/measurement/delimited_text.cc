@@ -2,18 +2,44 @@
 
 #include <algorithm>
 #include <charconv>
-#include <sstream>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/printable.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+// Bytes of Latin-1 as UTF-8, where the line is none yet.
+std::string as_utf8(std::string_view line) {
+  bool utf8 = true;
+  for (std::size_t at = 0; at < line.size() && utf8;) {
+    const std::size_t length = utf8_length(line, at);
+    utf8 = length > 0;
+    at += length;
+  }
+  if (utf8) {
+    return std::string(line);
+  }
+  std::string text;
+  for (const char c : line) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      text += c;
+    } else {
+      text += static_cast<char>(0xC0 | (byte >> 6));
+      text += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+  }
+  return text;
+}
+
+}  // namespace
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
@@ -23,30 +49,37 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-}  // namespace
-
-std::vector<TextLine> read_text_lines(const std::filesystem::path& file) {
-  std::istringstream stream(read_file(file));
+std::vector<TextLine> text_lines(std::string_view text, const std::string& file,
+                                 std::size_t first_number) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+    throw FormatError(fmt::format("{}: is text in UTF-16; save it as UTF-8", file));
+  }
+  if (text.starts_with(kByteOrderMark)) {
+    text.remove_prefix(kByteOrderMark.size());
+  }
   std::vector<TextLine> lines;
-  std::string text;
-  for (std::size_t number = 1; std::getline(stream, text); ++number) {
-    if (text.find('\0') != std::string::npos) {
+  for (std::size_t number = first_number; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.find('\0') != std::string_view::npos) {
       throw FormatError(fmt::format(
-          "{}: line {} holds a zero byte: not delimited text in ASCII or UTF-8",
-          file.string(), number));
+          "{}: line {} holds a zero byte: not delimited text in ASCII or UTF-8", file,
+          number));
     }
-    if (number == 1 && text.starts_with(kByteOrderMark)) {
-      text.erase(0, kByteOrderMark.size());
+    if (line.ends_with('\r')) {
+      line.remove_suffix(1);
     }
-    if (!text.empty() && text.back() == '\r') {
-      text.pop_back();
-    }
-    const std::string_view content = trimmed(text);
+    const std::string_view content = trimmed(line);
     if (!content.empty() && content.front() != '#') {
-      lines.push_back({number, text});
+      lines.push_back({number, as_utf8(line)});
     }
   }
   return lines;
+}
+
+std::vector<TextLine> read_text_lines(const std::filesystem::path& file) {
+  return text_lines(read_file(file), file.string());
 }
 
 std::vector<std::string> split_cells(std::string_view line, char delimiter) {
@@ -85,6 +118,19 @@ std::optional<double> parse_number(std::string_view cell, bool decimal_comma) {
     return std::nullopt;
   }
   return value;
+}
+
+bool ends_in_groups(std::string_view cell, char separator) {
+  const std::size_t first = cell.find(separator);
+  if (first == std::string_view::npos || first == 0 || first > 4) {
+    return false;
+  }
+  std::string_view rest = cell.substr(first);
+  while (rest.size() >= 4 && rest.front() == separator &&
+         rest.substr(1, 3).find_first_not_of("0123456789") == std::string_view::npos) {
+    rest.remove_prefix(4);
+  }
+  return rest.empty();
 }
 
 }  // namespace palpate

@@ -16,9 +16,20 @@ struct TextLine {
 };
 
 /// The lines that carry something: blank lines and those that start with '#' are left
-/// out, a byte order mark and carriage returns taken off.
+/// out, a byte order mark and carriage returns taken off. A line that is no UTF-8 is
+/// taken as Latin-1 and given as UTF-8.
 /// @throws InputError if the file cannot be read, FormatError if it is not 8-bit text.
 [[nodiscard]] std::vector<TextLine> read_text_lines(const std::filesystem::path& file);
+
+/// The same of text in memory.
+/// @param file for messages. @param first_number of the text's first line.
+/// @throws FormatError if it is not 8-bit text.
+[[nodiscard]] std::vector<TextLine> text_lines(std::string_view text,
+                                               const std::string& file,
+                                               std::size_t first_number = 1);
+
+/// Without blanks, tabs and carriage returns at both ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
 
 /// Cells between delimiters, blanks around them taken off. A cell in double quotes may
 /// hold the delimiter; "" inside it is one quote.
@@ -29,5 +40,9 @@ struct TextLine {
 /// no thousands separators. Reads "nan" and "inf" as what they are.
 [[nodiscard]] std::optional<double> parse_number(std::string_view cell,
                                                  bool decimal_comma);
+
+/// Whether the cell's digits end in groups of three behind `separator`, as a thousands
+/// separator makes them, and a decimal mark may: "1,234", "12.345.678".
+[[nodiscard]] bool ends_in_groups(std::string_view cell, char separator);
 
 }  // namespace palpate

@@ -1,0 +1,352 @@
+#include "formats/measurement/text_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/base/units.h"
+#include "formats/measurement/column_name.h"
+#include "formats/measurement/table_header.h"
+
+namespace palpate {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+struct Table {
+  char delimiter = ',';
+  Cells header;                     // empty where the file has none
+  Cells unit;                       // as many; empty texts where none is stated
+  std::size_t begin = 0;            // first line below the header
+  std::vector<std::size_t> column;  // depth, force, and time where it is asked for
+};
+
+struct Request {
+  std::string file;  // for messages
+  std::vector<const MeasurementColumn*> column;
+  HeaderUnits header_units;
+};
+
+constexpr double (*kUnitSize[])(std::string_view) = {metres_per, newtons_per,
+                                                     seconds_per};
+
+bool numeric(const Cells& cells, std::size_t column, char delimiter) {
+  return column < cells.size() &&
+         parse_number(cells[column], delimiter != ',').has_value();
+}
+
+std::optional<std::size_t> resolve(const Request& request, std::size_t which,
+                                   const Cells& header) {
+  const MeasurementColumn& choice = *request.column[which];
+  if (const auto number = column_number(choice.column)) {
+    return *number - 1;
+  }
+  const std::vector<std::size_t> matches = matching_columns(header, choice.column);
+  if (matches.size() > 1) {
+    throw InputError(fmt::format(
+        "{}: {} column \"{}\" may be any of {} columns; choose one by its number",
+        request.file, kQuantityNames[which], choice.column, matches.size()));
+  }
+  return matches.empty() ? std::nullopt : std::optional(matches[0]);
+}
+
+// All columns by number: the first line in which all are numbers begins the data.
+std::optional<Table> find_by_numbers(const Request& request,
+                                     std::span<const TextLine> lines, char delimiter) {
+  std::vector<std::size_t> column;
+  for (const MeasurementColumn* choice : request.column) {
+    column.push_back(*column_number(choice->column) - 1);
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Cells cells = split_cells(lines[i].text, delimiter);
+    if (std::all_of(column.begin(), column.end(), [&](std::size_t which) {
+          return numeric(cells, which, delimiter);
+        })) {
+      const auto above =
+          find_header(lines.first(i + 1), delimiter, i - std::min(i, std::size_t{2}));
+      const bool named = above && above->begin == i;
+      return Table{delimiter, named ? above->name : Cells{},
+                   named ? above->unit : Cells{}, i, column};
+    }
+  }
+  return std::nullopt;
+}
+
+// A column by name: the first line that holds the name begins the table.
+std::optional<Table> find_by_names(const Request& request,
+                                   std::span<const TextLine> lines, char delimiter) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Cells cells = split_cells(lines[i].text, delimiter);
+    if (cells.size() < 2) {
+      continue;
+    }
+    std::vector<std::size_t> column;
+    for (std::size_t which = 0; which < request.column.size(); ++which) {
+      if (const auto found = resolve(request, which, cells)) {
+        column.push_back(*found);
+      }
+    }
+    if (column.size() == request.column.size()) {
+      Cells units;
+      for (const std::string& cell : cells) {
+        units.push_back(parse_column_name(cell).unit);
+      }
+      return Table{delimiter, cells, units, i + 1, column};
+    }
+  }
+  return std::nullopt;
+}
+
+[[noreturn]] void refuse_columns(const Request& request,
+                                 std::span<const TextLine> lines) {
+  for (const char delimiter : {'\t', ';', ','}) {
+    const auto table = find_header(lines, delimiter);
+    if (!table) {
+      continue;
+    }
+    for (std::size_t which = 0; which < request.column.size(); ++which) {
+      const std::string& name = request.column[which]->column;
+      if (!column_number(name) && !resolve(request, which, table->name)) {
+        throw InputError(fmt::format("{}: no {} column \"{}\"; columns found: {}",
+                                     request.file, kQuantityNames[which], name,
+                                     table->name.empty()
+                                         ? "none has a name; choose by number, from 1"
+                                         : nearest_columns(table->name, name)));
+      }
+    }
+    throw InputError(fmt::format(
+        "{}: columns {} and {} hold no row of numbers; line {} has {} columns",
+        request.file, request.column[0]->column, request.column[1]->column,
+        lines[table->begin].number,
+        split_cells(lines[table->begin].text, delimiter).size()));
+  }
+  throw InputError(fmt::format(
+      "{}: no row with two numbers or more, separated by comma, semicolon or tab",
+      request.file));
+}
+
+Table find_table(const Request& request, std::span<const TextLine> lines) {
+  const bool numbers = std::all_of(request.column.begin(), request.column.end(),
+                                   [](const MeasurementColumn* choice) {
+                                     return column_number(choice->column).has_value();
+                                   });
+  for (const char delimiter : {'\t', ';', ','}) {
+    const auto table = numbers ? find_by_numbers(request, lines, delimiter)
+                               : find_by_names(request, lines, delimiter);
+    if (table) {
+      return *table;
+    }
+  }
+  refuse_columns(request, lines);
+}
+
+// A stated unit of another kind or of another size is a contradiction; a text that
+// is no known unit says nothing.
+void check_unit(const Request& request, std::size_t which, const std::string& stated,
+                std::string_view where) {
+  const std::string& asked = request.column[which]->unit;
+  if (request.header_units == HeaderUnits::kIgnored || asked == kUnitFromHeader) {
+    return;
+  }
+  if (is_known_unit(stated) && unit_si(which, stated) != kUnitSize[which](asked)) {
+    throw InputError(
+        fmt::format("{}: {} states the unit {}, but the {} unit is given "
+                    "as {}",
+                    request.file, where, stated, kQuantityNames[which], asked));
+  }
+}
+
+// A name that states one unit over a line of units that states another one.
+void check_one_unit(const Request& request, std::size_t which, const std::string& name,
+                    const std::string& above, const std::string& below) {
+  const bool open = request.header_units == HeaderUnits::kMustAgree ||
+                    request.column[which]->unit == kUnitFromHeader;
+  if (open && is_known_unit(above) && unit_si(which, above) != unit_si(which, below)) {
+    throw InputError(fmt::format(
+        "{}: column \"{}\" states the unit {} in its name and {} below it; two systems "
+        "of units in one column are not read: mend the header",
+        request.file, name, above, below));
+  }
+}
+
+// The line below the header, if it holds units; no cell is a number then. Its units
+// are the table's.
+bool take_unit_line(const Request& request, const TextLine& line, Table& table) {
+  const Cells cells = split_cells(line.text, table.delimiter);
+  Cells units;
+  for (const std::size_t column : table.column) {
+    if (column >= cells.size() || column >= table.header.size() ||
+        numeric(cells, column, table.delimiter)) {
+      return false;
+    }
+    units.push_back(unit_beside(parse_column_name(table.header[column]).quantity,
+                                stated_unit(cells[column])));
+    if (!is_known_unit(units.back())) {
+      return false;
+    }
+  }
+  for (std::size_t which = 0; which < units.size(); ++which) {
+    const std::size_t column = table.column[which];
+    check_unit(request, which, units[which], fmt::format("line {}", line.number));
+    check_one_unit(request, which, table.header[column], table.unit[column],
+                   units[which]);
+    table.unit[column] = units[which];
+  }
+  return true;
+}
+
+// SI units in one of the column's: as it was given, or as header or unit line state it.
+double unit_size(const Request& request, const Table& table, std::size_t which) {
+  const std::size_t column = table.column[which];
+  const std::string stated = column < table.unit.size() ? table.unit[column] : "";
+  if (request.column[which]->unit != kUnitFromHeader) {
+    if (column < table.header.size()) {
+      check_unit(request, which, stated,
+                 fmt::format("column \"{}\"", table.header[column]));
+    }
+    return kUnitSize[which](request.column[which]->unit);
+  }
+  const auto size = unit_si(which, stated);
+  if (!size) {
+    throw InputError(fmt::format(
+        "{}: the {} unit is to be read from the header, which states {}", request.file,
+        kQuantityNames[which], stated.empty() ? "none" : fmt::format("{:?}", stated)));
+  }
+  return *size;
+}
+
+// Whether a comma or a point separates thousands cannot be told from one cell: "1,234".
+// It can where another cell of the table has the other mark.
+class DecimalMark {
+ public:
+  explicit DecimalMark(const std::string& file) : file_(file) {}
+
+  void see(const std::string& cell, std::size_t line) {
+    for (const char mark : {',', '.'}) {
+      if (cell.find(mark) != std::string::npos) {
+        Seen& seen = mark == ',' ? comma_ : point_;
+        seen.any = seen.any == 0 ? line : seen.any;
+        seen.grouped =
+            seen.grouped == 0 && ends_in_groups(cell, mark) ? line : seen.grouped;
+      }
+    }
+    if ((comma_.any != 0 && point_.grouped != 0) ||
+        (point_.any != 0 && comma_.grouped != 0)) {
+      throw FormatError(fmt::format(
+          "{}: a comma in line {} and a point in line {}: one of them separates "
+          "thousands, which are not read; export without thousands separators",
+          file_, comma_.grouped != 0 ? comma_.grouped : comma_.any,
+          point_.grouped != 0 ? point_.grouped : point_.any));
+    }
+  }
+
+ private:
+  struct Seen {
+    std::size_t any = 0, grouped = 0;  // line of the first such cell
+  };
+  const std::string& file_;
+  Seen comma_, point_;
+};
+
+double cell_number(const Request& request, const Table& table, const TextLine& line,
+                   const Cells& cells, std::size_t which) {
+  const std::size_t column = table.column[which];
+  const std::string name =
+      column < table.header.size() ? fmt::format(" \"{}\"", table.header[column]) : "";
+  if (column >= cells.size()) {
+    throw FormatError(fmt::format("{}: line {} has {} cells, column {}{} is missing",
+                                  request.file, line.number, cells.size(), column + 1,
+                                  name));
+  }
+  const auto value = parse_number(cells[column], table.delimiter != ',');
+  if (!value || !std::isfinite(*value)) {
+    const bool digits =
+        cells[column].find_first_of("0123456789") != std::string::npos &&
+        cells[column].find_first_of(",.' ") != std::string::npos;
+    throw FormatError(
+        fmt::format("{}: line {}, column {}{}: \"{}\" is not a finite "
+                    "number{}",
+                    request.file, line.number, column + 1, name, cells[column],
+                    digits ? " (thousands separators are not read)" : ""));
+  }
+  return *value;
+}
+
+bool all_empty(const Table& table, const Cells& cells) {
+  return std::all_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
+    return column < cells.size() && cells[column].empty();
+  });
+}
+
+Request make_request(const std::string& file, const MeasurementColumns& columns,
+                     HeaderUnits header_units) {
+  Request request{file, {&columns.depth, &columns.force}, header_units};
+  if (columns.time) {
+    request.column.push_back(&*columns.time);
+  }
+  for (std::size_t which = 0; which < request.column.size(); ++which) {
+    if (request.column[which]->unit != kUnitFromHeader) {
+      (void)kUnitSize[which](request.column[which]->unit);
+    }
+    if (column_number(request.column[which]->column) == std::size_t{0}) {
+      throw InputError(fmt::format("{} column 0: columns are counted from 1",
+                                   kQuantityNames[which]));
+    }
+  }
+  return request;
+}
+
+void read_rows(const Request& request, const Table& table,
+               std::span<const TextLine> lines, const std::vector<double>& size,
+               Measurement& measurement) {
+  std::vector<double>* samples[] = {&measurement.depth_m, &measurement.force_n,
+                                    &measurement.time_s};
+  DecimalMark mark(request.file);
+  for (const TextLine& line : lines) {
+    const Cells cells = split_cells(line.text, table.delimiter);
+    if (all_empty(table, cells)) {
+      continue;
+    }
+    for (std::size_t which = 0; which < table.column.size(); ++which) {
+      samples[which]->push_back(size[which] *
+                                cell_number(request, table, line, cells, which));
+      if (table.delimiter != ',') {
+        mark.see(cells[table.column[which]], line.number);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+MeasurementFile read_table(const std::string& file, std::span<const TextLine> lines,
+                           const MeasurementColumns& columns,
+                           HeaderUnits header_units) {
+  const Request request = make_request(file, columns, header_units);
+  Table table = find_table(request, lines);
+  std::size_t begin = table.begin;
+  if (begin < lines.size() && take_unit_line(request, lines[begin], table)) {
+    ++begin;
+  }
+  MeasurementFile result;
+  std::string* name[] = {&result.depth_column, &result.force_column,
+                         &result.time_column};
+  std::vector<double> size;
+  for (std::size_t which = 0; which < table.column.size(); ++which) {
+    if (table.column[which] < table.header.size()) {
+      *name[which] = table.header[table.column[which]];
+    }
+    size.push_back(unit_size(request, table, which));
+  }
+  read_rows(request, table, lines.subspan(begin), size, result.samples);
+  if (result.samples.depth_m.empty()) {
+    throw InputError(
+        fmt::format("{}: no rows of numbers below the header", request.file));
+  }
+  return result;
+}
+
+}  // namespace palpate
