@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fitting/command/commands.h"
+#include "fitting/command/curve_file.h"
 #include "fitting/command/indenter_options.h"
 #include "fitting/curve/fitted_response.h"
 #include "fitting/curve/measured_approach.h"
@@ -16,14 +17,12 @@
 #include "fitting/curve/power_law_fit.h"
 #include "fitting/material/moduli.h"
 #include "formats/base/error.h"
-#include "formats/measurement/measurement_file.h"
 
 namespace palpate {
 namespace {
 
 struct CurveOptions {
-  std::string file;
-  MeasurementColumn depth, force;
+  CurveFile file;
   bool ignore_header_units = false;
   FitRange range;
   IndenterOptions indenter;
@@ -32,41 +31,26 @@ struct CurveOptions {
 };
 
 struct CurveResult {
-  MeasurementFile measurement;
+  CurveRead read;
+  std::string tip;  // what was taken of the file's tip
   Approach approach;
   ContactFit fit;
   Modulus modulus;
   std::vector<FitFlag> flags;  // the fit's, then the modulus' own
 };
 
-// Columns and units that were not told are the header's.
-void take_header(CurveOptions& options) {
+void compute(const CurveOptions& options, const Indenter& indenter,
+             CurveResult& result) {
+  const std::string& file = options.file.file;
   try {
-    const MeasurementColumns columns =
-        columns_of_header(options.file, {options.depth, options.force});
-    options.depth = columns.depth;
-    options.force = columns.force;
+    result.approach = select_approach(result.read.measurement.samples, options.range);
   } catch (const InputError& error) {
-    throw InputError(
-        fmt::format("{} (--depth-column, --depth-unit, --force-column, --force-unit)",
-                    error.what()));
-  }
-}
-
-CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
-  CurveResult result;
-  result.measurement = read_measurement(
-      options.file, options.depth, options.force,
-      options.ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree);
-  try {
-    result.approach = select_approach(result.measurement.samples, options.range);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", options.file, error.what()));
+    throw InputError(fmt::format("{}: {}", file, error.what()));
   }
   result.fit = fit_contact(result.approach);
   if (!result.fit.converged) {
     throw NumericalError(fmt::format("{}: the fit did not converge in {} iterations",
-                                     options.file, result.fit.iterations));
+                                     file, result.fit.iterations));
   }
   result.flags = result.fit.flags;
   result.modulus = find_modulus(result.approach, result.fit, indenter);
@@ -76,13 +60,16 @@ CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
       result.flags.push_back(flag);
     }
   }
-  return result;
 }
 
 void print_json(const CurveResult& r, const CurveOptions& options) {
   nlohmann::ordered_json json;
-  json["depth_column"] = r.measurement.depth_column;
-  json["force_column"] = r.measurement.force_column;
+  json["layout"] = r.read.layout;
+  json["press"] = r.read.press;
+  json["depth_column"] = r.read.measurement.depth_column;
+  json["force_column"] = r.read.measurement.force_column;
+  json["notes"] = r.read.measurement.notes;
+  json["tip"] = r.tip;
   json["family"] = r.fit.family;
   json["parameters"] = to_json(r.fit.parameters);
   json["contact_point_m"] = r.fit.contact_point_m;
@@ -98,7 +85,7 @@ void print_json(const CurveResult& r, const CurveOptions& options) {
   json["noise_sd_n"] = r.approach.noise_sd_n;
   json["press_work_j"] = r.approach.press_work_j;
   json["release_work_j"] = r.approach.release_work_j;
-  json["samples"] = r.measurement.samples.force_n.size();
+  json["samples"] = r.read.measurement.samples.force_n.size();
   json["samples_used"] = r.fit.samples_used;
   json["outliers"] = r.fit.outliers;
   json["spikes"] = r.approach.spikes;
@@ -118,11 +105,20 @@ void print_columns(const CurveResult& r, const CurveOptions& options) {
   const auto named = [](const std::string& name, const MeasurementColumn& column) {
     return fmt::format(
         "{}{}", name.empty() ? "column " + column.column : fmt::format("\"{}\"", name),
-        column.unit == kUnitFromHeader ? "" : " in " + column.unit);
+        column.unit.empty() || column.unit == kUnitFromHeader ? ""
+                                                              : " in " + column.unit);
   };
+  fmt::print("{:<24} {}{}{}\n", "file", r.read.layout, r.read.press.empty() ? "" : ", ",
+             r.read.press);
   fmt::print("{:<24} depth {}, force {}\n", "read",
-             named(r.measurement.depth_column, options.depth),
-             named(r.measurement.force_column, options.force));
+             named(r.read.measurement.depth_column, options.file.told.depth),
+             named(r.read.measurement.force_column, options.file.told.force));
+  for (const std::string& note : r.read.measurement.notes) {
+    fmt::print("{:<24} {}\n", "", note);
+  }
+  if (!r.tip.empty()) {
+    fmt::print("{:<24} {}\n", "tool", r.tip);
+  }
 }
 
 void print_report(const CurveResult& r, const CurveOptions& options) {
@@ -130,7 +126,7 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
   print_columns(r, options);
   fmt::print(
       "{:<24} {} of {} samples ({} held, {} retracting, {} spikes, {} outliers)\n",
-      "approach", r.fit.samples_used, r.measurement.samples.force_n.size(),
+      "approach", r.fit.samples_used, r.read.measurement.samples.force_n.size(),
       approach.hold_samples, approach.retract_samples, approach.spikes, r.fit.outliers);
   if (r.fit.family == "power_law") {
     fmt::print("{:<24} b0 + b1 x + K max(x - x0, 0)^p\n", "law");
@@ -157,7 +153,11 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
 }
 
 void run(CurveOptions& options) {
-  take_header(options);
+  options.file.header_units =
+      options.ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree;
+  CurveResult result;
+  result.read = read_curve_file(options.file);
+  result.tip = take_tip(result.read, options.indenter);
   const Indenter indenter = indenter_of(options.indenter);
   const std::optional<ToolShape> tool = rendered_tool(indenter);
   if (!options.output.empty() && !tool) {
@@ -166,10 +166,11 @@ void run(CurveOptions& options) {
         "sphere, flat-punch or cone",
         indenter.shape == "plate" ? "a plate on a cylinder is none" : "none is told"));
   }
-  const CurveResult result = compute(options, indenter);
+  compute(options, indenter, result);
   if (!options.output.empty()) {
-    write_database(options.output, sample_patch(result.fit, result.measurement.samples,
-                                                *tool, options.file));
+    write_database(options.output,
+                   sample_patch(result.fit, result.read.measurement.samples, *tool,
+                                options.file.file));
   }
   options.json ? print_json(result, options) : print_report(result, options);
 }
@@ -180,18 +181,25 @@ void add_curve_command(Command app) {
   auto options = std::make_shared<CurveOptions>();
   Command command =
       app.add_subcommand("curve", "Fit contact point and power law to one curve.");
-  command.add_option("FILE", options->file, "delimited text").required();
+  command
+      .add_option(
+          "FILE", options->file.file,
+          "what a testing machine or an instrument wrote: text, workbook (xlsx), "
+          "Mach-1, Optics11, JPK, afmformats; recognised by what it holds")
+      .required();
   const std::string by_header = "; default: as the header tells by its units";
-  command.add_option("--depth-column", options->depth.column,
+  command.add_option("--depth-column", options->file.told.depth.column,
                      "name or number" + by_header);
-  command.add_option("--depth-unit", options->depth.unit,
+  command.add_option("--depth-unit", options->file.told.depth.unit,
                      "m, cm, mm, um, nm, in; default: the header's");
-  command.add_option("--force-column", options->force.column,
+  command.add_option("--force-column", options->file.told.force.column,
                      "name or number" + by_header);
-  command.add_option("--force-unit", options->force.unit,
-                     "N, mN, uN, nN, gf, kgf; default: the header's");
+  command.add_option("--force-unit", options->file.told.force.unit,
+                     "kN, N, mN, uN, nN, pN, gf, kgf, lbf; default: the header's");
   command.add_flag("--ignore-header-units", options->ignore_header_units,
                    "trust the flags where the header states other units");
+  command.add_option("--press", options->file.press,
+                     "number of the press to fit, where the file holds several");
   command.add_option("--from-m", options->range.from_m, "fit from this displacement");
   command.add_option("--to-m", options->range.to_m, "fit up to this displacement");
   add_indenter_options(command, options->indenter);

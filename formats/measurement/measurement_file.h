@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "formats/database/response_database.h"
 
@@ -46,6 +47,8 @@ struct MeasurementFile {
   std::string depth_column;  ///< the header's text, empty where there is none
   std::string force_column;
   std::string time_column;
+  /// What the reader did beyond taking columns, a clause each; empty for plain tables.
+  std::vector<std::string> notes = {};
 };
 
 /// A column's name is matched exactly, else without regard to case, else also without

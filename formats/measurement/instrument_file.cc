@@ -1,0 +1,112 @@
+#include "formats/measurement/instrument_file.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/base/input_file.h"
+#include "formats/measurement/afm_file.h"
+#include "formats/measurement/afm_tab_file.h"
+#include "formats/measurement/jpk_file.h"
+#include "formats/measurement/mach1_file.h"
+#include "formats/measurement/machine_table.h"
+#include "formats/measurement/optics11_file.h"
+#include "formats/measurement/workbook_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_hdf5(const fs::path&, std::string_view head) {
+  return head.starts_with("\x89HDF\r\n\x1a\n");
+}
+
+// The serial HDF5 library has one state.
+std::mutex& hdf5_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+InstrumentFile list_afm(const fs::path& file) {
+  const std::lock_guard<std::mutex> lock(hdf5_mutex());
+  InstrumentFile result;
+  for (const int number : afm_curves(file)) {
+    result.curve.push_back({.number = number});
+  }
+  return result;
+}
+
+MeasurementFile read_afm(const fs::path& file, const InstrumentCurve& curve,
+                         const InstrumentRequest&) {
+  const std::lock_guard<std::mutex> lock(hdf5_mutex());
+  return read_afm_curve(file, curve.number);
+}
+
+// The first that recognises a file has it; text is left for the last.
+constexpr std::array kLayouts{
+    InstrumentLayout{"afmformats HDF5", &is_hdf5, &list_afm, &read_afm},
+    InstrumentLayout{"JPK force archive", &is_jpk, &list_jpk, &read_jpk},
+    InstrumentLayout{"workbook", &is_workbook, &list_workbook, &read_workbook},
+    InstrumentLayout{"Biomomentum Mach-1 text", &is_mach1, &list_mach1, &read_mach1},
+    InstrumentLayout{"Optics11 text", &is_optics11, &list_optics11, &read_optics11},
+    InstrumentLayout{"afmformats text", &is_afm_tab, &list_afm_tab, &read_afm_tab},
+    InstrumentLayout{"delimited text", &is_text, &list_tables, &read_machine_table},
+};
+
+std::string head_of(const fs::path& file) {
+  require_regular_file(file);
+  std::string head(kInstrumentHead, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max(stream.gcount(), std::streamsize{0})));
+  return head;
+}
+
+}  // namespace
+
+const InstrumentLayout& layout_of(const fs::path& file) {
+  const std::string head = head_of(file);
+  return *std::find_if(kLayouts.begin(), kLayouts.end() - 1,
+                       [&](const InstrumentLayout& layout) {
+                         return layout.recognises(file, head);
+                       });
+}
+
+std::string name_curves(std::span<const InstrumentCurve> curves) {
+  constexpr std::size_t kMost = 12;
+  std::string names;
+  for (const InstrumentCurve& curve : curves.first(std::min(curves.size(), kMost))) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", curve.number);
+    const std::string line =
+        curve.line > 0 ? fmt::format("line {}", curve.line) : std::string();
+    if (!curve.kind.empty() || !line.empty()) {
+      names += fmt::format(" ({}{}{})", curve.kind,
+                           curve.kind.empty() || line.empty() ? "" : ", ", line);
+    }
+  }
+  return curves.size() > kMost ? fmt::format("{}, ... {}", names, curves.back().number)
+                               : names;
+}
+
+MeasurementColumns told_columns(const InstrumentCurve& curve,
+                                const InstrumentRequest& request) {
+  const auto first = [](const MeasurementColumn& told, const MeasurementColumn& own) {
+    const bool mine = told.column.empty() && !own.column.empty();
+    return MeasurementColumn{mine ? own.column : told.column,
+                             told.unit.empty() && mine ? own.unit : told.unit};
+  };
+  MeasurementColumns columns;
+  columns.depth = first(request.told.depth, curve.columns.depth);
+  columns.force = first(request.told.force, curve.columns.force);
+  columns.time = request.told.time   ? request.told.time
+                 : request.with_time ? curve.columns.time
+                                     : std::nullopt;
+  return columns;
+}
+
+}  // namespace palpate
