@@ -24,7 +24,7 @@ constexpr std::string_view kTextKeys[] = {
     "depth_column", "depth_unit", "force_column",       "force_unit",
     "time_column",  "time_unit",  "ignore_header_units"};
 constexpr std::string_view kLayoutKey[] = {"layout"};
-constexpr std::string_view kLayouts[] = {"text", "afm-hdf5"};
+constexpr std::string_view kLayouts[] = {"text", "afm-hdf5", "auto"};
 constexpr std::string_view kIndenterKeys[] = {
     "shape",          "radius_m",          "radius_sd_m",
     "half_angle_deg", "half_angle_sd_deg", "height_m",
@@ -123,7 +123,8 @@ class Tables {
 
 // A column's name, or its number counted from 1.
 MeasurementColumn read_column(const SceneSection& section, const std::string& quantity,
-                              double (*size)(std::string_view)) {
+                              double (*size)(std::string_view),
+                              bool unit_needed = true) {
   MeasurementColumn column;
   const std::string name = quantity + "_column", unit = quantity + "_unit";
   if (const auto number = section.need(name).value_exact<std::int64_t>()) {
@@ -134,6 +135,9 @@ MeasurementColumn read_column(const SceneSection& section, const std::string& qu
     column.column = std::to_string(*number);
   } else {
     column.column = section.text(name);
+  }
+  if (!unit_needed && section.find(unit) == nullptr) {
+    return column;
   }
   column.unit = section.text(unit);
   if (column.unit != kUnitFromHeader) {
@@ -147,10 +151,40 @@ MeasurementColumn read_column(const SceneSection& section, const std::string& qu
   return column;
 }
 
+// Layout "auto": files tell their columns; what the session tells goes before.
+void read_told(const SceneSection& section, Session& session) {
+  session.layout = SessionLayout::kAuto;
+  if (section.find("depth_column") != nullptr) {
+    session.columns.depth = read_column(section, "depth", &metres_per, false);
+  }
+  if (section.find("force_column") != nullptr) {
+    session.columns.force = read_column(section, "force", &newtons_per, false);
+  }
+  if (section.find("time_column") != nullptr) {
+    session.columns.time = read_column(section, "time", &seconds_per);
+  }
+  for (const char* quantity : {"depth", "force", "time"}) {
+    const std::string unit = fmt::format("{}_unit", quantity);
+    if (section.find(unit) != nullptr &&
+        section.find(fmt::format("{}_column", quantity)) == nullptr) {
+      section.fail(section.need(unit), "{} in {} needs {}_column", unit,
+                   section.title(), quantity);
+    }
+  }
+}
+
 void read_reading(const SceneSection& section, Session& session) {
-  if (section.choice_or("text", "layout", kLayouts) == "afm-hdf5") {
+  const std::string layout = section.choice_or("text", "layout", kLayouts);
+  if (layout == "afm-hdf5") {
     section.require_own("layout \"afm-hdf5\"", {}, kLayoutKey);
     session.layout = SessionLayout::kAfmHdf5;
+    return;
+  }
+  if (section.boolean_or(false, "ignore_header_units")) {
+    session.header_units = HeaderUnits::kIgnored;
+  }
+  if (layout == "auto") {
+    read_told(section, session);
     return;
   }
   section.require_own("layout \"text\"", kTextKeys, kLayoutKey);
@@ -158,9 +192,6 @@ void read_reading(const SceneSection& section, Session& session) {
   session.columns.force = read_column(section, "force", &newtons_per);
   if (section.find("time_column") != nullptr || section.find("time_unit") != nullptr) {
     session.columns.time = read_column(section, "time", &seconds_per);
-  }
-  if (section.boolean_or(false, "ignore_header_units")) {
-    session.header_units = HeaderUnits::kIgnored;
   }
 }
 
@@ -189,7 +220,10 @@ void read_indenter(const SceneSection& section, Session& session) {
         section.number_or(0.0, "half_angle_sd_deg", kNotNegative) * std::numbers::pi /
         180.0;
   } else if (indenter.shape != "unknown") {
-    indenter.radius_m = section.number("radius_m", kPositive);
+    const bool by_file = session.layout == SessionLayout::kAuto &&
+                         indenter.shape == "sphere" &&
+                         section.find("radius_m") == nullptr;
+    indenter.radius_m = by_file ? 0.0 : section.number("radius_m", kPositive);
     indenter.radius_sd_m = section.number_or(0.0, "radius_sd_m", kNotNegative);
     indenter.thickness_m = section.number_or(0.0, "thickness_m", kPositive);
     indenter.thickness_sd_m = section.number_or(0.0, "thickness_sd_m", kNotNegative);
@@ -280,6 +314,7 @@ void read_tables(const Tables& tables, Session& session) {
     session_parts::read_points(tables.one("points", session_parts::kPointKeys),
                                session);
   }
+  session_parts::take_from_files(session);
 }
 
 }  // namespace
@@ -296,6 +331,13 @@ Session read_session(const std::filesystem::path& file) {
 }
 
 MeasurementFile read_run(const Session& session, const SessionRun& run) {
+  if (session.layout == SessionLayout::kAuto) {
+    const InstrumentLayout& layout = layout_of(run.file);
+    return layout.read(
+        run.file,
+        run.instrument ? *run.instrument : layout.list(run.file).curve.front(),
+        {session.columns, session.header_units, true});
+  }
   return session.layout == SessionLayout::kAfmHdf5
              ? read_afm_curve(run.file, run.curve)
              : read_measurement(run.file, session.columns, session.header_units);

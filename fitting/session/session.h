@@ -15,6 +15,7 @@
 #include "fitting/curve/curve_family.h"
 #include "fitting/curve/measured_approach.h"
 #include "fitting/material/indenter.h"
+#include "formats/measurement/instrument_file.h"
 #include "formats/measurement/measurement_file.h"
 #include "formats/response/tool_shape.h"
 
@@ -26,14 +27,17 @@ inline constexpr std::array<std::string_view, 3> kCriteria{"aicc", "bic",
 /// One file of the session, or one curve of a file that holds several.
 struct SessionRun {
   std::filesystem::path file;
-  int curve = 0;      ///< number inside an afmformats file
+  int curve = 0;      ///< number inside a file that holds several
   std::string name;   ///< unique: the path as the session writes it, "#" and the curve
   std::string point;  ///< repeats at one place share it; else the name
   std::optional<Eigen::Vector3d> position_m;  ///< (3) [m] on the body, its mesh's frame
   std::optional<Eigen::Vector3d> normal;      ///< (3) unit, outward
+  std::optional<InstrumentCurve>
+      instrument;               ///< of kAuto, where the file can be listed
+  bool placed_by_file = false;  ///< the position is the instrument's
 };
 
-enum class SessionLayout { kText, kAfmHdf5 };
+enum class SessionLayout { kText, kAfmHdf5, kAuto };
 
 struct SessionFit {
   FitRange range;
@@ -48,7 +52,7 @@ struct Session {
   std::filesystem::path file;  ///< where from
   std::string name;
   SessionLayout layout = SessionLayout::kText;
-  MeasurementColumns columns;  ///< of kText
+  MeasurementColumns columns;  ///< of kText; of kAuto what is told, else empty texts
   HeaderUnits header_units = HeaderUnits::kMustAgree;
   Indenter indenter;
   /// The indenter as the database holds it; none of a plate and of the unknown.
@@ -57,17 +61,20 @@ struct Session {
   std::string length_unit;     ///< of the mesh
   SessionFit fit;
   std::vector<SessionRun> run;  ///< at least one, in the session's order
+  /// What the session took from files of kAuto, a line each.
+  std::vector<std::string> notes;
 };
 
 /// Files are not opened, but globs are expanded (in the order of the alphabet), and
-/// afmformats files are asked for their curves.
+/// afmformats files and those of layout "auto" are asked for their curves.
 /// @throws InputError "session.toml:12: ..." naming key, value and what is allowed; for
 /// a glob without a match, a run named twice, a row of the table of points that fits no
 /// file, and a file without a row there.
 [[nodiscard]] Session read_session(const std::filesystem::path& file);
 
 /// Displacement and force, and time where the session names it, of one run.
-/// @throws InputError or FormatError as read_measurement() and read_afm_curve() do.
+/// @throws InputError or FormatError as read_measurement(), read_afm_curve() and the
+/// readers of instrument_file.h do.
 [[nodiscard]] MeasurementFile read_run(const Session& session, const SessionRun& run);
 
 }  // namespace palpate

@@ -10,6 +10,7 @@
 #include "formats/measurement/afm_file.h"
 #include "formats/measurement/column_name.h"
 #include "formats/measurement/delimited_text.h"
+#include "formats/measurement/mach1_map.h"
 
 namespace palpate::session_parts {
 namespace {
@@ -77,23 +78,41 @@ std::vector<std::string> names_in(const SceneSection& section) {
   return names;
 }
 
+// The curves of a file; one without a list where it cannot be read: the batch lists it
+// with its reason.
+std::vector<SessionRun> curves_of(const Session& session, const SessionRun& like) {
+  std::vector<SessionRun> runs;
+  try {
+    if (session.layout == SessionLayout::kAfmHdf5) {
+      for (const int number : afm_curves(like.file)) {
+        runs.push_back(like);
+        runs.back().curve = number;
+      }
+    } else if (session.layout == SessionLayout::kAuto) {
+      for (const InstrumentCurve& curve : layout_of(like.file).list(like.file).curve) {
+        SessionRun run = like;
+        run.curve = curve.number;
+        run.instrument = curve;
+        run.placed_by_file = !like.position_m && curve.position_m.has_value();
+        run.position_m = like.position_m ? like.position_m : curve.position_m;
+        run.normal = like.normal ? like.normal : curve.normal;
+        runs.push_back(run);
+      }
+    }
+  } catch (const Error&) {
+    runs.clear();
+  }
+  return runs.empty() ? std::vector<SessionRun>{like} : runs;
+}
+
 void append_file(const SceneSection& section, const SessionRun& like,
                  const std::string& name, Session& session) {
-  std::vector<int> curves{0};
-  const bool several = session.layout == SessionLayout::kAfmHdf5;
-  const fs::path file = beside(session, name);
-  if (several) {
-    try {
-      curves = afm_curves(file);
-    } catch (const Error&) {
-      curves = {0};  // the batch lists it with its reason
-    }
-  }
-  for (const int curve : curves) {
-    SessionRun run = like;
-    run.file = file;
-    run.curve = curve;
-    run.name = several ? fmt::format("{}#{}", name, curve) : name;
+  SessionRun of_file = like;
+  of_file.file = beside(session, name);
+  const std::vector<SessionRun> runs = curves_of(session, of_file);
+  const bool numbered = session.layout == SessionLayout::kAfmHdf5 || runs.size() > 1;
+  for (SessionRun run : runs) {
+    run.name = numbered ? fmt::format("{}#{}", name, run.curve) : name;
     if (run.point.empty()) {
       run.point = run.name;
     }
@@ -171,6 +190,7 @@ bool fits(const SessionRun& run, const std::string& file) {
 void place(const PointTable& table, const TextLine& line, double metres,
            SessionRun& run) {
   run.position_m = metres * vector(table, line, {"x", "y", "z"});
+  run.placed_by_file = false;
   if (table.column.contains("nx") && table.column.contains("ny") &&
       table.column.contains("nz")) {
     const Eigen::Vector3d normal = vector(table, line, {"nx", "ny", "nz"});
@@ -186,7 +206,99 @@ void place(const PointTable& table, const TextLine& line, double metres,
   }
 }
 
+// A Mach-1 map: its points in turn are the presses of the session's one file.
+void place_by_map(const std::string& map, std::span<const TextLine> lines,
+                  Session& session) {
+  for (const SessionRun& run : session.run) {
+    if (run.file != session.run.front().file) {
+      throw InputError(fmt::format(
+          "{}: a map names no files: it goes with a session of one file, and this one "
+          "has {} and {}; write a table with a column file",
+          map, session.run.front().file.string(), run.file.string()));
+    }
+  }
+  const std::vector<MapPoint> points = read_mach1_map(map, lines);
+  for (SessionRun& run : session.run) {
+    const int number = run.instrument ? run.instrument->number : 1;
+    const auto point = std::find_if(points.begin(), points.end(), [&](const auto& p) {
+      return p.id == number;
+    });
+    if (point == points.end() || points.size() != session.run.size()) {
+      throw InputError(fmt::format(
+          "{}: has {} points that were pressed, the file {} {} presses; they must be "
+          "as "
+          "many, numbered alike from 1",
+          map, points.size(), session.run.front().file.string(), session.run.size()));
+    }
+    run.position_m = Eigen::Vector3d(point->position_m.x(), point->position_m.y(), 0.0);
+    run.placed_by_file = false;
+  }
+}
+
+// "a.txt: Mach-1 text, 3 presses; positions and normals of the file".
+std::string note_of(const SessionRun& first, std::size_t presses) {
+  const InstrumentLayout& layout = layout_of(first.file);
+  std::string note =
+      fmt::format("{}: {}, {} press{}", first.name.substr(0, first.name.find('#')),
+                  layout.name, presses, presses == 1 ? "" : "es");
+  if (first.placed_by_file) {
+    note += first.instrument->normal ? "; positions and normals are the file's"
+                                     : "; positions are the file's";
+  }
+  if (first.instrument->tip_radius_m) {
+    note += fmt::format("; states a tip of radius {:.4g} m",
+                        *first.instrument->tip_radius_m);
+  }
+  return note;
+}
+
+// The one radius that all files state [m].
+double radius_of_files(const Session& session) {
+  std::optional<double> radius_m;
+  for (const SessionRun& run : session.run) {
+    const auto stated =
+        run.instrument ? run.instrument->tip_radius_m : std::optional<double>();
+    if (!run.instrument) {
+      continue;  // cannot be read: the batch says why
+    }
+    if (!stated || (radius_m && *stated != *radius_m)) {
+      throw InputError(fmt::format(
+          "{}: [indenter] has no radius_m, and the run {:?} states {}; tell radius_m",
+          session.file.string(), run.name,
+          stated ? fmt::format("{} m where others state {} m", *stated, *radius_m)
+                 : std::string("none")));
+    }
+    radius_m = stated;
+  }
+  if (!radius_m) {
+    throw InputError(
+        fmt::format("{}: [indenter] has no radius_m, and no file states one",
+                    session.file.string()));
+  }
+  return *radius_m;
+}
+
 }  // namespace
+
+void take_from_files(Session& session) {
+  if (session.layout != SessionLayout::kAuto) {
+    return;
+  }
+  if (session.indenter.shape == "sphere" && session.indenter.radius_m == 0.0) {
+    session.indenter.radius_m = radius_of_files(session);
+    session.tool->radius_m = session.indenter.radius_m;
+    session.notes.push_back(fmt::format("the indenter's radius is the files': {:.4g} m",
+                                        session.indenter.radius_m));
+  }
+  for (std::size_t i = 0, next = 0; i < session.run.size(); i = next) {
+    while (next < session.run.size() && session.run[next].file == session.run[i].file) {
+      ++next;
+    }
+    if (session.run[i].instrument) {
+      session.notes.push_back(note_of(session.run[i], next - i));
+    }
+  }
+}
 
 void append_runs(const SceneSection& section, Session& session) {
   SessionRun like;
@@ -216,12 +328,16 @@ void append_runs(const SceneSection& section, Session& session) {
 
 void read_points(const SceneSection& section, Session& session) {
   const fs::path path = beside(session, section.text("table"));
-  const double metres = metres_per(section.text("length_unit"));
   const auto lines = read_text_lines(path);
   if (lines.empty()) {
     throw InputError(
         fmt::format("{}: is empty, must be a table of points", path.string()));
   }
+  if (is_mach1_map(lines)) {
+    place_by_map(path.string(), lines, session);
+    return;
+  }
+  const double metres = metres_per(section.text("length_unit"));
   const PointTable table = find_columns(path.string(), lines.front());
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const std::string file = cell(table, lines[i], "file");

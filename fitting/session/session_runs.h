@@ -13,6 +13,11 @@ inline constexpr std::string_view kPointKeys[] = {"table", "length_unit"};
 /// Appends the runs of one [[run]].
 void append_runs(const SceneSection& section, Session& session);
 
+/// What was taken from files of layout "auto": the radius of a sphere for which the
+/// session has none, and the session's notes.
+/// @throws InputError where files state no radius, or several.
+void take_from_files(Session& session);
+
 /// Positions, normals and points of runs that have none of their own, from the table.
 void read_points(const SceneSection& section, Session& session);
 
