@@ -68,6 +68,18 @@ std::string only_one(const std::string& file, const TableHeader& header,
                         found.size(), kQuantityNames[which], named));
 }
 
+// A line with a cell such as "1,234.5"; 0: none.
+std::size_t line_with_thousands(std::span<const TextLine> lines) {
+  for (const TextLine& line : lines) {
+    for (const std::string& cell : split_cells(line.text, ',')) {
+      if (ends_in_groups(cell.substr(0, cell.find('.')), ',')) {
+        return line.number;
+      }
+    }
+  }
+  return 0;
+}
+
 }  // namespace
 
 std::string stated_unit(const std::string& cell) {
@@ -144,6 +156,13 @@ MeasurementColumns columns_of_lines(const std::string& file,
   std::optional<TableHeader> header;
   if (told.depth.column.empty() || told.force.column.empty()) {
     header = find_header(lines);
+    const std::size_t thousands = header ? 0 : line_with_thousands(lines);
+    if (thousands > 0) {
+      throw InputError(fmt::format(
+          "{}: no row of numbers: line {} separates thousands by commas, and thousands "
+          "separators are not read; export without them",
+          file, thousands));
+    }
     if (!header) {
       throw InputError(fmt::format(
           "{}: no line of names above the first row of numbers; tell depth and force "
