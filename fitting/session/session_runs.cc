@@ -265,8 +265,9 @@ double radius_of_files(const Session& session) {
       throw InputError(fmt::format(
           "{}: [indenter] has no radius_m, and the run {:?} states {}; tell radius_m",
           session.file.string(), run.name,
-          stated ? fmt::format("{} m where others state {} m", *stated, *radius_m)
-                 : std::string("none")));
+          stated
+              ? fmt::format("{:.4g} m where others state {:.4g} m", *stated, *radius_m)
+              : std::string("none")));
     }
     radius_m = stated;
   }

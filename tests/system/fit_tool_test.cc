@@ -77,6 +77,58 @@ TEST_F(FitTool, TakesAFileByItsHeaderAndSaysWhatItTook) {
   EXPECT_EQ(by_header.at("contact_point_m"), told.at("contact_point_m"));
 }
 
+TEST_F(FitTool, AsksWhichOfSeveralPressesIsMeant) {
+  const Measurement m = synthetic({}, 1);
+  std::ofstream file(folder_ / "two.csv");
+  for (const double gain : {1.0, 2.0}) {
+    file << "\"Results Table\"\n\"Time\",\"Extension\",\"Load\"\n"
+            "\"(s)\",\"(mm)\",\"(kN)\"\n";
+    for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
+      file << fmt::format("{},{},{}\n", i, m.depth_m[i] * 1e3,
+                          gain * m.force_n[i] * 1e-3);
+    }
+  }
+  file.close();
+  const ToolRun asks = run({}, "two.csv");
+  EXPECT_EQ(asks.exit_code, 2);
+  EXPECT_NE(asks.err.find("holds 2 presses: 1 (line 2), 2 ("), std::string::npos)
+      << asks.err;
+  const auto stiffness = [&](const char* press) {
+    const ToolRun result = run({"--press", press, "--json"}, "two.csv");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out).at("mean_stiffness_n_per_m").get<double>();
+  };
+  EXPECT_NEAR(stiffness("2"), 2.0 * stiffness("1"), 0.02 * stiffness("1"));
+  EXPECT_EQ(run({"--press", "3"}, "two.csv").exit_code, 2);
+  EXPECT_EQ(run({"--press", "1"}).exit_code, 0);
+  EXPECT_EQ(run({"--press", "2"}).exit_code, 2);  // curve.csv holds one
+}
+
+TEST_F(FitTool, TakesTheTipOfTheFileAndSaysSo) {
+  const Measurement m = synthetic({}, 1);
+  std::ofstream file(folder_ / "tip.txt");
+  file << "Tip radius (um)\t30000\n"
+          "Time (s)\tLoad (uN)\tIndentation (nm)\tCantilever (nm)\tPiezo (nm)\n";
+  for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
+    file << fmt::format("{}\t{}\t0\t5\t{}\n", i, m.force_n[i] * 1e6,
+                        m.depth_m[i] * 1e9 + 5.0);
+  }
+  file.close();
+  const ToolRun alone = run({"--json"}, "tip.txt");
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const auto json = nlohmann::json::parse(alone.out);
+  EXPECT_NE(json.at("tip").get<std::string>().find("as the file states"),
+            std::string::npos);
+  const auto modulus = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"--json", "--tool", "sphere"};
+    all.insert(all.end(), more.begin(), more.end());
+    return nlohmann::json::parse(run(all, "tip.txt").out).at("youngs_modulus_pa");
+  };
+  EXPECT_EQ(json.at("youngs_modulus_pa"), modulus({}));
+  EXPECT_EQ(json.at("youngs_modulus_pa"), modulus({"--radius-m", "0.03"}));
+  EXPECT_NE(json.at("youngs_modulus_pa"), modulus({"--radius-m", "0.02"}));
+}
+
 TEST_F(FitTool, ClaimsNoModulusWithoutATool) {
   const auto json = nlohmann::json::parse(run(columns({"--json"})).out);
   EXPECT_TRUE(json.at("youngs_modulus_pa").is_null());

@@ -181,5 +181,104 @@ TEST_F(SessionTest, AnAfmFileThatIsNoneIsNamedWhenItIsRead) {
   EXPECT_THROW((void)read_run(s, s.run[0]), FormatError);
 }
 
+std::string mach1(const std::string& position, const std::string& normal, int presses) {
+  std::string text = "<Mach-1 File>\n";
+  for (int i = 0; i < presses; ++i) {
+    text += "<INFO>\n<END INFO>\n<Normal Indentation>\nContacts mapping (x, y, z):\t" +
+            position + "\nSurface Normal (x, y, z):\t" + normal +
+            "\n<DATA>\nTime, s\tPosition (z), mm\tFz, gf\n0\t0\t0\n1\t1\t1000\n"
+            "<END DATA>\n";
+  }
+  return text;
+}
+
+TEST_F(SessionTest, AutoTakesPressesPositionsAndNormalsOfTheFiles) {
+  write("a.txt", mach1("1\t2\t3", "0\t0\t2", 2));
+  write("b.csv", "Travel (mm),Load (N)\n0,1\n1,2\n");
+  const Session s = read("[read]\nlayout = \"auto\"\n[[run]]\nfiles = \"[ab].*\"\n");
+  ASSERT_EQ(s.run.size(), 3U);
+  EXPECT_EQ(s.run[0].name, "a.txt#1");
+  EXPECT_EQ(s.run[1].name, "a.txt#2");
+  EXPECT_EQ(s.run[2].name, "b.csv");
+  EXPECT_TRUE(s.run[1].position_m->isApprox(Eigen::Vector3d(1e-3, 2e-3, 3e-3)));
+  EXPECT_EQ(*s.run[1].normal, Eigen::Vector3d::UnitZ());
+  EXPECT_FALSE(s.run[2].position_m);
+  ASSERT_EQ(s.notes.size(), 2U);
+  EXPECT_EQ(s.notes[0],
+            "a.txt: Biomomentum Mach-1 text, 2 presses; positions and normals are the "
+            "file's");
+  EXPECT_NEAR(read_run(s, s.run[0]).samples.force_n.at(1), 9.80665, 1e-12);
+  EXPECT_EQ(read_run(s, s.run[0]).samples.time_s.size(), 2U);
+  EXPECT_NEAR(read_run(s, s.run[2]).samples.depth_m.at(1), 1e-3, 1e-15);
+}
+
+TEST_F(SessionTest, TheSessionsPositionGoesBeforeTheFiles) {
+  write("a.txt", mach1("1\t2\t3", "0\t0\t1", 2));
+  write("points.csv", "file,x,y,z\na.txt#2,7,8,9\n");
+  const std::string start = "[read]\nlayout = \"auto\"\n[[run]]\nfile = \"a.txt\"\n";
+  const Session told = read(start + "position_m = [4, 5, 6]\n");
+  EXPECT_EQ(*told.run[1].position_m, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(*told.run[1].normal, Eigen::Vector3d::UnitZ());  // the file's still
+  const Session table =
+      read(start + "[points]\ntable = \"points.csv\"\nlength_unit = \"m\"\n");
+  EXPECT_EQ(*table.run[1].position_m, Eigen::Vector3d(7, 8, 9));
+  EXPECT_TRUE(table.run[0].position_m->isApprox(Eigen::Vector3d(1e-3, 2e-3, 3e-3)));
+}
+
+TEST_F(SessionTest, AMapPlacesThePressesOfItsFile) {
+  write("a.txt", mach1("", "", 2));
+  const std::string names =
+      "PixelX\tPixelY\tPointID\tPointType\tScanX(mm)\tScanY(mm)\n";
+  write("a.map", "i\ti\n" + names + "0\t0\t2\t0\t3\t4\n0\t0\t1\t0\t1\t2\n");
+  const std::string start =
+      "[read]\nlayout = \"auto\"\n[[run]]\nfile = \"a.txt\"\n[points]\ntable = ";
+  const Session s = read(start + "\"a.map\"\n");
+  EXPECT_TRUE(s.run[0].position_m->isApprox(Eigen::Vector3d(1e-3, 2e-3, 0.0)));
+  EXPECT_TRUE(s.run[1].position_m->isApprox(Eigen::Vector3d(3e-3, 4e-3, 0.0)));
+  write("short.map", names + "0\t0\t1\t0\t1\t2\n");
+  expect_complaint(start + "\"short.map\"\n", "1 points that were pressed");
+}
+
+std::string optics11(const std::string& radius) {
+  return "Tip radius (um)\t" + radius +
+         "\nTime (s)\tLoad (uN)\tIndentation (nm)\tCantilever (nm)\tPiezo (nm)\n"
+         "0\t0\t0\t0\t0\n1\t1\t90\t10\t100\n";
+}
+
+TEST_F(SessionTest, ASphereWithoutARadiusHasTheFiles) {
+  write("a.txt", optics11("25"));
+  write("b.txt", optics11("25.0"));
+  const std::string start =
+      "[read]\nlayout = \"auto\"\n[[run]]\nfiles = \"*.txt\"\n[indenter]\nshape = "
+      "\"sphere\"\n";
+  const Session s = read(start);
+  EXPECT_DOUBLE_EQ(s.indenter.radius_m, 25e-6);
+  EXPECT_DOUBLE_EQ(s.tool->radius_m, 25e-6);
+  EXPECT_DOUBLE_EQ(read(start + "radius_m = 3e-5\n").indenter.radius_m, 3e-5);
+  write("b.txt", optics11("9"));
+  expect_complaint(start, "states 9e-06 m where others state 2.5e-05 m; tell radius_m");
+  write("b.txt", "x (mm),f (N)\n1,2\n3,4\n");
+  expect_complaint(start, "the run \"b.txt\" states none; tell radius_m");
+}
+
+TEST_F(SessionTest, AutoTakesWhatIsToldBeforeTheHeader) {
+  write("a.csv", "Stroke (mm),Gauge (um),Load (N)\n0,0,1\n1,500,2\n");
+  const std::string run = "[[run]]\nfile = \"a.csv\"\n";
+  const Session ask = read("[read]\nlayout = \"auto\"\n" + run);
+  EXPECT_THROW((void)read_run(ask, ask.run[0]), InputError);
+  const Session s = read("[read]\nlayout = \"auto\"\ndepth_column = \"Gauge\"\n" + run);
+  EXPECT_NEAR(read_run(s, s.run[0]).samples.depth_m.at(1), 5e-4, 1e-15);
+  expect_complaint("[read]\nlayout = \"auto\"\ndepth_unit = \"mm\"\n" + run,
+                   "needs depth_column");
+}
+
+TEST_F(SessionTest, AFileThatCannotBeListedIsARunWithItsReason) {
+  write("a.jpk-force", "PK\x03\x04 and no more");
+  const Session s =
+      read("[read]\nlayout = \"auto\"\n[[run]]\nfile = \"a.jpk-force\"\n");
+  ASSERT_EQ(s.run.size(), 1U);
+  EXPECT_THROW((void)read_run(s, s.run[0]), FormatError);
+}
+
 }  // namespace
 }  // namespace palpate
