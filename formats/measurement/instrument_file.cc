@@ -16,6 +16,7 @@
 #include "formats/measurement/machine_table.h"
 #include "formats/measurement/optics11_file.h"
 #include "formats/measurement/workbook_file.h"
+#include "formats/measurement/zip_archive.h"
 
 namespace palpate {
 namespace {
@@ -71,10 +72,17 @@ std::string head_of(const fs::path& file) {
 
 const InstrumentLayout& layout_of(const fs::path& file) {
   const std::string head = head_of(file);
-  return *std::find_if(kLayouts.begin(), kLayouts.end() - 1,
-                       [&](const InstrumentLayout& layout) {
-                         return layout.recognises(file, head);
-                       });
+  const auto* const found = std::find_if(kLayouts.begin(), kLayouts.end() - 1,
+                                         [&](const InstrumentLayout& layout) {
+                                           return layout.recognises(file, head);
+                                         });
+  if (is_zip(head) && found == kLayouts.end() - 1) {
+    throw FormatError(fmt::format(
+        "{}: is a zip archive, but no JPK file and no workbook, or it is cut short; "
+        "unpack it, if it holds files of measurements",
+        file.string()));
+  }
+  return *found;
 }
 
 std::string name_curves(std::span<const InstrumentCurve> curves) {

@@ -225,7 +225,9 @@ JpkScaling jpk_scaling(const JpkHeader& header, const std::string& file,
     const auto defined = header.find(key + ".defined");
     if (step == kSlotsMax || defined == header.end() || defined->second != "true") {
       throw FormatError(fmt::format(
-          "{}: channel {} has no slot \"{}\": it was measured without that calibration",
+          "{}: channel {} has no slot \"{}\": it was measured without that "
+          "calibration; "
+          "set sensitivity and spring constant in the instrument's software",
           file, channel, at));
     }
     steps.push_back(scaling_at(header, file, key + ".scaling"));

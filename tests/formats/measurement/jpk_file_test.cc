@@ -240,6 +240,7 @@ TEST_F(JpkFile, ABrokenArchiveIsNamed) {
     EXPECT_NE(std::string(error.what()).find("cut short or damaged"),
               std::string::npos);
   }
+  EXPECT_THROW((void)layout_of(write({{"readme.txt", "files"}})), FormatError);
 }
 
 }  // namespace
