@@ -1,6 +1,7 @@
 #include "formats/measurement/afm_tab_file.h"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,14 +20,12 @@ constexpr const char* kPositions[] = {"tip position", "height (measured)",
 
 struct TabFile {
   std::string name;
-  nlohmann::json metadata;
-  std::vector<TextLine> lines;  // the column names, then rows
+  std::map<std::string, double> metadata;  // those that are numbers
+  std::vector<TextLine> lines;             // the column names, then rows
 
   [[nodiscard]] std::optional<double> number(const char* key) const {
     const auto found = metadata.find(key);
-    return found != metadata.end() && found->is_number()
-               ? std::optional(found->get<double>())
-               : std::nullopt;
+    return found != metadata.end() ? std::optional(found->second) : std::nullopt;
   }
 };
 
@@ -51,9 +50,14 @@ TabFile read_tab(const std::filesystem::path& file) {
       names = {number, std::string(line)};
     }
   }
-  tab.metadata = nlohmann::json::parse(json, nullptr, false);
-  if (!tab.metadata.is_object()) {
+  const nlohmann::json metadata = nlohmann::json::parse(json, nullptr, false);
+  if (!metadata.is_object()) {
     throw FormatError(fmt::format("{}: the metadata are no JSON object", tab.name));
+  }
+  for (const auto& [key, value] : metadata.items()) {
+    if (value.is_number()) {
+      tab.metadata[key] = value.get<double>();
+    }
   }
   tab.lines = read_text_lines(file);
   tab.lines.insert(tab.lines.begin(), names);
