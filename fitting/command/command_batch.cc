@@ -45,16 +45,6 @@ std::function<void(std::size_t)> progress_of(std::size_t runs, bool quiet) {
   };
 }
 
-void print_notes(const Session& session) {
-  constexpr std::size_t kMost = 20;
-  for (std::size_t i = 0; i < std::min(session.notes.size(), kMost); ++i) {
-    fmt::print("read   {}\n", session.notes[i]);
-  }
-  if (session.notes.size() > kMost) {
-    fmt::print("read   and {} more files\n", session.notes.size() - kMost);
-  }
-}
-
 void print_report(const BatchReport& report, const std::string& output) {
   std::size_t use = 0, check = 0;
   for (const RunResult& run : report.runs) {
@@ -89,7 +79,7 @@ void run(const BatchOptions& options) {
   if (options.json) {
     fmt::print("{}\n", json);
   } else {
-    print_notes(session);
+    fmt::print("{}", describe_notes(session));
     print_report(report, options.output);
   }
 }

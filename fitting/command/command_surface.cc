@@ -91,12 +91,13 @@ SurfaceFit compute(const Session& session) {
 }
 
 void run(const SurfaceOptions& options) {
-  const SurfaceFit fit = compute(read_session(options.session));
+  const Session session = read_session(options.session);
+  const SurfaceFit fit = compute(session);
   write_database(options.output, fit.database);
   if (options.json) {
     fmt::print("{}\n", to_json(fit.report).dump());
   } else {
-    fmt::print("{}", describe(fit.report));
+    fmt::print("{}{}", describe_notes(session), describe(fit.report));
   }
 }
 

@@ -330,6 +330,18 @@ Session read_session(const std::filesystem::path& file) {
   return session;
 }
 
+std::string describe_notes(const Session& session) {
+  constexpr std::size_t kMost = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(session.notes.size(), kMost); ++i) {
+    text += fmt::format("read   {}\n", session.notes[i]);
+  }
+  if (session.notes.size() > kMost) {
+    text += fmt::format("read   and {} more files\n", session.notes.size() - kMost);
+  }
+  return text;
+}
+
 MeasurementFile read_run(const Session& session, const SessionRun& run) {
   if (session.layout == SessionLayout::kAuto) {
     const InstrumentLayout& layout = layout_of(run.file);

@@ -72,6 +72,9 @@ struct Session {
 /// file, and a file without a row there.
 [[nodiscard]] Session read_session(const std::filesystem::path& file);
 
+/// What was taken from the files, a line "read   ..." each, at most 20.
+[[nodiscard]] std::string describe_notes(const Session& session);
+
 /// Displacement and force, and time where the session names it, of one run.
 /// @throws InputError or FormatError as read_measurement(), read_afm_curve() and the
 /// readers of instrument_file.h do.

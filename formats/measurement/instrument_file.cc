@@ -101,6 +101,20 @@ std::string name_curves(std::span<const InstrumentCurve> curves) {
                                : names;
 }
 
+std::size_t clipped_samples(const Measurement& samples) {
+  constexpr std::size_t kMin = 8;
+  const std::vector<double>& depth = samples.depth_m;
+  const auto moved = std::find_if(depth.begin(), depth.end(), [](double d) {
+    return d != 0.0;
+  });
+  const auto still = static_cast<std::size_t>(moved - depth.begin());
+  const auto force = std::span(samples.force_n).first(still);
+  const bool alive = std::any_of(force.begin(), force.end(), [&](double f) {
+    return f != force.front();
+  });
+  return still >= kMin && alive ? still : 0;
+}
+
 MeasurementColumns told_columns(const InstrumentCurve& curve,
                                 const InstrumentRequest& request) {
   const auto first = [](const MeasurementColumn& told, const MeasurementColumn& own) {

@@ -163,9 +163,16 @@ MeasurementFile read_lines(const std::string& file, std::span<const TextLine> li
                            const InstrumentCurve& curve,
                            const InstrumentRequest& request) {
   const auto part = lines.subspan(curve.begin, curve.end - curve.begin);
-  return read_table(file, part,
-                    columns_of_lines(file, part, told_columns(curve, request)),
-                    request.header_units);
+  MeasurementFile result =
+      read_table(file, part, columns_of_lines(file, part, told_columns(curve, request)),
+                 request.header_units);
+  if (const std::size_t clipped = clipped_samples(result.samples); clipped > 0) {
+    result.notes.push_back(fmt::format(
+        "the depth stands at 0 in the first {} samples: if it was clipped before "
+        "contact, take the way of the tool instead",
+        clipped));
+  }
+  return result;
 }
 
 InstrumentFile list_tables(const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 #include "formats/measurement/optics11_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -12,8 +13,6 @@
 
 namespace palpate {
 namespace {
-
-constexpr std::size_t kClippedMin = 8;  // samples at 0 before the first other one
 
 // The line of column names among lines; their number where there is none.
 std::size_t find_names(std::span<const TextLine> lines) {
@@ -36,7 +35,7 @@ std::map<std::string, double> head_values(std::span<const TextLine> head) {
   for (const TextLine& line : head) {
     const auto cells = split_cells(line.text, '\t');
     const auto number = cells.size() > 1 ? parse_number(cells[1], true) : std::nullopt;
-    if (!number) {
+    if (!number || !std::isfinite(*number)) {
       continue;
     }
     const ColumnName name = parse_column_name(cells[0]);
@@ -74,15 +73,11 @@ std::vector<TextLine> table_lines(const std::filesystem::path& file,
 }
 
 void refuse_clipped(const std::string& file, const MeasurementFile& read) {
-  const std::vector<double>& depth = read.samples.depth_m;
-  const auto moved = std::find_if(depth.begin(), depth.end(), [](double d) {
-    return d != 0.0;
-  });
-  if (static_cast<std::size_t>(moved - depth.begin()) >= kClippedMin) {
+  if (const std::size_t clipped = clipped_samples(read.samples); clipped > 0) {
     throw InputError(fmt::format(
         "{}: the depth \"{}\" stands at 0 in the first {} samples: it is clipped "
         "before contact; tell no depth column, and it is Piezo less Cantilever",
-        file, read.depth_column, moved - depth.begin()));
+        file, read.depth_column, clipped));
   }
 }
 

@@ -207,11 +207,16 @@ InstrumentFile list_workbook(const std::filesystem::path& file) {
   const ZipArchive zip(file);
   const auto shared = shared_texts(zip);
   InstrumentFile result;
+  std::vector<InstrumentCurve> untold;  // numbers without units: who asks tells
   std::string without;
   for (const Sheet& sheet : sheets_of(zip)) {
-    for (InstrumentCurve& curve : tables_in(lines_of(zip, sheet, shared))) {
+    const std::vector<TextLine> lines = lines_of(zip, sheet, shared);
+    for (InstrumentCurve& curve : tables_in(lines)) {
       if (curve.line == 0) {
         without += fmt::format("{}\"{}\"", without.empty() ? "" : ", ", sheet.name);
+        curve.kind = sheet.name;
+        curve.number = static_cast<int>(untold.size()) + 1;
+        untold.push_back(std::move(curve));
         continue;
       }
       curve.kind = sheet.name;
@@ -220,12 +225,8 @@ InstrumentFile list_workbook(const std::filesystem::path& file) {
     }
   }
   if (result.curve.empty()) {
-    throw FormatError(fmt::format(
-        "{}: no sheet holds a table with a length and a force by its units: {}; export "
-        "it as text, and tell the columns",
-        zip.file(), without));
-  }
-  if (!without.empty()) {
+    result.curve = std::move(untold);
+  } else if (!without.empty()) {
     result.left_out = "sheets without a length and a force: " + without;
   }
   return result;

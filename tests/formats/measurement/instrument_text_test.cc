@@ -183,7 +183,7 @@ std::string optics11(const std::string& rows) {
 TEST_F(InstrumentText, Optics11DepthIsPiezoLessCantileverAndTheTipItsOwn) {
   std::string rows;
   for (int i = 0; i < 10; ++i) {  // free: the indentation stands at 0
-    rows += fmt::format("0.{0}\t0.0\t0.0\t0.0\t{0}0.0\t0\r\n", i);
+    rows += fmt::format("0.{0}\t0.0{0}\t0.0\t0.0\t{0}0.0\t0\r\n", i);
   }
   rows += "1.0\t2.5\t95.0\t5.0\t100.0\t0\r\n";
   const auto file = write(optics11(rows));

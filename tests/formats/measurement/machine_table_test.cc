@@ -123,6 +123,20 @@ TEST_F(MachineTable, UnitsAfterACommaOfTheName) {
   expect_near(m.force_n, {2 * 9.80665e-3, 4 * 9.80665e-3});
 }
 
+TEST_F(MachineTable, ADepthThatIsClippedBeforeContactIsTold) {
+  const auto notes = [&](const char* still) {
+    std::string text = "Indentation (um);Load (N)\n";
+    for (int i = 0; i < 9; ++i) {
+      text += std::string(still) + ";" + std::to_string(i) + "\n";
+    }
+    const auto file = write(text + "5;9\n");
+    return read_machine_table(file, list_tables(file).curve.at(0), {}).notes;
+  };
+  ASSERT_EQ(notes("0").size(), 1U);
+  EXPECT_NE(notes("0")[0].find("first 9 samples"), std::string::npos);
+  EXPECT_TRUE(notes("1").empty());
+}
+
 TEST_F(MachineTable, RefusesTwoUnitsOfOneColumn) {
   expect_complaint("Travel (mm);Load (N)\nmm;kN\n1;2\n3;4\n",
                    "states the unit N in its name and kN below it");

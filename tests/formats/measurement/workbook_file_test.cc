@@ -85,6 +85,21 @@ TEST_F(Workbook, TablesOfAllSheetsArePresses) {
   EXPECT_EQ(read.force_column, "Standardkraft");
 }
 
+TEST_F(Workbook, ASheetWithoutUnitsIsReadAsToldOrAskedFor) {
+  std::string bare = kData;
+  const std::size_t units = bare.find("<x:row r=\"5\">");
+  bare.erase(units, bare.find("<x:row r=\"6\">") - units);
+  const auto file = write(book(bare, bare));
+  const InstrumentLayout& layout = layout_of(file);
+  const auto curves = layout.list(file).curve;
+  ASSERT_EQ(curves.size(), 2U);
+  const MeasurementFile read = layout.read(
+      file, curves[1], {{{"Verformung", "mm"}, {"Standardkraft", "kN"}, std::nullopt}});
+  EXPECT_EQ(read.samples.force_n, (std::vector<double>{150.0, 250.0}));
+  EXPECT_NE(complaint(file).find("no column of the header states a unit of length"),
+            std::string::npos);
+}
+
 TEST_F(Workbook, TwoSheetsAreTwoPresses) {
   const auto file = write(book(kData, kData));
   EXPECT_EQ(layout_of(file).list(file).curve.size(), 2U);
@@ -101,7 +116,7 @@ TEST_F(Workbook, NamesSheetAndRowOfABadCell) {
 }
 
 TEST_F(Workbook, SaysWhyABookCannotBeRead) {
-  EXPECT_NE(complaint(write(book(kInfo, kInfo))).find("no sheet holds a table"),
+  EXPECT_NE(complaint(write(book(kInfo, kInfo))).find("no line of names"),
             std::string::npos);
   EXPECT_NE(complaint(write(book(kInfo, "<worksheet><broken"))).find("is not XML"),
             std::string::npos);
