@@ -193,7 +193,7 @@ bool is_jpk(const std::filesystem::path& file, std::string_view head) {
     return true;  // its name says so, be it broken
   }
   try {
-    const ZipArchive zip(file);
+    const ZipArchive& zip = open_archive(file);
     return zip.has("segments/0/segment-header.properties") || zip.has(kShared);
   } catch (const Error&) {
     return false;
@@ -201,7 +201,7 @@ bool is_jpk(const std::filesystem::path& file, std::string_view head) {
 }
 
 InstrumentFile list_jpk(const std::filesystem::path& file) {
-  const ZipArchive zip(file);
+  const ZipArchive& zip = open_archive(file);
   std::set<int> numbers;
   for (const std::string& name : zip.names()) {
     if (const auto number = index_of(name)) {
@@ -230,7 +230,7 @@ InstrumentFile list_jpk(const std::filesystem::path& file) {
 MeasurementFile read_jpk(const std::filesystem::path& file,
                          const InstrumentCurve& curve,
                          const InstrumentRequest& request) {
-  const ZipArchive zip(file);
+  const ZipArchive& zip = open_archive(file);
   Press press(zip, folder_of(curve));
   const std::vector<Segment> segments = press.segments();
   const double sign = falls_under_press(segments) ? -1.0 : 1.0;

@@ -197,14 +197,14 @@ bool is_workbook(const std::filesystem::path& file, std::string_view head) {
     return true;  // its name says so, be it broken
   }
   try {
-    return ZipArchive(file).has(kBook);
+    return open_archive(file).has(kBook);
   } catch (const Error&) {
     return false;
   }
 }
 
 InstrumentFile list_workbook(const std::filesystem::path& file) {
-  const ZipArchive zip(file);
+  const ZipArchive& zip = open_archive(file);
   const auto shared = shared_texts(zip);
   InstrumentFile result;
   std::vector<InstrumentCurve> untold;  // numbers without units: who asks tells
@@ -235,7 +235,7 @@ InstrumentFile list_workbook(const std::filesystem::path& file) {
 MeasurementFile read_workbook(const std::filesystem::path& file,
                               const InstrumentCurve& curve,
                               const InstrumentRequest& request) {
-  const ZipArchive zip(file);
+  const ZipArchive& zip = open_archive(file);
   for (const Sheet& sheet : sheets_of(zip)) {
     if (sheet.name == curve.kind) {
       const auto lines = lines_of(zip, sheet, shared_texts(zip));

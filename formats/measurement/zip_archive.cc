@@ -93,6 +93,25 @@ std::string ZipArchive::read(const std::string& name) const {
   return bytes;
 }
 
+const ZipArchive& open_archive(const std::filesystem::path& file) {
+  struct Kept {
+    std::filesystem::path file;
+    std::filesystem::file_time_type written;
+    std::uintmax_t bytes = 0;
+    std::unique_ptr<ZipArchive> zip;
+  };
+  thread_local Kept kept;
+  require_regular_file(file);
+  const auto written = std::filesystem::last_write_time(file);
+  const std::uintmax_t bytes = std::filesystem::file_size(file);
+  if (!kept.zip || kept.file != file || kept.written != written ||
+      kept.bytes != bytes) {
+    kept.zip.reset();  // where the next cannot be opened
+    kept = Kept{file, written, bytes, std::make_unique<ZipArchive>(file)};
+  }
+  return *kept.zip;
+}
+
 bool is_zip(std::string_view head) {
   return head.starts_with("PK\x03\x04");
 }
