@@ -21,6 +21,9 @@ enum class FitFlag {
   kMisfit,
   kHertzDepthExceeded,
   kHertzExponentRefuted,
+  kFrameTakesMost,
+  kTimeDriftRemoved,
+  kAdhesion,
 };
 
 /// As reports name it: "already_in_contact".

@@ -103,7 +103,8 @@ Rating rate(const Approach& approach, const ContactFit& fit,
   }
   for (const FitFlag flag :
        {FitFlag::kAlreadyInContact, FitFlag::kContactPointNotIdentified,
-        FitFlag::kNonMonotoneDepth, FitFlag::kNonPassiveLoop}) {
+        FitFlag::kNonMonotoneDepth, FitFlag::kNonPassiveLoop, FitFlag::kAdhesion,
+        FitFlag::kFrameTakesMost}) {
     if (fit.has(flag)) {
       rating.gates.emplace_back(flag_name(flag));
     }

@@ -38,9 +38,10 @@ struct Rating {
 /// Gates to skip: empty_run, too_few_samples (8 in contact), implausible_units (depth
 /// outside [1 nm, 0.5 m], force outside [1 pN, 100 kN]), not_converged. Gates to check:
 /// the flags already_in_contact, contact_point_not_identified, non_monotone_depth,
-/// non_passive_loop, and parameter_at_bound of an exponent or contact point.
-/// Score: product over rms and near-contact rms of 1 / (1 + max(0, ratio - 1) / 5), of
-/// 1 / (1 + max(0, -runs_z) / 20), and of 1 / 2 for every gate to check.
+/// non_passive_loop, adhesion, frame_takes_most, and parameter_at_bound of an exponent
+/// or contact point. Score: product over rms and near-contact rms of 1 / (1 + max(0,
+/// ratio - 1) / 5), of 1 / (1 + max(0, -runs_z) / 20), and of 1 / 2 for every gate to
+/// check.
 [[nodiscard]] Rating rate(const Approach& approach, const ContactFit& fit,
                           const FamilyChoice& choice);
 
