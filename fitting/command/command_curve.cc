@@ -10,11 +10,16 @@
 
 #include "fitting/command/commands.h"
 #include "fitting/command/indenter_options.h"
+#include "fitting/command/machine_options.h"
+#include "fitting/curve/corrected_press.h"
 #include "fitting/curve/fitted_response.h"
 #include "fitting/curve/measured_approach.h"
 #include "fitting/curve/parameter_json.h"
 #include "fitting/curve/power_law_fit.h"
 #include "fitting/material/moduli.h"
+#include "fitting/session/batch.h"
+#include "fitting/session/corrections_report.h"
+#include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
 #include "formats/measurement/measurement_file.h"
 
@@ -27,12 +32,15 @@ struct CurveOptions {
   bool ignore_header_units = false;
   FitRange range;
   IndenterOptions indenter;
+  MachineOptions machine;
   std::string output;
   bool json = false;
 };
 
 struct CurveResult {
   MeasurementFile measurement;
+  std::optional<FrameRun> frame;
+  PressCorrections corrections;
   Approach approach;
   ContactFit fit;
   Modulus modulus;
@@ -53,23 +61,48 @@ void take_header(CurveOptions& options) {
   }
 }
 
-CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
-  CurveResult result;
-  result.measurement = read_measurement(
-      options.file, options.depth, options.force,
+MeasurementFile read(const CurveOptions& options, const std::string& file) {
+  MeasurementColumns columns{options.depth, options.force};
+  if (!options.machine.time.column.empty()) {
+    columns.time = options.machine.time;
+    if (columns.time->unit.empty()) {
+      columns.time->unit = kUnitFromHeader;
+    }
+  } else if (!options.machine.time.unit.empty()) {
+    throw InputError("--time-unit goes with --time-column");
+  }
+  return read_measurement(
+      file, columns,
       options.ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree);
+}
+
+// What the machine adds is taken off; what is left is fitted.
+CorrectedPress corrected(const CurveOptions& options, CurveResult& result) {
+  result.measurement = read(options, options.file);
+  result.frame = frame_of(options.machine, [&](const std::string& file) {
+    return read(options, file).samples;
+  });
   try {
-    result.approach = select_approach(result.measurement.samples, options.range);
+    result.measurement.samples = press_of(options.machine, result.measurement.samples);
+    return correct_press(result.measurement.samples,
+                         result.frame ? &result.frame->frame : nullptr, options.range);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", options.file, error.what()));
   }
-  result.fit = fit_contact(result.approach);
+}
+
+CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
+  CurveResult result;
+  const CorrectedPress press = corrected(options, result);
+  result.corrections = press.corrections;
+  result.approach = press.approach;
+  result.fit = press.contact;
   if (!result.fit.converged) {
     throw NumericalError(fmt::format("{}: the fit did not converge in {} iterations",
                                      options.file, result.fit.iterations));
   }
   result.flags = result.fit.flags;
-  result.modulus = find_modulus(result.approach, result.fit, indenter);
+  result.modulus = corrected_modulus(press, indenter);
   for (const FitFlag flag : result.modulus.flags) {
     if (std::find(result.flags.begin(), result.flags.end(), flag) ==
         result.flags.end()) {
@@ -79,7 +112,8 @@ CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
   return result;
 }
 
-void print_json(const CurveResult& r, const CurveOptions& options) {
+void print_json(const CurveResult& r, const CurveOptions& options,
+                const Indenter& indenter) {
   nlohmann::ordered_json json;
   json["depth_column"] = r.measurement.depth_column;
   json["force_column"] = r.measurement.force_column;
@@ -104,6 +138,13 @@ void print_json(const CurveResult& r, const CurveOptions& options) {
   json["spikes"] = r.approach.spikes;
   json["hold_samples"] = r.approach.hold_samples;
   json["retract_samples"] = r.approach.retract_samples;
+  json["frame"] = nullptr;
+  if (r.frame) {
+    json["frame"] = {{"stiffness_n_per_m", r.frame->frame.stiffness_n_per_m},
+                     {"stiffness_sd_n_per_m", r.frame->frame.stiffness_sd_n_per_m},
+                     {"linear", r.frame->frame.linear}};
+  }
+  json["corrections"] = corrections_json(r.corrections, indenter);
   json["seconds"] = r.fit.seconds;
   fmt::print("{}\n", json.dump());
 }
@@ -125,7 +166,18 @@ void print_columns(const CurveResult& r, const CurveOptions& options) {
              named(r.measurement.force_column, options.force));
 }
 
-void print_report(const CurveResult& r, const CurveOptions& options) {
+void print_corrections(const CurveResult& r, const Indenter& indenter) {
+  if (r.frame) {
+    fmt::print("{:<24} {}\n", "frame", describe_frame(r.frame));
+  }
+  const std::string text = corrections_text(r.corrections, indenter);
+  if (!text.empty()) {
+    fmt::print("{:<24} {}\n", "machine", text);
+  }
+}
+
+void print_report(const CurveResult& r, const CurveOptions& options,
+                  const Indenter& indenter) {
   const auto& approach = r.approach;
   print_columns(r, options);
   fmt::print(
@@ -151,6 +203,7 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
   } else {
     fmt::print("{:<24} none: {}\n", "Young's modulus", r.modulus.refused);
   }
+  print_corrections(r, indenter);
   for (const FitFlag flag : r.flags) {
     fmt::print("flag {:<28} {}\n", flag_name(flag), flag_meaning(flag));
   }
@@ -171,7 +224,8 @@ void run(CurveOptions& options) {
     write_database(options.output, sample_patch(result.fit, result.measurement.samples,
                                                 *tool, options.file));
   }
-  options.json ? print_json(result, options) : print_report(result, options);
+  options.json ? print_json(result, options, indenter)
+               : print_report(result, options, indenter);
 }
 
 }  // namespace
@@ -195,6 +249,7 @@ void add_curve_command(Command app) {
   command.add_option("--from-m", options->range.from_m, "fit from this displacement");
   command.add_option("--to-m", options->range.to_m, "fit up to this displacement");
   add_indenter_options(command, options->indenter);
+  add_machine_options(command, options->machine);
   command.add_option("-o,--output", options->output,
                      "response database of a flat sample with this response");
   command.add_flag("--json", options->json, "report for programs");
