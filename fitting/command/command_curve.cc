@@ -93,7 +93,8 @@ CorrectedPress corrected(const CurveOptions& options, CurveResult& result) {
 
 CurveResult compute(const CurveOptions& options, const Indenter& indenter) {
   CurveResult result;
-  const CorrectedPress press = corrected(options, result);
+  CorrectedPress press = corrected(options, result);
+  model_adhesion(indenter, press);
   result.corrections = press.corrections;
   result.approach = press.approach;
   result.fit = press.contact;

@@ -74,6 +74,8 @@ Adhesion find_adhesion(const Measurement& samples, const Approach& approach,
   const double zero = median(of(f, before));
   adhesion.noise_n =
       std::max(robust_standard_deviation(of(f, before)), approach.noise_sd_n);
+  adhesion.zero_n = zero;
+  adhesion.slope_n_per_m = slope;
   double zero_after = zero;
   if (free.after.size() >= kFreeAfterMin) {
     zero_after = std::min(zero, median(of(f, free.after)));

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "fitting/curve/adhesion.h"
 #include "fitting/curve/frame_compliance.h"
+#include "fitting/curve/jkr_fit.h"
 #include "fitting/curve/time_drift.h"
 
 namespace palpate {
@@ -14,6 +14,7 @@ struct PressCorrections {
   FrameEffect frame;
   TimeDrift drift;
   Adhesion adhesion;
+  std::optional<JkrFit> jkr = {};  ///< where a sphere pressed and adhesion is seen
 };
 
 struct CorrectedPress {

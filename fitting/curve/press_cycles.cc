@@ -130,6 +130,10 @@ std::vector<CycleSummary> summarise_cycles(const std::vector<Measurement>& press
   }
   for (CycleSummary& cycle : cycles) {
     cycle.contact_shift_m = cycle.contact_point_m - cycles.back().contact_point_m;
+    cycle.contact_shift_sd_m =
+        &cycle == &cycles.back()
+            ? 0.0
+            : std::hypot(cycle.contact_point_sd_m, cycles.back().contact_point_sd_m);
   }
   return cycles;
 }

@@ -43,6 +43,7 @@ struct CycleSummary {
   double contact_shift_m = std::numeric_limits<double>::quiet_NaN();
   ///< [m] contact point less that of the last press: negative where the specimen has
   ///< sunk since
+  double contact_shift_sd_m = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One of each press, none for a single one. Works are over the travel that approach

@@ -43,8 +43,9 @@ void collect_flags(RunResult& result) {
 
 void fit(const Session& session, const Measurement& samples,
          const FrameCompliance* frame, RunResult& result) {
-  const CorrectedPress press =
+  CorrectedPress press =
       correct_press(samples, frame, session.fit.range, session.fit.baseline);
+  model_adhesion(session.indenter, press);
   result.corrections = press.corrections;
   result.approach = press.approach;
   result.contact = press.contact;
@@ -109,6 +110,14 @@ void fit_or_say(const Session& session, const Measurement& samples,
 }
 
 }  // namespace
+
+void model_adhesion(const Indenter& indenter, CorrectedPress& press) {
+  if (indenter.shape == "sphere" && !(indenter.thickness_m > 0.0) &&
+      press.corrections.adhesion.seen()) {
+    press.corrections.jkr =
+        fit_jkr(press.approach, press.corrections.adhesion, indenter.radius_m);
+  }
+}
 
 Modulus corrected_modulus(const CorrectedPress& press, const Indenter& indenter) {
   Modulus modulus = find_modulus(press.approach, press.contact, indenter);

@@ -53,6 +53,10 @@ struct RunResult {
                                              const SessionRun& run,
                                              const FrameCompliance* frame = nullptr);
 
+/// The law of Johnson, Kendall and Roberts, fitted where a sphere pressed a thick
+/// specimen that sticks.
+void model_adhesion(const Indenter& indenter, CorrectedPress& press);
+
 /// The modulus of a corrected press; its standard deviation with what the frame's own
 /// makes of it.
 [[nodiscard]] Modulus corrected_modulus(const CorrectedPress& press,

@@ -43,8 +43,9 @@ std::string cycle_row(const std::string& run, std::size_t press,
               ? cell(c.peak_force_n) + cell(c.press_work_j) + cell(c.loss_j) +
                     cell(c.loss_factor, 3) + cell(1e3 * c.contact_point_m, 5) +
                     cell(1e3 * c.contact_point_sd_m, 2) +
-                    cell(1e3 * c.contact_shift_m, 3)
-              : "<td colspan=\"7\">" + markup_escaped(c.bad) + "</td>") +
+                    cell(1e3 * c.contact_shift_m, 3) +
+                    cell(1e3 * c.contact_shift_sd_m, 2)
+              : "<td colspan=\"8\">" + markup_escaped(c.bad) + "</td>") +
          "</tr>\n";
 }
 
@@ -61,7 +62,7 @@ std::string cycles(const BatchReport& report) {
                "that of the contact point against the last press.</p><table><tr>"
                "<th>run</th><th>press</th><th>peak force [N]</th><th>work [J]</th>"
                "<th>loss [J]</th><th>loss factor</th><th>contact point [mm]</th>"
-               "<th>&plusmn;</th><th>shift [mm]</th></tr>\n" +
+               "<th>&plusmn;</th><th>shift [mm]</th><th>&plusmn;</th></tr>\n" +
                    rows + "</table>\n";
 }
 

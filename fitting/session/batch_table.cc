@@ -140,7 +140,8 @@ Json cycle_json(const CycleSummary& cycle) {
           {"loss_factor", cycle.loss_factor},
           {"contact_point_m", cycle.contact_point_m},
           {"contact_point_sd_m", cycle.contact_point_sd_m},
-          {"contact_shift_m", cycle.contact_shift_m}};
+          {"contact_shift_m", cycle.contact_shift_m},
+          {"contact_shift_sd_m", cycle.contact_shift_sd_m}};
 }
 
 Json mean_json(const MeanCurve& mean) {

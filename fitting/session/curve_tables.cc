@@ -96,13 +96,14 @@ std::string mean_curves_csv(const BatchReport& report) {
 std::string cycles_csv(const BatchReport& report) {
   std::string text =
       "run,press,peak_force_n,press_work_j,loss_j,loss_factor,contact_point_m,"
-      "contact_point_sd_m,contact_shift_m,bad\n";
+      "contact_point_sd_m,contact_shift_m,contact_shift_sd_m,bad\n";
   for (const RunResult& run : report.runs) {
     for (std::size_t k = 0; k < run.cycles.size(); ++k) {
       const CycleSummary& c = run.cycles[k];
       text += fmt::format("{},{}", csv_text(run.run_name), k + 1) +
               cells({c.peak_force_n, c.press_work_j, c.loss_j, c.loss_factor,
-                     c.contact_point_m, c.contact_point_sd_m, c.contact_shift_m}) +
+                     c.contact_point_m, c.contact_point_sd_m, c.contact_shift_m,
+                     c.contact_shift_sd_m}) +
               "," + csv_text(c.bad) + "\n";
     }
   }
