@@ -14,6 +14,7 @@
 #include "fitting/command/commands.h"
 #include "fitting/session/batch.h"
 #include "fitting/session/curve_tables.h"
+#include "fitting/session/mean_curves.h"
 #include "fitting/session/session_machine.h"
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
@@ -71,6 +72,10 @@ void print_report(const Session& session, const BatchReport& report,
   }
   fmt::print("runs   {}: {} to use, {} to check, {} to skip\n", report.runs.size(), use,
              check, report.runs.size() - use - check);
+  const MeanCurves means = mean_curves(report);
+  if (const std::string text = left_out_text(means); !text.empty()) {
+    fmt::print("means  {}\n", text);
+  }
   fmt::print("time   {:.3g} s, {:.3g} runs per second\n", report.seconds,
              static_cast<double>(report.runs.size()) / report.seconds);
   fmt::print(

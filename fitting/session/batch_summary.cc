@@ -68,7 +68,8 @@ std::string cycles(const BatchReport& report) {
 
 std::string means(const BatchReport& report) {
   std::string rows;
-  for (const MeanCurve& mean : mean_curves(report)) {
+  const MeanCurves all = mean_curves(report);
+  for (const MeanCurve& mean : all.curves) {
     if (mean.depth_m.empty()) {
       continue;
     }
@@ -84,11 +85,14 @@ std::string means(const BatchReport& report) {
              : "<h2>Means</h2><p>At the largest depth that all of their runs reach; "
                "standard deviations within points, between points of one specimen and "
                "between specimens; the interval is Student's t. All depths: "
-               "mean_curves.csv of palpate-fit batch.</p><table><tr><th>mean of</th>"
-               "<th>runs</th><th>depth [mm]</th><th>force [N]</th><th>95 % from</th>"
-               "<th>to</th><th>repeats [N]</th><th>points [N]</th><th>specimens "
-               "[N]</th>"
-               "</tr>\n" +
+               "mean_curves.csv of palpate-fit batch. " +
+                   left_out_text(all) +
+                   "</p><table><tr><th>mean of</th>"
+                   "<th>runs</th><th>depth [mm]</th><th>force [N]</th><th>95 % "
+                   "from</th>"
+                   "<th>to</th><th>repeats [N]</th><th>points [N]</th><th>specimens "
+                   "[N]</th>"
+                   "</tr>\n" +
                    rows + "</table>\n";
 }
 

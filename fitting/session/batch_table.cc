@@ -275,7 +275,10 @@ std::string batch_json(const Session& session, const BatchReport& report) {
     json["results"].push_back(run_json(run, session));
   }
   json["mean_curves"] = Json::array();
-  for (const MeanCurve& mean : mean_curves(report)) {
+  const MeanCurves means = mean_curves(report);
+  json["means_left_out"] = means.left_out;
+  json["means_from_first_sample"] = means.from_first_sample;
+  for (const MeanCurve& mean : means.curves) {
     json["mean_curves"].push_back(mean_json(mean));
   }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

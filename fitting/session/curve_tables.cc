@@ -81,7 +81,7 @@ std::string mean_curves_csv(const BatchReport& report) {
   std::string text =
       "mean,depth_m,force_n,mean_sd_n,lower_95_n,upper_95_n,degrees_of_freedom,"
       "repeat_sd_n,between_points_sd_n,between_specimens_sd_n,specimens,points,runs\n";
-  for (const MeanCurve& mean : mean_curves(report)) {
+  for (const MeanCurve& mean : mean_curves(report).curves) {
     for (std::size_t i = 0; i < mean.depth_m.size(); ++i) {
       const RandomEffects& e = mean.force_n[i];
       text += csv_text(mean.name) +

@@ -16,17 +16,24 @@ using Runs = std::vector<const RunResult*>;
 using Points = std::map<std::string, Runs>;
 using Specimens = std::map<std::string, Points>;
 
-bool depth_is_known(const RunResult& run) {
+bool can_be_averaged(const RunResult& run) {
   return run.best() != nullptr && run.rating.verdict != Verdict::kSkip &&
-         !run.contact.has(FitFlag::kAlreadyInContact) &&
-         !run.contact.has(FitFlag::kContactPointNotIdentified) &&
          !run.contact.has(FitFlag::kAdhesion);
 }
 
-Specimens sorted(const BatchReport& report) {
+bool depth_is_known(const RunResult& run) {
+  return can_be_averaged(run) && !run.contact.has(FitFlag::kAlreadyInContact) &&
+         !run.contact.has(FitFlag::kContactPointNotIdentified);
+}
+
+bool begins_in_contact(const RunResult& run) {
+  return can_be_averaged(run) && run.contact.has(FitFlag::kAlreadyInContact);
+}
+
+Specimens sorted(const BatchReport& report, bool (*takes)(const RunResult&)) {
   Specimens specimens;
   for (const RunResult& run : report.runs) {
-    if (depth_is_known(run)) {
+    if (takes(run)) {
       specimens[run.specimen][run.point].push_back(&run);
     }
   }
@@ -118,6 +125,41 @@ void append_points(const std::string& specimen, const Points& points,
   }
 }
 
+// A point without a specimen is one of its own.
+void name_the_unnamed(Specimens& specimens) {
+  const auto unnamed = specimens.find("");
+  if (unnamed == specimens.end()) {
+    return;
+  }
+  const Points points = unnamed->second;
+  specimens.erase(unnamed);
+  for (const auto& [point, runs] : points) {
+    specimens["point " + point][point] = runs;
+  }
+}
+
+std::vector<MeanCurve> curves_of(Specimens specimens) {
+  std::vector<MeanCurve> curves;
+  const auto points_of = [&](const std::string& name, const std::string& specimen,
+                             const Points& points) {
+    if (points.size() > 1) {
+      curves.push_back(curve_of(name, one_by_one(points), Level::kPoints));
+    }
+    append_points(specimen, points, curves);
+  };
+  if (specimens.size() == 1) {
+    const auto& [specimen, points] = *specimens.begin();
+    points_of(specimen.empty() ? "all" : "specimen " + specimen, specimen, points);
+    return curves;
+  }
+  name_the_unnamed(specimens);
+  curves.push_back(curve_of("all", specimens, Level::kSpecimens));
+  for (const auto& [specimen, points] : specimens) {
+    points_of("specimen " + specimen, specimen, points);
+  }
+  return curves;
+}
+
 }  // namespace
 
 std::vector<double> depth_grid_m(double largest_m) {
@@ -137,47 +179,36 @@ std::vector<double> depth_grid_m(double largest_m) {
   return grid;
 }
 
-std::vector<MeanCurve> mean_curves(const BatchReport& report) {
-  std::vector<MeanCurve> curves;
-  Specimens specimens = sorted(report);
-  if (specimens.empty()) {
-    return curves;
+MeanCurves mean_curves(const BatchReport& report) {
+  const auto count = [&](bool (*takes)(const RunResult&)) {
+    return static_cast<std::size_t>(
+        std::count_if(report.runs.begin(), report.runs.end(), takes));
+  };
+  MeanCurves means;
+  means.from_first_sample = count(depth_is_known) < 2 && count(begins_in_contact) > 1;
+  const auto takes = means.from_first_sample ? begins_in_contact : depth_is_known;
+  if (report.runs.size() < 2) {
+    return means;
   }
-  const bool told = specimens.size() > 1 || !specimens.begin()->first.empty();
-  std::size_t runs = 0;
-  for (const auto& [specimen, points] : specimens) {
-    for (const auto& [point, repeats] : points) {
-      runs += repeats.size();
-    }
+  means.left_out = report.runs.size() - count(takes);
+  if (count(takes) > 1) {
+    means.curves = curves_of(sorted(report, takes));
   }
-  if (runs < 2) {
-    return curves;
+  return means;
+}
+
+std::string left_out_text(const MeanCurves& means) {
+  std::string text;
+  if (means.left_out > 0) {
+    text = fmt::format(
+        "{} in no mean: skipped, contact point not known, or sticking. ",
+        means.left_out == 1 ? "1 run is" : fmt::format("{} runs are", means.left_out));
   }
-  if (!told || specimens.size() == 1) {
-    const auto& [specimen, points] = *specimens.begin();
-    if (points.size() > 1) {
-      curves.push_back(curve_of(told ? "specimen " + specimen : "all",
-                                one_by_one(points), Level::kPoints));
-    }
-    append_points(specimen, points, curves);
-    return curves;
+  if (means.from_first_sample) {
+    text +=
+        "The runs begin in contact: depths of the means count from the first sample. ";
   }
-  // A point without a specimen is one of its own.
-  if (const auto unnamed = specimens.find(""); unnamed != specimens.end()) {
-    for (auto& [point, repeats] : unnamed->second) {
-      specimens["point " + point][point] = repeats;
-    }
-    specimens.erase("");
-  }
-  curves.push_back(curve_of("all", specimens, Level::kSpecimens));
-  for (const auto& [specimen, points] : specimens) {
-    if (points.size() > 1) {
-      curves.push_back(
-          curve_of("specimen " + specimen, one_by_one(points), Level::kPoints));
-    }
-    append_points(specimen, points, curves);
-  }
-  return curves;
+  return text;
 }
 
 }  // namespace palpate

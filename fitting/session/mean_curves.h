@@ -21,11 +21,21 @@ struct MeanCurve {
 /// twenty-fifth of `largest_m`, the last at most that.
 [[nodiscard]] std::vector<double> depth_grid_m(double largest_m);
 
+struct MeanCurves {
+  std::vector<MeanCurve> curves;
+  bool from_first_sample = false;  ///< depths are counted from there, not from contact
+  std::size_t left_out = 0;        ///< runs that are in no mean
+};
+
 /// Of all runs, of each specimen with two points, of each point with two repeats, as
 /// far as its shallowest run goes. Left out are runs to skip and those whose contact
-/// point is not known, or stick. Where runs name no specimen, each point is one, and
-/// what is between specimens is told as between points. The interval of a point's mean
-/// is Student's t of its repeats.
-[[nodiscard]] std::vector<MeanCurve> mean_curves(const BatchReport& report);
+/// point is not known, or that stick; where fewer than two are left, those that begin
+/// in contact are taken, their depths counted from the first sample. Where runs name no
+/// specimen, each point is one, and what is between specimens is told as between
+/// points. The interval of a point's mean is Student's t of its repeats.
+[[nodiscard]] MeanCurves mean_curves(const BatchReport& report);
+
+/// One sentence on what the means leave out; empty where nothing.
+[[nodiscard]] std::string left_out_text(const MeanCurves& means);
 
 }  // namespace palpate

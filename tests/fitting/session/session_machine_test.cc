@@ -224,7 +224,7 @@ TEST_F(SessionMachineTest, MeansTellWhatScattersWhere) {
     }
   }
   const BatchReport report = fit("[machine]\nframe_stiffness_n_per_m = 800\n" + runs);
-  const auto means = mean_curves(report);
+  const auto means = mean_curves(report).curves;
   ASSERT_EQ(means.size(), 7U);  // all, 2 specimens, 4 points
   EXPECT_EQ(means[0].name, "all");
   EXPECT_EQ(means[0].runs, 8U);
@@ -245,6 +245,24 @@ TEST_F(SessionMachineTest, MeansTellWhatScattersWhere) {
   const std::string table = mean_curves_csv(report);
   EXPECT_EQ(table.substr(0, 12), "mean,depth_m");
   EXPECT_NE(table.find("\npoint q of specimen T,"), std::string::npos);
+}
+
+TEST_F(SessionMachineTest, MeansOfRunsThatBeginInContactCountFromTheFirstSample) {
+  for (const char* name : {"a.csv", "b.csv"}) {
+    Measurement m = synthetic({.exponent = 1.2, .free_m = 0.0}, 1);
+    write(name, m);
+  }
+  const MeanCurves means = mean_curves(fit("[[run]]\nfiles = \"?.csv\"\n"));
+  EXPECT_TRUE(means.from_first_sample);
+  EXPECT_EQ(means.left_out, 0U);
+  EXPECT_EQ(means.curves.size(), 1U);
+  EXPECT_NE(left_out_text(means).find("count from the first sample"),
+            std::string::npos);
+  write("c.csv", synthetic({}, 1));
+  write("d.csv", synthetic({}, 2));
+  const MeanCurves known = mean_curves(fit("[[run]]\nfiles = \"?.csv\"\n"));
+  EXPECT_FALSE(known.from_first_sample);
+  EXPECT_EQ(known.left_out, 2U);
 }
 
 TEST_F(SessionMachineTest, CurvesComeOnOneGridWithTheirBands) {
