@@ -27,7 +27,8 @@ void add_machine_options(Command command, MachineOptions& options) {
 std::optional<FrameRun> frame_of(
     const MachineOptions& options,
     const std::function<Measurement(const std::string&)>& read) {
-  const bool stated = options.frame_stiffness_n_per_m != 0.0;
+  const bool stated =
+      options.frame_stiffness_n_per_m == options.frame_stiffness_n_per_m;
   const bool with_sd =
       options.frame_stiffness_sd_n_per_m == options.frame_stiffness_sd_n_per_m;
   if (stated && !options.frame_run.empty()) {

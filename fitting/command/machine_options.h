@@ -13,7 +13,7 @@
 namespace palpate {
 
 struct MachineOptions {
-  double frame_stiffness_n_per_m = 0.0;
+  double frame_stiffness_n_per_m = std::numeric_limits<double>::quiet_NaN();
   double frame_stiffness_sd_n_per_m = std::numeric_limits<double>::quiet_NaN();
   std::string frame_run;
   MeasurementColumn time;

@@ -144,6 +144,9 @@ FrameRun frame_of_run(const Measurement& measurement) {
   run.force_max_n = samples.f.maxCoeff();
   run.samples = static_cast<std::size_t>(samples.x.size());
   run.straight_rms_n = rms(line.residual);
+  // What was taken off for the baseline's slope is as uncertain as that.
+  const double told_sd = contact.parameters[1].sd;
+  const double slope_sd = std::isfinite(told_sd) ? told_sd : 0.0;
   if (pieces_fit_better(line, pieces, run.force_max_n)) {
     if (contact.has(FitFlag::kAlreadyInContact) || !(pieces.q[1] > 0.0)) {
       throw InputError(
@@ -152,12 +155,15 @@ FrameRun frame_of_run(const Measurement& measurement) {
     }
     run.rms_n = rms(pieces.residual);
     run.frame = bent_frame(pieces);
+    run.frame.stiffness_sd_n_per_m =
+        std::hypot(run.frame.stiffness_sd_n_per_m, slope_sd);
     return run;
   }
   const Eigen::MatrixXd covariance =
       covariance_under_noise(line.jacobian, line.residual, line.residual.size());
   run.rms_n = run.straight_rms_n;
-  run.frame = linear_frame(line.q[1], std::sqrt(covariance(1, 1)));
+  run.frame =
+      linear_frame(line.q[1], std::hypot(std::sqrt(covariance(1, 1)), slope_sd));
   return run;
 }
 
