@@ -50,10 +50,11 @@ void check_left_over(const FrameCompliance& frame, const Measurement& m,
 FrameCompliance linear_frame(double stiffness_n_per_m, double sd_n_per_m) {
   if (!(stiffness_n_per_m > 0.0) || !std::isfinite(stiffness_n_per_m) ||
       sd_n_per_m < 0.0 || std::isinf(sd_n_per_m)) {
-    throw InputError(fmt::format(
-        "a frame's stiffness is {} N/m with a standard deviation of {} N/m, "
-        "must be positive and finite, the deviation zero or more",
-        stiffness_n_per_m, sd_n_per_m));
+    throw InputError(
+        fmt::format("a frame's stiffness is {} N/m{}, must be positive and finite, its "
+                    "standard deviation zero or more",
+                    stiffness_n_per_m,
+                    std::isnan(sd_n_per_m) ? "" : fmt::format(" +- {}", sd_n_per_m)));
   }
   FrameCompliance frame;
   frame.force_n = {0.0, 1.0};
