@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -49,10 +50,9 @@ std::function<void(std::size_t)> progress_of(std::size_t runs, bool quiet) {
 }
 
 void print_lines(const char* label, const std::string& text) {
-  std::size_t begin = 0;
-  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos;
-       begin = end + 1) {
-    fmt::print("{:<6} {}\n", label, text.substr(begin, end - begin));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    fmt::print("{:<6} {}\n", label, line);
   }
 }
 
