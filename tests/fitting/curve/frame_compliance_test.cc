@@ -101,6 +101,14 @@ TEST(FrameCompliance, LeavesAHoldAHold) {
   EXPECT_NEAR(press.moved.depth_m.back() - press.moved.depth_m[349], 1e-3, 1e-4);
 }
 
+TEST(FrameCompliance, RangesGoByWhatTheMachineReports) {
+  const Measurement m = on_frame(synthetic({}, 7), 500.0);
+  const FrameCompliance frame = linear_frame(500.0);
+  const FitRange range{1e-3, 6e-3};
+  EXPECT_EQ(select_approach(m, range, {}, &frame).out_of_range,
+            select_approach(m, range).out_of_range);
+}
+
 TEST(FrameCompliance, ThatTakesAllIsRefusedAndThatTakesMostFlagged) {
   const Measurement stiff = on_frame(synthetic({.exponent = 1.0}, 5), 100.0);
   const std::string message = complaint(stiff, linear_frame(60.0));
