@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -13,6 +14,9 @@
 
 #include "fitting/command/commands.h"
 #include "fitting/session/batch.h"
+#include "fitting/session/curve_tables.h"
+#include "fitting/session/mean_curves.h"
+#include "fitting/session/session_machine.h"
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 
@@ -20,7 +24,7 @@ namespace palpate {
 namespace {
 
 struct BatchOptions {
-  std::string session, output;
+  std::string session, output, cycle;
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   std::size_t plots = 200;
   bool quiet = false;
@@ -45,7 +49,19 @@ std::function<void(std::size_t)> progress_of(std::size_t runs, bool quiet) {
   };
 }
 
-void print_report(const BatchReport& report, const std::string& output) {
+void print_lines(const char* label, const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    fmt::print("{:<6} {}\n", label, line);
+  }
+}
+
+void print_report(const Session& session, const BatchReport& report,
+                  const std::string& output) {
+  if (report.frame) {
+    fmt::print("frame  {}\n", describe_frame(report.frame));
+  }
+  print_lines("place", describe_registration(session));
   std::size_t use = 0, check = 0;
   for (const RunResult& run : report.runs) {
     use += run.rating.verdict == Verdict::kUse ? 1 : 0;
@@ -56,13 +72,23 @@ void print_report(const BatchReport& report, const std::string& output) {
   }
   fmt::print("runs   {}: {} to use, {} to check, {} to skip\n", report.runs.size(), use,
              check, report.runs.size() - use - check);
+  const MeanCurves means = mean_curves(report);
+  if (const std::string text = left_out_text(means); !text.empty()) {
+    fmt::print("means  {}\n", text);
+  }
   fmt::print("time   {:.3g} s, {:.3g} runs per second\n", report.seconds,
              static_cast<double>(report.runs.size()) / report.seconds);
-  fmt::print("wrote  {0}/results.csv, {0}/results.json, {0}/report.html\n", output);
+  fmt::print(
+      "wrote  {0}/results.csv, {0}/results.json, {0}/curves.csv, {0}/mean_curves.csv, "
+      "{0}/cycles.csv, {0}/report.html\n",
+      output);
 }
 
 void run(const BatchOptions& options) {
-  const Session session = read_session(options.session);
+  Session session = read_session(options.session);
+  if (!options.cycle.empty()) {
+    session.fit.cycle = parse_cycle(options.cycle);
+  }
   std::error_code failed;
   std::filesystem::create_directories(options.output, failed);
   if (failed) {
@@ -75,12 +101,15 @@ void run(const BatchOptions& options) {
   const std::string json = batch_json(session, report);
   write_file(folder / "results.csv", batch_csv(session, report));
   write_file(folder / "results.json", json + "\n");
+  write_file(folder / "curves.csv", curves_csv(report));
+  write_file(folder / "mean_curves.csv", mean_curves_csv(report));
+  write_file(folder / "cycles.csv", cycles_csv(report));
   write_file(folder / "report.html", batch_page(session, report, options.plots));
   if (options.json) {
     fmt::print("{}\n", json);
   } else {
     fmt::print("{}", describe_notes(session));
-    print_report(report, options.output);
+    print_report(session, report, options.output);
   }
 }
 
@@ -95,6 +124,9 @@ void add_batch_command(Command app) {
       .required();
   command.add_option("--threads", options->threads, "runs fitted at a time")
       .in_range(1U, 256U);
+  command.add_option("--cycle", options->cycle,
+                     "presses fitted of each file: first, last, all or a number; "
+                     "default: the session's, else all");
   command.add_option("--plots", options->plots, "runs drawn in report.html at most")
       .show_default();
   command.add_flag("--quiet", options->quiet, "no progress on stderr");

@@ -11,11 +11,16 @@
 #include "fitting/command/commands.h"
 #include "fitting/command/curve_file.h"
 #include "fitting/command/indenter_options.h"
+#include "fitting/command/machine_options.h"
+#include "fitting/curve/corrected_press.h"
 #include "fitting/curve/fitted_response.h"
 #include "fitting/curve/measured_approach.h"
 #include "fitting/curve/parameter_json.h"
 #include "fitting/curve/power_law_fit.h"
 #include "fitting/material/moduli.h"
+#include "fitting/session/batch.h"
+#include "fitting/session/corrections_report.h"
+#include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -26,6 +31,7 @@ struct CurveOptions {
   bool ignore_header_units = false;
   FitRange range;
   IndenterOptions indenter;
+  MachineOptions machine;
   std::string output;
   bool json = false;
 };
@@ -33,27 +39,45 @@ struct CurveOptions {
 struct CurveResult {
   CurveRead read;
   std::string tip;  // what was taken of the file's tip
+  std::optional<FrameRun> frame;
+  PressCorrections corrections;
   Approach approach;
   ContactFit fit;
   Modulus modulus;
   std::vector<FitFlag> flags;  // the fit's, then the modulus' own
 };
 
+// What the machine adds is taken off; what is left is fitted.
+CorrectedPress corrected(const CurveOptions& options, CurveResult& result) {
+  result.frame = frame_of(options.machine, [&](const std::string& file) {
+    CurveFile plate = options.file;
+    plate.file = file;
+    plate.press = CurveFile::kNoPress;
+    return read_curve_file(plate).measurement.samples;
+  });
+  Measurement& samples = result.read.measurement.samples;
+  try {
+    samples = press_of(options.machine, samples);
+    return correct_press(samples, result.frame ? &result.frame->frame : nullptr,
+                         options.range);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", options.file.file, error.what()));
+  }
+}
+
 void compute(const CurveOptions& options, const Indenter& indenter,
              CurveResult& result) {
-  const std::string& file = options.file.file;
-  try {
-    result.approach = select_approach(result.read.measurement.samples, options.range);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file, error.what()));
-  }
-  result.fit = fit_contact(result.approach);
+  CorrectedPress press = corrected(options, result);
+  model_adhesion(indenter, press);
+  result.corrections = press.corrections;
+  result.approach = press.approach;
+  result.fit = press.contact;
   if (!result.fit.converged) {
     throw NumericalError(fmt::format("{}: the fit did not converge in {} iterations",
-                                     file, result.fit.iterations));
+                                     options.file.file, result.fit.iterations));
   }
   result.flags = result.fit.flags;
-  result.modulus = find_modulus(result.approach, result.fit, indenter);
+  result.modulus = corrected_modulus(press, indenter);
   for (const FitFlag flag : result.modulus.flags) {
     if (std::find(result.flags.begin(), result.flags.end(), flag) ==
         result.flags.end()) {
@@ -62,7 +86,8 @@ void compute(const CurveOptions& options, const Indenter& indenter,
   }
 }
 
-void print_json(const CurveResult& r, const CurveOptions& options) {
+void print_json(const CurveResult& r, const CurveOptions& options,
+                const Indenter& indenter) {
   nlohmann::ordered_json json;
   json["layout"] = r.read.layout;
   json["press"] = r.read.press;
@@ -91,6 +116,13 @@ void print_json(const CurveResult& r, const CurveOptions& options) {
   json["spikes"] = r.approach.spikes;
   json["hold_samples"] = r.approach.hold_samples;
   json["retract_samples"] = r.approach.retract_samples;
+  json["frame"] = nullptr;
+  if (r.frame) {
+    json["frame"] = {{"stiffness_n_per_m", r.frame->frame.stiffness_n_per_m},
+                     {"stiffness_sd_n_per_m", r.frame->frame.stiffness_sd_n_per_m},
+                     {"linear", r.frame->frame.linear}};
+  }
+  json["corrections"] = corrections_json(r.corrections, indenter);
   json["seconds"] = r.fit.seconds;
   fmt::print("{}\n", json.dump());
 }
@@ -121,7 +153,18 @@ void print_columns(const CurveResult& r, const CurveOptions& options) {
   }
 }
 
-void print_report(const CurveResult& r, const CurveOptions& options) {
+void print_corrections(const CurveResult& r, const Indenter& indenter) {
+  if (r.frame) {
+    fmt::print("{:<24} {}\n", "frame", describe_frame(r.frame));
+  }
+  const std::string text = corrections_text(r.corrections, indenter);
+  if (!text.empty()) {
+    fmt::print("{:<24} {}\n", "machine", text);
+  }
+}
+
+void print_report(const CurveResult& r, const CurveOptions& options,
+                  const Indenter& indenter) {
   const auto& approach = r.approach;
   print_columns(r, options);
   fmt::print(
@@ -147,6 +190,7 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
   } else {
     fmt::print("{:<24} none: {}\n", "Young's modulus", r.modulus.refused);
   }
+  print_corrections(r, indenter);
   for (const FitFlag flag : r.flags) {
     fmt::print("flag {:<28} {}\n", flag_name(flag), flag_meaning(flag));
   }
@@ -155,6 +199,7 @@ void print_report(const CurveResult& r, const CurveOptions& options) {
 void run(CurveOptions& options) {
   options.file.header_units =
       options.ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree;
+  options.file.told.time = told_time(options.machine);
   CurveResult result;
   result.read = read_curve_file(options.file);
   result.tip = take_tip(result.read, options.indenter);
@@ -172,7 +217,8 @@ void run(CurveOptions& options) {
                    sample_patch(result.fit, result.read.measurement.samples, *tool,
                                 options.file.file));
   }
-  options.json ? print_json(result, options) : print_report(result, options);
+  options.json ? print_json(result, options, indenter)
+               : print_report(result, options, indenter);
 }
 
 }  // namespace
@@ -203,6 +249,7 @@ void add_curve_command(Command app) {
   command.add_option("--from-m", options->range.from_m, "fit from this displacement");
   command.add_option("--to-m", options->range.to_m, "fit up to this displacement");
   add_indenter_options(command, options->indenter);
+  add_machine_options(command, options->machine);
   command.add_option("-o,--output", options->output,
                      "response database of a flat sample with this response");
   command.add_flag("--json", options->json, "report for programs");

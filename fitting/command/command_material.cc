@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "fitting/command/commands.h"
+#include "fitting/curve/corrected_press.h"
 #include "fitting/material/material_fit.h"
+#include "fitting/session/session_machine.h"
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
 
@@ -55,12 +57,15 @@ std::size_t place_of(const ResponseSweep& sweep, const SurfaceMesh& body,
 }
 
 MaterialCurve curve_of(const ResponseSweep& sweep, const SurfaceMesh& body,
-                       const Session& session, const SessionRun& run) {
+                       const Session& session, const SessionRun& run,
+                       const FrameCompliance* frame) {
   MaterialCurve curve;
   curve.place = place_of(sweep, body, run);
-  curve.approach = select_approach(read_run(session, run).samples, session.fit.range,
-                                   session.fit.baseline);
-  const ContactFit contact = fit_contact(curve.approach);
+  const CorrectedPress press =
+      correct_press(chosen_press(session, read_run(session, run).samples), frame,
+                    session.fit.range, session.fit.baseline);
+  curve.approach = press.approach;
+  const ContactFit& contact = press.contact;
   if (contact.has(FitFlag::kEmptyRun)) {
     throw InputError("empty run");
   }
@@ -73,11 +78,13 @@ MaterialResult compute(const MaterialOptions& options) {
   const Session session = read_session(options.session);
   const SurfaceMesh body =
       sweep.vertex.size() > 1 ? session_body(session) : SurfaceMesh{};
+  const std::optional<FrameRun> frame = session_frame(session);
   MaterialResult result;
   std::vector<MaterialCurve> curves;
   for (const SessionRun& run : session.run) {
     try {
-      curves.push_back(curve_of(sweep, body, session, run));
+      curves.push_back(
+          curve_of(sweep, body, session, run, frame ? &frame->frame : nullptr));
       result.run.push_back(run.name);
     } catch (const Error& error) {
       result.left_out.push_back({run.name, error.what()});

@@ -15,12 +15,15 @@ namespace palpate {
 namespace {
 
 struct ReportOptions {
-  std::string session, output;
+  std::string session, output, cycle;
   std::size_t plots = 200;
 };
 
 void run(const ReportOptions& options) {
-  const Session session = read_session(options.session);
+  Session session = read_session(options.session);
+  if (!options.cycle.empty()) {
+    session.fit.cycle = parse_cycle(options.cycle);
+  }
   const BatchReport report = fit_session(
       session, std::max(1U, std::thread::hardware_concurrency()), [](std::size_t) {});
   const std::string page = batch_page(session, report, options.plots);
@@ -38,6 +41,9 @@ void add_fit_report_command(Command app) {
       "report", "Write a page with data, fit, band and residuals of a session.");
   command.add_option("SESSION", options->session, "session file (TOML)").required();
   command.add_option("-o,--output", options->output, "page to write (HTML)").required();
+  command.add_option("--cycle", options->cycle,
+                     "presses fitted of each file: first, last, all or a number; "
+                     "default: the session's, else all");
   command.add_option("--plots", options->plots, "runs drawn at most").show_default();
   command.callback([options] {
     run(*options);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fitting/command/commands.h"
+#include "fitting/session/session_machine.h"
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
 #include "formats/base/sha256.h"
@@ -18,10 +19,12 @@ namespace {
 struct SurfaceOptions {
   std::string session;
   std::string output;
+  std::string cycle;
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const SurfaceFitReport& report) {
+nlohmann::ordered_json to_json(const SurfaceFitReport& report,
+                               const std::vector<std::string>& notes) {
   const FieldParameters& p = report.parameters.parameters;
   nlohmann::ordered_json json{{"probes", report.probes},
                               {"laws", report.laws},
@@ -58,10 +61,11 @@ nlohmann::ordered_json to_json(const SurfaceFitReport& report) {
   for (const LeftOutProbe& probe : report.left_out) {
     json["left_out"].push_back({{"run", probe.name}, {"reason", probe.reason}});
   }
+  json["notes"] = notes;
   return json;
 }
 
-SurfaceFit compute(const Session& session) {
+SurfaceFit compute(const Session& session, std::vector<std::string>& notes) {
   if (!session.tool) {
     throw InputError(fmt::format(
         "{}: [indenter] shape {:?} is no tool that the runtime renders: sphere, "
@@ -70,7 +74,7 @@ SurfaceFit compute(const Session& session) {
   }
   const SurfaceMesh body = session_body(session);
   std::vector<LeftOutProbe> left_out;
-  const std::vector<SurfaceProbe> probes = session_probes(session, left_out);
+  const std::vector<SurfaceProbe> probes = session_probes(session, left_out, notes);
   if (probes.size() < kProbesMin && !left_out.empty()) {
     throw InputError(fmt::format(
         "{}: {} runs can be read and placed, at least {} are needed; {}: {}",
@@ -91,13 +95,23 @@ SurfaceFit compute(const Session& session) {
 }
 
 void run(const SurfaceOptions& options) {
-  const Session session = read_session(options.session);
-  const SurfaceFit fit = compute(session);
+  Session session = read_session(options.session);
+  if (!options.cycle.empty()) {
+    session.fit.cycle = parse_cycle(options.cycle);
+  }
+  std::vector<std::string> notes;
+  const SurfaceFit fit = compute(session, notes);
   write_database(options.output, fit.database);
   if (options.json) {
-    fmt::print("{}\n", to_json(fit.report).dump());
+    fmt::print("{}\n", to_json(fit.report, notes).dump());
   } else {
     fmt::print("{}{}", describe_notes(session), describe(fit.report));
+    for (const std::string& note : notes) {
+      fmt::print("note: {}\n", note);
+    }
+    if (session.registration) {
+      fmt::print("registration: {}", describe_registration(session));
+    }
   }
 }
 
@@ -109,6 +123,9 @@ void add_surface_command(Command app) {
       "surface", "From indentations at scattered points to a response at every node.");
   command.add_option("SESSION", options->session, "session file (TOML)").required();
   command.add_option("-o,--output", options->output, "response database").required();
+  command.add_option("--cycle", options->cycle,
+                     "press taken of each file: first, last or a number; default: the "
+                     "session's, else first");
   command.add_flag("--json", options->json, "report for programs");
   command.callback([options] {
     run(*options);

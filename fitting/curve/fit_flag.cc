@@ -49,6 +49,18 @@ Text text(FitFlag flag) noexcept {
     case FitFlag::kHertzExponentRefuted:
       return {"hertz_exponent_refuted",
               "the free exponent is not 1.5: the modulus depends on depth"};
+    case FitFlag::kFrameTakesMost:
+      return {"frame_takes_most",
+              "the machine's frame takes more than half of the travel in contact"};
+    case FitFlag::kTimeDriftRemoved:
+      return {
+          "time_drift_removed",
+          "the force drifts with time, as free samples show; the drift is taken off"};
+    case FitFlag::kAdhesion:
+      return {
+          "adhesion",
+          "the force falls clearly below the baseline: the specimen sticks, contact "
+          "point and laws that only push are off"};
   }
   return {};
 }

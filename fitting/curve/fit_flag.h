@@ -22,6 +22,9 @@ enum class FitFlag {
   kHertzDepthExceeded,
   kHertzExponentRefuted,
   kModulusLawMisfit,
+  kFrameTakesMost,
+  kTimeDriftRemoved,
+  kAdhesion,
 };
 
 /// As reports name it: "already_in_contact".

@@ -191,14 +191,15 @@ bool is_spike(std::span<const double> f, std::size_t i, double limit) {
   return f[i] > high + limit || f[i] < low - limit;
 }
 
-// Copies the approach without spikes and without what lies outside the range.
-void take_samples(const Measurement& m, std::size_t end, const FitRange& range,
-                  Approach& approach) {
+// Copies the approach without spikes and without what lies outside the range of the
+// displacements that the machine reports.
+void take_samples(const Measurement& m, const std::vector<double>& reported_m,
+                  std::size_t end, const FitRange& range, Approach& approach) {
   const std::span f = std::span(m.force_n).first(end);
   const double limit = std::max(kSpikeDeviations * approach.noise_sd_n,
                                 1e-3 * extent(running_median(f, kSpikeReach)));
   for (std::size_t i = 0; i < end; ++i) {
-    if (!(m.depth_m[i] >= range.from_m && m.depth_m[i] <= range.to_m)) {
+    if (!(reported_m[i] >= range.from_m && reported_m[i] <= range.to_m)) {
       ++approach.out_of_range;
     } else if (is_spike(f, i, limit)) {
       ++approach.spikes;
@@ -231,7 +232,8 @@ void take_baseline(const FitRange& baseline, Approach& approach) {
 }  // namespace
 
 Approach select_approach(const Measurement& measurement, const FitRange& range,
-                         const std::optional<FitRange>& baseline) {
+                         const std::optional<FitRange>& baseline,
+                         const FrameCompliance* frame) {
   check_measurement(measurement);
   if (!(range.from_m < range.to_m)) {
     throw InputError(
@@ -249,12 +251,21 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
   std::size_t end = approach_end(turned);
   approach.noise_sd_n = noise_standard_deviation(std::span(turned.force_n).first(end));
   end = before_relaxation(turned, end, approach.noise_sd_n);
+  approach.samples = end;
   count_rest(turned, end, approach);
   if (goes_back(std::span(turned.depth_m).first(end), kHoldTolerance * travel)) {
     approach.flags.push_back(FitFlag::kNonMonotoneDepth);
   }
+  const std::vector<double> reported_m = turned.depth_m;
+  if (frame != nullptr) {
+    take_off_deflection(*frame, end, turned);
+    for (std::size_t i = 0; i < end; ++i) {
+      approach.frame_deflection_m =
+          std::max(approach.frame_deflection_m, reported_m[i] - turned.depth_m[i]);
+    }
+  }
   close_loop(turned, end - 1, approach);
-  take_samples(turned, end, range, approach);
+  take_samples(turned, reported_m, end, range, approach);
   if (approach.force_n.size() < kSamplesMin) {
     throw InputError(fmt::format(
         "the approach has {} samples to fit, need at least {} (of {} samples: {} held, "

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fitting/curve/fit_flag.h"
+#include "fitting/curve/frame_compliance.h"
 #include "formats/database/response_database.h"
 
 namespace palpate {
@@ -27,10 +28,12 @@ struct Approach {
   double noise_sd_n = 0.0;       ///< [N] standard deviation of the force's white noise
   double press_work_j = 0.0;     ///< [J] over the part that the release covers
   double release_work_j = 0.0;   ///< [J] given back; 0 without a release
+  std::size_t samples = 0;       ///< of the measurement's first, up to its end
   std::size_t hold_samples = 0;  ///< held at the largest displacement, left out
   std::size_t retract_samples = 0;  ///< after it, left out
   std::size_t spikes = 0;           ///< left out
   std::size_t out_of_range = 0;     ///< outside the FitRange, left out
+  double frame_deflection_m = 0.0;  ///< [m] largest that was taken off displacements
   std::vector<FitFlag> flags;
 };
 
@@ -46,11 +49,15 @@ constexpr std::size_t kSamplesMin = 8;
 /// standard deviations of noise are spikes.
 /// @param baseline displacements that are surely before contact: its end becomes
 /// contact_from_m.
+/// @param frame whose deflection is taken off the displacements, after approach, hold
+/// and range were told apart by those that the machine reports; may be null.
 /// @throws InputError for different counts of both, a value that is not finite, no
-/// travel, an empty range, fewer than kSamplesMin samples left or beyond the baseline.
+/// travel, an empty range, fewer than kSamplesMin samples left or beyond the baseline,
+/// and as take_off_deflection().
 [[nodiscard]] Approach select_approach(const Measurement& measurement,
                                        const FitRange& range = {},
-                                       const std::optional<FitRange>& baseline = {});
+                                       const std::optional<FitRange>& baseline = {},
+                                       const FrameCompliance* frame = nullptr);
 
 /// All samples of the measurement with the signs that the approach gave it.
 [[nodiscard]] Measurement turned(const Measurement& measurement,

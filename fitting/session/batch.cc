@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "fitting/curve/split_presses.h"
+#include "fitting/session/session_machine.h"
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
 #include "formats/base/stopwatch.h"
@@ -45,14 +46,19 @@ void collect_flags(RunResult& result) {
   }
 }
 
-void fit(const Session& session, const Measurement& samples, RunResult& result) {
-  result.approach = select_approach(samples, session.fit.range, session.fit.baseline);
-  result.contact =
-      fit_contact(result.approach, {.noise_relative = session.fit.noise_relative});
+void fit(const Session& session, const Measurement& samples,
+         const FrameCompliance* frame, RunResult& result) {
+  CorrectedPress press =
+      correct_press(samples, frame, session.fit.range, session.fit.baseline,
+                    session.fit.noise_relative);
+  model_adhesion(session.indenter, press);
+  result.corrections = press.corrections;
+  result.approach = press.approach;
+  result.contact = press.contact;
   result.choice = choose_family(session.fit, result.approach, result.contact);
-  result.modulus = find_modulus(result.approach, result.contact, session.indenter);
-  result.relaxation = find_relaxation(samples);
-  result.loop = find_loop(samples, result.approach, result.contact);
+  result.modulus = corrected_modulus(press, session.indenter);
+  result.relaxation = find_relaxation(press.samples);
+  result.loop = find_loop(press.moved, result.approach, result.contact);
   result.segments = find_segments(turned(samples, result.approach).depth_m);
   collect_flags(result);
   result.rating = rate(result.contact, result.choice);
@@ -77,10 +83,10 @@ double scatter(const std::vector<RunResult*>& repeats) {
 }
 
 void compare_repeats(BatchReport& report) {
-  std::map<std::string, std::vector<RunResult*>> points;
+  std::map<std::pair<std::string, std::string>, std::vector<RunResult*>> points;
   for (RunResult& run : report.runs) {
     if (run.best() != nullptr && run.rating.verdict != Verdict::kSkip) {
-      points[run.point].push_back(&run);
+      points[{run.specimen, run.point}].push_back(&run);
     }
   }
   for (const auto& [point, repeats] : points) {
@@ -93,11 +99,12 @@ void compare_repeats(BatchReport& report) {
 }
 
 void fit_or_say(const Session& session, const Measurement& samples,
-                const std::string& unreadable, RunResult& result) {
+                const FrameCompliance* frame, const std::string& unreadable,
+                RunResult& result) {
   result.bad = unreadable;
   if (unreadable.empty()) {
     try {
-      fit(session, samples, result);
+      fit(session, samples, frame, result);
       return;
     } catch (const std::exception& error) {
       result.bad = error.what();
@@ -110,28 +117,55 @@ void fit_or_say(const Session& session, const Measurement& samples,
 
 }  // namespace
 
-std::vector<RunResult> fit_run(const Session& session, const SessionRun& run) {
+void model_adhesion(const Indenter& indenter, CorrectedPress& press) {
+  if (indenter.shape == "sphere" && !(indenter.thickness_m > 0.0) &&
+      press.corrections.adhesion.seen()) {
+    press.corrections.jkr =
+        fit_jkr(press.approach, press.corrections.adhesion, indenter.radius_m);
+  }
+}
+
+Modulus corrected_modulus(const CorrectedPress& press, const Indenter& indenter) {
+  Modulus modulus = find_modulus(press.approach, press.contact, indenter);
+  if (press.softer && modulus.refused.empty()) {
+    const Modulus softer =
+        find_modulus(press.softer->approach, press.softer->contact, indenter);
+    if (softer.refused.empty()) {
+      modulus.sd_pa = std::hypot(modulus.sd_pa,
+                                 softer.youngs_modulus_pa - modulus.youngs_modulus_pa);
+    }
+  }
+  return modulus;
+}
+
+std::vector<RunResult> fit_run(const Session& session, const SessionRun& run,
+                               const FrameCompliance* frame) {
   std::vector<Measurement> presses;
+  std::vector<std::size_t> chosen{1};
   std::string unreadable;
   const auto begin = Clock::now();
   try {
     presses = split_presses(read(session, run).samples);
+    chosen = chosen_cycles(session.fit.cycle.value_or(CycleChoice{}), presses.size());
   } catch (const std::exception& error) {
     unreadable = error.what();
-    presses.resize(1);
+    presses.resize(std::max<std::size_t>(1, presses.size()));
   }
   std::vector<RunResult> results;
   double told = 0.0;  // reading counts for the first press
-  for (const Measurement& samples : presses) {
+  for (const std::size_t number : chosen) {
     RunResult& result = results.emplace_back();
-    result.press = results.size();
+    result.press = number;
     result.presses = presses.size();
-    result.name = result.press == 1
-                      ? run.name
-                      : fmt::format("{} press {}", run.name, result.press);
+    result.name = number == 1 ? run.name : fmt::format("{} press {}", run.name, number);
+    result.run_name = run.name;
     result.point = run.point;
+    result.specimen = run.specimen;
     result.position_m = run.position_m;
-    fit_or_say(session, samples, unreadable, result);
+    fit_or_say(session, presses[number - 1], frame, unreadable, result);
+    if (results.size() == 1 && unreadable.empty()) {
+      result.cycles = summarise_cycles(presses, frame);
+    }
     result.seconds = seconds_since(begin) - told;
     told += result.seconds;
   }
@@ -142,12 +176,14 @@ BatchReport fit_session(const Session& session, unsigned threads,
                         const std::function<void(std::size_t)>& progress) {
   const auto begin = Clock::now();
   BatchReport report;
+  report.frame = session_frame(session);
+  const FrameCompliance* frame = report.frame ? &report.frame->frame : nullptr;
   std::vector<std::vector<RunResult>> results(session.run.size());
   std::atomic<std::size_t> next{0}, done{0};
   std::mutex telling;
   const auto work = [&] {
     for (std::size_t i = next++; i < session.run.size(); i = next++) {
-      results[i] = fit_run(session, session.run[i]);
+      results[i] = fit_run(session, session.run[i], frame);
       const std::size_t count = ++done;
       const std::lock_guard<std::mutex> lock(telling);
       progress(count);

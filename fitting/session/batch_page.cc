@@ -7,6 +7,8 @@
 
 #include "fitting/session/batch.h"
 #include "fitting/session/batch_map.h"
+#include "fitting/session/batch_summary.h"
+#include "fitting/session/corrections_report.h"
 #include "formats/report/axis_ticks.h"
 #include "formats/report/markup_escape.h"
 
@@ -181,7 +183,7 @@ std::string run_row(const RunResult& run) {
                    contact, best->family, best->rms_n, modulus);
 }
 
-std::string article(const RunResult& run, std::size_t index) {
+std::string article(const RunResult& run, const Indenter& indenter, std::size_t index) {
   const FamilyFit& best = *run.best();
   std::string html =
       fmt::format("<article id=\"run{}\"><h2>{}</h2><p>{}, chosen before ", index,
@@ -195,6 +197,10 @@ std::string article(const RunResult& run, std::size_t index) {
   for (const FitFlag flag : run.flags) {
     html += fmt::format("<p><b>{}</b>: {}</p>", flag_name(flag),
                         markup_escaped(std::string(flag_meaning(flag))));
+  }
+  if (const std::string text = corrections_text(run.corrections, indenter);
+      !text.empty()) {
+    html += "<p>" + markup_escaped(text) + "</p>";
   }
   if (!run.modulus.refused.empty()) {
     html += "<p>No modulus: " + markup_escaped(run.modulus.refused) + "</p>";
@@ -227,11 +233,11 @@ std::string batch_page(const Session& session, const BatchReport& report,
   for (const RunResult& run : report.runs) {
     page += run_row(run);
   }
-  page += "</table>\n" + batch_map(session, report);
+  page += "</table>\n" + batch_summary(session, report) + batch_map(session, report);
   std::size_t drawn = 0, fitted = 0;
   for (std::size_t i = 0; i < report.runs.size(); ++i) {
     if (report.runs[i].best() != nullptr) {
-      page += drawn < most ? article(report.runs[i], i) : "";
+      page += drawn < most ? article(report.runs[i], session.indenter, i) : "";
       drawn += drawn < most ? 1 : 0;
       ++fitted;
     }

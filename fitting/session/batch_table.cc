@@ -1,13 +1,15 @@
 // The batch as CSV for people's spreadsheets and as JSON for their programs.
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "fitting/curve/parameter_json.h"
 #include "fitting/session/batch.h"
+#include "fitting/session/corrections_report.h"
+#include "fitting/session/csv_cell.h"
+#include "fitting/session/mean_curves.h"
 
 namespace palpate {
 namespace {
@@ -30,44 +32,34 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-// A cell with a comma, quote or line end in quotes; the quotes inside doubled. What a
-// spreadsheet would run as a formula begins with an apostrophe, which it takes for
-// text.
-std::string quoted(std::string text) {
-  if (!text.empty() &&
-      std::string_view("=+-@\t\r").find(text[0]) != std::string::npos) {
-    text.insert(0, 1, '\'');
+// The last columns: specimen, and what was taken off for the machine's sake.
+std::string correction_cells(const RunResult& run) {
+  const PressCorrections& c = run.corrections;
+  std::string cells = "," + csv_text(run.specimen);
+  for (const double value :
+       {c.frame.deflection_m, c.frame.share, c.frame.depth_sd_m, c.drift.n_per_s,
+        c.drift.sd_n_per_s, c.adhesion.pull_off_n, c.adhesion.noise_n}) {
+    cells += "," + csv_number(value);
   }
-  if (text.find_first_of(",\"\n\r") == std::string::npos) {
-    return text;
-  }
-  std::string safe = "\"";
-  for (const char c : text) {
-    safe += c == '"' ? "\"\"" : std::string(1, c);
-  }
-  return safe + "\"";
-}
-
-// Numbers that are not known are empty cells.
-std::string number(double value) {
-  return std::isfinite(value) ? fmt::format("{:.9g}", value) : "";
+  return cells;
 }
 
 std::string csv_row(const RunResult& run) {
   const RatingFeatures& f = run.rating.features;
   std::string row =
-      fmt::format("{},{},{},{},{},{}", quoted(run.name), quoted(run.point), run.press,
-                  verdict_name(run.rating.verdict), number(run.rating.score),
-                  quoted(joined(run.rating.gates)));
+      fmt::format("{},{},{},{},{},{}", csv_text(run.name), csv_text(run.point),
+                  run.press, verdict_name(run.rating.verdict),
+                  csv_number(run.rating.score), csv_text(joined(run.rating.gates)));
   const FamilyFit* best = run.best();
   if (best == nullptr) {
-    return row + std::string(21, ',') + quoted(run.bad) + "\n";
+    return row + std::string(21, ',') + csv_text(run.bad) + "," +
+           csv_text(run.specimen) + ",,,,,,,\n";
   }
   const auto& x = run.choice.displacement_m;
   const auto [from, to] = std::minmax_element(x.begin(), x.end());
   for (const double value : {best->contact_point_m, best->contact_point_sd_m, *from,
                              *to, best->depth_max_m}) {
-    row += "," + number(value);
+    row += "," + csv_number(value);
   }
   row += "," + best->family;
   for (const double value :
@@ -76,10 +68,10 @@ std::string csv_row(const RunResult& run) {
         run.relaxation.refused.empty() ? run.relaxation.g_inf : std::nan(""),
         f.rms_over_noise, f.runs_z, f.near_contact_over_noise, f.repeat_scatter,
         f.correlation_max}) {
-    row += "," + number(value);
+    row += "," + csv_number(value);
   }
-  return row + "," + joined_flags(run) + "," + quoted(run.modulus.refused) + "," +
-         quoted(run.bad) + "\n";
+  return row + "," + joined_flags(run) + "," + csv_text(run.modulus.refused) + "," +
+         csv_text(run.bad) + correction_cells(run) + "\n";
 }
 
 Json family_json(const FamilyFit& fit) {
@@ -141,15 +133,79 @@ Json rating_json(const Rating& rating) {
           {"samples_in_contact", f.samples_in_contact}};
 }
 
-Json run_json(const RunResult& run) {
-  Json json{{"run", run.name},
-            {"point", run.point},
-            {"press", run.press},
-            {"presses", run.presses},
-            {"rating", rating_json(run.rating)}};
+Json cycle_json(const CycleSummary& cycle) {
+  return {{"bad", cycle.bad},
+          {"peak_force_n", cycle.peak_force_n},
+          {"press_work_j", cycle.press_work_j},
+          {"loss_j", cycle.loss_j},
+          {"loss_factor", cycle.loss_factor},
+          {"contact_point_m", cycle.contact_point_m},
+          {"contact_point_sd_m", cycle.contact_point_sd_m},
+          {"contact_shift_m", cycle.contact_shift_m},
+          {"contact_shift_sd_m", cycle.contact_shift_sd_m}};
+}
+
+Json mean_json(const MeanCurve& mean) {
+  Json json{{"mean", mean.name}, {"runs", mean.runs}};
+  json["points"] = Json::array();
+  for (std::size_t i = 0; i < mean.depth_m.size(); ++i) {
+    const RandomEffects& e = mean.force_n[i];
+    json["points"].push_back({{"depth_m", mean.depth_m[i]},
+                              {"force_n", e.mean},
+                              {"mean_sd_n", e.mean_sd},
+                              {"lower_95_n", e.lower},
+                              {"upper_95_n", e.upper},
+                              {"degrees_of_freedom", e.degrees_of_freedom},
+                              {"repeat_sd_n", e.repeat_sd},
+                              {"between_points_sd_n", e.point_sd},
+                              {"between_specimens_sd_n", e.specimen_sd}});
+  }
+  return json;
+}
+
+Json machine_json(const Session& session, const BatchReport& report) {
+  Json json{{"frame", nullptr}, {"registration", nullptr}};
+  if (report.frame) {
+    const FrameRun& run = *report.frame;
+    json["frame"] = {{"stiffness_n_per_m", run.frame.stiffness_n_per_m},
+                     {"stiffness_sd_n_per_m", run.frame.stiffness_sd_n_per_m},
+                     {"linear", run.frame.linear},
+                     {"force_n", run.frame.force_n},
+                     {"deflection_m", run.frame.deflection_m},
+                     {"samples", run.samples},
+                     {"rms_n", run.rms_n}};
+  }
+  if (session.registration) {
+    const Registration& r = *session.registration;
+    Json& told = json["registration"] = {{"rms_m", r.rms_m},
+                                         {"localisation_sd_m", r.localisation_sd_m}};
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      told["rotation"].push_back(
+          {r.rotation(i, 0), r.rotation(i, 1), r.rotation(i, 2)});
+      told["shift_m"].push_back(r.shift_m[i]);
+    }
+    for (std::size_t i = 0; i < r.pairs.size(); ++i) {
+      told["pairs"].push_back(
+          {{"name", r.pairs[i].name}, {"residual_m", r.residual_m[i]}});
+    }
+  }
+  return json;
+}
+
+Json run_json(const RunResult& run, const Session& session) {
+  Json json{{"run", run.name},          {"point", run.point},
+            {"specimen", run.specimen}, {"press", run.press},
+            {"presses", run.presses},   {"rating", rating_json(run.rating)}};
   json["bad"] = run.bad;
   json["seconds"] = run.seconds;
   json["flags"] = to_json(run.flags);
+  for (const CycleSummary& cycle : run.cycles) {
+    json["cycles"].push_back(cycle_json(cycle));
+  }
+  if (session.registration && run.position_m) {
+    json["registration_error_m"] =
+        registration_error_m(*session.registration, *run.position_m);
+  }
   const FamilyFit* best = run.best();
   if (best == nullptr) {
     return json;
@@ -185,6 +241,7 @@ Json run_json(const RunResult& run) {
   }
   json["youngs_modulus_law"] = run.modulus.law;
   json["youngs_modulus_refused"] = run.modulus.refused;
+  json["corrections"] = corrections_json(run.corrections, session.indenter);
   json["relaxation"] = relaxation_json(run.relaxation);
   json["loop"] = loop_json(run.loop);
   json["segments"] = Json::array();
@@ -204,7 +261,8 @@ std::string batch_csv(const Session&, const BatchReport& report) {
       "fit_to_m,depth_max_m,family,rms_n,noise_sd_n,mean_stiffness_n_per_m,"
       "youngs_modulus_pa,youngs_modulus_sd_pa,loss_factor,relaxation_g_inf,"
       "rms_over_noise,runs_z,near_contact_over_noise,repeat_scatter,correlation_max,"
-      "flags,modulus_refused,bad\n";
+      "flags,modulus_refused,bad,specimen,frame_deflection_m,frame_share,"
+      "frame_depth_sd_m,drift_n_per_s,drift_sd_n_per_s,pull_off_n,pull_off_noise_n\n";
   for (const RunResult& run : report.runs) {
     text += csv_row(run);
   }
@@ -225,9 +283,17 @@ std::string batch_json(const Session& session, const BatchReport& report) {
   json["skip"] = report.runs.size() - use - check;
   json["bad"] = bad;
   json["seconds"] = report.seconds;
+  json["machine"] = machine_json(session, report);
   json["results"] = Json::array();
   for (const RunResult& run : report.runs) {
-    json["results"].push_back(run_json(run));
+    json["results"].push_back(run_json(run, session));
+  }
+  json["mean_curves"] = Json::array();
+  const MeanCurves means = mean_curves(report);
+  json["means_left_out"] = means.left_out;
+  json["means_from_first_sample"] = means.from_first_sample;
+  for (const MeanCurve& mean : means.curves) {
+    json["mean_curves"].push_back(mean_json(mean));
   }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

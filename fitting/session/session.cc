@@ -5,6 +5,7 @@
 
 #include <fmt/ranges.h>
 
+#include "fitting/session/session_machine.h"
 #include "fitting/session/session_runs.h"
 #include "formats/base/input_file.h"
 #include "formats/base/toml_text.h"
@@ -14,8 +15,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kTables[] = {"session", "read", "indenter", "body",
-                                        "fit",     "run",  "points"};
+constexpr std::string_view kTables[] = {"session", "read",    "indenter",
+                                        "body",    "fit",     "run",
+                                        "points",  "machine", "registration"};
 constexpr std::string_view kSessionKeys[] = {"name"};
 constexpr std::string_view kReadKeys[] = {
     "layout",     "depth_column", "depth_unit", "force_column",
@@ -39,8 +41,8 @@ constexpr std::string_view kConeKeys[] = {"half_angle_deg", "half_angle_sd_deg"}
 constexpr std::string_view kPlateKeys[] = {"radius_m", "radius_sd_m", "height_m",
                                            "height_sd_m"};
 constexpr std::string_view kBodyKeys[] = {"mesh", "length_unit"};
-constexpr std::string_view kFitKeys[] = {"from_m",   "to_m",      "baseline_m",
-                                         "families", "criterion", "noise_relative"};
+constexpr std::string_view kFitKeys[] = {
+    "from_m", "to_m", "baseline_m", "families", "criterion", "noise_relative", "cycle"};
 
 constexpr NumberRule kAny{[](double) {
                             return true;
@@ -286,6 +288,9 @@ void read_fit(const SceneSection& section, Session& session) {
   }
   fit.noise_relative = section.number_or(0.0, "noise_relative", kShare);
   fit.criterion = section.choice_or(fit.criterion, "criterion", kCriteria);
+  if (section.find("cycle") != nullptr) {
+    fit.cycle = session_parts::read_cycle(section);
+  }
 }
 
 void read_tables(const Tables& tables, Session& session) {
@@ -315,6 +320,14 @@ void read_tables(const Tables& tables, Session& session) {
                                session);
   }
   session_parts::take_from_files(session);
+  if (tables.has("machine")) {
+    session_parts::read_machine(tables.one("machine", session_parts::kMachineKeys),
+                                session);
+  }
+  if (tables.has("registration")) {
+    session_parts::read_registration(
+        tables.one("registration", session_parts::kRegistrationKeys), session);
+  }
 }
 
 }  // namespace

@@ -14,7 +14,9 @@
 
 #include "fitting/curve/curve_family.h"
 #include "fitting/curve/measured_approach.h"
+#include "fitting/curve/press_cycles.h"
 #include "fitting/material/indenter.h"
+#include "fitting/session/rigid_registration.h"
 #include "formats/measurement/instrument_file.h"
 #include "formats/measurement/measurement_file.h"
 #include "formats/response/tool_shape.h"
@@ -30,6 +32,7 @@ struct SessionRun {
   int curve = 0;      ///< number inside a file that holds several
   std::string name;   ///< unique: the path as the session writes it, "#" and the curve
   std::string point;  ///< repeats at one place share it; else the name
+  std::string specimen;  ///< points of one share it; empty: not told
   std::optional<Eigen::Vector3d> position_m;  ///< (3) [m] on the body, its mesh's frame
   std::optional<Eigen::Vector3d> normal;      ///< (3) unit, outward
   std::optional<InstrumentCurve>
@@ -45,6 +48,14 @@ struct SessionFit {
   double noise_relative = 0.0;        ///< [-] [0, 1) noise that grows with force
   std::vector<std::string> families;  ///< of kFamilyNames, at least one
   std::string criterion = "aicc";     ///< one of kCriteria
+  std::optional<CycleChoice> cycle;   ///< which presses of a file; none: not told
+};
+
+/// The frame's stiffness as stated, or the file of a run on a rigid plate; or neither.
+struct SessionMachine {
+  double frame_stiffness_n_per_m = 0.0;  ///< [N/m] > 0; 0: not stated
+  double frame_stiffness_sd_n_per_m = std::numeric_limits<double>::quiet_NaN();
+  std::filesystem::path frame_run;
 };
 
 struct Session {
@@ -60,13 +71,16 @@ struct Session {
   std::filesystem::path mesh;  ///< the body's surface; empty where none is named
   std::string length_unit;     ///< of the mesh
   SessionFit fit;
+  SessionMachine machine;
+  /// From the machine's frame to the mesh's: positions and normals are moved already.
+  std::optional<Registration> registration;
   std::vector<SessionRun> run;  ///< at least one, in the session's order
   /// What the session took from files of kAuto, a line each.
   std::vector<std::string> notes;
 };
 
-/// Files are not opened, but globs are expanded (in the order of the alphabet), and
-/// afmformats files and those of layout "auto" are asked for their curves.
+/// Files of runs are not opened, but globs are expanded (in the order of the alphabet),
+/// and afmformats files and those of layout "auto" are asked for their curves.
 /// @throws InputError "session.toml:12: ..." naming key, value and what is allowed; for
 /// a glob without a match, a run named twice, a row of the table of points that fits no
 /// file, and a file without a row there.

@@ -1,6 +1,7 @@
 // The runs of a session as probes of a body.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "fitting/session/session.h"
@@ -15,11 +16,24 @@ namespace palpate {
                                          const Approach& approach,
                                          const ContactFit& reference);
 
-/// Reads and fits every run that has a position: the first press of each
-/// (split_presses), by the best of the session's families. A run that cannot be read,
-/// or has no position, is listed in `left_out` with its reason; none stops the others.
+/// One press of a run: the first, unless the session's cycle chooses another.
+/// @throws InputError for the cycle "all", and as read_run() and chosen_cycles().
+[[nodiscard]] Measurement chosen_press(const Session& session,
+                                       const Measurement& measurement);
+
+/// Reads and fits every run that has a position: one press of each (split_presses), the
+/// first unless the session's cycle chooses another, by the best of the session's
+/// families, the frame's deflection and drifts with time taken off. A run that cannot
+/// be read, has no position, fewer presses than its cycle, or a specimen that sticks by
+/// more than kAdhesionShareMax of its largest force, is listed in `left_out` with its
+/// reason; none stops the others.
+/// @param notes what was taken off, one line each.
+/// @throws InputError as session_frame(), and for the cycle "all".
 [[nodiscard]] std::vector<SurfaceProbe> session_probes(
-    const Session& session, std::vector<LeftOutProbe>& left_out);
+    const Session& session, std::vector<LeftOutProbe>& left_out,
+    std::vector<std::string>& notes);
+
+constexpr double kAdhesionShareMax = 0.1;  ///< [-] of the largest force
 
 /// The surface that the session names; turned if it is closed and inside out.
 /// @throws InputError if it names none, and as read_surface() does.

@@ -136,7 +136,8 @@ PointTable find_columns(const std::string& file, const TextLine& header) {
   for (const char delimiter : {'\t', ';', ','}) {
     PointTable table{file, delimiter, {}};
     const auto cells = split_cells(header.text, delimiter);
-    for (const char* name : {"file", "x", "y", "z", "nx", "ny", "nz", "point"}) {
+    for (const char* name :
+         {"file", "x", "y", "z", "nx", "ny", "nz", "point", "specimen"}) {
       const auto matches = matching_columns(cells, name);
       if (matches.size() == 1) {
         table.column[name] = matches[0];
@@ -149,7 +150,7 @@ PointTable find_columns(const std::string& file, const TextLine& header) {
   }
   throw InputError(
       fmt::format("{}: line {} must name the columns file, x, y, z (and may name nx, "
-                  "ny, nz, point)",
+                  "ny, nz, point, specimen)",
                   file, header.number));
 }
 
@@ -203,6 +204,9 @@ void place(const PointTable& table, const TextLine& line, double metres,
   }
   if (table.column.contains("point")) {
     run.point = cell(table, line, "point");
+  }
+  if (table.column.contains("specimen")) {
+    run.specimen = cell(table, line, "specimen");
   }
 }
 
@@ -305,6 +309,9 @@ void append_runs(const SceneSection& section, Session& session) {
   SessionRun like;
   if (section.find("point") != nullptr) {
     like.point = section.text("point");
+  }
+  if (section.find("specimen") != nullptr) {
+    like.specimen = section.text("specimen");
   }
   if (section.find("position_m") != nullptr) {
     like.position_m = section.vector("position_m");

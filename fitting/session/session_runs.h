@@ -6,8 +6,8 @@
 
 namespace palpate::session_parts {
 
-inline constexpr std::string_view kRunKeys[] = {"file", "files", "point", "position_m",
-                                                "normal"};
+inline constexpr std::string_view kRunKeys[] = {"file",     "files",      "point",
+                                                "specimen", "position_m", "normal"};
 inline constexpr std::string_view kPointKeys[] = {"table", "length_unit"};
 
 /// Appends the runs of one [[run]].
