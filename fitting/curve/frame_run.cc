@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
 
-#include "fitting/curve/family_fit.h"
+#include "fitting/curve/misfit.h"
 #include "fitting/curve/power_law_fit.h"
 #include "fitting/numerics/bounded_linear.h"
 #include "fitting/numerics/correlated_noise.h"
@@ -81,19 +81,18 @@ double rms(const Eigen::VectorXd& residual) {
   return residual.norm() / std::sqrt(static_cast<double>(residual.size()));
 }
 
-bool pieces_fit_better(const Pieces& line, const Pieces& pieces, double largest_n) {
-  const double few = line.residual.squaredNorm(), many = pieces.residual.squaredNorm();
+bool pieces_fit_better(const Contact& c, const Pieces& line, const Pieces& pieces,
+                       double largest_n) {
   const double apart = ((line.residual - pieces.residual).cwiseAbs()).maxCoeff();
-  const Eigen::VectorXd& r = pieces.residual;
-  const double n = effective_samples({r.data(), static_cast<std::size_t>(r.size())});
-  const double more = kFramePieces - 1, left = n - kFramePieces - 1;
-  if (!(apart > kApart * largest_n) || left < 1.0) {
+  if (!(apart > kApart * largest_n)) {
     return false;
   }
-  const double ratio = (few - many) / more / (many / left);
-  const boost::math::fisher_f_distribution<double> by_chance(more, left);
-  return !(many > 0.0) ||
-         boost::math::cdf(boost::math::complement(by_chance, ratio)) < kSignificance;
+  const auto samples = static_cast<std::size_t>(c.x.size());
+  const ResidualNoise noise({c.x.data(), samples}, {pieces.residual.data(), samples});
+  const boost::math::chi_squared by_chance(kFramePieces - 1.0);
+  const double deviance = noise.deviance({line.residual.data(), samples});
+  return deviance > 0.0 &&
+         boost::math::cdf(boost::math::complement(by_chance, deviance)) < kSignificance;
 }
 
 // The plate was met where the first piece, gone back, has no force.
@@ -147,7 +146,7 @@ FrameRun frame_of_run(const Measurement& measurement) {
   // What was taken off for the baseline's slope is as uncertain as that.
   const double told_sd = contact.parameters[1].sd;
   const double slope_sd = std::isfinite(told_sd) ? told_sd : 0.0;
-  if (pieces_fit_better(line, pieces, run.force_max_n)) {
+  if (pieces_fit_better(samples, line, pieces, run.force_max_n)) {
     if (contact.has(FitFlag::kAlreadyInContact) || !(pieces.q[1] > 0.0)) {
       throw InputError(
           "the frame's run begins in contact, and the stiffness is not constant: begin "
