@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@
 #include "fitting/command/indenter_options.h"
 #include "fitting/command/machine_options.h"
 #include "fitting/curve/corrected_press.h"
+#include "fitting/curve/fit_rating.h"
 #include "fitting/curve/fitted_response.h"
 #include "fitting/curve/measured_approach.h"
 #include "fitting/curve/parameter_json.h"
@@ -43,6 +45,7 @@ struct CurveResult {
   PressCorrections corrections;
   Approach approach;
   ContactFit fit;
+  FamilyChoice choice;
   Modulus modulus;
   std::vector<FitFlag> flags;  // the fit's, then the modulus' own
 };
@@ -76,7 +79,11 @@ void compute(const CurveOptions& options, const Indenter& indenter,
     throw NumericalError(fmt::format("{}: the fit did not converge in {} iterations",
                                      options.file.file, result.fit.iterations));
   }
+  const std::vector<std::string> all(kFamilyNames.begin(), kFamilyNames.end());
+  result.choice =
+      fit_families(result.approach, result.fit, all, "aicc", {.cross_validate = false});
   result.flags = result.fit.flags;
+  take_misfit(result.choice, result.flags);
   result.modulus = corrected_modulus(press, indenter);
   for (const FitFlag flag : result.modulus.flags) {
     if (std::find(result.flags.begin(), result.flags.end(), flag) ==
@@ -84,6 +91,21 @@ void compute(const CurveOptions& options, const Indenter& indenter,
       result.flags.push_back(flag);
     }
   }
+}
+
+nlohmann::ordered_json curve_json(const FamilyChoice& choice) {
+  if (choice.fits.empty()) {
+    return nullptr;
+  }
+  const FamilyFit& best = choice.fits.front();
+  nlohmann::ordered_json json{
+      {"family", best.family}, {"parameters", to_json(best.parameters)},
+      {"rms_n", best.rms_n},   {"missed_rms_n", best.misfit.missed_rms},
+      {"misses", best.misses}, {"features", nlohmann::json::array()}};
+  for (const CurveFeature& feature : choice.features) {
+    json["features"].push_back(to_json(feature));
+  }
+  return json;
 }
 
 void print_json(const CurveResult& r, const CurveOptions& options,
@@ -100,6 +122,7 @@ void print_json(const CurveResult& r, const CurveOptions& options,
   json["contact_point_m"] = r.fit.contact_point_m;
   json["contact_point_sd_m"] = r.fit.contact_point_sd_m;
   json["rms_n"] = r.fit.rms_n;
+  json["curve"] = curve_json(r.choice);
   json["flags"] = to_json(r.flags);
   json["youngs_modulus_pa"] = r.modulus.youngs_modulus_pa;
   json["youngs_modulus_sd_pa"] = r.modulus.sd_pa;
@@ -107,7 +130,7 @@ void print_json(const CurveResult& r, const CurveOptions& options,
   json["poissons_ratio"] = options.indenter.poissons_ratio;
   json["mean_stiffness_n_per_m"] = r.fit.mean_stiffness_n_per_m;
   json["depth_max_m"] = r.fit.depth_max_m;
-  json["noise_sd_n"] = r.approach.noise_sd_n;
+  json["noise_sd_n"] = r.choice.noise_sd_n;
   json["press_work_j"] = r.approach.press_work_j;
   json["release_work_j"] = r.approach.release_work_j;
   json["samples"] = r.read.measurement.samples.force_n.size();
@@ -153,6 +176,17 @@ void print_columns(const CurveResult& r, const CurveOptions& options) {
   }
 }
 
+// The family that follows the data best, which a database gets.
+void print_curve(const FamilyChoice& choice) {
+  const FamilyFit& best = choice.fits.front();
+  fmt::print(
+      "{:<24} {}: {:.3g} N rms{}\n", "curve", best.family, best.rms_n,
+      best.misses ? fmt::format(", misses {:.3g} N", best.misfit.missed_rms) : "");
+  for (const CurveFeature& feature : choice.features) {
+    fmt::print("{:<24} {}\n", "", describe(feature));
+  }
+}
+
 void print_corrections(const CurveResult& r, const Indenter& indenter) {
   if (r.frame) {
     fmt::print("{:<24} {}\n", "frame", describe_frame(r.frame));
@@ -180,8 +214,9 @@ void print_report(const CurveResult& r, const CurveOptions& options,
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     print_line("depth", r.fit.depth_max_m, nothing, "m beyond the contact point");
     print_line("residual", r.fit.rms_n, nothing,
-               fmt::format("N rms (noise {:.3g} N)", approach.noise_sd_n));
+               fmt::format("N rms (noise {:.3g} N)", r.choice.noise_sd_n));
     print_line("mean stiffness", r.fit.mean_stiffness_n_per_m, nothing, "N/m");
+    print_curve(r.choice);
   }
   if (r.modulus.refused.empty()) {
     print_line("Young's modulus", r.modulus.youngs_modulus_pa, r.modulus.sd_pa,
@@ -194,6 +229,13 @@ void print_report(const CurveResult& r, const CurveOptions& options,
   for (const FitFlag flag : r.flags) {
     fmt::print("flag {:<28} {}\n", flag_name(flag), flag_meaning(flag));
   }
+}
+
+const FamilyFit& best_of(const FamilyChoice& choice) {
+  if (choice.fits.empty()) {
+    throw NumericalError("empty run: the force never leaves the noise, no response");
+  }
+  return choice.fits.front();
 }
 
 void run(CurveOptions& options) {
@@ -214,8 +256,8 @@ void run(CurveOptions& options) {
   compute(options, indenter, result);
   if (!options.output.empty()) {
     write_database(options.output,
-                   sample_patch(result.fit, result.read.measurement.samples, *tool,
-                                options.file.file));
+                   sample_patch(best_of(result.choice), result.read.measurement.samples,
+                                *tool, options.file.file));
   }
   options.json ? print_json(result, options, indenter)
                : print_report(result, options, indenter);
@@ -225,8 +267,8 @@ void run(CurveOptions& options) {
 
 void add_curve_command(Command app) {
   auto options = std::make_shared<CurveOptions>();
-  Command command =
-      app.add_subcommand("curve", "Fit contact point and power law to one curve.");
+  Command command = app.add_subcommand(
+      "curve", "Fit contact point, power law and the curve that follows best.");
   command
       .add_option(
           "FILE", options->file.file,

@@ -237,6 +237,7 @@ class Cubic : public CurveFamily {
     }
   }
   std::string_view name() const override { return name_; }
+  std::vector<double> knots() const override { return depth_; }
 
   FamilyPoint at(std::span<const double> q, double d) const override {
     if (d <= 0.0) {

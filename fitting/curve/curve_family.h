@@ -54,6 +54,10 @@ class CurveFamily {
   /// Whether f is linear in q, all of which are >= 0: fitted without a start.
   [[nodiscard]] virtual bool linear() const { return false; }
 
+  /// (m) [-] depths between which it is one cubic, as response_curve.h has it; empty:
+  /// it is none.
+  [[nodiscard]] virtual std::vector<double> knots() const { return {}; }
+
   /// Where to start from; each reaches about f(1) = 1.
   [[nodiscard]] virtual std::vector<Eigen::VectorXd> starts() const { return {}; }
 

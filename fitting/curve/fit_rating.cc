@@ -73,6 +73,13 @@ bool bound_matters(const FamilyFit& fit) {
 
 }  // namespace
 
+void take_misfit(const FamilyChoice& choice, std::vector<FitFlag>& flags) {
+  std::erase(flags, FitFlag::kMisfit);
+  if (!choice.fits.empty() && choice.fits.front().misses) {
+    flags.push_back(FitFlag::kMisfit);
+  }
+}
+
 std::string_view verdict_name(Verdict verdict) noexcept {
   return verdict == Verdict::kUse     ? "use"
          : verdict == Verdict::kCheck ? "check"

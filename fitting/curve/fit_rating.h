@@ -25,6 +25,9 @@ struct RatingFeatures {
   std::size_t samples_in_contact = 0;
 };
 
+/// Whether the chosen family misses is what matters, not whether the power law does.
+void take_misfit(const FamilyChoice& choice, std::vector<FitFlag>& flags);
+
 enum class Verdict { kUse, kCheck, kSkip };
 [[nodiscard]] std::string_view verdict_name(Verdict verdict) noexcept;
 

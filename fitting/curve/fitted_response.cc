@@ -1,36 +1,73 @@
 #include "fitting/curve/fitted_response.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
-#include "formats/base/error.h"
+#include "fitting/curve/law_error.h"
 #include "formats/base/sha256.h"
 
 namespace palpate {
 namespace {
 
-constexpr int kIntervals = 48;
+constexpr int kIntervals = 48, kErrorDepths = 46;
+constexpr double kDepthShareMin = 0.1, kForceShareMin = 0.1;
+constexpr double kNormal95 = 1.959964;
 constexpr double kHalfWidth = 0.05;  // [m]
+
+std::vector<double> depths_of(const FamilyFit& fit) {
+  std::vector<double> depth_m;
+  for (const double knot : fit.curve->knots()) {
+    if (fit.length_m * knot < fit.depth_max_m * (1.0 - 1e-9)) {
+      depth_m.push_back(fit.length_m * knot);
+    }
+  }
+  if (!depth_m.empty()) {
+    depth_m.push_back(fit.depth_max_m);
+    return depth_m;
+  }
+  for (int i = 0; i <= kIntervals; ++i) {
+    const double t = static_cast<double>(i) / kIntervals;
+    depth_m.push_back(fit.depth_max_m * t * t);  // a power law bends most at its start
+  }
+  return depth_m;
+}
+
+double error_of(const FamilyFit& fit, const NodeResponse& response) {
+  Eigen::VectorXd depth_m(kErrorDepths);
+  for (int k = 0; k < kErrorDepths; ++k) {
+    depth_m[k] = fit.depth_max_m *
+                 (kDepthShareMin + (1.0 - kDepthShareMin) * k / (kErrorDepths - 1.0));
+  }
+  const double most =
+      *std::max_element(response.force_n.begin(), response.force_n.end());
+  const Eigen::VectorXd log_sd = log_force_errors(fit, depth_m);
+  const double missed = is_sure(fit.misfit, most) ? fit.misfit.missed_rms : 0.0;
+  double worst = 0.0;
+  for (int k = 0; k < kErrorDepths; ++k) {
+    const double force = family_point(fit, depth_m[k]).force;
+    const double sd = force > 0.0 ? log_sd[k] * force : 0.0;
+    worst = std::max(worst,
+                     std::hypot(sd, missed) / std::max(force, kForceShareMin * most));
+  }
+  return kNormal95 * worst;
+}
 
 }  // namespace
 
-NodeResponse fitted_response(const ContactFit& fit, const Eigen::Vector3d& direction) {
-  if (fit.has(FitFlag::kEmptyRun)) {
-    throw NumericalError("empty run: the force never leaves the noise, no response");
-  }
+NodeResponse fitted_response(const FamilyFit& fit, const Eigen::Vector3d& direction) {
   NodeResponse response;
   response.direction = direction;
   response.origin = ResponseOrigin::kMeasured;
-  for (int i = 0; i <= kIntervals; ++i) {
-    const double t = static_cast<double>(i) / kIntervals;
-    const double d = fit.depth_max_m * t * t;  // a power law bends most at its start
-    response.depth_m.push_back(d);
-    response.force_n.push_back(contact_force_n(fit, d));
+  response.depth_m = depths_of(fit);
+  for (const double d : response.depth_m) {
+    response.force_n.push_back(family_point(fit, d).force);
   }
-  response.error_relative = fit.rms_n / response.force_n.back();
+  response.error_relative = error_of(fit, response);
   return response;
 }
 
-ResponseDatabase sample_patch(const ContactFit& fit, const Measurement& measurement,
+ResponseDatabase sample_patch(const FamilyFit& fit, const Measurement& measurement,
                               const ToolShape& tool,
                               const std::filesystem::path& source) {
   check(tool);

@@ -4,25 +4,27 @@
 #include <filesystem>
 #include <string>
 
-#include "fitting/curve/power_law_fit.h"
+#include "fitting/curve/family_fit.h"
 #include "formats/database/response_database.h"
 
 namespace palpate {
 
-/// Samples K d^p from the contact point to the largest depth measured, closer together
-/// where the curve bends, so that the stored cubic stays within 1e-4 of the largest
-/// force. Origin measured; error_relative is the residuals' rms over the force at the
-/// largest depth. Baseline and drift belong to the sensor and are left out.
+/// Samples the curve from the contact point to the largest depth measured: at its
+/// knots, where it has any, else closer together where it bends most, so that the
+/// stored cubic stays within 1e-4 of the largest force. Origin measured. Baseline and
+/// drift belong to the sensor and are left out. error_relative is the half width of the
+/// 95 % interval over the larger of the force and a tenth of the largest, at its worst
+/// from a tenth of the depth on: 1.96 times the root of the curve's variance
+/// (log_force_errors) and the square of what the family surely misses.
 /// @param direction [-] unit vector of the force on the tool.
-/// @throws NumericalError for an empty run.
-[[nodiscard]] NodeResponse fitted_response(const ContactFit& fit,
+[[nodiscard]] NodeResponse fitted_response(const FamilyFit& fit,
                                            const Eigen::Vector3d& direction);
 
 /// A flat square sample, 0.1 m wide, in the plane z = 0 with normal +z: 4 nodes, 2
 /// triangles, the same fitted response at every node, and the raw measurement.
 /// @param source the file that was measured; its name and digest are kept.
-/// @throws NumericalError for an empty run, InputError for a tool out of range.
-[[nodiscard]] ResponseDatabase sample_patch(const ContactFit& fit,
+/// @throws InputError for a tool out of range.
+[[nodiscard]] ResponseDatabase sample_patch(const FamilyFit& fit,
                                             const Measurement& measurement,
                                             const ToolShape& tool,
                                             const std::filesystem::path& source);

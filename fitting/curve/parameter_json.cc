@@ -14,6 +14,14 @@ nlohmann::ordered_json to_json(const std::vector<FitParameter>& parameters) {
   return list;
 }
 
+nlohmann::ordered_json to_json(const CurveFeature& feature) {
+  return {{"kind", feature_name(feature.kind)},
+          {"depth_m", feature.depth_m},
+          {"depth_end_m", feature.depth_end_m},
+          {"change", feature.change},
+          {"text", describe(feature)}};
+}
+
 nlohmann::ordered_json to_json(const std::vector<FitFlag>& flags) {
   auto list = nlohmann::ordered_json::array();
   for (const FitFlag flag : flags) {

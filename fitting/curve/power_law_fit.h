@@ -71,9 +71,10 @@ struct ContactFitOptions {
 /// first sample, the drift zero, and that is flagged - unless the approach is known to
 /// be free at first (contact_from_m): the contact point is then not before that, and
 /// the drift is always fitted.
-/// Where the law with a free exponent surely misses the curve (misfit.h), its contact point is compared with
-/// that of the curve's beginning, and what lies between them is part of its standard
-/// deviation; without such a beginning it counts as not identified.
+/// Where the law with a free exponent surely misses the curve (misfit.h), its contact
+/// point is compared with that of the curve's beginning, and what lies between them is
+/// part of its standard deviation; without such a beginning it counts as not
+/// identified.
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

@@ -31,13 +31,9 @@ MeasurementFile read(const Session& session, const SessionRun& run) {
   return read_run(session, run);
 }
 
-// Whether the chosen family misses is what matters, not whether the power law does.
 void collect_flags(RunResult& result) {
   result.flags = result.contact.flags;
-  std::erase(result.flags, FitFlag::kMisfit);
-  if (!result.choice.fits.empty() && result.choice.fits.front().misses) {
-    result.flags.push_back(FitFlag::kMisfit);
-  }
+  take_misfit(result.choice, result.flags);
   for (const FitFlag flag : result.modulus.flags) {
     if (std::find(result.flags.begin(), result.flags.end(), flag) ==
         result.flags.end()) {

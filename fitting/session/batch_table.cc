@@ -226,11 +226,7 @@ Json run_json(const RunResult& run, const Session& session) {
   json["independent_samples"] = run.choice.independent_samples;
   json["features"] = Json::array();
   for (const CurveFeature& feature : run.choice.features) {
-    json["features"].push_back({{"kind", feature_name(feature.kind)},
-                                {"depth_m", feature.depth_m},
-                                {"depth_end_m", feature.depth_end_m},
-                                {"change", feature.change},
-                                {"text", describe(feature)}});
+    json["features"].push_back(to_json(feature));
   }
   json["mean_stiffness_n_per_m"] = run.contact.mean_stiffness_n_per_m;
   json["youngs_modulus_pa"] = run.modulus.youngs_modulus_pa;
