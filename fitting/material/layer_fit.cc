@@ -80,7 +80,8 @@ LayerFit fit_sphere_on_layer(const Approach& approach, const ContactFit& start,
   constexpr double kInf = std::numeric_limits<double>::infinity();
   LeastSquaresProblem problem;
   problem.residuals = problem.in_a_row = static_cast<int>(curve.x.size());
-  problem.evaluate = [&curve](const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> r,
+  problem.evaluate = [&curve](const Eigen::VectorXd& q,
+                              const Eigen::Ref<Eigen::VectorXd>& r,
                               RowMajorMatrix* jacobian) {
     return evaluate(curve, q, r, jacobian);
   };
