@@ -21,7 +21,8 @@ constexpr std::size_t kRowsEnough = 800;      // more are averaged, ...
 constexpr std::size_t kPressRowsEnough = 60;  // ... but not those of a fast press, ...
 constexpr std::size_t kRowsMax = 2500;        // ... up to here
 constexpr int kTermsMax = 3;
-constexpr int kNodes = 9, kFewNodes = 4;  // of the spline; three samples to each
+constexpr int kNodesMin = 4, kNodesMax = 17;  // of the spline
+constexpr Eigen::Index kPressRowsPerNode = 5;
 constexpr int kCurvePoints = 48;
 constexpr double kReleaseWorse = 1.25;  // [-] of the residuals' rms
 constexpr double kRise = 0.03;          // [-] of the force: surely in contact
@@ -167,7 +168,8 @@ Candidate chosen_model(const Rows& rows) {
   std::vector<Candidate> curves;
   curves.push_back(fitted(rows, 0, 2));
   // A supple one, since what it cannot follow would be taken for relaxation.
-  const int nodes = rows.press >= 3 * kNodes ? kNodes : kFewNodes;
+  const int nodes = std::clamp(static_cast<int>(rows.press / kPressRowsPerNode),
+                               kNodesMin, kNodesMax);
   const Candidate* law = &curves.front();
   curves.push_back(fitted(rows, nodes, 2, law->report.converged ? law : nullptr));
   std::vector<Candidate> by_terms;
@@ -255,6 +257,29 @@ void take_curve(const Rows& rows, const Candidate& c, const Eigen::MatrixXd& cov
   }
 }
 
+// The shortest time at which a term of g = 0.1 would stand out from the residuals of
+// the hold by kSeen standard deviations: what is left of it at the end of the press,
+// times the root of the samples over which it dies away.
+double seen_from_s(const Rows& rows, const JointRelaxation& result, double press_s) {
+  constexpr double kShare = 0.1, kSeen = 4.0;
+  const double travel_m = result.displacement_m.back() - rows.origin_m;
+  const double speed = travel_m / press_s;
+  double tau_s = kIntervals * rows.interval_s;
+  for (; tau_s < rows.hold_s; tau_s *= 1.1) {
+    const RelaxationTerm term{kShare, 0.0, tau_s, 0.0, {}};
+    const double end_n = result.force_n.back();
+    const auto shown =
+        shown_by_press({&term, 1}, result.displacement_m, result.force_n, speed);
+    // g (e - q), from g' = g (e - q) / (e - g q).
+    const double left = shown[0].g * (1.0 - kShare) / (1.0 - shown[0].g) * end_n;
+    const double samples = 0.5 * tau_s / rows.interval_s;
+    if (left * std::sqrt(samples) > kSeen * result.rms_relative * rows.force_n) {
+      break;
+    }
+  }
+  return tau_s;
+}
+
 std::string why_refused(const PressAndHold& m) {
   if (m.hold_begin < kPressSamplesMin || m.hold_end < m.hold_begin + kHoldSamplesMin) {
     return fmt::format(
@@ -297,6 +322,8 @@ JointRelaxation fit_press_and_hold(const PressAndHold& measured) {
   result.baseline_n = rows.force_n * best.report.q[0];
   result.rms_relative = rms(best);
   result.samples = best.rows;
+  result.seen_from_s = seen_from_s(
+      rows, result, measured.time_s[measured.hold_begin] - measured.time_s.front());
   return result;
 }
 
@@ -324,9 +351,11 @@ std::string describe(const JointRelaxation& joint) {
                             ? ""
                             : fmt::format(" (not claimed: {})", term.not_claimed));
   }
-  return text + fmt::format("; rms {:.2g} % of the largest force{}",
-                            100.0 * joint.rms_relative,
-                            joint.release ? ", the release too" : "");
+  return text + fmt::format(
+                    "; what relaxes in less than {:.2g} s is not seen; rms "
+                    "{:.2g} % of the largest force{}",
+                    joint.seen_from_s, 100.0 * joint.rms_relative,
+                    joint.release ? ", the release too" : "");
 }
 
 }  // namespace palpate

@@ -114,7 +114,8 @@ Json joint_json(const JointRelaxation& joint) {
                    {"displacement_m", joint.displacement_m},
                    {"force_n", joint.force_n},
                    {"force_sd_n", joint.force_sd_n}};
-  json.update({{"baseline_n", joint.baseline_n},
+  json.update({{"seen_from_s", joint.seen_from_s},
+               {"baseline_n", joint.baseline_n},
                {"rms_relative", joint.rms_relative},
                {"samples", joint.samples},
                {"release", joint.release},

@@ -134,6 +134,16 @@ TEST(JointRelaxation, DoesNotClaimWhatTheHoldIsTooShortFor) {
   EXPECT_EQ(found.terms[1].not_claimed, "longer than the hold");
 }
 
+TEST(JointRelaxation, SaysWhatIsTooFastToBeSeen) {
+  const auto truth = terms_of({{0.3, 0.05}, {0.3, 4.5}});
+  const auto seen_from = [&](double speed_m_per_s) {
+    return fit_press_and_hold(pressed(truth, speed_m_per_s, 50.0, 10.0, 4e-3).view())
+        .seen_from_s;
+  };
+  EXPECT_GT(seen_from(5e-4), 0.05);  // dies away within the slow press
+  EXPECT_LT(seen_from(5e-2), 0.05);
+}
+
 TEST(JointRelaxation, TellsWhatAHoldShowsAfterAnyPress) {
   const auto truth = terms_of({{0.26, 0.42}, {0.30, 4.5}});
   const JointRelaxation found =
