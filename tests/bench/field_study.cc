@@ -265,13 +265,18 @@ struct Plan {
   int refinements = 4;
   unsigned first_seed = 1;
   bool patches = false;
+  unsigned probes = 0;  // 0: three numbers
 };
 
 void study_all(const Plan& plan) {
-  const auto [seeds, only, refinements, first_seed, patches] = plan;
-  const std::vector<std::size_t> counts = patches
-                                              ? std::vector<std::size_t>{30, 100, 300}
-                                              : std::vector<std::size_t>{100, 250, 600};
+  const auto [seeds, only, refinements, first_seed, patches, probes] = plan;
+  std::vector<std::size_t> counts{100, 250, 600};
+  if (patches) {
+    counts = {30, 100, 300};
+  }
+  if (probes > 0) {
+    counts = {probes};
+  }
   const Body bodies[] = {
       {"sphere", icosphere(0.05, refinements)},
       {"ellipsoid", stretched(icosphere(1.0, refinements), {0.08, 0.05, 0.03})},
@@ -316,7 +321,7 @@ int main(int argc, char** argv) {
       plan.patches = true;
       words.erase(words.begin());
     }
-    words.resize(4);
+    words.resize(5);
     const auto number = [&](std::size_t i, unsigned otherwise) {
       return words[i].empty() ? otherwise : static_cast<unsigned>(std::stoul(words[i]));
     };
@@ -324,6 +329,7 @@ int main(int argc, char** argv) {
     plan.only = words[1];
     plan.refinements = static_cast<int>(number(2, 4));
     plan.first_seed = number(3, plan.first_seed);
+    plan.probes = number(4, plan.probes);
     palpate::study_all(plan);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
