@@ -27,10 +27,12 @@ nlohmann::ordered_json to_json(const SurfaceFitReport& report,
                                const std::vector<std::string>& notes) {
   const FieldParameters& p = report.parameters.parameters;
   nlohmann::ordered_json json{{"probes", report.probes},
+                              {"places", report.places},
                               {"laws", report.laws},
                               {"length_m", p.length_m},
                               {"sd_log_force", p.sd},
                               {"nugget_log_force", p.nugget_sd},
+                              {"repeatability_log_force", report.repeatability},
                               {"smoothness", p.smoothness},
                               {"at_bound", report.parameters.at_bound},
                               {"converged", report.parameters.converged},
@@ -57,6 +59,10 @@ nlohmann::ordered_json to_json(const SurfaceFitReport& report,
                                     {"coverage_95", d.coverage},
                                     {"nearest_rms_log_force", d.nearest_rms}});
   }
+  json["left_patches_out"] = {{"patches", report.patches.patches},
+                              {"places", report.patches.points},
+                              {"rms_log_force", report.patches.rms},
+                              {"coverage_95", report.patches.coverage}};
   json["left_out"] = nlohmann::json::array();
   for (const LeftOutProbe& probe : report.left_out) {
     json["left_out"].push_back({{"run", probe.name}, {"reason", probe.reason}});
@@ -81,7 +87,7 @@ SurfaceFit compute(const Session& session, std::vector<std::string>& notes) {
         session.file.string(), probes.size(), kProbesMin, left_out[0].name,
         left_out[0].reason));
   }
-  SurfaceFit fit = fit_surface(body, *session.tool, probes);
+  SurfaceFit fit = fit_surface(body, *session.tool, probes, {.patches = true});
   fit.report.left_out.insert(fit.report.left_out.begin(), left_out.begin(),
                              left_out.end());
   Provenance& provenance = fit.database.provenance;

@@ -14,6 +14,9 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kHoldSamplesMin = 12;
+constexpr double kShallow = 0.05;     // [-] of the travel
+constexpr double kTurn = 0.01;        // [-] of the travel: a new press
+constexpr double kLeft = 1.0 / 30.0;  // [-] of the largest force
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // q: g_inf, g_1, g_2 in units of the first force, ln of the times in units of the hold.
@@ -128,6 +131,54 @@ double press_speed_m_per_s(const std::vector<double>& x, const std::vector<doubl
                                        : std::numeric_limits<double>::quiet_NaN();
 }
 
+// First sample of the press that leads to sample `end`: that where the tool was last
+// free, with what is free before it.
+std::size_t press_begin(const std::vector<double>& x, std::size_t end) {
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  const double shallow = *low + kShallow * (*high - *low);
+  std::size_t begin = end;
+  while (begin > 0 && x[begin] > shallow) {
+    --begin;
+  }
+  while (begin > 0 && x[begin - 1] <= shallow) {
+    --begin;
+  }
+  return begin;
+}
+
+// One past the last sample of the release from `begin` on that is surely in contact.
+std::size_t release_end(const std::vector<double>& x, const std::vector<double>& force,
+                        std::size_t begin) {
+  const double turn = kTurn * (*std::max_element(x.begin(), x.end()) -
+                               *std::min_element(x.begin(), x.end()));
+  const double most = *std::max_element(force.begin(), force.end());
+  double lowest = begin < x.size() ? x[begin] : 0.0;
+  std::size_t end = begin;
+  while (end < x.size() && force[end] > kLeft * most && x[end] <= lowest + turn) {
+    lowest = std::min(lowest, x[end]);
+    ++end;
+  }
+  return end;
+}
+
+// @param x displacement, compression positive. @param hold samples that stay
+JointRelaxation joint_relaxation(const Measurement& m, const std::vector<double>& x,
+                                 const Segment& hold) {
+  std::vector<double> force = m.force_n;
+  const std::size_t begin = press_begin(x, hold.begin);
+  if (force[hold.begin] < force[begin]) {
+    for (double& value : force) {
+      value = -value;
+    }
+  }
+  const std::size_t end = release_end(x, force, hold.end);
+  const auto part = [&](const std::vector<double>& values) {
+    return std::span(values).subspan(begin, end - begin);
+  };
+  return fit_press_and_hold(
+      {part(m.time_s), part(x), part(force), hold.begin - begin, hold.end - begin});
+}
+
 }  // namespace
 
 Relaxation fit_relaxation(std::span<const double> time_s,
@@ -220,6 +271,7 @@ Relaxation find_relaxation(const Measurement& m) {
       fit_relaxation(std::span(m.time_s).subspan(longest.begin + peak, count - peak),
                      force.subspan(peak));
   found.speed_m_per_s = press_speed_m_per_s(x, m.time_s, longest.begin);
+  found.joint = joint_relaxation(m, x, longest);
   return found;
 }
 

@@ -7,14 +7,17 @@
 #include <span>
 #include <string>
 
+#include "fitting/curve/joint_relaxation.h"
 #include "fitting/curve/power_law_fit.h"
 #include "formats/database/response_database.h"
 
 namespace palpate {
 
-/// F(t) = F(0) (g_inf + g_1 exp(-t / tau_1) + g_2 exp(-t / tau_2)), g_inf + g_1 + g_2 =
-/// 1, t from the start of the hold: the ramp before it counts as a step, so that what
-/// relaxed meanwhile is missing.
+/// What the hold shows: F(t) = F(0) (g_inf + g_1 exp(-t / tau_1) + g_2 exp(-t /
+/// tau_2)), g_inf + g_1 + g_2 = 1, t from the start of the hold. The press before it
+/// counts as a step: what relaxed meanwhile is missing, and the terms hold after a
+/// press at about this speed. `joint` has those of the material, without what the speed
+/// makes of them.
 struct Relaxation {
   std::string refused;            ///< why there is none; empty where there is
   double force_n = 0.0;           ///< [N] F(0)
@@ -28,6 +31,7 @@ struct Relaxation {
   /// [m/s] mean over the last half of the press before the hold; NaN: not pressed
   double speed_m_per_s = std::numeric_limits<double>::quiet_NaN();
   bool converged = false;
+  JointRelaxation joint;  ///< of press and hold together; refused where there is none
 };
 
 /// @param time_s, force_n (n) of one hold, n >= 12. @throws InputError for other
@@ -35,7 +39,10 @@ struct Relaxation {
 [[nodiscard]] Relaxation fit_relaxation(std::span<const double> time_s,
                                         std::span<const double> force_n);
 
-/// The longest hold of a measurement; refused without time or without a hold.
+/// The longest hold of a measurement, and it together with the press before it, from
+/// where the tool last left the shallowest 5 % of the travel, and with the release
+/// after it while a thirtieth of the force is left. Refused without time or without a
+/// hold.
 [[nodiscard]] Relaxation find_relaxation(const Measurement& measurement);
 
 /// F = K d^p (1 + lambda d'), d' the speed of pressing (Hunt and Crossley 1975).

@@ -212,6 +212,7 @@ std::string article(const RunResult& run, const Indenter& indenter, std::size_t 
         "{:.3g} s; rms {:.2g} %</p>",
         r.seconds, r.g_inf, r.g[0], r.tau_s[0], r.g[1], r.tau_s[1],
         100.0 * r.rms_relative);
+    html += "<p>" + markup_escaped(describe(r.joint)) + "</p>";
   }
   return html + plot(run) + "</article>\n";
 }

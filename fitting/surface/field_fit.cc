@@ -10,6 +10,7 @@
 #include "fitting/surface/field_database.h"
 #include "fitting/surface/geodesic_distance.h"
 #include "fitting/surface/probe_relaxation.h"
+#include "fitting/surface/probe_repeats.h"
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -18,8 +19,10 @@ namespace {
 constexpr double kErrorMin = 1e-3;  // [-] of log force: no curve is known better
 constexpr double kErrorMax = 1.0;   // a worse one says nothing
 constexpr double kReach = 0.9;      // share of probes that reach the largest depth
-constexpr double kAttachmentShareMax = 0.1;  // of the body's diagonal
-constexpr double kScoreZ = 1.959964;         // 95 % of a normal distribution
+constexpr double kAttachmentShareMax = 0.1;          // of the body's diagonal
+constexpr double kSamePlace = 1e-6;                  // of the body's diagonal
+constexpr int kScreened[] = {5, kCommonDepths - 1};  // a quarter of, and full, depth
+constexpr double kScoreZ = 1.959964;                 // 95 % of a normal distribution
 constexpr int kFirstScored = 2;  // the shallowest depths are a thousandth of the force
 
 std::vector<const SurfaceProbe*> usable(std::span<const SurfaceProbe> probes,
@@ -55,6 +58,34 @@ Eigen::VectorXd common_depths_m(const std::vector<const SurfaceProbe*>& probes) 
   const Eigen::ArrayXd k = Eigen::ArrayXd::LinSpaced(kCommonDepths, 1, kCommonDepths);
   return deepest[rank] * (k / kCommonDepths).square();
 }
+
+struct Presses {
+  std::vector<const SurfaceProbe*> probe;       // that can be used
+  std::vector<std::vector<std::size_t>> place;  // of them, each a point of the model
+  JoinedPresses joined;
+
+  [[nodiscard]] std::vector<const SurfaceProbe*> first_of_places() const {
+    std::vector<const SurfaceProbe*> first;
+    for (const auto& members : place) {
+      first.push_back(probe[members.front()]);
+    }
+    return first;
+  }
+  // Behind the field, given which places are.
+  [[nodiscard]] std::vector<const SurfaceProbe*> behind(
+      const std::vector<char>& used) const {
+    std::vector<const SurfaceProbe*> found;
+    for (std::size_t p = 0; p < place.size(); ++p) {
+      for (const std::size_t i : place[p]) {
+        if (used[p] != 0 && std::find(joined.left_out.begin(), joined.left_out.end(),
+                                      i) == joined.left_out.end()) {
+          found.push_back(probe[i]);
+        }
+      }
+    }
+    return found;
+  }
+};
 
 std::vector<AttachedPoint> attach(const SurfaceMesh& body,
                                   const std::vector<const SurfaceProbe*>& probes) {
@@ -93,6 +124,25 @@ std::vector<FieldData> field_data(const std::vector<const SurfaceProbe*>& probes
     }
   }
   return data;
+}
+
+Presses joined_presses(const SurfaceMesh& body, std::vector<const SurfaceProbe*> kept,
+                       const Eigen::VectorXd& depth_m) {
+  Presses presses{std::move(kept), {}, {}};
+  std::vector<Eigen::Vector3d> position;
+  for (const SurfaceProbe* probe : presses.probe) {
+    position.push_back(probe->position_m);
+  }
+  presses.place =
+      places_of(position, kSamePlace * bounding_box(body).diagonal().norm());
+  if (presses.place.size() < kProbesMin) {
+    throw InputError(
+        fmt::format("{} presses that can be used are at {} places, at least {} places "
+                    "are needed",
+                    presses.probe.size(), presses.place.size(), kProbesMin));
+  }
+  presses.joined = join_presses(field_data(presses.probe, depth_m), presses.place);
+  return presses;
 }
 
 // Residual of the nearest other probe with a value.
@@ -150,17 +200,23 @@ Measurement raw_of(const SurfaceMesh& body, std::span<const SurfaceProbe> probes
   return all;
 }
 
+// Presses of the bad places, and those far from the others of theirs.
 void list_bad(const ScreenedField& screened, const Eigen::VectorXd& depth_m,
-              std::span<const int> sets, const std::vector<const SurfaceProbe*>& probes,
-              std::vector<LeftOutProbe>& left_out) {
+              const Presses& presses, std::vector<LeftOutProbe>& left_out) {
   for (const BadProbe& bad : screened.bad) {
+    for (const std::size_t i : presses.place[bad.point]) {
+      left_out.push_back(
+          {presses.probe[i]->name,
+           fmt::format(
+               "{:.3g} N at {:.3g} m where the others let expect {:.3g} N: {:.1f} "
+               "standard deviations",
+               std::exp(bad.value), depth_m[kScreened[bad.set]], std::exp(bad.expected),
+               bad.score)});
+    }
+  }
+  for (const std::size_t i : presses.joined.left_out) {
     left_out.push_back(
-        {probes[bad.point]->name,
-         fmt::format(
-             "{:.3g} N at {:.3g} m where the others let expect {:.3g} N: {:.1f} "
-             "standard deviations",
-             std::exp(bad.value), depth_m[sets[bad.set]], std::exp(bad.expected),
-             bad.score)});
+        {presses.probe[i]->name, "far from the other presses at its place"});
   }
 }
 
@@ -196,74 +252,95 @@ std::vector<ProbeDirection> turned(const FieldModel& model, const FieldData& set
   return directions;
 }
 
-SurfaceFields fields_of(const FieldModel& model, const FieldParameters& parameters,
+double mean_square_nugget(std::span<const ProbableParameters> probable) {
+  double sum = 0.0;
+  for (const auto& [parameters, weight] : probable) {
+    sum += weight * parameters.nugget_sd * parameters.nugget_sd;
+  }
+  return sum;
+}
+
+SurfaceFields fields_of(const FieldModel& model,
+                        std::span<const ProbableParameters> probable,
                         const std::vector<FieldData>& data,
+                        const std::vector<double>& repeatability,
                         const Eigen::VectorXd& depth_m, SurfaceFitReport& report) {
   SurfaceFields fields{depth_m, {}, {}, {}, {}};
   fields.log_force.resize(model.mesh().position_m.rows(), depth_m.size());
   fields.sd = fields.log_force;
+  const double roughness = mean_square_nugget(probable);
   for (Eigen::Index k = 0; k < depth_m.size(); ++k) {
-    const FieldData& set = data[static_cast<std::size_t>(k)];
-    const FieldPosterior posterior = model.posterior(parameters, set);
+    const auto at = static_cast<std::size_t>(k);
+    const FieldPosterior posterior = mixed_posterior(model, probable, data[at]);
+    const double own = std::isnan(repeatability[at]) ? 0.0 : roughness;
     fields.log_force.col(k) = posterior.at_nodes();
-    fields.sd.col(k) = posterior.sd;
+    fields.sd.col(k) = (posterior.sd.array().square() + own).sqrt();
     if (k >= kFirstScored) {
-      report.depth.push_back(score_of(model, set, posterior, depth_m[k]));
+      report.depth.push_back(score_of(model, data[at], posterior, depth_m[k]));
     }
   }
   return fields;
 }
 
+// Nodes that have a probe, and those too far from every one.
+void mark_nodes(const FieldModel& model, const FieldData& set, double length_m,
+                SurfaceFields& fields) {
+  fields.measured = nodes_with_probe(model, set);
+  for (const double distance_m :
+       geodesic_distance_m(model.mesh(), used_points(model, set))) {
+    fields.far.push_back(distance_m > kFarLengths * length_m ? 1 : 0);
+  }
+}
+
 }  // namespace
 
 SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
-                       std::span<const SurfaceProbe> probes) {
+                       std::span<const SurfaceProbe> probes,
+                       const SurfaceFitOptions& options) {
   SurfaceFit result;
   SurfaceFitReport& report = result.report;
-  const auto kept = usable(probes, report.left_out);
+  auto kept = usable(probes, report.left_out);
   const Eigen::VectorXd depth_m = common_depths_m(kept);
-  const FieldModel model(body, attach(body, kept));
+  const Presses presses = joined_presses(body, std::move(kept), depth_m);
+  const std::vector<const SurfaceProbe*> places = presses.first_of_places();
+  const FieldModel model(body, attach(body, places));
   for (const AttachedPoint& point : model.point()) {
     report.attachment_max_m = std::max(report.attachment_max_m, point.distance_m);
   }
-  std::vector<FieldData> data = field_data(kept, depth_m);
-  constexpr int kScreened[] = {5, kCommonDepths - 1};  // a sixth of, and full, depth
+  std::vector<FieldData> data = presses.joined.data;
   const std::vector<FieldData> two = {data[kScreened[0]], data[kScreened[1]]};
   const ScreenedField screened = screen_probes(model, two);
   report.parameters = screened.parameters;
-  list_bad(screened, depth_m, kScreened, kept, report.left_out);
+  list_bad(screened, depth_m, presses, report.left_out);
   for (const BadProbe& bad : screened.bad) {
     for (FieldData& set : data) {
       set.used[bad.point] = 0;
     }
   }
-  report.probes = kept.size() - screened.bad.size();
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    report.laws[law_of(*kept[i])] += data.front().used[i] != 0 ? 1U : 0U;
-  }
   const FieldParameters& parameters = screened.parameters.parameters;
-  SurfaceFields fields = fields_of(model, parameters, data, depth_m, report);
-  const FieldData& shallow = data.front();  // every probe in use says something there
-  const Eigen::ArrayXd away_m =
-      geodesic_distance_m(body, used_points(model, shallow)).array();
-  fields.measured = nodes_with_probe(model, shallow);
-  for (const double distance_m : away_m) {
-    fields.far.push_back(distance_m > kFarLengths * parameters.length_m ? 1 : 0);
+  if (options.patches) {
+    report.patches = left_out_patches(model, two, parameters);
   }
+  const FieldData& shallow = data.front();  // every probe in use says something there
+  const auto behind = presses.behind(shallow.used);
+  report.probes = behind.size();
+  report.places = used_points(model, shallow).size();
+  report.repeatability = presses.joined.repeatability.back();
+  for (const SurfaceProbe* probe : behind) {
+    ++report.laws[law_of(*probe)];
+  }
+  const auto probable = probable_parameters(model, screened.data, screened.parameters);
+  SurfaceFields fields =
+      fields_of(model, probable, data, presses.joined.repeatability, depth_m, report);
+  mark_nodes(model, shallow, parameters.length_m, fields);
   report.far_nodes = static_cast<std::size_t>(
       std::count(fields.far.begin(), fields.far.end(), char{1}));
   const Points direction =
-      node_directions(body, turned(model, shallow, kept), 0.5 * parameters.length_m);
+      node_directions(body, turned(model, shallow, places), 0.5 * parameters.length_m);
   result.database = surface_database(body, tool, direction, fields);
   report.straightened = straightened(fields);
   report.error_median = median(result.database.tools.front().error_relative);
   result.database.measurement = raw_of(body, probes);
-  std::vector<const SurfaceProbe*> behind;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    if (shallow.used[i] != 0) {
-      behind.push_back(kept[i]);
-    }
-  }
   result.database.tools.front().relaxation = common_relaxation(behind);
   report.relaxation = result.database.tools.front().relaxation;
   return result;
@@ -272,13 +349,20 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
 std::string describe(const SurfaceFitReport& report) {
   const FieldParameters& p = report.parameters.parameters;
   std::string text = fmt::format(
-      "{} probes behind the field, {} left out; farthest from the surface {:.3g} mm\n"
+      "{} probes at {} places behind the field, {} left out; farthest from the surface "
+      "{:.3g} mm\n"
       "length {:.3g} mm, sd {:.3g}, nugget {:.3g} of log force, smoothness {} ({} "
-      "likelihoods, {:.2g} "
-      "s)\n",
-      report.probes, report.left_out.size(), 1e3 * report.attachment_max_m,
-      1e3 * p.length_m, p.sd, p.nugget_sd, p.smoothness, report.parameters.evaluations,
-      report.parameters.seconds);
+      "likelihoods, {:.2g} s)\n",
+      report.probes, report.places, report.left_out.size(),
+      1e3 * report.attachment_max_m, 1e3 * p.length_m, p.sd, p.nugget_sd, p.smoothness,
+      report.parameters.evaluations, report.parameters.seconds);
+  text += std::isnan(report.repeatability)
+              ? "nugget: repeatability and roughness, which no repeats tell apart; not "
+                "in the nodes' errors\n"
+              : fmt::format(
+                    "nugget: roughness, in the nodes' errors; presses at one "
+                    "place repeat to {:.3g} of log force\n",
+                    report.repeatability);
   for (const auto& [law, probes] : report.laws) {
     text += fmt::format("law {}: {} probes\n", law, probes);
   }
@@ -286,10 +370,17 @@ std::string describe(const SurfaceFitReport& report) {
     text += fmt::format("parameter at bound: {}\n", bound);
   }
   text += fmt::format("{:>12} {:>8} {:>12} {:>10} {:>14}\n", "depth [mm]", "probes",
-                      "left-out rms", "coverage", "nearest's rms");
+                      "one-out rms", "coverage", "nearest's rms");
   for (const DepthScore& d : report.depth) {
     text += fmt::format("{:12.4f} {:8} {:12.4f} {:10.3f} {:14.4f}\n", 1e3 * d.depth_m,
                         d.probes, d.rms, d.coverage, d.nearest_rms);
+  }
+  if (report.patches.patches > 0) {
+    text += fmt::format(
+        "{} patches left out and everything fitted without them: {} places predicted, "
+        "rms {:.4f}, coverage {:.3f}\n",
+        report.patches.patches, report.patches.points, report.patches.rms,
+        report.patches.coverage);
   }
   text += fmt::format(
       "median error of the nodes {:.3g}; {} nodes farther than {} lengths from every "

@@ -157,13 +157,20 @@ SparseSquare FieldModel::prior_precision(const FieldParameters& parameters) cons
 }
 
 double FieldModel::prior_log_determinant(const FieldParameters& parameters) const {
+  if (last_prior_ && last_prior_->first.length_m == parameters.length_m &&
+      last_prior_->first.sd == parameters.sd &&
+      last_prior_->first.smoothness == parameters.smoothness) {
+    return last_prior_->second;
+  }
   factorise(elliptic_factor_, kappa2_per_m2(parameters) * power_[0] + power_[1],
             parameters);
   const double alpha = parameters.smoothness + 1.0;
-  return alpha * log_determinant(elliptic_factor_.factor) -
-         (alpha - 1.0) * operator_.mass_m2.array().log().sum() +
-         static_cast<double>(operator_.mass_m2.size()) *
-             std::log(precision_scale(parameters));
+  const double value = alpha * log_determinant(elliptic_factor_.factor) -
+                       (alpha - 1.0) * operator_.mass_m2.array().log().sum() +
+                       static_cast<double>(operator_.mass_m2.size()) *
+                           std::log(precision_scale(parameters));
+  last_prior_ = {parameters, value};
+  return value;
 }
 
 FieldModel::Conditioned FieldModel::condition(const FieldParameters& parameters,

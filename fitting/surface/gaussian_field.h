@@ -12,6 +12,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -109,6 +111,8 @@ class FieldModel {
   Eigen::VectorXd sag_m2_;             // (n) e^2 / 16
   std::array<SparseSquare, 4> power_;  // C, G, G C^-1 G, G C^-1 G C^-1 G
   Eigen::SparseMatrix<double> attachment_;
+  // The last log |Q|: several sets of data ask for the same.
+  mutable std::optional<std::pair<FieldParameters, double>> last_prior_;
   mutable Factor elliptic_factor_;
   mutable std::array<Factor, 2> posterior_factor_;  // by smoothness
 };

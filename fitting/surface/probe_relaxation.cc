@@ -32,6 +32,17 @@ std::vector<double> member_of(const std::vector<const Relaxation*>& holds,
   return values;
 }
 
+// What is left of the force after a press at a speed [m/s]. The hold's own terms hold
+// for its own press; where press and hold were fitted together, what another speed
+// makes of them is known.
+double share_left(const Relaxation& r, const PronyTerms& own, std::size_t row,
+                  double speed_m_per_s, double time_s) {
+  const double share = relaxed_share(own, row, time_s);
+  return r.joint.refused.empty() ? share * held_share(r.joint, speed_m_per_s, time_s) /
+                                       held_share(r.joint, r.speed_m_per_s, time_s)
+                                 : share;
+}
+
 std::vector<const Relaxation*> comparable_holds(
     const std::vector<const SurfaceProbe*>& probes) {
   std::vector<const Relaxation*> holds;
@@ -79,11 +90,12 @@ ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& pro
   }
   const std::vector<double> lengths_s = member_of(holds, &Relaxation::seconds);
   const double seconds = *std::min_element(lengths_s.begin(), lengths_s.end());
+  const double speed = median(member_of(holds, &Relaxation::speed_m_per_s));
   std::vector<double> time_s{0.0}, share{1.0}, shares(holds.size());
   for (int k = 0; k <= kTimes; ++k) {
     time_s.push_back(seconds * std::pow(1e-3, 1.0 - static_cast<double>(k) / kTimes));
     for (std::size_t i = 0; i < shares.size(); ++i) {
-      shares[i] = relaxed_share(own, i, time_s.back());
+      shares[i] = share_left(*holds[i], own, i, speed, time_s.back());
     }
     share.push_back(median(shares));
   }
@@ -91,11 +103,12 @@ ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& pro
   ResponseRelaxation common;
   common.rule = fmt::format(
       "two terms fitted to the median over the probes, at equal times, of what each "
-      "one's own let stay; the same at every node; after {:.3g} s the probes' shares "
+      "one's own let stay after a press at the common speed; the same at every node; "
+      "after {:.3g} s the probes' shares "
       "have a robust standard deviation of {:.2g}",
       seconds, shares.size() > 1 ? robust_standard_deviation(shares) : 0.0);
   common.probes = std::ssize(holds);
-  common.speed_m_per_s = median(member_of(holds, &Relaxation::speed_m_per_s));
+  common.speed_m_per_s = speed;
   common.seconds = seconds;
   append(common.terms, &fit);
   return common;

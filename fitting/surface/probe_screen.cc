@@ -127,7 +127,8 @@ std::size_t bring_back(const std::vector<BadProbe>& score, std::span<FieldData> 
 
 }  // namespace
 
-ScreenedField screen_probes(const FieldModel& model, std::span<const FieldData> data) {
+ScreenedField screen_probes(const FieldModel& model, std::span<const FieldData> data,
+                            const FieldParameters* near) {
   ScreenedField result{{data.begin(), data.end()}, {}, {}, {}};
   const auto most =
       static_cast<std::size_t>(kShareMax * static_cast<double>(model.point().size()));
@@ -136,7 +137,7 @@ ScreenedField screen_probes(const FieldModel& model, std::span<const FieldData> 
     use(result.data, i, true);
   }
   out = take_suspects(model, result.data, most);
-  result.parameters = fit_field_parameters(model, result.data);
+  result.parameters = fit_field_parameters(model, result.data, near);
   std::vector<BadProbe> score =
       field_scores(model, result.parameters.parameters, result.data);
   bool changed = bring_back(score, result.data, out) > 0;

@@ -34,8 +34,10 @@ constexpr double kBadProbeScore = 4.5;  ///< 7e-6 of normal residuals are beyond
 /// while its left-out residual in any set is beyond it. At most a fifth of the probes
 /// are taken. Parameters are fitted anew whenever probes came back or went.
 /// @param data one set or more; all used at first where their values are finite.
+/// @param near if given, parameters from which the fits start.
 /// @throws InputError as FieldModel does.
 [[nodiscard]] ScreenedField screen_probes(const FieldModel& model,
-                                          std::span<const FieldData> data);
+                                          std::span<const FieldData> data,
+                                          const FieldParameters* near = nullptr);
 
 }  // namespace palpate

@@ -2,8 +2,11 @@
 // truth, what is gained over nearest neighbour and inverse distance, are bad probes
 // found?
 //
-// field_study [SEEDS [KIND [REFINEMENTS]]]   (default 3; all of smooth, inclusion,
-// rough; 4, each of which quarters the triangles)
+// field_study [SEEDS [KIND [REFINEMENTS [FIRST_SEED]]]]   (default 3; all of smooth,
+// inclusion, rough; 4, each of which quarters the triangles; 1)
+// field_study patches [SEEDS [KIND [REFINEMENTS [FIRST_SEED]]]]   without spoilt
+// probes: also how whole patches of neighbouring probes are predicted by the others,
+// with everything done again without them
 //
 // Errors of neighbours go together, so that a single run covers anything from 0.85 to
 // 1: the coverage's standard error over the runs says what a mean is worth.
@@ -19,6 +22,7 @@
 
 #include <fmt/format.h>
 
+#include "fitting/surface/field_patches.h"
 #include "fitting/surface/probe_screen.h"
 #include "tests/support/sample_bodies.h"
 
@@ -35,7 +39,8 @@ struct Body {
 struct Study {
   double node_coverage = 0.0;  // of the truth by 95 % intervals at the nodes
   double left_out_coverage = 0.0;
-  double rms = 0.0;  // of log force at the nodes
+  double patch_coverage = 0.0;  // NaN: not asked for
+  double rms = 0.0;             // of log force at the nodes
   double nearest = 0.0;
   double inverse_distance = 0.0;
   int found = 0;  // of five glitched probes
@@ -105,7 +110,7 @@ struct Probes {
 };
 
 Probes probe(const Body& body, const Truth& truth, std::size_t count,
-             std::mt19937& generator) {
+             std::size_t glitches, std::mt19937& generator) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
   std::vector<double> area;
@@ -128,7 +133,7 @@ Probes probe(const Body& body, const Truth& truth, std::size_t count,
                            probes.data.sd[i] * normal(generator);
   }
   std::uniform_int_distribution<std::size_t> pick(0, count - 1);
-  while (probes.glitched.size() < kGlitches) {
+  while (probes.glitched.size() < glitches) {
     const std::size_t i = pick(generator);
     if (std::find(probes.glitched.begin(), probes.glitched.end(), i) ==
         probes.glitched.end()) {
@@ -187,15 +192,17 @@ double share_covered(const Eigen::VectorXd& residual, const Eigen::VectorXd& sd,
   return covered / all;
 }
 
-Study study_once(const Body& body, std::size_t count, const Kind& kind, unsigned seed) {
+Study study_once(const Body& body, std::size_t count, const Kind& kind, unsigned seed,
+                 bool patches) {
   std::mt19937 generator(seed);
   const Truth truth = truth_of(generator, body, kind);
-  const Probes probes = probe(body, truth, count, generator);
+  const Probes probes = probe(body, truth, count, patches ? 0 : kGlitches, generator);
   const FieldModel model(body.mesh, probes.point);
   const FieldData data[] = {probes.data};
   const ScreenedField screened = screen_probes(model, data);
-  const FieldPosterior posterior =
-      model.posterior(screened.parameters.parameters, screened.data[0]);
+  const FieldPosterior posterior = mixed_posterior(
+      model, probable_parameters(model, screened.data, screened.parameters),
+      screened.data[0]);
   Eigen::VectorXd exact(body.mesh.position_m.rows());
   for (Eigen::Index i = 0; i < exact.size(); ++i) {
     exact[i] = truth(body.mesh.position_m.row(i));
@@ -213,6 +220,9 @@ Study study_once(const Body& body, std::size_t count, const Kind& kind, unsigned
     (glitched ? study.found : study.false_alarms) += 1;
   }
   study.seconds = screened.parameters.seconds;
+  study.patch_coverage =
+      patches ? left_out_patches(model, data, screened.parameters.parameters).coverage
+              : std::nan("");
   return study;
 }
 
@@ -226,36 +236,58 @@ void print_mean(const std::string& name, std::size_t count,
     return sum / static_cast<double>(runs.size());
   };
   const double rms = mean(&Study::rms);
-  const double covered = mean(&Study::node_coverage);
-  double squares = 0.0;
-  for (const Study& run : runs) {
-    squares += (run.node_coverage - covered) * (run.node_coverage - covered);
-  }
   const auto n = static_cast<double>(runs.size());
-  const double covered_se = n > 1.0 ? std::sqrt(squares / (n - 1.0) / n) : 0.0;
+  const auto error = [&](auto member) {
+    double squares = 0.0;
+    for (const Study& run : runs) {
+      squares += std::pow(run.*member - mean(member), 2);
+    }
+    return n > 1.0 ? std::sqrt(squares / (n - 1.0) / n) : 0.0;
+  };
   fmt::print(
-      "{:<22} {:>6} {:>9.3f} {:>6.3f} {:>9.3f} {:>8.4f} {:>8.4f} {:>8.4f} "
+      "{:<22} {:>6} {:>9.3f} {:>6.3f} {:>9.3f} {:>9.3f} {:>6.3f} {:>8.4f} {:>8.4f} "
+      "{:>8.4f} "
       "{:>6.1f} "
       "{:>6.1f} "
       "{:>7.1f} {:>6.1f} {:>7.2f}\n",
-      name, count, covered, covered_se, mean(&Study::left_out_coverage), rms,
-      mean(&Study::nearest), mean(&Study::inverse_distance),
-      mean(&Study::nearest) / rms, mean(&Study::inverse_distance) / rms,
-      mean(&Study::found), mean(&Study::false_alarms), mean(&Study::seconds));
+      name, count, mean(&Study::node_coverage), error(&Study::node_coverage),
+      mean(&Study::left_out_coverage), mean(&Study::patch_coverage),
+      error(&Study::patch_coverage), rms, mean(&Study::nearest),
+      mean(&Study::inverse_distance), mean(&Study::nearest) / rms,
+      mean(&Study::inverse_distance) / rms, mean(&Study::found),
+      mean(&Study::false_alarms), mean(&Study::seconds));
   std::fflush(stdout);
 }
 
-void study_all(unsigned seeds, const std::string& only, int refinements) {
+struct Plan {
+  unsigned seeds = 3;
+  std::string only = {};
+  int refinements = 4;
+  unsigned first_seed = 1;
+  bool patches = false;
+  unsigned probes = 0;  // 0: three numbers
+};
+
+void study_all(const Plan& plan) {
+  const auto [seeds, only, refinements, first_seed, patches, probes] = plan;
+  std::vector<std::size_t> counts{100, 250, 600};
+  if (patches) {
+    counts = {30, 100, 300};
+  }
+  if (probes > 0) {
+    counts = {probes};
+  }
   const Body bodies[] = {
       {"sphere", icosphere(0.05, refinements)},
       {"ellipsoid", stretched(icosphere(1.0, refinements), {0.08, 0.05, 0.03})},
       {"organ", organ_like(refinements)}};
   fmt::print(
       "means of {} runs each; rms of log force at the nodes; coverage of 95 % "
-      "intervals\n{:<22} {:>6} {:>9} {:>6} {:>9} {:>8} {:>8} {:>8} {:>6} {:>6} "
+      "intervals\n{:<22} {:>6} {:>9} {:>6} {:>9} {:>9} {:>6} {:>8} {:>8} {:>8} {:>6} "
+      "{:>6} "
       "{:>7} {:>6} {:>7}\n",
-      seeds, "body", "probes", "at nodes", "s.e.", "left out", "rms", "nearest",
-      "inv.d.", "gain", "gain", "found/5", "false", "fit [s]");
+      seeds, "body", "probes", "at nodes", "s.e.", "left out", "patches", "s.e.", "rms",
+      "nearest", "inv.d.", "gain", "gain", "found/5", "false", "fit [s]");
   std::vector<Study> all;
   const Kind kinds[] = {{"smooth", 2.5, 0.05, false},
                         {"inclusion", 2.5, 0.05, true},
@@ -265,10 +297,10 @@ void study_all(unsigned seeds, const std::string& only, int refinements) {
       if (!only.empty() && only != kind.name) {
         continue;
       }
-      for (const std::size_t count : {100U, 250U, 600U}) {
+      for (const std::size_t count : counts) {
         std::vector<Study> runs;
-        for (unsigned seed = 1; seed <= seeds; ++seed) {
-          runs.push_back(study_once(body, count, kind, seed));
+        for (unsigned k = 0; k < seeds; ++k) {
+          runs.push_back(study_once(body, count, kind, first_seed + k, patches));
         }
         print_mean(body.name + ", " + kind.name, count, runs);
         all.insert(all.end(), runs.begin(), runs.end());
@@ -283,8 +315,22 @@ void study_all(unsigned seeds, const std::string& only, int refinements) {
 
 int main(int argc, char** argv) {
   try {
-    palpate::study_all(argc > 1 ? static_cast<unsigned>(std::stoul(argv[1])) : 3U,
-                       argc > 2 ? argv[2] : "", argc > 3 ? std::stoi(argv[3]) : 4);
+    std::vector<std::string> words(argv + 1, argv + argc);
+    palpate::Plan plan;
+    if (!words.empty() && words[0] == "patches") {
+      plan.patches = true;
+      words.erase(words.begin());
+    }
+    words.resize(5);
+    const auto number = [&](std::size_t i, unsigned otherwise) {
+      return words[i].empty() ? otherwise : static_cast<unsigned>(std::stoul(words[i]));
+    };
+    plan.seeds = number(0, plan.seeds);
+    plan.only = words[1];
+    plan.refinements = static_cast<int>(number(2, 4));
+    plan.first_seed = number(3, plan.first_seed);
+    plan.probes = number(4, plan.probes);
+    palpate::study_all(plan);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     fmt::print(stderr, "field_study: {}\n", error.what());

@@ -131,6 +131,9 @@ TEST(Relaxation, PorkFollowsTwoTermsToHalfAPercent) {
     ASSERT_EQ(r.refused, "") << file.path();
     EXPECT_LE(r.rms_relative, 5e-3) << file.path();
     EXPECT_NEAR(r.end_over_start, 0.46, 0.1) << file.path();
+    ASSERT_EQ(r.joint.refused, "") << file.path();
+    EXPECT_LE(r.joint.rms_relative, 1e-2) << file.path();
+    EXPECT_LT(r.joint.g_inf, r.g_inf) << file.path();  // the press hid some of it
   }
 }
 

@@ -99,6 +99,29 @@ TEST_F(MeasuredSphere, PredictsLeftOutProbesBetterThanTheNearest) {
   EXPECT_GT(deepest.coverage, 0.85);
 }
 
+TEST_F(MeasuredSphere, JoinsRepeatsAndTellsThemFromRoughness) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal;
+  std::vector<SurfaceProbe> repeated;
+  for (std::size_t i = 40; i < 60; ++i) {  // 20 places, 3 presses each
+    const double place = std::exp(0.15 * normal(generator));
+    for (int k = 0; k < 3; ++k) {
+      SurfaceProbe probe = probes_[i];
+      probe.name += fmt::format(" press {}", k);
+      const double press = std::exp(0.05 * normal(generator));
+      probe.measurement =
+          pressed(place * press * coefficient(probe.position_m), generator);
+      probe.approach = select_approach(probe.measurement);
+      probe.fit = fit_contact(probe.approach);
+      repeated.push_back(std::move(probe));
+    }
+  }
+  const SurfaceFit fit = fit_surface(body_, tool_, repeated);
+  EXPECT_EQ(fit.report.probes + fit.report.left_out.size(), 60U);
+  EXPECT_EQ(fit.report.places, 20U) << describe(fit.report);
+  EXPECT_NEAR(fit.report.repeatability, 0.05, 0.02);
+}
+
 TEST_F(MeasuredSphere, FlagsNodesFarFromEveryProbe) {
   std::erase_if(probes_, [](const SurfaceProbe& probe) {
     return probe.position_m.x() < 0.0;
