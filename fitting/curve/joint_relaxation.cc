@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "fitting/curve/family_fit.h"
 #include "fitting/curve/press_model.h"
+#include "fitting/numerics/correlated_noise.h"
 #include "fitting/numerics/least_squares.h"
 #include "fitting/numerics/robust_statistics.h"
 

@@ -26,10 +26,10 @@ struct JointRelaxation {
   std::string curve;  ///< "power-law" or "monotone-spline"
   /// The instantaneous curve without baseline, from the contact point to the deepest.
   std::vector<double> displacement_m, force_n, force_sd_n;
-  /// [s] A tenth of the force that relaxes faster would not show in this hold: g_inf and
-  /// the instantaneous curve take it as already gone.
+  /// [s] A tenth of the force that relaxes faster would not show in this hold: g_inf
+  /// and the instantaneous curve take it as already gone.
   double seen_from_s = 0.0;
-  double baseline_n = 0.0;  ///< [N]
+  double baseline_n = 0.0;            ///< [N]
   double rms_relative = 0.0;          ///< [-] of the residuals, over the largest force
   std::size_t samples = 0;            ///< fitted, or means of neighbours
   bool release = false;               ///< whether the release is among them

@@ -189,6 +189,18 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
   return noises;
 }
 
+double effective_samples(std::span<const double> residuals) {
+  const std::size_t n = residuals.size();
+  double squares = 0.0, products = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    squares += residuals[i] * residuals[i];
+    products += i + 1 < n ? residuals[i] * residuals[i + 1] : 0.0;
+  }
+  const double rho = squares > 0.0 ? products / squares : 0.0;
+  const auto count = static_cast<double>(n);
+  return rho > 2.0 / std::sqrt(count) ? count * (1.0 - rho) / (1.0 + rho) : count;
+}
+
 double weighed_squares(const CorrelatedNoise& noise, const Eigen::VectorXd& residual) {
   Eigen::MatrixXd white = residual;
   (void)whiten(noise, white);

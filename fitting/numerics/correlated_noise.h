@@ -11,6 +11,7 @@
 // length up to a quarter of the samples.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,6 +44,11 @@ struct ProbableNoise {
 
 /// The mean of their long-run variances.
 [[nodiscard]] double long_run_variance(const std::vector<ProbableNoise>& noises);
+
+/// Number of independent samples among n residuals whose neighbours correlate by
+/// rho > 2 / sqrt(n): n (1 - rho) / (1 + rho). Quick, and for few samples steadier than
+/// noises_of().
+[[nodiscard]] double effective_samples(std::span<const double> residuals);
 
 /// r^T V^-1 r. @param residual (n) in the samples' order. @param noise not zero.
 [[nodiscard]] double weighed_squares(const CorrelatedNoise& noise,

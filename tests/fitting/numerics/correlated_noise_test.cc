@@ -132,5 +132,16 @@ TEST(CorrelatedNoise, ParametersThatCannotBeToldApartHaveNone) {
           .allFinite());
 }
 
+TEST(EffectiveSamples, FallWithCorrelation) {
+  std::vector<double> white(1000), slow(1000);
+  for (std::size_t i = 0; i < white.size(); ++i) {
+    white[i] = i % 2 == 0 ? 1.0 : -1.0;
+    slow[i] = i / 10 % 2 == 0 ? 1.0 : -1.0;
+  }
+  EXPECT_EQ(effective_samples(white), 1000.0);
+  // Neighbours agree but for one in ten: rho = 0.8, n (1 - 0.8) / (1 + 0.8).
+  EXPECT_NEAR(effective_samples(slow), 1000.0 / 9.0, 1.0);
+}
+
 }  // namespace
 }  // namespace palpate
