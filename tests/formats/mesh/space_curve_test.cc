@@ -1,8 +1,8 @@
 #include "formats/mesh/space_curve.h"
 
 #include <algorithm>
-#include <random>
 #include <limits>
+#include <random>
 #include <set>
 
 namespace palpate {
