@@ -154,7 +154,8 @@ LeastSquaresProblem PressModel::problem() const {
   problem.upper.segment(ratio_at(), shape_.terms).setConstant(kRatioMax);
   problem.lower.tail(shape_.terms).setConstant(std::log(shape_.tau_min_s));
   problem.upper.tail(shape_.terms).setConstant(std::log(shape_.tau_max_s));
-  problem.evaluate = [this](const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> r,
+  problem.evaluate = [this](const Eigen::VectorXd& q,
+                            const Eigen::Ref<Eigen::VectorXd>& r,
                             RowMajorMatrix* jacobian) {
     evaluate(q, r, jacobian);
     return r.allFinite();

@@ -17,7 +17,7 @@ namespace {
 // One of 20 before the data: lengths shorter than this share of the diagonal, standard
 // deviations larger than these.
 constexpr double kShortLength = 0.05, kLargeSd = 2.0, kLargeNugget = 0.3;
-const double kRare = -std::log(0.05);
+constexpr double kRare = 2.995732273553991;  // -ln 0.05
 constexpr double kWeightMin = 0.01;
 constexpr double kCurvatureStep = 0.25, kWidest = 1.5;  // of logarithms
 
