@@ -16,13 +16,27 @@ std::int64_t free_index(const Supports& supports, std::int32_t node, int axis) {
       .free_index[3 * static_cast<std::size_t>(node) + static_cast<std::size_t>(axis)];
 }
 
-void add_load(const ContactNode& node, const Supports& supports,
-              Eigen::Ref<Eigen::VectorXd> b) {
+void add_load(const ContactNode& node, const Supports& supports, SolveRows& B,
+              Eigen::Index column) {
   for (const NodalForce& entry : node.load) {
     for (int axis = 0; axis < 3; ++axis) {
       const std::int64_t dof = free_index(supports, entry.node, axis);
       if (dof >= 0) {
-        b[dof] += entry.force[axis];
+        B(dof, column) += entry.force[axis];
+      }
+    }
+  }
+}
+
+// average_displacement() of a node, for all right-hand sides.
+void average_rows(const ContactNode& node, const Supports& supports, const SolveRows& X,
+                  Eigen::Ref<Eigen::RowVectorXd> average) {
+  average.setZero();
+  for (const NodalForce& entry : node.load) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t dof = free_index(supports, entry.node, axis);
+      if (dof >= 0) {
+        average += entry.force[axis] * X.row(dof);
       }
     }
   }
@@ -162,18 +176,16 @@ Stiffness reduce(const Stiffness& lower, const Supports& supports) {
   return K;
 }
 
-namespace {
-
 // The part of the factor that the nodes' loads act on, and the supports as it sees
 // them: indices into its rows.
-struct LoadedPart {
+struct SurfaceCompliance::LoadedPart {
   FactorPart factor;
   Supports supports;
 };
 
-LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
-                       const ContactSurface& surface,
-                       std::span<const std::int32_t> nodes) {
+SurfaceCompliance::LoadedPart SurfaceCompliance::loaded_part(
+    const CholeskyFactor& factor, const Supports& supports,
+    const ContactSurface& surface, std::span<const std::int32_t> nodes) {
   std::vector<std::int64_t> unknowns;
   for (const std::int32_t v : nodes) {
     for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
@@ -189,8 +201,6 @@ LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
   }
   return loaded;
 }
-
-}  // namespace
 
 SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      const Supports& supports,
@@ -222,6 +232,38 @@ void SurfaceCompliance::add_columns(const CholeskyFactor& factor,
   solve(factor, supports, surface, missing, {}, nullptr);
 }
 
+void SurfaceCompliance::solve_block(const LoadedPart& loaded,
+                                    const ContactSurface& surface,
+                                    std::span<const std::int32_t> columns) {
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  SolveRows X = SolveRows::Zero(loaded.supports.free, solve_width(count));
+  std::vector<std::int64_t> next;  // entry of each column that is to be filled
+  std::vector<std::int32_t> rows;  // in which some column has an entry
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
+    add_load(surface.node[v], loaded.supports, X, k);
+    next.push_back(begin_[v]);
+    rows.insert(rows.end(), neighbour_.begin() + begin_[v],
+                neighbour_.begin() + begin_[v + 1]);
+  }
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  loaded.factor.solve(X);
+  Eigen::RowVectorXd average(X.cols());
+  for (const std::int32_t w : rows) {
+    average_rows(surface.node[static_cast<std::size_t>(w)], loaded.supports, X,
+                 average);
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const auto entry = static_cast<std::size_t>(next[k]);
+      if (next[k] < begin_[static_cast<std::size_t>(columns[k]) + 1] &&
+          neighbour_[entry] == w) {
+        value_[entry] = average[static_cast<Eigen::Index>(k)];
+        ++next[k];
+      }
+    }
+  }
+}
+
 void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supports,
                               const ContactSurface& surface,
                               std::span<const std::int32_t> columns,
@@ -237,10 +279,9 @@ void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supp
     }
   }
   const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
-  const Supports& unknowns = loaded.supports;
   std::atomic<std::size_t> done = 0;
   std::mutex reporting;
-  const auto solve_block = [&](std::size_t first) {
+  const auto solve_if_needed = [&](std::size_t first) {
     const std::size_t count = std::min(kBlock, columns.size() - first);
     const auto block = columns.begin() + static_cast<std::ptrdiff_t>(first);
     const bool needed =
@@ -252,22 +293,7 @@ void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supp
       done += count;
       return;
     }
-    Eigen::MatrixXd B =
-        Eigen::MatrixXd::Zero(unknowns.free, static_cast<Eigen::Index>(count));
-    for (std::size_t k = 0; k < count; ++k) {
-      add_load(surface.node[static_cast<std::size_t>(columns[first + k])], unknowns,
-               B.col(static_cast<Eigen::Index>(k)));
-    }
-    const Eigen::MatrixXd X = loaded.factor.solve(B);
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto v = static_cast<std::size_t>(columns[first + k]);
-      for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
-        const auto w =
-            static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)]);
-        value_[static_cast<std::size_t>(at)] = average_displacement(
-            surface.node[w], unknowns, X.col(static_cast<Eigen::Index>(k)));
-      }
-    }
+    solve_block(loaded, surface, {block, count});
     done += count;
     if (progress && reporting.try_lock()) {
       const std::lock_guard lock(reporting, std::adopt_lock);
@@ -276,7 +302,7 @@ void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supp
   };
   const std::size_t blocks = (columns.size() + kBlock - 1) / kBlock;
   in_parallel(blocks, [&](std::size_t i) {
-    solve_block(i * kBlock);
+    solve_if_needed(i * kBlock);
   });
 }
 

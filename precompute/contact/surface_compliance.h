@@ -46,8 +46,7 @@ void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per
 /// spread over the hat of w. Symmetric (Maxwell-Betti).
 class SurfaceCompliance {
  public:
-  static constexpr std::size_t kBlock =
-      64;  ///< columns per solve, the knee of the cost
+  static constexpr std::size_t kBlock = kSolveWidthMax;  ///< columns per solve
 
   /// Solves for one column per node of `columns` and keeps its rows within `radius_m`.
   /// Runs on all cores; the result does not depend on their number.
@@ -87,6 +86,13 @@ class SurfaceCompliance {
   }
 
  private:
+  struct LoadedPart;
+  static LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
+                                const ContactSurface& surface,
+                                std::span<const std::int32_t> nodes);
+  // At most kBlock columns.
+  void solve_block(const LoadedPart& loaded, const ContactSurface& surface,
+                   std::span<const std::int32_t> columns);
   void solve(const CholeskyFactor& factor, const Supports& supports,
              const ContactSurface& surface, std::span<const std::int32_t> columns,
              std::span<const char> wanted,

@@ -27,30 +27,54 @@ class PartSolver {
 
   void serve(std::span<Request* const> requests) {
     choose_part(requests);
-    Eigen::MatrixXd B =
-        Eigen::MatrixXd::Zero(part_.size(), static_cast<Eigen::Index>(requests.size()));
-    for (std::size_t k = 0; k < requests.size(); ++k) {
-      const Request& request = *requests[k];
-      for (std::size_t i = 0; i < request.dof.size(); ++i) {
-        if (request.dof[i] >= 0) {
-          B(row(request.dof[i]), static_cast<Eigen::Index>(k)) =
-              (*request.source)[static_cast<Eigen::Index>(i)];
-        }
-      }
+    if (requests.size() == 1) {
+      serve_one(*requests.front());
+      return;
     }
-    const Eigen::MatrixXd X = part_.solve(B);
-    for (std::size_t k = 0; k < requests.size(); ++k) {
-      Request& request = *requests[k];
-      request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
-      for (std::size_t i = 0; i < request.dof.size(); ++i) {
-        request.result[static_cast<Eigen::Index>(i)] =
-            request.dof[i] >= 0 ? X(row(request.dof[i]), static_cast<Eigen::Index>(k))
-                                : 0.0;
-      }
+    constexpr auto kMost = static_cast<std::size_t>(kSolveWidthMax);
+    for (std::size_t first = 0; first < requests.size(); first += kMost) {
+      serve_several(requests.subspan(first, std::min(kMost, requests.size() - first)));
     }
   }
 
  private:
+  void serve_one(Request& request) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(part_.size());
+    for (std::size_t i = 0; i < request.dof.size(); ++i) {
+      if (request.dof[i] >= 0) {
+        x[row(request.dof[i])] = (*request.source)[static_cast<Eigen::Index>(i)];
+      }
+    }
+    part_.solve(x);
+    request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
+    for (std::size_t i = 0; i < request.dof.size(); ++i) {
+      request.result[static_cast<Eigen::Index>(i)] =
+          request.dof[i] >= 0 ? x[row(request.dof[i])] : 0.0;
+    }
+  }
+
+  void serve_several(std::span<Request* const> requests) {
+    const auto count = static_cast<Eigen::Index>(requests.size());
+    SolveRows X = SolveRows::Zero(part_.size(), solve_width(count));
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Request& request = *requests[static_cast<std::size_t>(k)];
+      for (std::size_t i = 0; i < request.dof.size(); ++i) {
+        if (request.dof[i] >= 0) {
+          X(row(request.dof[i]), k) = (*request.source)[static_cast<Eigen::Index>(i)];
+        }
+      }
+    }
+    part_.solve(X);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      Request& request = *requests[static_cast<std::size_t>(k)];
+      request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
+      for (std::size_t i = 0; i < request.dof.size(); ++i) {
+        request.result[static_cast<Eigen::Index>(i)] =
+            request.dof[i] >= 0 ? X(row(request.dof[i]), k) : 0.0;
+      }
+    }
+  }
+
   [[nodiscard]] std::int64_t row(std::int64_t dof) const {
     return part_.row()[static_cast<std::size_t>(dof)];
   }

@@ -1,306 +1,449 @@
 #include "precompute/fem/cholesky_factor.h"
 
 #include <algorithm>
-#include <cmath>
-#include <mutex>
-#include <numeric>
+#include <limits>
 
-#include <cholmod.h>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/fem/symbolic_factor.h"
+#include "precompute/lanes/factor_kernels.h"
 #include "precompute/process/machine_memory.h"
-
-// OpenBLAS; its own header is not needed for one call.
-extern "C" void openblas_set_num_threads(int threads);
-// OpenMP's; null where CHOLMOD was built without.
-extern "C" [[gnu::weak]] void omp_set_max_active_levels(int levels);
 
 namespace palpate {
 namespace {
 
-// Keeps libraries from starting threads of their own under the calling one: ours run
-// over nodes and over blocks of right-hand sides, and CHOLMOD wakes four for each
-// supernode, which costs more than they do. OpenMP keeps the setting by thread.
-void stay_on_this_thread() {
-  thread_local bool done = false;
-  if (!done) {
-    openblas_set_num_threads(1);
-    if (omp_set_max_active_levels != nullptr) {
-      omp_set_max_active_levels(0);
-    }
-    done = true;
-  }
+constexpr std::ptrdiff_t kAxes = 3;
+
+template <typename T>
+std::size_t at(T i) {
+  return static_cast<std::size_t>(i);
 }
 
-// Memory that CHOLMOD hands out, with the workspace that it needs to give it back.
-struct Common {
-  cholmod_common c{};
-  Common() {
-    stay_on_this_thread();
-    cholmod_l_start(&c);
-    c.supernodal = CHOLMOD_SUPERNODAL;
-    c.final_ll = 1;
-    c.nmethods = 1;
-    c.method[0].ordering = CHOLMOD_METIS;
-    c.print = 0;
+// Whether K consists of whole 3 x 3 blocks, as that of a body does whose nodes are held
+// in all directions or in none.
+bool has_blocks(const Stiffness& lower) {
+  const std::int64_t* begin = lower.outerIndexPtr();
+  const std::int64_t* row = lower.innerIndexPtr();
+  if (lower.cols() % kAxes != 0) {
+    return false;
   }
-  ~Common() { cholmod_l_finish(&c); }
-  Common(const Common&) = delete;
-  Common& operator=(const Common&) = delete;
+  for (std::int64_t c = 0; c < lower.cols(); c += kAxes) {
+    const std::int64_t rows = begin[c + 1] - begin[c];
+    if (rows % kAxes != 0 || begin[c + 2] - begin[c + 1] != rows - 1 ||
+        begin[c + 3] - begin[c + 2] != rows - 2) {
+      return false;
+    }
+    for (std::int64_t i = begin[c]; i < begin[c + 1]; i += kAxes) {
+      if (row[i] % kAxes != 0 || row[i + 1] != row[i] + 1 || row[i + 2] != row[i] + 2) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// Of K's blocks.
+LowerPattern pattern_of(const Stiffness& lower, std::ptrdiff_t block) {
+  LowerPattern pattern;
+  pattern.begin.push_back(0);
+  for (std::int64_t c = 0; c < lower.cols(); c += block) {
+    for (std::int64_t i = lower.outerIndexPtr()[c]; i < lower.outerIndexPtr()[c + 1];
+         i += block) {
+      pattern.row.push_back(lower.innerIndexPtr()[i] / block);
+    }
+    pattern.begin.push_back(static_cast<std::int64_t>(pattern.row.size()));
+  }
+  return pattern;
+}
+
+std::vector<std::int32_t> blocks_of(std::span<const std::int64_t> unknowns,
+                                    std::ptrdiff_t block) {
+  std::vector<std::int32_t> blocks;
+  for (const std::int64_t i : unknowns) {
+    if (i >= 0) {
+      blocks.push_back(static_cast<std::int32_t>(i / block));
+    }
+  }
+  return blocks;
+}
+
+// Working space of this thread, kept.
+double* space(std::ptrdiff_t doubles) {
+  thread_local std::vector<double> numbers;
+  if (numbers.size() < at(doubles)) {
+    numbers.clear();
+    numbers.resize(at(doubles));
+  }
+  return numbers.data();
+}
+
+// Supernodes with the numbers of their blocks: of a whole factor, or of a part.
+struct Supernodes {
+  std::vector<std::int32_t> begin;
+  std::vector<std::int64_t> row_begin{0};
+  std::vector<std::int32_t> row;
+  std::vector<const double*> number;
+
+  [[nodiscard]] std::size_t count() const { return number.size(); }
+  [[nodiscard]] std::ptrdiff_t columns(std::size_t s) const {
+    return begin[s + 1] - begin[s];
+  }
+  [[nodiscard]] std::ptrdiff_t rows(std::size_t s) const {
+    return row_begin[s + 1] - row_begin[s];
+  }
+  [[nodiscard]] std::ptrdiff_t unknowns() const {
+    return begin.empty() ? 0 : begin.back();
+  }
+  [[nodiscard]] std::int64_t nonzeros() const {
+    std::int64_t sum = 0;
+    for (std::size_t s = 0; s < count(); ++s) {
+      sum += rows(s) * columns(s);
+    }
+    return sum;
+  }
+  [[nodiscard]] SupernodeView view() const {
+    SupernodeView all{static_cast<std::ptrdiff_t>(count()), begin.data(),
+                      row_begin.data(), row.data(), number.data()};
+    for (std::size_t s = 0; s < count(); ++s) {
+      all.rows_max = std::max(all.rows_max, rows(s));
+    }
+    return all;
+  }
+  void solve(SolveRows& X) const {
+    const SupernodeView all = view();
+    const FactorKernels& kernels = factor_kernels();
+    kernels.solve(all, X.data(), X.cols(), space(kernels.solve_work(all, X.cols())));
+  }
+  void solve(Eigen::VectorXd& x) const {
+    const SupernodeView all = view();
+    const FactorKernels& kernels = factor_kernels();
+    kernels.solve_one(all, x.data(), space(kernels.solve_work(all, kSolveWidth)));
+  }
 };
 
-cholmod_sparse view(const Stiffness& lower) {
-  // CHOLMOD reads through pointers that are not const, and does not write to them.
-  auto* K =
-      const_cast<Stiffness*>(&lower);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-  cholmod_sparse A{};
-  A.nrow = static_cast<std::size_t>(lower.rows());
-  A.ncol = static_cast<std::size_t>(lower.cols());
-  A.nzmax = static_cast<std::size_t>(lower.nonZeros());
-  A.p = K->outerIndexPtr();
-  A.i = K->innerIndexPtr();
-  A.x = K->valuePtr();
-  A.stype = -1;
-  A.itype = CHOLMOD_LONG;
-  A.xtype = CHOLMOD_REAL;
-  A.dtype = CHOLMOD_DOUBLE;
-  A.sorted = 1;
-  A.packed = 1;
-  return A;
-}
-
-// METIS draws from the process's one random sequence: two orderings at a time would
-// share it out between them by chance.
-std::mutex& ordering_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-using Permutation = std::vector<SuiteSparse_long>;
-
-// METIS' order with the near unknowns moved to the end, and both parts in postorder of
-// the elimination tree, as supernodes need it. Empty if CHOLMOD fails.
-Permutation near_last(cholmod_sparse& A, std::span<const std::int64_t> near,
-                      cholmod_common& c) {
-  const std::size_t n = A.nrow;
-  std::vector<char> is_near(n, 0);
-  for (const std::int64_t i : near) {
-    is_near[static_cast<std::size_t>(i)] = 1;
-  }
-  const auto far_first = [&](Permutation& order) {
-    std::stable_partition(order.begin(), order.end(), [&](SuiteSparse_long i) {
-      return is_near[static_cast<std::size_t>(i)] == 0;
+// The blocks of K by blocks of columns of the factor.
+class PermutedStiffness {
+ public:
+  PermutedStiffness(const Stiffness& lower, std::ptrdiff_t block,
+                    const std::vector<std::int32_t>& order)
+      : lower_(lower), block_(block), order_(order), place_(order.size()) {
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      place_[at(order[k])] = static_cast<std::int32_t>(k);
+    }
+    above_begin_.assign(order.size() + 1, 0);
+    for_each_below([&](std::int64_t, std::int64_t row, std::int64_t) {
+      ++above_begin_[at(row) + 1];
     });
-  };
-  Permutation order(n);
-  {
-    const std::lock_guard lock(ordering_mutex());
-    if (cholmod_l_metis(&A, nullptr, 0, 1, order.data(), &c) == 0) {
-      return {};
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      above_begin_[i + 1] += above_begin_[i];
+    }
+    above_.resize(at(above_begin_.back()));
+    std::vector<std::int64_t> next = above_begin_;
+    for_each_below([&](std::int64_t column, std::int64_t row, std::int64_t slot) {
+      above_[at(next[at(row)]++)] = {column, slot};
+    });
+  }
+
+  // Adds the columns of a supernode's block of K to its zeros.
+  // @param local row of each block of rows among the supernode's.
+  void add_to(std::int32_t first, std::int32_t last,
+              const std::vector<std::int32_t>& local, double* numbers,
+              std::ptrdiff_t ld) const {
+    for (std::int32_t k = first; k < last; ++k) {
+      const std::int64_t c = order_[at(k)];
+      double* const column = numbers + std::ptrdiff_t{k - first} * block_ * ld;
+      for (std::int64_t slot = 0; slot < blocks_in(c); ++slot) {
+        const std::int32_t row = place_[at(row_of(c, slot))];
+        if (row >= k) {
+          add_block(c, slot, false, column + std::ptrdiff_t{local[at(row)]} * block_,
+                    ld);
+        }
+      }
+      for (auto i = above_begin_[at(c)]; i < above_begin_[at(c) + 1]; ++i) {
+        const Above& entry = above_[at(i)];
+        const std::int32_t row = place_[at(entry.column)];
+        if (row > k) {
+          add_block(entry.column, entry.slot, true,
+                    column + std::ptrdiff_t{local[at(row)]} * block_, ld);
+        }
+      }
     }
   }
-  far_first(order);
-  Permutation parent(n);
-  Permutation post(n);
-  Permutation count(n);
-  Permutation first(n);
-  Permutation level(n);
-  if (cholmod_l_analyze_ordering(&A, CHOLMOD_GIVEN, order.data(), nullptr, 0,
-                                 parent.data(), post.data(), count.data(), first.data(),
-                                 level.data(), &c) == 0) {
-    return {};
-  }
-  Permutation ordered(n);
-  std::transform(post.begin(), post.end(), ordered.begin(), [&](SuiteSparse_long i) {
-    return order[static_cast<std::size_t>(i)];
-  });
-  far_first(ordered);
-  return ordered;
-}
 
-cholmod_factor* analyse(cholmod_sparse& A, std::span<const std::int64_t> near,
-                        cholmod_common& c) {
-  if (near.empty()) {
-    const std::lock_guard lock(ordering_mutex());
-    return cholmod_l_analyze(&A, &c);
+ private:
+  struct Above {
+    std::int64_t column, slot;
+  };
+  [[nodiscard]] std::int64_t blocks_in(std::int64_t column) const {
+    const std::int64_t* begin = lower_.outerIndexPtr() + column * block_;
+    return (begin[1] - begin[0]) / block_;
   }
-  Permutation order = near_last(A, near, c);
-  if (order.empty()) {
-    return nullptr;
+  [[nodiscard]] std::int64_t row_of(std::int64_t column, std::int64_t slot) const {
+    return lower_.innerIndexPtr()[lower_.outerIndexPtr()[column * block_] +
+                                  slot * block_] /
+           block_;
   }
-  c.method[0].ordering = CHOLMOD_GIVEN;
-  c.postorder = 0;
-  return cholmod_l_analyze_p(&A, order.data(), nullptr, 0, &c);
-}
-
-Eigen::MatrixXd solved(cholmod_factor* factor, const Eigen::MatrixXd& B) {
-  thread_local Common common;  // a workspace per thread; the factor is only read
-  cholmod_dense b{};
-  b.nrow = static_cast<std::size_t>(B.rows());
-  b.ncol = static_cast<std::size_t>(B.cols());
-  b.nzmax = b.nrow * b.ncol;
-  b.d = b.nrow;
-  b.x = const_cast<double*>(B.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-  b.xtype = CHOLMOD_REAL;
-  b.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, factor, &b, &common.c);
-  if (x == nullptr) {
-    throw NumericalError(
-        fmt::format("out of memory in a solve with {} right-hand sides", B.cols()));
+  template <typename Visit>
+  void for_each_below(const Visit& visit) const {
+    for (std::int64_t c = 0; c < lower_.cols() / block_; ++c) {
+      for (std::int64_t slot = 1; slot < blocks_in(c); ++slot) {
+        visit(c, row_of(c, slot), slot);
+      }
+    }
   }
-  Eigen::MatrixXd X =
-      Eigen::Map<const Eigen::MatrixXd>(static_cast<double*>(x->x), B.rows(), B.cols());
-  cholmod_l_free_dense(&x, &common.c);
-  return X;
-}
-
-template <typename Index>
-std::span<const SuiteSparse_long> indices(const void* numbers, Index count) {
-  return {static_cast<const SuiteSparse_long*>(numbers),
-          static_cast<std::size_t>(count)};
-}
-
-// A factor's supernodes and their arrays.
-struct Supernodes {
-  explicit Supernodes(const cholmod_factor& f)
-      : begin(indices(f.super, f.nsuper + 1)),
-        row_begin(indices(f.pi, f.nsuper + 1)),
-        number_begin(indices(f.px, f.nsuper + 1)),
-        row(indices(f.s, f.ssize)) {}
-
-  [[nodiscard]] SuiteSparse_long columns(std::size_t k) const {
-    return begin[k + 1] - begin[k];
-  }
-  [[nodiscard]] std::span<const SuiteSparse_long> rows(std::size_t k) const {
-    return row.subspan(static_cast<std::size_t>(row_begin[k]),
-                       static_cast<std::size_t>(row_begin[k + 1] - row_begin[k]));
-  }
-  // The supernode of a column.
-  [[nodiscard]] std::size_t of(SuiteSparse_long column) const {
-    return static_cast<std::size_t>(
-        std::upper_bound(begin.begin(), begin.end(), column) - begin.begin() - 1);
+  // The block of that place in K's column of blocks, or its transposed.
+  void add_block(std::int64_t column, std::int64_t slot, bool transposed, double* to,
+                 std::ptrdiff_t ld) const {
+    for (std::ptrdiff_t b = 0; b < block_; ++b) {
+      // The first block of column b of three begins at its diagonal.
+      const std::int64_t begin = lower_.outerIndexPtr()[column * block_ + b];
+      const double* value = lower_.valuePtr() + begin + slot * block_ - b;
+      for (std::ptrdiff_t a = slot == 0 ? b : 0; a < block_; ++a) {
+        to[transposed ? b + a * ld : a + b * ld] += value[a];
+      }
+    }
   }
 
-  std::span<const SuiteSparse_long> begin, row_begin, number_begin, row;
+  const Stiffness& lower_;
+  std::ptrdiff_t block_;
+  const std::vector<std::int32_t>& order_;
+  std::vector<std::int32_t> place_;  // of each block of unknowns in the order
+  std::vector<std::int64_t> above_begin_;
+  std::vector<Above> above_;  // blocks of each row, left of the diagonal
+};
+
+// What the columns of a supernode's descendants take out of it, and which they are.
+class Descendants {
+ public:
+  Descendants(const SymbolicFactor& symbolic, std::ptrdiff_t block)
+      : symbolic_(symbolic),
+        block_(block),
+        head_(symbolic.begin.size() - 1, -1),
+        next_(symbolic.begin.size() - 1, -1),
+        position_(symbolic.begin.size() - 1, 0),
+        supernode_(symbolic.order.size()) {
+    for (std::size_t s = 0; s + 1 < symbolic.begin.size(); ++s) {
+      std::fill(supernode_.begin() + symbolic.begin[s],
+                supernode_.begin() + symbolic.begin[s + 1],
+                static_cast<std::int32_t>(s));
+    }
+  }
+
+  // @param local as PermutedStiffness::add_to's.
+  void update(std::size_t s, const Supernodes& factor,
+              const std::vector<std::int32_t>& local, double* numbers) {
+    for (std::int32_t d = head_[s]; d >= 0;) {
+      const std::int32_t after = next_[at(d)];
+      update_by(at(d), s, factor, local, numbers);
+      wait(at(d));
+      d = after;
+    }
+    position_[s] = symbolic_.begin[s + 1] - symbolic_.begin[s];
+    wait(s);
+  }
+
+ private:
+  // Hands a supernode to the one that holds its next row.
+  void wait(std::size_t d) {
+    const std::int64_t next = symbolic_.row_begin[d] + position_[d];
+    if (next < symbolic_.row_begin[d + 1]) {
+      const auto s = at(supernode_[at(symbolic_.row[at(next)])]);
+      next_[d] = head_[s];
+      head_[s] = static_cast<std::int32_t>(d);
+    }
+  }
+
+  void update_by(std::size_t d, std::size_t s, const Supernodes& factor,
+                 const std::vector<std::int32_t>& local, double* numbers) {
+    const std::int32_t* const row = symbolic_.row.data() + symbolic_.row_begin[d];
+    const std::int64_t rows = symbolic_.row_begin[d + 1] - symbolic_.row_begin[d];
+    const std::int64_t first = position_[d];
+    std::int64_t last = first;
+    while (last < rows && row[last] < symbolic_.begin[s + 1]) {
+      ++last;
+    }
+    position_[d] = last;
+    const FactorKernels& kernels = factor_kernels();
+    const std::ptrdiff_t m = (rows - first) * block_;
+    const std::ptrdiff_t n = (last - first) * block_;
+    const std::ptrdiff_t k = factor.columns(d);
+    const std::ptrdiff_t ldc = kernels.product_rows(m);
+    double* const C = space(ldc * n + kernels.product_work(m, n, k));
+    const double* const L = factor.number[d] + first * block_;
+    kernels.product(m, n, k, L, factor.rows(d), L, factor.rows(d), C, ldc, true,
+                    C + ldc * n);
+    const std::ptrdiff_t ld = factor.rows(s);
+    for (std::int64_t j = first; j < last; ++j) {
+      for (std::ptrdiff_t b = 0; b < block_; ++b) {
+        const double* const from = C + ((j - first) * block_ + b) * ldc;
+        double* const to =
+            numbers + (std::ptrdiff_t{row[j] - symbolic_.begin[s]} * block_ + b) * ld;
+        for (std::int64_t i = j; i < rows; ++i) {
+          for (std::ptrdiff_t a = 0; a < block_; ++a) {
+            to[std::ptrdiff_t{local[at(row[i])]} * block_ + a] -=
+                from[(i - first) * block_ + a];
+          }
+        }
+      }
+    }
+  }
+
+  const SymbolicFactor& symbolic_;
+  std::ptrdiff_t block_;
+  std::vector<std::int32_t> head_, next_;  // lists of those that wait for a supernode
+  std::vector<std::int64_t> position_;     // first row that has not been used yet
+  std::vector<std::int32_t> supernode_;    // of each block of columns
 };
 
 }  // namespace
 
-// A factor of its own that shares the whole one's numbers: supernodes that contain all
-// their ancestors, so that no row of theirs is missing.
 struct FactorPart::Impl {
-  cholmod_factor factor{};
-  std::vector<SuiteSparse_long> super, pi, px, s, perm;
+  Supernodes nodes;
   std::vector<std::int64_t> row;
-  std::int64_t nonzeros = 0;
-
-  // Makes the factor of these supernodes; numbers and settings are the whole one's.
-  void share(const cholmod_factor& whole) {
-    perm.resize(static_cast<std::size_t>(super.back()));
-    std::iota(perm.begin(), perm.end(), SuiteSparse_long{0});
-    factor = whole;
-    factor.n = perm.size();
-    factor.minor = factor.n;
-    factor.nsuper = super.size() - 1;
-    factor.ssize = s.size();
-    factor.super = super.data();
-    factor.pi = pi.data();
-    factor.px = px.data();
-    factor.s = s.data();
-    factor.Perm = perm.data();
-    factor.IPerm = nullptr;
-    factor.ordering = CHOLMOD_NATURAL;
-  }
 };
 
 struct CholeskyFactor::Impl {
-  Common common;
-  cholmod_factor* factor = nullptr;
-  ~Impl() { cholmod_l_free_factor(&factor, &common.c); }
+  std::ptrdiff_t block = 1;
+  std::vector<std::int32_t> order;  // unknown that is eliminated k-th
+  std::unique_ptr<double[]> number;
+  Supernodes nodes;
+
+  void make_room(const SymbolicFactor& symbolic);
+  void factorise(const Stiffness& lower, const SymbolicFactor& symbolic);
 };
 
-CholeskyFactor::CholeskyFactor(const Stiffness& lower,
-                               std::span<const std::int64_t> near)
-    : impl_(std::make_unique<Impl>()) {
-  cholmod_common& c = impl_->common.c;
-  cholmod_sparse A = view(lower);
-  impl_->factor = analyse(A, near, c);
-  if (impl_->factor == nullptr) {
-    throw NumericalError(fmt::format(
-        "the stiffness matrix of {} unknowns could not be ordered: out of memory",
-        lower.rows()));
+void CholeskyFactor::Impl::make_room(const SymbolicFactor& symbolic) {
+  for (const std::int32_t i : symbolic.order) {
+    for (std::ptrdiff_t b = 0; b < block; ++b) {
+      order.push_back(static_cast<std::int32_t>(i * block + b));
+    }
   }
-  const double bytes = sizeof(double) * static_cast<double>(impl_->factor->xsize);
+  for (const std::int32_t column : symbolic.begin) {
+    nodes.begin.push_back(static_cast<std::int32_t>(column * block));
+  }
+  nodes.row_begin.clear();
+  for (const std::int64_t begin : symbolic.row_begin) {
+    nodes.row_begin.push_back(begin * block);
+  }
+  for (const std::int32_t row : symbolic.row) {
+    for (std::ptrdiff_t b = 0; b < block; ++b) {
+      nodes.row.push_back(static_cast<std::int32_t>(row * block + b));
+    }
+  }
+  nodes.number.resize(symbolic.begin.size() - 1);
+  const std::int64_t count = nodes.nonzeros();
+  const double bytes = sizeof(double) * static_cast<double>(count);
   // The system grants what it does not have, and kills who then uses it.
   if (const auto free = static_cast<double>(free_memory_bytes()); bytes > free) {
     throw NumericalError(fmt::format(
         "the factor of {} unknowns takes {:.3g} GB, {:.3g} GB are free: solve parts of "
         "the body ([cutout] radius_m), use a coarser surface or a lower "
         "contact_resolution",
-        lower.rows(), 1e-9 * bytes, 1e-9 * free));
+        order.size(), 1e-9 * bytes, 1e-9 * free));
   }
-  cholmod_l_factorize(&A, impl_->factor, &c);
-  if (c.status == CHOLMOD_OUT_OF_MEMORY) {
-    throw NumericalError(fmt::format(
-        "out of memory while factorising the stiffness matrix of {} unknowns; use a "
-        "coarser surface or a lower contact_resolution",
-        lower.rows()));
-  }
-  // An unsupported body is singular only to rounding: its pivots do not reach zero.
-  const double reciprocal_condition = cholmod_l_rcond(impl_->factor, &c);
-  if (c.status != CHOLMOD_OK || !(reciprocal_condition > 1e-14)) {
-    throw NumericalError(
-        "the stiffness matrix is singular: no support holds the body, or it holds it "
-        "in "
-        "fewer than three points that are not in a line");
+  number.reset(new double[at(count)]);  // NOLINT(modernize-make-unique): not zeroed
+  std::int64_t next = 0;
+  for (std::size_t s = 0; s < nodes.count(); ++s) {
+    nodes.number[s] = number.get() + next;
+    next += nodes.rows(s) * nodes.columns(s);
   }
 }
 
-FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
-  const cholmod_factor& whole = *impl_->factor;
-  const Supernodes nodes(whole);
-  const auto order = indices(whole.Perm, whole.n);
-  std::vector<SuiteSparse_long> column(whole.n);
-  for (std::size_t k = 0; k < whole.n; ++k) {
-    column[static_cast<std::size_t>(order[k])] = static_cast<SuiteSparse_long>(k);
+void CholeskyFactor::Impl::factorise(const Stiffness& lower,
+                                     const SymbolicFactor& symbolic) {
+  const PermutedStiffness K(lower, block, symbolic.order);
+  Descendants descendants(symbolic, block);
+  const FactorKernels& kernels = factor_kernels();
+  std::vector<std::int32_t> local(symbolic.order.size());
+  double smallest = std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  double* numbers = number.get();
+  for (std::size_t s = 0; s < nodes.count(); ++s) {
+    const std::ptrdiff_t m = nodes.rows(s);
+    const std::ptrdiff_t k = nodes.columns(s);
+    for (auto i = symbolic.row_begin[s]; i < symbolic.row_begin[s + 1]; ++i) {
+      local[at(symbolic.row[at(i)])] =
+          static_cast<std::int32_t>(i - symbolic.row_begin[s]);
+    }
+    std::fill(numbers, numbers + m * k, 0.0);
+    K.add_to(symbolic.begin[s], symbolic.begin[s + 1], local, numbers, m);
+    descendants.update(s, nodes, local, numbers);
+    if (kernels.factorise(m, k, numbers, m, space(kernels.factorise_work(m, k))) < k) {
+      smallest = 0.0;
+      break;
+    }
+    for (std::ptrdiff_t j = 0; j < k; ++j) {
+      smallest = std::min(smallest, numbers[j + j * m]);
+      largest = std::max(largest, numbers[j + j * m]);
+    }
+    numbers += m * k;
   }
-  std::vector<char> reached(whole.nsuper, 0);
+  // An unsupported body is singular only to rounding: its pivots do not reach zero.
+  constexpr double kSingular = 1e-7;
+  if (!(smallest > kSingular * largest)) {
+    throw NumericalError(
+        "the stiffness matrix is singular: no support holds the body, or it holds it "
+        "in fewer than three points that are not in a line");
+  }
+}
+
+CholeskyFactor::CholeskyFactor(const Stiffness& lower,
+                               std::span<const std::int64_t> near)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->block = has_blocks(lower) ? kAxes : 1;
+  const SymbolicFactor symbolic =
+      symbolic_factor(pattern_of(lower, impl_->block), blocks_of(near, impl_->block));
+  impl_->make_room(symbolic);
+  impl_->factorise(lower, symbolic);
+}
+
+CholeskyFactor::~CholeskyFactor() = default;
+CholeskyFactor::CholeskyFactor(CholeskyFactor&&) noexcept = default;
+CholeskyFactor& CholeskyFactor::operator=(CholeskyFactor&&) noexcept = default;
+
+FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
+  const Supernodes& whole = impl_->nodes;
+  const std::size_t n = impl_->order.size();
+  std::vector<std::int32_t> column(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    column[at(impl_->order[k])] = static_cast<std::int32_t>(k);
+  }
+  const auto supernode_of = [&](std::int32_t c) {
+    return at(std::upper_bound(whole.begin.begin(), whole.begin.end(), c) -
+              whole.begin.begin() - 1);
+  };
+  std::vector<char> reached(whole.count(), 0);
   for (const std::int64_t unknown : unknowns) {
     if (unknown >= 0) {
-      reached[nodes.of(column[static_cast<std::size_t>(unknown)])] = 1;
+      reached[supernode_of(column[at(unknown)])] = 1;
     }
   }
   auto part = std::make_shared<FactorPart::Impl>();
-  part->row.assign(whole.n, -1);
-  std::vector<SuiteSparse_long> now(whole.n, -1);  // columns in the part
-  SuiteSparse_long size = 0;
-  for (std::size_t k = 0; k < whole.nsuper; ++k) {
-    if (reached[k] == 0) {
+  part->row.assign(n, -1);
+  std::vector<std::int32_t> now(n, -1);  // columns in the part
+  std::int32_t size = 0;
+  for (std::size_t s = 0; s < whole.count(); ++s) {
+    if (reached[s] == 0) {
       continue;
     }
-    const auto rows = nodes.rows(k);
-    const SuiteSparse_long columns = nodes.columns(k);
-    if (rows.size() > static_cast<std::size_t>(columns)) {  // the parent
-      reached[nodes.of(rows[static_cast<std::size_t>(columns)])] = 1;
+    const std::span rows(whole.row.data() + whole.row_begin[s], at(whole.rows(s)));
+    if (whole.rows(s) > whole.columns(s)) {  // the parent
+      reached[supernode_of(rows[at(whole.columns(s))])] = 1;
     }
-    part->super.push_back(size);
-    part->pi.push_back(static_cast<SuiteSparse_long>(part->s.size()));
-    part->px.push_back(nodes.number_begin[k]);
-    part->s.insert(part->s.end(), rows.begin(), rows.end());
-    part->nonzeros += columns * static_cast<SuiteSparse_long>(rows.size());
-    for (SuiteSparse_long c = nodes.begin[k]; c < nodes.begin[k + 1]; ++c) {
-      part->row[static_cast<std::size_t>(order[static_cast<std::size_t>(c)])] = size;
-      now[static_cast<std::size_t>(c)] = size++;
+    part->nodes.begin.push_back(size);
+    part->nodes.number.push_back(whole.number[s]);
+    part->nodes.row.insert(part->nodes.row.end(), rows.begin(), rows.end());
+    part->nodes.row_begin.push_back(static_cast<std::int64_t>(part->nodes.row.size()));
+    for (std::int32_t c = whole.begin[s]; c < whole.begin[s + 1]; ++c) {
+      part->row[at(impl_->order[at(c)])] = size;
+      now[at(c)] = size++;
     }
   }
-  part->super.push_back(size);
-  part->pi.push_back(static_cast<SuiteSparse_long>(part->s.size()));
-  part->px.push_back(nodes.number_begin.back());
-  for (SuiteSparse_long& r : part->s) {
-    r = now[static_cast<std::size_t>(r)];
+  part->nodes.begin.push_back(size);
+  for (std::int32_t& r : part->nodes.row) {
+    r = now[at(r)];
   }
-  part->share(whole);
   FactorPart made;
   made.impl_ = std::move(part);
   return made;
@@ -311,35 +454,51 @@ const std::vector<std::int64_t>& FactorPart::row() const {
 }
 
 Eigen::Index FactorPart::size() const {
-  return static_cast<Eigen::Index>(impl_->factor.n);
+  return impl_->nodes.unknowns();
 }
 
 std::int64_t FactorPart::nonzeros() const {
-  return impl_->nonzeros;
+  return impl_->nodes.nonzeros();
 }
 
-Eigen::MatrixXd FactorPart::solve(const Eigen::MatrixXd& B) const {
-  // CHOLMOD reads through a pointer that is not const, and does not write to it.
-  return solved(
-      const_cast<cholmod_factor*>(  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-          &impl_->factor),
-      B);
+void FactorPart::solve(SolveRows& X) const {
+  impl_->nodes.solve(X);
 }
 
-CholeskyFactor::~CholeskyFactor() = default;
-CholeskyFactor::CholeskyFactor(CholeskyFactor&&) noexcept = default;
-CholeskyFactor& CholeskyFactor::operator=(CholeskyFactor&&) noexcept = default;
+void FactorPart::solve(Eigen::VectorXd& x) const {
+  impl_->nodes.solve(x);
+}
 
 std::int64_t CholeskyFactor::size() const {
-  return static_cast<std::int64_t>(impl_->factor->n);
+  return static_cast<std::int64_t>(impl_->order.size());
 }
 
 std::int64_t CholeskyFactor::factor_nonzeros() const {
-  return static_cast<std::int64_t>(impl_->factor->xsize);
+  return impl_->nodes.nonzeros();
 }
 
 Eigen::MatrixXd CholeskyFactor::solve(const Eigen::MatrixXd& B) const {
-  return solved(impl_->factor, B);
+  const std::vector<std::int32_t>& order = impl_->order;
+  Eigen::MatrixXd X(B.rows(), B.cols());
+  if (B.cols() == 1) {
+    Eigen::VectorXd x = B.col(0)(order);
+    impl_->nodes.solve(x);
+    X.col(0)(order) = x;
+    return X;
+  }
+  SolveRows rows;
+  for (Eigen::Index first = 0; first < B.cols(); first += kSolveWidthMax) {
+    const Eigen::Index count = std::min(kSolveWidthMax, B.cols() - first);
+    rows.setZero(B.rows(), solve_width(count));
+    for (Eigen::Index i = 0; i < B.rows(); ++i) {
+      rows.row(i).head(count) = B.row(order[at(i)]).segment(first, count);
+    }
+    impl_->nodes.solve(rows);
+    for (Eigen::Index i = 0; i < B.rows(); ++i) {
+      X.row(order[at(i)]).segment(first, count) = rows.row(i).head(count);
+    }
+  }
+  return X;
 }
 
 }  // namespace palpate

@@ -1,4 +1,8 @@
 // One sparse Cholesky factorisation, shared by every thread that solves with it.
+//
+// Left-looking and supernodal (Ng and Peyton 1993; Chen, Davis, Hager, Rajamanickam
+// 2008), over blocks of three unknowns where K has them; the dense work is of
+// precompute/lanes, and so has the same bits on every processor.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +13,18 @@
 #include <Eigen/Core>
 
 #include "precompute/fem/linear_elasticity.h"
+#include "precompute/lanes/factor_kernels.h"
 
 namespace palpate {
+
+/// Right-hand sides row by row, as solves work on them: (unknowns x width).
+using SolveRows =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Columns that SolveRows need for so many right-hand sides; the rest are zero.
+[[nodiscard]] constexpr Eigen::Index solve_width(Eigen::Index right_hand_sides) {
+  return (right_hand_sides + kSolveWidth - 1) / kSolveWidth * kSolveWidth;
+}
 
 /// The columns of L that some unknowns reach through the elimination tree. Where a
 /// right-hand side acts on them alone and only their displacement is wanted,
@@ -24,9 +38,12 @@ class FactorPart {
   [[nodiscard]] Eigen::Index size() const;
   [[nodiscard]] std::int64_t nonzeros() const;
 
-  /// X = (K^-1)_part,part B, (size x k), rows as row() says. As safe as
-  /// CholeskyFactor::solve(), whose bits these are.
-  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+  /// X <- (K^-1)_part,part X, rows as row() says. As safe as CholeskyFactor::solve(),
+  /// whose bits these are for as many right-hand sides, one or several.
+  /// @param X (size x solve_width()), at most kSolveWidthMax wide.
+  void solve(SolveRows& X) const;
+  /// One right-hand side, (size).
+  void solve(Eigen::VectorXd& x) const;
 
  private:
   friend class CholeskyFactor;
@@ -34,7 +51,7 @@ class FactorPart {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// K = L L^T of a symmetric positive definite matrix (CHOLMOD, supernodal, METIS).
+/// K = L L^T of a symmetric positive definite matrix.
 class CholeskyFactor {
  public:
   /// @param lower lower triangle of K. @param near unknowns that will be asked for by
@@ -48,7 +65,7 @@ class CholeskyFactor {
   CholeskyFactor& operator=(CholeskyFactor&&) noexcept;
 
   /// X = K^-1 B, B (n x k). Safe to call from several threads at once; the result does
-  /// not depend on them. Blocks of 64 columns cost several times less than single ones.
+  /// not depend on them. Many columns cost several times less than single ones.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
 
   /// @param unknowns any order; those below 0 are passed over.

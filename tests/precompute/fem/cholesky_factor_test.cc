@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/base/error.h"
+
 namespace palpate {
 namespace {
 
@@ -50,7 +52,7 @@ void expect_same(const CholeskyFactor& factor, const CholeskyFactor& plain,
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(factor.size(), 3);
-  Eigen::MatrixXd some = Eigen::MatrixXd::Zero(part.size(), 3);
+  SolveRows some = SolveRows::Zero(part.size(), solve_width(3));
   for (const std::int64_t i : unknowns) {
     const std::int64_t row = part.row()[static_cast<std::size_t>(i)];
     ASSERT_GE(row, 0);
@@ -61,13 +63,16 @@ void expect_same(const CholeskyFactor& factor, const CholeskyFactor& plain,
   }
   const Eigen::MatrixXd expected = plain.solve(whole);
   const Eigen::MatrixXd again = factor.solve(whole);
-  const Eigen::MatrixXd found = part.solve(some);
+  Eigen::VectorXd one = some.col(1);
+  part.solve(some);
+  part.solve(one);
   EXPECT_LT((again - expected).norm(), 1e-12 * expected.norm());
   for (const std::int64_t i : unknowns) {
     const std::int64_t row = part.row()[static_cast<std::size_t>(i)];
     for (int k = 0; k < 3; ++k) {
-      EXPECT_EQ(found(row, k), again(i, k));
+      EXPECT_EQ(some(row, k), again(i, k));
     }
+    EXPECT_NEAR(one[row], again(i, 1), 1e-13 * expected.cwiseAbs().maxCoeff());
   }
 }
 
@@ -99,6 +104,52 @@ TEST(CholeskyFactor, NearUnknownsHaveASmallPartAndMoreOfThemALargerOne) {
   EXPECT_GT(factor.part(more).size(), part.size());
   EXPECT_LT(factor.part(more).size(), K.rows());
   expect_same(factor, plain, more);
+}
+
+// Three unknowns at each point of a lattice, coupled in whole blocks.
+Stiffness in_blocks(const Stiffness& lattice) {
+  std::vector<Eigen::Triplet<double, std::int64_t>> entries;
+  for (std::int64_t c = 0; c < lattice.cols(); ++c) {
+    for (Stiffness::InnerIterator entry(lattice, c); entry; ++entry) {
+      for (int a = 0; a < 3; ++a) {
+        for (int b = entry.row() == c ? a : 0; b < 3; ++b) {
+          const double share = a == b ? 1.0 : 0.02 * (1 + a + 2 * b);
+          entries.emplace_back(3 * entry.row() + b, 3 * c + a, share * entry.value());
+        }
+      }
+    }
+  }
+  Stiffness lower(3 * lattice.rows(), 3 * lattice.rows());
+  lower.setFromTriplets(entries.begin(), entries.end());
+  return lower;
+}
+
+TEST(CholeskyFactor, SolvesWhatTheMatrixMultiplied) {
+  for (const Stiffness& K : {lattice(7), in_blocks(lattice(7))}) {
+    const CholeskyFactor factor(K);
+    for (const int columns : {1, 2, 8, 70}) {
+      const Eigen::MatrixXd X = Eigen::MatrixXd::Random(K.rows(), columns);
+      const Eigen::MatrixXd B = K.selfadjointView<Eigen::Lower>() * X;
+      EXPECT_LT((factor.solve(B) - X).norm(), 1e-13 * X.norm()) << columns;
+    }
+  }
+}
+
+// A column's answer does not depend on those that are solved beside it.
+TEST(CholeskyFactor, ColumnsAreByThemselves) {
+  const Stiffness K = in_blocks(lattice(6));
+  const CholeskyFactor factor(K, std::vector<std::int64_t>{0, 1, 2, 30, 31, 32});
+  const Eigen::MatrixXd B = Eigen::MatrixXd::Random(K.rows(), 70);
+  const Eigen::MatrixXd X = factor.solve(B);
+  for (const int first : {0, 13, 61}) {
+    EXPECT_EQ(factor.solve(B.middleCols(first, 9)), X.middleCols(first, 9));
+  }
+}
+
+TEST(CholeskyFactor, RefusesWhatIsNotDefinite) {
+  Stiffness K = in_blocks(lattice(4));
+  K.coeffRef(30, 30) = -1.0;
+  EXPECT_THROW(CholeskyFactor{K}, NumericalError);
 }
 
 TEST(CholeskyFactor, HeldUnknownsArePassedOver) {
