@@ -6,26 +6,47 @@
 
 #include <Eigen/Cholesky>
 
+#include "precompute/fem/dense_cholesky.h"
+
 namespace palpate {
 namespace {
 
-// Forces that close the gap exactly on the active nodes, zero elsewhere.
-Eigen::VectorXd forces_of(const Eigen::MatrixXd& A, const Eigen::VectorXd& t,
-                          const std::vector<char>& active) {
-  std::vector<Eigen::Index> in;
-  for (std::size_t i = 0; i < active.size(); ++i) {
-    if (active[i] != 0) {
-      in.push_back(static_cast<Eigen::Index>(i));
+using Indices = std::vector<Eigen::Index>;
+
+// Which nodes bear forces, and which do not; both ascend.
+struct Sides {
+  Indices in, out;
+
+  explicit Sides(const std::vector<char>& active) {
+    for (std::size_t i = 0; i < active.size(); ++i) {
+      (active[i] != 0 ? in : out).push_back(static_cast<Eigen::Index>(i));
     }
   }
+};
+
+// Forces that close the gap exactly on the active nodes, zero elsewhere.
+Eigen::VectorXd forces_of(const Eigen::MatrixXd& A, const Eigen::VectorXd& t,
+                          const Sides& sides) {
   Eigen::VectorXd f = Eigen::VectorXd::Zero(t.size());
-  if (!in.empty()) {
-    const Eigen::MatrixXd Aii = A(in, in);
-    const Eigen::VectorXd ti = t(in);
-    const Eigen::VectorXd closing = Aii.ldlt().solve(-ti);
-    f(in) = closing;
+  if (!sides.in.empty()) {
+    const Eigen::MatrixXd Aii = A(sides.in, sides.in);
+    const Eigen::VectorXd ti = t(sides.in);
+    const DenseCholesky factor(Aii);
+    f(sides.in) = factor.is_definite() ? factor.solve(-ti)
+                                       : Eigen::VectorXd(Aii.ldlt().solve(-ti));
   }
   return f;
+}
+
+// Gaps that are left on the nodes without forces; zero elsewhere.
+Eigen::VectorXd gaps_of(const Eigen::MatrixXd& A, const Eigen::VectorXd& t,
+                        const Eigen::VectorXd& f, const Sides& sides) {
+  Eigen::VectorXd left = t;
+  for (const Eigen::Index j : sides.in) {
+    left += f[j] * A.col(j);
+  }
+  left(sides.in).setZero();
+  return left;
 }
 
 }  // namespace
@@ -50,8 +71,9 @@ ComplementarityReport solve_complementarity(const Eigen::MatrixXd& A,
   int blocks_left = kBlocksWithoutProgress;
   while (report.iterations < most_iterations) {
     ++report.iterations;
-    f = forces_of(A, t, active);
-    const Eigen::VectorXd w = A * f + t;
+    const Sides sides(active);
+    f = forces_of(A, t, sides);
+    const Eigen::VectorXd w = gaps_of(A, t, f, sides);
     std::vector<std::size_t> infeasible;
     report.residual = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {

@@ -6,8 +6,11 @@
 #include <limits>
 #include <numbers>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
+#include <Eigen/SparseCore>
 #include <fmt/format.h>
 
 #include "precompute/contact/complementarity.h"
@@ -46,6 +49,49 @@ Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
   return gaps;
 }
 
+// Gaps along a path. They are convex in the penetration, and nearly always linear
+// (contact_gap.h): where they have one slope at both ends of the path they are linear
+// all along it.
+class GapsAlong {
+ public:
+  GapsAlong(const ContactSurface& surface, std::span<const std::int32_t> patch,
+            const IndentationPath& path, double first_m)
+      : surface_(surface),
+        patch_(patch),
+        path_(path),
+        last_(gaps_at(surface, patch, path, path.depth_max_m)),
+        closing_(last_.by_centre * path.outward) {
+    constexpr double kSameSlope = 1e-12;
+    const Gaps first = gaps_at(surface, patch, path, first_m);
+    for (Eigen::Index i = 0; i < closing_.size(); ++i) {
+      if (!((first.by_centre.row(i) - last_.by_centre.row(i)).norm() < kSameSlope)) {
+        bent_.push_back(i);
+      }
+    }
+  }
+
+  [[nodiscard]] Gaps at(double penetration_m) const {
+    Gaps gaps = last_;
+    gaps.distance_m += (path_.depth_max_m - penetration_m) * closing_;
+    const PlacedTool tool = tool_at(path_, penetration_m);
+    for (const Eigen::Index i : bent_) {
+      const Gap gap =
+          average_gap(node_of(surface_, patch_[static_cast<std::size_t>(i)]), tool);
+      gaps.distance_m[i] = gap.distance_m;
+      gaps.by_centre.row(i) = gap.by_tool.transpose();
+    }
+    return gaps;
+  }
+
+ private:
+  const ContactSurface& surface_;
+  std::span<const std::int32_t> patch_;
+  const IndentationPath& path_;
+  Gaps last_;
+  Eigen::VectorXd closing_;         // (n) [-] by the penetration, at its end
+  std::vector<Eigen::Index> bent_;  // those that are not linear
+};
+
 // Penetration at which the first gap closes. Nearly always gaps are linear in the
 // penetration, because the height of the tool's near side above a point is; where the
 // distance to the tool counts instead (contact_gap.h) they are convex, and Newton's
@@ -75,34 +121,39 @@ double first_touch_m(const ContactSurface& surface, std::span<const std::int32_t
 // Pressure at the faces' corners only, from that at all nodes: the hat of a corner on
 // the whole faces is its own hat plus half of those on the middles of its edges. (n x
 // n_corners), columns scaled to 1 N.
-Eigen::MatrixXd corner_pressures(const ContactSurface& surface,
-                                 std::span<const std::int32_t> patch) {
+Eigen::SparseMatrix<double> corner_pressures(const ContactSurface& surface,
+                                             std::span<const std::int32_t> patch) {
   const auto n = static_cast<Eigen::Index>(patch.size());
   // The neighbours of a corner are the middles of its edges.
   std::unordered_map<std::int32_t, Eigen::Index> row;
   for (Eigen::Index i = 0; i < n; ++i) {
     row.emplace(patch[static_cast<std::size_t>(i)], i);
   }
-  std::vector<Eigen::VectorXd> columns;
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::Index corners = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     const ContactNode& corner = node_of(surface, patch[static_cast<std::size_t>(i)]);
     if (!corner.is_corner) {
       continue;
     }
-    Eigen::VectorXd column = Eigen::VectorXd::Zero(n);
-    column[i] = corner.area_m2;
+    std::vector<std::pair<Eigen::Index, double>> column{{i, corner.area_m2}};
     for (const std::int32_t v : corner.neighbours) {
       const auto at = row.find(v);
       if (at != row.end()) {
-        column[at->second] = 0.5 * node_of(surface, v).area_m2;
+        column.emplace_back(at->second, 0.5 * node_of(surface, v).area_m2);
       }
     }
-    columns.push_back(column / column.sum());
+    double sum = 0.0;
+    for (const auto& [at, area] : column) {
+      sum += area;
+    }
+    for (const auto& [at, area] : column) {
+      entries.emplace_back(at, corners, area / sum);
+    }
+    ++corners;
   }
-  Eigen::MatrixXd P(n, static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    P.col(static_cast<Eigen::Index>(j)) = columns[j];
-  }
+  Eigen::SparseMatrix<double> P(n, corners);
+  P.setFromTriplets(entries.begin(), entries.end());
   return P;
 }
 
@@ -112,7 +163,7 @@ class CoarseContact {
   CoarseContact(const ContactSurface& surface, std::span<const std::int32_t> patch,
                 const Eigen::MatrixXd& A)
       : P_(corner_pressures(surface, patch)),
-        A_(P_.transpose() * A * P_),
+        A_(P_.transpose() * (A * P_)),
         f_(Eigen::VectorXd::Zero(P_.cols())) {}
 
   double force_n(const Gaps& gaps) {
@@ -124,7 +175,7 @@ class CoarseContact {
   }
 
  private:
-  Eigen::MatrixXd P_;  // (n x n_corners)
+  Eigen::SparseMatrix<double> P_;  // (n x n_corners)
   Eigen::MatrixXd A_;
   Eigen::VectorXd f_;
 };
@@ -308,13 +359,14 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
   }
   const Eigen::MatrixXd A = compliance.among(columns);
   const Outside outside(surface, compliance, patch, path, columns);
+  const GapsAlong gaps_along(surface, columns, path, touch);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
   CoarseContact coarse(surface, columns, A);
   for (int k = 1; k <= path.samples && !result.force_capped; ++k) {
     const double share = static_cast<double>(k) / path.samples;
     IndentationSample sample;
     sample.penetration_m = touch + (path.depth_max_m - touch) * share * share;
-    const Gaps gaps = gaps_at(surface, columns, path, sample.penetration_m);
+    const Gaps gaps = gaps_along.at(sample.penetration_m);
     const ComplementarityReport report = solve_complementarity(A, gaps.distance_m, f);
     result.iterations += report.iterations;
     result.converged = result.converged && report.converged;
@@ -323,7 +375,7 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
       return result;
     }
     sample.force_n = gaps.by_centre.transpose() * f;
-    sample.energy_j = 0.5 * f.dot(A * f);
+    sample.energy_j = -0.5 * f.dot(gaps.distance_m);  // A f closes the gaps under f
     sample.pressure_n = on_patch(compliance, patch, f);
     result.edge_share = edge_share(surface, patch, columns, path, f, gaps.by_centre);
     sample.coarse_force_n = coarse.force_n(gaps);

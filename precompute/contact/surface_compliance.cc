@@ -238,25 +238,26 @@ void SurfaceCompliance::solve_block(const LoadedPart& loaded,
   const auto count = static_cast<Eigen::Index>(columns.size());
   SolveRows X = SolveRows::Zero(loaded.supports.free, solve_width(count));
   std::vector<std::int64_t> next;  // entry of each column that is to be filled
-  std::vector<std::int32_t> rows;  // in which some column has an entry
+  std::vector<char> has_entry(surface.node.size(), 0);  // in some column, by row
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
     add_load(surface.node[v], loaded.supports, X, k);
     next.push_back(begin_[v]);
-    rows.insert(rows.end(), neighbour_.begin() + begin_[v],
-                neighbour_.begin() + begin_[v + 1]);
+    for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
+      has_entry[static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)])] = 1;
+    }
   }
-  std::sort(rows.begin(), rows.end());
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   loaded.factor.solve(X);
   Eigen::RowVectorXd average(X.cols());
-  for (const std::int32_t w : rows) {
-    average_rows(surface.node[static_cast<std::size_t>(w)], loaded.supports, X,
-                 average);
+  for (std::size_t w = 0; w < has_entry.size(); ++w) {
+    if (has_entry[w] == 0) {
+      continue;
+    }
+    average_rows(surface.node[w], loaded.supports, X, average);
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto entry = static_cast<std::size_t>(next[k]);
       if (next[k] < begin_[static_cast<std::size_t>(columns[k]) + 1] &&
-          neighbour_[entry] == w) {
+          neighbour_[entry] == static_cast<std::int32_t>(w)) {
         value_[entry] = average[static_cast<Eigen::Index>(k)];
         ++next[k];
       }
@@ -320,37 +321,47 @@ void SurfaceCompliance::add(std::span<const std::int32_t> nodes,
   }
 }
 
-double SurfaceCompliance::entry(std::int32_t row, std::int32_t column) const {
-  const auto first = neighbour_.begin() + begin_[static_cast<std::size_t>(column)];
-  const auto last = neighbour_.begin() + begin_[static_cast<std::size_t>(column) + 1];
-  const auto at = std::lower_bound(first, last, row);
-  return at != last && *at == row
-             ? value_[static_cast<std::size_t>(at - neighbour_.begin())]
-             : 0.0;
+// Both lists ascend: one walk for each column.
+template <typename Entry>
+void SurfaceCompliance::for_entries(std::int32_t column,
+                                    std::span<const std::int32_t> rows,
+                                    const Entry& entry) const {
+  auto at = begin_[static_cast<std::size_t>(column)];
+  const auto end = begin_[static_cast<std::size_t>(column) + 1];
+  for (std::size_t i = 0; i < rows.size() && at < end; ++i) {
+    while (at < end && neighbour_[static_cast<std::size_t>(at)] < rows[i]) {
+      ++at;
+    }
+    if (at < end && neighbour_[static_cast<std::size_t>(at)] == rows[i]) {
+      entry(static_cast<Eigen::Index>(i), value_[static_cast<std::size_t>(at)]);
+    }
+  }
 }
 
 Eigen::MatrixXd SurfaceCompliance::among(std::span<const std::int32_t> nodes) const {
   const auto n = static_cast<Eigen::Index>(nodes.size());
-  Eigen::MatrixXd A(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      A(i, j) =
-          entry(nodes[static_cast<std::size_t>(j)], nodes[static_cast<std::size_t>(i)]);
-      A(j, i) = A(i, j);
-    }
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for_entries(nodes[static_cast<std::size_t>(j)], nodes,
+                [&](Eigen::Index i, double value) {
+                  if (i <= j) {
+                    A(i, j) = value;
+                    A(j, i) = value;
+                  }
+                });
   }
   return A;
 }
 
 Eigen::MatrixXd SurfaceCompliance::between(
     std::span<const std::int32_t> rows, std::span<const std::int32_t> columns) const {
-  Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()),
-                    static_cast<Eigen::Index>(columns.size()));
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()),
+                                            static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
-    for (Eigen::Index i = 0; i < A.rows(); ++i) {
-      A(i, j) = entry(rows[static_cast<std::size_t>(i)],
-                      columns[static_cast<std::size_t>(j)]);
-    }
+    for_entries(columns[static_cast<std::size_t>(j)], rows,
+                [&](Eigen::Index i, double value) {
+                  A(i, j) = value;
+                });
   }
   return A;
 }

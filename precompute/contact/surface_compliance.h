@@ -97,7 +97,10 @@ class SurfaceCompliance {
              const ContactSurface& surface, std::span<const std::int32_t> columns,
              std::span<const char> wanted,
              const std::function<void(std::size_t)>& progress);
-  [[nodiscard]] double entry(std::int32_t row, std::int32_t column) const;
+  // Calls entry(i, value) for the rows[i] that are kept of a column.
+  template <typename Entry>
+  void for_entries(std::int32_t column, std::span<const std::int32_t> rows,
+                   const Entry& entry) const;
 
   std::vector<char> is_column_;          // (n_contact_nodes)
   std::vector<std::int64_t> begin_;      // (n_contact_nodes + 1)
