@@ -5,44 +5,136 @@
 // Every operation is rounded by itself in every lane (no contraction), so that all
 // instruction sets give the same bits. Sources that include this may include nothing
 // with inline functions of its own: the linker keeps one copy of such a function, and
-// that copy might be one which another processor cannot run.
+// that copy might be one which another processor cannot run. All here is inlined
+// always.
 #pragma once
 
 #include <cstddef>
 
-// Lanes are passed to functions that are inlined, and to no others.
+// Registers are passed to functions that are inlined, and to no others.
 #pragma GCC diagnostic ignored "-Wpsabi"
+#define PALPATE_INLINE [[gnu::always_inline]] inline
 
 namespace palpate::lanes {
 
 constexpr std::ptrdiff_t kWidth = 8;
 
-using Lanes [[gnu::vector_size(64)]] = double;
-// Where an address is only as aligned as a double is.
-using AnyLanes [[gnu::vector_size(64), gnu::aligned(8), gnu::may_alias]] = double;
-
-// How many registers of Lanes a kernel's tile may take, and how many rows or columns of
-// one it should have, so that sums stay in registers.
+// What of them one register holds, and how many rows or columns of how many lanes a
+// kernel's tile of sums may have, so that they stay in registers.
 #if defined(__AVX512F__)
-constexpr int kTileLanes = 3;  // 32 registers of one Lanes
+constexpr int kRegister = 8;
+constexpr int kTileLanes = 3;
 constexpr int kTileOthers = 8;
 #elif defined(__AVX2__)
-constexpr int kTileLanes = 1;  // 16 registers of half a Lanes
+constexpr int kRegister = 4;
+constexpr int kTileLanes = 1;
 constexpr int kTileOthers = 6;
 #else
-constexpr int kTileLanes = 1;  // 16 registers of a quarter
+constexpr int kRegister = 2;
+constexpr int kTileLanes = 1;
 constexpr int kTileOthers = 3;
 #endif
 
-[[gnu::always_inline]] inline Lanes load(const double* at) {
-  return *reinterpret_cast<const AnyLanes*>(at);
+using Register [[gnu::vector_size(kRegister * 8)]] = double;
+// Where an address is only as aligned as a double is.
+using AnyRegister [[gnu::vector_size(kRegister * 8), gnu::aligned(8), gnu::may_alias]] =
+    double;
+
+struct Lanes {
+  static constexpr int kParts = kWidth / kRegister;
+  Register part[kParts];
+
+  PALPATE_INLINE Lanes() : part{} {}
+  PALPATE_INLINE explicit Lanes(double x) {
+#pragma GCC unroll 4
+    for (Register& p : part) {
+      p = x - Register{};
+    }
+  }
+  PALPATE_INLINE Lanes& operator+=(const Lanes& y) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kParts; ++i) {
+      part[i] += y.part[i];
+    }
+    return *this;
+  }
+  PALPATE_INLINE Lanes& operator-=(const Lanes& y) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kParts; ++i) {
+      part[i] -= y.part[i];
+    }
+    return *this;
+  }
+  PALPATE_INLINE Lanes& operator*=(const Lanes& y) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kParts; ++i) {
+      part[i] *= y.part[i];
+    }
+    return *this;
+  }
+  PALPATE_INLINE Lanes& operator/=(const Lanes& y) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kParts; ++i) {
+      part[i] /= y.part[i];
+    }
+    return *this;
+  }
+  PALPATE_INLINE Lanes& operator*=(double y) {
+#pragma GCC unroll 4
+    for (Register& p : part) {
+      p *= y;
+    }
+    return *this;
+  }
+  PALPATE_INLINE Lanes& operator/=(double y) {
+#pragma GCC unroll 4
+    for (Register& p : part) {
+      p /= y;
+    }
+    return *this;
+  }
+  PALPATE_INLINE double operator[](std::ptrdiff_t i) const {
+    return part[i / kRegister][i % kRegister];
+  }
+};
+
+PALPATE_INLINE Lanes operator+(Lanes x, const Lanes& y) {
+  return x += y;
+}
+PALPATE_INLINE Lanes operator-(Lanes x, const Lanes& y) {
+  return x -= y;
+}
+PALPATE_INLINE Lanes operator*(Lanes x, const Lanes& y) {
+  return x *= y;
+}
+PALPATE_INLINE Lanes operator/(Lanes x, const Lanes& y) {
+  return x /= y;
+}
+PALPATE_INLINE Lanes operator*(Lanes x, double y) {
+  return x *= y;
+}
+PALPATE_INLINE Lanes operator/(Lanes x, double y) {
+  return x /= y;
 }
 
-[[gnu::always_inline]] inline void store(double* at, const Lanes& x) {
-  *reinterpret_cast<AnyLanes*>(at) = x;
+PALPATE_INLINE Lanes load(const double* at) {
+  Lanes x;
+#pragma GCC unroll 4
+  for (int i = 0; i < Lanes::kParts; ++i) {
+    x.part[i] =
+        *reinterpret_cast<const AnyRegister*>(at + std::ptrdiff_t{i} * kRegister);
+  }
+  return x;
 }
 
-[[gnu::always_inline]] inline double sum(const Lanes& x) {
+PALPATE_INLINE void store(double* at, const Lanes& x) {
+#pragma GCC unroll 4
+  for (int i = 0; i < Lanes::kParts; ++i) {
+    *reinterpret_cast<AnyRegister*>(at + std::ptrdiff_t{i} * kRegister) = x.part[i];
+  }
+}
+
+PALPATE_INLINE double sum(const Lanes& x) {
   return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
 }
 
