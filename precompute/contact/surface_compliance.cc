@@ -265,12 +265,34 @@ void SurfaceCompliance::solve_block(const LoadedPart& loaded,
   }
 }
 
+// In the order in which the unknowns that they load are eliminated: what a block of
+// columns loads begins late for most of them.
+std::vector<std::int32_t> SurfaceCompliance::by_elimination(
+    const LoadedPart& loaded, const ContactSurface& surface,
+    std::span<const std::int32_t> columns) {
+  std::vector<std::pair<std::int64_t, std::int32_t>> by_first;
+  for (const std::int32_t v : columns) {
+    std::int64_t first = loaded.supports.free;
+    for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
+      const std::int64_t dof = free_index(loaded.supports, entry.node, 0);
+      first = dof >= 0 ? std::min(first, dof) : first;
+    }
+    by_first.emplace_back(first, v);
+  }
+  std::sort(by_first.begin(), by_first.end());
+  std::vector<std::int32_t> ordered;
+  for (const auto& [first, v] : by_first) {
+    ordered.push_back(v);
+  }
+  return ordered;
+}
+
 void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supports,
                               const ContactSurface& surface,
-                              std::span<const std::int32_t> columns,
+                              std::span<const std::int32_t> asked,
                               std::span<const char> wanted,
                               const std::function<void(std::size_t)>& progress) {
-  for (const std::int32_t v : columns) {
+  for (const std::int32_t v : asked) {
     is_column_[static_cast<std::size_t>(v)] = 1;
   }
   std::vector<std::int32_t> nodes;  // each is its own neighbour
@@ -280,21 +302,17 @@ void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supp
     }
   }
   const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
+  const std::vector<std::int32_t> columns = by_elimination(loaded, surface, asked);
   std::atomic<std::size_t> done = 0;
   std::mutex reporting;
   const auto solve_if_needed = [&](std::size_t first) {
     const std::size_t count = std::min(kBlock, columns.size() - first);
-    const auto block = columns.begin() + static_cast<std::ptrdiff_t>(first);
-    const bool needed =
-        wanted.empty() || std::any_of(block, block + static_cast<std::ptrdiff_t>(count),
-                                      [&](std::int32_t v) {
-                                        return wanted[static_cast<std::size_t>(v)] != 0;
-                                      });
-    if (!needed) {
-      done += count;
-      return;
+    const std::span block(columns.data() + first, count);
+    if (wanted.empty() || std::any_of(block.begin(), block.end(), [&](std::int32_t v) {
+          return wanted[static_cast<std::size_t>(v)] != 0;
+        })) {
+      solve_block(loaded, surface, block);
     }
-    solve_block(loaded, surface, {block, count});
     done += count;
     if (progress && reporting.try_lock()) {
       const std::lock_guard lock(reporting, std::adopt_lock);

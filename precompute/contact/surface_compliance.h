@@ -90,6 +90,9 @@ class SurfaceCompliance {
   static LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
                                 const ContactSurface& surface,
                                 std::span<const std::int32_t> nodes);
+  static std::vector<std::int32_t> by_elimination(
+      const LoadedPart& loaded, const ContactSurface& surface,
+      std::span<const std::int32_t> columns);
   // At most kBlock columns.
   void solve_block(const LoadedPart& loaded, const ContactSurface& surface,
                    std::span<const std::int32_t> columns);
