@@ -210,7 +210,7 @@ void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& t
                        tangent_plane(tool, multipliers.anchor_m.row(i).transpose());
     }
   }
-  curvature_.scale(0.0);
+  curvature_.set_zero();
   Eigen::Matrix<double, 18, 18> block = Eigen::Matrix<double, 18, 18>::Zero();
   for (std::size_t p = 0; p < point_.size(); ++p) {
     const Point& point = point_[p];

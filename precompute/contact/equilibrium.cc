@@ -31,13 +31,10 @@ void add(NearState& to, double factor, const NearState& other) {
 
 }  // namespace
 
-double Equilibrium::potential_j(const PlacedTool& tool, const Multipliers& multipliers,
-                                const NearState& state) const {
-  const double elastic = elastic_energy_j(state);
-  return std::isfinite(elastic)
-             ? elastic +
-                   contact_.evaluate(state.displacement_m, tool, multipliers).energy_j
-             : std::numeric_limits<double>::infinity();
+ElementBatches::Energy Equilibrium::elastic(const NearState& state) const {
+  ElementBatches::Energy energy = near_.excess(state.displacement_m);
+  energy.energy_j += 0.5 * state.source_n.dot(state.displacement_m);
+  return energy;
 }
 
 // K^-1 corrected by directions that tangents before have told of: the inverse update of
@@ -119,24 +116,27 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
 
 // One Newton step. False if the energy does not fall along it.
 bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers,
-                          NearState& state, EquilibriumReport& report) {
+                          NearState& state, ElementBatches::Energy& elastic,
+                          EquilibriumReport& report) {
   constexpr double kArmijo = 1e-4;
   constexpr double kShortest = 1e-6;
   constexpr double kNearRest = 1e-3;  // [-] decrement
   const Step step = newton_step(tool, multipliers, state, report);
   ++report.newton;
   const double scale =
-      std::max(std::abs(elastic_energy_j(state)), std::numeric_limits<double>::min());
+      std::max(std::abs(elastic.energy_j), std::numeric_limits<double>::min());
   report.decrement_relative = -step.slope / scale;
   // Past 1e-14 the energy's own rounding decides.
-  const double energy = potential_j(tool, multipliers, state) + 1e-14 * scale;
-  const double thinnest = kThinner * near_.smallest_jacobian(state.displacement_m);
+  const double energy =
+      elastic.energy_j + contact_energy_j(tool, multipliers, state) + 1e-14 * scale;
+  const double thinnest = kThinner * elastic.smallest_jacobian;
   bool admissible = false;
   for (double length = 1.0; length > kShortest; length *= 0.5) {
     NearState next = state;
     add(next, length, step.direction);
+    const ElementBatches::Energy there = this->elastic(next);
     if (!admissible) {
-      if (near_.smallest_jacobian(next.displacement_m) < thinnest) {
+      if (there.smallest_jacobian < thinnest) {
         continue;
       }
       admissible = true;
@@ -144,9 +144,11 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
         ++report.creeping;
       }
     }
-    if (potential_j(tool, multipliers, next) <=
-        energy + kArmijo * length * step.slope) {
+    if (std::isfinite(there.energy_j) &&
+        there.energy_j + contact_energy_j(tool, multipliers, next) <=
+            energy + kArmijo * length * step.slope) {
       state = std::move(next);
+      elastic = there;
       convex_ = length < 0.5 || (convex_ && report.decrement_relative > kNearRest);
       return true;
     }
@@ -159,7 +161,8 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
 EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
                                     Multipliers& multipliers, bool may_give_up) {
   EquilibriumReport report;
-  if (!std::isfinite(potential_j(tool, multipliers, state))) {
+  ElementBatches::Energy energy = elastic(state);
+  if (!std::isfinite(energy.energy_j)) {
     report.failure = "the start turns an element inside out";
     return report;
   }
@@ -167,7 +170,7 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
   convex_ = false;
   while (report.newton < options_.newton_max &&
          report.gradients < options_.gradients_total) {
-    if (!descend(tool, multipliers, state, report) &&
+    if (!descend(tool, multipliers, state, energy, report) &&
         report.decrement_relative > 100.0 * options_.decrement_relative) {
       report.failure = "no step lowers the energy";
       return report;

@@ -64,8 +64,7 @@ class Equilibrium {
                          Multipliers& multipliers, bool may_give_up = false);
 
   [[nodiscard]] double elastic_energy_j(const NearState& state) const {
-    return 0.5 * state.source_n.dot(state.displacement_m) +
-           near_.excess_energy_j(state.displacement_m);
+    return elastic(state).energy_j;
   }
 
  private:
@@ -81,14 +80,18 @@ class Equilibrium {
   };
   [[nodiscard]] NearState preconditioned(const Eigen::VectorXd& r) const;
   void learn(std::vector<KnownDirection> directions);
+  // @param elastic of the state, before and after.
   bool descend(const PlacedTool& tool, const Multipliers& multipliers, NearState& state,
-               EquilibriumReport& report);
+               ElementBatches::Energy& elastic, EquilibriumReport& report);
   Step newton_step(const PlacedTool& tool, const Multipliers& multipliers,
                    const NearState& state, EquilibriumReport& report);
-  // What find() lowers; infinite where an element is turned inside out.
-  [[nodiscard]] double potential_j(const PlacedTool& tool,
-                                   const Multipliers& multipliers,
-                                   const NearState& state) const;
+  // Of the whole body; infinite where an element is turned inside out.
+  [[nodiscard]] ElementBatches::Energy elastic(const NearState& state) const;
+  [[nodiscard]] double contact_energy_j(const PlacedTool& tool,
+                                        const Multipliers& multipliers,
+                                        const NearState& state) const {
+    return contact_.evaluate(state.displacement_m, tool, multipliers).energy_j;
+  }
 
   NearField& near_;
   ContactPotential& contact_;

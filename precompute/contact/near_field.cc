@@ -2,24 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 namespace palpate {
 namespace {
-
-// Most elements turn little and pass at the price of a factor: their negative
-// eigenvalues, those of rotations under pressure, are small, and the others make up for
-// them.
-constexpr double kNegligible = 0.01;  // [-] of the mean diagonal
-
-bool is_definite(const ElementMatrix& stiffness) {
-  ElementMatrix shifted = stiffness;
-  shifted.diagonal().array() += kNegligible * stiffness.diagonal().mean();
-  return Eigen::LLT<ElementMatrix>(shifted).info() == Eigen::Success;
-}
 
 void sort_unique(std::vector<std::int32_t>& list) {
   std::sort(list.begin(), list.end());
@@ -31,14 +16,16 @@ void sort_unique(std::vector<std::int32_t>& list) {
 NearField::NearField(const QuadraticMesh& mesh, std::span<const Material> materials,
                      const Supports& supports, std::span<const Eigen::Index> tets,
                      std::span<const std::int32_t> nodes)
-    : materials_(materials), node_(nodes.begin(), nodes.end()) {
+    : node_(nodes.begin(), nodes.end()) {
   std::vector<Eigen::Index> nonlinear;
+  std::vector<std::int32_t> region;
+  std::vector<ElementGeometry> geometry;
   for (const Eigen::Index tet : tets) {
-    const std::int32_t region = region_of(mesh, tet);
-    if (!is_linear(materials[static_cast<std::size_t>(region)])) {
+    const std::int32_t of_tet = region_of(mesh, tet);
+    if (!is_linear(materials[static_cast<std::size_t>(of_tet)])) {
       nonlinear.push_back(tet);
-      region_.push_back(region);
-      geometry_.push_back(element_geometry(tet_corners(mesh, tet), tet));
+      region.push_back(of_tet);
+      geometry.push_back(element_geometry(tet_corners(mesh, tet), tet));
       for (int j = 0; j < 10; ++j) {
         node_.push_back(mesh.tet(tet, j));
       }
@@ -51,20 +38,20 @@ NearField::NearField(const QuadraticMesh& mesh, std::span<const Material> materi
       dof_.push_back(supports.free_index[3 * static_cast<std::size_t>(node) + axis]);
     }
   }
-  element_.resize(static_cast<Eigen::Index>(nonlinear.size()), 10);
+  NodeGroups groups(static_cast<Eigen::Index>(nonlinear.size()), 10);
   for (std::size_t e = 0; e < nonlinear.size(); ++e) {
     for (int j = 0; j < 10; ++j) {
-      element_(static_cast<Eigen::Index>(e), j) = near_node(mesh.tet(nonlinear[e], j));
+      groups(static_cast<Eigen::Index>(e), j) = near_node(mesh.tet(nonlinear[e], j));
     }
   }
-  rest_ = BlockMatrix(static_cast<std::int32_t>(node_.size()), element_);
+  rest_ = BlockMatrix(static_cast<std::int32_t>(node_.size()), groups);
   change_ = rest_;
-  for (std::size_t e = 0; e < nonlinear.size(); ++e) {
-    const Material& material = materials_[static_cast<std::size_t>(region_[e])];
-    rest_.add(
-        static_cast<Eigen::Index>(e),
-        element_response(geometry_[e], material, ElementVector::Zero()).stiffness);
-  }
+  elements_ = ElementBatches(std::move(groups), geometry, region, materials);
+  elements_.linearise(
+      Eigen::VectorXd::Zero(size()), false,
+      [&](const auto& batch, const BatchResponse& response) {
+        rest_.add({batch.element.data(), batch.count}, response.stiffness);
+      });
 }
 
 std::int32_t NearField::near_node(std::int32_t mesh_node) const {
@@ -82,56 +69,21 @@ void NearField::mask(Eigen::VectorXd& v) const {
   }
 }
 
-ElementVector NearField::gather(Eigen::Index e, const Eigen::VectorXd& v) const {
-  ElementVector u;
-  for (Eigen::Index j = 0; j < 10; ++j) {
-    u.segment<3>(3 * j) = v.segment<3>(3 * Eigen::Index{element_(e, j)});
-  }
-  return u;
-}
-
-double NearField::excess_energy_j(const Eigen::VectorXd& u_m) const {
-  double energy = -0.5 * rest_.quadratic_form(u_m);
-  for (Eigen::Index e = 0; e < element_.rows(); ++e) {
-    const auto i = static_cast<std::size_t>(e);
-    energy += element_energy(
-        geometry_[i], materials_[static_cast<std::size_t>(region_[i])], gather(e, u_m));
-    if (!(energy < std::numeric_limits<double>::infinity())) {
-      return std::numeric_limits<double>::infinity();
-    }
-  }
-  return energy;
+ElementBatches::Energy NearField::excess(const Eigen::VectorXd& u_m) const {
+  ElementBatches::Energy excess = elements_.energy(u_m);
+  excess.energy_j -= 0.5 * rest_.quadratic_form(u_m);
+  return excess;
 }
 
 void NearField::linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n,
                           bool convex) {
-  change_ = rest_;
-  change_.scale(-1.0);
+  change_.set_negative(rest_);
   change_.multiply_add(u_m, force_n);
-  for (Eigen::Index e = 0; e < element_.rows(); ++e) {
-    const auto i = static_cast<std::size_t>(e);
-    const Material& material = materials_[static_cast<std::size_t>(region_[i])];
-    ElementLinearisation response =
-        element_response(geometry_[i], material, gather(e, u_m));
-    if (convex && !is_definite(response.stiffness)) {
-      response = element_response(geometry_[i], material, gather(e, u_m), true);
-    }
-    change_.add(e, response.stiffness);
-    for (Eigen::Index j = 0; j < 10; ++j) {
-      force_n.segment<3>(3 * Eigen::Index{element_(e, j)}) +=
-          response.force_n.segment<3>(3 * j);
-    }
-  }
-}
-
-double NearField::smallest_jacobian(const Eigen::VectorXd& u_m) const {
-  double smallest = 1.0;
-  for (Eigen::Index e = 0; e < element_.rows(); ++e) {
-    smallest =
-        std::min(smallest, palpate::smallest_jacobian(
-                               geometry_[static_cast<std::size_t>(e)], gather(e, u_m)));
-  }
-  return smallest;
+  elements_.linearise(
+      u_m, convex, [&](const auto& batch, const BatchResponse& response) {
+        change_.add({batch.element.data(), batch.count}, response.stiffness);
+        elements_.add_forces(batch, response, force_n);
+      });
 }
 
 namespace {

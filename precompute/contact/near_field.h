@@ -18,6 +18,7 @@
 
 #include "precompute/contact/surface_compliance.h"
 #include "precompute/fem/block_matrix.h"
+#include "precompute/fem/element_batches.h"
 #include "precompute/fem/quadratic_element.h"
 #include "precompute/fem/quadratic_mesh.h"
 #include "precompute/material/material.h"
@@ -42,7 +43,7 @@ class NearField {
   [[nodiscard]] Eigen::Index size() const {
     return 3 * static_cast<Eigen::Index>(node_.size());
   }
-  [[nodiscard]] Eigen::Index tets() const { return element_.rows(); }
+  [[nodiscard]] Eigen::Index tets() const { return elements_.elements(); }
   /// Near node of a mesh node, or -1.
   [[nodiscard]] std::int32_t near_node(std::int32_t mesh_node) const;
   /// (3 m) unknown of the whole body, -1 where held.
@@ -50,8 +51,9 @@ class NearField {
   /// Sets what acts on held unknowns to zero.
   void mask(Eigen::VectorXd& v) const;
 
-  /// Sum of W_e - u.K_e u/2 over the near tets [J]; +inf where a law does not admit u.
-  [[nodiscard]] double excess_energy_j(const Eigen::VectorXd& u_m) const;
+  /// Sum of W_e - u.K_e u/2 over the near tets [J], +inf where a law does not admit u;
+  /// and the smallest det F, at most 1.
+  [[nodiscard]] ElementBatches::Energy excess(const Eigen::VectorXd& u_m) const;
 
   /// Adds d(excess)/du to `force` (3 m) and sets `change` to d2(excess)/du2.
   /// @param convex tangents of elements that have negative eigenvalues are replaced by
@@ -62,17 +64,10 @@ class NearField {
     change_.multiply_add(x, y);
   }
 
-  [[nodiscard]] double smallest_jacobian(const Eigen::VectorXd& u_m) const;
-
  private:
-  [[nodiscard]] ElementVector gather(Eigen::Index e, const Eigen::VectorXd& v) const;
-
-  std::span<const Material> materials_;
-  std::vector<std::int32_t> node_;         // (m) mesh nodes, ascending
-  std::vector<std::int64_t> dof_;          // (3 m)
-  NodeGroups element_;                     // (n_tets x 10) near nodes
-  std::vector<ElementGeometry> geometry_;  // (n_tets)
-  std::vector<std::int32_t> region_;       // (n_tets)
+  std::vector<std::int32_t> node_;  // (m) mesh nodes, ascending
+  std::vector<std::int64_t> dof_;   // (3 m)
+  ElementBatches elements_;         // of near nodes
   BlockMatrix rest_;
   BlockMatrix change_;
 };

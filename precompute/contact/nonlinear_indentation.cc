@@ -138,7 +138,7 @@ class Press {
       state_.source_n.setZero();
     }
     double scale = 1.0;
-    while (!std::isfinite(near_.excess_energy_j(scale * state_.displacement_m))) {
+    while (!std::isfinite(near_.excess(scale * state_.displacement_m).energy_j)) {
       scale *= 0.5;
     }
     state_.displacement_m *= scale;
@@ -161,11 +161,10 @@ class Press {
         state_.source_n + t * (state_.source_n - before_.source_n),
         state_.displacement_m + t * (state_.displacement_m - before_.displacement_m)};
     const double thinnest =
-        kPredictedThinner * near_.smallest_jacobian(state_.displacement_m);
-    return std::isfinite(near_.excess_energy_j(state.displacement_m)) &&
-                   near_.smallest_jacobian(state.displacement_m) > thinnest
-               ? state
-               : state_;
+        kPredictedThinner * near_.excess(state_.displacement_m).smallest_jacobian;
+    const ElementBatches::Energy there = near_.excess(state.displacement_m);
+    return std::isfinite(there.energy_j) && there.smallest_jacobian > thinnest ? state
+                                                                               : state_;
   }
 
   // Ties every node that bears pressure and is not tied yet to where it is now.
@@ -255,7 +254,7 @@ class Press {
     sample.largest_overlap_m = std::max(0.0, -contact.gap_m.minCoeff());
     sample.overlap_m = contact.pressure_n.dot((-contact.gap_m).cwiseMax(0.0)) /
                        std::max(contact.pressure_n.sum(), kNoForceN);
-    sample.smallest_jacobian = near_.smallest_jacobian(state_.displacement_m);
+    sample.smallest_jacobian = near_.excess(state_.displacement_m).smallest_jacobian;
     sample.contact_area_m2 = 0.0;
     for (std::size_t i = 0; i < patch_.size(); ++i) {
       if (contact.pressure_n[static_cast<Eigen::Index>(i)] > 0.0) {

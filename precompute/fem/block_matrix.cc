@@ -1,6 +1,7 @@
 #include "precompute/fem/block_matrix.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace palpate {
 
@@ -33,10 +34,13 @@ BlockMatrix::BlockMatrix(std::int32_t nodes, const NodeGroups& groups)
   }
 }
 
-void BlockMatrix::scale(double factor) {
-  for (double& value : value_) {
-    value *= factor;
-  }
+void BlockMatrix::set_zero() {
+  std::fill(value_.begin(), value_.end(), 0.0);
+}
+
+void BlockMatrix::set_negative(const BlockMatrix& other) {
+  std::transform(other.value_.begin(), other.value_.end(), value_.begin(),
+                 std::negate<>());
 }
 
 std::int64_t BlockMatrix::slot(std::int32_t a, std::int32_t b) const {
@@ -53,6 +57,31 @@ void BlockMatrix::add(Eigen::Index group, const Eigen::Ref<const Eigen::MatrixXd
       if (*at >= 0) {
         Eigen::Map<Eigen::Matrix3d>(value_.data() + 9 * *at) +=
             K.block<3, 3>(3 * i, 3 * j);
+      }
+    }
+  }
+}
+
+void BlockMatrix::add(std::span<const Eigen::Index> groups,
+                      const double (*blocks)[9][kBatch]) {
+  constexpr std::size_t n = kElementNodes;
+  for (std::size_t a = 0, block = 0; a < n; ++a) {
+    for (std::size_t b = 0; b <= a; ++b, ++block) {
+      const auto& from = blocks[block];
+      for (std::size_t lane = 0; lane < groups.size(); ++lane) {
+        const std::int64_t* slots =
+            slot_.data() + static_cast<std::size_t>(groups[lane]) * n * n;
+        if (const std::int64_t lower = slots[a * n + b]; lower >= 0) {
+          double* to = value_.data() + 9 * lower;
+          for (std::size_t k = 0; k < 9; ++k) {
+            to[k] += from[k][lane];
+          }
+        } else {
+          double* to = value_.data() + 9 * slots[b * n + a];
+          for (std::size_t k = 0; k < 9; ++k) {
+            to[k] += from[3 * (k % 3) + k / 3][lane];
+          }
+        }
       }
     }
   }

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "precompute/lanes/element_kernels.h"
+
 namespace palpate {
 
 /// Lists of nodes that are coupled with one another, of one fixed length.
@@ -20,10 +22,18 @@ class BlockMatrix {
   BlockMatrix() = default;
   BlockMatrix(std::int32_t nodes, const NodeGroups& groups);
 
-  void scale(double factor);
+  void set_zero();
+
+  /// A = -other, of the same pattern.
+  void set_negative(const BlockMatrix& other);
 
   /// Adds the (3 m x 3 m) symmetric matrix of group `group` of the pattern.
   void add(Eigen::Index group, const Eigen::Ref<const Eigen::MatrixXd>& K);
+
+  /// Adds the blocks of some groups of ten nodes, as ElementKernels::linearise() lays
+  /// them out: [kElementBlocks][9][kBatch].
+  /// @param groups by lane, at most kBatch.
+  void add(std::span<const Eigen::Index> groups, const double (*blocks)[9][kBatch]);
 
   /// y += A x, both (3 n).
   void multiply_add(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;

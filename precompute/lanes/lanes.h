@@ -134,6 +134,26 @@ PALPATE_INLINE void store(double* at, const Lanes& x) {
   }
 }
 
+// Where `test` is above zero `yes`, else `no`.
+PALPATE_INLINE Lanes select_positive(const Lanes& test, const Lanes& yes,
+                                     const Lanes& no) {
+  Lanes x;
+#pragma GCC unroll 4
+  for (int i = 0; i < Lanes::kParts; ++i) {
+    x.part[i] = test.part[i] > Register{} ? yes.part[i] : no.part[i];
+  }
+  return x;
+}
+
+PALPATE_INLINE Lanes smaller_of(const Lanes& x, const Lanes& y) {
+  Lanes least;
+#pragma GCC unroll 4
+  for (int i = 0; i < Lanes::kParts; ++i) {
+    least.part[i] = x.part[i] < y.part[i] ? x.part[i] : y.part[i];
+  }
+  return least;
+}
+
 PALPATE_INLINE double sum(const Lanes& x) {
   return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
 }

@@ -169,7 +169,7 @@ TEST_P(NearFieldOfLaw, ForceAndChangeAreDerivativesOfTheExcess) {
     const Eigen::VectorXd d = block.free_vector(1.0, seed);
     const double found = slope(
         [&](const Eigen::VectorXd& at) {
-          return near.excess_energy_j(at);
+          return near.excess(at).energy_j;
         },
         u, d);
     EXPECT_NEAR(found, gradient.dot(d), 1e-5 * gradient.norm() * d.norm());

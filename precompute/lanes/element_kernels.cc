@@ -1,0 +1,34 @@
+#include "precompute/lanes/element_kernels.h"
+
+#include "precompute/lanes/instruction_set.h"
+
+namespace palpate {
+
+// Each made by element_kernels.inc in a source of its own.
+namespace lanes_baseline {
+extern const ElementKernels kElementKernels;
+}
+namespace lanes_avx2 {
+extern const ElementKernels kElementKernels;
+}
+namespace lanes_avx512 {
+extern const ElementKernels kElementKernels;
+}
+
+const ElementKernels& element_kernels(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::kAvx512:
+      return lanes_avx512::kElementKernels;
+    case InstructionSet::kAvx2:
+      return lanes_avx2::kElementKernels;
+    case InstructionSet::kBaseline:
+      break;
+  }
+  return lanes_baseline::kElementKernels;
+}
+
+const ElementKernels& element_kernels() {
+  return element_kernels(instruction_set());
+}
+
+}  // namespace palpate
