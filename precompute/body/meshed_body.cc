@@ -176,11 +176,17 @@ std::vector<std::int64_t> near_unknowns(const BodyModel& model, const IsNear& ne
 
 }  // namespace
 
-BodyModel make_body_model(const Scene& scene, const BodySource& body,
-                          const SurfaceMesh& surface, const IsNear& near) {
+namespace {
+
+TetMesh filled(const BodySource& body, const SurfaceMesh& surface) {
   require_memory(surface.triangle.rows());
+  return tetrahedralise(surface, {}, body.inner);
+}
+
+BodyModel model_of(const Scene& scene, const BodySource& body,
+                   const SurfaceMesh& surface, const TetMesh& tets,
+                   const IsNear& near) {
   BodyModel model;
-  const TetMesh tets = tetrahedralise(surface, {}, body.inner);
   model.min_dihedral_deg =
       tet_quality(tets).smallest_dihedral_rad * 180.0 / std::numbers::pi;
   model.mesh = make_quadratic(tets, surface.triangle);
@@ -193,6 +199,13 @@ BodyModel make_body_model(const Scene& scene, const BodySource& body,
       reduce(scene_stiffness(scene, model.mesh, model.material), model.supports),
       near_unknowns(model, near));
   return model;
+}
+
+}  // namespace
+
+BodyModel make_body_model(const Scene& scene, const BodySource& body,
+                          const SurfaceMesh& surface, const IsNear& near) {
+  return model_of(scene, body, surface, filled(body, surface), near);
 }
 
 std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
@@ -234,10 +247,93 @@ SurfaceMesh graded_surface(const Scene& scene, const BodySource& body,
       wanted, 4 * kMostTriangles);
 }
 
+namespace {
+
+// A refined surface and the tets that fill it.
+struct FilledSurface {
+  SurfaceMesh surface;
+  TetMesh tets;
+  std::vector<std::int32_t> corner;  // of the vertices; empty: the body's own
+};
+
+FilledSurface graded_tets(const Scene& scene, const BodySource& body,
+                          std::span<const std::int32_t> vertices,
+                          const ContactFocus& focus) {
+  const auto wanted = wanted_edges(body.surface, vertices, focus);
+  const auto fill = [&](const SurfaceMesh& coarse, std::vector<std::int32_t> corner) {
+    SurfaceMesh surface = refine_longest_edge(coarse, wanted, 4 * kMostTriangles);
+    TetMesh tets = filled(body, surface);
+    return FilledSurface{std::move(surface), std::move(tets), std::move(corner)};
+  };
+  if (!body.inner.empty()) {
+    return fill(body.surface, {});  // inner surfaces might cross a coarse one
+  }
+  for (const double far_share : kFarShares) {
+    try {
+      const CoarsenedSurface coarse =
+          far_coarsened(scene, body, vertices, focus, far_share);
+      return fill(coarse.surface, coarse.vertex);
+    } catch (const NumericalError&) {
+      // The coarse surface crosses itself; a finer one costs more.
+    }
+  }
+  return fill(body.surface, {});
+}
+
+// Shape of the poorest tet where the tool touches.
+double poorest_shape(const FilledSurface& filled, const EdgeLength& beyond) {
+  double poorest = 1.0;
+  for (Eigen::Index t = 0; t < filled.tets.tet.rows(); ++t) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const std::int32_t corner : filled.tets.tet.row(t)) {
+      middle += 0.25 * filled.tets.position_m.row(corner).transpose();
+    }
+    if (beyond(middle) <= 0.0) {
+      poorest = std::min(poorest, tet_shape(filled.tets, t));
+    }
+  }
+  return poorest;
+}
+
+// Of surfaces that differ a little the first whose tets are well shaped where the tool
+// touches, else the best: where the mesher gives up improving them is a matter of
+// chance.
+FilledSurface well_filled(const Scene& scene, const BodySource& body,
+                          std::span<const std::int32_t> vertices,
+                          const ContactFocus& focus) {
+  constexpr std::array<double, 3> kTimesFiner{1.07, 0.93, 1.15};
+  constexpr double kWellShaped = 0.01;
+  const EdgeLength beyond = wanted_edges(
+      body.surface, vertices,
+      {.growth = 1.0,
+       .finest_m = 0.0,
+       .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m)});
+  FilledSurface best = graded_tets(scene, body, vertices, focus);
+  double shape = poorest_shape(best, beyond);
+  for (const double times : kTimesFiner) {
+    if (shape > kWellShaped) {
+      break;
+    }
+    try {
+      FilledSurface other = graded_tets(scene, body, vertices, finer(focus, times));
+      const double other_shape = poorest_shape(other, beyond);
+      if (other_shape > shape) {
+        best = std::move(other);
+        shape = other_shape;
+      }
+    } catch (const NumericalError&) {
+      // The first can be meshed, if not well.
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
 BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                             std::span<const std::int32_t> vertices,
                             const ContactFocus& focus) {
-  const auto wanted = wanted_edges(body.surface, vertices, focus);
+  const FilledSurface made = well_filled(scene, body, vertices, focus);
   // What the tool touches and what strains around it: two contact radii more.
   const EdgeLength beyond = wanted_edges(
       body.surface, vertices,
@@ -245,32 +341,15 @@ BodyModel make_graded_model(const Scene& scene, const BodySource& body,
        .finest_m = 0.0,
        .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m) +
                  2.0 * focus.contact_m});
-  const auto model_on = [&](const SurfaceMesh& surface) {
-    BodyModel model = make_body_model(
-        scene, body, refine_longest_edge(surface, wanted, 4 * kMostTriangles),
-        [&](const Eigen::Vector3d& p) {
-          return beyond(p) <= 0.0;
-        });
-    model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
-    return model;
-  };
-  if (!body.inner.empty()) {
-    return model_on(body.surface);  // inner surfaces might cross a coarse one
+  BodyModel model =
+      model_of(scene, body, made.surface, made.tets, [&](const Eigen::Vector3d& p) {
+        return beyond(p) <= 0.0;
+      });
+  model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
+  for (std::size_t i = 0; i < made.corner.size(); ++i) {
+    model.corner.emplace(vertices[i], made.corner[i]);
   }
-  for (const double far_share : kFarShares) {
-    try {
-      const CoarsenedSurface coarse =
-          far_coarsened(scene, body, vertices, focus, far_share);
-      BodyModel model = model_on(coarse.surface);
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        model.corner.emplace(vertices[i], coarse.vertex[i]);
-      }
-      return model;
-    } catch (const NumericalError&) {
-      // The coarse surface crosses itself; a finer one costs more.
-    }
-  }
-  return model_on(body.surface);
+  return model;
 }
 
 }  // namespace palpate

@@ -100,7 +100,9 @@ using IsNear = std::function<bool(const Eigen::Vector3d& p_m)>;
 /// The model on a surface that is refined around the given vertices, and coarsened
 /// farther away where the body is finer than its contact can feel: with edges that stay
 /// shorter than the mesh wants them there. Where the coarse surface cannot be meshed
-/// two less coarse ones are tried, then the body's own is taken.
+/// two less coarse ones are tried, then the body's own is taken. Where tets under the
+/// tool are slivers, which are too stiff, slightly finer and coarser surfaces are
+/// tried.
 [[nodiscard]] BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                                           std::span<const std::int32_t> vertices,
                                           const ContactFocus& focus);

@@ -35,6 +35,18 @@ double tet_volume_m3(const TetMesh& mesh, Eigen::Index t) {
          6.0;
 }
 
+double tet_shape(const TetMesh& mesh, Eigen::Index t) {
+  double longest_m = 0.0;
+  for (int i = 1; i < 4; ++i) {
+    for (int j = 0; j < i; ++j) {
+      longest_m =
+          std::max(longest_m, (corner_m(mesh, t, i) - corner_m(mesh, t, j)).norm());
+    }
+  }
+  return 6.0 * std::numbers::sqrt2 * tet_volume_m3(mesh, t) /
+         (longest_m * longest_m * longest_m);
+}
+
 TetQuality tet_quality(const TetMesh& mesh) {
   TetQuality quality{.smallest_volume_m3 = std::numeric_limits<double>::infinity(),
                      .smallest_dihedral_rad = std::numbers::pi};

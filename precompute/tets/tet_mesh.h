@@ -23,6 +23,10 @@ struct TetMesh {
 /// Volume of one tet [m^3]; negative if it is inside out.
 [[nodiscard]] double tet_volume_m3(const TetMesh& mesh, Eigen::Index t);
 
+/// [-] Volume over that of the regular tet of its longest edge: 1 at best, 0 for a
+/// sliver.
+[[nodiscard]] double tet_shape(const TetMesh& mesh, Eigen::Index t);
+
 struct TetQuality {
   double volume_m3 = 0.0;              ///< sum over the tets
   double smallest_volume_m3 = 0.0;     ///< negative: a tet is inside out
