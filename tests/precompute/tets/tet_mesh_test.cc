@@ -11,7 +11,7 @@ TEST(TetShape, IsOneForARegularTetAndFallsWithItsHeight) {
   mesh.position_m.resize(4, 3);
   mesh.position_m << 1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, -1.0, -1.0, 1.0;
   mesh.tet.resize(1, 4);
-  mesh.tet << 0, 2, 1, 3;
+  mesh.tet << 0, 1, 2, 3;
   EXPECT_NEAR(tet_shape(mesh, 0), 1.0, 1e-14);
   // Its last corner on the way to the middle of the opposite face: the edges there stay
   // the longest.
