@@ -9,6 +9,7 @@
 #include "precompute/fem/symbolic_factor.h"
 #include "precompute/lanes/factor_kernels.h"
 #include "precompute/process/machine_memory.h"
+#include "precompute/process/reused_memory.h"
 
 namespace palpate {
 namespace {
@@ -306,7 +307,7 @@ struct FactorPart::Impl {
 struct CholeskyFactor::Impl {
   std::ptrdiff_t block = 1;
   std::vector<std::int32_t> order;  // unknown that is eliminated k-th
-  std::unique_ptr<double[]> number;
+  ReusedDoubles number;
   Supernodes nodes;
 
   void make_room(const SymbolicFactor& symbolic);
@@ -342,7 +343,7 @@ void CholeskyFactor::Impl::make_room(const SymbolicFactor& symbolic) {
         "contact_resolution",
         order.size(), 1e-9 * bytes, 1e-9 * free));
   }
-  number.reset(new double[at(count)]);  // NOLINT(modernize-make-unique): not zeroed
+  number = reused_doubles(at(count));
   std::int64_t next = 0;
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     nodes.number[s] = number.get() + next;

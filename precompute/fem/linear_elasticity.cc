@@ -1,30 +1,55 @@
 #include "precompute/fem/linear_elasticity.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
+#include "precompute/fem/element_batches.h"
 #include "precompute/fem/quadratic_element.h"
 
 namespace palpate {
 namespace {
 
-// Nodes b >= a that share a tet with node a, ascending; a itself first.
-std::vector<std::vector<std::int32_t>> lower_pattern(const QuadraticMesh& mesh) {
-  std::vector<std::vector<std::int32_t>> below(
-      static_cast<std::size_t>(mesh.position_m.rows()));
-  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
-    for (int i = 0; i < 10; ++i) {
-      for (int j = 0; j < 10; ++j) {
-        if (mesh.tet(t, j) >= mesh.tet(t, i)) {
-          below[static_cast<std::size_t>(mesh.tet(t, i))].push_back(mesh.tet(t, j));
-        }
+// Tets of each node.
+struct TetsOfNodes {
+  std::vector<std::int64_t> begin;
+  std::vector<std::int32_t> tet;
+
+  explicit TetsOfNodes(const QuadraticMesh& mesh)
+      : begin(static_cast<std::size_t>(mesh.position_m.rows()) + 1, 0),
+        tet(static_cast<std::size_t>(mesh.tet.size())) {
+    for (const std::int32_t node : mesh.tet.reshaped()) {
+      ++begin[static_cast<std::size_t>(node) + 1];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::int64_t> next = begin;
+    for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+      for (int i = 0; i < 10; ++i) {
+        auto& at = next[static_cast<std::size_t>(mesh.tet(t, i))];
+        tet[static_cast<std::size_t>(at++)] = static_cast<std::int32_t>(t);
       }
     }
   }
-  for (auto& list : below) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-    list.shrink_to_fit();
+};
+
+// Nodes b >= a that share a tet with node a, ascending; a itself first.
+std::vector<std::vector<std::int32_t>> lower_pattern(const QuadraticMesh& mesh) {
+  const TetsOfNodes tets(mesh);
+  const auto nodes = static_cast<std::size_t>(mesh.position_m.rows());
+  std::vector<std::vector<std::int32_t>> below(nodes);
+  std::vector<std::int32_t> seen_by(nodes, -1);
+  for (std::size_t a = 0; a < nodes; ++a) {
+    const auto self = static_cast<std::int32_t>(a);
+    for (auto at = tets.begin[a]; at < tets.begin[a + 1]; ++at) {
+      for (const std::int32_t b :
+           mesh.tet.row(tets.tet[static_cast<std::size_t>(at)])) {
+        if (b >= self && seen_by[static_cast<std::size_t>(b)] != self) {
+          seen_by[static_cast<std::size_t>(b)] = self;
+          below[a].push_back(b);
+        }
+      }
+    }
+    std::sort(below[a].begin(), below[a].end());
   }
   return below;
 }
@@ -56,37 +81,65 @@ Stiffness zero_stiffness(const std::vector<std::vector<std::int32_t>>& below) {
 
 }  // namespace
 
+namespace {
+
+// Where the blocks of pairs of nodes begin in K.
+class Blocks {
+ public:
+  Blocks(const std::vector<std::vector<std::int32_t>>& below, Stiffness& K)
+      : below_(below), K_(K) {}
+
+  // Adds the (3 x 3) block of row node b and column node a, b >= a, column by column,
+  // `stride` apart; or, of the other half, transposed.
+  void add(std::int32_t b, std::int32_t a, const double* block, std::size_t stride,
+           bool transposed) {
+    const auto& list = below_[static_cast<std::size_t>(a)];
+    const auto slot = std::lower_bound(list.begin(), list.end(), b) - list.begin();
+    for (int axis = 0; axis < 3; ++axis) {
+      // Column 3a + axis starts with 3 - axis rows of the diagonal block.
+      const std::int64_t column = K_.outerIndexPtr()[3 * std::int64_t{a} + axis];
+      const std::int64_t start = column + 3 * slot - axis;
+      for (int row = b == a ? axis : 0; row < 3; ++row) {
+        const int entry = transposed ? 3 * row + axis : 3 * axis + row;
+        K_.valuePtr()[start + row] += block[static_cast<std::size_t>(entry) * stride];
+      }
+    }
+  }
+
+ private:
+  const std::vector<std::vector<std::int32_t>>& below_;
+  Stiffness& K_;
+};
+
+}  // namespace
+
 Stiffness assemble_stiffness(const QuadraticMesh& mesh,
                              std::span<const Material> material) {
   const auto below = lower_pattern(mesh);
   Stiffness K = zero_stiffness(below);
+  Blocks blocks(below, K);
+  std::vector<ElementGeometry> geometry;
+  std::vector<std::int32_t> region;
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
-    const ElementMatrix Ke =
-        element_response(element_geometry(tet_corners(mesh, t), t),
-                         material[static_cast<std::size_t>(region_of(mesh, t))],
-                         ElementVector::Zero())
-            .stiffness;
-    for (int i = 0; i < 10; ++i) {
-      const std::int32_t a = mesh.tet(t, i);
-      const auto& list = below[static_cast<std::size_t>(a)];
-      for (int j = 0; j < 10; ++j) {
-        const std::int32_t b = mesh.tet(t, j);
-        if (b < a) {
-          continue;
-        }
-        const auto slot =
-            std::lower_bound(list.begin(), list.end(), b) - list.begin();  // b's block
-        for (int axis = 0; axis < 3; ++axis) {
-          // Column 3a + axis starts with 3 - axis rows of the diagonal block.
-          const std::int64_t column = K.outerIndexPtr()[3 * std::int64_t{a} + axis];
-          const std::int64_t start = b == a ? column - axis : column + 3 * slot - axis;
-          for (int row = b == a ? axis : 0; row < 3; ++row) {
-            K.valuePtr()[start + row] += Ke(3 * j + row, 3 * i + axis);
+    geometry.push_back(element_geometry(tet_corners(mesh, t), t));
+    region.push_back(region_of(mesh, t));
+  }
+  const ElementBatches elements(mesh.tet, geometry, region, material);
+  elements.linearise(
+      Eigen::VectorXd::Zero(3 * mesh.position_m.rows()), false,
+      [&](const ElementBatches::Batch& batch, const BatchResponse& response) {
+        for (std::size_t lane = 0; lane < batch.count; ++lane) {
+          const auto nodes = mesh.tet.row(batch.element[lane]);
+          for (Eigen::Index i = 0, block = 0; i < 10; ++i) {
+            for (Eigen::Index j = 0; j <= i; ++j, ++block) {
+              const double* from = &response.stiffness[block][0][lane];
+              const bool lower = nodes[i] >= nodes[j];
+              blocks.add(std::max(nodes[i], nodes[j]), std::min(nodes[i], nodes[j]),
+                         from, kBatch, !lower);
+            }
           }
         }
-      }
-    }
-  }
+      });
   return K;
 }
 
