@@ -185,7 +185,7 @@ TetMesh filled(const BodySource& body, const SurfaceMesh& surface) {
 
 BodyModel model_of(const Scene& scene, const BodySource& body,
                    const SurfaceMesh& surface, const TetMesh& tets,
-                   const IsNear& near) {
+                   const IsNear& near, bool keep_stiffness) {
   BodyModel model;
   model.min_dihedral_deg =
       tet_quality(tets).smallest_dihedral_rad * 180.0 / std::numbers::pi;
@@ -195,9 +195,12 @@ BodyModel model_of(const Scene& scene, const BodySource& body,
   check_held(scene, model);
   model.contact = make_contact_surface(model.mesh);
   model.contact_spacing_m = 0.5 * mean_edge_m(surface);
-  model.factor.emplace(
-      reduce(scene_stiffness(scene, model.mesh, model.material), model.supports),
-      near_unknowns(model, near));
+  Stiffness K = reduce(scene_stiffness(scene, model.mesh, model.material),
+                       model.supports);
+  model.factor.emplace(K, near_unknowns(model, near));
+  if (keep_stiffness) {
+    model.stiffness = std::move(K);
+  }
   return model;
 }
 
@@ -205,7 +208,7 @@ BodyModel model_of(const Scene& scene, const BodySource& body,
 
 BodyModel make_body_model(const Scene& scene, const BodySource& body,
                           const SurfaceMesh& surface, const IsNear& near) {
-  return model_of(scene, body, surface, filled(body, surface), near);
+  return model_of(scene, body, surface, filled(body, surface), near, false);
 }
 
 std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
@@ -332,7 +335,7 @@ FilledSurface well_filled(const Scene& scene, const BodySource& body,
 
 BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                             std::span<const std::int32_t> vertices,
-                            const ContactFocus& focus) {
+                            const ContactFocus& focus, bool keep_stiffness) {
   const FilledSurface made = well_filled(scene, body, vertices, focus);
   // What the tool touches and what strains around it: two contact radii more.
   const EdgeLength beyond = wanted_edges(
@@ -341,10 +344,9 @@ BodyModel make_graded_model(const Scene& scene, const BodySource& body,
        .finest_m = 0.0,
        .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m) +
                  2.0 * focus.contact_m});
+  const IsNear near = [&](const Eigen::Vector3d& p) { return beyond(p) <= 0.0; };
   BodyModel model =
-      model_of(scene, body, made.surface, made.tets, [&](const Eigen::Vector3d& p) {
-        return beyond(p) <= 0.0;
-      });
+      model_of(scene, body, made.surface, made.tets, near, keep_stiffness);
   model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
   for (std::size_t i = 0; i < made.corner.size(); ++i) {
     model.corner.emplace(vertices[i], made.corner[i]);

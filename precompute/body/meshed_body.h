@@ -32,6 +32,8 @@ struct BodyModel {
   ContactSurface contact;
   Supports supports;
   std::optional<CholeskyFactor> factor;
+  /// K over the free unknowns, lower triangle; only where asked for, else empty.
+  Stiffness stiffness;
   double contact_spacing_m = 0.0;  ///< [m] of contact nodes where a contact ends
   double min_dihedral_deg = 0.0;   ///< [deg] of the tets
 };
@@ -103,8 +105,10 @@ using IsNear = std::function<bool(const Eigen::Vector3d& p_m)>;
 /// two less coarse ones are tried, then the body's own is taken. Where tets under the
 /// tool are slivers, which are too stiff, slightly finer and coarser surfaces are
 /// tried.
+/// @param keep_stiffness beside its factor.
 [[nodiscard]] BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                                           std::span<const std::int32_t> vertices,
-                                          const ContactFocus& focus);
+                                          const ContactFocus& focus,
+                                          bool keep_stiffness = false);
 
 }  // namespace palpate

@@ -13,6 +13,8 @@ namespace {
 // Directions that the preconditioner remembers, each with three vectors over the near
 // unknowns.
 constexpr std::size_t kMostKnown = 24;
+// Conjugate gradients of a step that cost more than a factor that saves most of them.
+constexpr std::size_t kManyGradients = 8;
 // [-] An element's volume over its volume at rest may become this share of the least
 // one within a step. Nearer to zero, forces grow beyond what a step can be computed
 // from.
@@ -46,8 +48,13 @@ NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
     along[i] = known_[i].inverse_curvature * known_[i].along.displacement_m.dot(rest);
     rest -= along[i] * known_[i].change_n;
   }
-  Eigen::VectorXd u = solve_(near_.dof(), rest);
-  NearState z{std::move(rest), std::move(u)};
+  NearState z;
+  if (tangent_ != nullptr && tangent_->ready()) {
+    z = tangent_->solve(rest);
+  } else {
+    z.displacement_m = solve_(near_.dof(), rest);
+    z.source_n = std::move(rest);
+  }
   for (std::size_t i = 0; i < known_.size(); ++i) {
     const double already =
         known_[i].inverse_curvature * known_[i].change_n.dot(z.displacement_m);
@@ -70,6 +77,9 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
                                            EquilibriumReport& report) {
   Eigen::VectorXd gradient = state.source_n;
   near_.linearise(state.displacement_m, gradient, convex_);
+  if (tangent_ != nullptr && slow_) {
+    tangent_->refresh();
+  }
   contact_.linearise(state.displacement_m, tool, multipliers, gradient);
   near_.mask(gradient);
   const Eigen::Index n = near_.size();
@@ -109,6 +119,7 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
     r -= alpha * q;
     learnt.push_back({p, std::move(q), 1.0 / curvature});
   }
+  slow_ = learnt.size() > kManyGradients;
   learn(std::move(learnt));
   step.slope = gradient.dot(step.direction.displacement_m);
   return step;

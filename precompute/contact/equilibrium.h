@@ -15,6 +15,7 @@
 
 #include "precompute/contact/contact_potential.h"
 #include "precompute/contact/near_field.h"
+#include "precompute/contact/tangent_factor.h"
 #include "precompute/fem/batched_solves.h"
 
 namespace palpate {
@@ -29,7 +30,7 @@ struct EquilibriumOptions {
   double multiplier_relative = 0.03;
   /// Updates of the multipliers; what they lack after these, the springs carry.
   int lagrange_max = std::numeric_limits<int>::max();
-  double gradient_tolerance = 0.3;  ///< [-] of each conjugate-gradient solve
+  double gradient_tolerance = 0.5;  ///< [-] of each conjugate-gradient solve
   int newton_max = 35;              ///< steps in all; a usual depth takes 10
   int gradients_max = 120;          ///< conjugate gradients per step
   int gradients_total = 1500;       ///< in all; a usual depth takes 50
@@ -53,10 +54,15 @@ struct EquilibriumReport {
 
 class Equilibrium {
  public:
-  /// All three must outlive it.
+  /// All must outlive it.
+  /// @param tangent takes the place of `solve` where that needs many gradients; or null.
   Equilibrium(NearField& near, ContactPotential& contact, const RestSolve& solve,
-              const EquilibriumOptions& options)
-      : near_(near), contact_(contact), solve_(solve), options_(options) {}
+              const EquilibriumOptions& options, TangentFactor* tangent = nullptr)
+      : near_(near),
+        contact_(contact),
+        solve_(solve),
+        options_(options),
+        tangent_(tangent) {}
 
   /// Finds the rest state from `state` and `multipliers`, and leaves it there.
   /// @param may_give_up a start that is too far away is not followed to the end.
@@ -97,6 +103,8 @@ class Equilibrium {
   ContactPotential& contact_;
   const RestSolve& solve_;
   EquilibriumOptions options_;
+  TangentFactor* tangent_;
+  bool slow_ = false;  // the last step needed many gradients
   std::deque<KnownDirection> known_;  // oldest first
   bool convex_ = false;  // the next step's tangent is to be without negative curvature
 };

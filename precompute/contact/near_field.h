@@ -63,6 +63,8 @@ class NearField {
   void add_change(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
     change_.multiply_add(x, y);
   }
+  /// K(u) - K(0) of the last linearise(), by near nodes.
+  [[nodiscard]] const BlockMatrix& change() const { return change_; }
 
  private:
   std::vector<std::int32_t> node_;  // (m) mesh nodes, ascending

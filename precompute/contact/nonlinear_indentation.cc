@@ -55,7 +55,9 @@ class Press {
         near_(body.mesh, body.material, body.supports, near_tet_,
               contact_mesh_nodes(body, patch)),
         contact_(body.surface, body.mesh, patch, near_),
-        equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium),
+        tangent_(tangent_of(body)),
+        equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium,
+                     tangent_ ? &*tangent_ : nullptr),
         at_m_(touch_m),
         before_m_(touch_m) {
     multipliers_.spring_n_per_m =
@@ -99,6 +101,13 @@ class Press {
   }
 
  private:
+  std::optional<TangentFactor> tangent_of(const NonlinearBody& body) const {
+    if (body.factor == nullptr || body.stiffness == nullptr) {
+      return std::nullopt;
+    }
+    return TangentFactor(*body.factor, *body.stiffness, near_);
+  }
+
   std::vector<Eigen::Index> strained() const {
     const Eigen::VectorXd u =
         solve_(body_.supports.free_index,
@@ -202,7 +211,8 @@ class Press {
     patient.lagrange_max = kStiffUpdates;
     patient.newton_max *= kPatience;
     patient.gradients_total *= kPatience;
-    equilibrium_.emplace(near_, contact_, solve_, patient);
+    equilibrium_.emplace(near_, contact_, solve_, patient,
+                         tangent_ ? &*tangent_ : nullptr);
   }
 
   bool reach(double penetration_m, NonlinearSample& sample, int depth) {
@@ -273,6 +283,7 @@ class Press {
   std::vector<Eigen::Index> near_tet_;
   NearField near_;
   ContactPotential contact_;
+  std::optional<TangentFactor> tangent_;
   std::optional<Equilibrium> equilibrium_;
   Multipliers multipliers_;
   NearState state_;

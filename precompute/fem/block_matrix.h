@@ -38,6 +38,17 @@ class BlockMatrix {
   /// y += A x, both (3 n).
   void multiply_add(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
 
+  /// Calls visit(a, b, block) for every block (a, b), a >= b; block column by column.
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (std::int32_t a = 0; a < nodes(); ++a) {
+      for (auto at = begin_[static_cast<std::size_t>(a)];
+           at < begin_[static_cast<std::size_t>(a) + 1]; ++at) {
+        visit(a, column_[static_cast<std::size_t>(at)], value_.data() + 9 * at);
+      }
+    }
+  }
+
   /// x' A x.
   [[nodiscard]] double quadratic_form(const Eigen::VectorXd& x) const;
 

@@ -306,33 +306,39 @@ struct FactorPart::Impl {
 
 struct CholeskyFactor::Impl {
   std::ptrdiff_t block = 1;
+  std::shared_ptr<const SymbolicFactor> symbolic;
   std::vector<std::int32_t> order;  // unknown that is eliminated k-th
   ReusedDoubles number;
   Supernodes nodes;
 
-  void make_room(const SymbolicFactor& symbolic);
-  void factorise(const Stiffness& lower, const SymbolicFactor& symbolic);
+  // Of `symbolic`.
+  void make_structure();
+  void make_room();
+  void factorise(const Stiffness& lower);
 };
 
-void CholeskyFactor::Impl::make_room(const SymbolicFactor& symbolic) {
-  for (const std::int32_t i : symbolic.order) {
+void CholeskyFactor::Impl::make_structure() {
+  for (const std::int32_t i : symbolic->order) {
     for (std::ptrdiff_t b = 0; b < block; ++b) {
       order.push_back(static_cast<std::int32_t>(i * block + b));
     }
   }
-  for (const std::int32_t column : symbolic.begin) {
+  for (const std::int32_t column : symbolic->begin) {
     nodes.begin.push_back(static_cast<std::int32_t>(column * block));
   }
   nodes.row_begin.clear();
-  for (const std::int64_t begin : symbolic.row_begin) {
+  for (const std::int64_t begin : symbolic->row_begin) {
     nodes.row_begin.push_back(begin * block);
   }
-  for (const std::int32_t row : symbolic.row) {
+  for (const std::int32_t row : symbolic->row) {
     for (std::ptrdiff_t b = 0; b < block; ++b) {
       nodes.row.push_back(static_cast<std::int32_t>(row * block + b));
     }
   }
-  nodes.number.resize(symbolic.begin.size() - 1);
+  nodes.number.resize(symbolic->begin.size() - 1);
+}
+
+void CholeskyFactor::Impl::make_room() {
   const std::int64_t count = nodes.nonzeros();
   const double bytes = sizeof(double) * static_cast<double>(count);
   // The system grants what it does not have, and kills who then uses it.
@@ -351,24 +357,23 @@ void CholeskyFactor::Impl::make_room(const SymbolicFactor& symbolic) {
   }
 }
 
-void CholeskyFactor::Impl::factorise(const Stiffness& lower,
-                                     const SymbolicFactor& symbolic) {
-  const PermutedStiffness K(lower, block, symbolic.order);
-  Descendants descendants(symbolic, block);
+void CholeskyFactor::Impl::factorise(const Stiffness& lower) {
+  const PermutedStiffness K(lower, block, symbolic->order);
+  Descendants descendants(*symbolic, block);
   const FactorKernels& kernels = factor_kernels();
-  std::vector<std::int32_t> local(symbolic.order.size());
+  std::vector<std::int32_t> local(symbolic->order.size());
   double smallest = std::numeric_limits<double>::infinity();
   double largest = 0.0;
   double* numbers = number.get();
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     const std::ptrdiff_t m = nodes.rows(s);
     const std::ptrdiff_t k = nodes.columns(s);
-    for (auto i = symbolic.row_begin[s]; i < symbolic.row_begin[s + 1]; ++i) {
-      local[at(symbolic.row[at(i)])] =
-          static_cast<std::int32_t>(i - symbolic.row_begin[s]);
+    for (auto i = symbolic->row_begin[s]; i < symbolic->row_begin[s + 1]; ++i) {
+      local[at(symbolic->row[at(i)])] =
+          static_cast<std::int32_t>(i - symbolic->row_begin[s]);
     }
     std::fill(numbers, numbers + m * k, 0.0);
-    K.add_to(symbolic.begin[s], symbolic.begin[s + 1], local, numbers, m);
+    K.add_to(symbolic->begin[s], symbolic->begin[s + 1], local, numbers, m);
     descendants.update(s, nodes, local, numbers);
     if (kernels.factorise(m, k, numbers, m, space(kernels.factorise_work(m, k))) < k) {
       smallest = 0.0;
@@ -393,10 +398,24 @@ CholeskyFactor::CholeskyFactor(const Stiffness& lower,
                                std::span<const std::int64_t> near)
     : impl_(std::make_unique<Impl>()) {
   impl_->block = has_blocks(lower) ? kAxes : 1;
-  const SymbolicFactor symbolic =
-      symbolic_factor(pattern_of(lower, impl_->block), blocks_of(near, impl_->block));
-  impl_->make_room(symbolic);
-  impl_->factorise(lower, symbolic);
+  impl_->symbolic = std::make_shared<const SymbolicFactor>(
+      symbolic_factor(pattern_of(lower, impl_->block), blocks_of(near, impl_->block)));
+  impl_->make_structure();
+  impl_->make_room();
+  impl_->factorise(lower);
+}
+
+CholeskyFactor::CholeskyFactor(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+CholeskyFactor CholeskyFactor::refactored(const Stiffness& lower) const {
+  auto made = std::make_unique<Impl>();
+  made->block = impl_->block;
+  made->symbolic = impl_->symbolic;
+  made->order = impl_->order;
+  made->nodes = impl_->nodes;
+  made->make_room();
+  made->factorise(lower);
+  return CholeskyFactor(std::move(made));
 }
 
 CholeskyFactor::~CholeskyFactor() = default;

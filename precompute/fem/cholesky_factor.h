@@ -64,6 +64,10 @@ class CholeskyFactor {
   CholeskyFactor(CholeskyFactor&&) noexcept;
   CholeskyFactor& operator=(CholeskyFactor&&) noexcept;
 
+  /// The factor of another matrix of the same pattern, in the same order: only numbers
+  /// are computed anew. @throws NumericalError if it is not positive definite.
+  [[nodiscard]] CholeskyFactor refactored(const Stiffness& lower) const;
+
   /// X = K^-1 B, B (n x k). Safe to call from several threads at once; the result does
   /// not depend on them. Many columns cost several times less than single ones.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
@@ -76,6 +80,7 @@ class CholeskyFactor {
 
  private:
   struct Impl;
+  explicit CholeskyFactor(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -181,7 +181,13 @@ NonlinearIndentation press_at(const BodyModel& model,
                               const SurfaceCompliance& compliance, PressedNode& node,
                               std::span<const std::size_t> samples,
                               const NonlinearOptions& options, const RestSolve& solve) {
-  const NonlinearBody body{model.mesh, model.material, model.supports, model.contact};
+  const bool has_stiffness = model.stiffness.rows() > 0;
+  const NonlinearBody body{model.mesh,
+                           model.material,
+                           model.supports,
+                           model.contact,
+                           has_stiffness ? &*model.factor : nullptr,
+                           has_stiffness ? &model.stiffness : nullptr};
   node.indentation = node.linear;
   NonlinearIndentation result = indent_nonlinear(
       body, node.patch, compliance.among(node.patch),

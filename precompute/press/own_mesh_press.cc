@@ -21,8 +21,9 @@ class OwnMeshes {
   [[nodiscard]] std::vector<PressedNode> press(std::span<const std::int32_t> vertices,
                                                const ContactFocus& focus,
                                                const PressMode& mode) const {
-    return press_on_model(scene_, body_, make_own_model(scene_, body_, vertices, focus),
-                          tool_, vertices, mode);
+    return press_on_model(
+        scene_, body_, make_own_model(scene_, body_, vertices, focus, mode.nonlinear),
+        tool_, vertices, mode);
   }
 
   // Gaps are averaged over the hats of contact nodes: smaller hats touch earlier.
@@ -85,11 +86,11 @@ class OwnMeshes {
 
 BodyModel make_own_model(const Scene& scene, const BodySource& body,
                          std::span<const std::int32_t> vertices,
-                         const ContactFocus& focus) {
+                         const ContactFocus& focus, bool keep_stiffness) {
   for (int attempt = 0;; ++attempt) {
     try {
       return make_graded_model(scene, body, vertices,
-                               finer(focus, std::exp2(-attempt)));
+                               finer(focus, std::exp2(-attempt)), keep_stiffness);
     } catch (const NumericalError&) {
       if (attempt == kCoarserToEnd) {
         throw;
