@@ -184,8 +184,8 @@ TetMesh filled(const BodySource& body, const SurfaceMesh& surface) {
 }
 
 BodyModel model_of(const Scene& scene, const BodySource& body,
-                   const SurfaceMesh& surface, const TetMesh& tets,
-                   const IsNear& near, bool keep_stiffness) {
+                   const SurfaceMesh& surface, const TetMesh& tets, const IsNear& near,
+                   bool keep_stiffness) {
   BodyModel model;
   model.min_dihedral_deg =
       tet_quality(tets).smallest_dihedral_rad * 180.0 / std::numbers::pi;
@@ -195,8 +195,8 @@ BodyModel model_of(const Scene& scene, const BodySource& body,
   check_held(scene, model);
   model.contact = make_contact_surface(model.mesh);
   model.contact_spacing_m = 0.5 * mean_edge_m(surface);
-  Stiffness K = reduce(scene_stiffness(scene, model.mesh, model.material),
-                       model.supports);
+  Stiffness K =
+      reduce(scene_stiffness(scene, model.mesh, model.material), model.supports);
   model.factor.emplace(K, near_unknowns(model, near));
   if (keep_stiffness) {
     model.stiffness = std::move(K);
@@ -344,7 +344,9 @@ BodyModel make_graded_model(const Scene& scene, const BodySource& body,
        .finest_m = 0.0,
        .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m) +
                  2.0 * focus.contact_m});
-  const IsNear near = [&](const Eigen::Vector3d& p) { return beyond(p) <= 0.0; };
+  const IsNear near = [&](const Eigen::Vector3d& p) {
+    return beyond(p) <= 0.0;
+  };
   BodyModel model =
       model_of(scene, body, made.surface, made.tets, near, keep_stiffness);
   model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;

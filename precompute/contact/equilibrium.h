@@ -55,7 +55,8 @@ struct EquilibriumReport {
 class Equilibrium {
  public:
   /// All must outlive it.
-  /// @param tangent takes the place of `solve` where that needs many gradients; or null.
+  /// @param tangent takes the place of `solve` where that needs many gradients; or
+  /// null.
   Equilibrium(NearField& near, ContactPotential& contact, const RestSolve& solve,
               const EquilibriumOptions& options, TangentFactor* tangent = nullptr)
       : near_(near),
@@ -104,7 +105,7 @@ class Equilibrium {
   const RestSolve& solve_;
   EquilibriumOptions options_;
   TangentFactor* tangent_;
-  bool slow_ = false;  // the last step needed many gradients
+  bool slow_ = false;                 // the last step needed many gradients
   std::deque<KnownDirection> known_;  // oldest first
   bool convex_ = false;  // the next step's tangent is to be without negative curvature
 };

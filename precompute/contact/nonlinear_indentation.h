@@ -22,8 +22,8 @@ struct NonlinearBody {
   std::span<const Material> material;  ///< by region
   const Supports& supports;
   const ContactSurface& surface;
-  /// Of the body at rest, both or none: where conjugate gradients are slow, tangents are
-  /// factored in this factor's order.
+  /// Of the body at rest, both or none: where conjugate gradients are slow, tangents
+  /// are factored in this factor's order.
   const CholeskyFactor* factor = nullptr;
   const Stiffness* stiffness = nullptr;
 };

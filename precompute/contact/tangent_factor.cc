@@ -11,10 +11,8 @@ namespace {
 void add_blocks(const BlockMatrix& blocks, const std::vector<std::int64_t>& dof,
                 Stiffness& K) {
   const auto add = [&](std::int64_t row, std::int64_t column, double value) {
-    const std::int64_t* const begin =
-        K.innerIndexPtr() + K.outerIndexPtr()[column];
-    const std::int64_t* const end =
-        K.innerIndexPtr() + K.outerIndexPtr()[column + 1];
+    const std::int64_t* const begin = K.innerIndexPtr() + K.outerIndexPtr()[column];
+    const std::int64_t* const end = K.innerIndexPtr() + K.outerIndexPtr()[column + 1];
     const std::int64_t* const at = std::lower_bound(begin, end, row);
     K.valuePtr()[at - K.innerIndexPtr()] += value;
   };

@@ -1,9 +1,9 @@
 // A body's factor at a strained state, as a better preconditioner than that at rest.
 //
-// Near incompressibility the volume term's directions turn with the deformation, and the
-// factor at rest knows nothing of it: conjugate gradients take hundreds of steps. This
-// one has the elements' tangents of a state that Newton's method came through; contact is
-// not in it.
+// Near incompressibility the volume term's directions turn with the deformation, and
+// the factor at rest knows nothing of it: conjugate gradients take hundreds of steps.
+// This one has the elements' tangents of a state that Newton's method came through;
+// contact is not in it.
 #pragma once
 
 #include <optional>

@@ -89,8 +89,8 @@ BodyModel make_own_model(const Scene& scene, const BodySource& body,
                          const ContactFocus& focus, bool keep_stiffness) {
   for (int attempt = 0;; ++attempt) {
     try {
-      return make_graded_model(scene, body, vertices,
-                               finer(focus, std::exp2(-attempt)), keep_stiffness);
+      return make_graded_model(scene, body, vertices, finer(focus, std::exp2(-attempt)),
+                               keep_stiffness);
     } catch (const NumericalError&) {
       if (attempt == kCoarserToEnd) {
         throw;
