@@ -30,7 +30,7 @@ struct EquilibriumOptions {
   double multiplier_relative = 0.03;
   /// Updates of the multipliers; what they lack after these, the springs carry.
   int lagrange_max = std::numeric_limits<int>::max();
-  double gradient_tolerance = 0.5;  ///< [-] of each conjugate-gradient solve
+  double gradient_tolerance = 0.4;  ///< [-] of each conjugate-gradient solve
   int newton_max = 35;              ///< steps in all; a usual depth takes 10
   int gradients_max = 120;          ///< conjugate gradients per step
   int gradients_total = 1500;       ///< in all; a usual depth takes 50
