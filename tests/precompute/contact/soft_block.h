@@ -48,8 +48,8 @@ struct SoftBlock : HeldBlock {
 
   explicit SoftBlock(const Material& law)
       : HeldBlock(0.02, 0.004, 0.004, 2.0), material{law} {
-    factor = std::make_unique<CholeskyFactor>(
-        reduce(assemble_stiffness(mesh, material), supports));
+    stiffness = reduce(assemble_stiffness(mesh, material), supports);
+    factor = std::make_unique<CholeskyFactor>(stiffness);
     solve = single_solves(*factor);
     for (std::size_t v = 0; v < surface.node.size(); ++v) {
       const ContactNode& node = surface.node[v];
@@ -62,6 +62,7 @@ struct SoftBlock : HeldBlock {
   std::array<Material, 1> material;
   std::shared_ptr<const ToolSurface> ball =
       std::make_shared<const ToolSurface>(sphere(kRadius));
+  Stiffness stiffness;  // over free unknowns, lower triangle
   std::unique_ptr<CholeskyFactor> factor;
   RestSolve solve;
   std::vector<std::int32_t> patch;
