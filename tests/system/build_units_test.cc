@@ -89,6 +89,17 @@ TEST_F(BuildUnits, OneWorkerGivesTheSameBytes) {
   expect_whole("one.h5");
 }
 
+TEST_F(BuildUnits, AProcessorWithoutVectorsGivesTheSameBytes) {
+  setenv("PALPATE_INSTRUCTIONS", "baseline", 1);
+  // The C library's functions choose by the processor, too.
+  setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-AVX2,-AVX512F", 1);
+  const ToolRun tool = build("baseline.h5");
+  unsetenv("PALPATE_INSTRUCTIONS");
+  unsetenv("GLIBC_TUNABLES");
+  ASSERT_EQ(tool.exit_code, 0) << tool.err;
+  expect_whole("baseline.h5");
+}
+
 TEST_F(BuildUnits, ThreeShardsMergedGiveTheSameBytes) {
   for (const char* shard : {"0", "1", "2"}) {
     const ToolRun part =
