@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/measurement/column_choice.h"
 #include "formats/measurement/column_name.h"
 #include "formats/measurement/table_header.h"
 #include "formats/measurement/text_table.h"
@@ -106,7 +107,7 @@ std::vector<Table> split_tables(std::span<const TextLine> lines) {
                                       return is_known_unit(unit);
                                     });
     std::size_t end = header->begin;
-    while (end < lines.size() && is_number_row(lines[end], delimiter)) {
+    while (end < lines.size() && is_number_row(lines, end, delimiter)) {
       ++end;
     }
     at = end;
@@ -163,9 +164,11 @@ MeasurementFile read_lines(const std::string& file, std::span<const TextLine> li
                            const InstrumentCurve& curve,
                            const InstrumentRequest& request) {
   const auto part = lines.subspan(curve.begin, curve.end - curve.begin);
-  MeasurementFile result =
-      read_table(file, part, columns_of_lines(file, part, told_columns(curve, request)),
-                 request.header_units);
+  std::vector<std::string> notes;
+  const MeasurementColumns columns =
+      columns_of_lines(file, part, told_columns(curve, request), &notes);
+  MeasurementFile result = read_table(file, part, columns, request.header_units);
+  result.notes = std::move(notes);
   if (const std::size_t clipped = clipped_samples(result.samples); clipped > 0) {
     result.notes.push_back(fmt::format(
         "the depth stands at 0 in the first {} samples: if it was clipped before "

@@ -1,17 +1,9 @@
 #include "formats/measurement/measurement_file.h"
 
 #include "formats/measurement/delimited_text.h"
-#include "formats/measurement/table_header.h"
 #include "formats/measurement/text_table.h"
 
 namespace palpate {
-
-MeasurementColumns columns_of_header(const std::filesystem::path& file,
-                                     const MeasurementColumns& told) {
-  const bool complete = !told.depth.column.empty() && !told.force.column.empty();
-  return columns_of_lines(
-      file.string(), complete ? std::vector<TextLine>() : read_text_lines(file), told);
-}
 
 MeasurementFile read_measurement(const std::filesystem::path& file,
                                  const MeasurementColumns& columns,

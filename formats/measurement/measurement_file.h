@@ -30,15 +30,6 @@ struct MeasurementColumns {
   std::optional<MeasurementColumn> time = std::nullopt;
 };
 
-/// What the header tells by its units: the only column of lengths is the depth, the
-/// only one of forces the force, both in the header's units. Units may stand in a line
-/// of their own below the names.
-/// @param told columns with a name are kept, and units that are not empty.
-/// @throws InputError for a missing file, and where there is none or more than one of
-/// either, naming those that there are.
-[[nodiscard]] MeasurementColumns columns_of_header(const std::filesystem::path& file,
-                                                   const MeasurementColumns& told);
-
 /// What to do where the header states another unit than the caller.
 enum class HeaderUnits { kMustAgree, kIgnored };
 

@@ -1,10 +1,8 @@
 #include "formats/measurement/table_header.h"
 
 #include <algorithm>
+#include <string_view>
 
-#include <fmt/format.h>
-
-#include "formats/base/error.h"
 #include "formats/measurement/column_name.h"
 
 namespace palpate {
@@ -18,17 +16,43 @@ bool is_mass(const std::string& unit) {
   return unit == "g" || unit == "kg";  // a force beside a force's name
 }
 
-// Units alone: all known, or two known and others that are short.
-bool are_units(const Cells& cells) {
-  std::size_t known = 0, empty = 0, brief = 0;
+// Units alone: all known, or two known and others that are short. Numbers beside them
+// belong to somebody's calculations in the same sheet.
+bool are_units(const Cells& cells, char delimiter) {
+  std::size_t known = 0, others = 0, brief = 0;
   for (const std::string& cell : cells) {
     const std::string unit = stated_unit(cell);
+    const bool beside =
+        cell.empty() || parse_number(cell, delimiter != ',').has_value();
     known += is_known_unit(unit) || is_mass(unit) ? 1 : 0;
-    empty += cell.empty() ? 1 : 0;
-    brief += cell.size() <= kUnitLength ? 1 : 0;
+    others += beside ? 1 : 0;
+    brief += beside || cell.size() <= kUnitLength ? 1 : 0;
   }
   return known > 0 &&
-         (known + empty == cells.size() || (known > 1 && brief == cells.size()));
+         (known + others == cells.size() || (known > 1 && brief == cells.size()));
+}
+
+bool is_no_number(const std::string& cell) {  // quick: most cells are numbers
+  return !cell.empty() && std::string_view("+-.,0123456789").find(cell.front()) ==
+                              std::string_view::npos;
+}
+
+// "mm", "(mm)" or "Travel (mm)".
+bool states_a_unit(const std::string& cell) {
+  return is_no_number(cell) && is_known_unit(stated_unit(cell));
+}
+
+// "mm" or "(mm)".
+bool is_a_unit(const std::string& cell) {
+  const bool bare = !cell.empty() && (cell.front() == '(' || cell.front() == '[' ||
+                                      stated_unit(cell) == cell);
+  return bare && states_a_unit(cell);
+}
+
+// Two cells or more are units, whatever stands beside them.
+bool holds_units(const TextLine& line, char delimiter) {
+  const Cells cells = split_cells(line.text, delimiter);
+  return std::count_if(cells.begin(), cells.end(), &is_a_unit) > 1;
 }
 
 // Units of the columns, from their names, else from a line of units below these.
@@ -43,43 +67,6 @@ Cells units_of(const Cells& names, const Cells& below) {
   return units;
 }
 
-std::string only_one(const std::string& file, const TableHeader& header,
-                     std::size_t which) {
-  const std::vector<std::size_t> found = columns_with_unit(header, which);
-  if (found.size() == 1) {
-    return chosen_by(header, found.front());
-  }
-  std::string named;
-  for (const std::size_t i : found) {
-    named += fmt::format("{}\"{}\" (column {})", named.empty() ? "" : ", ",
-                         header.name[i], i + 1);
-  }
-  std::string all;
-  for (const std::string& name : header.name) {
-    all += fmt::format("{}\"{}\"", all.empty() ? "" : ", ", name);
-  }
-  throw InputError(
-      found.empty()
-          ? fmt::format("{}: no column of the header states a unit of {}; columns "
-                        "found: {}; tell which is the {}, and its unit",
-                        file, which == kDepth ? "length" : "force", all,
-                        kQuantityNames[which])
-          : fmt::format("{}: {} columns may be the {}: {}; tell which", file,
-                        found.size(), kQuantityNames[which], named));
-}
-
-// A line with a cell such as "1,234.5"; 0: none.
-std::size_t line_with_thousands(std::span<const TextLine> lines) {
-  for (const TextLine& line : lines) {
-    for (const std::string& cell : split_cells(line.text, ',')) {
-      if (ends_in_groups(cell.substr(0, cell.find('.')), ',')) {
-        return line.number;
-      }
-    }
-  }
-  return 0;
-}
-
 }  // namespace
 
 std::string stated_unit(const std::string& cell) {
@@ -87,19 +74,20 @@ std::string stated_unit(const std::string& cell) {
   return unit.empty() ? cell : unit;
 }
 
-bool is_number_row(const TextLine& line, char delimiter) {
-  const Cells cells = split_cells(line.text, delimiter);
-  std::size_t numbers = 0;
-  for (std::size_t i = 0; i < cells.size() && numbers < 2; ++i) {
-    numbers += parse_number(cells[i], delimiter != ',').has_value() ? 1 : 0;
+bool is_number_row(std::span<const TextLine> lines, std::size_t row, char delimiter) {
+  std::size_t numbers = 0, units = 0;
+  for (const std::string& cell : split_cells(lines[row].text, delimiter)) {
+    numbers += parse_number(cell, delimiter != ',').has_value() ? 1 : 0;
+    units += states_a_unit(cell) ? 1 : 0;
   }
-  return numbers > 1;
+  return numbers > 1 && units < 2 &&
+         !(row + 1 < lines.size() && holds_units(lines[row + 1], delimiter));
 }
 
 std::optional<TableHeader> find_header(std::span<const TextLine> lines, char delimiter,
                                        std::size_t begin) {
   std::size_t row = begin;
-  while (row < lines.size() && !is_number_row(lines[row], delimiter)) {
+  while (row < lines.size() && !is_number_row(lines, row, delimiter)) {
     ++row;
   }
   if (row == lines.size()) {
@@ -114,7 +102,7 @@ std::optional<TableHeader> find_header(std::span<const TextLine> lines, char del
   if (last.size() != count) {
     return header;
   }
-  const bool unit_line = before.size() == count && are_units(last);
+  const bool unit_line = before.size() == count && are_units(last, delimiter);
   header.name = unit_line ? before : last;
   header.unit = units_of(header.name, unit_line ? last : Cells{});
   header.names = row - (unit_line ? 2 : 1);
@@ -147,40 +135,6 @@ std::string chosen_by(const TableHeader& header, std::size_t column) {
   const bool named = !name.empty() && !column_number(name) &&
                      matching_columns(header.name, name).size() == 1;
   return named ? name : std::to_string(column + 1);
-}
-
-MeasurementColumns columns_of_lines(const std::string& file,
-                                    std::span<const TextLine> lines,
-                                    const MeasurementColumns& told) {
-  MeasurementColumns columns = told;
-  std::optional<TableHeader> header;
-  if (told.depth.column.empty() || told.force.column.empty()) {
-    header = find_header(lines);
-    const std::size_t thousands = header ? 0 : line_with_thousands(lines);
-    if (thousands > 0) {
-      throw InputError(fmt::format(
-          "{}: no row of numbers: line {} separates thousands by commas, and thousands "
-          "separators are not read; export without them",
-          file, thousands));
-    }
-    if (!header) {
-      throw InputError(fmt::format(
-          "{}: no line of names above the first row of numbers; tell depth and force "
-          "column by number, from 1, and their units",
-          file));
-    }
-  }
-  MeasurementColumn* asked[] = {&columns.depth, &columns.force};
-  for (std::size_t which = 0; which < std::size(asked); ++which) {
-    MeasurementColumn& column = *asked[which];
-    if (column.column.empty()) {
-      column.column = only_one(file, *header, which);
-    }
-    if (column.unit.empty()) {
-      column.unit = kUnitFromHeader;
-    }
-  }
-  return columns;
 }
 
 }  // namespace palpate

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "formats/measurement/delimited_text.h"
-#include "formats/measurement/measurement_file.h"
 
 namespace palpate {
 
@@ -21,8 +20,11 @@ struct TableHeader {
   std::vector<std::string> unit;  ///< as many as names, empty where none is stated
 };
 
-/// Whether the line holds two numbers or more.
-[[nodiscard]] bool is_number_row(const TextLine& line, char delimiter);
+/// Whether a line holds two numbers or more and is no part of a header: does not state
+/// two units itself, and does not stand above a line of units. Numbers beside names and
+/// units belong to somebody's calculations in the same sheet.
+[[nodiscard]] bool is_number_row(std::span<const TextLine> lines, std::size_t row,
+                                 char delimiter);
 
 /// What stands above the first row of numbers, `begin` at the earliest; the line before
 /// it is one of names where it has as many cells. Units stand in the names, or in a
@@ -37,11 +39,6 @@ struct TableHeader {
 /// Columns whose unit is one of the quantity (column_name.h).
 [[nodiscard]] std::vector<std::size_t> columns_with_unit(const TableHeader& header,
                                                          std::size_t quantity);
-
-/// columns_of_header() of lines in memory.
-[[nodiscard]] MeasurementColumns columns_of_lines(const std::string& file,
-                                                  std::span<const TextLine> lines,
-                                                  const MeasurementColumns& told);
 
 /// How a column of the header is asked for: by its name, or by its number where others
 /// have the same.

@@ -89,7 +89,7 @@ TEST_F(MachineTable, TestXpertInUtf8AndLatin1) {
     expect_near(m.time_s, {0.5, 1.0});
   }
   const std::string two =
-      "Standardkraft;Verformung;Traversenweg\nkN;mm;mm\n0,1;1;1\n0,2;2;2\n";
+      "Standardkraft;Verformung;Traversenweg\nkN;mm;mm\n0,1;1;1\n0,2;2;2,5\n";
   expect_complaint(two, "\"Verformung\" (column 2), \"Traversenweg\" (column 3)");
 }
 

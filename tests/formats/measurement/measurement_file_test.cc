@@ -124,43 +124,6 @@ TEST_F(MeasurementFileTest, TakesUnitsFromHeaderOrUnitLineWhereAsked) {
   }
 }
 
-TEST_F(MeasurementFileTest, TheHeaderTellsDepthAndForceByTheirUnits) {
-  for (const char* text : {"Time (s),Compression (mm),Load (N)\n0,1,2\n1,3,4\n",
-                           "Load_N;Travel_mm\n2;1\n4;3\n",
-                           "Rig 7\n\nTime\tz\tF\ns\tmm\tN\n0\t1\t2\n1\t3\t4\n"}) {
-    const std::filesystem::path file = write(text);
-    const MeasurementColumns columns = columns_of_header(file, {});
-    const auto read = read_measurement(file, columns);
-    EXPECT_EQ(read.samples.depth_m, (std::vector<double>{1.0 * 1e-3, 3.0 * 1e-3}))
-        << text;
-    EXPECT_EQ(read.samples.force_n, (std::vector<double>{2.0, 4.0})) << text;
-  }
-}
-
-TEST_F(MeasurementFileTest, WhatTheHeaderDoesNotTellIsAskedFor) {
-  const auto asked = [&](const std::string& text, const MeasurementColumns& told) {
-    try {
-      (void)columns_of_header(write(text), told);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  const std::string two = "Stroke (mm),Gauge (mm),Load (N)\n0,1,2\n1,3,4\n";
-  EXPECT_NE(
-      asked(two, {}).find("2 columns may be the depth: \"Stroke (mm)\" (column 1), "
-                          "\"Gauge (mm)\" (column 2); tell which"),
-      std::string::npos)
-      << asked(two, {});
-  EXPECT_EQ(asked(two, {{"Gauge", ""}, {}}), "");
-  EXPECT_NE(asked("a,b\n0,1\n1,3\n", {})
-                .find("no column of the header states a unit of "
-                      "length; columns found: \"a\", \"b\""),
-            std::string::npos);
-  EXPECT_NE(asked("0,1\n1,3\n", {}).find("no line of names"), std::string::npos);
-  EXPECT_EQ(asked("0,1\n1,3\n", {{"1", "mm"}, {"2", "N"}}), "");
-}
-
 TEST_F(MeasurementFileTest, NamesTheBadCell) {
   for (const char* cell : {"nan", "inf", "1,5", "1.2.3", "--", "", "1 2"}) {
     const std::string text = fmt::format("x;f\n1;2\n# c\n2;{}x\n", cell);

@@ -1,0 +1,183 @@
+#include "formats/measurement/column_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/measurement/column_name.h"
+#include "formats/measurement/table_header.h"
+
+namespace palpate {
+namespace {
+
+using Numbers = std::vector<double>;
+
+constexpr double kSame = 1e-3;  // [-] of a column's range, by which two may differ
+
+// A line with a cell such as "1,234.5"; 0: none.
+std::size_t line_with_thousands(std::span<const TextLine> lines) {
+  for (const TextLine& line : lines) {
+    for (const std::string& cell : split_cells(line.text, ',')) {
+      if (ends_in_groups(cell.substr(0, cell.find('.')), ',')) {
+        return line.number;
+      }
+    }
+  }
+  return 0;
+}
+
+TableHeader header_of(const std::string& file, std::span<const TextLine> lines) {
+  const std::optional<TableHeader> header = find_header(lines);
+  if (header) {
+    return *header;
+  }
+  if (const std::size_t thousands = line_with_thousands(lines); thousands > 0) {
+    throw InputError(fmt::format(
+        "{}: no row of numbers: line {} separates thousands by commas, and thousands "
+        "separators are not read; export without them",
+        file, thousands));
+  }
+  throw InputError(
+      fmt::format("{}: no line of names above the first row of numbers; tell depth and "
+                  "force column by number, from 1, and their units",
+                  file));
+}
+
+// Columns in SI units, of the rows in which all of them are numbers.
+std::vector<Numbers> numbers_in(std::span<const TextLine> lines,
+                                const TableHeader& header,
+                                const std::vector<std::size_t>& columns,
+                                std::size_t quantity) {
+  std::vector<Numbers> numbers(columns.size());
+  for (const TextLine& line : lines.subspan(header.begin)) {
+    const auto cells = split_cells(line.text, header.delimiter);
+    std::vector<double> row;
+    for (const std::size_t column : columns) {
+      const auto value = column < cells.size()
+                             ? parse_number(cells[column], header.delimiter != ',')
+                             : std::nullopt;
+      if (!value || !std::isfinite(*value)) {
+        break;
+      }
+      row.push_back(*value * unit_si(quantity, header.unit[column]).value());
+    }
+    for (std::size_t i = 0; row.size() == columns.size() && i < row.size(); ++i) {
+      numbers[i].push_back(row[i]);
+    }
+  }
+  return numbers;
+}
+
+double extent(const Numbers& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+// Whether b = a + constant, or b = -a + constant.
+bool tell_the_same(const Numbers& a, const Numbers& b) {
+  Numbers sum(a.size()), difference(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum[i] = a[i] + b[i];
+    difference[i] = a[i] - b[i];
+  }
+  const double range = extent(a);
+  return range > 0.0 && std::min(extent(sum), extent(difference)) <= kSame * range;
+}
+
+bool moves_upwards(const Numbers& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - values.front() >= values.front() - *low;
+}
+
+// One of several columns that tell the same; none where they do not.
+std::optional<std::size_t> one_of_twins(std::span<const TextLine> lines,
+                                        const TableHeader& header,
+                                        const std::vector<std::size_t>& columns,
+                                        std::size_t quantity) {
+  const auto numbers = numbers_in(lines, header, columns, quantity);
+  const Numbers& first = numbers.front();
+  if (first.size() < 2 ||
+      !std::all_of(numbers.begin() + 1, numbers.end(), [&](const Numbers& other) {
+        return tell_the_same(first, other);
+      })) {
+    return std::nullopt;
+  }
+  const auto up = std::find_if(numbers.begin(), numbers.end(), &moves_upwards);
+  return columns[up == numbers.end() ? 0
+                                     : static_cast<std::size_t>(up - numbers.begin())];
+}
+
+std::string listed(const TableHeader& header, const std::vector<std::size_t>& columns) {
+  std::string text;
+  for (const std::size_t i : columns) {
+    text += fmt::format("{}\"{}\" (column {})", text.empty() ? "" : ", ",
+                        header.name[i], i + 1);
+  }
+  return text;
+}
+
+std::string all_names(const TableHeader& header) {
+  std::string all;
+  for (const std::string& name : header.name) {
+    all += name.empty() ? "" : fmt::format("{}\"{}\"", all.empty() ? "" : ", ", name);
+  }
+  return all;
+}
+
+std::string only_one(const std::string& file, std::span<const TextLine> lines,
+                     const TableHeader& header, std::size_t which,
+                     std::vector<std::string>* notes) {
+  std::vector<std::size_t> found = columns_with_unit(header, which);
+  if (found.empty()) {
+    throw InputError(
+        fmt::format("{}: no column of the header states a unit of {}; columns found: "
+                    "{}; tell which is the {}, and its unit",
+                    file, which == kDepth ? "length" : "force", all_names(header),
+                    kQuantityNames[which]));
+  }
+  if (found.size() > 1) {
+    const auto one = one_of_twins(lines, header, found, which);
+    if (!one) {
+      throw InputError(fmt::format("{}: {} columns may be the {}: {}; tell which", file,
+                                   found.size(), kQuantityNames[which],
+                                   listed(header, found)));
+    }
+    std::erase(found, *one);
+    if (notes != nullptr) {
+      notes->push_back(fmt::format(
+          "\"{}\" is the {}: {} tell{} the same", header.name[*one],
+          kQuantityNames[which], listed(header, found), found.size() == 1 ? "s" : ""));
+    }
+    return chosen_by(header, *one);
+  }
+  return chosen_by(header, found.front());
+}
+
+}  // namespace
+
+MeasurementColumns columns_of_lines(const std::string& file,
+                                    std::span<const TextLine> lines,
+                                    const MeasurementColumns& told,
+                                    std::vector<std::string>* notes) {
+  MeasurementColumns columns = told;
+  std::optional<TableHeader> header;
+  if (told.depth.column.empty() || told.force.column.empty()) {
+    header = header_of(file, lines);
+  }
+  MeasurementColumn* asked[] = {&columns.depth, &columns.force};
+  for (std::size_t which = 0; which < std::size(asked); ++which) {
+    MeasurementColumn& column = *asked[which];
+    if (column.column.empty()) {
+      column.column = only_one(file, lines, *header, which, notes);
+    }
+    if (column.unit.empty()) {
+      column.unit = kUnitFromHeader;
+    }
+  }
+  return columns;
+}
+
+}  // namespace palpate
