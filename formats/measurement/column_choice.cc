@@ -15,7 +15,9 @@ namespace {
 
 using Numbers = std::vector<double>;
 
-constexpr double kSame = 1e-3;  // [-] of a column's range, by which two may differ
+constexpr double kSame = 1e-3;    // [-] of a column's range, by which two may differ
+constexpr double kSmooth = 1.02;  // [-] way of the values over the shortest
+constexpr std::size_t kGlitchesOneOf = 50;  // rows: a single reading may be wild
 
 // A line with a cell such as "1,234.5"; 0: none.
 std::size_t line_with_thousands(std::span<const TextLine> lines) {
@@ -71,20 +73,38 @@ std::vector<Numbers> numbers_in(std::span<const TextLine> lines,
   return numbers;
 }
 
-double extent(const Numbers& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
+// Rows in which the values are farther from their median than `reach`.
+std::size_t rows_apart(const Numbers& values, double reach) {
+  Numbers sorted = values;
+  const auto middle = sorted.begin() + std::ssize(sorted) / 2;
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return static_cast<std::size_t>(
+      std::count_if(values.begin(), values.end(), [&](double value) {
+        return !(std::abs(value - *middle) <= reach);
+      }));
 }
 
-// Whether b = a + constant, or b = -a + constant.
+// Whether b = a + constant, or b = -a + constant, but for glitches.
 bool tell_the_same(const Numbers& a, const Numbers& b) {
   Numbers sum(a.size()), difference(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     sum[i] = a[i] + b[i];
     difference[i] = a[i] - b[i];
   }
-  const double range = extent(a);
-  return range > 0.0 && std::min(extent(sum), extent(difference)) <= kSame * range;
+  const auto [low, high] = std::minmax_element(a.begin(), a.end());
+  const double reach = kSame * (*high - *low);
+  return reach > 0.0 &&
+         std::min(rows_apart(sum, reach), rows_apart(difference, reach)) <=
+             a.size() / kGlitchesOneOf;
+}
+
+// The way that the values go in all, which a glitch makes longer.
+double way(const Numbers& values) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    sum += std::abs(values[i] - values[i - 1]);
+  }
+  return sum;
 }
 
 bool moves_upwards(const Numbers& values) {
@@ -105,9 +125,19 @@ std::optional<std::size_t> one_of_twins(std::span<const TextLine> lines,
       })) {
     return std::nullopt;
   }
-  const auto up = std::find_if(numbers.begin(), numbers.end(), &moves_upwards);
-  return columns[up == numbers.end() ? 0
-                                     : static_cast<std::size_t>(up - numbers.begin())];
+  double shortest = way(first);
+  for (const Numbers& column : numbers) {
+    shortest = std::min(shortest, way(column));
+  }
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const bool smooth = way(numbers[i]) <= kSmooth * shortest;
+    if (smooth &&
+        (!best || (!moves_upwards(numbers[*best]) && moves_upwards(numbers[i])))) {
+      best = i;
+    }
+  }
+  return columns[best.value()];
 }
 
 std::string listed(const TableHeader& header, const std::vector<std::size_t>& columns) {

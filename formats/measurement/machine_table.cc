@@ -168,7 +168,7 @@ MeasurementFile read_lines(const std::string& file, std::span<const TextLine> li
   const MeasurementColumns columns =
       columns_of_lines(file, part, told_columns(curve, request), &notes);
   MeasurementFile result = read_table(file, part, columns, request.header_units);
-  result.notes = std::move(notes);
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   if (const std::size_t clipped = clipped_samples(result.samples); clipped > 0) {
     result.notes.push_back(fmt::format(
         "the depth stands at 0 in the first {} samples: if it was clipped before "

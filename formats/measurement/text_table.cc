@@ -299,6 +299,28 @@ Request make_request(const std::string& file, const MeasurementColumns& columns,
   return request;
 }
 
+bool has_empty_cell(const Table& table, const TextLine& line) {
+  const Cells cells = split_cells(line.text, table.delimiter);
+  return std::any_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
+    return column >= cells.size() || cells[column].empty();
+  });
+}
+
+// Without the rows behind the table: those below an empty line of which none fills all
+// columns, as a mean below its column does not.
+std::span<const TextLine> within_table(const Table& table,
+                                       std::span<const TextLine> lines) {
+  std::size_t end = lines.size();
+  while (end > 0 && has_empty_cell(table, lines[end - 1])) {
+    --end;
+  }
+  while (end > 0 && end < lines.size() &&
+         lines[end].number == lines[end - 1].number + 1) {
+    ++end;
+  }
+  return lines.first(end == 0 ? lines.size() : end);
+}
+
 void read_rows(const Request& request, const Table& table,
                std::span<const TextLine> lines, const std::vector<double>& size,
                Measurement& measurement) {
@@ -341,7 +363,15 @@ MeasurementFile read_table(const std::string& file, std::span<const TextLine> li
     }
     size.push_back(unit_size(request, table, which));
   }
-  read_rows(request, table, lines.subspan(begin), size, result.samples);
+  const auto rows = lines.subspan(begin);
+  const auto within = within_table(table, rows);
+  if (within.size() < rows.size()) {
+    result.notes.push_back(fmt::format(
+        "line {} stands below an empty one and is no row of the table, nor is any "
+        "after it",
+        rows[within.size()].number));
+  }
+  read_rows(request, table, within, size, result.samples);
   if (result.samples.depth_m.empty()) {
     throw InputError(
         fmt::format("{}: no rows of numbers below the header", request.file));

@@ -76,6 +76,17 @@ TEST(ColumnChoice, ColumnsThatTellTheSameAreOne) {
               "2 columns may be the depth");
 }
 
+// One wild reading of the travel: the gap is taken.
+TEST(ColumnChoice, OfTwoThatTellTheSameTheOneWithoutAGlitchIsTaken) {
+  std::string text = "Travel (mm);Gap (mm);Load (N)\n";
+  for (int i = 0; i < 60; ++i) {
+    text += fmt::format("{};{};{}\n", i == 30 ? 90 : i, 100 - i, i);
+  }
+  const Chosen c = choose(text);
+  EXPECT_EQ(c.asked, "");
+  EXPECT_EQ(c.read.depth_column, "Gap (mm)");
+}
+
 // Somebody's calculations in the sheet: numbers beside names, units and samples.
 TEST(ColumnChoice, NumbersBesideTheHeaderDoNotHideIt) {
   const std::string text =

@@ -152,6 +152,17 @@ TEST_F(MachineTable, RefusesThousandsSeparators) {
   EXPECT_EQ(complaint("Travel (mm);Load (N)\n0,5;999,5\n1,0;1,234\n"), "");
 }
 
+// A mean that somebody wrote below the table, an empty line apart.
+TEST_F(MachineTable, WhatStandsApartBelowTheTableIsNoRow) {
+  const auto file = write("x (mm),f (N)\n1,2\n2,4\n\n,3\n\n");
+  const MeasurementFile got =
+      read_machine_table(file, list_tables(file).curve.at(0), {});
+  expect_near(got.samples.force_n, {2.0, 4.0});
+  ASSERT_EQ(got.notes.size(), 1U);
+  EXPECT_NE(got.notes[0].find("line 5 stands below an empty one"), std::string::npos);
+  expect_complaint("x (mm),f (N)\n1,2\n\n,3\n2,4\n", "line 4, column 1");
+}
+
 TEST_F(MachineTable, RefusesMissingCellsInTheMiddleAndAtTheEnd) {
   expect_complaint("x (mm),f (N)\n1,2\n3\n4,5\n", "line 3 has 1 cells");
   expect_complaint("x (mm),f (N)\n1,2\n3,4\n5,\n", "line 4, column 2");
