@@ -23,9 +23,7 @@ constexpr int kFeaturePoints = 200;
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
 constexpr std::string_view kMayFall = "interpolating";
-constexpr double kFlatShare = 1.0 / 6.0;  // [-] of the travel
-constexpr double kFlatSlope = 0.05;       // [-] of the force range over the depth
-constexpr Eigen::Index kFlatSamplesMin = 8;
+constexpr double kDecisive = 30.0;  // of AICc: exp(-15) times as likely
 
 double reference_force(const ContactFit& reference, double x) {
   return reference.parameters[0].value + reference.parameters[1].value * x +
@@ -95,30 +93,6 @@ FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
                          reference.parameters[1].value * data.x_origin_m) /
                         data.force_n;
   return data;
-}
-
-// Where the power law found no contact point because it is not the law: the line
-// through the first sixth of the travel is flat, and the force leaves it later.
-std::optional<double> flat_until(const FamilyData& data) {
-  ScaledCurve curve;
-  Eigen::Index first = 0;
-  const double begin = data.x.minCoeff(), travel = data.x.maxCoeff() - begin;
-  for (Eigen::Index i = 0; i < data.x.size(); ++i) {
-    curve.x.push_back(data.x[i]);
-    curve.f.push_back(data.f[i]);
-    first += data.x[i] < begin + travel * kFlatShare ? 1 : 0;
-  }
-  if (first < kFlatSamplesMin) {
-    return std::nullopt;
-  }
-  const Eigen::ArrayXd dx = data.x.head(first).array() - data.x.head(first).mean();
-  const Eigen::ArrayXd df = data.f.head(first).array() - data.f.head(first).mean();
-  const double slope = (dx * df).sum() / dx.square().sum();
-  const double sd = std::sqrt((df - slope * dx).square().sum() /
-                              static_cast<double>(first - 2) / dx.square().sum());
-  return std::abs(slope) <= kFlatSlope && sd <= kFlatSlope
-             ? deviation_from_baseline(curve)
-             : std::nullopt;
 }
 
 std::vector<double> residuals(const FamilyData& data, const CurveFamily& family,
@@ -301,6 +275,19 @@ void find_misfits(const FamilyData& data, FamilyChoice& choice) {
   }
 }
 
+// Whether the family that may fall follows so much better than all that may not, of
+// those that do not miss, that it comes in its turn.
+bool falls_decisively(const std::vector<FamilyFit>& fits) {
+  double falling = std::numeric_limits<double>::infinity(), rising = falling;
+  for (const FamilyFit& fit : fits) {
+    if (!fit.misses && fit.converged) {
+      double& least = fit.family == kMayFall ? falling : rising;
+      least = std::min(least, fit.aicc);
+    }
+  }
+  return falling + kDecisive < rising;
+}
+
 void judge(FamilyChoice& choice) {
   const auto n = static_cast<double>(choice.force_n.size());
   for (FamilyFit& fit : choice.fits) {
@@ -309,32 +296,18 @@ void judge(FamilyChoice& choice) {
                            : std::numeric_limits<double>::infinity();
     fit.bic = fit.deviance + k * std::log(n);
   }
+  const bool falls = falls_decisively(choice.fits);
   const auto rank = [&](const FamilyFit& fit) {
     const double score = fit.misses                               ? fit.rms_n
                          : choice.criterion == "bic"              ? fit.bic
                          : choice.criterion == "cross-validation" ? fit.cross_rms_n
                                                                   : fit.aicc;
-    return std::tuple(!fit.converged, fit.misses, !fit.misses && fit.family == kMayFall,
-                      score);
+    return std::tuple(!fit.converged, fit.misses,
+                      !fit.misses && !falls && fit.family == kMayFall, score);
   };
   std::stable_sort(choice.fits.begin(), choice.fits.end(), [&](auto& a, auto& b) {
     return rank(a) < rank(b);
   });
-}
-
-// Where the power law found no contact point because it is not the law, but the force
-// is flat over the first sixth of the travel and leaves that later: the law once more,
-// contact not before that.
-std::optional<ContactFit> contact_after_flat(const Approach& approach,
-                                             const FamilyData& data,
-                                             const ContactFit& whole) {
-  if (!data.contact_held || !flat_until(data)) {
-    return std::nullopt;
-  }
-  Approach told = approach;
-  const double begin = data.x.minCoeff(), travel = data.x.maxCoeff() - begin;
-  told.contact_from_m = data.x_origin_m + data.length_m * (begin + travel * kFlatShare);
-  return fit_contact(told, {.noise_relative = whole.noise_relative});
 }
 
 std::vector<CurveFeature> features_of(const FamilyChoice& choice) {
@@ -373,23 +346,17 @@ FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
     return choice;
   }
   take_inliers(approach, reference, choice);
-  FamilyData data = scaled_data(choice, approach, reference);
-  std::optional<ContactFit> later = contact_after_flat(approach, data, reference);
-  if (later) {
-    data = scaled_data(choice, approach, *later);
-  }
-  const ContactFit& whole = later ? *later : reference;
-  const std::optional<ContactFit> start =
-      whole.has(FitFlag::kMisfit) ? fit_beginning(approach, whole) : std::nullopt;
-  if (start) {
-    data = scaled_data(choice, approach, *start);
-  }
-  const FamilyFit law = power_law(data, whole);
-  const double contact_sd_m = (start ? *start : whole).contact_point_sd_m;
+  // A law that misses leads those that have no contact point of their own astray.
+  const bool astray = reference.has(FitFlag::kMisfit) ||
+                      reference.has(FitFlag::kContactPointNotIdentified);
+  const ContactFit& start =
+      astray && reference.beginning ? *reference.beginning : reference;
+  const FamilyData data = scaled_data(choice, approach, start);
+  const FamilyFit law = power_law(data, reference);
   FamilyFitOptions with = options;
   with.cross_validate = options.cross_validate || criterion == "cross-validation";
   for (const std::string& name : families) {
-    choice.fits.push_back(fit_named(name, data, law, contact_sd_m, with));
+    choice.fits.push_back(fit_named(name, data, law, start.contact_point_sd_m, with));
   }
   find_misfits(data, choice);
   judge(choice);

@@ -8,7 +8,8 @@
 //
 // Families that miss the data by more than their noise (misfit.h) come after all that
 // do not, whatever a criterion says, in the order of their residuals; interpolating,
-// which may fall, comes after all others that do not miss.
+// which may fall, comes after all others that do not miss, unless its AICc is better
+// than all of theirs by 30.
 #pragma once
 
 #include <limits>

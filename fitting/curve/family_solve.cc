@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "fitting/curve/family_bins.h"
 #include "fitting/numerics/bounded_linear.h"
 #include "fitting/numerics/correlated_noise.h"
 #include "fitting/numerics/least_squares.h"
@@ -15,9 +17,6 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr Eigen::Index kStartSamples = 200;
-constexpr int kBins = 16, kHalvings = 8;
-constexpr std::size_t kSamplesPerBin = 1;
-constexpr double kOffMax = 8.0;  // times the median: 1 of 250 for chi squared of two
 constexpr double kContactMax = 0.9;  // [-] of the depth
 
 std::span<const double> shape_of(const Eigen::VectorXd& q) {
@@ -176,164 +175,6 @@ void solve_linear(const FamilyData& data, double contact, FamilySolution& soluti
   describe(joint_problem(data, family, false), data, solution);
 }
 
-// Samples in contact in the order of their depth, cut into bins.
-struct Bins {
-  std::vector<Eigen::Index> order;   // of the samples
-  std::vector<std::size_t> begin;    // of each bin in it, and the end
-  std::vector<double> depth, force;  // means, [-]
-
-  [[nodiscard]] std::size_t count() const { return depth.size(); }
-  [[nodiscard]] double samples(std::size_t bin) const {
-    return static_cast<double>(begin[bin + 1] - begin[bin]);
-  }
-};
-
-// Cuts at these places, less those that leave a bin empty or no deeper than the last.
-void cut(const FamilyData& data, double contact, const std::vector<std::size_t>& cuts,
-         Bins& bins) {
-  bins.begin = {0};
-  bins.depth.clear();
-  bins.force.clear();
-  for (const std::size_t end : cuts) {
-    double depth = 0.0, force = 0.0;
-    for (std::size_t i = bins.begin.back(); i < end; ++i) {
-      const Eigen::Index k = bins.order[i];
-      depth += data.x[k] - contact;
-      force += data.f[k] - data.baseline_force -
-               (data.flat ? 0.0 : data.baseline_slope) * data.x[k];
-    }
-    const auto samples = static_cast<double>(end - bins.begin.back());
-    if (samples > 0.0 &&
-        depth / samples > (bins.depth.empty() ? 0.0 : bins.depth.back())) {
-      bins.depth.push_back(depth / samples);
-      bins.force.push_back(force / samples);
-      bins.begin.push_back(end);
-    }
-  }
-}
-
-Bins even_bins(const FamilyData& data, double contact) {
-  Bins bins;
-  for (Eigen::Index i = 0; i < data.x.size(); ++i) {
-    if (data.x[i] > contact) {
-      bins.order.push_back(i);
-    }
-  }
-  std::stable_sort(bins.order.begin(), bins.order.end(), [&](auto a, auto b) {
-    return data.x[a] < data.x[b];
-  });
-  const double deepest = data.x.maxCoeff() - contact;
-  std::vector<std::size_t> cuts;
-  for (int bin = 1; bin <= kBins; ++bin) {
-    const double end = contact + deepest * bin / kBins;
-    const auto beyond =
-        bin == kBins ? bins.order.end()
-                     : std::find_if(bins.order.begin(), bins.order.end(), [&](auto i) {
-                         return data.x[i] >= end;
-                       });
-    cuts.push_back(static_cast<std::size_t>(beyond - bins.order.begin()));
-  }
-  cut(data, contact, cuts, bins);
-  return bins;
-}
-
-// A cubic through the bins, and its residuals.
-struct BinFit {
-  Bins bins;
-  std::shared_ptr<const CurveFamily> family;
-  Eigen::VectorXd q, residual;
-};
-
-BinFit fit_bins(const FamilyData& data, std::string_view name, double contact,
-                Bins bins) {
-  BinFit fit;
-  std::vector<double> force = bins.force;
-  if (name == "monotone-cubic") {
-    std::vector<double> samples;
-    for (std::size_t bin = 0; bin < bins.count(); ++bin) {
-      samples.push_back(bins.samples(bin));
-    }
-    force = isotonic(force, samples);
-  }
-  const auto p = std::ssize(force);
-  fit.family = cubic_family(name, bins.depth);
-  fit.q = Eigen::VectorXd::Zero(kFamilyShared + p);
-  fit.q[kFamilyForce] = data.baseline_force;
-  fit.q[kFamilySlope] = data.flat ? 0.0 : data.baseline_slope;
-  fit.q[kFamilyContact] = contact;
-  for (Eigen::Index j = 0; j < p; ++j) {
-    fit.q[kFamilyShared + j] = std::max(0.0, force[static_cast<std::size_t>(j)]);
-  }
-  fit.residual.resize(data.x.size());
-  for (Eigen::Index i = 0; i < fit.residual.size(); ++i) {
-    fit.residual[i] =
-        data.weight[i] * (scaled_force(*fit.family, fit.q, data.x[i]) - data.f[i]);
-  }
-  fit.bins = std::move(bins);
-  return fit;
-}
-
-// What the means of a bin's two halves say against the curve: for noise that is white
-// over a bin, chi squared of two degrees of freedom times its long-run variance.
-double off_in_halves(const BinFit& fit, std::size_t bin) {
-  const std::size_t begin = fit.bins.begin[bin], end = fit.bins.begin[bin + 1];
-  const std::size_t half = begin + (end - begin) / 2;
-  double left = 0.0, right = 0.0;
-  for (std::size_t i = begin; i < end; ++i) {
-    (i < half ? left : right) += fit.residual[fit.bins.order[i]];
-  }
-  const auto of = [](double sum, std::size_t samples) {
-    return samples > 0 ? sum * sum / static_cast<double>(samples) : 0.0;
-  };
-  return of(left, half - begin) + of(right, end - half);
-}
-
-// Halves bins until the curve is nowhere off by more than most bins are.
-BinFit adapted_bins(const FamilyData& data, std::string_view name, double contact) {
-  BinFit fit = fit_bins(data, name, contact, even_bins(data, contact));
-  std::vector<double> first;
-  for (std::size_t bin = 0; bin < fit.bins.count(); ++bin) {
-    first.push_back(off_in_halves(fit, bin));
-  }
-  const double limit = kOffMax * median(first);
-  for (int pass = 0; pass < kHalvings; ++pass) {
-    std::vector<std::size_t> cuts;
-    for (std::size_t bin = 0; bin < fit.bins.count(); ++bin) {
-      const std::size_t begin = fit.bins.begin[bin], end = fit.bins.begin[bin + 1];
-      if (end - begin >= 2 * kSamplesPerBin && off_in_halves(fit, bin) > limit) {
-        cuts.push_back(begin + (end - begin) / 2);
-      }
-      cuts.push_back(end);
-    }
-    if (cuts.size() == fit.bins.count()) {
-      break;
-    }
-    cut(data, contact, cuts, fit.bins);
-    fit = fit_bins(data, name, contact, fit.bins);
-  }
-  return fit;
-}
-
-void solve_bins(const FamilyData& data, std::string_view name, double contact,
-                FamilySolution& solution) {
-  const BinFit fit = adapted_bins(data, name, contact);
-  const auto p = std::ssize(fit.bins.depth);
-  solution.family = fit.family;
-  solution.q = fit.q;
-  const double variance = long_run_variance(
-      noises_of(Eigen::MatrixXd(fit.residual.size(), 0), fit.residual));
-  solution.covariance = Eigen::MatrixXd::Zero(kFamilyShared + p, kFamilyShared + p);
-  for (Eigen::Index j = 0; j < p; ++j) {
-    solution.covariance(kFamilyShared + j, kFamilyShared + j) =
-        variance / fit.bins.samples(static_cast<std::size_t>(j));
-  }
-  solution.held.assign(static_cast<std::size_t>(kFamilyShared + p), "");
-  solution.held[kFamilyForce] = solution.held[kFamilySlope] = "power law";
-  solution.held[kFamilyContact] = data.contact_held ? "assumed" : "power law";
-  solution.free_parameters = static_cast<int>(p) + (data.flat ? 1 : 2);
-  solution.converged = p > 0;
-}
-
 }  // namespace
 
 bool has_contact_of_its_own(std::string_view family) {
@@ -347,7 +188,7 @@ FamilySolution solve_family(const FamilyData& data, std::string_view family,
   FamilySolution solution;
   solution.family = family_by_name(family);
   if (!solution.family) {
-    solve_bins(data, family, contact, solution);
+    return solve_bins(data, family, contact);
   } else if (solution.family->linear()) {
     solve_linear(data, contact, solution);
   } else {

@@ -17,7 +17,7 @@ constexpr double kSureShareMin = 1e-4, kShareMin = 1e-3;  // [-] of the forces' 
 constexpr double kClip = 5.0;                             // robust standard deviations
 constexpr Eigen::Index kIntervals = 24;
 constexpr Eigen::Index kRowsMax = 400;
-constexpr Eigen::Index kRowsPerInterval = 16;
+constexpr Eigen::Index kRowsPerInterval = 14;
 
 // Displacements at even shares of the samples, equal ones once.
 std::vector<double> knots_of(std::vector<double> x, Eigen::Index intervals) {

@@ -7,171 +7,23 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "fitting/curve/power_law_solve.h"
-#include "fitting/curve/power_law_start.h"
+#include "fitting/curve/power_law_search.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/base/error.h"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t kStarts = 3;
-constexpr double kEmptyDeviations = 5.0;
-constexpr double kOutlierDeviations = 5.0;
-constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fails
-constexpr double kDriftShareMax = 0.1;  // [-] of the force range, over the whole travel
+constexpr double kBeginnings[] = {0.4, 0.15, 0.05};  // [-] of the force's range
+constexpr double kContactSdShareMax = 0.1;           // [-] of the depth
 constexpr double kSureDeviations = 3.0;
-constexpr std::ptrdiff_t kFreeSamplesMin = 3;
-constexpr double kFlatRmsMax = 1.05;  // [-] rms without drift over rms with it
-constexpr double kBeginnings[] = {0.5, 0.25, 0.125};  // [-] of the depth
-constexpr double kContactSdShareMax = 0.1;            // [-] of the depth
-
-// The curve in units of its own ranges, and how to get back.
-struct Scaling {
-  ScaledCurve curve;
-  double x_min_m = 0.0;
-  double length_m = 0.0;
-  double force_n = 0.0;
-};
-
-// What the best scaled model is, on which samples, with what held.
-struct Solution {
-  ContactModel model;
-  HeldParameters held{};
-  ScaledCurve used;
-  std::size_t outliers = 0;
-  int iterations = 0;
-  bool converged = false;
-};
+constexpr double kFlatShare = 1.0 / 6.0;  // [-] of the travel
+constexpr double kFlatSlope = 0.05;       // [-] of the force range over the travel
+constexpr std::ptrdiff_t kFlatSamplesMin = 8;
 
 double extent(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return *high - *low;
-}
-
-// Whether somebody has said that there is free travel, enough to tell a drift.
-bool told_free(const ScaledCurve& curve) {
-  return std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
-           return x < curve.contact_min;
-         }) >= kFreeSamplesMin;
-}
-
-// 1 over the standard deviation of a force, in units of the white noise.
-std::vector<double> weights(const Approach& approach, double noise_relative,
-                            double force_n) {
-  std::vector<double> weight;
-  const double noise = std::max(approach.noise_sd_n, 1e-9 * force_n);
-  for (const double force : approach.force_n) {
-    weight.push_back(noise / std::hypot(noise, noise_relative * force));
-  }
-  return weight;
-}
-
-Scaling scale(const Approach& approach, const ContactFitOptions& options) {
-  Scaling s;
-  const auto& x = approach.displacement_m;
-  s.x_min_m = *std::min_element(x.begin(), x.end());
-  s.length_m = extent(x);
-  s.force_n = extent(running_median(approach.force_n, 2));
-  if (!(s.force_n > 0.0)) {
-    s.force_n = 1.0;  // a constant force, which the empty run's test finds
-  }
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    s.curve.x.push_back((x[i] - s.x_min_m) / s.length_m);
-    s.curve.f.push_back(approach.force_n[i] / s.force_n);
-  }
-  if (options.noise_relative > 0.0) {
-    s.curve.weight = weights(approach, options.noise_relative, s.force_n);
-  }
-  s.curve.contact_min =
-      std::max(0.0, (approach.contact_from_m - s.x_min_m) / s.length_m);
-  // A drift is expected within kDriftShareMax: that decides where a short free travel
-  // cannot tell it from contact, and is lost among the samples where it can.
-  if (!told_free(s.curve)) {
-    s.curve.drift_weight = approach.noise_sd_n / s.force_n / kDriftShareMax;
-  }
-  return s;
-}
-
-// Whether the force ever leaves the noise of the baseline, which is that of the first
-// fifth about its mean slope, or the white noise if that is larger.
-bool is_empty(const Approach& approach) {
-  const std::vector<double>& f = approach.force_n;
-  const std::size_t first = std::max<std::size_t>(4, f.size() / 5);
-  const std::vector<double> start(f.begin(),
-                                  f.begin() + static_cast<std::ptrdiff_t>(first));
-  std::vector<double> step(start.size() - 1);
-  for (std::size_t i = 0; i < step.size(); ++i) {
-    step[i] = start[i + 1] - start[i];
-  }
-  const double steps_sd = robust_standard_deviation(step) / std::sqrt(2.0);
-  const double sd = std::max(approach.noise_sd_n, steps_sd);
-  const std::vector<double> smooth = running_median(f, 3);
-  const double rise = *std::max_element(smooth.begin(), smooth.end()) - median(start);
-  return !(rise > kEmptyDeviations * sd);
-}
-
-void hold_at_bounds(const ContactModel& model, double contact_min,
-                    HeldParameters& held) {
-  constexpr double kClose = 1e-9;
-  held[kContact] = held[kContact] || model.contact <= contact_min + kClose ||
-                   model.contact >= 1.0 - kClose;
-  held[kExponent] = held[kExponent] || model.exponent <= kExponentMin + kClose ||
-                    model.exponent >= kExponentMax - kClose;
-  held[kCoefficient] = held[kCoefficient] || model.coefficient <= 2.0 * kCoefficientMin;
-}
-
-// The samples within kOutlierDeviations of the model; all, if too many are not.
-ScaledCurve inliers(const ScaledCurve& curve, const ContactModel& model, double noise) {
-  const std::vector<double> r = contact_residuals(curve, model);
-  const double limit =
-      kOutlierDeviations * std::max(robust_standard_deviation(r), noise) + 1e-12;
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    if (std::abs(r[i]) <= limit) {
-      kept.push_back(i);
-    }
-  }
-  const auto left_out = static_cast<double>(r.size() - kept.size());
-  return left_out > kOutlierShareMax * static_cast<double>(r.size())
-             ? curve
-             : samples_of(curve, kept);
-}
-
-// Robust from every start, then plain on the inliers of the best.
-Solution solve(const ScaledCurve& curve, const std::vector<ContactModel>& starts,
-               const HeldParameters& held, double noise) {
-  const ScaledCurve thin = thinned(curve);
-  Solution solution;
-  solution.held = held;
-  double least = std::numeric_limits<double>::infinity();
-  double loss_scale = 0.0;  // the same for all starts, so that costs compare
-  for (const ContactModel& start : starts) {
-    if (loss_scale == 0.0) {
-      const std::vector<double> r = contact_residuals(thin, start);
-      loss_scale = std::max({3.0 * robust_standard_deviation(r), 3.0 * noise, 1e-6});
-    }
-    const ContactSolveReport report = solve_contact(thin, start, held, loss_scale);
-    solution.iterations += report.iterations;
-    if (report.cost < least) {
-      least = report.cost;
-      solution.model = report.model;
-    }
-  }
-  solution.used = inliers(curve, solution.model, noise);
-  solution.outliers = curve.x.size() - solution.used.x.size();
-  const ContactSolveReport last =
-      solve_contact(solution.used, solution.model, held, 0.0);
-  solution.model = last.model;
-  solution.iterations += last.iterations;
-  solution.converged = last.converged;
-  return solution;
-}
-
-std::ptrdiff_t samples_before_contact(const Scaling& s, const Solution& solution) {
-  return std::count_if(s.curve.x.begin(), s.curve.x.end(), [&](double x) {
-    return x < solution.model.contact;
-  });
 }
 
 double rms(const std::vector<double>& residuals) {
@@ -182,54 +34,8 @@ double rms(const std::vector<double>& residuals) {
   return std::sqrt(squares / static_cast<double>(residuals.size()));
 }
 
-double rms(const Solution& solution) {
-  return rms(contact_residuals(solution.used, solution.model));
-}
-
-// A drift that surely lifts the force by more than kDriftShareMax of its range is no
-// drift but the body.
-bool starts_in_contact(const Scaling& s, const Solution& solution) {
-  if (told_free(s.curve)) {
-    return false;
-  }
-  HeldParameters held = solution.held;
-  hold_at_bounds(solution.model, s.curve.contact_min, held);
-  const double sd = std::sqrt(contact_covariance(solution.used, solution.model, held)(
-      kBaselineSlope, kBaselineSlope));
-  return samples_before_contact(s, solution) < kFreeSamplesMin ||
-         solution.model.baseline_slope - kSureDeviations * sd > kDriftShareMax;
-}
-
-std::vector<ContactModel> flat_starts(std::vector<ContactModel> starts) {
-  for (ContactModel& start : starts) {
-    start.baseline_slope = 0.0;
-  }
-  return starts;
-}
-
-// A short free travel cannot tell drift from contact: without drift the contact point
-// may be found where with it there was none.
-bool found_without_drift(const Scaling& s, const Solution& with, const Solution& flat) {
-  return samples_before_contact(s, flat) >= kFreeSamplesMin &&
-         rms(flat) <= kFlatRmsMax * rms(with);
-}
-
-// The same law with contact point at the first sample and no drift.
-Solution solve_from_first_sample(const Scaling& s, const ContactFitOptions& options,
-                                 double noise) {
-  HeldParameters held{};
-  held[kContact] = held[kBaselineSlope] = true;
-  held[kExponent] = options.exponent.has_value();
-  std::vector<ContactModel> starts;
-  for (const double p : {1.2, 3.0}) {
-    starts.push_back({s.curve.f.front(), 0.0, s.curve.contact_min,
-                      options.exponent.value_or(p), 1.0});
-  }
-  return solve(s.curve, starts, held, noise);
-}
-
 // Slope of the least-squares line through the samples in contact [N/m].
-double mean_stiffness(const Scaling& s, const Solution& solution) {
+double mean_stiffness(const ScaledApproach& s, const PowerLawSolution& solution) {
   std::vector<double> x, f;
   for (std::size_t i = 0; i < solution.used.x.size(); ++i) {
     if (solution.used.x[i] >= solution.model.contact) {
@@ -243,12 +49,12 @@ double mean_stiffness(const Scaling& s, const Solution& solution) {
   return (dx * fs).sum() / dx.square().sum() * s.force_n / s.length_m;
 }
 
-std::string reason_held(const Solution& solution, int parameter,
-                        const ContactFitOptions& options, bool assumed) {
+std::string reason_held(const PowerLawSolution& solution, int parameter,
+                        const ContactFitOptions& options) {
   if (parameter == kExponent && options.exponent) {
     return "given";
   }
-  if ((assumed && parameter == kContact) ||
+  if ((solution.from_first_sample && parameter == kContact) ||
       (solution.held[kBaselineSlope] && parameter == kBaselineSlope)) {
     return "assumed";
   }
@@ -264,8 +70,8 @@ std::string reason_held(const Solution& solution, int parameter,
 
 // Parameters in SI units, and their standard deviations through the derivatives of the
 // unscaling.
-void unscale(const Scaling& s, const Solution& solution,
-             const ContactFitOptions& options, bool assumed, ContactFit& fit) {
+void unscale(const ScaledApproach& s, const PowerLawSolution& solution,
+             const ContactFitOptions& options, ContactFit& fit) {
   const ContactModel& m = solution.model;
   const double b1 = m.baseline_slope * s.force_n / s.length_m;
   const double K = m.coefficient * s.force_n / std::pow(s.length_m, m.exponent);
@@ -287,7 +93,7 @@ void unscale(const Scaling& s, const Solution& solution,
                         "coefficient"};
   const char* unit[] = {"N", "N/m", "m", "", "N/m^p"};
   for (int j = 0; j < kContactParameters; ++j) {
-    const std::string held = reason_held(solution, j, options, assumed);
+    const std::string held = reason_held(solution, j, options);
     const double sd = std::sqrt(covariance(j, j));
     fit.parameters.push_back(
         {name[j], value[j], unit[j],
@@ -307,7 +113,7 @@ void unscale(const Scaling& s, const Solution& solution,
   fit.depth_max_m = (1.0 - m.contact) * s.length_m;
 }
 
-void judge(const Scaling& s, const Solution& solution, bool assumed, ContactFit& fit) {
+void judge(const ScaledApproach& s, const PowerLawSolution& solution, ContactFit& fit) {
   fit.samples_used = solution.used.x.size();
   fit.outliers = solution.outliers;
   std::vector<double> residual = contact_residuals(solution.used, solution.model);
@@ -317,12 +123,12 @@ void judge(const Scaling& s, const Solution& solution, bool assumed, ContactFit&
   fit.rms_n = rms(residual);
   fit.misfit = find_misfit(solution.used.x, residual);
   fit.mean_stiffness_n_per_m = mean_stiffness(s, solution);
-  if (assumed) {
+  if (solution.from_first_sample) {
     fit.flags.push_back(FitFlag::kAlreadyInContact);
   }
   const bool uncertain =
       !(fit.contact_point_sd_m <= kContactSdShareMax * fit.depth_max_m);
-  if (assumed || uncertain) {
+  if (solution.from_first_sample || uncertain) {
     fit.flags.push_back(FitFlag::kContactPointNotIdentified);
   }
   if (matters(fit.misfit, s.force_n)) {
@@ -330,55 +136,92 @@ void judge(const Scaling& s, const Solution& solution, bool assumed, ContactFit&
   }
 }
 
-ContactFit fit_once(const Approach& approach, const ContactFitOptions& options) {
-  if (options.exponent &&
-      !(*options.exponent >= kExponentMin && *options.exponent <= kExponentMax)) {
-    throw InputError(fmt::format("exponent {} is outside [{}, {}]", *options.exponent,
-                                 kExponentMin, kExponentMax));
-  }
+ContactFit empty_run(ContactFit fit) {
+  fit.family = "none";
+  fit.flags.push_back(FitFlag::kEmptyRun);
+  fit.flags.push_back(FitFlag::kContactPointNotIdentified);
+  fit.converged = true;
+  return fit;
+}
+
+// @param drift_max_n_per_m the steepest drift, whatever its standard deviation
+ContactFit fit_once(const Approach& approach, const ContactFitOptions& options,
+                    std::optional<double> drift_max_n_per_m = {}) {
   ContactFit fit;
   fit.noise_relative = options.noise_relative;
   fit.flags = approach.flags;
   if (is_empty(approach)) {
-    fit.family = "none";
-    fit.flags.push_back(FitFlag::kEmptyRun);
-    fit.flags.push_back(FitFlag::kContactPointNotIdentified);
-    fit.converged = true;
-    return fit;
+    return empty_run(fit);
   }
   fit.family = "power_law";
-  const Scaling s = scale(approach, options);
-  const double noise = approach.noise_sd_n / s.force_n;
-  HeldParameters held{};
-  held[kExponent] = options.exponent.has_value();
-  const auto starts = contact_starts(s.curve, options.exponent, kStarts);
-  Solution solution;
-  bool assumed = starts.empty();
-  if (!assumed) {
-    solution = solve(s.curve, starts, held, noise);
-    assumed = starts_in_contact(s, solution);
+  const ScaledApproach s = scale_approach(approach, options.noise_relative);
+  std::optional<double> drift_max;
+  if (drift_max_n_per_m) {
+    drift_max = *drift_max_n_per_m * s.length_m / s.force_n;
   }
-  if (assumed && !starts.empty()) {
-    held[kBaselineSlope] = true;
-    const Solution flat = solve(s.curve, flat_starts(starts), held, noise);
-    assumed = !found_without_drift(s, solution, flat);
-    solution = flat;
-  }
-  if (assumed) {
-    solution = solve_from_first_sample(s, options, noise);
-  }
-  hold_at_bounds(solution.model, s.curve.contact_min, solution.held);
-  unscale(s, solution, options, assumed, fit);
-  judge(s, solution, assumed, fit);
+  const PowerLawSolution solution = search_power_law(s, options.exponent, drift_max);
+  unscale(s, solution, options, fit);
+  judge(s, solution, fit);
   fit.converged = solution.converged;
   fit.iterations = solution.iterations;
   return fit;
 }
 
+// The steepest drift of an approach [N/m].
+double drift_max_n_per_m(const Approach& approach) {
+  return kDriftShareMax * extent(running_median(approach.force_n, 2)) /
+         extent(approach.displacement_m);
+}
+
+// Up to where the force has risen by a share of its range; with what is told of it.
+Approach beginning_of(const Approach& approach, double share) {
+  const std::vector<double> smooth = running_median(approach.force_n, 2);
+  const auto [low, high] = std::minmax_element(smooth.begin(), smooth.end());
+  const double limit = *low + share * (*high - *low);
+  const auto end = std::find_if(smooth.begin(), smooth.end(),
+                                [&](double force) {
+                                  return force > limit;
+                                }) -
+                   smooth.begin();
+  Approach part = approach;
+  part.displacement_m.resize(static_cast<std::size_t>(end));
+  part.force_n.resize(static_cast<std::size_t>(end));
+  return part;
+}
+
+std::size_t samples_in_contact(const Approach& approach, const ContactFit& fit) {
+  return static_cast<std::size_t>(std::count_if(
+      approach.displacement_m.begin(), approach.displacement_m.end(), [&](double x) {
+        return x > fit.contact_point_m;
+      }));
+}
+
+// The same law for as much of the curve's beginning as it does not miss, a drift within
+// what the whole curve allows; none where it misses them all.
+std::shared_ptr<const ContactFit> fit_beginning(const Approach& approach,
+                                                const ContactFitOptions& options) {
+  const double drift_max = drift_max_n_per_m(approach);
+  for (const double share : kBeginnings) {
+    const Approach part = beginning_of(approach, share);
+    if (part.force_n.size() < 2 * kSamplesMin || !(extent(part.displacement_m) > 0.0)) {
+      break;
+    }
+    ContactFit fit =
+        fit_once(part, {.noise_relative = options.noise_relative}, drift_max);
+    if (fit.converged && !fit.has(FitFlag::kEmptyRun) &&
+        !fit.has(FitFlag::kAlreadyInContact) &&
+        samples_in_contact(part, fit) >= kSamplesMin &&
+        !is_sure(fit.misfit, extent(part.force_n))) {
+      return std::make_shared<const ContactFit>(std::move(fit));
+    }
+  }
+  return nullptr;
+}
+
 // A law that misses the curve is led by all of it: its contact point is known no better
 // than it agrees with that of the beginning.
-void compare_with_beginning(const Approach& approach, ContactFit& fit) {
-  const auto beginning = fit_beginning(approach, fit);
+void compare_with_beginning(ContactFit& fit) {
+  const auto& beginning = fit.beginning;
   if (beginning) {
     fit.contact_point_sd_m =
         std::hypot(std::max(fit.contact_point_sd_m, beginning->contact_point_sd_m),
@@ -391,6 +234,85 @@ void compare_with_beginning(const Approach& approach, ContactFit& fit) {
   }
 }
 
+// [m] The end of the first sixth of the travel, where the force is flat there and
+// leaves that later: no fit is needed to see that contact is not before.
+std::optional<double> flat_until_m(const Approach& approach) {
+  const ScaledCurve curve = scale_approach(approach, 0.0).curve;
+  const double end = kFlatShare;
+  const auto first = std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
+    return x < end;
+  });
+  if (first < kFlatSamplesMin) {
+    return std::nullopt;
+  }
+  const Eigen::Map<const Eigen::ArrayXd> x(curve.x.data(), first),
+      f(curve.f.data(), first);
+  const Eigen::ArrayXd dx = x - x.mean(), df = f - f.mean();
+  const double slope = (dx * df).sum() / dx.square().sum();
+  const double sd = std::sqrt((df - slope * dx).square().sum() /
+                              static_cast<double>(first - 2) / dx.square().sum());
+  const auto& all = approach.displacement_m;
+  return std::abs(slope) <= kFlatSlope && sd <= kFlatSlope &&
+                 deviation_from_baseline(curve)
+             ? std::optional(*std::min_element(all.begin(), all.end()) +
+                             end * extent(all))
+             : std::nullopt;
+}
+
+// [m] Displacements that are surely free, where the whole law has found none.
+std::optional<double> free_until_m(const Approach& approach,
+                                   const std::shared_ptr<const ContactFit>& beginning) {
+  return beginning ? std::optional(beginning->contact_point_m -
+                                   kSureDeviations * beginning->contact_point_sd_m)
+                   : flat_until_m(approach);
+}
+
+// What a law that misses says of the drift and of where it begins is led by what it
+// misses: the drift stays within its bound, and where that leaves no free travel but
+// the beginning has some, contact is not before that.
+ContactFit fit_led_astray(const Approach& approach, const ContactFitOptions& options,
+                          ContactFit fit) {
+  const double drift_max = drift_max_n_per_m(approach);
+  if (fit.parameters[1].value > drift_max && fit.parameters[1].held.empty()) {
+    fit = fit_once(approach, options, drift_max);
+  }
+  fit.beginning = fit_beginning(approach, options);
+  const auto free_m = fit.has(FitFlag::kAlreadyInContact)
+                          ? free_until_m(approach, fit.beginning)
+                          : std::nullopt;
+  if (free_m) {
+    Approach told = approach;
+    told.contact_from_m = *free_m;
+    std::shared_ptr<const ContactFit> beginning =
+        fit.beginning ? fit.beginning : fit_beginning(told, options);
+    fit = fit_once(told, options);
+    fit.beginning = std::move(beginning);
+  }
+  if (!options.exponent && !fit.has(FitFlag::kAlreadyInContact)) {
+    compare_with_beginning(fit);
+  }
+  return fit;
+}
+
+// Whether the law surely misses the curve, or what it takes for free travel is no
+// straight line: on a toe of the curve the noise of all is no yardstick.
+bool is_led_astray(const Approach& approach, const ContactFit& fit) {
+  const double range = extent(approach.force_n);
+  if (is_sure(fit.misfit, range)) {
+    return true;
+  }
+  std::vector<double> x, residual;
+  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+    const double at = approach.displacement_m[i];
+    if (at < fit.contact_point_m) {
+      x.push_back(at);
+      residual.push_back(fit.parameters[0].value + fit.parameters[1].value * at -
+                         approach.force_n[i]);
+    }
+  }
+  return x.size() >= 2 * kSamplesMin && matters(find_misfit(x, residual), range);
+}
+
 }  // namespace
 
 bool ContactFit::has(FitFlag flag) const {
@@ -398,44 +320,19 @@ bool ContactFit::has(FitFlag flag) const {
 }
 
 ContactFit fit_contact(const Approach& approach, const ContactFitOptions& options) {
+  if (options.exponent &&
+      !(*options.exponent >= kExponentMin && *options.exponent <= kExponentMax)) {
+    throw InputError(fmt::format("exponent {} is outside [{}, {}]", *options.exponent,
+                                 kExponentMin, kExponentMax));
+  }
   const auto begin = std::chrono::steady_clock::now();
   ContactFit fit = fit_once(approach, options);
-  const bool found = fit.converged && !fit.has(FitFlag::kEmptyRun) &&
-                     !fit.has(FitFlag::kAlreadyInContact);
-  if (found && !options.exponent && is_sure(fit.misfit, extent(approach.force_n))) {
-    compare_with_beginning(approach, fit);
+  if (fit.converged && !fit.has(FitFlag::kEmptyRun) && is_led_astray(approach, fit)) {
+    fit = fit_led_astray(approach, options, std::move(fit));
   }
   fit.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return fit;
-}
-
-std::optional<ContactFit> fit_beginning(const Approach& approach,
-                                        const ContactFit& whole) {
-  for (const double share : kBeginnings) {
-    Approach part = approach;
-    part.displacement_m.clear();
-    part.force_n.clear();
-    std::size_t in_contact = 0;
-    for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
-      const double depth = approach.displacement_m[i] - whole.contact_point_m;
-      if (depth <= share * whole.depth_max_m) {
-        part.displacement_m.push_back(approach.displacement_m[i]);
-        part.force_n.push_back(approach.force_n[i]);
-        in_contact += depth > 0.0 ? 1 : 0;
-      }
-    }
-    if (in_contact < kSamplesMin || part.force_n.size() < 2 * kSamplesMin) {
-      break;
-    }
-    ContactFit fit = fit_once(part, {.noise_relative = whole.noise_relative});
-    if (fit.converged && !fit.has(FitFlag::kEmptyRun) &&
-        !fit.has(FitFlag::kAlreadyInContact) &&
-        !is_sure(fit.misfit, extent(part.force_n))) {
-      return fit;
-    }
-  }
-  return std::nullopt;
 }
 
 double contact_force_n(const ContactFit& fit, double depth_m) {

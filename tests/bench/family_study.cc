@@ -1,5 +1,5 @@
 // Which family is chosen of curves with a plateau, a knee or a fall, and how well it
-// follows them. Usage: family_study [runs]
+// follows them. Usage: family_study [runs [samples]]
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -63,14 +63,15 @@ double rms_to_truth(const FamilyFit& fit, const Shape& shape, double at, double 
   return std::sqrt(squares / kPoints);
 }
 
-void report(const Shape& shape, double rho, double noise_n, unsigned runs) {
+void report(const Shape& shape, double rho, double noise_n, unsigned runs,
+            int samples) {
   unsigned follows = 0, flagged = 0, used_and_missed = 0;
   double told = 0.0, worst = 0.0, seen = 0.0;
   std::map<std::string, int> chosen;
   for (unsigned seed = 1; seed <= runs; ++seed) {
     const double at = 0.3 + 0.4 * ((seed * 37) % 100) / 100.0;
     Measurement m =
-        synthetic({.noise_n = noise_n, .rho = rho, .samples = 500}, 100 + seed);
+        synthetic({.noise_n = noise_n, .rho = rho, .samples = samples}, 100 + seed);
     double most = 0.0;
     for (int i = 0; i <= 100; ++i) {
       most = std::max(most, shape.force(0.01 * i, at));
@@ -110,12 +111,13 @@ void report(const Shape& shape, double rho, double noise_n, unsigned runs) {
 
 int main(int argc, char** argv) {
   const auto runs = static_cast<unsigned>(argc > 1 ? std::atoi(argv[1]) : 200);
+  const int samples = argc > 2 ? std::atoi(argv[2]) : 500;
   fmt::print("{:<20} {:>4} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7}\n", "shape", "rho",
              "noise", "follows", "misfit", "misused", "seen", "told", "worst");
   for (const auto& shape : palpate::kShapes) {
     for (const double rho : {0.0, 0.8}) {
       for (const double noise_n : {0.002, 0.01}) {
-        palpate::report(shape, rho, noise_n, runs);
+        palpate::report(shape, rho, noise_n, runs, samples);
       }
     }
   }

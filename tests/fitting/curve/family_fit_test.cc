@@ -184,6 +184,38 @@ TEST(FamilyFit, FollowsAPlateauAndAFallAndSaysSo) {
   }
 }
 
+// Noise of 1 % that neighbours share hides a fall from a test of shapes; the likelihood
+// of the curve that may fall tells it.
+TEST(FamilyFit, FollowsAFallUnderNoiseThatNeighboursShare) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Measurement m = law(&fall, 0.0, seed);
+    const Measurement noise =
+        synthetic({.noise_n = 1e-2, .rho = 0.8, .samples = 600}, seed);
+    const Measurement none = synthetic({.noise_n = 0.0, .samples = 600}, seed);
+    for (std::size_t i = 0; i < m.force_n.size(); ++i) {
+      m.force_n[i] += noise.force_n[i] - none.force_n[i];
+    }
+    const FamilyChoice choice = choose(m);
+    EXPECT_EQ(choice.fits.front().family, "interpolating") << seed;
+    EXPECT_LT(choice.fits.front().rms_n, 1.5e-2) << seed;
+  }
+}
+
+// In contact from the first sample on: what the cubics start from is the force there,
+// not the power law's baseline.
+TEST(FamilyFit, CubicsStartFromTheForceThatWasThere) {
+  Measurement m = law(&plateau, 1e-3, 3);
+  const auto first = static_cast<std::ptrdiff_t>(600.0 * 2.0 / 7.0);
+  m.depth_m.erase(m.depth_m.begin(), m.depth_m.begin() + first);
+  m.force_n.erase(m.force_n.begin(), m.force_n.begin() + first);
+  const FamilyChoice choice = choose(m);
+  const FamilyFit& fit = of(choice, "monotone-cubic");
+  EXPECT_NEAR(fitted_force_n(fit, m.depth_m.front()), m.force_n.front(), 5e-3);
+  EXPECT_NEAR(fit.parameters[0].value, 0.0, 5e-3);
+  EXPECT_LT(fit.parameters[0].sd, 2e-3);
+  EXPECT_LT(fit.rms_n, 1.5e-3);
+}
+
 TEST(FamilyFit, MisfitIsGatedWhereNoFamilyFollows) {
   const Approach approach = select_approach(law(&plateau, 1e-3, 9));
   const ContactFit contact = fit_contact(approach);

@@ -163,6 +163,36 @@ TEST(ContactFit, HoldsAndNamesAParameterAtItsBound) {
   EXPECT_TRUE(std::isfinite(result.contact_point_sd_m));
 }
 
+// A toe that rises straight by a tenth of the force, then a steep part that gives way:
+// no power law, and with a drift of the toe's slope nearly one.
+Measurement toe(double free_m, unsigned seed) {
+  Measurement m = synthetic({.noise_n = 2e-3, .free_m = free_m, .samples = 120}, seed);
+  const Measurement pure =
+      synthetic({.noise_n = 0.0, .free_m = free_m, .samples = 120}, seed);
+  for (std::size_t i = 0; i < m.force_n.size(); ++i) {
+    const double d = std::max(0.0, m.depth_m[i] - free_m) / kSyntheticDepth;
+    const double steep = std::max(0.0, d - 0.35);
+    const double force =
+        0.3 * d + 2.5 * std::min(steep, 0.3) + 0.5 * std::max(0.0, steep - 0.3);
+    m.force_n[i] += force - pure.force_n[i];
+  }
+  return m;
+}
+
+TEST(ContactFit, TheEndOfAToeIsNoContactPoint) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const ContactFit at_once = fit(toe(0.0, seed));
+    EXPECT_TRUE(at_once.has(FitFlag::kAlreadyInContact)) << seed;
+    const ContactFit free = fit(toe(2e-3, seed));
+    const bool told =
+        std::abs(free.contact_point_m - 2e-3) <= 4.0 * free.contact_point_sd_m;
+    EXPECT_TRUE(told || free.has(FitFlag::kContactPointNotIdentified)) << seed;
+    ASSERT_TRUE(free.beginning) << seed;
+    // Within a quarter of the toe, whose end is 1.75 mm away.
+    EXPECT_NEAR(free.beginning->contact_point_m, 2e-3, 0.44e-3) << seed;
+  }
+}
+
 // A tilt that lifts the force by a third looks like a body from the first sample on,
 // unless it is told that the first millimetre is free.
 TEST(ContactFit, ABaselineTellsTiltFromTheBody) {
