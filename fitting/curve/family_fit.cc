@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOutlierDeviations = 5.0;
-constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fails
 constexpr int kFeaturePoints = 200;
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
@@ -35,7 +34,7 @@ double extent(const std::vector<double>& values) {
   return *high - *low;
 }
 
-// The approach without the reference's outliers; all of it, if they are too many.
+// The approach without the reference's outliers.
 void take_inliers(const Approach& approach, const ContactFit& reference,
                   FamilyChoice& choice) {
   const std::size_t n = approach.force_n.size();
@@ -47,19 +46,11 @@ void take_inliers(const Approach& approach, const ContactFit& reference,
   const double limit =
       kOutlierDeviations *
       std::max(robust_standard_deviation(residual), approach.noise_sd_n);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (std::abs(residual[i]) <= limit) {
-      choice.displacement_m.push_back(approach.displacement_m[i]);
-      choice.force_n.push_back(approach.force_n[i]);
-    }
+  for (const std::size_t i : without_outliers(residual, limit)) {
+    choice.displacement_m.push_back(approach.displacement_m[i]);
+    choice.force_n.push_back(approach.force_n[i]);
   }
   choice.outliers = n - choice.force_n.size();
-  if (static_cast<double>(choice.outliers) >
-      kOutlierShareMax * static_cast<double>(n)) {
-    choice.displacement_m = approach.displacement_m;
-    choice.force_n = approach.force_n;
-    choice.outliers = 0;
-  }
 }
 
 FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,

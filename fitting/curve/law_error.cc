@@ -7,6 +7,7 @@
 
 #include "fitting/curve/family_solve.h"
 #include "fitting/numerics/correlated_noise.h"
+#include "fitting/numerics/robust_statistics.h"
 
 namespace palpate {
 namespace {
@@ -46,22 +47,23 @@ Eigen::VectorXd log_force_errors(const Approach& approach, const ContactFit& fit
     }
   }
   const double limit_n = kOutlier * std::max(fit.rms_n, approach.noise_sd_n) + 1e-15;
-  std::vector<double> residual;
-  Eigen::MatrixXd J(std::ssize(approach.force_n), std::ssize(free));
-  Eigen::Index rows = 0;
+  std::vector<double> all;
   for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
     const double x_m = approach.displacement_m[i];
-    const double r = fit.parameters[0].value + fit.parameters[1].value * x_m +
-                     law.at(x_m) - approach.force_n[i];
-    if (std::abs(r) <= limit_n) {
-      residual.push_back(r);
-      J.row(rows++) = law.gradient(x_m)(free);
-    }
+    all.push_back(fit.parameters[0].value + fit.parameters[1].value * x_m +
+                  law.at(x_m) - approach.force_n[i]);
+  }
+  const std::vector<std::size_t> used = without_outliers(all, limit_n);
+  const auto rows = std::ssize(used);
+  Eigen::MatrixXd J(rows, std::ssize(free));
+  Eigen::VectorXd r(rows);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const std::size_t i = used[static_cast<std::size_t>(row)];
+    r[row] = all[i];
+    J.row(row) = law.gradient(approach.displacement_m[i])(free);
   }
   Eigen::VectorXd errors = Eigen::VectorXd::Constant(
       depth_m.size(), std::numeric_limits<double>::infinity());
-  J.conservativeResize(rows, Eigen::NoChange);
-  const Eigen::Map<const Eigen::VectorXd> r(residual.data(), rows);
   const Eigen::MatrixXd C = covariance_under_noise(J, r, rows);
   if (!C.allFinite()) {
     return errors;

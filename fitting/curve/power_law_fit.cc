@@ -17,8 +17,9 @@ namespace {
 constexpr double kBeginnings[] = {0.4, 0.15, 0.05};  // [-] of the force's range
 constexpr double kContactSdShareMax = 0.1;           // [-] of the depth
 constexpr double kSureDeviations = 3.0;
-constexpr double kFlatShare = 1.0 / 6.0;  // [-] of the travel
-constexpr double kFlatSlope = 0.05;       // [-] of the force range over the travel
+constexpr double kFlatShares[] = {1.0 / 6, 1.0 / 12, 1.0 / 24,
+                                  1.0 / 48};  // of the travel
+constexpr double kFlatSlope = 0.05;           // [-] of the force range over the travel
 constexpr std::ptrdiff_t kFlatSamplesMin = 8;
 
 double extent(const std::vector<double>& values) {
@@ -234,29 +235,30 @@ void compare_with_beginning(ContactFit& fit) {
   }
 }
 
-// [m] The end of the first sixth of the travel, where the force is flat there and
-// leaves that later: no fit is needed to see that contact is not before.
+// [m] The end of the first sixth of the travel, or a half, a quarter, an eighth of it,
+// where the force is flat until there: no fit is needed to see that contact is not
+// before.
 std::optional<double> flat_until_m(const Approach& approach) {
   const ScaledCurve curve = scale_approach(approach, 0.0).curve;
-  const double end = kFlatShare;
-  const auto first = std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
-    return x < end;
-  });
-  if (first < kFlatSamplesMin) {
-    return std::nullopt;
+  for (const double share : kFlatShares) {
+    const auto first = std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
+      return x < share;
+    });
+    if (first < kFlatSamplesMin) {
+      break;
+    }
+    const Eigen::Map<const Eigen::ArrayXd> x(curve.x.data(), first),
+        f(curve.f.data(), first);
+    const Eigen::ArrayXd dx = x - x.mean(), df = f - f.mean();
+    const double slope = (dx * df).sum() / dx.square().sum();
+    const double sd = std::sqrt((df - slope * dx).square().sum() /
+                                static_cast<double>(first - 2) / dx.square().sum());
+    if (std::abs(slope) <= kFlatSlope && sd <= kFlatSlope) {
+      const auto& all = approach.displacement_m;
+      return *std::min_element(all.begin(), all.end()) + share * extent(all);
+    }
   }
-  const Eigen::Map<const Eigen::ArrayXd> x(curve.x.data(), first),
-      f(curve.f.data(), first);
-  const Eigen::ArrayXd dx = x - x.mean(), df = f - f.mean();
-  const double slope = (dx * df).sum() / dx.square().sum();
-  const double sd = std::sqrt((df - slope * dx).square().sum() /
-                              static_cast<double>(first - 2) / dx.square().sum());
-  const auto& all = approach.displacement_m;
-  return std::abs(slope) <= kFlatSlope && sd <= kFlatSlope &&
-                 deviation_from_baseline(curve)
-             ? std::optional(*std::min_element(all.begin(), all.end()) +
-                             end * extent(all))
-             : std::nullopt;
+  return std::nullopt;
 }
 
 // [m] Displacements that are surely free, where the whole law has found none.
@@ -285,7 +287,7 @@ ContactFit fit_led_astray(const Approach& approach, const ContactFitOptions& opt
     told.contact_from_m = *free_m;
     std::shared_ptr<const ContactFit> beginning =
         fit.beginning ? fit.beginning : fit_beginning(told, options);
-    fit = fit_once(told, options);
+    fit = fit_once(told, options, drift_max);
     fit.beginning = std::move(beginning);
   }
   if (!options.exponent && !fit.has(FitFlag::kAlreadyInContact)) {

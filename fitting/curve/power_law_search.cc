@@ -15,7 +15,6 @@ namespace {
 constexpr std::size_t kStarts = 3;
 constexpr double kEmptyDeviations = 5.0;
 constexpr double kOutlierDeviations = 5.0;
-constexpr double kOutlierShareMax = 0.05;  // more is no noise but a law that fails
 constexpr double kSureDeviations = 3.0;
 constexpr double kNoDrift = 2.0 * kDriftShareMax;  // however uncertain
 constexpr double kFlatRmsMax = 1.05;  // [-] rms without drift over rms with it
@@ -46,21 +45,11 @@ void hold_at_bounds(const ContactModel& model, double contact_min,
   held[kCoefficient] = held[kCoefficient] || model.coefficient <= 2.0 * kCoefficientMin;
 }
 
-// The samples within kOutlierDeviations of the model; all, if too many are not.
 ScaledCurve inliers(const ScaledCurve& curve, const ContactModel& model, double noise) {
   const std::vector<double> r = contact_residuals(curve, model);
   const double limit =
       kOutlierDeviations * std::max(robust_standard_deviation(r), noise) + 1e-12;
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    if (std::abs(r[i]) <= limit) {
-      kept.push_back(i);
-    }
-  }
-  const auto left_out = static_cast<double>(r.size() - kept.size());
-  return left_out > kOutlierShareMax * static_cast<double>(r.size())
-             ? curve
-             : samples_of(curve, kept);
+  return samples_of(curve, without_outliers(r, limit));
 }
 
 // Robust from every start, then plain on the inliers of the best.
@@ -246,8 +235,12 @@ PowerLawSolution search_power_law(const ScaledApproach& s,
     solution = solve_from_first_sample(s, exponent);
   } else {
     solution = solve(s.curve, starts, held, s.noise);
-    if (!told_free(s.curve) &&
-        (!has_free_samples(s, solution) || is_too_steep(s, solution, drift_max))) {
+    if (told_free(s.curve)) {
+      if (drift_max && solution.model.baseline_slope > *drift_max) {
+        held[kBaselineSlope] = true;
+        solution = solve(s.curve, flat_starts(starts), held, s.noise);
+      }
+    } else if (!has_free_samples(s, solution) || is_too_steep(s, solution, drift_max)) {
       solution = solve_without_drift(s, exponent, drift_max, starts, solution);
     }
   }

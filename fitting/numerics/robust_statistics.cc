@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace palpate {
 namespace {
 
+constexpr std::size_t kGlitchMax = 3, kOutliersOneOf = 20;
 constexpr double kNormalMad = 1.4826;  // standard deviation over median deviation
 
 }  // namespace
@@ -42,6 +44,29 @@ double noise_standard_deviation(std::span<const double> values) {
     difference.push_back(std::abs(values[i - 1] - 2.0 * values[i] + values[i + 1]));
   }
   return kNormalMad * median(std::move(difference)) / std::sqrt(6.0);
+}
+
+std::vector<std::size_t> without_outliers(std::span<const double> residuals,
+                                          double limit) {
+  const std::size_t n = residuals.size();
+  const auto side = [&](std::size_t i) {
+    return residuals[i] > limit ? 1 : residuals[i] < -limit ? -1 : 0;
+  };
+  std::vector<std::size_t> kept;
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+    while (end < n && side(end) == side(begin)) {
+      ++end;
+    }
+    for (std::size_t i = begin;
+         i < end && (side(begin) == 0 || end - begin > kGlitchMax); ++i) {
+      kept.push_back(i);
+    }
+  }
+  if (kept.size() * kOutliersOneOf < n * (kOutliersOneOf - 1)) {
+    kept.resize(n);
+    std::iota(kept.begin(), kept.end(), std::size_t{0});
+  }
+  return kept;
 }
 
 std::vector<double> running_median(std::span<const double> values, std::size_t reach) {

@@ -1,6 +1,7 @@
 // Estimates of size and noise that single wild readings cannot move.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,12 @@ namespace palpate {
 /// f[i-1] - 2 f[i] + f[i+1], whose variance is 6 times that of the noise. 0 for fewer
 /// than 3 values.
 [[nodiscard]] double noise_standard_deviation(std::span<const double> values);
+
+/// Indices of the residuals that are no outliers: within `limit`, or in a run of more
+/// than three beyond it on one side, which is a shape and no glitch. All, where more
+/// than one of 20 were outliers: then the law fails, not the samples.
+[[nodiscard]] std::vector<std::size_t> without_outliers(
+    std::span<const double> residuals, double limit);
 
 /// Each value replaced by the median of itself and up to `reach` neighbours on both
 /// sides; as many on one side as on the other, so a rising sequence stays as it is.
