@@ -119,8 +119,8 @@ void print_json(const CurveResult& r, const CurveOptions& options,
   json["tip"] = r.tip;
   json["family"] = r.fit.family;
   json["parameters"] = to_json(r.fit.parameters);
-  json["contact_point_m"] = r.fit.contact_point_m;
-  json["contact_point_sd_m"] = r.fit.contact_point_sd_m;
+  json["contact_point_m"] = r.fit.contact.m;
+  json["contact_point_sd_m"] = r.fit.contact.sd_m;
   json["rms_n"] = r.fit.rms_n;
   json["curve"] = curve_json(r.choice);
   json["flags"] = to_json(r.flags);
@@ -212,7 +212,11 @@ void print_report(const CurveResult& r, const CurveOptions& options,
                  p.held.empty() ? p.unit : fmt::format("{} ({})", p.unit, p.held));
     }
     const double nothing = std::numeric_limits<double>::quiet_NaN();
-    print_line("depth", r.fit.depth_max_m, nothing, "m beyond the contact point");
+    if (r.fit.contact.m != r.fit.contact_point_m) {
+      print_line("contact point", r.fit.contact.m, r.fit.contact.sd_m,
+                 "m, of the curve's beginning: the law misses the whole");
+    }
+    print_line("depth", r.fit.depth_max_m, nothing, "m beyond the law's contact point");
     print_line("residual", r.fit.rms_n, nothing,
                fmt::format("N rms (noise {:.3g} N)", r.choice.noise_sd_n));
     print_line("mean stiffness", r.fit.mean_stiffness_n_per_m, nothing, "N/m");

@@ -214,6 +214,8 @@ FamilyFit power_law(const FamilyData& data, const ContactFit& reference) {
   }
   std::swap(held[kExponent], held[kCoefficient]);  // the family's order
   describe(data, held, fit);
+  fit.contact_point_sd_m = std::hypot(reference.contact.sd_m,
+                                      reference.contact.m - reference.contact_point_m);
   return fit;
 }
 
@@ -347,7 +349,7 @@ FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
   FamilyFitOptions with = options;
   with.cross_validate = options.cross_validate || criterion == "cross-validation";
   for (const std::string& name : families) {
-    choice.fits.push_back(fit_named(name, data, law, start.contact_point_sd_m, with));
+    choice.fits.push_back(fit_named(name, data, law, start.contact.sd_m, with));
   }
   find_misfits(data, choice);
   judge(choice);

@@ -17,10 +17,9 @@ FreeSamples free_samples(const Measurement& turned, const Approach& approach,
   if (fit.has(FitFlag::kEmptyRun) || fit.has(FitFlag::kAlreadyInContact)) {
     return free;
   }
-  const double sd =
-      std::isfinite(fit.contact_point_sd_m) ? fit.contact_point_sd_m : 0.0;
+  const double sd = std::isfinite(fit.contact.sd_m) ? fit.contact.sd_m : 0.0;
   const double limit =
-      fit.contact_point_m - std::max(kDeviations * sd, kDepthShare * fit.depth_max_m);
+      fit.contact.m - std::max(kDeviations * sd, kDepthShare * fit.depth_max_m);
   for (std::size_t i = 0; i < turned.depth_m.size(); ++i) {
     if (turned.depth_m[i] < limit) {
       (i < approach.samples ? free.before : free.after).push_back(i);

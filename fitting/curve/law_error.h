@@ -15,6 +15,7 @@ namespace palpate {
 /// coefficient under the noise of the approach (covariance_under_noise). The depth
 /// counts from the fitted contact point, whose error is part of C. Infinite where the
 /// parameters cannot be told apart.
+/// What the law surely misses of the approach counts as smooth noise.
 /// @param fit of this approach, not an empty run.
 [[nodiscard]] Eigen::VectorXd log_force_errors(const Approach& approach,
                                                const ContactFit& fit,

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kSureDeviations = 5.0;
+constexpr double kSureDeviations = 5.0, kDoubtDeviations = 3.0;
 constexpr double kSureShareMin = 1e-4, kShareMin = 1e-3;  // [-] of the forces' range
 constexpr double kClip = 5.0;                             // robust standard deviations
 constexpr Eigen::Index kIntervals = 24;
@@ -88,9 +88,13 @@ std::vector<double> clipped(std::span<const double> residual) {
 
 }  // namespace
 
-bool is_sure(const Misfit& misfit, double force_range) {
-  return misfit.deviations > kSureDeviations &&
+bool may_miss(const Misfit& misfit, double force_range) {
+  return misfit.deviations > kDoubtDeviations &&
          misfit.missed_rms > kSureShareMin * force_range;
+}
+
+bool is_sure(const Misfit& misfit, double force_range) {
+  return misfit.deviations > kSureDeviations && may_miss(misfit, force_range);
 }
 
 bool matters(const Misfit& misfit, double force_range) {
@@ -119,7 +123,7 @@ ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> 
   double variance = 0.0;  // of a row
   const double interval =
       static_cast<double>(r.size()) / static_cast<double>(Q_.cols());
-  noises_ = noises_of(Q_, left, std::max(1.0, interval));
+  noises_ = noises_of(Q_, left, SharedNoise::kRough, std::max(1.0, interval));
   for (auto& [noise, weight] : noises_) {
     noise.white = std::max(noise.white, std::numeric_limits<double>::min());
     squares_.push_back(weighed_squares(noise, r));

@@ -26,6 +26,10 @@ struct Misfit {
   double deviations = 0.0;  ///< [-] standard deviations by which that is no noise
 };
 
+/// The shape may be there: 3 standard deviations, and a ten thousandth of the forces'
+/// range.
+[[nodiscard]] bool may_miss(const Misfit& misfit, double force_range);
+
 /// The shape is there beyond doubt: 5 standard deviations, and a ten thousandth of the
 /// forces' range.
 [[nodiscard]] bool is_sure(const Misfit& misfit, double force_range);

@@ -114,7 +114,8 @@ void unscale(const ScaledApproach& s, const PowerLawSolution& solution,
   fit.depth_max_m = (1.0 - m.contact) * s.length_m;
 }
 
-void judge(const ScaledApproach& s, const PowerLawSolution& solution, ContactFit& fit) {
+void compare_with_samples(const ScaledApproach& s, const PowerLawSolution& solution,
+                          ContactFit& fit) {
   fit.samples_used = solution.used.x.size();
   fit.outliers = solution.outliers;
   std::vector<double> residual = contact_residuals(solution.used, solution.model);
@@ -123,13 +124,19 @@ void judge(const ScaledApproach& s, const PowerLawSolution& solution, ContactFit
   }
   fit.rms_n = rms(residual);
   fit.misfit = find_misfit(solution.used.x, residual);
+}
+
+bool is_known(const ContactFit& fit) {
+  return fit.contact.sd_m <= kContactSdShareMax * fit.depth_max_m;
+}
+
+void judge(const ScaledApproach& s, const PowerLawSolution& solution, ContactFit& fit) {
   fit.mean_stiffness_n_per_m = mean_stiffness(s, solution);
   if (solution.from_first_sample) {
     fit.flags.push_back(FitFlag::kAlreadyInContact);
   }
-  const bool uncertain =
-      !(fit.contact_point_sd_m <= kContactSdShareMax * fit.depth_max_m);
-  if (solution.from_first_sample || uncertain) {
+  fit.contact = {fit.contact_point_m, fit.contact_point_sd_m};
+  if (solution.from_first_sample || !is_known(fit)) {
     fit.flags.push_back(FitFlag::kContactPointNotIdentified);
   }
   if (matters(fit.misfit, s.force_n)) {
@@ -161,6 +168,7 @@ ContactFit fit_once(const Approach& approach, const ContactFitOptions& options,
     drift_max = *drift_max_n_per_m * s.length_m / s.force_n;
   }
   const PowerLawSolution solution = search_power_law(s, options.exponent, drift_max);
+  compare_with_samples(s, solution, fit);
   unscale(s, solution, options, fit);
   judge(s, solution, fit);
   fit.converged = solution.converged;
@@ -197,40 +205,60 @@ std::size_t samples_in_contact(const Approach& approach, const ContactFit& fit) 
       }));
 }
 
-// The same law for as much of the curve's beginning as it does not miss, a drift within
-// what the whole curve allows; none where it misses them all.
+// The law for the curve's beginning up to a share of the force, a drift within what the
+// whole curve allows; none where that has no contact point.
+std::optional<ContactFit> fit_share(const Approach& approach,
+                                    const ContactFitOptions& options, double share) {
+  const Approach part = beginning_of(approach, share);
+  if (part.force_n.size() < 2 * kSamplesMin || !(extent(part.displacement_m) > 0.0)) {
+    return std::nullopt;
+  }
+  ContactFit fit = fit_once(part, {.noise_relative = options.noise_relative},
+                            drift_max_n_per_m(approach));
+  const bool found = fit.converged && !fit.has(FitFlag::kEmptyRun) &&
+                     !fit.has(FitFlag::kAlreadyInContact) &&
+                     samples_in_contact(part, fit) >= kSamplesMin;
+  return found ? std::optional(std::move(fit)) : std::nullopt;
+}
+
+// The longest beginning that the law does not miss; none where it misses them all. Its
+// contact point is known no better than it agrees with those of the whole curve and of
+// the next longer and shorter beginning.
 std::shared_ptr<const ContactFit> fit_beginning(const Approach& approach,
-                                                const ContactFitOptions& options) {
-  const double drift_max = drift_max_n_per_m(approach);
-  for (const double share : kBeginnings) {
-    const Approach part = beginning_of(approach, share);
-    if (part.force_n.size() < 2 * kSamplesMin || !(extent(part.displacement_m) > 0.0)) {
-      break;
+                                                const ContactFitOptions& options,
+                                                const ContactFit& whole) {
+  std::vector<double> others_m{whole.contact_point_m};
+  for (auto share = std::begin(kBeginnings); share != std::end(kBeginnings); ++share) {
+    std::optional<ContactFit> fit = fit_share(approach, options, *share);
+    if (!fit) {
+      continue;
     }
-    ContactFit fit =
-        fit_once(part, {.noise_relative = options.noise_relative}, drift_max);
-    if (fit.converged && !fit.has(FitFlag::kEmptyRun) &&
-        !fit.has(FitFlag::kAlreadyInContact) &&
-        samples_in_contact(part, fit) >= kSamplesMin &&
-        !is_sure(fit.misfit, extent(part.force_n))) {
-      return std::make_shared<const ContactFit>(std::move(fit));
+    if (may_miss(fit->misfit, *share * extent(approach.force_n))) {
+      others_m.assign({whole.contact_point_m, fit->contact_point_m});
+      continue;
     }
+    const auto next = std::next(share);
+    if (next != std::end(kBeginnings)) {
+      if (const auto shorter = fit_share(approach, options, *next)) {
+        others_m.push_back(shorter->contact_point_m);
+      }
+    }
+    double apart_m = 0.0;
+    for (const double other_m : others_m) {
+      apart_m = std::max(apart_m, std::abs(fit->contact_point_m - other_m));
+    }
+    fit->contact.sd_m = std::hypot(fit->contact_point_sd_m, apart_m);
+    return std::make_shared<const ContactFit>(std::move(*fit));
   }
   return nullptr;
 }
 
-// A law that misses the curve is led by all of it: its contact point is known no better
-// than it agrees with that of the beginning.
-void compare_with_beginning(ContactFit& fit) {
-  const auto& beginning = fit.beginning;
-  if (beginning) {
-    fit.contact_point_sd_m =
-        std::hypot(std::max(fit.contact_point_sd_m, beginning->contact_point_sd_m),
-                   fit.contact_point_m - beginning->contact_point_m);
+void take_beginning(ContactFit& fit) {
+  std::erase(fit.flags, FitFlag::kContactPointNotIdentified);
+  if (fit.beginning) {
+    fit.contact = fit.beginning->contact;
   }
-  const bool known =
-      beginning && fit.contact_point_sd_m <= kContactSdShareMax * fit.depth_max_m;
-  if (!known && !fit.has(FitFlag::kContactPointNotIdentified)) {
+  if (!fit.beginning || !is_known(fit)) {
     fit.flags.push_back(FitFlag::kContactPointNotIdentified);
   }
 }
@@ -278,20 +306,18 @@ ContactFit fit_led_astray(const Approach& approach, const ContactFitOptions& opt
   if (fit.parameters[1].value > drift_max && fit.parameters[1].held.empty()) {
     fit = fit_once(approach, options, drift_max);
   }
-  fit.beginning = fit_beginning(approach, options);
+  fit.beginning = fit_beginning(approach, options, fit);
   const auto free_m = fit.has(FitFlag::kAlreadyInContact)
                           ? free_until_m(approach, fit.beginning)
                           : std::nullopt;
   if (free_m) {
     Approach told = approach;
     told.contact_from_m = *free_m;
-    std::shared_ptr<const ContactFit> beginning =
-        fit.beginning ? fit.beginning : fit_beginning(told, options);
     fit = fit_once(told, options, drift_max);
-    fit.beginning = std::move(beginning);
+    fit.beginning = fit_beginning(told, options, fit);
   }
   if (!options.exponent && !fit.has(FitFlag::kAlreadyInContact)) {
-    compare_with_beginning(fit);
+    take_beginning(fit);
   }
   return fit;
 }

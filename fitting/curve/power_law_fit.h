@@ -31,11 +31,18 @@ struct FitParameter {
   std::string held;  ///< why it was not free: "given", "assumed", "lower bound", ...
 };
 
+/// Where contact begins, as far as the samples tell. NaN: unknown.
+struct ContactPoint {
+  double m = std::numeric_limits<double>::quiet_NaN();
+  double sd_m = std::numeric_limits<double>::quiet_NaN();
+};
+
 struct ContactFit {
   std::string family;  ///< "power_law"; "none" for an empty run, nothing fitted then
   std::vector<FitParameter> parameters;
-  double contact_point_m = std::numeric_limits<double>::quiet_NaN();
+  double contact_point_m = std::numeric_limits<double>::quiet_NaN();  ///< the law's own
   double contact_point_sd_m = std::numeric_limits<double>::quiet_NaN();
+  ContactPoint contact;  ///< that of `beginning` where there is one, else the law's
   double exponent = std::numeric_limits<double>::quiet_NaN();     ///< [-] p
   double coefficient = std::numeric_limits<double>::quiet_NaN();  ///< [N/m^p] K
   double coefficient_sd = std::numeric_limits<double>::quiet_NaN();
@@ -77,9 +84,11 @@ struct ContactFitOptions {
 /// the drift is always fitted.
 /// Where the law surely misses the curve (misfit.h), no drift lifts the force by more
 /// than that tenth, however uncertain it is, and contact is not assumed at the first
-/// sample where the curve's beginning has free travel. With a free exponent its contact
-/// point is compared with that of the beginning, and what lies between them is part of
-/// its standard deviation; without such a beginning it counts as not identified.
+/// sample where the curve's beginning has free travel. With a free exponent
+/// `contact` is then that of the longest beginning that the law follows (0.4, 0.15 or
+/// 0.05 of the force), and the most that it differs from those of the whole and of the
+/// next longer and shorter beginning is part of its standard deviation; where the law
+/// follows none, it counts as not identified.
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

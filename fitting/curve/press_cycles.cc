@@ -40,8 +40,8 @@ CycleSummary summarise(const Measurement& press, const FrameCompliance* frame) {
     cycle.bad = "empty run";
     return cycle;
   }
-  cycle.contact_point_m = fit.contact_point_m;
-  cycle.contact_point_sd_m = fit.contact_point_sd_m;
+  cycle.contact_point_m = fit.contact.m;
+  cycle.contact_point_sd_m = fit.contact.sd_m;
   const Approach approach =
       select_approach(above_baseline(press, raw, fit), {}, {}, frame);
   cycle.peak_force_n =

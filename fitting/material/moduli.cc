@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "fitting/curve/law_error.h"
 #include "fitting/material/layer_fit.h"
 #include "fitting/numerics/correlated_noise.h"
 #include "formats/base/error.h"
@@ -94,32 +95,9 @@ FromData contact_modulus(const Approach& approach, const ContactFit& held,
     }
     return {fit.youngs_modulus_pa, fit.sd_pa};
   }
-  const double factor = per_coefficient(indenter);
-  return {factor * held.coefficient, factor * held.coefficient_sd};
-}
-
-// Where the law misses, E depends on the depth up to which it is fitted: how much it
-// differs over half of it.
-double missed_pa(const Approach& approach, const ContactFit& held,
-                 const ContactFit& free, const Indenter& indenter, double whole_pa) {
-  Approach half = approach;
-  half.displacement_m.clear();
-  half.force_n.clear();
-  const double to_m = held.contact_point_m + 0.5 * held.depth_max_m;
-  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
-    if (approach.displacement_m[i] <= to_m) {
-      half.displacement_m.push_back(approach.displacement_m[i]);
-      half.force_n.push_back(approach.force_n[i]);
-    }
-  }
-  if (half.force_n.size() < 2 * kSamplesMin) {
-    return whole_pa;
-  }
-  const ContactFit fit = fit_contact(half, {.exponent = exponent_of(indenter)});
-  return fit.has(FitFlag::kEmptyRun)
-             ? whole_pa
-             : std::abs(contact_modulus(half, fit, free, indenter).youngs_modulus_pa -
-                        whole_pa);
+  const double modulus_pa = per_coefficient(indenter) * held.coefficient;
+  const Eigen::VectorXd depth_m = Eigen::VectorXd::Constant(1, held.depth_max_m);
+  return {modulus_pa, modulus_pa * log_force_errors(approach, held, depth_m)[0]};
 }
 
 // What one standard deviation of each of the indenter's numbers makes of E.
@@ -226,10 +204,6 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
     return contact_modulus(approach, fit, free, at).youngs_modulus_pa;
   });
   errors.insert(errors.begin(), {"data", found.sd_pa});
-  if (is_sure(fit.misfit, contact_force_n(fit, fit.depth_max_m)) && !layer) {
-    errors.push_back(
-        {"law", missed_pa(approach, fit, free, indenter, found.youngs_modulus_pa)});
-  }
   Modulus modulus = with_errors(found.youngs_modulus_pa, std::move(errors));
   modulus.law = law_of(indenter);
   modulus.flags = fit.flags;

@@ -16,12 +16,14 @@ namespace {
 constexpr Eigen::Index kRowsMax = 4000;
 // Noises that are tried: shares of all that neighbours share, and lengths [samples].
 constexpr std::array<double, 6> kShares{0.03, 0.12, 0.3, 0.6, 0.9, 1.0};
-constexpr double kShortest = 0.5;
+constexpr double kShortest = 0.5, kShortestSmooth = 2.0;
 constexpr double kLongestPerSample = 0.25;
 constexpr int kLengths = 12;
 constexpr Eigen::Index kLeftMin = 20;  // fewer tell nothing of what they share
 constexpr double kWeightMin = 1e-3;
-constexpr double kSure = 0.5;  // the grid is coarser than what samples tell
+constexpr double kSettled = 1e-13;  // of a variance from sample to sample
+constexpr double kSizeMin = 1e-3;   // of residuals near a sample, of that of all
+constexpr double kSure = 0.5;       // the grid is coarser than what samples tell
 
 double squashed(double x) {
   return 1.0 / (1.0 + std::exp(-x));
@@ -31,28 +33,110 @@ double unsquashed(double share) {
 }
 
 // Of variance 1 in all.
-CorrelatedNoise unit_noise(double share, double rho) {
-  return {std::sqrt(1.0 - share), std::sqrt(share), rho};
+CorrelatedNoise unit_noise(double share, double rho, bool smooth = false) {
+  return {std::sqrt(1.0 - share), std::sqrt(share), rho, smooth};
 }
 
-// L^-1 X for V = L L^T, row by row (Kalman's filter), and log det V.
-double whiten(const CorrelatedNoise& noise, Eigen::MatrixXd& X) {
-  const double white = noise.white * noise.white;
-  const double shared = noise.shared * noise.shared;
-  const double rho = noise.rho;
-  Eigen::RowVectorXd expected = Eigen::RowVectorXd::Zero(X.cols());
-  double variance = shared;  // of what is expected of the shared part
-  double log_det = 0.0;
-  for (Eigen::Index i = 0; i < X.rows(); ++i) {
-    const double all = variance + white;
-    const double gain = variance / all;
-    const Eigen::RowVectorXd surprise = X.row(i) - expected;
-    expected = rho * (expected + gain * surprise);
-    variance = rho * rho * variance * (1.0 - gain) + (1.0 - rho * rho) * shared;
-    X.row(i) = surprise / std::sqrt(all);
-    log_det += std::log(all);
+// Of smooth noise, (1 + l k) exp(-l k) over k samples.
+double decay(const CorrelatedNoise& noise) {
+  return -std::sqrt(3.0) * std::log(noise.rho);
+}
+
+// Kalman's filter of what neighbours share: what is expected of the next sample, and
+// its variance, which soon settles. Samples are columns, so that each lies in a piece.
+class RoughFilter {
+ public:
+  RoughFilter(const CorrelatedNoise& noise, Eigen::Index values)
+      : rho_(noise.rho),
+        shared_(noise.shared * noise.shared),
+        white_(noise.white * noise.white),
+        variance_(shared_),
+        state_(Eigen::VectorXd::Zero(values)) {}
+
+  [[nodiscard]] double variance() const { return variance_ + white_; }
+  [[nodiscard]] const Eigen::VectorXd& expected() const { return state_; }
+  void predict(const Eigen::Ref<const Eigen::VectorXd>& surprise) {
+    state_ = rho_ * (state_ + gain() * surprise);
+  }
+  // Whether the variance no longer changes.
+  bool settle() {
+    const double before = variance_;
+    variance_ =
+        rho_ * rho_ * variance_ * (1.0 - gain()) + (1.0 - rho_ * rho_) * shared_;
+    return std::abs(variance_ - before) <= kSettled * before;
+  }
+
+ private:
+  [[nodiscard]] double gain() const { return variance_ / (variance_ + white_); }
+
+  double rho_, shared_, white_, variance_;
+  Eigen::VectorXd state_;
+};
+
+// Of smooth noise, whose state is its value and slope.
+class SmoothFilter {
+ public:
+  SmoothFilter(const CorrelatedNoise& noise, Eigen::Index values)
+      : white_(noise.white * noise.white),
+        value_(Eigen::VectorXd::Zero(values)),
+        slope_(value_) {
+    const double l = decay(noise), shared = noise.shared * noise.shared;
+    A_ << 1.0 + l, 1.0, -l * l, 1.0 - l;
+    A_ *= std::exp(-l);
+    P_ = Eigen::Vector2d(shared, l * l * shared).asDiagonal();
+    fresh_ = P_ - A_ * P_ * A_.transpose();
+  }
+
+  [[nodiscard]] double variance() const { return P_(0, 0) + white_; }
+  [[nodiscard]] const Eigen::VectorXd& expected() const { return value_; }
+  void predict(const Eigen::Ref<const Eigen::VectorXd>& surprise) {
+    const Eigen::Vector2d gain = P_.col(0) / variance();
+    value_ += gain[0] * surprise;
+    slope_ += gain[1] * surprise;
+    for (Eigen::Index k = 0; k < value_.size(); ++k) {
+      const double value = value_[k], slope = slope_[k];
+      value_[k] = A_(0, 0) * value + A_(0, 1) * slope;
+      slope_[k] = A_(1, 0) * value + A_(1, 1) * slope;
+    }
+  }
+  bool settle() {
+    const Eigen::Vector2d gain = P_.col(0) / variance();
+    const Eigen::Matrix2d before = P_;
+    P_ = A_ * (P_ - gain * P_.row(0)) * A_.transpose() + fresh_;
+    return (P_ - before).cwiseAbs().maxCoeff() <=
+           kSettled * before.cwiseAbs().maxCoeff();
+  }
+
+ private:
+  double white_;
+  Eigen::Matrix2d A_, P_, fresh_;
+  Eigen::VectorXd value_, slope_;
+};
+
+// L^-1 X for V = L L^T, sample by sample, and log det V.
+// @param X (k x n), a column a sample
+template <typename Filter>
+double filtered(Filter&& filter, Eigen::MatrixXd& X) {
+  double log_det = 0.0, log_variance = 0.0, root = 0.0;
+  bool settled = false;
+  for (Eigen::Index i = 0; i < X.cols(); ++i) {
+    if (!settled) {
+      const double variance = filter.variance();
+      log_variance = std::log(variance);
+      root = 1.0 / std::sqrt(variance);
+    }
+    log_det += log_variance;
+    X.col(i) -= filter.expected();  // the surprise
+    filter.predict(X.col(i));
+    settled = settled || filter.settle();
+    X.col(i) *= root;
   }
   return log_det;
+}
+
+double whiten(const CorrelatedNoise& noise, Eigen::MatrixXd& X) {
+  return noise.smooth ? filtered(SmoothFilter(noise, X.rows()), X)
+                      : filtered(RoughFilter(noise, X.rows()), X);
 }
 
 struct Tried {
@@ -64,31 +148,33 @@ struct Tried {
 class Restricted {
  public:
   Restricted(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual)
-      : both_(jacobian.rows(), jacobian.cols() + 1) {
+      : both_(jacobian.cols() + 1, jacobian.rows()) {
     const Eigen::VectorXd scale =
         jacobian.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
-    both_ << jacobian * scale.cwiseInverse().asDiagonal(), residual;
+    both_ << (jacobian * scale.cwiseInverse().asDiagonal()).transpose(),
+        residual.transpose();
   }
 
   [[nodiscard]] Tried at(const CorrelatedNoise& unit) const {
     Eigen::MatrixXd X = both_;
     const double log_det = whiten(unit, X);
-    const Eigen::Index p = X.cols() - 1;
-    const auto J = X.leftCols(p);
-    const Eigen::LDLT<Eigen::MatrixXd> normal(J.transpose() * J);
-    const Eigen::VectorXd target = J.transpose() * X.col(p);
-    const auto left = static_cast<double>(X.rows() - p);
+    const Eigen::Index p = X.rows() - 1;
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(p + 1, p + 1);
+    products.selfadjointView<Eigen::Lower>().rankUpdate(X);
+    const Eigen::LDLT<Eigen::MatrixXd> normal(products.topLeftCorner(p, p));
+    const Eigen::VectorXd target = products.row(p).head(p);
+    const auto left = static_cast<double>(X.cols() - p);
     const double least = std::numeric_limits<double>::min();
     const double squares =
-        std::max(X.col(p).squaredNorm() - target.dot(normal.solve(target)), least);
+        std::max(products(p, p) - target.dot(normal.solve(target)), least);
     const double sd = std::sqrt(squares / left);
-    return {{sd * unit.white, sd * unit.shared, unit.rho},
+    return {{sd * unit.white, sd * unit.shared, unit.rho, unit.smooth},
             left * std::log(squares) + log_det +
                 normal.vectorD().array().max(least).log().sum()};
   }
 
  private:
-  Eigen::MatrixXd both_;  // J, r
+  Eigen::MatrixXd both_;  // (p + 1 x n) of J, r
 };
 
 // White noise, the first, is as probable before as all others together.
@@ -124,7 +210,7 @@ CorrelatedNoise refined(const Restricted& likelihood, const CorrelatedNoise& sta
                         double longest) {
   const double rho_max = std::exp(-1.0 / longest);
   const auto noise_at = [&](const Eigen::VectorXd& q) {
-    return unit_noise(squashed(q[0]), std::min(squashed(q[1]), rho_max));
+    return unit_noise(squashed(q[0]), std::min(squashed(q[1]), rho_max), start.smooth);
   };
   const double white = start.white * start.white;
   const double shared = start.shared * start.shared;
@@ -152,6 +238,37 @@ Eigen::MatrixXd averaged(const Eigen::MatrixXd& rows) {
   return means;
 }
 
+// Sums over the samples before, and after, by recursion.
+void add_smooth(const CorrelatedNoise& noise, const Eigen::MatrixXd& X,
+                Eigen::MatrixXd& product) {
+  const double shared = noise.shared * noise.shared, l = decay(noise);
+  const double a = std::exp(-l);
+  Eigen::RowVectorXd b = Eigen::RowVectorXd::Zero(X.cols()), bk = b, c = b, ck = b;
+  for (Eigen::Index i = 0; i < X.rows(); ++i) {
+    bk = a * (bk + b);  // sum of k a^k x
+    b = a * b + X.row(i);
+    product.row(i) += shared * (b + l * bk);
+    const Eigen::Index j = X.rows() - 1 - i;
+    product.row(j) += shared * (c + l * ck);
+    ck = a * (ck + c + X.row(j));
+    c = a * (c + X.row(j));
+  }
+}
+
+// Rms of the residuals near each sample, over a third of all of them.
+Eigen::VectorXd local_size(const Eigen::VectorXd& r) {
+  const Eigen::Index reach = r.size() / 6;
+  Eigen::VectorXd size(r.size());
+  const double all = r.norm() / std::sqrt(static_cast<double>(r.size()));
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
+    const Eigen::Index begin = std::max<Eigen::Index>(0, i - reach);
+    const Eigen::Index count = std::min(r.size(), i + reach + 1) - begin;
+    size[i] = std::max(kSizeMin * all, r.segment(begin, count).norm() /
+                                           std::sqrt(static_cast<double>(count)));
+  }
+  return size;
+}
+
 Eigen::MatrixXd not_a_number(Eigen::Index p) {
   return Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
 }
@@ -159,7 +276,8 @@ Eigen::MatrixXd not_a_number(Eigen::Index p) {
 }  // namespace
 
 std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
-                                     const Eigen::VectorXd& residual, double longest) {
+                                     const Eigen::VectorXd& residual, SharedNoise kinds,
+                                     double longest) {
   const Eigen::Index n = residual.size();
   const Eigen::Index left = n - jacobian.cols();
   if (left < kLeftMin || !(residual.squaredNorm() > 0.0)) {
@@ -176,6 +294,10 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
         kShortest * std::pow(longest / kShortest, i / (kLengths - 1.0));
     for (const double share : kShares) {
       tried.push_back(likelihood.at(unit_noise(share, std::exp(-1.0 / length))));
+      if (kinds == SharedNoise::kAlsoSmooth && length > kShortestSmooth) {
+        tried.push_back(
+            likelihood.at(unit_noise(share, std::exp(-1.0 / length), true)));
+      }
     }
   }
   std::vector<ProbableNoise> noises = weighed(tried);
@@ -202,9 +324,18 @@ double effective_samples(std::span<const double> residuals) {
 }
 
 double weighed_squares(const CorrelatedNoise& noise, const Eigen::VectorXd& residual) {
-  Eigen::MatrixXd white = residual;
+  Eigen::MatrixXd white = residual.transpose();
   (void)whiten(noise, white);
   return white.squaredNorm();
+}
+
+double CorrelatedNoise::long_run_variance() const {
+  double times = (1.0 + rho) / (1.0 - rho);
+  if (smooth) {
+    const double l = decay(*this), a = std::exp(-l), rest = 1.0 - a;
+    times = 1.0 + 2.0 * a / rest + 2.0 * l * a / (rest * rest);
+  }
+  return white * white + shared * shared * times;
 }
 
 double long_run_variance(const std::vector<ProbableNoise>& noises) {
@@ -219,6 +350,10 @@ Eigen::MatrixXd times_covariance(const CorrelatedNoise& noise,
                                  const Eigen::MatrixXd& X) {
   const double shared = noise.shared * noise.shared;
   Eigen::MatrixXd product = noise.white * noise.white * X;
+  if (noise.smooth) {
+    add_smooth(noise, X, product);
+    return product;
+  }
   Eigen::RowVectorXd before = Eigen::RowVectorXd::Zero(X.cols());
   Eigen::RowVectorXd after = before;
   for (Eigen::Index i = 0; i < X.rows(); ++i) {
@@ -233,7 +368,7 @@ Eigen::MatrixXd times_covariance(const CorrelatedNoise& noise,
 
 Eigen::MatrixXd covariance_under_noise(const Eigen::MatrixXd& jacobian,
                                        const Eigen::VectorXd& residual,
-                                       Eigen::Index samples) {
+                                       Eigen::Index samples, SharedNoise kinds) {
   const Eigen::Index p = jacobian.cols();
   const Eigen::MatrixXd J = averaged(jacobian.topRows(samples));
   const double times = static_cast<double>(samples) / static_cast<double>(J.rows());
@@ -247,9 +382,15 @@ Eigen::MatrixXd covariance_under_noise(const Eigen::MatrixXd& jacobian,
     return not_a_number(p);
   }
   Eigen::MatrixXd filling = Eigen::MatrixXd::Zero(p, p);
-  for (const auto& [noise, weight] : noises_of(J, averaged(residual.head(samples)))) {
+  Eigen::VectorXd r = averaged(residual.head(samples));
+  const Eigen::VectorXd size = kinds == SharedNoise::kAlsoSmooth
+                                   ? local_size(r)
+                                   : Eigen::VectorXd::Ones(r.size());
+  const Eigen::MatrixXd sized = size.asDiagonal() * J;
+  for (const auto& [noise, weight] :
+       noises_of(size.cwiseInverse().asDiagonal() * J, r.cwiseQuotient(size), kinds)) {
     const double variance = noise.white * noise.white + noise.shared * noise.shared;
-    filling += weight * (J.transpose() * times_covariance(noise, J) +
+    filling += weight * (sized.transpose() * times_covariance(noise, sized) +
                          variance * expected.transpose() * expected);
   }
   return bread * filling * bread;

@@ -3,6 +3,9 @@
 //
 //   V(i, j) = white^2 [i = j] + shared^2 rho^|i - j|
 //
+// or, of smooth noise, shared^2 (1 + l k) exp(-l k), k = |i - j|, l = -sqrt(3) ln rho
+// (Matern's of smoothness 3/2): what a law misses of a curve is smooth.
+//
 // The likelihood of a noise is the restricted one (Patterson and Thompson 1971):
 // residuals of a fit are smaller than the noise, and less alike, by what the fit has
 // followed of it. Few samples allow many noises, white or shared; what they make of a
@@ -22,11 +25,10 @@ struct CorrelatedNoise {
   double white = 0.0;   ///< standard deviation, in units of the residuals
   double shared = 0.0;  ///< standard deviation of what neighbours share
   double rho = 0.0;     ///< [-] [0, 1) share of it that the next sample has still
+  bool smooth = false;  ///< what is shared is smooth, and rho only tells its length
 
   /// Variance of a mean of many samples, times their number.
-  [[nodiscard]] double long_run_variance() const {
-    return white * white + shared * shared * (1.0 + rho) / (1.0 - rho);
-  }
+  [[nodiscard]] double long_run_variance() const;
 };
 
 struct ProbableNoise {
@@ -34,13 +36,17 @@ struct ProbableNoise {
   double weight = 1.0;  ///< [-] sum 1 over all
 };
 
+/// Which noises are tried. A smooth shape that a law has not counts as noise where it
+/// is known to be there; where it is not, trying it only widens intervals.
+enum class SharedNoise { kRough, kAlsoSmooth };
+
 /// Those that residuals allow, weights below 1e-3 left out.
 /// @param jacobian (n x p) of the fit's free parameters; p may be 0.
 /// @param residual (n) in the samples' order. White noise alone where n < p + 20.
 /// @param longest [samples] at least 1, over which neighbours may share; 0: n / 4.
-[[nodiscard]] std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
-                                                   const Eigen::VectorXd& residual,
-                                                   double longest = 0.0);
+[[nodiscard]] std::vector<ProbableNoise> noises_of(
+    const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
+    SharedNoise kinds = SharedNoise::kRough, double longest = 0.0);
 
 /// The mean of their long-run variances.
 [[nodiscard]] double long_run_variance(const std::vector<ProbableNoise>& noises);
@@ -62,9 +68,9 @@ struct ProbableNoise {
 /// (J^T J)^-1 J^T V J (J^T J)^-1. All NaN where they cannot be told apart.
 /// @param jacobian, residual as for noises_of(). @param samples how many of the first
 /// rows are samples in a row; the others are expectations, each with an error of its
-/// own as large as a sample's.
-[[nodiscard]] Eigen::MatrixXd covariance_under_noise(const Eigen::MatrixXd& jacobian,
-                                                     const Eigen::VectorXd& residual,
-                                                     Eigen::Index samples);
+/// own as large as a sample's. @param kinds as noises_of().
+[[nodiscard]] Eigen::MatrixXd covariance_under_noise(
+    const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
+    Eigen::Index samples, SharedNoise kinds = SharedNoise::kRough);
 
 }  // namespace palpate

@@ -184,13 +184,45 @@ TEST(ContactFit, TheEndOfAToeIsNoContactPoint) {
     const ContactFit at_once = fit(toe(0.0, seed));
     EXPECT_TRUE(at_once.has(FitFlag::kAlreadyInContact)) << seed;
     const ContactFit free = fit(toe(2e-3, seed));
-    const bool told =
-        std::abs(free.contact_point_m - 2e-3) <= 4.0 * free.contact_point_sd_m;
+    const bool told = std::abs(free.contact.m - 2e-3) <= 4.0 * free.contact.sd_m;
     EXPECT_TRUE(told || free.has(FitFlag::kContactPointNotIdentified)) << seed;
     ASSERT_TRUE(free.beginning) << seed;
     // Within a quarter of the toe, whose end is 1.75 mm away.
     EXPECT_NEAR(free.beginning->contact_point_m, 2e-3, 0.44e-3) << seed;
   }
+}
+
+// A wave of 2 % of the force over the depth, which no law has.
+Measurement waved(double phase, unsigned seed) {
+  const SyntheticCurve curve{.noise_n = 2e-3};
+  Measurement m = synthetic(curve, seed);
+  for (std::size_t i = 0; i < m.force_n.size(); ++i) {
+    const double d = std::max(0.0, m.depth_m[i] - curve.free_m) / kSyntheticDepth;
+    m.force_n[i] += 0.02 * std::sin(9.0 * d + phase) * std::pow(d, curve.exponent);
+  }
+  return m;
+}
+
+TEST(ContactFit, WhereTheLawMissesTheBeginningTellsTheContactPoint) {
+  double law_m2 = 0.0, told_m2 = 0.0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const ContactFit result = fit(waved(0.5 * seed, seed));
+    ASSERT_TRUE(result.beginning) << seed;
+    const double apart_m = result.contact.m - result.contact_point_m;
+    EXPECT_EQ(result.contact.m, result.beginning->contact_point_m) << seed;
+    EXPECT_GE(result.contact.sd_m, std::abs(apart_m)) << seed;
+    EXPECT_LE(std::abs(result.contact.m - 2e-3), 3.0 * result.contact.sd_m) << seed;
+    law_m2 += std::pow(result.contact_point_m - 2e-3, 2);
+    told_m2 += std::pow(result.contact.m - 2e-3, 2);
+  }
+  EXPECT_LT(told_m2, 0.5 * law_m2);
+}
+
+TEST(ContactFit, WhereTheLawFollowsItTellsTheContactPointItself) {
+  const ContactFit result = fit(synthetic({}, 5));
+  EXPECT_FALSE(result.beginning);
+  EXPECT_EQ(result.contact.m, result.contact_point_m);
+  EXPECT_EQ(result.contact.sd_m, result.contact_point_sd_m);
 }
 
 // A tilt that lifts the force by a third looks like a body from the first sample on,

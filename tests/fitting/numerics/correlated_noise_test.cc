@@ -14,8 +14,11 @@ Eigen::MatrixXd covariance(const CorrelatedNoise& noise, Eigen::Index n) {
   Eigen::MatrixXd V(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
-      V(i, j) = noise.shared * noise.shared *
-                    std::pow(noise.rho, std::abs(static_cast<double>(i - j))) +
+      const double k = std::abs(static_cast<double>(i - j));
+      const double lk = -std::sqrt(3.0) * std::log(noise.rho) * k;
+      const double alike =
+          noise.smooth ? (1.0 + lk) * std::exp(-lk) : std::pow(noise.rho, k);
+      V(i, j) = noise.shared * noise.shared * alike +
                 (i == j ? noise.white * noise.white : 0.0);
     }
   }
@@ -48,17 +51,31 @@ Eigen::VectorXd residual_of_fit(const Eigen::MatrixXd& J, const Eigen::VectorXd&
 }
 
 TEST(CorrelatedNoise, ProductsAreThoseOfItsCovariance) {
-  const CorrelatedNoise noise{0.3, 1.2, 0.8};
   const Eigen::MatrixXd X = Eigen::MatrixXd::Random(30, 3);
-  EXPECT_LT((times_covariance(noise, X) - covariance(noise, 30) * X).norm(),
-            1e-13 * X.norm());
+  for (const bool smooth : {false, true}) {
+    const CorrelatedNoise noise{0.3, 1.2, 0.8, smooth};
+    EXPECT_LT((times_covariance(noise, X) - covariance(noise, 30) * X).norm(),
+              1e-13 * X.norm());
+  }
+}
+
+TEST(CorrelatedNoise, WeighedSquaresAreThoseOfItsCovariance) {
+  const Eigen::VectorXd r = Eigen::VectorXd::Random(60);
+  for (const bool smooth : {false, true}) {
+    const CorrelatedNoise noise{0.3, 1.2, 0.8, smooth};
+    const double squares = r.dot(covariance(noise, 60).ldlt().solve(r));
+    EXPECT_NEAR(weighed_squares(noise, r), squares, 1e-10 * squares) << smooth;
+  }
 }
 
 TEST(CorrelatedNoise, LongRunVarianceIsThatOfAMean) {
-  const CorrelatedNoise noise{0.3, 1.2, 0.8};
   constexpr Eigen::Index kMany = 2000;
-  EXPECT_NEAR(covariance(noise, kMany).sum() / kMany, noise.long_run_variance(),
-              0.01 * noise.long_run_variance());
+  for (const bool smooth : {false, true}) {
+    const CorrelatedNoise noise{0.3, 1.2, 0.8, smooth};
+    EXPECT_NEAR(covariance(noise, kMany).sum() / kMany, noise.long_run_variance(),
+                0.01 * noise.long_run_variance())
+        << smooth;
+  }
 }
 
 // How often a parameter, zero in truth, lies within 1.96 of its stated deviations.
@@ -95,6 +112,31 @@ TEST(CorrelatedNoise, WhatALawMissesWidensIntervalsToItsOwnSizeAtMost) {
       std::sqrt(r.squaredNorm() / (kSamples - 2) * (J.transpose() * J).inverse()(0, 0));
   EXPECT_GT(sd.minCoeff(), 2.0 * white);
   EXPECT_LT(sd.maxCoeff(), 5.0 * largest);
+}
+
+// Bows of random size and place, that a line misses: their own smooth noise tells how
+// far the line's end is off.
+TEST(CorrelatedNoise, SmoothShapesThatALawMissesAreCounted) {
+  std::mt19937 generator(11);
+  const Eigen::MatrixXd J = line(kSamples);
+  const Eigen::Vector2d end(1.0, 1.0);
+  const Eigen::MatrixXd L = Eigen::MatrixXd(
+      covariance({0.1, 1.0, std::exp(-1.0 / 8.0), true}, kSamples).llt().matrixL());
+  std::normal_distribution<double> normal;
+  constexpr int kDraws = 300;
+  double held = 0.0;
+  for (int k = 0; k < kDraws; ++k) {
+    const Eigen::VectorXd y = L * Eigen::VectorXd::NullaryExpr(kSamples, [&] {
+                                return normal(generator);
+                              });
+    const Eigen::VectorXd r = residual_of_fit(J, y);
+    const double off = end.dot((J.transpose() * J).ldlt().solve(J.transpose() * y));
+    const Eigen::MatrixXd C =
+        covariance_under_noise(J, r, kSamples, SharedNoise::kAlsoSmooth);
+    held += std::abs(off) <= 1.96 * std::sqrt(end.dot(C * end)) ? 1.0 / kDraws : 0.0;
+  }
+  EXPECT_GT(held, 0.90);
+  EXPECT_LT(held, 0.99);
 }
 
 TEST(CorrelatedNoise, AFewSamplesAreTakenForWhite) {
