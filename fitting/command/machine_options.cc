@@ -20,8 +20,7 @@ void add_machine_options(Command command, MachineOptions& options) {
   command.add_option("--time-unit", options.time.unit,
                      "s, ms, us, ns; default: the header's");
   command.add_option("--cycle", options.cycle,
-                     "of several presses the first, last or the one of this number; "
-                     "default: all samples as one");
+                     "of several presses the first, last or the one of this number");
 }
 
 std::optional<FrameRun> frame_of(
@@ -68,6 +67,12 @@ std::optional<MeasurementColumn> told_time(const MachineOptions& options) {
 
 Measurement press_of(const MachineOptions& options, const Measurement& samples) {
   if (options.cycle.empty()) {
+    if (const std::size_t count = split_presses(samples).size(); count > 1) {
+      throw InputError(
+          fmt::format("holds {} presses one after another; choose one by --press 1 to "
+                      "{}, or by --cycle first or last",
+                      count, count));
+    }
     return samples;
   }
   const CycleChoice choice = parse_cycle(options.cycle);

@@ -33,7 +33,8 @@ void add_machine_options(Command command, MachineOptions& options);
 /// @throws InputError for a unit without a column.
 [[nodiscard]] std::optional<MeasurementColumn> told_time(const MachineOptions& options);
 
-/// The press that --cycle names; all samples without --cycle.
+/// The press that --cycle names; of a single one all samples.
+/// @throws InputError for several without --cycle.
 /// @throws InputError for "all", and for a number beyond the last press.
 [[nodiscard]] Measurement press_of(const MachineOptions& options,
                                    const Measurement& samples);

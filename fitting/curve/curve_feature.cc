@@ -41,18 +41,20 @@ std::optional<CurveFeature> fall_of(const Curve& curve) {
              : std::nullopt;
 }
 
-// The longest run of windows in which the force hardly rises.
+// The longest run of windows in which the force hardly rises or falls.
 std::optional<CurveFeature> plateau_of(const Curve& curve) {
   const double most = *std::max_element(curve.force.begin(), curve.force.end());
   const double mean =
       most * static_cast<double>(curve.window) /
       static_cast<double>(std::max<std::size_t>(1, curve.force.size() - 1));
   const double enough = mean - kSlopeNoises * curve.noise;
+  const double falls = -std::max(kStill * mean, kSlopeNoises * curve.noise);
   std::size_t begin = 0, length = 0, longest = 0, at = 0;
   double sum = 0.0, sum_longest = 0.0;
   for (std::size_t i = 0; i < curve.windows(); ++i) {
     const double rise = curve.rise(i);
-    if (curve.force[i] > kForceShare * most && rise < kStill * mean && rise < enough) {
+    if (curve.force[i] > kForceShare * most && rise < kStill * mean && rise > falls &&
+        rise < enough) {
       begin = length == 0 ? i : begin;
       sum = length == 0 ? rise : sum + rise;
       if (++length > longest) {
@@ -129,12 +131,13 @@ std::vector<CurveFeature> find_features(std::span<const double> depth_m,
       std::max<std::size_t>(1, static_cast<std::size_t>(
                                    kWindow * static_cast<double>(depth_m.size() - 1)))};
   std::vector<CurveFeature> features;
-  const auto plateau = plateau_of(curve);
-  for (const auto& found :
-       {fall_of(curve), plateau, plateau ? plateau : knee_of(curve)}) {
-    if (found && (features.empty() || features.back().kind != found->kind)) {
+  for (const auto& found : {fall_of(curve), plateau_of(curve)}) {
+    if (found) {
       features.push_back(*found);
     }
+  }
+  if (const auto knee = features.empty() ? knee_of(curve) : std::nullopt) {
+    features.push_back(*knee);
   }
   return features;
 }

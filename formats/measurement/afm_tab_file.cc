@@ -60,7 +60,9 @@ TabFile read_tab(const std::filesystem::path& file) {
     }
   }
   tab.lines = read_text_lines(file);
-  tab.lines.insert(tab.lines.begin(), names);
+  if (tab.lines.empty() || tab.lines.front().number != names.number) {
+    tab.lines.insert(tab.lines.begin(), names);
+  }
   return tab;
 }
 

@@ -42,6 +42,17 @@ TableHeader header_of(const std::string& file, std::span<const TextLine> lines) 
         "separators are not read; export without them",
         file, thousands));
   }
+  const bool rows = std::any_of(kDelimiters.begin(), kDelimiters.end(), [&](char mark) {
+    return find_header(lines, mark).has_value();
+  });
+  if (!rows) {
+    throw FormatError(
+        lines.empty()
+            ? fmt::format("{}: is empty", file)
+            : fmt::format("{}: no line of names above a row of two numbers or more; "
+                          "columns are separated by comma, semicolon, tab or blanks",
+                          file));
+  }
   throw InputError(
       fmt::format("{}: no line of names above the first row of numbers; tell depth and "
                   "force column by number, from 1, and their units",
@@ -58,9 +69,8 @@ std::vector<Numbers> numbers_in(std::span<const TextLine> lines,
     const auto cells = split_cells(line.text, header.delimiter);
     std::vector<double> row;
     for (const std::size_t column : columns) {
-      const auto value = column < cells.size()
-                             ? parse_number(cells[column], header.delimiter != ',')
-                             : std::nullopt;
+      const auto value =
+          column < cells.size() ? parse_number(cells[column], true) : std::nullopt;
       if (!value || !std::isfinite(*value)) {
         break;
       }

@@ -56,6 +56,13 @@ bool is_plain_time(std::string_view unit) {
   return unit == "s" || unit == "ms" || unit == "us" || unit == "ns" || unit == "µs";
 }
 
+// "Load N" and "Depth mm", but neither "Cycle N" nor "Rise in".
+bool is_no_word(const ColumnName& name) {
+  return (name.unit.size() > 1 && name.unit != "in") ||
+         (force_unit_si(name.unit) && is_force_name(name.quantity)) ||
+         (time_unit_si(name.unit) && is_time_name(name.quantity));
+}
+
 // Levenshtein's distance, one row at a time.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -132,13 +139,15 @@ ColumnName parse_column_name(std::string_view header) {
       return name;
     }
   }
-  const std::size_t bar = header.find_last_of('_');
-  if (bar != std::string_view::npos) {
-    const ColumnName name = taken(header.substr(0, bar), header.substr(bar + 1));
-    if (is_known_unit(name.unit) &&
-        (!time_unit_si(name.unit) || is_plain_time(name.unit) ||
-         is_time_name(name.quantity))) {
-      return name;
+  for (const char bar : {'_', ' '}) {
+    const std::size_t at = header.find_last_of(bar);
+    if (at != std::string_view::npos) {
+      const ColumnName name = taken(header.substr(0, at), header.substr(at + 1));
+      if (is_known_unit(name.unit) && (bar == '_' || is_no_word(name)) &&
+          (!time_unit_si(name.unit) || is_plain_time(name.unit) ||
+           is_time_name(name.quantity))) {
+        return name;
+      }
     }
   }
   return {std::string(header), ""};

@@ -39,6 +39,26 @@ std::string as_utf8(std::string_view line) {
   return text;
 }
 
+bool starts_with_number(std::string_view line) {
+  const std::string_view content = trimmed(line);
+  const std::size_t first = content.find_first_not_of("+-.,");
+  return first != std::string_view::npos && first <= 2 && content[first] >= '0' &&
+         content[first] <= '9';
+}
+
+// Without what is none: a unit in brackets belongs to the name before.
+std::vector<std::string> joined_cells(const std::vector<std::string>& cells) {
+  std::vector<std::string> joined;
+  for (const std::string& cell : cells) {
+    if (!joined.empty() && (cell.starts_with('(') || cell.starts_with('['))) {
+      joined.back() += " " + cell;
+    } else if (!cell.empty()) {
+      joined.push_back(cell);
+    }
+  }
+  return joined;
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
@@ -58,8 +78,10 @@ std::vector<TextLine> text_lines(std::string_view text, const std::string& file,
     text.remove_prefix(kByteOrderMark.size());
   }
   std::vector<TextLine> lines;
+  TextLine comment;
+  const char end_of_line = text.find('\n') == std::string_view::npos ? '\r' : '\n';
   for (std::size_t number = first_number; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::size_t end = std::min(text.find(end_of_line), text.size());
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.find('\0') != std::string_view::npos) {
@@ -71,7 +93,12 @@ std::vector<TextLine> text_lines(std::string_view text, const std::string& file,
       line.remove_suffix(1);
     }
     const std::string_view content = trimmed(line);
-    if (!content.empty() && content.front() != '#') {
+    if (content.starts_with('#')) {
+      comment = {number, as_utf8(trimmed(content.substr(1)))};
+    } else if (!content.empty()) {
+      if (lines.empty() && !comment.text.empty() && starts_with_number(content)) {
+        lines.push_back(comment);
+      }
       lines.push_back({number, as_utf8(line)});
     }
   }
@@ -91,7 +118,8 @@ std::vector<std::string> split_cells(std::string_view line, char delimiter) {
       cells.back() += line[i++];
     } else if (quote) {
       quoted = !quoted;
-    } else if (line[i] == delimiter && !quoted) {
+    } else if (!quoted &&
+               (line[i] == delimiter || (delimiter == ' ' && line[i] == '\t'))) {
       cells.emplace_back();
     } else {
       cells.back() += line[i];
@@ -100,7 +128,7 @@ std::vector<std::string> split_cells(std::string_view line, char delimiter) {
   for (std::string& cell : cells) {
     cell = std::string(trimmed(cell));
   }
-  return cells;
+  return delimiter == ' ' ? joined_cells(cells) : cells;
 }
 
 std::optional<double> parse_number(std::string_view cell, bool decimal_comma) {

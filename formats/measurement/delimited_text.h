@@ -1,6 +1,7 @@
 // Delimited text as instruments and spreadsheets export it: lines, cells, numbers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -15,9 +16,13 @@ struct TextLine {
   std::string text;        ///< without its end of line
 };
 
+/// Those of tables, in the order in which they are tried.
+inline constexpr std::array kDelimiters{'\t', ';', ',', ' '};
+
 /// The lines that carry something: blank lines and those that start with '#' are left
-/// out, a byte order mark and carriage returns taken off. A line that is no UTF-8 is
-/// taken as Latin-1 and given as UTF-8.
+/// out, a byte order mark and carriage returns taken off. Of comments above a first row
+/// that starts with a number the last is kept, without its '#': it may name the
+/// columns. A line that is no UTF-8 is taken as Latin-1 and given as UTF-8.
 /// @throws InputError if the file cannot be read, FormatError if it is not 8-bit text.
 [[nodiscard]] std::vector<TextLine> read_text_lines(const std::filesystem::path& file);
 
@@ -32,7 +37,8 @@ struct TextLine {
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
 /// Cells between delimiters, blanks around them taken off. A cell in double quotes may
-/// hold the delimiter; "" inside it is one quote.
+/// hold the delimiter; "" inside it is one quote. The delimiter ' ' stands for any
+/// blanks, and a unit in brackets behind them belongs to the cell before.
 [[nodiscard]] std::vector<std::string> split_cells(std::string_view line,
                                                    char delimiter);
 

@@ -84,7 +84,7 @@ struct Table {
 bool has_number(const TextLine& line, char delimiter) {
   const auto cells = split_cells(line.text, delimiter);
   return std::any_of(cells.begin(), cells.end(), [&](const std::string& cell) {
-    return parse_number(cell, delimiter != ',').has_value();
+    return parse_number(cell, true).has_value();
   });
 }
 

@@ -18,12 +18,11 @@ bool is_mass(const std::string& unit) {
 
 // Units alone: all known, or two known and others that are short. Numbers beside them
 // belong to somebody's calculations in the same sheet.
-bool are_units(const Cells& cells, char delimiter) {
+bool are_units(const Cells& cells) {
   std::size_t known = 0, others = 0, brief = 0;
   for (const std::string& cell : cells) {
     const std::string unit = stated_unit(cell);
-    const bool beside =
-        cell.empty() || parse_number(cell, delimiter != ',').has_value();
+    const bool beside = cell.empty() || parse_number(cell, true).has_value();
     known += is_known_unit(unit) || is_mass(unit) ? 1 : 0;
     others += beside ? 1 : 0;
     brief += beside || cell.size() <= kUnitLength ? 1 : 0;
@@ -77,7 +76,7 @@ std::string stated_unit(const std::string& cell) {
 bool is_number_row(std::span<const TextLine> lines, std::size_t row, char delimiter) {
   std::size_t numbers = 0, units = 0;
   for (const std::string& cell : split_cells(lines[row].text, delimiter)) {
-    numbers += parse_number(cell, delimiter != ',').has_value() ? 1 : 0;
+    numbers += parse_number(cell, true).has_value() ? 1 : 0;
     units += states_a_unit(cell) ? 1 : 0;
   }
   return numbers > 1 && units < 2 &&
@@ -102,7 +101,7 @@ std::optional<TableHeader> find_header(std::span<const TextLine> lines, char del
   if (last.size() != count) {
     return header;
   }
-  const bool unit_line = before.size() == count && are_units(last, delimiter);
+  const bool unit_line = before.size() == count && are_units(last);
   header.name = unit_line ? before : last;
   header.unit = units_of(header.name, unit_line ? last : Cells{});
   header.names = row - (unit_line ? 2 : 1);
@@ -110,7 +109,7 @@ std::optional<TableHeader> find_header(std::span<const TextLine> lines, char del
 }
 
 std::optional<TableHeader> find_header(std::span<const TextLine> lines) {
-  for (const char delimiter : {'\t', ';', ','}) {
+  for (const char delimiter : kDelimiters) {
     auto header = find_header(lines, delimiter);
     if (header && !header->name.empty()) {
       return header;

@@ -9,6 +9,7 @@
 #include "formats/base/error.h"
 #include "formats/base/units.h"
 #include "formats/measurement/column_name.h"
+#include "formats/measurement/decimal_mark.h"
 #include "formats/measurement/table_header.h"
 
 namespace palpate {
@@ -33,9 +34,8 @@ struct Request {
 constexpr double (*kUnitSize[])(std::string_view) = {metres_per, newtons_per,
                                                      seconds_per};
 
-bool numeric(const Cells& cells, std::size_t column, char delimiter) {
-  return column < cells.size() &&
-         parse_number(cells[column], delimiter != ',').has_value();
+bool numeric(const Cells& cells, std::size_t column) {
+  return column < cells.size() && parse_number(cells[column], true).has_value();
 }
 
 std::optional<std::size_t> resolve(const Request& request, std::size_t which,
@@ -63,7 +63,7 @@ std::optional<Table> find_by_numbers(const Request& request,
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Cells cells = split_cells(lines[i].text, delimiter);
     if (std::all_of(column.begin(), column.end(), [&](std::size_t which) {
-          return numeric(cells, which, delimiter);
+          return numeric(cells, which);
         })) {
       const auto above =
           find_header(lines.first(i + 1), delimiter, i - std::min(i, std::size_t{2}));
@@ -102,7 +102,7 @@ std::optional<Table> find_by_names(const Request& request,
 
 [[noreturn]] void refuse_columns(const Request& request,
                                  std::span<const TextLine> lines) {
-  for (const char delimiter : {'\t', ';', ','}) {
+  for (const char delimiter : kDelimiters) {
     const auto table = find_header(lines, delimiter);
     if (!table) {
       continue;
@@ -123,9 +123,10 @@ std::optional<Table> find_by_names(const Request& request,
         lines[table->begin].number,
         split_cells(lines[table->begin].text, delimiter).size()));
   }
-  throw InputError(fmt::format(
-      "{}: no row with two numbers or more, separated by comma, semicolon or tab",
-      request.file));
+  throw InputError(
+      fmt::format("{}: no row with two numbers or more, separated by comma, semicolon, "
+                  "tab or blanks",
+                  request.file));
 }
 
 Table find_table(const Request& request, std::span<const TextLine> lines) {
@@ -133,7 +134,7 @@ Table find_table(const Request& request, std::span<const TextLine> lines) {
                                    [](const MeasurementColumn* choice) {
                                      return column_number(choice->column).has_value();
                                    });
-  for (const char delimiter : {'\t', ';', ','}) {
+  for (const char delimiter : kDelimiters) {
     const auto table = numbers ? find_by_numbers(request, lines, delimiter)
                                : find_by_names(request, lines, delimiter);
     if (table) {
@@ -179,7 +180,7 @@ bool take_unit_line(const Request& request, const TextLine& line, Table& table) 
   Cells units;
   for (const std::size_t column : table.column) {
     if (column >= cells.size() || column >= table.header.size() ||
-        numeric(cells, column, table.delimiter)) {
+        numeric(cells, column)) {
       return false;
     }
     units.push_back(unit_beside(parse_column_name(table.header[column]).quantity,
@@ -218,39 +219,6 @@ double unit_size(const Request& request, const Table& table, std::size_t which) 
   return *size;
 }
 
-// Whether a comma or a point separates thousands cannot be told from one cell: "1,234".
-// It can where another cell of the table has the other mark.
-class DecimalMark {
- public:
-  explicit DecimalMark(const std::string& file) : file_(file) {}
-
-  void see(const std::string& cell, std::size_t line) {
-    for (const char mark : {',', '.'}) {
-      if (cell.find(mark) != std::string::npos) {
-        Seen& seen = mark == ',' ? comma_ : point_;
-        seen.any = seen.any == 0 ? line : seen.any;
-        seen.grouped =
-            seen.grouped == 0 && ends_in_groups(cell, mark) ? line : seen.grouped;
-      }
-    }
-    if ((comma_.any != 0 && point_.grouped != 0) ||
-        (point_.any != 0 && comma_.grouped != 0)) {
-      throw FormatError(fmt::format(
-          "{}: a comma in line {} and a point in line {}: one of them separates "
-          "thousands, which are not read; export without thousands separators",
-          file_, comma_.grouped != 0 ? comma_.grouped : comma_.any,
-          point_.grouped != 0 ? point_.grouped : point_.any));
-    }
-  }
-
- private:
-  struct Seen {
-    std::size_t any = 0, grouped = 0;  // line of the first such cell
-  };
-  const std::string& file_;
-  Seen comma_, point_;
-};
-
 double cell_number(const Request& request, const Table& table, const TextLine& line,
                    const Cells& cells, std::size_t which) {
   const std::size_t column = table.column[which];
@@ -261,7 +229,7 @@ double cell_number(const Request& request, const Table& table, const TextLine& l
                                   request.file, line.number, cells.size(), column + 1,
                                   name));
   }
-  const auto value = parse_number(cells[column], table.delimiter != ',');
+  const auto value = parse_number(cells[column], true);
   if (!value || !std::isfinite(*value)) {
     const bool digits =
         cells[column].find_first_of("0123456789") != std::string::npos &&
@@ -335,11 +303,10 @@ void read_rows(const Request& request, const Table& table,
     for (std::size_t which = 0; which < table.column.size(); ++which) {
       samples[which]->push_back(size[which] *
                                 cell_number(request, table, line, cells, which));
-      if (table.delimiter != ',') {
-        mark.see(cells[table.column[which]], line.number);
-      }
+      mark.see(cells[table.column[which]], line.number);
     }
   }
+  mark.check();
 }
 
 }  // namespace

@@ -2,11 +2,16 @@
 // terms hold, and do presses at different speeds tell the same?
 //
 // relaxation_study [RUNS [SEED]]   (default 100, 1)
+// relaxation_study held FILE... [RUNS]   of measured holds: how far the joint fit is
+// off, and whether the body that it finds, pressed again at the measured speed and ten
+// times as fast, with noise as large as the residuals, tells the same terms (default
+// 10)
 //
 // Every row is one case; runs differ by their noise, their contact point, and by up to
 // a third in every time and by a fifth in every g. Terms are compared where as many
 // were found as there are. "seen": the share of runs whose fastest term is slower than
 // what the fit says that it sees; the columns after it are of those.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -18,6 +23,7 @@
 #include <fmt/format.h>
 
 #include "fitting/curve/time_effects.h"
+#include "formats/measurement/measurement_file.h"
 
 namespace palpate {
 namespace {
@@ -34,6 +40,7 @@ struct Case {
   double noise = 3e-3;  // [-] of the largest force
   double alike = 0.0;   // correlation of neighbouring noise
   bool release = false;
+  double varied = 1.0;  // how much g and tau differ from run to run
 };
 
 struct Drawn {
@@ -56,8 +63,8 @@ Drawn draw(const Case& c, std::mt19937& generator) {
   std::normal_distribution<double> normal;
   Drawn d{c.g, c.tau_s, {}};
   for (std::size_t k = 0; k < d.g.size(); ++k) {
-    d.g[k] *= 1.0 + 0.2 * even(generator);
-    d.tau_s[k] *= 1.0 + 0.33 * even(generator);
+    d.g[k] *= 1.0 + 0.2 * c.varied * even(generator);
+    d.tau_s[k] *= 1.0 + 0.33 * c.varied * even(generator);
   }
   const double free_m = 6e-4 * (1.0 + 0.5 * even(generator));
   const double press_s = (kDepth + free_m) / c.speed_m_per_s;
@@ -124,28 +131,87 @@ void count(const Case& c, const Drawn& d, Score& score) {
   }
 }
 
-double agreement(const Case& slow, const Case& fast, int runs, unsigned seed) {
-  double agreed = 0.0, compared = 0.0;
+struct Agreement {
+  double agreed = 0.0, compared = 0.0;  // pairs of g and of tau
+  double other_terms = 0.0;             // runs that find not as many
+};
+
+Agreement agreement(const Case& slow, const Case& fast, int runs, unsigned seed) {
+  Agreement all;
   for (int run = 0; run < runs; ++run) {
     std::mt19937 one(seed + static_cast<unsigned>(run)), other(one);
     const JointRelaxation a = find_relaxation(draw(slow, one).measurement).joint;
     const JointRelaxation b = find_relaxation(draw(fast, other).measurement).joint;
     if (a.terms.size() != b.terms.size()) {
+      ++all.other_terms;
       continue;
     }
     for (std::size_t k = 0; k < a.terms.size(); ++k) {
       const RelaxationTerm &s = a.terms[k], &f = b.terms[k];
-      compared += 2.0;
-      agreed += std::abs(s.g - f.g) <= kZ * std::hypot(s.g_sd, f.g_sd) ? 1.0 : 0.0;
-      agreed += std::abs(std::log(s.tau_s / f.tau_s)) <=
-                        kZ * std::hypot(s.tau_sd_s / s.tau_s, f.tau_sd_s / f.tau_s)
-                    ? 1.0
-                    : 0.0;
+      all.compared += 2.0;
+      all.agreed += std::abs(s.g - f.g) <= kZ * std::hypot(s.g_sd, f.g_sd) ? 1.0 : 0.0;
+      all.agreed += std::abs(std::log(s.tau_s / f.tau_s)) <=
+                            kZ * std::hypot(s.tau_sd_s / s.tau_s, f.tau_sd_s / f.tau_s)
+                        ? 1.0
+                        : 0.0;
     }
   }
-  fmt::print("{} and {}: {:.3f} of {:.0f} pairs of g and tau agree\n", slow.name,
-             fast.name, agreed / compared, compared);
-  return agreed / compared;
+  return all;
+}
+
+void print(const std::string& name, const Agreement& a) {
+  fmt::print(
+      "{}: {:.3f} of {:.0f} pairs of g and tau agree, {} runs find other terms\n", name,
+      a.agreed / a.compared, a.compared, a.other_terms);
+}
+
+// The body that a measured press and hold tells, as a case.
+Case case_of(const JointRelaxation& joint, const Relaxation& hold) {
+  const auto curve = [joint](double u) {
+    const auto& x = joint.displacement_m;
+    const double at = x.front() + u * (x.back() - x.front());
+    const auto above = std::upper_bound(x.begin(), x.end(), at);
+    const auto i = static_cast<std::size_t>(
+        std::clamp<std::ptrdiff_t>(above - x.begin() - 1, 0, std::ssize(x) - 2));
+    const double share = (at - x[i]) / (x[i + 1] - x[i]);
+    return std::lerp(joint.force_n[i], joint.force_n[i + 1], share) /
+           joint.force_n.back();
+  };
+  Case c{"", curve, {}, {}, hold.speed_m_per_s, 10.0, hold.seconds, joint.rms_relative};
+  c.varied = 0.0;
+  for (const RelaxationTerm& term : joint.terms) {
+    c.g.push_back(term.g);
+    c.tau_s.push_back(term.tau_s);
+  }
+  return c;
+}
+
+void study_held(const std::vector<std::string>& files, int runs) {
+  Agreement all;
+  double worst = 0.0;
+  for (const std::string& file : files) {
+    const Relaxation hold =
+        find_relaxation(read_measurement(file, {{"displacement", "mm"},
+                                                {"force", "N"},
+                                                MeasurementColumn{"time", "s"}})
+                            .samples);
+    if (!hold.joint.refused.empty()) {
+      fmt::print("{}: {}\n", file, hold.joint.refused);
+      continue;
+    }
+    worst = std::max(worst, hold.joint.rms_relative);
+    const Case slow = case_of(hold.joint, hold);
+    Case fast = slow;
+    fast.speed_m_per_s *= 10.0;
+    fast.rate_hz *= 10.0;
+    const Agreement one = agreement(slow, fast, runs, 1);
+    print(fmt::format("{}: off by {:.2f} %", file, 100.0 * hold.joint.rms_relative),
+          one);
+    all.agreed += one.agreed;
+    all.compared += one.compared;
+    all.other_terms += one.other_terms;
+  }
+  print(fmt::format("all, off by {:.2f} % at most", 100.0 * worst), all);
 }
 
 void study(int runs, unsigned seed) {
@@ -190,8 +256,10 @@ void study(int runs, unsigned seed) {
         s.tau / s.terms, s.rest / s.seen, s.curve / s.seen);
     std::fflush(stdout);
   }
-  (void)agreement(cases[1], cases[2], runs, seed);
-  (void)agreement(cases[3], cases[4], runs, seed);
+  for (const std::size_t k : {1U, 3U}) {
+    print(cases[k].name + " and " + cases[k + 1].name,
+          agreement(cases[k], cases[k + 1], runs, seed));
+  }
 }
 
 }  // namespace
@@ -199,6 +267,15 @@ void study(int runs, unsigned seed) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc > 2 && std::string(argv[1]) == "held") {
+      std::vector<std::string> files(argv + 2, argv + argc);
+      const bool told =
+          files.back().find_first_not_of("0123456789") == std::string::npos;
+      const int runs = told ? std::stoi(files.back()) : 10;
+      files.resize(files.size() - (told ? 1 : 0));
+      palpate::study_held(files, runs);
+      return EXIT_SUCCESS;
+    }
     palpate::study(argc > 1 ? std::stoi(argv[1]) : 100,
                    argc > 2 ? static_cast<unsigned>(std::stoul(argv[2])) : 1U);
     return EXIT_SUCCESS;

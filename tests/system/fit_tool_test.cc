@@ -104,6 +104,25 @@ TEST_F(FitTool, AsksWhichOfSeveralPressesIsMeant) {
   EXPECT_EQ(run({"--press", "2"}).exit_code, 2);  // curve.csv holds one
 }
 
+TEST_F(FitTool, AsksWhichOfPressesInOneTableIsMeant) {
+  const Measurement m = synthetic({}, 1);
+  std::ofstream file(folder_ / "loops.csv");
+  file << "Travel (mm),Load (N)\n";
+  for (const double gain : {1.0, 2.0}) {
+    for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
+      file << fmt::format("{},{}\n", m.depth_m[i] * 1e3, gain * m.force_n[i]);
+    }
+    file << "2.0,0\n0.5,0\n";
+  }
+  file.close();
+  const ToolRun asks = run({}, "loops.csv");
+  EXPECT_EQ(asks.exit_code, 2);
+  EXPECT_NE(asks.err.find("holds 2 presses one after another"), std::string::npos)
+      << asks.err;
+  EXPECT_EQ(run({"--press", "2"}, "loops.csv").exit_code, 0);
+  EXPECT_EQ(run({"--cycle", "first"}, "loops.csv").exit_code, 0);
+}
+
 TEST_F(FitTool, TakesTheTipOfTheFileAndSaysSo) {
   const Measurement m = synthetic({}, 1);
   std::ofstream file(folder_ / "tip.txt");

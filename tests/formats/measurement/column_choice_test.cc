@@ -22,7 +22,7 @@ Chosen choose(const std::string& text, const MeasurementColumns& told = {}) {
     const MeasurementColumns columns =
         columns_of_lines("x.txt", lines, told, &chosen.notes);
     chosen.read = read_table("x.txt", lines, columns);
-  } catch (const InputError& error) {
+  } catch (const Error& error) {
     chosen.asked = error.what();
   }
   return chosen;
@@ -33,9 +33,12 @@ void expect_says(const std::string& text, const std::string& part) {
 }
 
 TEST(ColumnChoice, TheHeaderTellsDepthAndForceByTheirUnits) {
-  for (const char* text : {"Time (s),Compression (mm),Load (N)\n0,1,2\n1,3,4\n",
-                           "Load_N;Travel_mm\n2;1\n4;3\n",
-                           "Rig 7\n\nTime\tz\tF\ns\tmm\tN\n0\t1\t2\n1\t3\t4\n"}) {
+  for (const char* text :
+       {"Time (s),Compression (mm),Load (N)\n0,1,2\n1,3,4\n",
+        "Load_N;Travel_mm\n2;1\n4;3\n", "Load N;Travel mm;Cycle N\n2;1;1\n4;3;1\n",
+        "Travel (mm)   Load(N)\n 1.0  2.0\n 3.0  4.0\n",
+        "# Travel [mm]\tLoad [N]\n1\t2\n3\t4\n",
+        "Rig 7\n\nTime\tz\tF\ns\tmm\tN\n0\t1\t2\n1\t3\t4\n"}) {
     const Chosen c = choose(text);
     EXPECT_EQ(c.asked, "") << text;
     EXPECT_EQ(c.read.samples.depth_m, (std::vector<double>{1.0 * 1e-3, 3.0 * 1e-3}))
@@ -55,6 +58,8 @@ TEST(ColumnChoice, WhatTheHeaderDoesNotTellIsAskedFor) {
               "no column of the header states a unit of length; columns found: \"a\", "
               "\"b\"");
   expect_says(choose("0,1\n1,3\n").asked, "no line of names");
+  expect_says(choose("").asked, "is empty");
+  expect_says(choose("Travel (mm),Load (N)\n").asked, "no line of names above a row");
   EXPECT_EQ(choose("0,1\n1,3\n", {{"1", "mm"}, {"2", "N"}}).asked, "");
 }
 

@@ -150,6 +150,8 @@ TEST_F(MachineTable, RefusesThousandsSeparators) {
   expect_complaint("Travel (mm)\tLoad (N)\n0.5\t999.5\n1.0\t1,234\n",
                    "separates thousands");
   EXPECT_EQ(complaint("Travel (mm);Load (N)\n0,5;999,5\n1,0;1,234\n"), "");
+  expect_complaint("Travel (um),Load (N)\n993,1\n\"1,007\",2\n",
+                   "the comma in line 3 separates thousands or decimals");
 }
 
 // A mean that somebody wrote below the table, an empty line apart.

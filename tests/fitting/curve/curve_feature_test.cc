@@ -1,0 +1,52 @@
+#include "fitting/curve/curve_feature.h"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+// [N] over 5 mm, noise 2 mN.
+std::vector<CurveFeature> features(const std::function<double(double)>& force_n) {
+  std::vector<double> depth, force;
+  for (int i = 0; i <= 200; ++i) {
+    depth.push_back(5e-3 * i / 200);
+    force.push_back(force_n(i / 200.0));
+  }
+  return find_features(depth, force, 2e-3);
+}
+
+TEST(CurveFeature, APunctureIsAFallAndNoPlateau) {
+  const auto found = features([](double d) {
+    return d < 0.6 ? d : 0.4 * d;
+  });
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, FeatureKind::kFall);
+  EXPECT_NEAR(found[0].change, 0.36, 0.01);
+  EXPECT_NEAR(found[0].depth_m, 3e-3, 0.05e-3);
+}
+
+TEST(CurveFeature, AForceThatStaysAfterAFallIsAPlateauToo) {
+  const auto found = features([](double d) {
+    return d < 0.5 ? d : 0.2;
+  });
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[1].kind, FeatureKind::kPlateau);
+  EXPECT_NEAR(found[1].depth_m, 2.5e-3, 0.1e-3);
+  EXPECT_NEAR(found[1].change, 0.0, 0.01);
+}
+
+TEST(CurveFeature, AKneeIsToldWhereNothingElseIs) {
+  const auto found = features([](double d) {
+    return d < 0.5 ? d : 0.5 + 0.3 * (d - 0.5);
+  });
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, FeatureKind::kKnee);
+  EXPECT_TRUE(features([](double d) {
+                return d * d;
+              }).empty());
+}
+
+}  // namespace
+}  // namespace palpate
