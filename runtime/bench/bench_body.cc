@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -57,6 +58,49 @@ class NodeMaker {
   BenchBodyOptions o_;
   std::mt19937_64 random_;
 };
+
+// Memory at the nodes of a coarser grid, blended over its squares.
+NodeMemory node_memory(const BenchBodyOptions& o, int row, int column) {
+  NodeMemory memory;
+  std::copy(o.relaxing.begin(), o.relaxing.end(), memory.relaxing.begin());
+  const int side = o.cells / o.cells_per_site + 2;
+  const auto split = [&](int index) {
+    const double at = static_cast<double>(index) / o.cells_per_site;
+    return std::pair(static_cast<int>(at), at - std::floor(at));
+  };
+  const auto [r, y] = split(row);
+  const auto [c, x] = split(column);
+  const std::array<double, 4> weight{(1 - x) * (1 - y), x * (1 - y), (1 - x) * y,
+                                     x * y};
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (weight[i] > 0.0) {
+      memory.site[i] =
+          (r + static_cast<int>(i / 2)) * side + c + static_cast<int>(i % 2);
+      memory.weight[i] = weight[i];
+    }
+  }
+  // Cuts of a convex power law lie closer where it bends more.
+  for (int b = 1; b < o.bundles; ++b) {
+    memory.cut_m[static_cast<std::size_t>(b - 1)] =
+        o.depth_m * std::pow(static_cast<double>(b) / o.bundles, 1.5);
+  }
+  return memory;
+}
+
+void set_memory(BenchBody& body) {
+  const BenchBodyOptions& o = body.options;
+  for (Element& element : body.element) {
+    element.memory.terms = static_cast<std::int32_t>(o.relaxing.size());
+    element.memory.bundles = o.bundles;
+    std::copy(o.relaxation_s.begin(), o.relaxation_s.end(),
+              element.memory.relaxation_s.begin());
+    for (std::size_t j = 0; j < 3; ++j) {
+      const int node = element.node[j].node;
+      element.memory.node[j] =
+          node_memory(o, node / (o.cells + 1), node % (o.cells + 1));
+    }
+  }
+}
 
 Eigen::Matrix3d corners(const Element& element) {
   Eigen::Matrix3d v;
@@ -168,6 +212,7 @@ BenchBody make_bench_body(const BenchBodyOptions& options) {
       body.element.push_back(upper);
     }
   }
+  set_memory(body);
   return body;
 }
 

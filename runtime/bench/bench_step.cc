@@ -49,10 +49,17 @@ std::vector<Scene> scenes() {
       .wave_m = 0.004, .contrast = 9.0, .tilt_rad = 0.2, .friction_max = 1.0};
   BenchBodyOptions smooth = organ;
   smooth.friction_max = 0.0;
+  BenchBodyOptions relaxing = organ;
+  relaxing.relaxing = {0.258, 0.303};
+  relaxing.relaxation_s = {0.42, 4.5};
+  BenchBodyOptions bundles = relaxing;
+  bundles.bundles = 8;
   const BenchBodyOptions rigid{.exponent = 1.0, .force_n = 100.0, .samples = 2};
   return {{.name = "two tools", .body = organ, .tools = 2},
           {.name = "friction", .body = organ},
           {.name = "smooth", .body = smooth},
+          {.name = "relaxing", .body = relaxing},
+          {.name = "8 bundles", .body = bundles},
           {.name = "rigid wall", .body = rigid, .depth_m = 0.001},
           {.name = "free space", .body = smooth, .depth_m = -0.004}};
 }

@@ -21,6 +21,28 @@ constexpr std::size_t kElementSamples = 48;
 using ElementSample = BasicResponseSample<Real>;
 using ElementCurve = BasicCurveView<Real>;
 
+constexpr std::size_t kMemoryTerms = 4;    ///< relaxation times of a tool, at most
+constexpr std::size_t kNodeSites = 4;      ///< memory sites that a node reads, at most
+constexpr std::size_t kMemoryBundles = 8;  ///< parts that a curve is cut into, at most
+
+/// Where one node's memory lies on the surface, and how much of its force relaxes.
+struct NodeMemory {
+  std::array<std::int32_t, kNodeSites> site{-1, -1, -1, -1};  ///< -1: none
+  std::array<Real, kNodeSites> weight{};      ///< [-] >= 0 of each site; sum at most 1
+  std::array<Real, kMemoryTerms> relaxing{};  ///< [-] g_k >= 0, sum at most 1
+  /// [m] where its curve is cut; bundle b reaches from cut b - 1 to cut b, the first
+  /// from 0, the last to infinity. Not decreasing; only of an element with bundles.
+  std::array<Real, kMemoryBundles - 1> cut_m{};
+};
+
+/// How an element's responses relax while a tool presses (relaxing_contact.h).
+struct ElementMemory {
+  std::int32_t terms = 0;    ///< [0, kMemoryTerms]; 0: responses are static
+  std::int32_t bundles = 1;  ///< [1, kMemoryBundles]
+  std::array<Real, kMemoryTerms> relaxation_s{};  ///< [s] tau_k > 0, increasing
+  std::array<NodeMemory, 3> node{};
+};
+
 /// One node's response inside an element message.
 struct ElementNode {
   std::int32_t node = -1;    ///< index in the database; equal in neighbouring elements
@@ -54,6 +76,7 @@ struct Element {
   std::array<ElementNode, 3> node;  ///< counter-clockwise from outside
   /// Triangle across edge (j, j+1); -1 at a border.
   std::array<std::int32_t, 3> neighbour{-1, -1, -1};
+  ElementMemory memory;
 };
 
 static_assert(std::is_trivially_copyable_v<Element>);

@@ -1,7 +1,47 @@
 #include "runtime/fast/element_cache.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <span>
+
 namespace palpate {
 namespace {
+
+// What sums of shares may exceed one by.
+constexpr Real kShareRounding = rounding(1e-6, 1e-5);
+
+bool is_share(std::span<const Real> values) {
+  const bool positive = std::all_of(values.begin(), values.end(), [](Real value) {
+    return value >= 0.0;
+  });
+  return positive && std::accumulate(values.begin(), values.end(), Real(0.0)) <=
+                         1.0 + kShareRounding;
+}
+
+bool well_formed(const ElementMemory& memory) {
+  const auto most_terms = static_cast<std::int32_t>(kMemoryTerms);
+  const auto most_bundles = static_cast<std::int32_t>(kMemoryBundles);
+  if (memory.terms == 0) {
+    return true;
+  }
+  if (memory.terms < 0 || memory.terms > most_terms || memory.bundles < 1 ||
+      memory.bundles > most_bundles) {
+    return false;
+  }
+  const auto tau =
+      std::span(memory.relaxation_s).first(static_cast<std::size_t>(memory.terms));
+  const bool rises = std::adjacent_find(tau.begin(), tau.end(), [](Real a, Real b) {
+                       return !(a < b);
+                     }) == tau.end();
+  return tau.front() > 0.0 && rises && std::isfinite(tau.back()) &&
+         std::all_of(memory.node.begin(), memory.node.end(),
+                     [](const NodeMemory& node) {
+                       return is_share(node.weight) && is_share(node.relaxing) &&
+                              std::is_sorted(node.cut_m.begin(), node.cut_m.end());
+                     });
+}
 
 bool well_formed(const Element& element) {
   for (const ElementNode& node : element.node) {
@@ -12,7 +52,7 @@ bool well_formed(const Element& element) {
       return false;
     }
   }
-  return element.triangle >= 0;
+  return element.triangle >= 0 && well_formed(element.memory);
 }
 
 // Same triangle, else empty (stored_at 0), else the oldest; not the pinned one.
@@ -36,10 +76,10 @@ int slot_for(const ElementCache& cache, std::int32_t triangle) {
 
 }  // namespace
 
-void store(ElementCache& cache, const Element& element) noexcept {
+bool store(ElementCache& cache, const Element& element) noexcept {
   if (!well_formed(element)) {
     ++cache.rejected;
-    return;
+    return false;
   }
   const int chosen = slot_for(cache, element.triangle);
   const auto slot = static_cast<std::size_t>(chosen);
@@ -52,6 +92,7 @@ void store(ElementCache& cache, const Element& element) noexcept {
   if (element.active) {
     cache.newest_active = chosen;
   }
+  return true;
 }
 
 int find(const ElementCache& cache, std::int32_t triangle) noexcept {

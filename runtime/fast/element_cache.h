@@ -23,9 +23,10 @@ struct ElementCache {
 };
 
 /// Stores a copy. The slot is that of the same triangle, else an empty one, else the
-/// oldest; never the pinned one. Refuses an element without triangle or with a sample
-/// count outside [0, kElementSamples] or of 1.
-void store(ElementCache& cache, const Element& element) noexcept;
+/// oldest; never the pinned one. Refuses an element without triangle, with a sample
+/// count outside [0, kElementSamples] or of 1, or with a memory out of its ranges
+/// (element.h). @returns whether it was stored.
+bool store(ElementCache& cache, const Element& element) noexcept;
 
 /// Slot of the newest copy of a triangle; -1 if it is not there.
 [[nodiscard]] int find(const ElementCache& cache, std::int32_t triangle) noexcept;

@@ -83,8 +83,8 @@ Vector3 advance_potential(FastState& state, const Vector3& x, Real dt_s,
                           FastCommand& command) {
   const ElementModelLimits limits{state.config.tool_radius_m,
                                   state.config.recovery_m_per_s};
-  const Vector3 force =
-      advance(state.potential, state.cache, state.ledger, limits, x, dt_s);
+  const Vector3 force = advance(state.potential, state.cache, state.memory,
+                                state.ledger, limits, x, dt_s);
   const FieldResponse& response = state.potential.response;
   command.depth_m = response.depth_m;
   command.in_contact = response.touching;
@@ -173,7 +173,9 @@ void accept(FastState& state, const Element& element) noexcept {
     raise_fault(state, Fault::kNotFinite);
     return;
   }
-  store(state.cache, element);
+  if (store(state.cache, element) && element.memory.terms > 0) {
+    take_terms(state.memory, element.memory);
+  }
   state.update_due = state.update_due || element.active;
 }
 
@@ -185,6 +187,8 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
     const Vector3 moved =
         state.sampled ? Vector3(x - state.latest.position_m) : Vector3::Zero();
     const PassivityLedger before = state.ledger;
+    relax_ahead(state, dt_s);
+    state.relaxed_ahead = false;
     const Vector3 wanted = advance_model(state, x, dt_s, command);
     command.force_n = make_safe(state.safety, safety_limits(state.config), state.ledger,
                                 wanted, moved, dt_s);
@@ -201,9 +205,21 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
   state.in_contact = command.in_contact;
   command.stored_j = state.ledger.stored_j;
   command.tank_j = state.ledger.tank_j;
+  command.memory_j = state.ledger.dent_j + state.ledger.left_j;
   command.dissipated_j = state.ledger.dissipated_j;
   command.fault = static_cast<std::uint8_t>(state.safety.fault);
   return command;
+}
+
+void relax_ahead(FastState& state, Real dt_s) noexcept {
+  if (!remembers(state.memory) || state.relaxed_ahead) {
+    return;
+  }
+  state.relaxed_ahead = true;
+  if (state.config.model == LocalModel::kPotential) {
+    relax_before(state.potential, state.cache, state.memory, state.ledger,
+                 state.config.tool_radius_m, 0.5 * dt_s);
+  }
 }
 
 void delivered(FastState& state, const Vector3& force_n) noexcept {
@@ -244,8 +260,8 @@ Real potential_j(const FastState& state, const Vector3& x_m) noexcept {
     return respond(state.element, state.cache, x_m).potential_j();
   }
   if (state.config.model == LocalModel::kPotential) {
-    return moved_energy_j(state.potential, state.cache, state.config.tool_radius_m,
-                          x_m);
+    return moved_energy_j(state.potential, state.cache, state.memory,
+                          state.config.tool_radius_m, x_m);
   }
   return energy_j(state.scalar, scalar_depth_m(state, x_m));
 }

@@ -25,6 +25,7 @@
 #include "runtime/fast/real.h"
 #include "runtime/fast/safety.h"
 #include "runtime/fast/scalar_model.h"
+#include "runtime/fast/surface_memory.h"
 
 namespace palpate {
 
@@ -53,11 +54,12 @@ struct FastCommand {
   Vector3 force_n = Vector3::Zero();  ///< [N] on the tool; 0 on a fault
   bool in_contact = false;
   bool starved = false;  ///< x_c left the element and its neighbour had not arrived
-  bool extrapolated = false;  ///< deeper than a curve was computed
-  Real depth_m = 0.0;         ///< [m] along the response direction
-  double stored_j = 0.0;      ///< [J] potential of the local model
-  double tank_j = 0.0;        ///< [J] >= 0
-  double dissipated_j = 0.0;  ///< [J] >= 0, friction and discarded surplus, since start
+  bool extrapolated = false;   ///< deeper than a curve was computed
+  Real depth_m = 0.0;          ///< [m] along the response direction
+  double stored_j = 0.0;       ///< [J] potential of the local model
+  double tank_j = 0.0;         ///< [J] >= 0
+  double memory_j = 0.0;       ///< [J] >= 0, in dents of the surface
+  double dissipated_j = 0.0;   ///< [J] >= 0, friction, relaxing, surplus, since start
   Real relaxed_shift_m = 0.0;  ///< [m] >= 0, delta_0 that the ledger had to take
   std::uint8_t fault = 0;      ///< Fault, latched; 0 none
 };
@@ -73,7 +75,7 @@ struct FastContact {
   bool starved = false;
 };
 
-/// Everything the fast process remembers. About 75 kB, no pointers.
+/// Everything the fast process remembers. About 220 kB, no pointers.
 struct FastState {
   FastConfig config;
   ElementCache cache;
@@ -81,6 +83,8 @@ struct FastState {
   PotentialModel potential;
   ScalarModel scalar;       ///< along element.direction, from element.rest_m
   bool update_due = false;  ///< an active element came: scalar models update
+  SurfaceMemory memory;
+  bool relaxed_ahead = false;  ///< relax_ahead() has begun the coming tick
   PassivityLedger ledger;
   SafetyState safety;
   FastSample latest;
@@ -100,6 +104,11 @@ void accept(FastState& state, const Element& element) noexcept;
 /// @param dt_s [s] since the last step, [0, 1].
 FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept;
 
+/// The part of a step() of dt_s that is done where the tool still is: half of what the
+/// surface relaxes. step() does it where nobody did. Who accounts for the work of a
+/// tick by potential_j() calls it first.
+void relax_ahead(FastState& state, Real dt_s) noexcept;
+
 /// Tells the account what the device made of the latest command, where its driver could
 /// not render it whole: motors that saturate, a pose without transmission, an exchange
 /// that was missed. Without a call the command counts as rendered.
@@ -111,7 +120,8 @@ void delivered(FastState& state, const Vector3& force_n) noexcept;
 [[nodiscard]] FastContact contact(const FastState& state) noexcept;
 
 /// Potential of the present local model with the tool at x_m [J]. The work of a tick
-/// is exactly potential_j(state, x_{k+1}) - potential_j(state, x_k), before step().
+/// is exactly potential_j(state, x_{k+1}) - potential_j(state, x_k), before step() and,
+/// with a surface that remembers, after relax_ahead().
 [[nodiscard]] Real potential_j(const FastState& state, const Vector3& x_m) noexcept;
 
 /// Latches a fault that was found outside (stalled slow process, lost device, missed

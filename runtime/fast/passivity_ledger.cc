@@ -36,4 +36,26 @@ void book_change(PassivityLedger& ledger, double potential_j,
   ledger.dissipated_j += std::max<double>(0.0, left - ledger.tank_j);
 }
 
+void book_relaxing(PassivityLedger& ledger, double risen_j, double lost_j) noexcept {
+  ledger.stored_j += risen_j;
+  const double left = ledger.dent_j - risen_j;
+  ledger.created_j += std::max<double>(0.0, -left);
+  const double lost = std::clamp<double>(lost_j, 0.0, std::max<double>(0.0, left));
+  ledger.dent_j = std::max<double>(0.0, left - lost);
+  ledger.dissipated_j += lost;
+}
+
+void book_dent(PassivityLedger& ledger, double holds_j) noexcept {
+  const double over = ledger.dent_j - std::max<double>(0.0, holds_j);
+  const double moved = std::max(over, -ledger.left_j);
+  ledger.dent_j -= moved;
+  ledger.left_j += moved;
+}
+
+void book_recovery(PassivityLedger& ledger, double share) noexcept {
+  const double lost = share * ledger.left_j;
+  ledger.left_j -= lost;
+  ledger.dissipated_j += lost;
+}
+
 }  // namespace palpate

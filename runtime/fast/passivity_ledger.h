@@ -3,9 +3,12 @@
 // Between two changes the local model is a potential E_k(x), so the work that the user
 // puts in is exactly E_k(x_{k+1}) - E_k(x_k) (paper, (14)). A change of the model at a
 // fixed position costs E_{k+1}(x) - E_k(x). What a change frees goes into a tank, what
-// it costs is paid from there; nothing is ever lent. At every moment
+// it costs is paid from there; nothing is ever lent. Where the surface remembers being
+// pressed (relaxing_contact.h), its dents hold energy, too: that of the dent under the
+// tool pays for its own recovery, that of dents left behind waits for the tool to come
+// back, and goes as they do. At every moment
 //
-//   work = stored + tank + dissipated      (all four in J, the last three >= 0)
+//   work = stored + tank + dent + left + dissipated      (all in J, all but work >= 0)
 //
 // hence work >= 0: passive (paper, (10)), whatever changed, when, and how late.
 #pragma once
@@ -18,7 +21,9 @@ struct PassivityLedger {
   double work_j = 0.0;        ///< [J] put in by the user since the start
   double stored_j = 0.0;      ///< [J] E_k(x_k), potential of the current model
   double tank_j = 0.0;        ///< [J] >= 0, freed by changes, may pay for others
-  double dissipated_j = 0.0;  ///< [J] >= 0, gone: friction and discarded surplus
+  double dent_j = 0.0;        ///< [J] >= 0, in the dent under the tool
+  double left_j = 0.0;        ///< [J] >= 0, in dents left behind
+  double dissipated_j = 0.0;  ///< [J] >= 0, gone: friction, relaxing, discarded surplus
   double created_j = 0.0;     ///< [J] >= 0, held beyond the allowance; rounding only
   std::uint64_t interventions = 0;  ///< changes that had to be cut to the allowance
   double cut_j = 0.0;               ///< [J] >= 0, by which they were cut
@@ -43,10 +48,25 @@ void note_shortfall(PassivityLedger& ledger, double wanted_j) noexcept;
 void book_change(PassivityLedger& ledger, double potential_j,
                  double tank_max_j) noexcept;
 
-/// Distance of the account from its identity, work - (stored + tank + dissipated) [J];
-/// rounding only, unless the ledger was passed by.
+/// Books relaxing at a fixed position. The dent pays what the potential rises by, or
+/// takes up what it falls by; of the rest, lost_j are dissipated.
+/// @param risen_j [J] of the potential, at most ledger.dent_j.
+/// @param lost_j  [J] >= 0; no more than the dent has left is taken.
+void book_relaxing(PassivityLedger& ledger, double risen_j, double lost_j) noexcept;
+
+/// Books that the dent under the tool stores at most holds_j [J] >= 0: more is left
+/// behind, less is taken back from there.
+void book_dent(PassivityLedger& ledger, double holds_j) noexcept;
+
+/// Books that of what is left behind so much goes as dents recover.
+/// @param share [-] [0, 1].
+void book_recovery(PassivityLedger& ledger, double share) noexcept;
+
+/// Distance of the account from its identity [J]; rounding only, unless the ledger was
+/// passed by.
 [[nodiscard]] inline double imbalance_j(const PassivityLedger& ledger) noexcept {
-  return ledger.work_j - (ledger.stored_j + ledger.tank_j + ledger.dissipated_j);
+  return ledger.work_j - (ledger.stored_j + ledger.tank_j + ledger.dent_j +
+                          ledger.left_j + ledger.dissipated_j);
 }
 
 }  // namespace palpate

@@ -56,6 +56,80 @@ FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
   return response;
 }
 
+PlaceNodes place_nodes(const FieldPlace& place, const ElementCache& cache) noexcept {
+  const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
+  std::array<Real, 3> leans{};
+  std::array<Real, 3> touch_m{};
+  for (std::size_t j = 0; j < 3; ++j) {
+    leans[j] = lean(element.node[j]);
+    touch_m[j] = element.node[j].touch_offset_m;
+  }
+  return make_place_nodes(element, leans, touch_m);
+}
+
+NodeValues node_weights(const FieldPlace& place) noexcept {
+  const Vector3& w = place.frame.weight;
+  return {std::max(Real(0.0), w(0)), std::max(Real(0.0), w(1)),
+          std::max(Real(0.0), w(2)), Real(0.0)};
+}
+
+void read_memory(RelaxingContact& contact, const SurfaceMemory& memory,
+                 SurfaceMemory* keep, const FieldPlace& place,
+                 const ElementCache& cache, Real tool_radius_m) noexcept {
+  contact.remembers = false;
+  if (!remembers(memory) || place.slot < 0) {
+    return;
+  }
+  if (!is_in(contact, cache, place.slot)) {
+    if (keep != nullptr) {
+      put_back(contact.sites, *keep);
+    }
+    enter(contact, memory, cache, place.slot, place_nodes(place, cache));
+  }
+  // Above the surface that was never pressed there is nothing to feel of its memory.
+  const auto& touch_m = contact.nodes.touch_m;
+  if (contact.sites.count > 0 && tool_radius_m - place.at.height_m >
+                                     std::min({touch_m[0], touch_m[1], touch_m[2]})) {
+    contact.remembers = true;
+    read_memory(contact, memory, node_weights(place), place.frame.turn);
+  }
+}
+
+FieldResponse field_response(const FieldPlace& place, const ElementCache& cache,
+                             Real tool_radius_m, Real shift_m,
+                             const RelaxingContact& contact,
+                             const RelaxedResponse& relaxed) noexcept {
+  FieldResponse response;
+  response.depth_m = tool_radius_m - place.at.height_m;
+  response.loaded = relaxed.touched;
+  response.touching =
+      relaxed.touched || (shift_m > 0.0 && touches(contact, cache, response.depth_m));
+  response.extrapolated = relaxed.extrapolated;
+  response.normal_n = relaxed.force_n;
+  response.stiffness_n_per_m = relaxed.stiffness_n_per_m;
+  response.energy_j = relaxed.energy_j;
+  response.force_n = relaxed.force_n * place.frame.normal;
+  return response;
+}
+
+Vector3 whole_force_n(const FieldPlace& place, const ElementCache& cache,
+                      RelaxingContact& contact,
+                      const FieldResponse& response) noexcept {
+  if (place.folded || response.normal_n == 0.0) {
+    return response.force_n;
+  }
+  const Vector2 slope = surface_slope_j(contact, cache);
+  return -gradient(place.frame, slope(0), slope(1), -response.normal_n);
+}
+
+FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
+                      Real tool_radius_m, Real shift_m,
+                      RelaxingContact& contact) noexcept {
+  const Real y = tool_radius_m - place.at.height_m - shift_m;
+  return field_response(place, cache, tool_radius_m, shift_m, contact,
+                        respond(contact, cache, y));
+}
+
 Real unloading_shift_m(const FieldPlace& place, const ElementCache& cache,
                        Real tool_radius_m) noexcept {
   const Element& element = cache.element[static_cast<std::size_t>(place.slot)];

@@ -23,6 +23,7 @@
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/prism_walk.h"
 #include "runtime/fast/real.h"
+#include "runtime/fast/relaxing_contact.h"
 
 namespace palpate {
 
@@ -43,6 +44,40 @@ struct FieldResponse {
 [[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
                                     Real tool_radius_m, Real shift_m,
                                     CurvePieces& pieces) noexcept;
+
+/// The curves of the place's element, as its memory sees them.
+[[nodiscard]] PlaceNodes place_nodes(const FieldPlace& place,
+                                     const ElementCache& cache) noexcept;
+
+/// w_j.
+[[nodiscard]] NodeValues node_weights(const FieldPlace& place) noexcept;
+
+/// Reads the surface's memory at the place; above the surface there is none to feel.
+/// @param keep where what was at hand goes if another element comes; null: nowhere.
+void read_memory(RelaxingContact& contact, const SurfaceMemory& memory,
+                 SurfaceMemory* keep, const FieldPlace& place,
+                 const ElementCache& cache, Real tool_radius_m) noexcept;
+
+/// The response of a surface that remembers along the normal: u of relaxing_contact.h
+/// at depth y = d - delta_0. `touching` is where the tool would be past the dent
+/// without delta_0, `loaded` where it is. force_n is without its part along the
+/// surface.
+/// @param contact whose memory was read at the place.
+[[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
+                                    Real tool_radius_m, Real shift_m,
+                                    RelaxingContact& contact) noexcept;
+
+/// The same, for a response that is known.
+[[nodiscard]] FieldResponse field_response(const FieldPlace& place,
+                                           const ElementCache& cache,
+                                           Real tool_radius_m, Real shift_m,
+                                           const RelaxingContact& contact,
+                                           const RelaxedResponse& relaxed) noexcept;
+
+/// F = -grad u of the latest response.
+[[nodiscard]] Vector3 whole_force_n(const FieldPlace& place, const ElementCache& cache,
+                                    RelaxingContact& contact,
+                                    const FieldResponse& response) noexcept;
 
 /// Largest penetration at which nothing is loaded, d - min t_j over the nodes that
 /// count; delta_0 from there on gives U = 0.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "runtime/fast/relaxation_step.h"
 #include "runtime/fast/relaxed_shift.h"
 
 namespace palpate {
@@ -45,8 +46,23 @@ std::int32_t triangle_in(const ElementCache& cache, int slot) {
   return cache.triangle[static_cast<std::size_t>(slot)];
 }
 
+FieldResponse respond(PotentialModel& model, const ElementCache& cache, Real radius,
+                      Real shift_m) {
+  return model.contact.remembers
+             ? respond(model.place, cache, radius, shift_m, model.contact)
+             : respond(model.place, cache, radius, shift_m, model.pieces);
+}
+
 FieldResponse respond(PotentialModel& model, const ElementCache& cache, Real radius) {
-  return respond(model.place, cache, radius, model.shift_m, model.pieces);
+  return respond(model, cache, radius, model.shift_m);
+}
+
+// At a new place of the model.
+FieldResponse respond_anew(PotentialModel& model, const ElementCache& cache,
+                           const SurfaceMemory& memory, SurfaceMemory* keep,
+                           Real radius) {
+  read_memory(model.contact, memory, keep, model.place, cache, radius);
+  return respond(model, cache, radius);
 }
 
 // What fixes the continuation of what was rendered at x_k.
@@ -56,23 +72,34 @@ struct Rendered {
   Vector3 weight;
   Vector3 normal;
   FieldResponse response;
+  CarriedMemory memory;
 };
 
 Rendered rendered(const PotentialModel& model) {
-  return {model.place.slot, model.place.at.height_m, model.place.frame.weight,
-          model.place.frame.normal, model.response};
+  return {model.place.slot,         model.place.at.height_m,
+          model.place.frame.weight, model.place.frame.normal,
+          model.response,           carried_memory(model.contact)};
 }
 
 // What was rendered until now, continued by this movement.
-Real carried_j(const Rendered& at, const ElementCache& cache, Real radius, Real shift_m,
+Real carried_j(const Rendered& at, const ElementCache& cache,
+               const SurfaceMemory& memory, Real radius, Real shift_m,
                const Vector3& moved) {
   FieldPlace along;
   along.slot = at.slot;
   along.folded = true;
   along.at.height_m = at.height_m + at.normal.dot(moved);
   along.frame.weight = at.weight;
-  CurvePieces pieces;
-  const Real energy = respond(along, cache, radius, shift_m, pieces).energy_j;
+  Real energy = 0.0;
+  if (at.memory.bundles > 0) {
+    RelaxingContact contact;
+    enter(contact, memory, cache, at.slot, place_nodes(along, cache));
+    continue_at(contact, at.memory, node_weights(along));
+    energy = respond(along, cache, radius, shift_m, contact).energy_j;
+  } else {
+    CurvePieces pieces;
+    energy = respond(along, cache, radius, shift_m, pieces).energy_j;
+  }
   const Vector3& f = at.response.force_n;
   const Vector3 along_n = f - f.dot(at.normal) * at.normal;
   return std::max(0.0, energy - along_n.dot(moved));
@@ -84,10 +111,24 @@ bool leapt(const FieldResponse& from, const FieldResponse& to, const Vector3& mo
   return !(std::abs(to.energy_j - from.energy_j) <= most);
 }
 
+// Energy at another place of the present element.
+Real energy_within_j(PotentialModel& model, const FieldPlace& within,
+                     const ElementCache& cache, const SurfaceMemory& memory,
+                     Real radius) {
+  if (!model.contact.remembers) {
+    return respond(within, cache, radius, model.shift_m, model.pieces).energy_j;
+  }
+  RelaxingContact contact = model.contact;
+  read_memory(contact, memory, nullptr, within, cache, radius);
+  return contact.remembers
+             ? respond(within, cache, radius, model.shift_m, contact).energy_j
+             : Real(0.0);
+}
+
 // Moves the model to x. @return the energy of what was rendered until now, at x; the
 // model's response is that of the field there, which may hold another energy.
-Real move(PotentialModel& model, const ElementCache& cache, Real radius,
-          const Vector3& x) {
+Real move(PotentialModel& model, const ElementCache& cache, const SurfaceMemory& memory,
+          SurfaceMemory* keep, Real radius, const Vector3& x) {
   FieldPlace& place = model.place;
   const Vector3 moved = x - model.tool_m;
   const Rendered before = rendered(model);
@@ -96,27 +137,36 @@ Real move(PotentialModel& model, const ElementCache& cache, Real radius,
   if (place.outside) {
     FieldPlace within = place;
     if (follow_within(within, x)) {
-      energy = respond(within, cache, radius, model.shift_m, model.pieces).energy_j;
+      energy = energy_within_j(model, within, cache, memory, radius);
     }
   }
   follow(place, cache, x);
-  model.response = respond(model, cache, radius);
+  model.response = respond_anew(model, cache, memory, keep, radius);
   model.tool_m = x;
-  if (sound && !place.folded && !leapt(before.response, model.response, moved)) {
-    return model.response.energy_j;
+  if (sound && !place.folded) {
+    bool leaps = leapt(before.response, model.response, moved);
+    if (leaps && model.contact.remembers) {
+      model.response.force_n =
+          whole_force_n(place, cache, model.contact, model.response);
+      leaps = leapt(before.response, model.response, moved);
+    }
+    if (!leaps) {
+      return model.response.energy_j;
+    }
   }
   return energy >= 0.0 ? energy
-                       : carried_j(before, cache, radius, model.shift_m, moved);
+                       : carried_j(before, cache, memory, radius, model.shift_m, moved);
 }
 
 // Another element where the rules allow it: in free space, or lost beyond an edge, the
 // one the slow process last called active; else a newer copy of the same triangle.
-void change_element(PotentialModel& model, const ElementCache& cache, Real radius,
-                    const Vector3& x) {
+// @returns whether the model changed.
+bool change_element(PotentialModel& model, const ElementCache& cache,
+                    SurfaceMemory& memory, Real radius, const Vector3& x) {
   const bool news = cache.received != model.received_seen;
   model.received_seen = cache.received;
   if (!news && !model.place.outside) {
-    return;
+    return false;
   }
   const int active = cache.newest_active;
   const int here = model.place.slot;
@@ -133,13 +183,14 @@ void change_element(PotentialModel& model, const ElementCache& cache, Real radiu
   } else if (here >= 0) {
     const int newer = find(cache, triangle_in(cache, here));
     if (newer == here) {
-      return;
+      return false;
     }
     move_to_copy(model.place, cache, newer);
   }
   if (model.place.slot >= 0) {
-    model.response = respond(model, cache, radius);
+    model.response = respond_anew(model, cache, memory, &memory, radius);
   }
+  return true;
 }
 
 // The spring for the normal force at the new place: turned into its tangent plane, its
@@ -183,8 +234,7 @@ void pay(PotentialModel& model, const ElementCache& cache, Real radius,
   if (model.response.energy_j > allowed_j) {
     model.presliding_m.setZero();
     const auto at_shift = [&](Real shift_m) {
-      const FieldResponse at =
-          respond(model.place, cache, radius, shift_m, model.pieces);
+      const FieldResponse at = respond(model, cache, radius, shift_m);
       return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
     };
     model.shift_m = raised_shift_m(
@@ -204,7 +254,7 @@ void recover(PotentialModel& model, const ElementCache& cache, Real radius,
     return;
   }
   const auto at_shift = [&](Real shift_m) {
-    const FieldResponse at = respond(model.place, cache, radius, shift_m, model.pieces);
+    const FieldResponse at = respond(model, cache, radius, shift_m);
     return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
   };
   const Real shift = recovered_shift_m(
@@ -225,34 +275,11 @@ void stretch(PotentialModel& model, const Vector3& x) {
   }
 }
 
-}  // namespace
-
-Real moved_energy_j(PotentialModel model, const ElementCache& cache, Real tool_radius_m,
-                    const Vector3& x_m) noexcept {
-  if (model.place.slot < 0) {
-    return 0.0;
-  }
-  stretch(model, x_m);
-  return move(model, cache, tool_radius_m, x_m) + spring_j(model);
-}
-
-Vector3 advance(PotentialModel& model, ElementCache& cache, PassivityLedger& ledger,
-                const ElementModelLimits& limits, const Vector3& x_m,
-                Real dt_s) noexcept {
+// Spring and delta_0 for the present response, and what changed since the work was
+// booked: paid, and booked.
+void settle(PotentialModel& model, const ElementCache& cache, PassivityLedger& ledger,
+            const ElementModelLimits& limits, Real dt_s) {
   const Real radius = limits.tool_radius_m;
-  if (model.place.slot >= 0) {
-    stretch(model, x_m);
-    const Real moved_j = move(model, cache, radius, x_m);
-    book_work(ledger, moved_j + spring_j(model));
-  }
-  change_element(model, cache, radius, x_m);
-  if (model.place.slot < 0) {
-    return Vector3::Zero();
-  }
-  cache.pinned = model.place.slot;
-  if (!model.place.outside) {
-    model.received_inside = cache.received;
-  }
   set_spring(model, cache);
   note_shortfall(ledger, model.response.energy_j + spring_j(model));
   const Real allowed = not_above(allowance_j(ledger));
@@ -263,9 +290,76 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, PassivityLedger& led
   }
   Real keep = model.response.touching ? model.response.energy_j : 0.0;
   if (model.shift_m > 0.0 && model.response.touching) {
-    keep = respond(model.place, cache, radius, 0.0, model.pieces).energy_j;
+    keep = respond(model, cache, radius, 0.0).energy_j;
   }
   book_change(ledger, model.response.energy_j + spring_j(model), keep);
+}
+
+// Half a tick passes where the tool is.
+void relax_here(PotentialModel& model, const ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, Real radius, Real half_s) {
+  const Real time_s = pass_time(memory, half_s);
+  if (!(time_s > 0.0)) {
+    return;
+  }
+  if (!model.contact.remembers) {
+    leave_alone(model.contact, memory, ledger, time_s);
+    return;
+  }
+  const Real y = radius - model.place.at.height_m - model.shift_m;
+  relax(model.contact, memory, ledger, cache, y, time_s);
+  const Vector3 force_n = model.response.force_n;
+  model.response = field_response(model.place, cache, radius, model.shift_m,
+                                  model.contact, response_of(model.contact, cache));
+  model.response.force_n = force_n;
+}
+
+}  // namespace
+
+Real moved_energy_j(PotentialModel model, const ElementCache& cache,
+                    const SurfaceMemory& memory, Real tool_radius_m,
+                    const Vector3& x_m) noexcept {
+  if (model.place.slot < 0) {
+    return 0.0;
+  }
+  stretch(model, x_m);
+  return move(model, cache, memory, nullptr, tool_radius_m, x_m) + spring_j(model);
+}
+
+void relax_before(PotentialModel& model, const ElementCache& cache,
+                  SurfaceMemory& memory, PassivityLedger& ledger, Real tool_radius_m,
+                  Real half_s) noexcept {
+  relax_here(model, cache, memory, ledger, tool_radius_m, half_s);
+}
+
+Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, const ElementModelLimits& limits,
+                const Vector3& x_m, Real dt_s) noexcept {
+  const Real radius = limits.tool_radius_m;
+  if (model.place.slot >= 0) {
+    stretch(model, x_m);
+    const Real moved_j = move(model, cache, memory, &memory, radius, x_m);
+    book_work(ledger, moved_j + spring_j(model));
+  }
+  const bool changed = change_element(model, cache, memory, radius, x_m);
+  if (model.place.slot < 0) {
+    return Vector3::Zero();
+  }
+  cache.pinned = model.place.slot;
+  if (!model.place.outside) {
+    model.received_inside = cache.received;
+  }
+  if (remembers(memory)) {
+    if (changed) {
+      settle(model, cache, ledger, limits, 0.0);
+    }
+    relax_here(model, cache, memory, ledger, radius, 0.5 * dt_s);
+  }
+  settle(model, cache, ledger, limits, dt_s);
+  if (model.contact.remembers) {
+    model.response.force_n =
+        whole_force_n(model.place, cache, model.contact, model.response);
+  }
   return model.response.force_n - model.friction_n_per_m * model.presliding_m;
 }
 

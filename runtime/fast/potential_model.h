@@ -19,6 +19,9 @@
 // grows, the anchor follows so that it stores no more, |delta_t| sqrt(k_t) constant
 // (23); where k_t falls, what it gives up is lost. So friction asks nothing of the
 // ledger.
+//
+// Where the surface remembers (relaxing_contact.h), U is u at frozen memory, and a tick
+// relaxes for half its time before the tool moves and for half after.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +34,8 @@
 #include "runtime/fast/potential_field.h"
 #include "runtime/fast/prism_walk.h"
 #include "runtime/fast/real.h"
+#include "runtime/fast/relaxing_contact.h"
+#include "runtime/fast/surface_memory.h"
 
 namespace palpate {
 
@@ -43,18 +48,26 @@ struct PotentialModel {
   Vector3 tool_m = Vector3::Zero();        ///< [m] x_k
   FieldResponse response;                  ///< at x_k
   CurvePieces pieces;
+  RelaxingContact contact;            ///< at x_k, with the surface's memory
   std::uint64_t received_seen = 0;    ///< cache.received at the last tick
   std::uint64_t received_inside = 0;  ///< cache.received when last inside
 };
 
-/// One tick: books the work of the movement to x_m, then changes the model there.
-/// @param x_m finite. @return force on the tool [N], friction included.
-Vector3 advance(PotentialModel& model, ElementCache& cache, PassivityLedger& ledger,
-                const ElementModelLimits& limits, const Vector3& x_m,
-                Real dt_s) noexcept;
+/// The first half of a tick's relaxing, before the tool moves. @param half_s [s] half
+/// the tick.
+void relax_before(PotentialModel& model, const ElementCache& cache,
+                  SurfaceMemory& memory, PassivityLedger& ledger, Real tool_radius_m,
+                  Real half_s) noexcept;
+
+/// The rest of the tick: books the work of the movement to x_m, then changes the model
+/// there. @param x_m finite. @return force on the tool [N], friction included.
+Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, const ElementModelLimits& limits,
+                const Vector3& x_m, Real dt_s) noexcept;
 
 /// Energy of the model with the tool moved to x_m [J], before anything changes.
 [[nodiscard]] Real moved_energy_j(PotentialModel model, const ElementCache& cache,
-                                  Real tool_radius_m, const Vector3& x_m) noexcept;
+                                  const SurfaceMemory& memory, Real tool_radius_m,
+                                  const Vector3& x_m) noexcept;
 
 }  // namespace palpate
