@@ -20,29 +20,6 @@ bool is_share(std::span<const Real> values) {
                          1.0 + kShareRounding;
 }
 
-bool well_formed(const ElementMemory& memory) {
-  const auto most_terms = static_cast<std::int32_t>(kMemoryTerms);
-  const auto most_bundles = static_cast<std::int32_t>(kMemoryBundles);
-  if (memory.terms == 0) {
-    return true;
-  }
-  if (memory.terms < 0 || memory.terms > most_terms || memory.bundles < 1 ||
-      memory.bundles > most_bundles) {
-    return false;
-  }
-  const auto tau =
-      std::span(memory.relaxation_s).first(static_cast<std::size_t>(memory.terms));
-  const bool rises = std::adjacent_find(tau.begin(), tau.end(), [](Real a, Real b) {
-                       return !(a < b);
-                     }) == tau.end();
-  return tau.front() > 0.0 && rises && std::isfinite(tau.back()) &&
-         std::all_of(memory.node.begin(), memory.node.end(),
-                     [](const NodeMemory& node) {
-                       return is_share(node.weight) && is_share(node.relaxing) &&
-                              std::is_sorted(node.cut_m.begin(), node.cut_m.end());
-                     });
-}
-
 bool well_formed(const Element& element) {
   for (const ElementNode& node : element.node) {
     const bool none = node.samples == 0;
@@ -75,6 +52,29 @@ int slot_for(const ElementCache& cache, std::int32_t triangle) {
 }
 
 }  // namespace
+
+bool well_formed(const ElementMemory& memory) noexcept {
+  const auto most_terms = static_cast<std::int32_t>(kMemoryTerms);
+  const auto most_bundles = static_cast<std::int32_t>(kMemoryBundles);
+  if (memory.terms == 0) {
+    return true;
+  }
+  if (memory.terms < 0 || memory.terms > most_terms || memory.bundles < 1 ||
+      memory.bundles > most_bundles) {
+    return false;
+  }
+  const auto tau =
+      std::span(memory.relaxation_s).first(static_cast<std::size_t>(memory.terms));
+  const bool rises = std::adjacent_find(tau.begin(), tau.end(), [](Real a, Real b) {
+                       return !(a < b);
+                     }) == tau.end();
+  return tau.front() > 0.0 && rises && std::isfinite(tau.back()) &&
+         std::all_of(memory.node.begin(), memory.node.end(),
+                     [](const NodeMemory& node) {
+                       return is_share(node.weight) && is_share(node.relaxing) &&
+                              std::is_sorted(node.cut_m.begin(), node.cut_m.end());
+                     });
+}
 
 bool store(ElementCache& cache, const Element& element) noexcept {
   if (!well_formed(element)) {

@@ -22,6 +22,9 @@ struct ElementCache {
   int newest_active = -1;  ///< slot of the latest element sent as active; -1: none
 };
 
+/// Whether counts and values are in the ranges that element.h states.
+[[nodiscard]] bool well_formed(const ElementMemory& memory) noexcept;
+
 /// Stores a copy. The slot is that of the same triangle, else an empty one, else the
 /// oldest; never the pinned one. Refuses an element without triangle, with a sample
 /// count outside [0, kElementSamples] or of 1, or with a memory out of its ranges

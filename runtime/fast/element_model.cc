@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "runtime/fast/element_walk.h"
+#include "runtime/fast/relaxation_step.h"
 #include "runtime/fast/relaxed_shift.h"
 
 namespace palpate {
@@ -23,9 +24,11 @@ std::int32_t triangle_in(const ElementCache& cache, int slot) {
   return cache.triangle[static_cast<std::size_t>(slot)];
 }
 
-ElementResponse respond_here(ElementModel& model, const ElementCache& cache,
-                             const Vector3& x) {
-  return respond(model, cache, x, model.pieces);
+// At another contact point than before.
+ElementResponse respond_anew(ElementModel& model, const ElementCache& cache,
+                             SurfaceMemory& memory, const Vector3& x) {
+  read_memory(model, memory, &memory, cache);
+  return respond_here(model, cache, x);
 }
 
 // Another element where the rules allow it: in free space, or lost beyond an edge, the
@@ -151,30 +154,11 @@ Real storable_j(ElementModel& model, const ElementCache& cache, const Vector3& x
   return whole_j;
 }
 
-}  // namespace
-
-ElementResponse advance(ElementModel& model, ElementCache& cache,
-                        PassivityLedger& ledger, const ElementModelLimits& limits,
-                        const Vector3& x_m, Real dt_s) noexcept {
-  const Real radius = limits.tool_radius_m;
-  ElementResponse response = respond_here(model, cache, x_m);
-  book_work(ledger, response.potential_j());
-
-  bool moved = change_element(model, cache, response, x_m, radius);
-  if (model.slot < 0) {
-    return response;
-  }
-  cache.pinned = model.slot;
-  if (moved) {
-    response = respond_here(model, cache, x_m);
-  }
-  if (slide(model, cache, response, x_m, radius)) {
-    cache.pinned = model.slot;
-    response = respond_here(model, cache, x_m);
-  }
-  if (!model.outside) {
-    model.received_inside = cache.received;
-  }
+// k_t for the present response, and what changed since the work was booked: paid, and
+// booked.
+void settle(ElementModel& model, const ElementCache& cache, PassivityLedger& ledger,
+            const ElementModelLimits& limits, const Vector3& x, Real dt_s,
+            ElementResponse& response) {
   if (response.loaded && has_friction(model)) {
     model.friction_n_per_m =
         model.friction * std::max(0.0, response.normal_n) / model.presliding_m;
@@ -183,15 +167,74 @@ ElementResponse advance(ElementModel& model, ElementCache& cache,
   }
   note_shortfall(ledger, response.potential_j());
   const Real allowed = not_above(allowance_j(ledger));
-  pay(model, cache, x_m, allowed, response);
+  pay(model, cache, x, allowed, response);
   if (model.shift_m > 0.0 && response.loaded) {
-    recover(model, cache, x_m, allowed - response.potential_j(),
+    recover(model, cache, x, allowed - response.potential_j(),
             limits.recovery_m_per_s * dt_s, response);
   } else if (model.shift_m > 0.0) {
     recover_unloaded(model, response);
   }
-  const Real keep = response.touching ? storable_j(model, cache, x_m, response) : 0.0;
+  const Real keep = response.touching ? storable_j(model, cache, x, response) : 0.0;
   book_change(ledger, response.potential_j(), keep);
+}
+
+// Half a tick passes where the tool is. @returns whether the response has changed.
+bool relax_here(ElementModel& model, const ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, const Vector3& x, Real half_s) {
+  const Real time_s = pass_time(memory, half_s);
+  if (!(time_s > 0.0)) {
+    return false;
+  }
+  const Real y = relaxing_depth_m(model, x);
+  if (is_above(model.contact, y + model.shift_m)) {
+    leave_alone(model.contact, memory, ledger, time_s);
+    return false;
+  }
+  relax(model.contact, memory, ledger, cache, y, time_s);
+  return true;
+}
+
+}  // namespace
+
+void relax_before(ElementModel& model, const ElementCache& cache, SurfaceMemory& memory,
+                  PassivityLedger& ledger, const Vector3& x_m, Real half_s) noexcept {
+  (void)relax_here(model, cache, memory, ledger, x_m, half_s);
+}
+
+ElementResponse advance(ElementModel& model, ElementCache& cache, SurfaceMemory& memory,
+                        PassivityLedger& ledger, const ElementModelLimits& limits,
+                        const Vector3& x_m, Real dt_s) noexcept {
+  const Real radius = limits.tool_radius_m;
+  ElementResponse response = respond_here(model, cache, x_m);
+  book_work(ledger, response.potential_j());
+
+  const bool moved = change_element(model, cache, response, x_m, radius);
+  if (model.slot < 0) {
+    return response;
+  }
+  cache.pinned = model.slot;
+  if (moved) {
+    response = respond_anew(model, cache, memory, x_m);
+  }
+  const bool slid = slide(model, cache, response, x_m, radius);
+  if (slid) {
+    cache.pinned = model.slot;
+    response = respond_anew(model, cache, memory, x_m);
+  }
+  if (!model.outside) {
+    model.received_inside = cache.received;
+  }
+  Real recovery_s = dt_s;
+  if (remembers(memory)) {
+    if (moved || slid) {
+      settle(model, cache, ledger, limits, x_m, std::exchange(recovery_s, Real(0.0)),
+             response);
+    }
+    if (relax_here(model, cache, memory, ledger, x_m, 0.5 * dt_s)) {
+      response = respond_here(model, cache, x_m);
+    }
+  }
+  settle(model, cache, ledger, limits, x_m, recovery_s, response);
   return response;
 }
 

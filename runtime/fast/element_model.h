@@ -8,6 +8,7 @@
 #include "runtime/fast/element_potential.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/real.h"
+#include "runtime/fast/surface_memory.h"
 
 namespace palpate {
 
@@ -16,12 +17,17 @@ struct ElementModelLimits {
   Real recovery_m_per_s = 0.01;  ///< [m/s] >= 0, how fast delta_0 is bled back
 };
 
-/// One tick: books the work of the movement to x_m, then changes the model there (new
-/// element, sliding, k_t, recovery of delta_0) by way of the ledger. What the allowance
-/// does not cover is taken from the friction spring first (the anchor slips, (23)),
-/// then by raising delta_0.
+/// The first half of a tick's relaxing, with the tool still at x_m. @param half_s [s]
+/// half the tick.
+void relax_before(ElementModel& model, const ElementCache& cache, SurfaceMemory& memory,
+                  PassivityLedger& ledger, const Vector3& x_m, Real half_s) noexcept;
+
+/// The rest of the tick: books the work of the movement to x_m, then changes the model
+/// there (new element, sliding, k_t, recovery of delta_0, the other half of what the
+/// surface relaxes) by way of the ledger. What the allowance does not cover is taken
+/// from the friction spring first (the anchor slips, (23)), then by raising delta_0.
 /// @param x_m finite. @return the response of the changed model at x_m.
-ElementResponse advance(ElementModel& model, ElementCache& cache,
+ElementResponse advance(ElementModel& model, ElementCache& cache, SurfaceMemory& memory,
                         PassivityLedger& ledger, const ElementModelLimits& limits,
                         const Vector3& x_m, Real dt_s) noexcept;
 

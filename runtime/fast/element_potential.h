@@ -17,6 +17,9 @@
 // plane is continued: depth and friction are taken at the anchor a in that plane, the
 // responses at the point x_c of the element nearest to it ("a correct response at a
 // wrong place"). Inside the element a = x_c.
+//
+// Where the surface remembers being pressed, sum n_j E_j is u of relaxing_contact.h at
+// x_c, at frozen memory.
 #pragma once
 
 #include <array>
@@ -28,6 +31,7 @@
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/prism.h"
 #include "runtime/fast/real.h"
+#include "runtime/fast/relaxing_contact.h"
 
 namespace palpate {
 
@@ -51,6 +55,7 @@ struct ElementModel {
   bool outside = false;                   ///< a lies beyond the element's edges
   bool starved = false;  ///< outside, and the neighbour has not arrived
   CurvePieces pieces;
+  RelaxingContact contact;            ///< at x_c, with the surface's memory
   std::uint64_t received_seen = 0;    ///< cache.received at the last step
   std::uint64_t received_inside = 0;  ///< cache.received when a was last inside
 };
@@ -69,19 +74,26 @@ struct ElementResponse {
   [[nodiscard]] Real potential_j() const noexcept { return normal_j + friction_j; }
 };
 
-/// Evaluates the potential at tool position x_m [m].
-/// @param pieces the cubic last used at each node; reused while the depth stays inside
-/// it, else replaced.
-[[nodiscard]] ElementResponse respond(const ElementModel& model,
-                                      const ElementCache& cache, const Vector3& x_m,
-                                      CurvePieces& pieces) noexcept;
+/// Evaluates the potential at tool position x_m [m], where the surface's memory was
+/// read at x_c. Of the model only what it keeps to evaluate the next one changes.
+[[nodiscard]] ElementResponse respond_here(ElementModel& model,
+                                           const ElementCache& cache,
+                                           const Vector3& x_m) noexcept;
 
-[[nodiscard]] inline ElementResponse respond(const ElementModel& model,
-                                             const ElementCache& cache,
-                                             const Vector3& x_m) noexcept {
-  CurvePieces pieces = model.pieces;
-  return respond(model, cache, x_m, pieces);
+[[nodiscard]] ElementResponse respond(const ElementModel& model,
+                                      const ElementCache& cache,
+                                      const Vector3& x_m) noexcept;
+
+/// Depth y of relaxing_contact.h with the tool at x_m [m].
+[[nodiscard]] inline Real relaxing_depth_m(const ElementModel& model,
+                                           const Vector3& x_m) noexcept {
+  return (model.rest_m - x_m).dot(model.direction) - model.shift_m;
 }
+
+/// Reads the surface's memory at x_c. @param keep where what was at hand goes if
+/// another element comes; null: nowhere.
+void read_memory(ElementModel& model, const SurfaceMemory& memory, SurfaceMemory* keep,
+                 const ElementCache& cache) noexcept;
 
 /// Force on the tool [N] (29).
 [[nodiscard]] Vector3 force_n(const ElementModel& model,

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "runtime/fast/element_cache.h"
+
 namespace palpate {
 namespace {
 
@@ -61,8 +63,8 @@ struct Reader {
 };
 
 // The order of a node's values, for both.
-template <typename Pass, typename Node>
-void pass_node(Pass& pass, Node& node) noexcept {
+template <typename Pass, typename Node, typename Memory>
+void pass_node(Pass& pass, Node& node, Memory& memory) noexcept {
   pass(node.node);
   pass(node.samples);
   pass(node.position_m);
@@ -75,13 +77,18 @@ void pass_node(Pass& pass, Node& node) noexcept {
   pass(node.force_n);
   pass(node.stiffness_n_per_m);
   pass(node.energy_j);
+  pass(memory.site);
+  pass(memory.weight);
+  pass(memory.relaxing);
+  pass(memory.cut_m);
 }
 
 struct Head {
   std::uint16_t version = kWireVersion;
   std::uint16_t active = 0;
   std::uint32_t session = 0;
-  std::uint32_t reserved = 0;
+  std::uint16_t terms = 0;
+  std::uint16_t bundles = 1;
 };
 
 template <typename Pass, typename Message, typename HeadType>
@@ -93,9 +100,11 @@ void pass_frame(Pass& pass, Message& element, HeadType& head) noexcept {
   pass(element.sequence);
   pass(element.sent_ns);
   pass(element.neighbour);
-  pass(head.reserved);
-  for (auto& node : element.node) {
-    pass_node(pass, node);
+  pass(head.terms);
+  pass(head.bundles);
+  pass(element.memory.relaxation_s);
+  for (std::size_t j = 0; j < 3; ++j) {
+    pass_node(pass, element.node[j], element.memory.node[j]);
   }
 }
 
@@ -122,7 +131,7 @@ bool well_formed(const ElementNode& node) {
 
 bool well_formed(const Element& element, const Head& head) {
   return head.version == kWireVersion && head.active <= 1 && element.sequence > 0 &&
-         element.triangle >= 0 &&
+         element.triangle >= 0 && well_formed(element.memory) &&
          std::all_of(element.node.begin(), element.node.end(),
                      [](const ElementNode& node) {
                        return well_formed(node);
@@ -165,6 +174,8 @@ bool decode(const WireFrame& frame, Element& element, Head& head) {
   Reader read{frame.data() + kMagic.size()};
   pass_frame(read, element, head);
   element.active = head.active == 1;
+  element.memory.terms = head.terms;
+  element.memory.bundles = head.bundles;
   return well_formed(element, head);
 }
 
@@ -204,7 +215,9 @@ void write_frame(const Element& element, std::uint32_t session,
     clear_unused(node.energy_j, node.samples);
   }
   Head head{.active = static_cast<std::uint16_t>(element.active ? 1 : 0),
-            .session = session};
+            .session = session,
+            .terms = static_cast<std::uint16_t>(element.memory.terms),
+            .bundles = static_cast<std::uint16_t>(element.memory.bundles)};
   Writer<Scalar> write{frame.data() + kMagic.size()};
   pass_frame(write, sent, head);
   write(crc32(std::span(frame).first(frame.size() - sizeof(std::uint32_t))));

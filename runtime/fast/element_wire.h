@@ -7,18 +7,21 @@
 //
 //   bytes       what
 //   0   4       magic "PLPE" (binary64) or "PLPS" (binary32)
-//   4   2       version, 1
+//   4   2       version, 2
 //   6   2       1: active, 0: a neighbour
 //   8   4       session: drawn anew when the sender starts
 //   12  4       triangle
 //   16  8       sequence, counts up from 1 within a session
 //   24  8       time of sending [ns]
 //   32  3 x 4   neighbours across the edges
-//   44  4       0
-//   48  3 x (8 + 204 r)
+//   44  2       terms of the memory, 0: static
+//   46  2       bundles
+//   48  4 r     relaxation times; those past the terms are 0
+//   48 + 4 r    3 x (24 + 219 r)
 //               nodes: index (4), samples (4), position, normal, direction (3 r each),
 //               touch offset, friction, presliding (r each), then depths, forces,
-//               stiffnesses, energies (48 r each; those past `samples` are 0)
+//               stiffnesses, energies (48 r each; those past `samples` are 0), then
+//               memory: sites (4 x 4), weights, shares (4 r each), cuts (7 r)
 //   at the end 4  CRC-32 (IEEE 802.3) of all before
 //
 // CRC-32 finds every three wrong bits and every burst of 32 in a frame of this length.
@@ -36,14 +39,15 @@ namespace palpate {
 
 /// Bytes of a frame of this floating point.
 template <typename Scalar>
-constexpr std::size_t kFrameBytes = 52 + 3 * (8 + 204 * sizeof(Scalar));
-using DoubleFrame = std::array<std::byte, kFrameBytes<double>>;  // 4972 bytes
-using SingleFrame = std::array<std::byte, kFrameBytes<float>>;   // 2524 bytes
+constexpr std::size_t kFrameBytes = 52 + 4 * sizeof(Scalar) +
+                                    3 * (24 + 219 * sizeof(Scalar));
+using DoubleFrame = std::array<std::byte, kFrameBytes<double>>;  // 5412 bytes
+using SingleFrame = std::array<std::byte, kFrameBytes<float>>;   // 2768 bytes
 
 /// What this program's Real receives.
 constexpr std::size_t kWireBytes = kFrameBytes<Real>;
 using WireFrame = std::array<std::byte, kWireBytes>;
-constexpr std::uint16_t kWireVersion = 1;
+constexpr std::uint16_t kWireVersion = 2;
 
 /// CRC-32 of IEEE 802.3 (reflected, 0xEDB88320): 0xCBF43926 of "123456789".
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes) noexcept;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "runtime/fast/element_walk.h"
+#include "runtime/fast/relaxation_step.h"
 
 namespace palpate {
 namespace {
@@ -23,8 +24,11 @@ Real scalar_depth_m(const FastState& state, const Vector3& x_m) {
   return (state.element.rest_m - x_m).dot(state.element.direction);
 }
 
-// Depth at which the first node that counts is touched.
+// Depth at which the first node that counts is touched, or the dent.
 Real touch_m(const ElementModel& model, const ElementCache& cache) {
+  if (model.contact.remembers && model.contact.bundle[0].touched) {
+    return model.contact.bundle[0].dent.depth_m;
+  }
   const Element& element = cache.element[static_cast<std::size_t>(model.slot)];
   Real first = std::numeric_limits<Real>::infinity();
   for (std::size_t j = 0; j < 3; ++j) {
@@ -44,11 +48,25 @@ void update_scalar(FastState& state, const Vector3& x) {
   }
   adopt(state.element, state.cache, state.cache.newest_active, x,
         state.config.tool_radius_m);
+  read_memory(state.element, state.memory, &state.memory, state.cache);
   state.cache.pinned = state.element.slot;
-  const ElementResponse at = respond(state.element, state.cache, x);
+  const ElementResponse at = respond_here(state.element, state.cache, x);
   update(state.scalar, state.ledger,
          {at.depth_m, at.normal_n, at.stiffness_n_per_m, at.normal_j,
           touch_m(state.element, state.cache)});
+}
+
+// The slow simulation relaxes where it was asked last, at the tool's depth. Its energy
+// is none of the local model's, whose changes the ledger pays for at the next update.
+void relax_scalar(FastState& state, const Vector3& x, Real half_s) {
+  const Real time_s = pass_time(state.memory, half_s);
+  PassivityLedger own{.dent_j = std::numeric_limits<Real>::max()};
+  const Real depth_m = scalar_depth_m(state, x);
+  if (time_s > 0.0 && !is_above(state.element.contact, depth_m)) {
+    relax(state.element.contact, state.memory, own, state.cache, depth_m, time_s);
+  } else if (time_s > 0.0) {
+    leave_alone(state.element.contact, state.memory, own, time_s);
+  }
 }
 
 Vector3 advance_scalar(FastState& state, const Vector3& x, Real dt_s,
@@ -57,6 +75,9 @@ Vector3 advance_scalar(FastState& state, const Vector3& x, Real dt_s,
   advance(state.scalar, state.ledger, scalar_depth_m(state, x), dt_s);
   if (state.update_due) {
     update_scalar(state, x);
+  }
+  if (remembers(state.memory)) {
+    relax_scalar(state, x, 0.5 * dt_s);
   }
   const Real depth = scalar_depth_m(state, x);
   const Real force = force_n(state.scalar, depth);
@@ -70,7 +91,7 @@ Vector3 advance_element(FastState& state, const Vector3& x, Real dt_s,
   const ElementModelLimits limits{state.config.tool_radius_m,
                                   state.config.recovery_m_per_s};
   const ElementResponse response =
-      advance(state.element, state.cache, state.ledger, limits, x, dt_s);
+      advance(state.element, state.cache, state.memory, state.ledger, limits, x, dt_s);
   command.depth_m = response.depth_m;
   command.in_contact = response.touching;
   command.extrapolated = response.extrapolated;
@@ -216,9 +237,18 @@ void relax_ahead(FastState& state, Real dt_s) noexcept {
     return;
   }
   state.relaxed_ahead = true;
-  if (state.config.model == LocalModel::kPotential) {
-    relax_before(state.potential, state.cache, state.memory, state.ledger,
-                 state.config.tool_radius_m, 0.5 * dt_s);
+  const Real half_s = 0.5 * dt_s;
+  const Vector3& x = state.latest.position_m;
+  switch (state.config.model) {
+    case LocalModel::kPotential:
+      relax_before(state.potential, state.cache, state.memory, state.ledger,
+                   state.config.tool_radius_m, half_s);
+      break;
+    case LocalModel::kElement:
+      relax_before(state.element, state.cache, state.memory, state.ledger, x, half_s);
+      break;
+    default:
+      relax_scalar(state, x, half_s);
   }
 }
 

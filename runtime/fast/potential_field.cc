@@ -86,11 +86,8 @@ void read_memory(RelaxingContact& contact, const SurfaceMemory& memory,
     }
     enter(contact, memory, cache, place.slot, place_nodes(place, cache));
   }
-  // Above the surface that was never pressed there is nothing to feel of its memory.
-  const auto& touch_m = contact.nodes.touch_m;
-  if (contact.sites.count > 0 && tool_radius_m - place.at.height_m >
-                                     std::min({touch_m[0], touch_m[1], touch_m[2]})) {
-    contact.remembers = true;
+  contact.remembers = !is_above(contact, tool_radius_m - place.at.height_m);
+  if (contact.remembers) {
     read_memory(contact, memory, node_weights(place), place.frame.turn);
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "runtime/fast/relaxation_step.h"
 #include "runtime/fast/relaxed_shift.h"
@@ -291,6 +292,9 @@ void settle(PotentialModel& model, const ElementCache& cache, PassivityLedger& l
   Real keep = model.response.touching ? model.response.energy_j : 0.0;
   if (model.shift_m > 0.0 && model.response.touching) {
     keep = respond(model, cache, radius, 0.0).energy_j;
+    if (model.contact.remembers) {
+      (void)respond(model, cache, radius);  // the contact is where the tool is again
+    }
   }
   book_change(ledger, model.response.energy_j + spring_j(model), keep);
 }
@@ -336,9 +340,10 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
                 PassivityLedger& ledger, const ElementModelLimits& limits,
                 const Vector3& x_m, Real dt_s) noexcept {
   const Real radius = limits.tool_radius_m;
+  Real moved_j = 0.0;
   if (model.place.slot >= 0) {
     stretch(model, x_m);
-    const Real moved_j = move(model, cache, memory, &memory, radius, x_m);
+    moved_j = move(model, cache, memory, &memory, radius, x_m);
     book_work(ledger, moved_j + spring_j(model));
   }
   const bool changed = change_element(model, cache, memory, radius, x_m);
@@ -349,13 +354,14 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
   if (!model.place.outside) {
     model.received_inside = cache.received;
   }
+  Real recovery_s = dt_s;
   if (remembers(memory)) {
-    if (changed) {
-      settle(model, cache, ledger, limits, 0.0);
+    if (changed || moved_j != model.response.energy_j) {
+      settle(model, cache, ledger, limits, std::exchange(recovery_s, Real(0.0)));
     }
     relax_here(model, cache, memory, ledger, radius, 0.5 * dt_s);
   }
-  settle(model, cache, ledger, limits, dt_s);
+  settle(model, cache, ledger, limits, recovery_s);
   if (model.contact.remembers) {
     model.response.force_n =
         whole_force_n(model.place, cache, model.contact, model.response);

@@ -146,10 +146,10 @@ Real shortened(RelaxingContact& contact, const SurfaceMemory& memory,
   Real high = 1.0;
   for (int i = 0; i < kShortenMax; ++i) {
     const Real middle = 0.5 * (low + high);
-    (risen_j(middle) <= paid_j ? low : high) = middle;
+    (double{risen_j(middle)} <= paid_j ? low : high) = middle;
   }
   const Real risen = low > 0.0 ? risen_j(low) : Real(0.0);
-  if (low > 0.0 && risen <= paid_j) {
+  if (low > 0.0 && double{risen} <= paid_j) {
     return risen;
   }
   undo(contact, step);
@@ -165,9 +165,9 @@ double write(RelaxingContact& contact, const Step& step) {
     const Start& start = step.start[index(i)];
     const Real from_m = start.touched ? contact.depth_m : start.dent.depth_m;
     const TermValues went = b.memory.relaxed_n.value - start.relaxed_n;
-    lost += (contact.sites.place_relaxing.value * (Real(1.0) - step.share) *
-             ((from_m - b.relaxed_depth_m) * went).max(Real(0.0)))
-                .sum();
+    const TermValues above = ((from_m - b.relaxed_depth_m) * went).max(Real(0.0));
+    lost += double{
+        (contact.sites.place_relaxing.value * (Real(1.0) - step.share) * above).sum()};
     if (start.pressed) {
       move_towards(contact.sites, i, start.relaxed_n, start.target_n, step.share,
                    b.memory.relaxed_n);
@@ -208,14 +208,14 @@ double dent_j(RelaxingContact& contact, const SurfaceMemory& memory,
     b.dent =
         inverse(curve, bundle, s, b.dent.depth_m, most, b.near_dent, b.dent_pieces);
   }
-  double stored = b.dent.energy_j - s * b.dent.depth_m;
+  Real stored = b.dent.energy_j - s * b.dent.depth_m;
   for (Eigen::Index k = 0; k < memory.times.terms; ++k) {
     const Real q = b.memory.relaxed_n.value(k);
     const Real depth = b.relaxed_depth_m(k);
     const Real conjugate = q * depth - b.near_term[index(k)].energy_at(depth);
     stored += contact.sites.place_relaxing.value(k) * std::max(Real(0.0), conjugate);
   }
-  return std::max(0.0, stored);
+  return double{std::max(Real(0.0), stored)};
 }
 
 // Books what the dent at hand stores.
@@ -240,10 +240,10 @@ void settle_dent(RelaxingContact& contact, const SurfaceMemory& memory,
 // at the rate (1 - sum g) / tau_K.
 void recover_left(const SurfaceMemory& memory, const TermValues& relaxing,
                   PassivityLedger& ledger, Real time_s) {
-  if (ledger.left_j > 0.0) {
+  if (ledger.left_j > 0) {
     const Real stays = std::max(Real(0.0), Real(1.0) - relaxing.sum());
     const Real x = stays * time_s * memory.times.rate_hz(memory.times.terms - 1);
-    book_recovery(ledger, x / (Real(1.0) + x));
+    book_recovery(ledger, double{x / (Real(1.0) + x)});
   }
 }
 
@@ -259,10 +259,13 @@ Real pass_time(SurfaceMemory& memory, Real half_s) noexcept {
 
 void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& ledger,
            const ElementCache& cache, Real y_m, Real time_s) noexcept {
-  if (contact.depth_m != y_m) {
+  if (contact.sites.time_s < memory.time_s) {
+    read_memory(contact, memory, contact.weight, contact.turn);
+    (void)respond(contact, cache, y_m);
+  } else if (contact.depth_m != y_m) {
     (void)respond(contact, cache, y_m);
   }
-  memory.time_s += time_s;
+  memory.time_s += static_cast<double>(time_s);
   contact.sites.time_s = memory.time_s;
   Step step;
   step.share = passed_shares(memory, time_s);
@@ -270,23 +273,23 @@ void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& led
   for (int b = 0; b < contact.nodes.bundles; ++b) {
     risen_j += advance(contact, memory, cache, step, b, time_s);
   }
-  const double short_j = risen_j - ledger.dent_j;
+  const double short_j = double{risen_j} - ledger.dent_j;
   if (short_j > kRoundingJ) [[unlikely]] {
     risen_j = shortened(contact, memory, cache, step, time_s, ledger.dent_j);
     ++memory.shortened;
     memory.shortened_j += short_j;
-  } else if (short_j > 0.0) [[unlikely]] {
+  } else if (short_j > 0) [[unlikely]] {
     undo(contact, step);
     risen_j = 0.0;
   }
-  book_relaxing(ledger, risen_j, write(contact, step));
+  book_relaxing(ledger, double{risen_j}, write(contact, step));
   settle_dent(contact, memory, ledger, cache);
   recover_left(memory, contact.sites.place_relaxing.value, ledger, time_s);
 }
 
 void leave_alone(const RelaxingContact& contact, SurfaceMemory& memory,
                  PassivityLedger& ledger, Real time_s) noexcept {
-  memory.time_s += time_s;
+  memory.time_s += double{time_s};
   book_dent(ledger, 0.0);
   recover_left(memory, contact.sites.place_relaxing.value, ledger, time_s);
 }

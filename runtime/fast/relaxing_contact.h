@@ -147,6 +147,15 @@ inline Real set_energy(RelaxingContact& contact, const ElementCache& cache,
   return b.energy_j;
 }
 
+/// Whether a tool at a depth without delta_0 [m] is over the surface as it was before
+/// it was ever pressed: there is nothing to feel of its memory.
+[[nodiscard]] inline bool is_above(const RelaxingContact& contact,
+                                   Real depth_m) noexcept {
+  const auto& touch_m = contact.nodes.touch_m;
+  return contact.sites.count == 0 ||
+         !(depth_m > std::min({touch_m[0], touch_m[1], touch_m[2]}));
+}
+
 /// Whether a tool at depth y [m] would be past the dent where the memory was read.
 [[nodiscard]] bool touches(const RelaxingContact& contact, const ElementCache& cache,
                            Real y_m) noexcept;

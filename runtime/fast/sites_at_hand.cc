@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 // Less reach than this is none.
-constexpr Real kNoReach = rounding(1e-200, 1e-30);
+constexpr Real kNoReach = 1e-30;
 
 // Position of a site, added if it is new.
 std::size_t place_of(SitesAtHand& sites, std::int32_t site) {

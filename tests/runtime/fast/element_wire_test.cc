@@ -16,8 +16,14 @@ namespace {
 constexpr std::uint32_t kSession = 77;
 
 Element element(std::uint64_t sequence) {
-  static const BenchBody body = make_bench_body(
-      {.contrast = 9.0, .tilt_rad = 0.2, .friction_max = 1.0, .touch_offset_m = 3e-4});
+  static const BenchBody body = make_bench_body({.contrast = 9.0,
+                                                 .tilt_rad = 0.2,
+                                                 .friction_max = 1.0,
+                                                 .touch_offset_m = 3e-4,
+                                                 .relaxing = {0.25, 0.3},
+                                                 .relaxation_s = {0.4, 4.5},
+                                                 .bundles = 8,
+                                                 .cells_per_site = 2});
   Element made = body.element[sequence % body.element.size()];
   made.sequence = sequence;
   made.sent_ns = 1000 * static_cast<std::int64_t>(sequence);
@@ -52,7 +58,14 @@ std::vector<std::uint64_t> receive_all(ElementReceiver& receiver, const Bytes& w
           EXPECT_EQ(out.node[j].direction, sent.node[j].direction);
           EXPECT_EQ(out.node[j].energy_j, sent.node[j].energy_j);
           EXPECT_EQ(out.node[j].friction, sent.node[j].friction);
+          EXPECT_EQ(out.memory.node[j].site, sent.memory.node[j].site);
+          EXPECT_EQ(out.memory.node[j].weight, sent.memory.node[j].weight);
+          EXPECT_EQ(out.memory.node[j].relaxing, sent.memory.node[j].relaxing);
+          EXPECT_EQ(out.memory.node[j].cut_m, sent.memory.node[j].cut_m);
         }
+        EXPECT_EQ(out.memory.terms, 2);
+        EXPECT_EQ(out.memory.bundles, 8);
+        EXPECT_EQ(out.memory.relaxation_s, sent.memory.relaxation_s);
         got.push_back(out.sequence);
       }
     }
@@ -71,10 +84,15 @@ TEST(ElementWire, FrameHasTheBytesThatItsDescriptionSays) {
   WireFrame frame;
   Element sent = element(3);
   encode(sent, 0x01020304, frame);
-  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x01\x00\x01\x00\x04\x03\x02\x01", 12), 0);
-  double first_depth = -1.0;
-  std::memcpy(&first_depth, frame.data() + 48 + 1640 + 8 + 96 + 8, 8);
-  EXPECT_EQ(first_depth, sent.node[1].depth_m[1]);
+  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x02\x00\x01\x00\x04\x03\x02\x01", 12), 0);
+  EXPECT_EQ(std::memcmp(frame.data() + 44, "\x02\x00\x08\x00", 4), 0);
+  double number = -1.0;
+  std::memcpy(&number, frame.data() + 48 + 8, 8);
+  EXPECT_EQ(number, 4.5);
+  std::memcpy(&number, frame.data() + 80 + 1776 + 8 + 96 + 8, 8);
+  EXPECT_EQ(number, sent.node[1].depth_m[1]);
+  std::memcpy(&number, frame.data() + 80 + 3 * 1776 - 8, 8);
+  EXPECT_EQ(number, sent.memory.node[2].cut_m[6]);
 }
 
 TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
@@ -82,7 +100,7 @@ TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
   for (std::uint64_t i = 1; i <= 5; ++i) {
     add(wire, element(i));
   }
-  for (const std::size_t piece : {1UL, 7UL, 64UL, 4971UL, 4972UL, 4973UL, 99999UL}) {
+  for (const std::size_t piece : {1UL, 7UL, 64UL, 5411UL, 5412UL, 5413UL, 99999UL}) {
     ElementReceiver receiver;
     EXPECT_EQ(receive_all(receiver, wire, piece), (Sequences{1, 2, 3, 4, 5})) << piece;
     EXPECT_EQ(receiver.counts.accepted, 5U);
@@ -168,6 +186,33 @@ TEST(ElementWire, WrongValuesUnderARightChecksumAreRefused) {
   }));
   EXPECT_TRUE(refused([](Element& e) {
     e.node[0].samples = 1;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.memory.terms = 5;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.memory.bundles = 0;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.memory.relaxation_s[0] = 0.0;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    std::swap(e.memory.relaxation_s[0], e.memory.relaxation_s[1]);
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.memory.relaxation_s[1] = std::numeric_limits<double>::infinity();
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.memory.node[1].relaxing[0] = 0.75;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.memory.node[1].relaxing[0] = std::numeric_limits<double>::quiet_NaN();
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    e.memory.node[0].weight[1] = -0.25;
+  }));
+  EXPECT_TRUE(refused([](Element& e) {
+    std::swap(e.memory.node[2].cut_m[0], e.memory.node[2].cut_m[3]);
   }));
 }
 
