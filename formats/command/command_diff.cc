@@ -44,6 +44,7 @@ Json to_json(const ToolDifference& tool) {
           {"largest_depth_m", tool.largest_depth_m},
           {"largest_direction_rad", tool.largest_direction_rad},
           {"largest_relaxation", tool.largest_relaxation},
+          {"same_memory", tool.same_memory},
           {"stated_errors",
            {{"covered", tool.stated.covered},
             {"stated_over_found", tool.stated.stated_over_found},
@@ -62,8 +63,9 @@ void print(const ToolDifference& tool) {
       tool.largest_n, tool.rms_n, tool.largest_relative_rms);
   fmt::print(
       "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
-      "the force held\n",
-      tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation);
+      "the force held{}\n",
+      tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation,
+      tool.same_memory ? "" : "; memory: other sites, bundles or kind of curve");
   if (tool.compared > 0) {
     fmt::print(
         "stated     {:.1f} % of nodes differ by no more than the first's stated error, "

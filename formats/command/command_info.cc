@@ -41,6 +41,28 @@ Json to_json(const ResponseRelaxation& relaxation) {
   return json;
 }
 
+Json viscoelasticity_json(const ToolSummary& tool) {
+  const Viscoelasticity& relaxation = tool.viscoelasticity;
+  if (relaxation.empty()) {
+    return nullptr;
+  }
+  Json shares = Json::array();  // of each term and of their sum, over the nodes
+  for (Eigen::Index k = 0; k < tool.shares.low.size(); ++k) {
+    shares.push_back({tool.shares.low(k), tool.shares.high(k)});
+  }
+  return {{"rule", relaxation.rule},
+          {"probes", relaxation.probes},
+          {"curve", relaxation.instantaneous ? "instantaneous" : "press"},
+          {"speed_m_per_s", relaxation.speed_m_per_s},
+          {"tau_s", relaxation.tau_s},
+          {"g_and_sum", shares},
+          {"sites", tool.memory_sites},
+          {"spacing_m", relaxation.sites.spacing_m},
+          {"spacing_in_contact_radii", spacing_in_contact_radii(tool)},
+          {"bundles", relaxation.bundles()},
+          {"doubts", doubts_of_memory(tool)}};
+}
+
 Json to_json(const ToolSummary& tool) {
   return {{"name", tool.tool.name},
           {"shape", tool.tool.kind},
@@ -69,7 +91,8 @@ Json to_json(const ToolSummary& tool) {
           {"checked", tool.accuracy.verified},
           {"error_factor", tool.accuracy.error_factor},
           {"hard_error_factor", tool.accuracy.hard_error_factor},
-          {"relaxation", to_json(tool.relaxation)}};
+          {"relaxation", to_json(tool.relaxation)},
+          {"viscoelasticity", viscoelasticity_json(tool)}};
 }
 
 // Of all nodes.
@@ -127,7 +150,11 @@ void print(const ToolSummary& tool) {
     fmt::print("errors     {}\n", errors);
   }
   if (!tool.relaxation.empty()) {
-    fmt::print("relaxation {}\n", describe(tool.relaxation));
+    fmt::print("relaxation {}; not rendered\n", describe(tool.relaxation));
+  }
+  if (!tool.viscoelasticity.empty()) {
+    fmt::print("relaxation {}\n", describe(tool.viscoelasticity, tool.shares));
+    fmt::print("memory     {}\n", describe_memory(tool));
   }
 }
 

@@ -10,6 +10,8 @@
 #include "formats/database/database_layout.h"
 #include "formats/database/database_rules.h"
 #include "formats/database/index_layout.h"
+#include "formats/database/viscoelasticity_reader.h"
+#include "formats/database/viscoelasticity_rules.h"
 #include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate {
@@ -142,6 +144,14 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
         tool.flag_count.size() == kResponseFlags ? kResponseFlags : kResponseFlags - 1);
     check_relaxation("/tools/" + tool.tool.name + "/relaxation", tool.relaxation,
                      index.nodes());
+    const bool own_shares =
+        !tool.viscoelasticity.empty() && tool.viscoelasticity.g.rows() == 0;
+    require(group + "/memory_sha256", tool.memory_sha256.size(),
+            own_shares || tool.memory_sites > 0 ? c * std::int64_t{kSha256Bytes} : 0);
+    for (const auto* values : {&tool.share_min, &tool.share_max}) {
+      require(group + "/share_min, share_max", values->size(),
+              own_shares ? c * (tool.viscoelasticity.terms() + 1) : 0);
+    }
   }
 }
 
@@ -161,6 +171,10 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
   }
   content::ReadIndex access{file};
   content::exchange_index(access, index);
+  for (ToolIndex& entry : index.tools) {
+    read_viscoelasticity_head(file, "/tools/" + entry.tool.name,
+                              index.node_begin.empty() ? 0 : index.nodes(), entry);
+  }
   check_index(file, index);
   const std::string stored = file.remark("/index", "index_sha256");
   if (stored != index_digest(index)) {
@@ -250,6 +264,7 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
   const std::string group = "/tools/" + entry.tool.name;
   ResponseTable part;
   part.tool = entry.tool;
+  part.viscoelasticity = entry.viscoelasticity;
   content::exchange_nodes(rows, group, part);
   check_begins(file_->reader, group + "/sample_begin", part.sample_begin,
                static_cast<std::size_t>(part.nodes()),
@@ -260,6 +275,17 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
     check_responses(group, part, node);
     check_chunk(entry, chunk, part);
   });
+  if (entry.memory_sha256.rows() > 0) {
+    read_node_rows(file_->reader, group, entry, node, part.nodes(),
+                   part.viscoelasticity);
+    verify(file_->reader, entry.memory_sha256, chunk,
+           memory_digest(part.viscoelasticity), group + "/memory");
+    by_the_rules(file_->reader, [&] {
+      check_node_rows(group, part.viscoelasticity, part.nodes(), entry.memory_sites,
+                      node);
+      check_shares(entry, chunk, part.viscoelasticity);
+    });
+  }
   return part;
 }
 

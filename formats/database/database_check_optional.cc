@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/viscoelasticity_rules.h"
 
 namespace palpate {
 namespace {
@@ -247,6 +248,10 @@ void check_optional(const std::string& group, const ResponseTable& table) {
   check_accuracy(group, table.accuracy);
   check_displacement(group + "/displacement", table.displacement, n);
   check_relaxation(group + "/relaxation", table.relaxation, table.nodes());
+  check(group, table.viscoelasticity, table.nodes());
+  if (!table.relaxation.empty() && !table.viscoelasticity.empty()) {
+    fail("{}/relaxation has g_1 and g, must have one of them", group);
+  }
 }
 
 void check(const Measurement& measurement, std::int64_t nodes) {

@@ -54,19 +54,42 @@ NodeDifference node_difference(const ResponseTable& a, const ResponseTable& b,
   return result;
 }
 
-// What stays of a node's force, at 64 times along the longer of both holds.
-double relaxation_difference(const ResponseRelaxation& a, const ResponseRelaxation& b,
-                             std::size_t node) {
+// Longest time that a table's relaxation says something of.
+double relaxing_s(const ResponseTable& table) {
+  return table.viscoelasticity.empty() ? table.relaxation.seconds
+                                       : 5.0 * table.viscoelasticity.tau_s.back();
+}
+
+// What stays of a node's force that is held for a time.
+double share_that_stays(const ResponseTable& table, std::int64_t node, double time_s) {
+  if (!table.viscoelasticity.empty()) {
+    return relaxed_share(table.viscoelasticity, node, time_s);
+  }
+  const ResponseRelaxation& relaxation = table.relaxation;
+  return relaxation.empty()
+             ? 1.0
+             : relaxed_share(relaxation.terms,
+                             relaxation.row_of(static_cast<std::size_t>(node)), time_s);
+}
+
+// Of it the largest difference at 64 times along the longer of both, denser early.
+double relaxation_difference(const ResponseTable& a, const ResponseTable& b,
+                             std::int64_t node) {
   constexpr int kTimes = 64;
-  const auto share = [&](const ResponseRelaxation& r, double time_s) {
-    return r.empty() ? 1.0 : relaxed_share(r.terms, r.row_of(node), time_s);
-  };
   double largest = 0.0;
   for (int k = 1; k <= kTimes; ++k) {
-    const double time_s = std::max(a.seconds, b.seconds) * k / kTimes;
-    largest = std::max(largest, std::abs(share(a, time_s) - share(b, time_s)));
+    const double part = static_cast<double>(k) / kTimes;
+    const double time_s = std::max(relaxing_s(a), relaxing_s(b)) * part * part * part;
+    largest = std::max(largest, std::abs(share_that_stays(a, node, time_s) -
+                                         share_that_stays(b, node, time_s)));
   }
   return largest;
+}
+
+bool same_memory(const Viscoelasticity& a, const Viscoelasticity& b) {
+  return a.instantaneous == b.instantaneous && a.bundle_depth_m == b.bundle_depth_m &&
+         a.sites.node == b.sites.node && a.sites.site.rows() == b.sites.site.rows() &&
+         a.sites.site == b.sites.site && a.sites.weight == b.sites.weight;
 }
 
 StatedErrors stated_errors(const ResponseTable& a,
@@ -98,6 +121,7 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
                                const Points& normal, std::size_t worst) {
   ToolDifference result;
   result.tool = a.tool.name;
+  result.same_memory = same_memory(a.viscoelasticity, b.viscoelasticity);
   double squares = 0.0;
   std::vector<NodeDifference> nodes;
   for (std::int64_t i = 0; i < a.nodes(); ++i) {
@@ -115,11 +139,9 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
     result.largest_n = std::max(result.largest_n, node.curve.largest_n);
     result.largest_relative_rms =
         std::max(result.largest_relative_rms, node.relative_rms);
-    if (!a.relaxation.empty() || !b.relaxation.empty()) {
+    if (relaxing_s(a) > 0.0 || relaxing_s(b) > 0.0) {
       result.largest_relaxation =
-          std::max(result.largest_relaxation,
-                   relaxation_difference(a.relaxation, b.relaxation,
-                                         static_cast<std::size_t>(i)));
+          std::max(result.largest_relaxation, relaxation_difference(a, b, i));
     }
     result.largest_direction_rad =
         std::max(result.largest_direction_rad, node.direction_rad);
@@ -176,7 +198,7 @@ CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b) {
 
 bool ToolDifference::agrees(double tolerance_relative) const {
   return only_first == 0 && only_second == 0 && largest_depth_m == 0.0 &&
-         largest_relative_rms <= tolerance_relative &&
+         largest_relative_rms <= tolerance_relative && same_memory &&
          largest_relaxation <= tolerance_relative &&
          largest_direction_rad <= tolerance_relative;
 }

@@ -84,10 +84,40 @@ void divide_nodes(const ResponseDatabase& ordered, DatabaseIndex& index) {
   }
 }
 
+// What the index keeps: no rows of nodes or sites.
+Viscoelasticity head_of(const Viscoelasticity& relaxation) {
+  Viscoelasticity head = relaxation;
+  head.error_relative.clear();
+  head.sites = {.spacing_m = relaxation.sites.spacing_m};
+  if (relaxation.g.rows() > 1) {
+    head.g.resize(0, relaxation.g.cols());
+  }
+  return head;
+}
+
+void set_share_extents(const Viscoelasticity& relaxation, const DatabaseIndex& index,
+                       ToolIndex& tool) {
+  if (relaxation.g.rows() < 2) {
+    return;
+  }
+  tool.share_min.resize(index.chunks(), relaxation.terms() + 1);
+  tool.share_max.resize(index.chunks(), relaxation.terms() + 1);
+  for (std::int64_t k = 0; k < index.chunks(); ++k) {
+    const auto c = static_cast<std::size_t>(k);
+    const ShareExtent extent =
+        share_extent(rows_of(relaxation, index.node_begin[c], index.node_begin[c + 1]));
+    tool.share_min.row(k) = extent.low;
+    tool.share_max.row(k) = extent.high;
+  }
+}
+
 ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index) {
   ToolIndex tool;
   tool.tool = table.tool;
   tool.relaxation = table.relaxation;
+  tool.viscoelasticity = head_of(table.viscoelasticity);
+  tool.memory_sites =
+      static_cast<std::int64_t>(table.viscoelasticity.sites.node.size());
   tool.accuracy = table.accuracy;
   tool.origin_count.assign(4, 0);
   // Seven where there are no more, as it was before there was an eighth flag.
@@ -118,6 +148,16 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
     set_row(tool.sha256, k, chunk_digest(select_nodes(table, nodes)));
   }
   tool.sample_begin.push_back(table.sample_begin.back());
+  if (has_node_rows(table.viscoelasticity)) {
+    tool.memory_sha256.resize(index.chunks(), kSha256Bytes);
+    for (std::int64_t k = 0; k < index.chunks(); ++k) {
+      const auto c = static_cast<std::size_t>(k);
+      const Viscoelasticity part =
+          rows_of(table.viscoelasticity, index.node_begin[c], index.node_begin[c + 1]);
+      set_row(tool.memory_sha256, k, memory_digest(part));
+    }
+  }
+  set_share_extents(table.viscoelasticity, index, tool);
   return tool;
 }
 
@@ -125,6 +165,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
 class IndexDigest {
  public:
   void group(const std::string&) {}
+  [[nodiscard]] bool optional(const std::string&, bool wanted) const { return wanted; }
   template <typename Values>
   void values(const std::string&, const char*, const Values& values) {
     const std::int64_t count = values.size();
@@ -171,6 +212,39 @@ std::vector<std::uint8_t> chunk_digest(const ResponseTable& chunk) {
   add(digest, chunk.stiffness_n_per_m);
   add(digest, chunk.energy_j);
   return bytes_of(digest);
+}
+
+std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk) {
+  Sha256 digest;
+  add(digest, chunk.g);
+  add(digest, chunk.sites.site);
+  add(digest, chunk.sites.weight);
+  return bytes_of(digest);
+}
+
+ShareExtent share_extent(const ToolIndex& tool) {
+  if (tool.viscoelasticity.g.rows() > 0) {
+    return share_extent(tool.viscoelasticity);
+  }
+  return {tool.share_min.colwise().minCoeff(), tool.share_max.colwise().maxCoeff()};
+}
+
+bool has_node_rows(const Viscoelasticity& relaxation) noexcept {
+  return relaxation.g.rows() > 1 || !relaxation.sites.empty();
+}
+
+Viscoelasticity rows_of(const Viscoelasticity& relaxation, std::int64_t begin,
+                        std::int64_t end) {
+  Viscoelasticity part = relaxation;
+  const std::int64_t count = end - begin;
+  if (relaxation.g.rows() > 1) {
+    part.g = relaxation.g.middleRows(begin, count);
+  }
+  if (!relaxation.sites.empty()) {
+    part.sites.site = relaxation.sites.site.middleRows(begin, count);
+    part.sites.weight = relaxation.sites.weight.middleRows(begin, count);
+  }
+  return part;
 }
 
 TableMaxima maxima_of(const ResponseTable& table, std::int64_t begin,

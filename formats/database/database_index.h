@@ -31,8 +31,14 @@ struct ToolIndex {
   std::vector<std::int64_t> origin_count;        ///< (4) nodes by ResponseOrigin
   std::vector<std::int64_t> flag_count;          ///< (7 or 8) nodes by flag bit
   ResponseRelaxation relaxation;                 ///< as the table's
-  AccuracyRecord accuracy;                       ///< as the table's
-  Sha256Rows sha256;                             ///< (c x 32) chunk_digest()
+  /// As the table's; without rows of nodes and sites if there is more than one.
+  Viscoelasticity viscoelasticity;
+  std::int64_t memory_sites = 0;  ///< rows of its sites; 0: the nodes
+  RowsOf<double> share_min;       ///< (c x K + 1) [-] g_k and their sum; none if ...
+  RowsOf<double> share_max;       ///< (c x K + 1) [-] ... there is one row of shares
+  AccuracyRecord accuracy;        ///< as the table's
+  Sha256Rows sha256;              ///< (c x 32) chunk_digest()
+  Sha256Rows memory_sha256;  ///< (c x 32) memory_digest(); none without rows of nodes
 };
 
 /// Chunks of neighbouring nodes. Nodes and triangles are counted as the file orders
@@ -73,6 +79,19 @@ struct BodyChunk {
 /// SHA-256 of what a chunk holds, as FORMAT.md lists it.
 [[nodiscard]] std::vector<std::uint8_t> chunk_digest(const BodyChunk& chunk);
 [[nodiscard]] std::vector<std::uint8_t> chunk_digest(const ResponseTable& chunk);
+
+/// The same of the rows that a chunk's nodes have of shares and sites.
+[[nodiscard]] std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk);
+
+/// Of a tool whose responses relax, over all of its nodes.
+[[nodiscard]] ShareExtent share_extent(const ToolIndex& tool);
+
+/// Whether nodes have rows of their own there.
+[[nodiscard]] bool has_node_rows(const Viscoelasticity& relaxation) noexcept;
+
+/// The rows of nodes [begin, end) alone; a single row of shares stays.
+[[nodiscard]] Viscoelasticity rows_of(const Viscoelasticity& relaxation,
+                                      std::int64_t begin, std::int64_t end);
 
 /// The largest values of some nodes' responses, 0 without any: what the index states of
 /// a chunk.

@@ -142,14 +142,94 @@ void exchange_prony(File& file, const std::string& group, Terms& terms) {
   file.dataset(group + "/tau_2_s", "s", terms.tau_2_s);
 }
 
+// What holds showed, of which nothing is rendered: of files before version 2.2 all that
+// they say of time.
 template <typename File, typename Relaxation>
 void exchange_relaxation(File& file, const std::string& group, Relaxation& relaxation) {
-  if (file.optional_group(group, !relaxation.empty())) {
+  if (file.optional_dataset(group + "/g_1", !relaxation.empty())) {
+    file.group(group);
     file.attribute(group, "rule", relaxation.rule);
     file.attribute(group, "probes", relaxation.probes);
     file.attribute(group, "speed_m_per_s", relaxation.speed_m_per_s);
     file.attribute(group, "seconds", relaxation.seconds);
     exchange_prony(file, group, relaxation.terms);
+  }
+}
+
+// Of how responses relax what is the same for all nodes.
+template <typename File, typename Relaxation>
+void exchange_relaxation_head(File& file, const std::string& group,
+                              Relaxation& relaxation) {
+  constexpr const char* kPress = "press";
+  std::string curve = relaxation.instantaneous ? "instantaneous" : kPress;
+  std::int64_t terms = relaxation.terms();
+  file.attribute(group, "rule", relaxation.rule);
+  file.attribute(group, "curve", curve);
+  file.attribute(group, "terms", terms);
+  exchange_number(file, group, "probes", relaxation.probes);
+  exchange_number(file, group, "speed_m_per_s", relaxation.speed_m_per_s);
+  file.dataset(group + "/tau_s", "s", relaxation.tau_s);
+  if constexpr (!File::kWrites) {
+    if (curve != kPress && curve != "instantaneous") {
+      file.fail(fmt::format(
+          "attribute {}@curve is {:?}, must be \"press\" or \"instantaneous\"", group,
+          curve.substr(0, 80)));
+    }
+    relaxation.instantaneous = curve != kPress;
+    if (terms != relaxation.terms()) {
+      file.fail(fmt::format("attribute {}@terms is {}, must be the rows of tau_s: {}",
+                            group, terms, relaxation.terms()));
+    }
+  }
+}
+
+// Of the sites what is the same for all nodes.
+template <typename File, typename Relaxation>
+void exchange_sites_head(File& file, const std::string& group, Relaxation& relaxation) {
+  std::int64_t bundles = relaxation.bundles();
+  auto& sites = relaxation.sites;
+  exchange_number(file, group, "spacing_m", sites.spacing_m);
+  file.attribute(group, "bundles", bundles);
+  exchange_if_any(file, group + "/bundle_depth_m", "m", relaxation.bundle_depth_m);
+  if constexpr (!File::kWrites) {
+    if (bundles != relaxation.bundles()) {
+      file.fail(
+          fmt::format("attribute {}@bundles is {}, must be one more than "
+                      "bundle_depth_m has rows: {}",
+                      group, bundles, relaxation.bundles()));
+    }
+  }
+}
+
+// How responses relax, as it is rendered, and where the surface remembers it. The one
+// place where the groups' names stand.
+struct ViscoelasticityGroups {
+  explicit ViscoelasticityGroups(const std::string& tool)
+      : relaxation(tool + "/relaxation"), memory(tool + "/memory") {}
+  std::string relaxation;
+  std::string memory;
+};
+
+template <typename File, typename Relaxation>
+void exchange_viscoelasticity(File& file, const std::string& tool,
+                              Relaxation& relaxation) {
+  const ViscoelasticityGroups groups(tool);
+  if (!file.optional_dataset(groups.relaxation + "/tau_s", !relaxation.empty())) {
+    return;
+  }
+  file.group(groups.relaxation);
+  exchange_relaxation_head(file, groups.relaxation, relaxation);
+  file.dataset(groups.relaxation + "/g", "1", relaxation.g);
+  exchange_if_any(file, groups.relaxation + "/error_relative", "1",
+                  relaxation.error_relative);
+  auto& sites = relaxation.sites;
+  if (file.optional_group(groups.memory, !sites.empty() || relaxation.bundles() > 1)) {
+    exchange_sites_head(file, groups.memory, relaxation);
+    if (file.optional_dataset(groups.memory + "/site", !sites.empty())) {
+      file.dataset(groups.memory + "/site_node", "1", sites.node);
+      file.dataset(groups.memory + "/site", "1", sites.site);
+      file.dataset(groups.memory + "/weight", "1", sites.weight);
+    }
   }
 }
 
@@ -203,6 +283,7 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
   exchange_quality(file, group, table);
   exchange_displacement(file, group + "/displacement", table.displacement);
   exchange_relaxation(file, group + "/relaxation", table.relaxation);
+  exchange_viscoelasticity(file, group, table.viscoelasticity);
 }
 
 template <typename File, typename Measured>

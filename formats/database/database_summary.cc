@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/database/error_calibration.h"
+#include "formats/response/memory_sites.h"
 
 namespace palpate {
 namespace {
@@ -47,6 +48,11 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.error_relative_max = largest_of(table.error_relative);
   summary.direction_spread_max_rad = largest_of(table.direction_spread_rad);
   summary.relaxation = table.relaxation;
+  if (!table.viscoelasticity.empty()) {
+    summary.viscoelasticity = table.viscoelasticity;
+    summary.shares = share_extent(table.viscoelasticity);
+    summary.memory_sites = std::ssize(table.viscoelasticity.sites.node);
+  }
   summary.accuracy = table.accuracy;
   return summary;
 }
@@ -80,8 +86,46 @@ ToolSummary summarise(const ToolIndex& tool) {
   summary.error_relative_max = largest_of(tool.error_relative_max);
   summary.direction_spread_max_rad = largest_of(tool.direction_spread_max_rad);
   summary.relaxation = tool.relaxation;
+  if (!tool.viscoelasticity.empty()) {
+    summary.viscoelasticity = tool.viscoelasticity;
+    summary.shares = share_extent(tool);
+    summary.memory_sites = tool.memory_sites;
+  }
   summary.accuracy = tool.accuracy;
   return summary;
+}
+
+double spacing_in_contact_radii(const ToolSummary& tool) {
+  return tool.memory_sites > 0 && tool.depth_max_m > 0.0
+             ? tool.viscoelasticity.sites.spacing_m /
+                   contact_radius_m(tool.tool, 0.5 * tool.depth_max_m)
+             : 0.0;
+}
+
+std::string describe_memory(const ToolSummary& tool) {
+  std::string text = describe_memory(tool.viscoelasticity, tool.memory_sites);
+  if (const double radii = spacing_in_contact_radii(tool); radii > 0.0) {
+    text += fmt::format(", {:.2g} contact radii of a press to half the largest depth",
+                        radii);
+  }
+  const std::string doubts = doubts_of_memory(tool);
+  return text + (doubts.empty() ? "" : "; " + doubts);
+}
+
+std::string doubts_of_memory(const ToolSummary& tool) {
+  if (tool.viscoelasticity.empty() || tool.depth_max_m == 0.0) {
+    return {};
+  }
+  if (tool.memory_sites == 0) {
+    return "a sliding force relaxes too little where nodes lie closer than two contact "
+           "radii";
+  }
+  const double radii = spacing_in_contact_radii(tool);
+  if (radii >= kFinestSites && radii <= kCoarsestSites) {
+    return {};
+  }
+  return fmt::format("must be {} to {}: a sliding force relaxes too {}", kFinestSites,
+                     kCoarsestSites, radii < kFinestSites ? "little" : "much");
 }
 
 std::string describe(const AccuracyRecord& accuracy) {

@@ -31,12 +31,27 @@ struct ToolSummary {
   double error_relative_max = 0.0;        ///< [-] largest stated error
   double direction_spread_max_rad = 0.0;  ///< [rad]
   ResponseRelaxation relaxation;          ///< empty where none is known
+  Viscoelasticity viscoelasticity;        ///< as rendered, without rows; or empty
+  ShareExtent shares;                     ///< its shares
+  std::int64_t memory_sites = 0;          ///< its sites; 0: every node is one
   AccuracyRecord accuracy;
 };
 
 /// "hold at 95 % of nodes: ...", in a sentence's end: how a tool's stated errors were
 /// found. Empty where no computation says.
 [[nodiscard]] std::string describe(const AccuracyRecord& accuracy);
+
+/// Spacing of a tool's memory sites in contact radii of a press to half the largest
+/// depth; 0 where there are none.
+[[nodiscard]] double spacing_in_contact_radii(const ToolSummary& tool);
+
+/// One line for people: where the surface remembers, and doubts of it.
+/// @param tool whose responses relax.
+[[nodiscard]] std::string describe_memory(const ToolSummary& tool);
+
+/// Why memory at these sites may not be what a slow press meets: they are finer or
+/// coarser than contacts, or not known. In a sentence's end; empty without doubts.
+[[nodiscard]] std::string doubts_of_memory(const ToolSummary& tool);
 
 [[nodiscard]] ToolSummary summarise(const ResponseTable& table);
 

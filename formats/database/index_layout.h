@@ -1,7 +1,7 @@
 // The datasets of a database's index in their order, once for writing, comparing,
 // reading and digesting; only for the sources behind database_index.h.
 //
-// `Access` has group(path) and values(path, units, values).
+// `Access` has group(path), values(path, units, values) and optional(path, wanted).
 #pragma once
 
 #include <string>
@@ -33,6 +33,13 @@ void exchange_index(Access& access, Index& index) {
     access.values(group + "/origin_count", "1", tool.origin_count);
     access.values(group + "/flag_count", "1", tool.flag_count);
     access.values(group + "/sha256", "1", tool.sha256);
+    if (access.optional(group + "/memory_sha256", tool.memory_sha256.rows() > 0)) {
+      access.values(group + "/memory_sha256", "1", tool.memory_sha256);
+    }
+    if (access.optional(group + "/share_min", tool.share_min.rows() > 0)) {
+      access.values(group + "/share_min", "1", tool.share_min);
+      access.values(group + "/share_max", "1", tool.share_max);
+    }
   }
 }
 
@@ -45,6 +52,9 @@ struct DerivedIndex {
   void values(const std::string& path, const char* units, const Values& values) {
     file.derived(path, units, values);
   }
+  [[nodiscard]] bool optional(const std::string& /*path*/, bool wanted) const {
+    return wanted;
+  }
 };
 
 /// Reads an index.
@@ -54,6 +64,9 @@ struct ReadIndex {
   template <typename Values>
   void values(const std::string& path, const char* units, Values& values) {
     file.dataset(path, units, values);
+  }
+  [[nodiscard]] bool optional(const std::string& path, bool wanted) {
+    return file.optional_dataset(path, wanted);
   }
 };
 

@@ -112,6 +112,48 @@ PronyTerms select_terms(const PronyTerms& terms, Nodes nodes) {
           rows_of(terms.tau_1_s, nodes), rows_of(terms.tau_2_s, nodes)};
 }
 
+// Sites of which some selected node reads one, in their order.
+MemorySites select_sites(const MemorySites& sites, Nodes nodes,
+                         const std::vector<std::int32_t>& place) {
+  MemorySites selected;
+  if (sites.empty()) {
+    return selected;
+  }
+  selected.spacing_m = sites.spacing_m;
+  selected.site = rows_of(sites.site, nodes);
+  selected.weight = rows_of(sites.weight, nodes);
+  std::vector<std::int32_t> row(sites.node.size(), -1);
+  for (const std::int32_t site : selected.site.reshaped()) {
+    if (site >= 0) {
+      row[index(site)] = 0;
+    }
+  }
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (row[i] == 0) {
+      row[i] = static_cast<std::int32_t>(selected.node.size());
+      const std::int32_t node = sites.node[i];
+      selected.node.push_back(node >= 0 ? place[index(node)] : -1);
+    }
+  }
+  for (std::int32_t& site : selected.site.reshaped()) {
+    site = site >= 0 ? row[index(site)] : -1;
+  }
+  return selected;
+}
+
+Viscoelasticity select_viscoelasticity(const Viscoelasticity& all, Nodes nodes,
+                                       std::size_t size) {
+  Viscoelasticity selected = all;
+  if (all.g.rows() > 1) {
+    selected.g = rows_of(all.g, nodes);
+  }
+  if (all.error_relative.size() > 1) {
+    selected.error_relative = rows_of(all.error_relative, nodes);
+  }
+  selected.sites = select_sites(all.sites, nodes, places_of(nodes, size));
+  return selected;
+}
+
 }  // namespace
 
 std::vector<std::int32_t> places_of(Nodes order, std::size_t size) {
@@ -152,6 +194,8 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   if (table.relaxation.terms.size() > 1) {
     selected.relaxation.terms = select_terms(table.relaxation.terms, nodes);
   }
+  selected.viscoelasticity = select_viscoelasticity(
+      table.viscoelasticity, nodes, static_cast<std::size_t>(table.nodes()));
   return selected;
 }
 

@@ -36,14 +36,14 @@ Eigen::Matrix3d axes_from(double azimuth, double elevation) {
 }
 
 // Area with responses that the viewer sees, occlusion aside [m^2].
-double area_shown(const SurfaceMesh& body, const StiffnessMap& map,
+double area_shown(const SurfaceMesh& body, const SurfaceMap& map,
                   const Eigen::Vector3d& towards) {
   double area = 0.0;
   for (Eigen::Index t = 0; t < body.triangle.rows(); ++t) {
     int reached = 0;
     for (int j = 0; j < 3; ++j) {
       const auto node = static_cast<std::size_t>(body.triangle(t, j));
-      reached += std::isnan(map.stiffness_n_per_m[node]) ? 0 : 1;
+      reached += std::isnan(map.value[node]) ? 0 : 1;
     }
     area += std::max(0.0, area_vector(body, t).dot(towards)) * reached / 3.0;
   }
@@ -71,13 +71,13 @@ std::vector<Eigen::Matrix3d> cut(int k) {
 }
 
 // The colour where the corners of a triangle have these weights.
-Colour surface_colour(const StiffnessMap& map, const Eigen::RowVector3i& corner,
+Colour surface_colour(const SurfaceMap& map, const Eigen::RowVector3i& corner,
                       const Eigen::RowVector3d& weight) {
   const Colour no_response(0.80, 0.81, 0.83);
   double stiffness = 0.0;
   double reached = 0.0;
   for (int j = 0; j < 3; ++j) {
-    const double value = map.stiffness_n_per_m[static_cast<std::size_t>(corner[j])];
+    const double value = map.value[static_cast<std::size_t>(corner[j])];
     if (!std::isnan(value)) {
       stiffness += weight[j] * value;
       reached += weight[j];
@@ -124,7 +124,7 @@ std::vector<Eigen::Index> farthest_first(const SurfaceMesh& body, const View& vi
 
 }  // namespace
 
-View choose_view(const SurfaceMesh& body, const StiffnessMap& map, const Panel& panel) {
+View choose_view(const SurfaceMesh& body, const SurfaceMap& map, const Panel& panel) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   View view;
   double most = -1.0;
@@ -150,7 +150,7 @@ View choose_view(const SurfaceMesh& body, const StiffnessMap& map, const Panel& 
 }
 
 std::string draw_body(const SurfaceMesh& body, const Points& normal,
-                      const StiffnessMap& map, const View& view) {
+                      const SurfaceMap& map, const View& view) {
   const std::vector<Eigen::Index> order = farthest_first(body, view);
   const double room =
       kMostPieces / std::max<double>(1.0, static_cast<double>(order.size()));

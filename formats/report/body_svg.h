@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "formats/mesh/surface_mesh.h"
-#include "formats/report/stiffness_map.h"
+#include "formats/report/surface_map.h"
 
 namespace palpate {
 
@@ -34,13 +34,13 @@ struct View {
 
 /// A three-quarter view from above (z up) that fits the body into the panel, from the
 /// side that shows most of the surface that has responses.
-[[nodiscard]] View choose_view(const SurfaceMesh& body, const StiffnessMap& map,
+[[nodiscard]] View choose_view(const SurfaceMesh& body, const SurfaceMap& map,
                                const Panel& panel);
 
 /// The triangles that face the viewer, farthest first, coloured by stiffness (grey
 /// where there is no response) and lit from the upper left. SVG elements.
 [[nodiscard]] std::string draw_body(const SurfaceMesh& body, const Points& normal,
-                                    const StiffnessMap& map, const View& view);
+                                    const SurfaceMap& map, const View& view);
 
 /// Whether a surface with this unit normal is seen well; what hides it is not asked.
 [[nodiscard]] bool faces_viewer(const View& view, const Eigen::Vector3d& normal);

@@ -88,14 +88,7 @@ std::string bezier_path(const Axes& axes, const CurveView& curve) {
 
 std::string draw_curve(const Axes& axes, const CurveView& curve,
                        const std::string& colour) {
-  const std::string path = bezier_path(axes, curve);
-  // A darker line beneath keeps the light end of the map readable on white.
-  std::string svg = fmt::format(
-      "<path d=\"{0}\" fill=\"none\" stroke=\"#1d2430\" stroke-opacity=\"0.35\" "
-      "stroke-width=\"4.2\" stroke-linecap=\"round\"/>"
-      "<path d=\"{0}\" fill=\"none\" stroke=\"{1}\" stroke-width=\"2.8\" "
-      "stroke-linecap=\"round\"/>\n",
-      path, colour);
+  std::string svg = draw_line(bezier_path(axes, curve), colour);
   for (std::size_t i = 1; i < curve.depth_m.size(); ++i) {
     svg += fmt::format(
         "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"#ffffff\" stroke=\"{}\" "
@@ -120,19 +113,19 @@ std::string draw_legend_entry(double x, double y, std::size_t number,
 
 }  // namespace
 
-std::vector<ShownCurve> choose_curves(const StiffnessMap& map, const Points& normal,
+std::vector<ShownCurve> choose_curves(const SurfaceMap& map, const Points& normal,
                                       const View& view) {
   struct Rank {
     double part;
     const char* label;
     double slack;
   };
-  constexpr Rank kRanks[] = {{0.0, "softest", 0.0},
+  constexpr Rank kRanks[] = {{0.0, "lowest", 0.0},
                              {0.25, "quarter", 0.04},
                              {0.5, "median", 0.04},
                              {0.75, "three quarters", 0.04},
-                             {1.0, "stiffest", 0.0}};
-  const std::vector<std::int64_t>& order = map.softest_first;
+                             {1.0, "highest", 0.0}};
+  const std::vector<std::int64_t>& order = map.lowest_first;
   const auto is_seen = [&](std::int64_t node) {
     return faces_viewer(view, normal.row(node).transpose());
   };
@@ -157,24 +150,39 @@ std::vector<ShownCurve> choose_curves(const StiffnessMap& map, const Points& nor
   return shown;
 }
 
-std::string draw_curves(const ResponseTable& table, const StiffnessMap& map,
+std::string draw_line(const std::string& path, const std::string& colour) {
+  return fmt::format(
+      "<path d=\"{0}\" fill=\"none\" stroke=\"#1d2430\" stroke-opacity=\"0.35\" "
+      "stroke-width=\"4.2\" stroke-linecap=\"round\"/>"
+      "<path d=\"{0}\" fill=\"none\" stroke=\"{1}\" stroke-width=\"2.8\" "
+      "stroke-linecap=\"round\"/>\n",
+      path, colour);
+}
+
+std::string draw_legend(const SurfaceMap& map, const std::vector<ShownCurve>& shown,
+                        const Panel& panel) {
+  std::string legend;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const double value = map.value[static_cast<std::size_t>(shown[i].node)];
+    const std::size_t row = shown.size() - 1 - i;
+    legend += draw_legend_entry(
+        panel.x + 16.0, panel.y + 14.0 + 24.0 * static_cast<double>(row), i + 1,
+        fmt::format("{}: {} {} (node {}{})", shown[i].label, short_number(value),
+                    map.unit, shown[i].node, shown[i].hidden ? ", behind" : ""),
+        hex(viridis(map.place(value))));
+  }
+  return legend;
+}
+
+std::string draw_curves(const ResponseTable& table, const SurfaceMap& map,
                         const std::vector<ShownCurve>& shown, const Panel& panel) {
   const Axes axes = axes_for(table, shown, panel);
   std::string svg = draw_grid(axes);
-  std::string legend;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    const double stiffness =
-        map.stiffness_n_per_m[static_cast<std::size_t>(shown[i].node)];
-    const std::string colour = hex(viridis(map.place(stiffness)));
-    svg += draw_curve(axes, table.curve(shown[i].node), colour);
-    const std::size_t row = shown.size() - 1 - i;  // the stiffest curve is on top
-    legend += draw_legend_entry(
-        panel.x + 16.0, panel.y + 14.0 + 24.0 * static_cast<double>(row), i + 1,
-        fmt::format("{}: {} N/m (node {}{})", shown[i].label, short_number(stiffness),
-                    shown[i].node, shown[i].hidden ? ", behind" : ""),
-        colour);
+  for (const ShownCurve& curve : shown) {
+    const double value = map.value[static_cast<std::size_t>(curve.node)];
+    svg += draw_curve(axes, table.curve(curve.node), hex(viridis(map.place(value))));
   }
-  return svg + legend;
+  return svg + draw_legend(map, shown, panel);
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <iterator>
 #include <span>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -37,6 +38,16 @@ std::span<const double> flat(const Points& points) {
   return {points.data(), static_cast<std::size_t>(points.size())};
 }
 
+// A value per node.
+template <typename Value>
+std::vector<double> of_nodes(const ResponseTable& table, const Value& value) {
+  std::vector<double> values;
+  for (std::int64_t i = 0; i < table.nodes(); ++i) {
+    values.push_back(value(i));
+  }
+  return values;
+}
+
 void point_data(Out out, const ResponseTable& table) {
   fmt::format_to(out, "<PointData Scalars=\"stiffness\">\n");
   data_array(out, "Float64", "stiffness", 1, table.stiffness_max_n_per_m);
@@ -45,6 +56,19 @@ void point_data(Out out, const ResponseTable& table) {
   data_array(out, "UInt8", "origin", 1, table.origin);
   data_array(out, "UInt8", "flags", 1, table.flags);
   data_array(out, "Float64", "direction", 3, flat(table.direction));
+  const Viscoelasticity& relaxation = table.viscoelasticity;
+  for (std::int64_t k = 0; k < relaxation.terms(); ++k) {
+    data_array(out, "Float64", fmt::format("relaxing_g_{}", k + 1), 1,
+               of_nodes(table, [&](std::int64_t node) {
+                 return relaxation.shares(node)(k);
+               }));
+  }
+  if (!relaxation.empty()) {
+    data_array(out, "Float64", "relaxation_time_s", 1,
+               of_nodes(table, [&](std::int64_t node) {
+                 return mean_time_s(relaxation, node);
+               }));
+  }
   fmt::format_to(out, "</PointData>\n");
 }
 
@@ -73,22 +97,65 @@ std::string to_vtu(const ResponseDatabase& database, const ResponseTable& table)
 }
 
 std::string to_csv(const ResponseDatabase& database, const ResponseTable& table) {
-  std::string text = "node,x_m,y_m,z_m,depth_m,force_n,stiffness_n_per_m,energy_j\n";
+  const Viscoelasticity& relaxation = table.viscoelasticity;
+  std::string text = "node,x_m,y_m,z_m,depth_m,force_n,stiffness_n_per_m,energy_j";
   const Out out(text);
+  for (std::int64_t k = 1; k <= relaxation.terms(); ++k) {
+    fmt::format_to(out, ",g_{}", k);
+  }
+  text += '\n';
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto x = database.body.position_m.row(i);
     const CurveView curve = table.curve(i);
+    std::string shares;
+    if (!relaxation.empty()) {
+      for (const double g : relaxation.shares(i)) {
+        fmt::format_to(std::back_inserter(shares), ",{}", g);
+      }
+    }
     for (std::size_t k = 0; k < curve.depth_m.size(); ++k) {
-      fmt::format_to(out, "{},{},{},{},{},{},{},{}\n", i, x[0], x[1], x[2],
+      fmt::format_to(out, "{},{},{},{},{},{},{},{}{}\n", i, x[0], x[1], x[2],
                      curve.depth_m[k], curve.force_n[k], curve.stiffness_n_per_m[k],
-                     curve.energy_j[k]);
+                     curve.energy_j[k], shares);
     }
   }
   return text;
 }
 
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename Rows>
+Json rows_json(const Rows& values) {
+  Json rows = Json::array();
+  for (const auto& row : values.rowwise()) {
+    rows.push_back(std::vector<typename Rows::Scalar>(row.begin(), row.end()));
+  }
+  return rows;
+}
+
+Json to_json(const Viscoelasticity& relaxation) {
+  Json json = {{"rule", relaxation.rule},
+               {"probes", relaxation.probes},
+               {"curve", relaxation.instantaneous ? "instantaneous" : "press"},
+               {"speed_m_per_s", relaxation.speed_m_per_s},
+               {"tau_s", relaxation.tau_s},
+               {"g", rows_json(relaxation.g)},
+               {"error_relative", relaxation.error_relative},
+               {"bundle_depth_m", relaxation.bundle_depth_m}};
+  if (!relaxation.sites.empty()) {
+    json["sites"] = {{"spacing_m", relaxation.sites.spacing_m},
+                     {"node", relaxation.sites.node},
+                     {"site", rows_json(relaxation.sites.site)},
+                     {"weight", rows_json(relaxation.sites.weight)}};
+  }
+  return json;
+}
+
+}  // namespace
+
 std::string to_json_text(const ResponseDatabase& database, const ResponseTable& table) {
-  using Json = nlohmann::ordered_json;
   Json nodes = Json::array();
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -108,22 +175,14 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
                      {"stiffness_n_per_m", curve.stiffness_n_per_m},
                      {"energy_j", curve.energy_j}});
   }
-  Json positions = Json::array();
-  for (const auto& x : database.body.position_m.rowwise()) {
-    positions.push_back({x[0], x[1], x[2]});
-  }
-  Json triangles = Json::array();
-  for (const auto& corner : database.body.triangle.rowwise()) {
-    triangles.push_back({corner[0], corner[1], corner[2]});
-  }
   Json report = {{"tool",
                   {{"name", table.tool.name},
                    {"shape", table.tool.kind},
                    {"radius_m", table.tool.radius_m},
                    {"friction", table.tool.friction},
                    {"presliding_m", table.tool.presliding_m}}},
-                 {"position_m", positions},
-                 {"triangle", triangles},
+                 {"position_m", rows_json(database.body.position_m)},
+                 {"triangle", rows_json(database.body.triangle)},
                  {"response", nodes}};
   const ResponseRelaxation& relaxation = table.relaxation;
   if (!relaxation.empty()) {
@@ -135,6 +194,9 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
                             {"g_2", relaxation.terms.g_2},
                             {"tau_1_s", relaxation.terms.tau_1_s},
                             {"tau_2_s", relaxation.terms.tau_2_s}};
+  }
+  if (!table.viscoelasticity.empty()) {
+    report["viscoelasticity"] = to_json(table.viscoelasticity);
   }
   return report.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -27,6 +27,19 @@ std::vector<float> singles(const std::vector<double>& all,
   return values;
 }
 
+// g_1 .. g_K of each node; none where responses are static.
+std::vector<float> share_rows(const Viscoelasticity& relaxation,
+                              const std::vector<std::int32_t>& nodes) {
+  std::vector<float> rows;
+  for (const std::int32_t node :
+       relaxation.empty() ? std::vector<std::int32_t>() : nodes) {
+    for (const double g : relaxation.shares(node)) {
+      rows.push_back(static_cast<float>(g));
+    }
+  }
+  return rows;
+}
+
 std::string table_arrays(const ResponseTable& table, std::size_t tool,
                          const std::vector<std::int32_t>& nodes) {
   std::vector<std::int32_t> begin{0};
@@ -55,7 +68,8 @@ std::string table_arrays(const ResponseTable& table, std::size_t tool,
          page_array(id("slopemax"), singles(table.stiffness_max_n_per_m, nodes)) +
          page_array(id("error"), singles(table.error_relative, nodes)) +
          page_array(id("verified"), singles(table.verified_error_relative, nodes)) +
-         page_array(id("origin"), origin);
+         page_array(id("origin"), origin) +
+         page_array(id("g"), share_rows(table.viscoelasticity, nodes));
 }
 
 std::string info(const ResponseDatabase& database) {
@@ -63,7 +77,8 @@ std::string info(const ResponseDatabase& database) {
   for (const ResponseTable& table : database.tools) {
     tools.push_back({{"name", table.tool.name},
                      {"description", describe(table.tool)},
-                     {"depth_max_m", table.depth_max_m()}});
+                     {"depth_max_m", table.depth_max_m()},
+                     {"tau_s", table.viscoelasticity.tau_s}});
   }
   return page_info({{"tools", tools}, {"box", page_box(database.body)}});
 }
@@ -124,7 +139,11 @@ std::string tool_rows(const ResponseTable& table) {
                           all.error_over_budget, all.failed, all.extrapolated,
                           all.truncated_path, all.hard_path));
   if (!table.relaxation.empty()) {
-    text += row("relaxation", describe(table.relaxation));
+    text += row("relaxation", describe(table.relaxation) + "; not rendered");
+  }
+  if (!table.viscoelasticity.empty()) {
+    text += row("relaxation", describe(all.viscoelasticity, all.shares));
+    text += row("memory", describe_memory(all));
   }
   return text + row("accuracy", accuracy_of(table));
 }

@@ -16,6 +16,7 @@
 #include "formats/response/curve_view.h"
 #include "formats/response/relaxation.h"
 #include "formats/response/tool_shape.h"
+#include "formats/response/viscoelasticity.h"
 
 namespace palpate {
 
@@ -115,7 +116,8 @@ struct ResponseTable {
   Points sample_direction;  ///< (q x 3) [-] unit direction, where it turns with depth
   AccuracyRecord accuracy;
   DisplacementField displacement;
-  ResponseRelaxation relaxation;
+  ResponseRelaxation relaxation;  ///< what holds showed; not rendered
+  Viscoelasticity viscoelasticity;
 
   [[nodiscard]] std::int64_t nodes() const noexcept {
     return static_cast<std::int64_t>(touch_offset_m.size());

@@ -11,7 +11,7 @@
 
 #include "formats/base/error.h"
 #include "formats/report/html_page.h"
-#include "formats/report/stiffness_map.h"
+#include "formats/report/surface_map.h"
 #include "formats/response/tool_outline.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/view/view_message.h"
@@ -199,7 +199,7 @@ Json tool_json(const ViewedBody& body) {
 
 std::string body_bytes(const ResponseDatabase& database, const ResponseTable& table) {
   const SurfaceMesh& body = database.body;
-  const StiffnessMap map = stiffness_map(table);
+  const SurfaceMap map = stiffness_map(table);
   std::string bytes = "PLPB";
   append(bytes, static_cast<std::uint32_t>(body.position_m.rows()));
   append(bytes, static_cast<std::uint32_t>(body.triangle.rows()));
@@ -208,7 +208,7 @@ std::string body_bytes(const ResponseDatabase& database, const ResponseTable& ta
       append(bytes, static_cast<float>(points->data()[i]));
     }
   }
-  for (const double stiffness : map.stiffness_n_per_m) {
+  for (const double stiffness : map.value) {
     append(bytes, static_cast<float>(stiffness));
   }
   for (Eigen::Index i = 0; i < database.normal.rows(); ++i) {
@@ -222,7 +222,7 @@ std::string body_bytes(const ResponseDatabase& database, const ResponseTable& ta
 }
 
 std::string body_text(const ViewedBody& body) {
-  const StiffnessMap map = stiffness_map(body.table);
+  const SurfaceMap map = stiffness_map(body.table);
   const Provenance& provenance = body.database.provenance;
   Json models = Json::array();
   for (const LocalModel model : kLocalModels) {
@@ -241,8 +241,8 @@ std::string body_text(const ViewedBody& body) {
        {"force_max_n", largest_force_n(body)},
        {"map",
         {{"depth_m", map.depth_m},
-         {"low_n_per_m", map.low_n_per_m},
-         {"high_n_per_m", map.high_n_per_m},
+         {"low_n_per_m", map.low},
+         {"high_n_per_m", map.high},
          {"clipped_low", map.clipped_low},
          {"clipped_high", map.clipped_high},
          {"colours", page_colours()}}},

@@ -64,6 +64,28 @@ ResponseRelaxation relaxing() {
           .terms = {{0.26}, {0.3}, {0.42}, {4.5}}};
 }
 
+Viscoelasticity viscous() {
+  Viscoelasticity relaxation;
+  relaxation.rule = "made up";
+  relaxation.probes = 7;
+  relaxation.speed_m_per_s = 1e-3;
+  relaxation.tau_s = {0.5, 4.0};
+  relaxation.g.resize(6, 2);
+  for (int i = 0; i < 6; ++i) {
+    relaxation.g.row(i) << 0.05F * static_cast<float>(i), 0.3F;
+  }
+  relaxation.error_relative = {0.01F, 0.01F, 0.02F, 0.03F, 0.01F, 0.0F};
+  relaxation.bundle_depth_m = {0.001, 0.002};
+  relaxation.sites.spacing_m = 0.006;
+  relaxation.sites.node = {4, 0, 2};
+  relaxation.sites.site.setConstant(6, kMostNodeSites, -1);
+  relaxation.sites.weight.setZero(6, kMostNodeSites);
+  relaxation.sites.site.leftCols<2>() << 1, -1, 0, 1, 2, -1, 2, 0, 0, -1, -1, -1;
+  relaxation.sites.weight.leftCols<2>() << 1.0F, 0.0F, 0.25F, 0.75F, 1.0F, 0.0F, 0.5F,
+      0.5F, 1.0F, 0.0F, 0.0F, 0.0F;
+  return relaxation;
+}
+
 Measurement held() {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   Measurement measurement{{0.0, 1e-3, 0.0, 1e-3}, {0.0, 1.0, 0.0, 2.0}};

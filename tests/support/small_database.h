@@ -15,6 +15,10 @@ namespace palpate {
 /// Two terms for all nodes: 0.26 and 0.3 of the force, in 0.42 and 4.5 s.
 [[nodiscard]] ResponseRelaxation relaxing();
 
+/// How the octahedron's responses relax as it is rendered: two times, shares that rise
+/// from node to node, three sites.
+[[nodiscard]] Viscoelasticity viscous();
+
 /// Two runs of which the first was held.
 [[nodiscard]] Measurement held();
 

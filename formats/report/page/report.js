@@ -2,7 +2,8 @@
 const nodeName = i32('node');
 const tools = info.tools.map((t, k) => ({...t, begin: i32(`begin${k}`), depth: f32(`depth${k}`),
   force: f32(`force${k}`), slope: f32(`slope${k}`), slopeMax: f32(`slopemax${k}`),
-  error: f32(`error${k}`), verified: f32(`verified${k}`), origin: bytesOf(`origin${k}`)}));
+  error: f32(`error${k}`), verified: f32(`verified${k}`), origin: bytesOf(`origin${k}`),
+  g: f32(`g${k}`)}));
 const origins = ['none', 'simulated', 'interpolated', 'measured'];
 const originColour = [[200, 200, 200], [0, 114, 178], [230, 159, 0], [0, 158, 115]];
 
@@ -17,6 +18,12 @@ function response(tool, i, d) {
   return {force: F[k] + h * x * (m + x * (3 * s - 2 * m - e + x * (m + e - 2 * s))), extrapolated: false};
 }
 
+// What a node's force loses while held, by term; none where responses are static.
+const sharesOf = (tool, i) => tool.tau_s.map((_, k) => tool.g[i * tool.tau_s.length + k]);
+const sum = list => list.reduce((a, b) => a + b, 0);
+// The share of a held force that stays after t [s].
+const stays = (tool, i, t) => 1 - sum(sharesOf(tool, i).map((g, k) => g * (1 - Math.exp(-t / tool.tau_s[k]))));
+
 const state = {tool: 0, colour: 'stiffness', depth: 0, node: -1};
 const kinds = {
   stiffness: {name: 'stiffness f/d at the depth', unit: 'N/m',
@@ -26,6 +33,11 @@ const kinds = {
   error: {name: 'stated error of force', unit: '%', at: (t, i) => t.origin[i] ? 100 * t.error[i] : NaN},
   verified: {name: 'verified error of force', unit: '%', at: (t, i) => t.verified.length ? 100 * t.verified[i] : NaN},
   origin: {name: 'origin', unit: '', at: (t, i) => t.origin[i]},
+  relaxes: {name: 'share of a held force that relaxes', unit: '%', relaxing: true, at: (t, i) => t.origin[i] ? 100 * sum(sharesOf(t, i)) : NaN},
+  time: {name: 'mean time in which it relaxes', unit: 's', relaxing: true, at: (t, i) => {
+    const g = sharesOf(t, i);
+    return t.origin[i] ? sum(g.map((part, k) => part * t.tau_s[k])) / (sum(g) || 1) : NaN;
+  }},
 };
 let value = new Float32Array(n), range = [0, 1];
 
@@ -40,6 +52,7 @@ function evaluate() {
   range = [low, high];
   drawLegend(known);
   drawCurve();
+  drawRelaxation();
   redraw();
 }
 const place = v => (v - range[0]) / (range[1] - range[0]);
@@ -84,7 +97,21 @@ function drawCurve() {
   const points = Array.from({length: 201}, (_, k) => [1e3 * end * k / 200, response(tool, i, end * k / 200).force]);
   p.curve(points, tool.error[i], Array.from(tool.depth.subarray(a, b), (d, k) => [1e3 * d, tool.force[a + k]]));
   text += `, stated error ${tell(100 * tool.error[i], 2)} %. At ${tell(1e3 * state.depth)} mm: ${tell(at.force)} N, ${tell(at.force / state.depth)} N/m${at.extrapolated ? ' (beyond the last sample)' : ''}.`;
+  if (tool.tau_s.length) {
+    text += ` Held for long, ${tell(100 * (1 - sum(sharesOf(tool, i))))} % of it stay.`;
+  }
   $('said').textContent = text;
+}
+
+// What stays of the chosen node's force while it is held.
+function drawRelaxation() {
+  const tool = tools[state.tool], i = state.node, shown = tool.tau_s.length > 0 && i >= 0 && tool.begin[i] < tool.begin[i + 1];
+  $('relaxing').hidden = !shown;
+  if (!shown) return;
+  const x = [0.03 * tool.tau_s[0], 5 * tool.tau_s[tool.tau_s.length - 1]];
+  const p = new Plot($('relaxation'), {...kPlot, x, y: [0, 105], xName: 'time since the press [s]', yName: 'force that stays [%]', xLog: true});
+  const points = Array.from({length: 121}, (_, k) => x[0] * (x[1] / x[0]) ** (k / 120)).map(t => [t, 100 * stays(tool, i, t)]);
+  p.add('path', {class: 'curve', d: p.path(points)});
 }
 
 function drawLegend(known) {
@@ -114,6 +141,7 @@ function drawLegend(known) {
 function choose(node) {
   state.node = node;
   drawCurve();
+  drawRelaxation();
   redraw();
 }
 const clicked = (x, y) => { const node = nodeAt(x, y); if (node >= 0) choose(node); };
@@ -130,8 +158,9 @@ function setDepth(d) {
 function setTool(k) {
   state.tool = k;
   const end = tools[k].depth_max_m || 1e-3;
-  for (const option of $('colour').options) option.disabled = option.value === 'verified' && !tools[k].verified.length;
-  if (state.colour === 'verified' && !tools[k].verified.length) $('colour').value = state.colour = 'stiffness';
+  const missing = key => (key === 'verified' && !tools[k].verified.length) || (kinds[key].relaxing && !tools[k].tau_s.length);
+  for (const option of $('colour').options) option.disabled = missing(option.value);
+  if (missing(state.colour)) $('colour').value = state.colour = 'stiffness';
   $('depth').value = 50;
   setDepth(end / 2);
 }

@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "formats/database/response_database.h"
 #include "formats/hdf5/hdf5_io.h"
+#include "formats/response/memory_sites.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 
@@ -67,6 +68,14 @@ TEST_P(FlippedByte, InsideDataIsRefused) {
   const std::filesystem::path file = folder / "a.h5";
   ResponseDatabase database = sphere_database(5, 9);
   database.storage = GetParam();
+  Viscoelasticity& relaxation = database.tools[0].viscoelasticity;
+  const auto n = static_cast<std::size_t>(database.body.position_m.rows());
+  relaxation.tau_s = {0.5, 4.0};
+  relaxation.speed_m_per_s = 1e-3;
+  relaxation.g.setConstant(database.body.position_m.rows(), 2, 0.2F);
+  relaxation.error_relative.assign(n, 0.01F);
+  relaxation.sites =
+      place_sites(database.body, database.normal, std::vector<bool>(n, true), 0.03);
   write_database(file, database);
   const std::vector<Range> ranges = data_of(file);
   std::string whole;

@@ -57,5 +57,29 @@ TEST(DatabaseExport, VtuNamesTheFieldsOfTheBody) {
   EXPECT_NE(text.find("\n1 1 1 1 1 0\n"), std::string::npos);  // origins, as numbers
 }
 
+TEST(DatabaseExport, EveryFormatSaysHowResponsesRelax) {
+  ResponseDatabase database = small_database();
+  ResponseTable& table = database.tools[1];
+  table.viscoelasticity = viscous();
+  std::istringstream lines(to_csv(database, table));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line.substr(line.size() - 8), ",g_1,g_2");
+  while (std::getline(lines, line) && line[0] != '4') {
+  }
+  EXPECT_EQ(line.substr(line.rfind(',', line.rfind(',') - 1)),
+            fmt::format(",{},{}", double{0.2F}, double{0.3F}));
+  const std::string vtu = to_vtu(database, table);
+  for (const char* name : {"relaxing_g_1", "relaxing_g_2", "relaxation_time_s"}) {
+    EXPECT_NE(vtu.find(fmt::format("Name=\"{}\"", name)), std::string::npos) << name;
+  }
+  const auto report = nlohmann::json::parse(to_json_text(database, table));
+  const auto& relaxation = report.at("viscoelasticity");
+  EXPECT_EQ(relaxation.at("curve"), "press");
+  EXPECT_EQ(relaxation.at("tau_s"), (std::vector<double>{0.5, 4.0}));
+  EXPECT_EQ(relaxation.at("g").at(4).at(1), 0.3F);
+  EXPECT_EQ(relaxation.at("sites").at("weight").at(1).at(1), 0.75F);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -104,6 +104,29 @@ TEST(ReportPage, ShowsSeveralToolsAndNodesWithoutAResponse) {
   EXPECT_EQ(page.seen.at("tools"), 2) << page.seen;
 }
 
+TEST(ReportPage, ShowsHowAForceRelaxes) {
+  if (page_browser().empty()) {
+    GTEST_SKIP() << "no chromium-headless-shell and no chromium";
+  }
+  ResponseDatabase database = sphere_database(12, 9);
+  Viscoelasticity& relaxation = database.tools[0].viscoelasticity;
+  relaxation.tau_s = {0.5, 4.0};
+  relaxation.g = (RowsOf<float>(1, 2) << 0.25F, 0.25F).finished();
+  relaxation.instantaneous = true;
+  const std::string visit =
+      std::string(kVisit) +
+      "seen.relaxation = "
+      "document.querySelector('#relaxation path.curve')?.getAttribute('d').length ?? 0;"
+      "seen.hidden = document.getElementById('relaxing').hidden;";
+  const PageVisit page = visit_page(report_page(database, "a.h5"), visit.c_str());
+  expect_a_working_page(page);
+  EXPECT_GE(page.seen.at("legends"), 7) << page.seen;
+  EXPECT_GT(page.seen.at("relaxation"), 500) << page.seen;
+  EXPECT_EQ(page.seen.at("hidden"), false) << page.seen;
+  const std::string clicked = page.seen.at("clicked");
+  EXPECT_NE(clicked.find("Held for long, 50 % of it stay."), std::string::npos);
+}
+
 TEST(ReportPage, AsksForNothingFromElsewhere) {
   const std::string page = report_page(small_database(), "a.h5");
   for (const char* way :

@@ -1,11 +1,12 @@
-#include "formats/report/stiffness_picture.h"
+#include "formats/report/surface_picture.h"
 
 #include <cmath>
 
+#include "formats/base/error.h"
 #include "formats/report/axis_ticks.h"
 #include "formats/report/colour_map.h"
 #include "formats/report/curves_svg.h"
-#include "formats/report/stiffness_map.h"
+#include "formats/report/surface_map.h"
 #include "tests/support/small_database.h"
 
 namespace palpate {
@@ -58,12 +59,12 @@ TEST(AxisTicks, AreRoundInsideTheRangeAndAboutAsManyAsAskedFor) {
 
 TEST(StiffnessMap, HoldsForceOverDepthAtOneDepthAndOrdersTheNodes) {
   const ResponseTable table = small_database().tools[0];
-  const StiffnessMap map = stiffness_map(table);
+  const SurfaceMap map = stiffness_map(table);
   EXPECT_EQ(map.depth_m, 0.002);  // half of 5 mm, rounded down
-  EXPECT_EQ(map.stiffness_n_per_m[2], table.curve(2).at(0.002).force_n / 0.002);
-  EXPECT_TRUE(std::isnan(map.stiffness_n_per_m[5]));
-  ASSERT_EQ(map.softest_first.size(), 5u);
-  EXPECT_EQ(map.softest_first.front(), 0);
+  EXPECT_EQ(map.value[2], table.curve(2).at(0.002).force_n / 0.002);
+  EXPECT_TRUE(std::isnan(map.value[5]));
+  ASSERT_EQ(map.lowest_first.size(), 5u);
+  EXPECT_EQ(map.lowest_first.front(), 0);
 }
 
 TEST(StiffnessMap, AHomogeneousBodyShowsNoRoundingAsColours) {
@@ -75,39 +76,59 @@ TEST(StiffnessMap, AHomogeneousBodyShowsNoRoundingAsColours) {
   one.origin = ResponseOrigin::kSimulated;
   std::vector<NodeResponse> responses(6, one);
   responses[3].force_n[1] *= 1.0 + 1e-12;
-  const StiffnessMap map = stiffness_map(make_table(database.tools[0].tool, responses));
-  EXPECT_NEAR(map.place(map.stiffness_n_per_m[0]), 0.5, 1e-9);
-  EXPECT_NEAR(map.place(map.stiffness_n_per_m[3]), 0.5, 1e-9);
+  const SurfaceMap map = stiffness_map(make_table(database.tools[0].tool, responses));
+  EXPECT_NEAR(map.place(map.value[0]), 0.5, 1e-9);
+  EXPECT_NEAR(map.place(map.value[3]), 0.5, 1e-9);
 }
 
-TEST(StiffnessPicture, ShowsTheSameForTheSameInput) {
+TEST(SurfacePicture, ShowsTheSameForTheSameInput) {
   const ResponseDatabase database = small_database();
-  const std::string svg = stiffness_picture(database, database.tools[0]);
-  EXPECT_EQ(svg, stiffness_picture(database, database.tools[0]));
+  const std::string svg = surface_picture(database, database.tools[0]);
+  EXPECT_EQ(svg, surface_picture(database, database.tools[0]));
   EXPECT_EQ(svg.rfind("<svg ", 0), 0u);
   EXPECT_EQ(svg.substr(svg.size() - 7), "</svg>\n");
   EXPECT_EQ(count(svg, "nan"), 0u);
   EXPECT_EQ(count(svg, "<g "), count(svg, "</g>"));
   EXPECT_EQ(count(svg, "href"), 0u);  // self-contained
   EXPECT_NE(svg.find("f/d at 2 mm"), std::string::npos);
-  EXPECT_NE(svg.find("softest"), std::string::npos);
+  EXPECT_NE(svg.find("lowest"), std::string::npos);
 }
 
-TEST(StiffnessPicture, TextsFromFilesCannotBecomeMarkup) {
+TEST(SurfacePicture, TextsFromFilesCannotBecomeMarkup) {
   ResponseDatabase database = small_database();
   database.provenance.source_file = "<script>&\x01";
-  const std::string svg = stiffness_picture(database, database.tools[0]);
+  const std::string svg = surface_picture(database, database.tools[0]);
   EXPECT_EQ(svg.find("<script"), std::string::npos);
   EXPECT_NE(svg.find("&lt;script&gt;&amp; "), std::string::npos);
 }
 
-TEST(StiffnessPicture, ABodyWithoutResponsesIsGrey) {
+TEST(SurfacePicture, ABodyWithoutResponsesIsGrey) {
   const ResponseDatabase database = small_database();
   const ResponseTable none =
       make_table(database.tools[0].tool, std::vector<NodeResponse>(6));
-  const std::string svg = stiffness_picture(database, none);
+  const std::string svg = surface_picture(database, none);
   EXPECT_EQ(count(svg, "nan"), 0u);
   EXPECT_NE(svg.find("0 of 6 nodes"), std::string::npos);
+}
+
+TEST(SurfacePicture, ShowsHowMuchAndHowFastAForceRelaxes) {
+  ResponseDatabase database = small_database();
+  ResponseTable& table = database.tools[1];
+  EXPECT_THROW((void)surface_picture(database, table, Shown::kRelaxation), InputError);
+  table.viscoelasticity = viscous();
+  const SurfaceMap shares = relaxation_map(table);
+  EXPECT_NEAR(shares.value[3], 45.0, 1e-5);
+  EXPECT_TRUE(std::isnan(shares.value[5]));
+  EXPECT_EQ(shares.lowest_first.back(), 4);
+  const SurfaceMap times = relaxation_time_map(table);
+  EXPECT_NEAR(times.value[0], 4.0, 1e-6);
+  EXPECT_NEAR(times.value[4], (0.2 * 0.5 + 0.3 * 4.0) / 0.5, 1e-6);
+  EXPECT_EQ(times.lowest_first.front(), 4);
+  for (const Shown shown : {Shown::kRelaxation, Shown::kTime}) {
+    const std::string svg = surface_picture(database, table, shown);
+    EXPECT_EQ(count(svg, "nan"), 0u);
+    EXPECT_NE(svg.find("time since the press [s]"), std::string::npos);
+  }
 }
 
 }  // namespace

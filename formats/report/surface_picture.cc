@@ -1,17 +1,19 @@
-#include "formats/report/stiffness_picture.h"
+#include "formats/report/surface_picture.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "formats/base/error.h"
 #include "formats/database/database_summary.h"
 #include "formats/report/axis_ticks.h"
 #include "formats/report/body_svg.h"
 #include "formats/report/colour_map.h"
 #include "formats/report/curves_svg.h"
 #include "formats/report/markup_escape.h"
-#include "formats/report/stiffness_map.h"
+#include "formats/report/relaxation_svg.h"
+#include "formats/report/surface_map.h"
 
 namespace palpate {
 namespace {
@@ -27,7 +29,7 @@ std::string shortened(const std::string& name) {
 }
 
 std::string draw_title(const ResponseDatabase& database, const ResponseTable& table,
-                       const StiffnessMap& map) {
+                       const SurfaceMap& map, Shown shown) {
   const std::string body =
       database.provenance.source_file.empty()
           ? "A body"
@@ -40,11 +42,11 @@ std::string draw_title(const ResponseDatabase& database, const ResponseTable& ta
       "{} of radius {} mm</text>\n"
       "<text x=\"40\" y=\"68\" fill=\"#5a6473\">{} of {} nodes have a response, the "
       "others are grey{}</text>\n"
-      "<text x=\"{}\" y=\"68\" fill=\"#5a6473\">responses of the numbered "
-      "nodes</text>\n",
+      "<text x=\"{}\" y=\"68\" fill=\"#5a6473\">{} of the numbered nodes</text>\n",
       body, markup_escaped(table.tool.name), markup_escaped(table.tool.kind),
-      short_number(1e3 * table.tool.radius_m), map.softest_first.size(), table.nodes(),
-      doubts, kPlot.x - 30.0);
+      short_number(1e3 * table.tool.radius_m), map.lowest_first.size(), table.nodes(),
+      doubts, kPlot.x - 30.0,
+      shown == Shown::kStiffness ? "responses" : "force that stays while held");
 }
 
 // A soft shadow on the ground beneath the body, seen at the camera's angle.
@@ -75,7 +77,7 @@ std::string draw_scale_bar(const View& view) {
       kBody.x, y, px, kBody.x + px + 10.0, y + 8.5, short_number(1e3 * length_m));
 }
 
-std::string draw_colour_bar(const StiffnessMap& map) {
+std::string draw_colour_bar(const SurfaceMap& map) {
   const double bottom = kBar.y + kBar.height;
   std::string svg = fmt::format(
       "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"url(#viridis)\"/>\n",
@@ -89,7 +91,7 @@ std::string draw_colour_bar(const StiffnessMap& map) {
     svg += fmt::format("<path d=\"M{} {}h{}l{} 13z\" fill=\"{}\"/>\n", kBar.x,
                        bottom + 1.0, kBar.width, -kBar.width / 2.0, hex(viridis(0.0)));
   }
-  for (const double tick : axis_ticks(map.low_n_per_m, map.high_n_per_m, 6)) {
+  for (const double tick : axis_ticks(map.low, map.high, 6)) {
     const double y = bottom - kBar.height * map.place(tick);
     svg += fmt::format(
         "<path d=\"M{0:.1f} {1:.1f}h5\" stroke=\"#1d2430\"/>"
@@ -98,10 +100,9 @@ std::string draw_colour_bar(const StiffnessMap& map) {
         short_number(tick));
   }
   return svg + fmt::format(
-                   "<text x=\"{0}\" y=\"{1}\">stiffness [N/m]</text>"
-                   "<text x=\"{0}\" y=\"{2}\" fill=\"#5a6473\">f/d at {3} mm</text>\n",
-                   kBar.x, kBar.y - 42.0, kBar.y - 24.0,
-                   short_number(1e3 * map.depth_m));
+                   "<text x=\"{0}\" y=\"{1}\">{3}</text>"
+                   "<text x=\"{0}\" y=\"{2}\" fill=\"#5a6473\">{4}</text>\n",
+                   kBar.x, kBar.y - 42.0, kBar.y - 24.0, map.name, map.note);
 }
 
 std::string definitions() {
@@ -117,11 +118,24 @@ std::string definitions() {
   return svg.append("\n</linearGradient>\n</defs>\n");
 }
 
+SurfaceMap map_of(const ResponseTable& table, Shown what) {
+  if (what == Shown::kStiffness) {
+    return stiffness_map(table);
+  }
+  if (table.viscoelasticity.empty()) {
+    throw InputError(fmt::format(
+        "the responses of tool {:?} are static: there is no relaxation to show",
+        table.tool.name));
+  }
+  return what == Shown::kRelaxation ? relaxation_map(table)
+                                    : relaxation_time_map(table);
+}
+
 }  // namespace
 
-std::string stiffness_picture(const ResponseDatabase& database,
-                              const ResponseTable& table) {
-  const StiffnessMap map = stiffness_map(table);
+std::string surface_picture(const ResponseDatabase& database,
+                            const ResponseTable& table, Shown what) {
+  const SurfaceMap map = map_of(table, what);
   const View view = choose_view(database.body, map, kBody);
   const std::vector<ShownCurve> shown = choose_curves(map, database.normal, view);
   std::vector<std::int64_t> nodes;
@@ -135,14 +149,15 @@ std::string stiffness_picture(const ResponseDatabase& database,
       "font-size=\"14\" fill=\"#1d2430\">\n";
   svg += definitions();
   svg += "<rect width=\"1200\" height=\"600\" rx=\"10\" fill=\"#ffffff\"/>\n";
-  svg += draw_title(database, table, map);
+  svg += draw_title(database, table, map, what);
   svg += draw_shadow(database.body, view);
   svg += draw_body(database.body, database.normal, map, view);
   svg += draw_marks(database.body, database.normal, nodes, view);
   svg += draw_scale_bar(view);
   if (!shown.empty()) {
     svg += draw_colour_bar(map);
-    svg += draw_curves(table, map, shown, kPlot);
+    svg += what == Shown::kStiffness ? draw_curves(table, map, shown, kPlot)
+                                     : draw_relaxation(table, map, shown, kPlot);
   }
   return svg.append("</svg>\n");
 }

@@ -1,0 +1,91 @@
+#include "formats/database/viscoelasticity_reader.h"
+
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/database/database_layout.h"
+#include "formats/database/viscoelasticity_rules.h"
+#include "formats/hdf5/hdf5_reader.h"
+
+namespace palpate {
+namespace {
+
+void read_shares(Hdf5Reader& file, const std::string& group, std::int64_t nodes,
+                 Viscoelasticity& relaxation) {
+  const std::string path = content::ViscoelasticityGroups(group).relaxation + "/g";
+  const std::int64_t terms = relaxation.terms();
+  if (file.shape_of(path, "1", Hdf5Type::kFloat32, {-1, terms}).front() == 1) {
+    file.dataset(path, "1", relaxation.g);
+    check_node_rows(group, relaxation, 1, 0);
+  } else {
+    static_cast<void>(file.shape_of(path, "1", Hdf5Type::kFloat32, {nodes, terms}));
+    relaxation.g.resize(0, terms);
+  }
+}
+
+}  // namespace
+
+void read_viscoelasticity_head(Hdf5Reader& file, const std::string& group,
+                               std::int64_t nodes, ToolIndex& tool) {
+  const content::ViscoelasticityGroups groups(group);
+  Viscoelasticity& relaxation = tool.viscoelasticity;
+  if (!file.has(groups.relaxation + "/tau_s")) {
+    return;
+  }
+  content::exchange_relaxation_head(file, groups.relaxation, relaxation);
+  check_terms(group, relaxation);
+  read_shares(file, group, nodes, relaxation);
+  if (!file.has(groups.memory)) {
+    return;
+  }
+  content::exchange_sites_head(file, groups.memory, relaxation);
+  check_terms(group, relaxation);
+  if (file.has(groups.memory + "/site")) {
+    tool.memory_sites =
+        file.shape_of(groups.memory + "/site_node", "1", Hdf5Type::kInt32, {-1})
+            .front();
+    for (const auto& [name, type] : {std::pair{"/site", Hdf5Type::kInt32},
+                                     std::pair{"/weight", Hdf5Type::kFloat32}}) {
+      static_cast<void>(
+          file.shape_of(groups.memory + name, "1", type, {nodes, kMostNodeSites}));
+    }
+  }
+}
+
+void read_node_rows(const Hdf5Reader& file, const std::string& group,
+                    const ToolIndex& tool, std::int64_t begin, std::int64_t count,
+                    Viscoelasticity& relaxation) {
+  const content::ViscoelasticityGroups groups(group);
+  const auto rows = [&](const std::string& path, auto& values, std::int64_t columns) {
+    using Value = typename std::remove_reference_t<decltype(values)>::Scalar;
+    values.resize(count, columns);
+    file.rows(path, "1", hdf5_type<Value>(), begin, count, columns, values.data());
+  };
+  if (relaxation.g.rows() == 0) {
+    rows(groups.relaxation + "/g", relaxation.g, relaxation.terms());
+  }
+  if (tool.memory_sites > 0) {
+    rows(groups.memory + "/site", relaxation.sites.site, kMostNodeSites);
+    rows(groups.memory + "/weight", relaxation.sites.weight, kMostNodeSites);
+  }
+}
+
+void check_shares(const ToolIndex& tool, std::int64_t chunk,
+                  const Viscoelasticity& part) {
+  if (tool.share_min.rows() == 0) {
+    return;
+  }
+  const ShareExtent extent = share_extent(part);
+  if (tool.share_min.row(chunk) != extent.low ||
+      tool.share_max.row(chunk) != extent.high) {
+    throw FormatError(fmt::format(
+        "/tools/{}/index/share_min, share_max: row {} must have the smallest and the "
+        "largest shares of chunk {}",
+        tool.tool.name, chunk, chunk));
+  }
+}
+
+}  // namespace palpate
