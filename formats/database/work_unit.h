@@ -50,6 +50,9 @@ struct JobDescription {
   std::int64_t reachable = 0;   ///< vertices, of each tool
   double depth_max_m = 0.0;
   double force_max_n = 0.0;
+  /// The same at every node of every tool: times and one row of shares; else empty.
+  Viscoelasticity relaxation = {};
+  std::int64_t bundles = 1;   ///< of responses that relax
   std::string left_out = {};  ///< of every response; counts are added to it
   Provenance provenance;      ///< but `left_out`
 };

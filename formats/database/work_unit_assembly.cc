@@ -12,6 +12,7 @@
 #include "formats/base/error.h"
 #include "formats/base/quantile.h"
 #include "formats/database/error_calibration.h"
+#include "formats/database/table_memory.h"
 #include "formats/database/work_unit.h"
 #include "formats/response/force_difference.h"
 #include "formats/response/response_curve.h"
@@ -266,6 +267,8 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     assembly.error_factor = std::max(assembly.error_factor, factor.easy);
     assembly.hard_error_factor = std::max(assembly.hard_error_factor, factor.hard);
     assembly.database.tools.push_back(table_of(plan, t, answers[t], factor));
+    give_memory(plan.body, plan.normal, plan.relaxation, plan.bundles,
+                assembly.database.tools.back());
   }
   std::sort(assembly.error.begin(), assembly.error.end());
   std::sort(assembly.checked.begin(), assembly.checked.end());

@@ -143,27 +143,42 @@ void to_json(json& j, const JobDescription& plan) {
        {"source_file", from.source_file},
        {"source_sha256", from.source_sha256}};
   j["left_out"] = plan.left_out;
+  if (!plan.relaxation.empty()) {
+    j["relaxation"] = {{"rule", plan.relaxation.rule},
+                       {"tau_s", plan.relaxation.tau_s},
+                       {"g", flat(plan.relaxation.g)}};
+    j["bundles"] = plan.bundles;
+  }
   for (const ToolShape& tool : plan.tool) {
     j["tool"].push_back(to_json(tool));
   }
 }
 
 void from_json(const json& j, JobDescription& plan) {
-  plan = {.digest = j.at("digest"),
-          .units = j.at("units"),
-          .body = mesh_of(j.at("body")),
-          .normal = rows_of_three<Points>(j.at("normal")),
-          .tool = {},
-          .force_relative = j.at("force_relative"),
-          .reachable = j.at("reachable"),
-          .depth_max_m = j.at("depth_max_m"),
-          .force_max_n = j.at("force_max_n"),
-          .left_out = j.value("left_out", ""),
-          .provenance = {.writer = j.at("writer"),
-                         .scene_toml = j.at("scene_toml"),
-                         .source_file = j.at("source_file"),
-                         .source_sha256 = j.at("source_sha256"),
-                         .left_out = {}}};
+  plan.digest = j.at("digest");
+  plan.units = j.at("units");
+  plan.body = mesh_of(j.at("body"));
+  plan.normal = rows_of_three<Points>(j.at("normal"));
+  plan.tool.clear();
+  plan.force_relative = j.at("force_relative");
+  plan.reachable = j.at("reachable");
+  plan.depth_max_m = j.at("depth_max_m");
+  plan.force_max_n = j.at("force_max_n");
+  plan.left_out = j.value("left_out", "");
+  plan.provenance.writer = j.at("writer");
+  plan.provenance.scene_toml = j.at("scene_toml");
+  plan.provenance.source_file = j.at("source_file");
+  plan.provenance.source_sha256 = j.at("source_sha256");
+  if (j.contains("relaxation")) {
+    const json& relaxation = j.at("relaxation");
+    plan.relaxation.rule = relaxation.at("rule");
+    plan.relaxation.instantaneous = true;
+    plan.relaxation.tau_s = relaxation.at("tau_s").get<std::vector<double>>();
+    const auto g = relaxation.at("g").get<std::vector<float>>();
+    plan.relaxation.g = Eigen::Map<const RowsOf<float>>(
+        g.data(), 1, static_cast<Eigen::Index>(g.size()));
+    plan.bundles = j.at("bundles");
+  }
   for (const json& tool : j.at("tool")) {
     plan.tool.push_back(tool_of(tool));
   }

@@ -24,9 +24,10 @@ using scene_parts::Sections;
 
 constexpr std::string_view kBodyKeys[] = {"mesh", "length_unit"};
 constexpr std::string_view kReachKeys[] = {"box_m", "depth_max_m", "force_max_n"};
-constexpr std::string_view kAccuracyKeys[] = {
-    "force_relative", "contact_resolution", "depths", "method", "refine", "solve",
-    "verify"};
+constexpr std::string_view kAccuracyKeys[] = {"force_relative", "contact_resolution",
+                                              "depths",         "method",
+                                              "refine",         "solve",
+                                              "verify",         "bundles"};
 constexpr std::string_view kMethods[] = {"auto", "linear", "nonlinear"};
 constexpr std::string_view kRefinements[] = {"auto", "global", "local"};
 constexpr std::string_view kSolved[] = {"auto", "all"};
@@ -72,6 +73,7 @@ void read_accuracy(const Sections& sections, Scene& scene) {
   rest.refine = accuracy.choice_or(rest.refine, "refine", kRefinements);
   rest.solve = accuracy.choice_or(rest.solve, "solve", kSolved);
   rest.verify = accuracy.integer_or(rest.verify, "verify", 0, 1000000);
+  rest.bundles = accuracy.integer_or(rest.bundles, "bundles", 1, 8);
 }
 
 void read_drawing(const Sections& sections, Scene& scene) {

@@ -37,7 +37,15 @@ struct SceneInclusion {
   bool cavity = false;
 };
 
-/// What a law does not have stays 0.
+/// G(t) = 1 - sum g_k (1 - exp(-t / tau_k)) of all stresses; without terms 1.
+struct SceneRelaxation {
+  std::vector<double> g;      ///< [-] (0, 1), sum below 1; 1 to 4 terms
+  std::vector<double> tau_s;  ///< [s] (0, inf) increasing; as many
+
+  [[nodiscard]] bool operator==(const SceneRelaxation&) const = default;
+};
+
+/// What a law does not have stays 0. Moduli are instantaneous ones.
 struct SceneMaterial {
   std::string region = std::string(kBodyRegion);  ///< or the name of an inclusion
   /// linear, st-venant-kirchhoff, neo-hookean, mooney-rivlin, ogden or
@@ -58,6 +66,7 @@ struct SceneMaterial {
   bool finite_strain = false;         ///< linear fibre: else small strain
   double k1_pa = 0.0;                 ///< [Pa] (0, inf) exponential fibre
   double k2 = 0.0;                    ///< [-] (0, inf)
+  SceneRelaxation relaxation = {};
 };
 
 /// The side of a plane that its normal points away from.
@@ -98,6 +107,7 @@ struct SceneAccuracy {
   std::string refine = "auto";  ///< auto, global or local refinement under the tool
   std::string solve = "auto";   ///< auto: interpolate where the budget allows; or all
   int verify = 24;              ///< [-] [0, 1000000] nodes solved again, better
+  int bundles = 1;              ///< [-] [1, 8] parts of a relaxing curve
 };
 
 /// Every node is answered by a part of the body around it, cut out of the body's tets,

@@ -1,5 +1,6 @@
 // [[material]]: what the regions are made of.
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,9 @@ constexpr std::string_view kMaterialKeys[] = {"region",
                                               "poissons_ratio_fibre",
                                               "finite_strain",
                                               "k1_pa",
-                                              "k2"};
-constexpr std::string_view kSharedKeys[] = {"region", "law"};
+                                              "k2",
+                                              "relaxation"};
+constexpr std::string_view kSharedKeys[] = {"region", "law", "relaxation"};
 constexpr std::string_view kIsotropicKeys[] = {"youngs_modulus_pa", "poissons_ratio"};
 constexpr std::string_view kMooneyKeys[] = {"c10_pa", "c01_pa", "poissons_ratio"};
 constexpr std::string_view kOgdenKeys[] = {"mu_pa", "alpha", "poissons_ratio"};
@@ -145,6 +147,37 @@ void read_law(const SceneSection& section, SceneMaterial& material) {
   }
 }
 
+constexpr std::string_view kRelaxationKeys[] = {"g", "tau_s"};
+
+// The terms are in order, and something of the force stays.
+void read_relaxation(const SceneSection& section, SceneMaterial& material) {
+  if (section.find("relaxation") == nullptr) {
+    return;
+  }
+  const SceneSection terms = section.table("relaxation", kRelaxationKeys);
+  SceneRelaxation& relaxation = material.relaxation;
+  relaxation.g = terms.numbers("g", kFraction, kMostTerms);
+  relaxation.tau_s = terms.numbers("tau_s", kPositive, kMostTerms);
+  if (relaxation.g.size() != relaxation.tau_s.size()) {
+    terms.fail(terms.need("tau_s"),
+               "tau_s in {} has {} numbers, must have as many as g: {}", terms.title(),
+               relaxation.tau_s.size(), relaxation.g.size());
+  }
+  for (std::size_t k = 1; k < relaxation.tau_s.size(); ++k) {
+    if (!(relaxation.tau_s[k] > relaxation.tau_s[k - 1])) {
+      terms.fail(terms.need("tau_s"), "tau_s in {} has {} after {}, must increase",
+                 terms.title(), relaxation.tau_s[k], relaxation.tau_s[k - 1]);
+    }
+  }
+  const double sum = std::accumulate(relaxation.g.begin(), relaxation.g.end(), 0.0);
+  if (!(sum < 1.0)) {
+    terms.fail(terms.need("g"),
+               "g in {} sums to {:.6g}, must stay below 1: a force that is held for "
+               "long is 1 - sum of g of the sudden one",
+               terms.title(), sum);
+  }
+}
+
 // Names of regions that have a material: the body, and inclusions that are no holes.
 std::vector<std::string_view> solid_regions(const Scene& scene) {
   std::vector<std::string_view> regions{kBodyRegion};
@@ -165,6 +198,7 @@ void read_materials(const Sections& sections, Scene& scene) {
     material.region = section.choice("region", regions);
     material.law = section.choice("law", kLaws);
     read_law(section, material);
+    read_relaxation(section, material);
     for (const SceneMaterial& other : scene.material) {
       if (other.region == material.region) {
         section.fail("region {:?} has two materials, must have one", material.region);

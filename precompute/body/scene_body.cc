@@ -81,21 +81,28 @@ InnerSurface inner_surface(const SceneInclusion& inclusion) {
 }
 
 void read_inclusions(const Scene& scene, BodySource& body) {
-  body.material.push_back(make_material(material_of(scene, kBodyRegion)));
+  body.material = materials_of(scene);
   for (const SceneInclusion& inclusion : scene.inclusion) {
     body.inner.push_back(inner_surface(inclusion));
     if (inclusion.mesh) {
       body.files.push_back(inclusion.mesh->file);
     }
-    // A cavity has no tets; its material is never asked for.
-    body.material.push_back(inclusion.cavity
-                                ? body.material.front()
-                                : make_material(material_of(scene, inclusion.name)));
   }
   body.inner = check_inner_surfaces(body.surface, body.inner);
 }
 
 }  // namespace
+
+std::vector<Material> materials_of(const Scene& scene) {
+  std::vector<Material> materials{make_material(material_of(scene, kBodyRegion))};
+  for (const SceneInclusion& inclusion : scene.inclusion) {
+    // A cavity has no tets; its material is never asked for.
+    materials.push_back(inclusion.cavity
+                            ? materials.front()
+                            : make_material(material_of(scene, inclusion.name)));
+  }
+  return materials;
+}
 
 BodySource read_body(const Scene& scene, RepairMode repair) {
   BodySource body;

@@ -34,6 +34,11 @@ struct BodySource {
 [[nodiscard]] BodySource read_body(const Scene& scene,
                                    RepairMode repair = RepairMode::kOff);
 
+/// BodySource::material of a scene: of the body, then of its inclusions, a cavity's
+/// being the body's. @throws InputError naming the region without one, or its constant
+/// that is out of range.
+[[nodiscard]] std::vector<Material> materials_of(const Scene& scene);
+
 /// Whether a fixed support holds the surface there.
 [[nodiscard]] bool is_held(const Scene& scene, const Eigen::Vector3d& p_m);
 

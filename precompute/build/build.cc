@@ -16,7 +16,10 @@
 #include "formats/base/sha256.h"
 #include "formats/database/precision_choice.h"
 #include "formats/database/rounded_database.h"
+#include "formats/database/table_memory.h"
 #include "precompute/build/checkpoint.h"
+#include "precompute/material/material_spectrum.h"
+#include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
 #include "precompute/press/work_unit_solver.h"
 #include "precompute/process/failure_of.h"
@@ -46,9 +49,30 @@ std::string digest_of(const Scene& scene, const BodySource& body,
   return sum.hex();
 }
 
+// Where all materials relax alike, so do all responses.
+Viscoelasticity uniform_relaxation(const Scene& scene, const PressStrategy& strategy) {
+  const SceneSpectrum spectrum = spectrum_of(scene);
+  Viscoelasticity relaxation;
+  if (spectrum.uniform()) {
+    relaxation.rule = strategy.nonlinear
+                          ? "one spectrum for all materials: quasi-linear"
+                          : "one spectrum for all materials: correspondence principle";
+    relaxation.instantaneous = true;
+    relaxation.tau_s = spectrum.tau_s;
+    relaxation.g =
+        Eigen::Map<const Eigen::RowVectorXd>(spectrum.g.data(), std::ssize(spectrum.g))
+            .cast<float>();
+  }
+  return relaxation;
+}
+
+bool relaxes_by_node(const SceneSpectrum& spectrum) {
+  return !spectrum.empty() && !spectrum.uniform();
+}
+
 JobDescription plan_of(const Scene& scene, const BodySource& body,
-                       const BuildOptions& options, std::size_t reachable,
-                       std::size_t units) {
+                       const BuildOptions& options, const PressStrategy& strategy,
+                       std::size_t reachable, std::size_t units) {
   std::vector<ToolShape> tools;
   for (const SharedTool& tool : body.tool) {
     tools.push_back(tool->shape());
@@ -63,6 +87,8 @@ JobDescription plan_of(const Scene& scene, const BodySource& body,
       .reachable = static_cast<std::int64_t>(reachable),
       .depth_max_m = scene.reach.depth_max_m,
       .force_max_n = scene.reach.force_max_n,
+      .relaxation = uniform_relaxation(scene, strategy),
+      .bundles = scene.accuracy.bundles,
       .left_out = cut_out_text(scene),
       .provenance = {.writer = fmt::format("palpate-precompute {}", PALPATE_VERSION),
                      .scene_toml = scene.text,
@@ -166,6 +192,29 @@ class UnitRun {
   Progress& progress_;
 };
 
+// Where materials relax differently, nodes do.
+void add_relaxation(const Scene& scene, const BodySource& body,
+                    const PressStrategy& strategy, const std::vector<double>& tau_s,
+                    ResponseDatabase& database, Progress& progress) {
+  std::vector<std::vector<std::int32_t>> vertices(database.tools.size());
+  for (std::size_t t = 0; t < database.tools.size(); ++t) {
+    for (std::int32_t v = 0; v < static_cast<std::int32_t>(body.normal.rows()); ++v) {
+      if (!database.tools[t].curve(v).depth_m.empty()) {
+        vertices[t].push_back(v);
+      }
+    }
+  }
+  std::vector<Viscoelasticity> shares =
+      relaxation_shares(scene, body, strategy, vertices, tau_s, progress);
+  for (std::size_t t = 0; t < database.tools.size(); ++t) {
+    shares[t].rule = fmt::format(
+        "correspondence principle, fitted at each node to linear presses at {} rates",
+        fitted_rates_per_s(tau_s).size());
+    give_memory(database.body, database.normal, shares[t], scene.accuracy.bundles,
+                database.tools[t]);
+  }
+}
+
 // Displacements are for drawing: where they cannot be had the responses are written
 // without.
 void add_fields_or_note(const Scene& scene, const BodySource& body,
@@ -211,6 +260,12 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
         "[drawing] displacement = true needs all responses at once: build without "
         "--shard, or without the displacements");
   }
+  const SceneSpectrum spectrum = spectrum_of(scene);
+  if (relaxes_by_node(spectrum) && options.shards > 1) {
+    throw InputError(
+        "materials that relax differently need all responses at once: build without "
+        "--shard, or give every [[material]] the same relaxation");
+  }
   { const AtomicFile place(options.output); }  // said before the work, not after it
   std::optional<tbb::global_control> limit;
   if (options.workers > 0) {
@@ -224,7 +279,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   const PressStrategy strategy = choose_strategy(scene, body, reachable);
   const std::vector<WorkUnit> units = units_of(scene, body, reachable);
   const JobDescription plan =
-      plan_of(scene, body, options, reachable.size(), units.size());
+      plan_of(scene, body, options, strategy, reachable.size(), units.size());
   std::vector<WorkUnit> mine;
   std::copy_if(units.begin(), units.end(), std::back_inserter(mine),
                [&](const WorkUnit& unit) {
@@ -246,6 +301,10 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   } else {
     report.assembly = assemble(plan, outcomes);
     require_responses(plan, report.assembly);
+    if (relaxes_by_node(spectrum)) {
+      add_relaxation(scene, body, strategy, spectrum.tau_s, report.assembly.database,
+                     progress);
+    }
     if (scene.drawing.displacement) {
       add_fields_or_note(scene, body, strategy, reachable, report, progress);
     }

@@ -13,7 +13,6 @@
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
 #include "precompute/body/mesh_grading.h"
-#include "precompute/material/material_of_scene.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 
@@ -72,21 +71,6 @@ std::vector<std::string> constants_of(const SceneMaterial& material) {
     names.push_back(fmt::format("alpha.{}", i + 1));
   }
   return names;
-}
-
-std::vector<Material> materials_of(const Scene& scene, const BodySource& body) {
-  const auto of_region = [&](std::string_view region) {
-    const auto at = std::find_if(scene.material.begin(), scene.material.end(),
-                                 [&](const SceneMaterial& m) {
-                                   return m.region == region;
-                                 });
-    return make_material(at == scene.material.end() ? scene.material.front() : *at);
-  };
-  std::vector<Material> materials{of_region(kBodyRegion)};
-  for (const InnerSurface& inner : body.inner) {
-    materials.push_back(of_region(inner.cavity ? kBodyRegion : inner.name));
-  }
-  return materials;
 }
 
 // Force along the tool's way against depth from the first touch.
@@ -219,7 +203,7 @@ ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
     for (std::size_t j = 0; j < sweep.parameter.size(); ++j) {
       set_constant(changed, sweep.parameter[j].name, sweep.values_at(c)[j]);
     }
-    (void)materials_of(changed, body);
+    (void)materials_of(changed);
   }
   const ContactFocus focus = contact_focus(scene, body);
   progress.stage("sweep");
@@ -228,7 +212,7 @@ ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
     for (std::size_t j = 0; j < sweep.parameter.size(); ++j) {
       set_constant(changed, sweep.parameter[j].name, sweep.values_at(c)[j]);
     }
-    changed_body.material = materials_of(changed, body);
+    changed_body.material = materials_of(changed);
     for (const PressedNode& pressed :
          pressed_with(changed, changed_body, tool, vertices, focus)) {
       curves.push_back(curve_of(pressed, where_of(pressed.vertex, sweep, c)));
@@ -241,7 +225,7 @@ ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
   for (std::size_t j = 0; j < sweep.parameter.size(); ++j) {
     set_constant(changed, sweep.parameter[j].name, sweep.values_at(middle)[j]);
   }
-  changed_body.material = materials_of(changed, body);
+  changed_body.material = materials_of(changed);
   const auto finer_presses =
       pressed_with(changed, changed_body, tool, vertices, finer(focus, kTimesFiner));
   for (std::size_t v = 0; v < vertices.size(); ++v) {

@@ -12,6 +12,7 @@
 #include "formats/database/error_calibration.h"
 #include "precompute/build/plan_cut_outs.h"
 #include "precompute/build/plan_left_out.h"
+#include "precompute/build/plan_relaxation.h"
 #include "precompute/build/plan_shared_mesh.h"
 #include "precompute/contact/indentation_response.h"
 #include "precompute/press/compliance_sample.h"
@@ -76,6 +77,7 @@ class Planner {
     } else {
       time_cheap_on_own_meshes();
     }
+    plan_relaxation(scene_, report_);
     time_good();
     time_checks();
   }

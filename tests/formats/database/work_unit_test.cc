@@ -72,10 +72,25 @@ void expect_same(const JobDescription& a, const JobDescription& b) {
   EXPECT_EQ(a.provenance.scene_toml, b.provenance.scene_toml);
   EXPECT_EQ(a.provenance.source_file, b.provenance.source_file);
   EXPECT_EQ(a.provenance.source_sha256, b.provenance.source_sha256);
+  EXPECT_EQ(a.relaxation.rule, b.relaxation.rule);
+  EXPECT_EQ(a.relaxation.instantaneous, b.relaxation.instantaneous);
+  EXPECT_EQ(a.relaxation.tau_s, b.relaxation.tau_s);
+  EXPECT_EQ(a.relaxation.g, b.relaxation.g);
+  EXPECT_EQ(a.bundles, b.bundles);
   ASSERT_EQ(a.tool.size(), b.tool.size());
   for (std::size_t i = 0; i < a.tool.size(); ++i) {
     expect_same(a.tool[i], b.tool[i]);
   }
+}
+
+JobDescription relaxing_plan() {
+  JobDescription plan = sample_plan();
+  plan.relaxation.rule = "one for all";
+  plan.relaxation.instantaneous = true;
+  plan.relaxation.tau_s = {0.5, 4.0};
+  plan.relaxation.g = RowsOf<float>{{0.25F, 0.3F}};
+  plan.bundles = 3;
+  return plan;
 }
 
 TEST(UnitBytes, KeepEveryFieldOfAUnit) {
@@ -102,6 +117,27 @@ TEST(UnitBytes, KeepEveryFieldOfAPlan) {
   plan.force_max_n = Limits::infinity();  // a scene without a largest force
   plan.tool.front().axis.reset();
   expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
+  plan = relaxing_plan();
+  expect_same(plan, plan_from_bytes(to_bytes(plan), "plan"));
+}
+
+TEST(Assemble, GivesEveryToolOfARelaxingJobItsMemory) {
+  const ResponseDatabase database = assemble(relaxing_plan(), sample_units()).database;
+  const ResponseTable& table = database.tools.front();
+  const Viscoelasticity& relaxation = table.viscoelasticity;
+  EXPECT_EQ(relaxation.tau_s, (std::vector<double>{0.5, 4.0}));
+  EXPECT_EQ(relaxation.g.rows(), 1);
+  EXPECT_TRUE(relaxation.instantaneous);
+  ASSERT_EQ(relaxation.bundle_depth_m.size(), 2U);
+  EXPECT_NEAR(relaxation.bundle_depth_m[1],
+              table.depth_max_m() * std::pow(2.0 / 3.0, 1.5), 1e-15);
+  // Nodes remember where they have a response.
+  for (std::int64_t node = 0; node < table.nodes(); ++node) {
+    EXPECT_EQ(relaxation.sites.site(node, 0) < 0, table.curve(node).depth_m.empty());
+  }
+  EXPECT_TRUE(assemble(sample_plan(), sample_units())
+                  .database.tools.front()
+                  .viscoelasticity.empty());
 }
 
 TEST(UnitBytes, ThatAreCutAnywhereAreRefusedByName) {

@@ -169,6 +169,16 @@ TEST(SceneSupport, APatchHoldsABall) {
   EXPECT_FALSE(holds(patch, {1.4, 0.4, 0.0}));
 }
 
+TEST(SceneMaterial, AnyLawMayRelax) {
+  EXPECT_TRUE(material_of(kIsotropic).relaxation.g.empty());
+  for (const std::string& law : {std::string(kIsotropic), std::string(kLinearFibre)}) {
+    const SceneMaterial material =
+        material_of(law + "relaxation = { g = [0.2, 0.3], tau_s = [0.5, 4] }\n");
+    EXPECT_EQ(material.relaxation.g, (std::vector<double>{0.2, 0.3}));
+    EXPECT_EQ(material.relaxation.tau_s, (std::vector<double>{0.5, 4.0}));
+  }
+}
+
 class SceneBodyMistake : public SceneMistakeTest {};
 
 TEST_P(SceneBodyMistake, IsNamedWithItsLine) {
@@ -212,6 +222,41 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{kIsotropic,
                 "law = \"ogden\"\nmu_pa = [1]\nalpha = 1\npoissons_ratio = 0\n",
                 ":9: alpha in [[material]] must be a list of 1 to 4 numbers"}));
+
+// The scene's material with these terms, on line 10.
+#define PALPATE_RELAXING(terms)               \
+  "law = \"linear\"\nyoungs_modulus_pa = 1\n" \
+  "poissons_ratio = 0\nrelaxation = " terms "\n"
+
+INSTANTIATE_TEST_SUITE_P(
+    Relaxation, SceneBodyMistake,
+    testing::Values(
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.5, 0.5], tau_s = [1, 2] }"),
+                ":10: g in relaxation of [[material]] sums to 1, must stay below 1"},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.7, 0.5], tau_s = [1, 2] }"),
+                ":10: g in relaxation of [[material]] sums to 1.2, must stay below 1"},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [1.5], tau_s = [1] }"),
+                ":10: g in relaxation of [[material]] holds 1.5, must be above 0 and "
+                "below 1"},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.2, 0.5], tau_s = [2, 1] }"),
+                ":10: tau_s in relaxation of [[material]] has 1 after 2, must "
+                "increase"},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.2, 0.5], tau_s = [2, 2] }"),
+                ":10: tau_s in relaxation of [[material]] has 2 after 2"},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.2], tau_s = [0] }"),
+                ":10: tau_s in relaxation of [[material]] holds 0, must be positive"},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.2], tau_s = [1, 2] }"),
+                ":10: tau_s in relaxation of [[material]] has 2 numbers, must have as "
+                "many as g: 1"},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.2] }"),
+                ":10: relaxation of [[material]] needs the key \"tau_s\""},
+        Mistake{kIsotropic, PALPATE_RELAXING("{ g = [0.2], tau = [1] }"),
+                ":10: unknown key \"tau\" in relaxation of [[material]]"},
+        Mistake{kIsotropic,
+                PALPATE_RELAXING("{ g = [0.1, 0.1, 0.1, 0.1, 0.1], tau_s = [1, 2, 3, "
+                                 "4, 5] }"),
+                ":10: g in relaxation of [[material]] must be a list of 1 to 4 "
+                "numbers"}));
 
 constexpr const char* kFibre =
     "law = \"transversely-isotropic\"\nfibre_law = \"linear\"\nfibre = [0, 0, 0]\n"
