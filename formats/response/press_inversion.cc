@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "formats/response/response_curve.h"
+
 namespace palpate {
 namespace {
 
@@ -143,6 +145,26 @@ double stiffness_factor(const Viscoelasticity& relaxation) {
   }
   const double most = relaxation.g.cast<double>().rowwise().sum().maxCoeff();
   return most < 1.0 ? 1.0 / (1.0 - most) : std::numeric_limits<double>::infinity();
+}
+
+void make_instantaneous(ResponseTable& table) {
+  Viscoelasticity& relaxation = table.viscoelasticity;
+  if (relaxation.empty() || relaxation.instantaneous) {
+    return;
+  }
+  for (std::int64_t node = 0; node < table.nodes(); ++node) {
+    const OwnedCurve curve = instantaneous_curve(table.curve(node), relaxation, node);
+    const auto begin = table.sample_begin[static_cast<std::size_t>(node)];
+    std::copy(curve.force_n.begin(), curve.force_n.end(),
+              table.force_n.begin() + begin);
+    std::copy(curve.stiffness_n_per_m.begin(), curve.stiffness_n_per_m.end(),
+              table.stiffness_n_per_m.begin() + begin);
+    std::copy(curve.energy_j.begin(), curve.energy_j.end(),
+              table.energy_j.begin() + begin);
+    table.stiffness_max_n_per_m[static_cast<std::size_t>(node)] =
+        stiffness_max_n_per_m(curve.view());
+  }
+  relaxation.instantaneous = true;
 }
 
 }  // namespace palpate

@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "formats/response/curve_view.h"
+#include "formats/response/response_table.h"
 #include "formats/response/viscoelasticity.h"
 
 namespace palpate {
@@ -47,6 +48,10 @@ struct OwnedCurve {
 [[nodiscard]] OwnedCurve instantaneous_curve(const CurveView& curve,
                                              const Viscoelasticity& relaxation,
                                              std::int64_t node);
+
+/// All curves of a table as they are rendered, and their largest slopes. Nothing
+/// changes where they are instantaneous or static.
+void make_instantaneous(ResponseTable& table);
 
 /// What the largest slope of the instantaneous curve is at most, over that of the
 /// press's: 1 / (1 - sum g), infinite where all of the force relaxes.

@@ -109,6 +109,8 @@ void count(WalkBenchReport& report, const FastState& state,
   report.starved_ticks += command.starved ? 1 : 0;
   report.not_finite += command.force_n.allFinite() ? 0 : 1;
   report.force_max_n = std::max(report.force_max_n, command.force_n.norm());
+  report.carried_max_n =
+      std::max(report.carried_max_n, static_cast<double>(command.carried_n));
   report.drift_j = std::max(report.drift_j, std::abs(imbalance_j(state.ledger)));
 }
 
@@ -131,6 +133,7 @@ WalkBenchReport run_walk(const ResponseDatabase& database,
     }
     const double dt_s = world.tick_s();
     const Eigen::Vector3d x = world.measured(tool.step(dt_s));
+    relax_ahead(*state, dt_s);
     if (tick > 0) {
       work_j += static_cast<long double>(potential_j(*state, x)) -
                 static_cast<long double>(potential_j(*state, last));
@@ -145,6 +148,9 @@ WalkBenchReport run_walk(const ResponseDatabase& database,
   }
   report.work_j = static_cast<double>(work_j);
   report.through_j = state->ledger.stored_j + state->ledger.dissipated_j;
+  report.relaxes = remembers(state->memory);
+  report.shortened = state->memory.shortened;
+  report.forgotten = state->memory.forgotten;
   report.interventions = state->ledger.interventions;
   report.fault = state->safety.fault;
   report.seconds =
@@ -157,7 +163,7 @@ WalkBenchReport run_walk_bench(const WalkBenchOptions& options) {
 }
 
 std::string table_text(const WalkBenchReport& r) {
-  return fmt::format(
+  std::string text = fmt::format(
       "{} ticks in {:.0f} s, {} in contact, {} starved, {} ledger interventions\n"
       "energy created at most {:.1e} J, largest drift of the account {:.1e} J, work "
       "{:.4g} J, through the account {:.4g} J\n"
@@ -165,6 +171,13 @@ std::string table_text(const WalkBenchReport& r) {
       r.ticks, r.seconds, r.contact_ticks, r.starved_ticks, r.interventions,
       r.created_j, r.drift_j, r.work_j, r.through_j, r.force_max_n, r.not_finite,
       name(r.fault));
+  if (r.relaxes) {
+    text += fmt::format(
+        "relaxed at most {:.4g} N; {} steps of relaxing shortened, {} dents "
+        "forgotten\n",
+        r.carried_max_n, r.shortened, r.forgotten);
+  }
+  return text;
 }
 
 std::string to_json(const WalkBenchReport& r) {
@@ -177,6 +190,10 @@ std::string to_json(const WalkBenchReport& r) {
                               {"drift_j", r.drift_j},
                               {"through_j", r.through_j},
                               {"force_max_n", r.force_max_n},
+                              {"relaxes", r.relaxes},
+                              {"carried_max_n", r.carried_max_n},
+                              {"shortened", r.shortened},
+                              {"forgotten", r.forgotten},
                               {"not_finite", r.not_finite},
                               {"fault", name(r.fault)},
                               {"seconds", r.seconds}};

@@ -40,6 +40,10 @@ struct WalkBenchReport {
   double drift_j = 0.0;    ///< [J] largest distance of the ledger from its identity
   double through_j = 0.0;  ///< [J] that went through the account: stored, dissipated
   double force_max_n = 0.0;
+  bool relaxes = false;         ///< the body's surface remembers
+  double carried_max_n = 0.0;   ///< [N] most that had relaxed of the normal force
+  std::uint64_t shortened = 0;  ///< steps of relaxing that the account was short for
+  std::uint64_t forgotten = 0;  ///< dents that gave way to others
   std::int64_t not_finite = 0;  ///< forces
   Fault fault = Fault::kNone;
   double seconds = 0.0;  ///< [s] that it took

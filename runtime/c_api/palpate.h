@@ -120,6 +120,10 @@ typedef struct palpate_state {
   int32_t starved;         /* the element under the tool had not arrived */
   int32_t extrapolated;    /* deeper than the response was computed */
   uint64_t ticks;          /* since the start or the last reset */
+  /* Of a body that relaxes; else 0. */
+  double memory_j;      /* [J] >= 0 in dents that have not recovered:
+                           work = stored + tank + dissipated + memory */
+  double relaxed_force; /* [host force] >= 0, what has relaxed of the normal force */
 } palpate_state;
 
 typedef struct palpate_body palpate_body;
@@ -134,7 +138,8 @@ PALPATE_API palpate_body* palpate_open(const char* file, const palpate_options* 
                                        char* error, size_t error_bytes);
 
 /* One for each tool of the host, at most 16 of a body; NULL on failure. Lives as long
- * as the body. */
+ * as the body. Of a body that relaxes every tool finds its own dents alone, not those
+ * of the others: each may be called in a thread of its own. */
 PALPATE_API palpate_tool* palpate_tool_add(palpate_body* body);
 
 /* The same, with one line in error (may be NULL) where it fails: no memory, a 17th
@@ -182,8 +187,9 @@ PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
  */
 PALPATE_API void palpate_state_get(palpate_tool* tool, palpate_state* state);
 
-/* Haptic thread: clears a fault, the account and what is known of the tool's place, as
- * after a jump. The next slow step finds the tool again; the force ramps up anew. */
+/* Haptic thread: clears a fault, the account, what is known of the tool's place, as
+ * after a jump, and what a body that relaxes remembers of this tool: it has no dents
+ * then. The next slow step finds the tool again; the force ramps up anew. */
 PALPATE_API void palpate_reset(palpate_tool* tool);
 
 /* "free", "contact", "not-finite", ...: never NULL, lives for ever. Any thread. */

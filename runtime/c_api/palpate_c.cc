@@ -286,6 +286,8 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.starved = tick.command.starved ? 1 : 0;
   all.extrapolated = tick.command.extrapolated ? 1 : 0;
   all.ticks = tick.ticks;
+  all.memory_j = tick.command.memory_j;
+  all.relaxed_force = tick.command.carried_n / tool->newtons_per_unit;
   const std::size_t bytes = all.struct_size;
   std::memcpy(state, &all, std::min(bytes, sizeof(all)));
   if (bytes > sizeof(all)) {

@@ -5,13 +5,23 @@
 
 #include <fmt/format.h>
 
+#include "formats/response/press_inversion.h"
+
 namespace palpate {
 
 double RenderedStiffness::largest_n_per_m() const noexcept {
   return std::max(normal_n_per_m, friction_n_per_m);
 }
 
-RenderedStiffness rendered_stiffness(const ResponseTable& table, double force_max_n) {
+RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_max_n) {
+  ResponseTable rendered;
+  const bool pressed =
+      !stored.viscoelasticity.empty() && !stored.viscoelasticity.instantaneous;
+  if (pressed) {
+    rendered = stored;
+    make_instantaneous(rendered);
+  }
+  const ResponseTable& table = pressed ? rendered : stored;
   RenderedStiffness largest;
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto node = static_cast<std::size_t>(i);

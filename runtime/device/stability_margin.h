@@ -23,7 +23,7 @@ struct RenderedStiffness {
   [[nodiscard]] double largest_n_per_m() const noexcept;
 };
 
-[[nodiscard]] RenderedStiffness rendered_stiffness(const ResponseTable& table,
+[[nodiscard]] RenderedStiffness rendered_stiffness(const ResponseTable& stored,
                                                    double force_max_n);
 
 /// Largest stiffness [N/m] that each bound allows; T is the time that a force is held.

@@ -223,6 +223,11 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
     command = {};
     state.safety.force_n.setZero();
   }
+  if (command.in_contact && remembers(state.memory)) {
+    command.carried_n =
+        carried_n(state.config.model == LocalModel::kPotential ? state.potential.contact
+                                                               : state.element.contact);
+  }
   state.in_contact = command.in_contact;
   command.stored_j = state.ledger.stored_j;
   command.tank_j = state.ledger.tank_j;

@@ -59,6 +59,7 @@ struct FastCommand {
   double stored_j = 0.0;       ///< [J] potential of the local model
   double tank_j = 0.0;         ///< [J] >= 0
   double memory_j = 0.0;       ///< [J] >= 0, in dents of the surface
+  Real carried_n = 0.0;        ///< [N] >= 0, what has relaxed of the normal force
   double dissipated_j = 0.0;   ///< [J] >= 0, friction, relaxing, surplus, since start
   Real relaxed_shift_m = 0.0;  ///< [m] >= 0, delta_0 that the ledger had to take
   std::uint8_t fault = 0;      ///< Fault, latched; 0 none

@@ -79,6 +79,16 @@ CarriedMemory carried_memory(const RelaxingContact& contact) noexcept {
   return carried;
 }
 
+Real carried_n(const RelaxingContact& contact) noexcept {
+  Real carried = 0.0;
+  if (contact.remembers) {
+    for (int b = 0; b < contact.nodes.bundles; ++b) {
+      carried += contact.bundle[static_cast<std::size_t>(b)].memory.carried_n;
+    }
+  }
+  return carried;
+}
+
 void continue_at(RelaxingContact& contact, const CarriedMemory& carried,
                  const NodeValues& weight) noexcept {
   contact.remembers = true;

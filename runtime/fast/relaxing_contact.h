@@ -107,6 +107,10 @@ struct CarriedMemory {
 void continue_at(RelaxingContact& contact, const CarriedMemory& carried,
                  const NodeValues& weight) noexcept;
 
+/// What the surface gives less than it would to a sudden press [N]: s of all bundles
+/// where the memory was read.
+[[nodiscard]] Real carried_n(const RelaxingContact& contact) noexcept;
+
 /// The potential u along the normal.
 struct RelaxedResponse {
   Real force_n = 0.0;            ///< [N] du/dy

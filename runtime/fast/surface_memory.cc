@@ -88,6 +88,26 @@ TermValues recovered(const SurfaceMemory& memory, const TermValues& relaxed_n,
   return q.maxCoeff() < kForgottenN ? TermValues(TermValues::Zero()) : q;
 }
 
+Real carried_n(const SurfaceMemory& memory, int row) noexcept {
+  const MemorySite& site = memory.row[static_cast<std::size_t>(row)];
+  Real carried = 0.0;
+  for (int b = 0; b < memory.bundles && site.site >= 0; ++b) {
+    carried += (site.relaxing *
+                recovered(memory, relaxed_forces(memory, row, b), site.relaxing,
+                          static_cast<Real>(memory.time_s - site.time_s)))
+                   .sum();
+  }
+  return carried;
+}
+
+int count_dents(const SurfaceMemory& memory) noexcept {
+  int count = 0;
+  for (int row = 0; row < kMemorySites; ++row) {
+    count += carried_n(memory, row) > 0.0 ? 1 : 0;
+  }
+  return count;
+}
+
 void forget_all(SurfaceMemory& memory) noexcept {
   memory.row.fill({});
   memory.relaxed_n.fill(TermValues::Zero());

@@ -156,6 +156,9 @@ void FastProcess::account(const DeviceReading& reading,
   r.tank_j = command.tank_j;
   r.tank_max_j = std::max(r.tank_max_j, command.tank_j);
   r.relaxed_shift_max_m = std::max(r.relaxed_shift_max_m, command.relaxed_shift_m);
+  if (remembers(state_.memory)) {
+    account_memory(command);
+  }
   r.duration_s = seconds(reading.time_ns - first_ns_);
   r.elements_dropped = exchange_.elements.dropped();
   r.fault = state_.safety.fault;
@@ -164,6 +167,18 @@ void FastProcess::account(const DeviceReading& reading,
   if (trace != nullptr && trace->size() < trace->capacity()) {
     trace->push_back({{reading.position_m, reading.time_ns}, command});
   }
+}
+
+void FastProcess::account_memory(const FastCommand& command) noexcept {
+  RenderReport& r = report_;
+  r.relaxes = true;
+  r.memory_j = command.memory_j;
+  r.memory_max_j = std::max(r.memory_max_j, command.memory_j);
+  if (command.carried_n > r.carried_max_n) {
+    r.carried_max_n = command.carried_n;
+    r.carried_of_n = command.force_n.norm();
+  }
+  r.forgotten = state_.memory.forgotten;
 }
 
 void FastProcess::record(const DeviceReading& reading, const FastCommand& command,

@@ -60,6 +60,8 @@ class FastProcess {
 
   /// The account so far.
   [[nodiscard]] const RenderReport& report() const noexcept { return report_; }
+  /// Memory sites of the surface that have not recovered yet.
+  [[nodiscard]] int dents() const noexcept { return count_dents(state_.memory); }
 
  private:
   void watch(const DeviceReading& reading, DeviceStatus status,
@@ -68,6 +70,7 @@ class FastProcess {
   void take_in(const Element& element) noexcept;
   [[nodiscard]] FastCommand timed_step(const DeviceReading& reading) noexcept;
   void account(const DeviceReading& reading, const FastCommand& command) noexcept;
+  void account_memory(const FastCommand& command) noexcept;
   void record(const DeviceReading& reading, const FastCommand& command,
               std::uint8_t raised) noexcept;
   void publish(const DeviceReading& reading) noexcept;

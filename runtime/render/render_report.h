@@ -38,6 +38,13 @@ struct RenderReport {
   double dissipated_j = 0.0;  ///< [J] by friction and discarded surplus
   double tank_j = 0.0;        ///< [J] at the end
   double tank_max_j = 0.0;
+  bool relaxes = false;         ///< the body's surface remembers
+  double memory_j = 0.0;        ///< [J] in dents at the end
+  double memory_max_j = 0.0;    ///< [J]
+  double carried_max_n = 0.0;   ///< [N] most that had relaxed of the normal force ...
+  double carried_of_n = 0.0;    ///< [N] ... and what was left of it then
+  int dents = 0;                ///< memory sites that have not recovered at the end
+  std::uint64_t forgotten = 0;  ///< dents that gave way to others
   double relaxed_shift_max_m = 0.0;  ///< [m] most that the ledger had to take
 
   StepHistogram step_time;  ///< taking in elements and one step, wall time

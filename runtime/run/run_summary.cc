@@ -45,11 +45,35 @@ std::string energy_lines(const RenderReport& r) {
          line("  in the model",
               fmt::format("work {:.4g} mJ = stored {:.4g} mJ, dissipated {:.4g} mJ, "
                           "tank {:.4g} mJ "
-                          "(at most {:.4g} mJ)",
+                          "(at most {:.4g} mJ){}",
                           r.model_work_j * 1e3, r.stored_j * 1e3, r.dissipated_j * 1e3,
-                          r.tank_j * 1e3, r.tank_max_j * 1e3)) +
+                          r.tank_j * 1e3, r.tank_max_j * 1e3,
+                          r.relaxes ? fmt::format(", dents {:.4g} mJ", r.memory_j * 1e3)
+                                    : std::string())) +
          line("relaxed shift",
               fmt::format("at most {:.4g} mm", r.relaxed_shift_max_m * 1e3));
+}
+
+// What relaxed, and what of it has not recovered yet.
+std::string memory_lines(const RenderReport& r) {
+  if (!r.relaxes) {
+    return {};
+  }
+  const double whole_n = r.carried_max_n + r.carried_of_n;
+  std::string text =
+      line(
+          "relaxation",
+          fmt::format("at most {:.4g} N of {:.4g} N, {:.3g} %", r.carried_max_n,
+                      whole_n, whole_n > 0.0 ? 100.0 * r.carried_max_n / whole_n : 0)) +
+      line("recovery",
+           fmt::format(
+               "{} sites still recover, dents hold {:.4g} mJ (at most {:.4g} mJ)",
+               r.dents, r.memory_j * 1e3, r.memory_max_j * 1e3));
+  if (r.forgotten > 0) {
+    text += line("  forgotten",
+                 fmt::format("{} dents gave way to newer ones", r.forgotten));
+  }
+  return text;
 }
 
 std::string timing_lines(const RenderReport& r) {
@@ -145,7 +169,7 @@ std::string summary(const SimulationReport& report) {
                                        ? ""
                                        : fmt::format(", beyond the curves in {} ticks",
                                                      r.extrapolated_ticks)));
-  text += energy_lines(r) + timing_lines(r);
+  text += energy_lines(r) + memory_lines(r) + timing_lines(r);
   if (report.wire) {
     text += wire_lines(*report.wire);
   }

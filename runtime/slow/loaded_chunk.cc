@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "formats/database/database_rules.h"
+#include "formats/response/press_inversion.h"
 
 namespace palpate {
 namespace {
@@ -32,6 +33,7 @@ std::shared_ptr<const LoadedChunk> load_chunk(const ChunkReader& reader,
   loaded->body = reader.body(chunk);
   loaded->table = reader.responses(tool, chunk);
   check_normals(loaded->body.normal, loaded->table, loaded->body.node_begin);
+  make_instantaneous(loaded->table);
   loaded->thinned = thinned_messages(loaded->rows(force_scale), loaded->loss);
   loaded->needs = chunks_of_nodes(reader.index(), loaded->body, chunk);
   return loaded;
@@ -50,10 +52,17 @@ std::size_t chunk_bytes(const DatabaseIndex& index, std::size_t tool,
     return static_cast<std::size_t>(begin[k + 1] - begin[k]);
   };
   const std::size_t nodes = count(index.node_begin);
+  const ToolIndex& entry = index.tools[tool];
+  const std::size_t per_memory =
+      entry.memory_sha256.rows() > 0
+          ? sizeof(float) * static_cast<std::size_t>(entry.viscoelasticity.terms()) +
+                kNodeSites * (sizeof(std::int32_t) + sizeof(float))
+          : 0;
   const std::size_t samples = count(index.tools[tool].sample_begin);
   const std::size_t thinned = std::min(nodes, samples / (kElementSamples + 1));
-  return kFixed + kPerNode * nodes + kPerTriangle * count(index.triangle_begin) +
-         kPerSample * samples + kPerThinned * thinned;
+  return kFixed + (kPerNode + per_memory) * nodes +
+         kPerTriangle * count(index.triangle_begin) + kPerSample * samples +
+         kPerThinned * thinned;
 }
 
 std::size_t piece_bytes(const DatabaseIndex& index, std::int64_t chunk) {

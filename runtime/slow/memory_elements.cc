@@ -3,13 +3,29 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/response/press_inversion.h"
+#include "runtime/slow/node_memory.h"
 
 namespace palpate {
+namespace {
+
+std::optional<ResponseTable> rendered_copy(const ResponseTable& table) {
+  if (table.viscoelasticity.empty() || table.viscoelasticity.instantaneous) {
+    return std::nullopt;
+  }
+  std::optional<ResponseTable> copy = table;
+  make_instantaneous(*copy);
+  return copy;
+}
+
+}  // namespace
 
 ElementStream::ElementStream(const ResponseDatabase& database,
                              const ResponseTable& table, double force_scale)
     : database_(database),
-      rows_{database.body.position_m, database.normal, table, force_scale},
+      instantaneous_(rendered_copy(table)),
+      rows_{database.body.position_m, database.normal,
+            instantaneous_ ? *instantaneous_ : table, force_scale},
       search_(database.body) {
   if (!(force_scale > 0.0 && force_scale <= 1.0)) {
     throw InputError(fmt::format("force scale is {}, must lie in (0, 1]", force_scale));
@@ -20,6 +36,8 @@ ElementStream::ElementStream(const ResponseDatabase& database,
 Element ElementStream::element(std::int32_t triangle) const {
   Element message;
   message.triangle = triangle;
+  const Viscoelasticity& relaxation = rows_.table.viscoelasticity;
+  message.memory = tool_memory(relaxation);
   for (std::size_t j = 0; j < 3; ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     const std::int32_t node = database_.body.triangle(triangle, column);
@@ -27,6 +45,9 @@ Element ElementStream::element(std::int32_t triangle) const {
     message.node[j] =
         thinned != thinned_.end() ? thinned->second : node_message(rows_, node);
     message.node[j].node = node;
+    if (!relaxation.empty()) {
+      message.memory.node[j] = node_memory(relaxation, node, message.node[j]);
+    }
     message.neighbour[j] = search_.neighbours()(triangle, column);
   }
   return message;

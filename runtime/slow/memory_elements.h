@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 
 #include "formats/database/response_database.h"
@@ -37,6 +38,8 @@ class ElementStream : public ElementSender {
   bool send(std::int32_t triangle, bool active, std::int64_t now_ns, ElementFifo& fifo);
 
   const ResponseDatabase& database_;
+  /// The table with curves as they are rendered; none where they are so already.
+  std::optional<ResponseTable> instantaneous_;
   NodeRows rows_;
   SurfaceSearch search_;
   ResampleLoss loss_;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "runtime/slow/chunk_choice.h"
+#include "runtime/slow/node_memory.h"
 
 namespace palpate {
 bool is_complete(const LoadedChunks& chunks, const LoadedChunk& chunk) {
@@ -140,6 +141,7 @@ SurfacePiece::Place SurfacePiece::place(std::int32_t node) const noexcept {
 Element SurfacePiece::element(std::int32_t row) const {
   Element message;
   message.triangle = source_triangle_[static_cast<std::size_t>(row)];
+  message.memory = tool_memory(part_.front()->table.viscoelasticity);
   for (std::size_t j = 0; j < 3; ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     const Place at = place(mesh_.triangle(row, column));
@@ -148,6 +150,10 @@ Element SurfacePiece::element(std::int32_t row) const {
                           ? thinned->second
                           : node_message(at.chunk->rows(force_scale_), at.row);
     message.node[j].node = at.chunk->body.source_node[static_cast<std::size_t>(at.row)];
+    if (message.memory.terms > 0) {
+      message.memory.node[j] =
+          node_memory(at.chunk->table.viscoelasticity, at.row, message.node[j]);
+    }
     const std::int32_t across = search_->neighbours()(row, column);
     message.neighbour[j] =
         across < 0 ? -1 : source_triangle_[static_cast<std::size_t>(across)];

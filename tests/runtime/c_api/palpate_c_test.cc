@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "formats/database/table_memory.h"
 #include "tests/runtime/c_api/host_standins.h"
 #include "tests/runtime/c_api/pressed_plate_host.h"
 #include "tests/support/allocation_guard.h"
@@ -110,6 +111,47 @@ TEST_F(PalpateC, NanIsZeroForceAndALatchedFaultUntilReset) {
   EXPECT_STREQ(palpate_fault_name(after.status), "not-finite");
   palpate_reset(tool);
   EXPECT_EQ(press(tool, 0.003).status, PALPATE_CONTACT);
+}
+
+// The plate of a material half of whose force relaxes, most of it in 0.1 s.
+TEST_F(PalpateC, AHeldForceRelaxesAndAResetForgetsTheDent) {
+  ResponseDatabase database = read_database(file_);
+  Viscoelasticity relaxation;
+  relaxation.instantaneous = true;
+  relaxation.tau_s = {0.05, 2.0};
+  relaxation.g = RowsOf<float>{{0.4F, 0.1F}};
+  give_memory(database.body, database.normal, relaxation, 1, database.tools[0]);
+  write_database(file_, database);
+  palpate_tool* tool = open(options());
+  ASSERT_NE(tool, nullptr) << error_;
+  const auto state_of = [&] {
+    palpate_state state{};
+    state.struct_size = sizeof state;
+    palpate_state_get(tool, &state);
+    return state;
+  };
+  const double held_n = press(tool, 0.003).force[2];
+  const double whole_n = 0.18;
+  EXPECT_GT(held_n, 0.5 * whole_n);
+  EXPECT_LT(held_n, 0.6 * whole_n);
+  palpate_state state = state_of();
+  EXPECT_NEAR(state.relaxed_force, whole_n - held_n, 0.01 * whole_n);
+  EXPECT_GT(state.memory_j, 0.0);
+  EXPECT_NEAR(state.work_j,
+              state.stored_j + state.tank_j + state.dissipated_j + state.memory_j,
+              1e-12);
+  // Its dent is there when the tool comes back at once, and gone after a reset.
+  for (int tick = 0; tick < 5; ++tick) {
+    force(tool, -0.001);
+  }
+  EXPECT_LT(force(tool, 0.001).force[2], 0.1 * 2e4 * 1e-6);
+  palpate_reset(tool);
+  EXPECT_EQ(state_of().memory_j, 0.0);
+  for (int tick = 0; tick < 200; ++tick) {
+    force(tool, -0.001);
+    palpate_slow_step(body_);
+  }
+  EXPECT_GT(force(tool, 0.001).force[2], 0.9 * 2e4 * 1e-6);
 }
 
 TEST_F(PalpateC, EveryBadInputHasItsFault) {

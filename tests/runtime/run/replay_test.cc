@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "formats/database/table_memory.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 
@@ -71,6 +72,56 @@ TEST_F(Replay, ReproducesEveryLocalModelBitForBit) {
     EXPECT_NE(summary(report, true).find("reproduced: 8000 ticks bit for bit"),
               std::string::npos);
   }
+}
+
+// A body that relaxes, in bundles; its curves are of a press.
+ResponseDatabase relaxing_body() {
+  ResponseDatabase database = body(100.0);
+  Viscoelasticity relaxation;
+  relaxation.speed_m_per_s = 0.001;
+  relaxation.tau_s = {0.1, 2.0};
+  relaxation.g = RowsOf<float>{{0.3F, 0.25F}};
+  give_memory(database.body, database.normal, relaxation, 3, database.tools[0]);
+  return database;
+}
+
+TEST_F(Replay, ReproducesEveryLocalModelOfABodyThatRemembers) {
+  database_ = relaxing_body();
+  write_database(file_, database_);
+  for (const LocalModel model : kLocalModels) {
+    SimulationOptions o = options(model);
+    const SimulationReport run = simulate(database_, o, stop_);
+    EXPECT_TRUE(run.render.relaxes);
+    EXPECT_GT(run.render.carried_max_n, 0.002) << name(model);
+    const RenderReport& r = run.render;
+    if (passive(model)) {
+      EXPECT_GE(r.model_work_j, 0.0) << name(model);
+      EXPECT_NEAR(r.model_work_j, r.stored_j + r.dissipated_j + r.tank_j + r.memory_j,
+                  1e-12)
+          << name(model);
+    }
+    const ReplayReport report =
+        replay(read_recording(recording_), read_database(file_));
+    EXPECT_TRUE(report.is_reproduced()) << name(model) << ": " << report.different_in;
+    // Without its memory the body answers otherwise.
+    ResponseDatabase without = read_database(file_);
+    without.tools[0].viscoelasticity = {};
+    EXPECT_FALSE(replay(read_recording(recording_), without).is_reproduced());
+  }
+}
+
+TEST_F(Replay, AStreamedBodyRemembersAsOneInMemoryDoes) {
+  database_ = relaxing_body();
+  database_.storage.chunk_nodes = 64;
+  write_database(file_, database_);
+  SimulationOptions o = options(LocalModel::kPotential);
+  o.limit_stiffness = false;
+  const SimulationReport streamed =
+      simulate_streamed(file_, std::span(&o, 1), 64 * kMebibyte, stop_).front();
+  EXPECT_GT(streamed.stream->cache.loaded, 1);
+  EXPECT_GT(streamed.render.carried_max_n, 0.002);
+  const ReplayReport report = replay(read_recording(recording_), read_database(file_));
+  EXPECT_TRUE(report.is_reproduced()) << report.different_in;
 }
 
 TEST_F(Replay, ReproducesARunInRealTimeWhateverItsTiming) {
