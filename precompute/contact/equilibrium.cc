@@ -14,7 +14,7 @@ namespace {
 // unknowns.
 constexpr std::size_t kMostKnown = 24;
 // Conjugate gradients of a step that cost more than a factor that saves most of them.
-constexpr std::size_t kManyGradients = 8;
+constexpr std::size_t kManyGradients = 30;
 // [-] An element's volume over its volume at rest may become this share of the least
 // one within a step. Nearer to zero, forces grow beyond what a step can be computed
 // from.
@@ -70,6 +70,16 @@ void Equilibrium::learn(std::vector<KnownDirection> directions) {
   }
 }
 
+// A tangent that is close to singular is factored with large errors, and pairs that it
+// makes would leave the far field out of balance. False where that is so.
+bool Equilibrium::pair_exactly(NearState& direction) const {
+  constexpr double kRounding = 1e-6;
+  const Eigen::VectorXd made = std::move(direction.displacement_m);
+  direction.displacement_m = solve_(near_.dof(), direction.source_n);
+  return (made - direction.displacement_m).norm() <=
+         kRounding * direction.displacement_m.norm();
+}
+
 // In the pair (s, K^-1 s) neither K nor its far part is ever applied: K p = s_p.
 Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
                                            const Multipliers& multipliers,
@@ -87,15 +97,21 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
   Eigen::VectorXd r = -gradient;
   NearState p;
   double rz = 0.0;
+  const double tolerance = options_.gradient_tolerance * options_.gradient_tolerance;
   double enough = 0.0;
+  double gain = 0.0;  // of energy, by all gradients
+  double last_gain = 0.0;
   std::vector<KnownDirection> learnt;
   for (int i = 0; i < options_.gradients_max; ++i) {
     NearState z = preconditioned(r);
     ++report.gradients;
     const double rz_new = r.dot(z.displacement_m);
+    // Where the preconditioner is close to singular the residual's norm is that of one
+    // direction, and the energy still to be gained, about what the last one gained,
+    // tells.
     if (i == 0) {
-      enough = options_.gradient_tolerance * options_.gradient_tolerance * rz_new;
-    } else if (rz_new <= enough) {
+      enough = tolerance * rz_new;
+    } else if (rz_new <= enough && last_gain <= tolerance * gain) {
       break;
     } else {
       add(z, rz_new / rz, p);
@@ -118,9 +134,17 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
     add(step.direction, alpha, p);
     r -= alpha * q;
     learnt.push_back({p, std::move(q), 1.0 / curvature});
+    last_gain = alpha * rz;
+    gain += last_gain;
   }
   slow_ = learnt.size() > kManyGradients;
   learn(std::move(learnt));
+  if (tangent_ != nullptr && tangent_->ready() && !pair_exactly(step.direction)) {
+    tangent_->drop();
+    known_.clear();
+    slow_ = false;
+    return newton_step(tool, multipliers, state, report);
+  }
   step.slope = gradient.dot(step.direction.displacement_m);
   return step;
 }

@@ -85,6 +85,7 @@ class Equilibrium {
     Eigen::VectorXd change_n;
     double inverse_curvature = 0.0;
   };
+  [[nodiscard]] bool pair_exactly(NearState& direction) const;
   [[nodiscard]] NearState preconditioned(const Eigen::VectorXd& r) const;
   void learn(std::vector<KnownDirection> directions);
   // @param elastic of the state, before and after.

@@ -26,9 +26,12 @@ class TangentFactor {
   void refresh();
 
   [[nodiscard]] bool ready() const { return factor_.has_value(); }
+  /// Not ready until the next refresh().
+  void drop() { factor_.reset(); }
 
-  /// (K + change)^-1 r on the near nodes, with its source K u = r - change u: a pair
-  /// that leaves the far field in balance, whatever the factor. Only where ready().
+  /// (K + change)^-1 r on the near nodes, with its source K u = r - change u: the pair
+  /// leaves the far field in balance as well as the factor is exact. Only where
+  /// ready().
   /// @param r (3 m), zero on held nodes.
   [[nodiscard]] NearState solve(const Eigen::VectorXd& r) const;
 
