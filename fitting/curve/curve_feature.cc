@@ -14,6 +14,9 @@ constexpr double kStill = 0.1;        // [-] slope over the mean
 constexpr double kGivesWay = 0.5;     // [-] slope over the largest before
 constexpr double kForceShare = 0.05;  // [-] of the largest: before, it is the start
 constexpr double kSlopeNoises = 3.0;
+constexpr std::ptrdiff_t kClippedMin = 8;  // samples
+constexpr double kClippedShare = 0.02;     // [-] of the displacement
+constexpr double kRepeatedMax = 0.05;      // [-] of the other samples
 
 struct Curve {
   std::span<const double> depth, force;
@@ -99,7 +102,8 @@ std::optional<CurveFeature> knee_of(const Curve& curve) {
 std::string_view feature_name(FeatureKind kind) noexcept {
   return kind == FeatureKind::kFall      ? "force_falls"
          : kind == FeatureKind::kPlateau ? "plateau"
-                                         : "knee";
+         : kind == FeatureKind::kKnee    ? "knee"
+                                         : "force_clipped";
 }
 
 std::string describe(const CurveFeature& feature) {
@@ -115,6 +119,11 @@ std::string describe(const CurveFeature& feature) {
       return fmt::format(
           "plateau from {:.3g} to {:.3g} mm depth: slope {:.2g} of the mean", from, to,
           feature.change);
+    case FeatureKind::kClipped:
+      return fmt::format(
+          "the force stands at {:.4g} N from {:.3g} to {:.3g} mm depth, without noise: "
+          "clipped, the sensor's range may end there",
+          feature.change, from, to);
     case FeatureKind::kKnee:
       break;
   }
@@ -140,6 +149,35 @@ std::vector<CurveFeature> find_features(std::span<const double> depth_m,
     features.push_back(*knee);
   }
   return features;
+}
+
+std::optional<CurveFeature> find_clipped_force(std::span<const double> displacement_m,
+                                               std::span<const double> force_n) {
+  if (force_n.empty()) {
+    return std::nullopt;
+  }
+  const double most = *std::max_element(force_n.begin(), force_n.end());
+  std::ptrdiff_t longest = 0, length = 0, end = 0, repeated = 0;
+  for (std::ptrdiff_t i = 0; i < std::ssize(force_n); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    repeated += i > 0 && force_n[at] == force_n[at - 1] && force_n[at] != most ? 1 : 0;
+    length = force_n[at] == most ? length + 1 : 0;
+    if (length > longest) {
+      longest = length;
+      end = i;
+    }
+  }
+  const auto others = static_cast<double>(std::ssize(force_n) - longest);
+  if (longest < kClippedMin || static_cast<double>(repeated) > kRepeatedMax * others) {
+    return std::nullopt;
+  }
+  const auto [low, high] =
+      std::minmax_element(displacement_m.begin(), displacement_m.end());
+  const double from = displacement_m[static_cast<std::size_t>(end - longest + 1)];
+  const double to = displacement_m[static_cast<std::size_t>(end)];
+  return to - from > kClippedShare * (*high - *low)
+             ? std::optional(CurveFeature{FeatureKind::kClipped, from, to, most})
+             : std::nullopt;
 }
 
 }  // namespace palpate

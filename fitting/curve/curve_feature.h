@@ -1,7 +1,8 @@
-// What a fitted curve does that a soft body's response does not: it falls, stands still
-// or gives way.
+// What a curve does that a soft body's response does not: it falls, stands still or
+// gives way.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@ enum class FeatureKind {
   kFall,     ///< the force falls: puncture, damage, a switch
   kPlateau,  ///< it stays: slope below a tenth of the mean over a tenth of the depth
   kKnee,     ///< its slope falls to less than half: damage, yield, slip
+  kClipped,  ///< it stands at one reading, the largest: the sensor's range ends there
 };
 
 struct CurveFeature {
@@ -20,10 +22,10 @@ struct CurveFeature {
   double depth_m = 0.0;      ///< [m] beyond contact, where it begins
   double depth_end_m = 0.0;  ///< [m] where it ends
   double change = 0.0;  ///< [N] of a fall; [-] slope over the mean of a plateau, over
-                        ///< the largest before of a knee
+                        ///< the largest before of a knee; [N] the reading, clipped
 };
 
-/// "force_falls", "plateau", "knee".
+/// "force_falls", "plateau", "knee", "force_clipped".
 [[nodiscard]] std::string_view feature_name(FeatureKind kind) noexcept;
 
 /// "the force falls by 1.2 N from 3.1 to 3.4 mm depth: puncture, damage or a switch"
@@ -38,5 +40,12 @@ struct CurveFeature {
 [[nodiscard]] std::vector<CurveFeature> find_features(std::span<const double> depth_m,
                                                       std::span<const double> force_n,
                                                       double noise_sd_n);
+
+/// Where samples stand at their largest force without any noise: 8 or more in a row of
+/// one reading over a fiftieth of the displacement, while elsewhere fewer than 5 of 100
+/// repeat the reading before.
+/// @param displacement_m, force_n (n) in the samples' order.
+[[nodiscard]] std::optional<CurveFeature> find_clipped_force(
+    std::span<const double> displacement_m, std::span<const double> force_n);
 
 }  // namespace palpate

@@ -303,14 +303,25 @@ void judge(FamilyChoice& choice) {
   });
 }
 
-std::vector<CurveFeature> features_of(const FamilyChoice& choice) {
+// A force that is clipped is no plateau.
+std::vector<CurveFeature> features_of(const FamilyChoice& choice,
+                                      const Approach& approach) {
   const FamilyFit& fit = choice.fits.front();
   std::vector<double> depth, force;
   for (int i = 0; i <= kFeaturePoints; ++i) {
     depth.push_back(fit.depth_max_m * i / kFeaturePoints);
     force.push_back(family_point(fit, depth.back()).force);
   }
-  return find_features(depth, force, choice.noise_sd_n);
+  std::vector<CurveFeature> found = find_features(depth, force, choice.noise_sd_n);
+  if (auto clipped = find_clipped_force(approach.displacement_m, approach.force_n)) {
+    std::erase_if(found, [](const CurveFeature& feature) {
+      return feature.kind != FeatureKind::kFall;
+    });
+    clipped->depth_m -= fit.contact_point_m;
+    clipped->depth_end_m -= fit.contact_point_m;
+    found.push_back(*clipped);
+  }
+  return found;
 }
 
 FamilyFit fit_named(const std::string& name, const FamilyData& data,
@@ -353,7 +364,7 @@ FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
   }
   find_misfits(data, choice);
   judge(choice);
-  choice.features = features_of(choice);
+  choice.features = features_of(choice, approach);
   return choice;
 }
 

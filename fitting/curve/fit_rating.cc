@@ -119,7 +119,7 @@ Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
     rating.gates.emplace_back(flag_name(FitFlag::kMisfit));
   }
   for (const CurveFeature& feature : choice.features) {
-    if (feature.kind == FeatureKind::kFall) {
+    if (feature.kind == FeatureKind::kFall || feature.kind == FeatureKind::kClipped) {
       rating.gates.emplace_back(feature_name(feature.kind));
     }
   }

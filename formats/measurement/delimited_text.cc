@@ -93,7 +93,7 @@ std::vector<TextLine> text_lines(std::string_view text, const std::string& file,
       line.remove_suffix(1);
     }
     const std::string_view content = trimmed(line);
-    if (content.starts_with('#')) {
+    if (content.starts_with('#') || (lines.empty() && content.starts_with('%'))) {
       comment = {number, as_utf8(trimmed(content.substr(1)))};
     } else if (!content.empty()) {
       if (lines.empty() && !comment.text.empty() && starts_with_number(content)) {

@@ -1,6 +1,8 @@
 #include "fitting/curve/curve_feature.h"
 
+#include <cmath>
 #include <functional>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -46,6 +48,30 @@ TEST(CurveFeature, AKneeIsToldWhereNothingElseIs) {
   EXPECT_TRUE(features([](double d) {
                 return d * d;
               }).empty());
+}
+
+// A rise with noise up to a limit.
+std::optional<CurveFeature> clipped(double limit_n, double step_n) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> noise(0.0, 2e-3);
+  std::vector<double> x, force;
+  for (int i = 0; i < 200; ++i) {
+    x.push_back(5e-3 * i / 200);
+    force.push_back(std::min(limit_n, i / 200.0 + noise(generator)));
+    force.back() =
+        step_n > 0.0 ? step_n * std::round(force.back() / step_n) : force.back();
+  }
+  return find_clipped_force(x, force);
+}
+
+TEST(ClippedForce, StandsAtOneReadingThatNoneElseRepeats) {
+  const auto found = clipped(0.7, 0.0);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->depth_m, 3.5e-3, 0.1e-3);
+  EXPECT_EQ(found->depth_end_m, 5e-3 * 199 / 200);
+  EXPECT_EQ(found->change, 0.7);
+  EXPECT_FALSE(clipped(2.0, 0.0));
+  EXPECT_FALSE(clipped(0.7, 0.1));  // a coarse reading stands everywhere
 }
 
 }  // namespace

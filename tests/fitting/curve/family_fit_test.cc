@@ -216,6 +216,23 @@ TEST(FamilyFit, CubicsStartFromTheForceThatWasThere) {
   EXPECT_LT(fit.rms_n, 1.5e-3);
 }
 
+TEST(FamilyFit, AClippedForceIsToldAndGated) {
+  Measurement m = synthetic({.noise_n = 2e-3}, 4);
+  for (double& force : m.force_n) {
+    force = std::min(force, 0.6);
+  }
+  const Approach approach = select_approach(m);
+  const ContactFit contact = fit_contact(approach);
+  const FamilyChoice choice =
+      fit_families(approach, contact, {"power-law", "monotone-cubic"}, "aicc");
+  ASSERT_EQ(choice.features.size(), 1U);
+  EXPECT_EQ(choice.features[0].kind, FeatureKind::kClipped);
+  EXPECT_NEAR(choice.features[0].depth_m, std::pow(0.6, 1.0 / 1.5) * kSyntheticDepth,
+              0.05 * kSyntheticDepth);
+  const Rating rating = rate(contact, choice);
+  EXPECT_EQ(std::count(rating.gates.begin(), rating.gates.end(), "force_clipped"), 1);
+}
+
 TEST(FamilyFit, MisfitIsGatedWhereNoFamilyFollows) {
   const Approach approach = select_approach(law(&plateau, 1e-3, 9));
   const ContactFit contact = fit_contact(approach);

@@ -53,7 +53,7 @@ TEST_F(MeasurementFileTest, ReadsEveryDelimiterAndTheDecimalComma) {
        {"x,f\n0.5,1\n1.25,2\n", "x\tf\n0.5\t1\n1.25\t2\n", "x\tf\n0,5\t1\n1,25\t2,0\n",
         "x;f\n0,5;1\n1,25;2\n", "x,f\n\"0,5\",\"1,0\"\n\"1,25\",2\n",
         "  x   f\n 0.5  1\n1.25\t2\n", "x,f\r0.5,1\r1.25,2\r",
-        "# of a rig\n#\n# x f\n0.5 1\n1.25 2\n",
+        "# of a rig\n#\n# x f\n0.5 1\n1.25 2\n", "% x f\n0.5 1\n1.25 2\n",
         "x ; f\r\n +0,5 ; 1e0\r\n\r\n1.25;2\r\n"}) {
     const auto read = read_measurement(write(text), x_, f_);
     EXPECT_EQ(read.samples.depth_m, depth) << text;
