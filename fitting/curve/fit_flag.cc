@@ -15,6 +15,11 @@ Text text(FitFlag flag) noexcept {
       return {"force_sign_turned", "force falls under compression; turned"};
     case FitFlag::kHoldCutOff:
       return {"hold_cut_off", "samples held at the largest displacement are left out"};
+    case FitFlag::kForceRisesInHold:
+      return {
+          "force_rises_in_hold",
+          "the force rises while the displacement stands: it is clipped, or another "
+          "column is the depth"};
     case FitFlag::kRetractCutOff:
       return {"retract_cut_off", "samples after the largest displacement are left out"};
     case FitFlag::kNonMonotoneDepth:

@@ -9,6 +9,7 @@ enum class FitFlag {
   kDepthSignTurned,
   kForceSignTurned,
   kHoldCutOff,
+  kForceRisesInHold,
   kRetractCutOff,
   kNonMonotoneDepth,
   kNonPassiveLoop,

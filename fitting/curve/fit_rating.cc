@@ -109,8 +109,8 @@ Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
   }
   for (const FitFlag flag :
        {FitFlag::kAlreadyInContact, FitFlag::kContactPointNotIdentified,
-        FitFlag::kNonMonotoneDepth, FitFlag::kNonPassiveLoop, FitFlag::kAdhesion,
-        FitFlag::kFrameTakesMost}) {
+        FitFlag::kForceRisesInHold, FitFlag::kNonMonotoneDepth,
+        FitFlag::kNonPassiveLoop, FitFlag::kAdhesion, FitFlag::kFrameTakesMost}) {
     if (fit.has(flag)) {
       rating.gates.emplace_back(flag_name(flag));
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@ namespace {
 constexpr double kHoldTolerance = 1e-3;  // [-] of the travel: a stage's position noise
 constexpr std::size_t kHoldMin = 3;      // samples
 constexpr double kRetractMin = 0.2;      // [-] of the travel: less is no loop
+constexpr double kRiseInHold = 0.1;      // [-] of the forces' range
 constexpr double kSlowingShare = 0.1;    // [-] of the travel
 constexpr double kFallDeviations = 5.0;
 constexpr double kSpikeDeviations = 8.0;
@@ -145,6 +147,16 @@ std::size_t before_relaxation(const Measurement& m, std::size_t end, double nois
              : end;
 }
 
+// Over samples in a row, from the mean of the first tenth to that of the last.
+double rise(std::span<const double> force_n) {
+  const std::size_t few = std::max<std::size_t>(1, force_n.size() / 10);
+  const auto mean = [&](std::span<const double> part) {
+    return std::accumulate(part.begin(), part.end(), 0.0) /
+           static_cast<double>(part.size());
+  };
+  return mean(force_n.last(few)) - mean(force_n.first(few));
+}
+
 void count_rest(const Measurement& m, std::size_t end, Approach& approach) {
   const double largest = *std::max_element(m.depth_m.begin(), m.depth_m.end());
   const double held = largest - 2.0 * kHoldTolerance * extent(m.depth_m);
@@ -155,6 +167,11 @@ void count_rest(const Measurement& m, std::size_t end, Approach& approach) {
   }
   if (approach.hold_samples >= kHoldMin) {
     approach.flags.push_back(FitFlag::kHoldCutOff);
+    const auto held_n = std::span(m.force_n).subspan(end, approach.hold_samples);
+    if (rise(held_n) > kRiseInHold * extent(m.force_n) &&
+        rise(held_n) > kFallDeviations * approach.noise_sd_n) {
+      approach.flags.push_back(FitFlag::kForceRisesInHold);
+    }
   }
   if (approach.retract_samples > 0) {
     approach.flags.push_back(FitFlag::kRetractCutOff);

@@ -103,7 +103,7 @@ void fit_or_say(const Session& session, const Measurement& samples,
       fit(session, samples, frame, result);
       return;
     } catch (const std::exception& error) {
-      result.bad = error.what();
+      result.bad = fmt::format("{}: {}", result.run_name, error.what());
     }
   }
   result.rating = Rating{};

@@ -338,8 +338,18 @@ Session read_session(const std::filesystem::path& file) {
   constexpr std::size_t kLargest = 16 << 20;  // bytes: a hundred thousand runs
   session.text = read_file(file, kLargest, "a session file");
   const std::string name = file.string();
-  const toml::table root = parse_toml(session.text, name);
-  read_tables(Tables(name, root), session);
+  try {
+    const toml::table root = parse_toml(session.text, name);
+    read_tables(Tables(name, root), session);
+  } catch (const InputError& error) {
+    if (file.extension() == ".toml") {
+      throw;
+    }
+    throw InputError(fmt::format(
+        "{}; a session is a TOML file that names its measurements (SESSION.md): one "
+        "measurement alone is fitted by palpate-fit curve",
+        error.what()));
+  }
   return session;
 }
 

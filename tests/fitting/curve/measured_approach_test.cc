@@ -67,6 +67,18 @@ TEST(Approach, CutsHoldAndRetractAndCountsThem) {
   EXPECT_FALSE(has(approach, FitFlag::kNonPassiveLoop));
 }
 
+TEST(Approach, AForceThatRisesInTheHoldIsNone) {
+  Measurement m = synthetic({}, 3);
+  EXPECT_FALSE(has(select_approach(m), FitFlag::kForceRisesInHold));
+  for (double& depth : m.depth_m) {
+    depth = std::min(depth, 5e-3);  // of 7 mm
+  }
+  const Approach clipped = select_approach(m);
+  EXPECT_TRUE(has(clipped, FitFlag::kHoldCutOff));
+  EXPECT_TRUE(has(clipped, FitFlag::kForceRisesInHold));
+  EXPECT_FALSE(has(select_approach(loop(0.8)), FitFlag::kForceRisesInHold));
+}
+
 TEST(Approach, LoopWorkIsTheIntegralOfForce) {
   const Approach approach = select_approach(loop(0.8));
   // Integral of (x/5 mm)^1.5 N over 5 mm; the noise's work has a deviation of 2 uJ.
