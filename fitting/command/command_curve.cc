@@ -286,8 +286,9 @@ void add_curve_command(Command app) {
                      "m, cm, mm, um, nm, in; default: the header's");
   command.add_option("--force-column", options->file.told.force.column,
                      "name or number" + by_header);
-  command.add_option("--force-unit", options->file.told.force.unit,
-                     "kN, N, mN, uN, nN, pN, gf, kgf, lbf; default: the header's");
+  command.add_option(
+      "--force-unit", options->file.told.force.unit,
+      "kN, daN, N, cN, mN, uN, nN, pN, gf, kgf, lbf; default: the header's");
   command.add_flag("--ignore-header-units", options->ignore_header_units,
                    "trust the flags where the header states other units");
   command.add_option("--press", options->file.press,

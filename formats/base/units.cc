@@ -19,11 +19,10 @@ constexpr Unit kLengths[] = {{"m", 1.0},   {"dm", 0.1},  {"cm", 0.01}, {"mm", 1e
                              {"um", 1e-6}, {"µm", 1e-6}, {"nm", 1e-9}, {"in", 0.0254}};
 // Standard gravity 9.80665 m/s^2 is exact by definition (CGPM 1901), the pound
 // 0.45359237 kg (international yard and pound agreement, 1959).
-constexpr Unit kForces[] = {{"kN", 1e3},      {"N", 1.0},
-                            {"mN", 1e-3},     {"uN", 1e-6},
-                            {"µN", 1e-6},     {"nN", 1e-9},
-                            {"pN", 1e-12},    {"gf", 9.80665e-3},
-                            {"kgf", 9.80665}, {"lbf", 0.45359237 * 9.80665}};
+constexpr Unit kForces[] = {
+    {"kN", 1e3},   {"daN", 10.0},      {"N", 1.0},       {"cN", 0.01},
+    {"mN", 1e-3},  {"uN", 1e-6},       {"µN", 1e-6},     {"nN", 1e-9},
+    {"pN", 1e-12}, {"gf", 9.80665e-3}, {"kgf", 9.80665}, {"lbf", 0.45359237 * 9.80665}};
 constexpr Unit kTimes[] = {{"s", 1.0},   {"sec", 1.0}, {"ms", 1e-3}, {"us", 1e-6},
                            {"µs", 1e-6}, {"ns", 1e-9}, {"min", 60.0}};
 

@@ -10,8 +10,8 @@ namespace palpate {
 /// @throws InputError naming the known units.
 [[nodiscard]] double metres_per(std::string_view unit);
 
-/// Newtons in one of `unit`: kN, N, mN, uN, nN, pN, gf, kgf, lbf. "µ" may stand for
-/// "u".
+/// Newtons in one of `unit`: kN, daN, N, cN, mN, uN, nN, pN, gf, kgf, lbf. "µ" may
+/// stand for "u".
 /// @throws InputError naming the known units.
 [[nodiscard]] double newtons_per(std::string_view unit);
 

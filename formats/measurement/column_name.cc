@@ -1,6 +1,7 @@
 #include "formats/measurement/column_name.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <functional>
@@ -27,9 +28,31 @@ std::string without_end_blanks(std::string_view text) {
   return std::string(text.substr(0, text.find_last_not_of(" \t") + 1));
 }
 
+// Units that headers spell out, in the singular and in lower case.
+constexpr std::array<std::string_view, 2> kUnitWords[] = {
+    {"meter", "m"},        {"metre", "m"},       {"centimeter", "cm"},
+    {"centimetre", "cm"},  {"millimeter", "mm"}, {"millimetre", "mm"},
+    {"micrometer", "um"},  {"micrometre", "um"}, {"micron", "um"},
+    {"nanometer", "nm"},   {"nanometre", "nm"},  {"inch", "in"},
+    {"inche", "in"},       {"newton", "N"},      {"kilonewton", "kN"},
+    {"millinewton", "mN"}, {"gram", "g"},        {"kilogram", "kg"},
+    {"pound", "lb"},       {"lb", "lb"},         {"second", "s"}};
+
+std::string_view symbol(std::string_view unit) {
+  std::string word = lower_case(unit);
+  if (word.size() > 2 && word.ends_with('s')) {
+    word.pop_back();
+  }
+  const auto* const found =
+      std::find_if(std::begin(kUnitWords), std::end(kUnitWords), [&](const auto& pair) {
+        return pair[0] == word;
+      });
+  return found == std::end(kUnitWords) ? unit : (*found)[1];
+}
+
 std::optional<double> known(double (*size)(std::string_view), std::string_view unit) {
   try {
-    return size(unit);
+    return size(symbol(unit));
   } catch (const InputError&) {
     return std::nullopt;
   }
@@ -113,8 +136,9 @@ std::optional<std::size_t> column_number(std::string_view choice) {
 }
 
 std::string unit_beside(std::string_view quantity, std::string_view unit) {
-  const bool mass = unit == "g" || unit == "kg";
-  return std::string(unit) + (mass && is_force_name(quantity) ? "f" : "");
+  const std::string_view brief = symbol(unit);
+  const bool mass = brief == "g" || brief == "kg" || brief == "lb";
+  return mass && is_force_name(quantity) ? std::string(brief) + "f" : std::string(unit);
 }
 
 ColumnName parse_column_name(std::string_view header) {

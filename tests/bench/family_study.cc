@@ -1,5 +1,6 @@
 // Which family is chosen of curves with a plateau, a knee or a fall, and how well it
-// follows them. Usage: family_study [runs [samples]]
+// follows them. Usage:
+// family_study [runs [samples [first seed]]]
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -63,12 +64,12 @@ double rms_to_truth(const FamilyFit& fit, const Shape& shape, double at, double 
   return std::sqrt(squares / kPoints);
 }
 
-void report(const Shape& shape, double rho, double noise_n, unsigned runs,
-            int samples) {
+void report(const Shape& shape, double rho, double noise_n, unsigned runs, int samples,
+            unsigned first_seed) {
   unsigned follows = 0, flagged = 0, used_and_missed = 0;
   double told = 0.0, worst = 0.0, seen = 0.0;
   std::map<std::string, int> chosen;
-  for (unsigned seed = 1; seed <= runs; ++seed) {
+  for (unsigned seed = first_seed; seed < first_seed + runs; ++seed) {
     const double at = 0.3 + 0.4 * ((seed * 37) % 100) / 100.0;
     Measurement m =
         synthetic({.noise_n = noise_n, .rho = rho, .samples = samples}, 100 + seed);
@@ -104,6 +105,7 @@ void report(const Shape& shape, double rho, double noise_n, unsigned runs,
       "{:<20} {:>4} {:>6} {:>8.3f} {:>7.3f} {:>7.3f} {:>7.2f} {:>7.2f} {:>7.2f}  {}\n",
       shape.name, rho, noise_n, follows / n, flagged / n, used_and_missed / n, seen / n,
       told / n, worst, names);
+  std::fflush(stdout);
 }
 
 }  // namespace
@@ -112,12 +114,13 @@ void report(const Shape& shape, double rho, double noise_n, unsigned runs,
 int main(int argc, char** argv) {
   const auto runs = static_cast<unsigned>(argc > 1 ? std::atoi(argv[1]) : 200);
   const int samples = argc > 2 ? std::atoi(argv[2]) : 500;
+  const auto first_seed = static_cast<unsigned>(argc > 3 ? std::atoi(argv[3]) : 1);
   fmt::print("{:<20} {:>4} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7}\n", "shape", "rho",
              "noise", "follows", "misfit", "misused", "seen", "told", "worst");
   for (const auto& shape : palpate::kShapes) {
     for (const double rho : {0.0, 0.8}) {
       for (const double noise_n : {0.002, 0.01}) {
-        palpate::report(shape, rho, noise_n, runs, samples);
+        palpate::report(shape, rho, noise_n, runs, samples, first_seed);
       }
     }
   }

@@ -147,6 +147,13 @@ TEST_F(SessionTest, SaysWhereItIsWrongAndWhatIsRight) {
   expect_complaint(kRead, "run");
   expect_complaint("[read\n", "is not TOML");
   EXPECT_THROW((void)read_session(folder_ / "absent.toml"), InputError);
+  std::ofstream(folder_ / "a.csv") << "Travel (mm),Load (N)\n1,2\n";
+  try {
+    (void)read_session(folder_ / "a.csv");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("palpate-fit curve"), std::string::npos);
+  }
 }
 
 TEST_F(SessionTest, ReadsARunWithItsTime) {

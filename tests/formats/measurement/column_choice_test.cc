@@ -38,6 +38,8 @@ TEST(ColumnChoice, TheHeaderTellsDepthAndForceByTheirUnits) {
         "Load_N;Travel_mm\n2;1\n4;3\n", "Load N;Travel mm;Cycle N\n2;1;1\n4;3;1\n",
         "Travel (mm)   Load(N)\n 1.0  2.0\n 3.0  4.0\n",
         "# Travel [mm]\tLoad [N]\n1\t2\n3\t4\n",
+        "Travel (millimeters),Load (Newtons)\n1,2\n3,4\n",
+        "Load,Travel,Time\nNewton,Millimetre,Second\n2,1,0\n4,3,1\n",
         "Rig 7\n\nTime\tz\tF\ns\tmm\tN\n0\t1\t2\n1\t3\t4\n"}) {
     const Chosen c = choose(text);
     EXPECT_EQ(c.asked, "") << text;
@@ -46,6 +48,16 @@ TEST(ColumnChoice, TheHeaderTellsDepthAndForceByTheirUnits) {
     EXPECT_EQ(c.read.samples.force_n, (std::vector<double>{2.0, 4.0})) << text;
     EXPECT_TRUE(c.notes.empty());
   }
+}
+
+TEST(ColumnChoice, PoundsAndGramsAreForcesBesideAForcesName) {
+  const double grams =
+      choose("Way (inches),Force (grams)\n1,2\n3,4\n").read.samples.force_n.at(1);
+  EXPECT_EQ(grams, 4 * 9.80665e-3);
+  const MeasurementFile pounds = choose("Way (inch),Load (lbs)\n1,2\n3,4\n").read;
+  EXPECT_EQ(pounds.samples.force_n.at(0), 2 * (0.45359237 * 9.80665));
+  EXPECT_EQ(pounds.samples.depth_m.at(1), 3 * 0.0254);
+  expect_says(choose("Way (mm),Specimen (lbs)\n1,2\n3,4\n").asked, "unit of force");
 }
 
 TEST(ColumnChoice, WhatTheHeaderDoesNotTellIsAskedFor) {
