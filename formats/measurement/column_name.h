@@ -13,7 +13,9 @@ namespace palpate {
 /// A header such as "Load (N)", "Load [N]", "Load, N" or "load_N", taken apart.
 /// Anything in brackets at the end is a unit; after a comma or an underscore only a
 /// known one, and after an underscore minutes and upper case only beside a time's name
-/// ("Time_S"): "force_min" is a smallest force.
+/// ("Time_S"): "force_min" is a smallest force. As a last word a unit of one letter
+/// counts beside the name of a force or a time alone: "Load N", but not "Cycle N".
+/// Units may be spelled out: "Newtons".
 struct ColumnName {
   std::string quantity;  ///< "Load"
   std::string unit;      ///< "N"; empty where the header states none

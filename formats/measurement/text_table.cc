@@ -243,9 +243,15 @@ double cell_number(const Request& request, const Table& table, const TextLine& l
   return *value;
 }
 
-bool all_empty(const Table& table, const Cells& cells) {
+// "" or "NaN", as programs write what is missing.
+bool is_missing(const std::string& cell) {
+  const auto value = parse_number(cell, false);
+  return cell.empty() || (value && std::isnan(*value));
+}
+
+bool all_missing(const Table& table, const Cells& cells) {
   return std::all_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
-    return column < cells.size() && cells[column].empty();
+    return column < cells.size() && is_missing(cells[column]);
   });
 }
 
@@ -297,7 +303,7 @@ void read_rows(const Request& request, const Table& table,
   DecimalMark mark(request.file);
   for (const TextLine& line : lines) {
     const Cells cells = split_cells(line.text, table.delimiter);
-    if (all_empty(table, cells)) {
+    if (all_missing(table, cells)) {
       continue;
     }
     for (std::size_t which = 0; which < table.column.size(); ++which) {

@@ -64,7 +64,7 @@ TEST_F(MeasurementFileTest, ReadsEveryDelimiterAndTheDecimalComma) {
 TEST_F(MeasurementFileTest, SkipsCommentsFreeLinesUnitsAndEmptyPairs) {
   const std::string text =
       "\xEF\xBB\xBF# made by a machine, 2, 3\nCylinder Height: 30mm;\nspeed,10\n\n"
-      "\"time, s\",x,f\n(s),(mm),[N]\n0,1,2\n# pause\n1,2,3\n2,,\n";
+      "\"time, s\",x,f\n(s),(mm),[N]\n0,1,2\n# pause\n1,2,3\n2,,\n3,nan,NaN\n";
   const auto read = read_measurement(write(text), x_, f_);
   EXPECT_EQ(read.samples.force_n, (std::vector<double>{2.0, 3.0}));
 }
