@@ -51,6 +51,14 @@ nlohmann::ordered_json to_json(const SurfaceFitReport& report,
                           {"tau_s", {r.terms.tau_1_s[0], r.terms.tau_2_s[0]}},
                           {"rule", r.rule}};
   }
+  json["rendered"] = nullptr;
+  if (const Viscoelasticity& v = report.viscoelasticity; !v.empty()) {
+    json["rendered"] = {{"probes", v.probes},
+                        {"speed_m_per_s", v.speed_m_per_s},
+                        {"g", std::vector<float>(v.g.data(), v.g.data() + v.g.size())},
+                        {"tau_s", v.tau_s},
+                        {"rule", v.rule}};
+  }
   json["left_one_out"] = nlohmann::json::array();
   for (const DepthScore& d : report.depth) {
     json["left_one_out"].push_back({{"depth_m", d.depth_m},

@@ -341,8 +341,9 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
   report.straightened = straightened(fields);
   report.error_median = median(result.database.tools.front().error_relative);
   result.database.measurement = raw_of(body, probes);
-  result.database.tools.front().relaxation = common_relaxation(behind);
-  report.relaxation = result.database.tools.front().relaxation;
+  keep_relaxation(behind, result.database);
+  report.relaxation = common_relaxation(behind);
+  report.viscoelasticity = result.database.tools.front().viscoelasticity;
   return result;
 }
 
@@ -386,9 +387,7 @@ std::string describe(const SurfaceFitReport& report) {
       "median error of the nodes {:.3g}; {} nodes farther than {} lengths from every "
       "probe; {} nodes whose force would have fallen with depth\n",
       report.error_median, report.far_nodes, kFarLengths, report.straightened);
-  text += fmt::format("relaxation: {}\n", report.relaxation.empty()
-                                              ? "no probe was held with its time known"
-                                              : describe(report.relaxation));
+  text += relaxation_text(report.relaxation, report.viscoelasticity);
   for (const LeftOutProbe& probe : report.left_out) {
     text += fmt::format("left out {}: {}\n", probe.name, probe.reason);
   }

@@ -52,7 +52,10 @@ struct SurfaceFitReport {
   std::size_t straightened = 0;   ///< nodes whose force would have fallen with depth
   double attachment_max_m = 0.0;  ///< [m] farthest probe from the surface
   double error_median = 0.0;      ///< [-] of the nodes' relative errors
-  ResponseRelaxation relaxation;  ///< the database's; empty without holds
+  ResponseRelaxation relaxation;  ///< what holds showed; empty without
+  Viscoelasticity
+      viscoelasticity;  ///< the database's, rendered; else empty and the ...
+                        ///< ... database has `relaxation`
 };
 
 struct SurfaceFit {

@@ -8,6 +8,7 @@
 
 #include "fitting/curve/time_effects.h"
 #include "fitting/numerics/robust_statistics.h"
+#include "formats/database/table_memory.h"
 
 namespace palpate {
 namespace {
@@ -41,6 +42,37 @@ double share_left(const Relaxation& r, const PronyTerms& own, std::size_t row,
   return r.joint.refused.empty() ? share * held_share(r.joint, speed_m_per_s, time_s) /
                                        held_share(r.joint, r.speed_m_per_s, time_s)
                                  : share;
+}
+
+// What is left of the force after a sudden press.
+double share_left(const JointRelaxation& joint, double time_s) {
+  double share = 1.0;
+  for (const RelaxationTerm& term : joint.terms) {
+    share += term.g * std::expm1(-time_s / term.tau_s);
+  }
+  return share;
+}
+
+// Two terms of the median over several holds at equal times, from 0 to the end.
+// @param share of hold i at a time. @param last the holds' shares at the end.
+template <typename Share>
+Relaxation median_relaxation(std::size_t holds, double seconds, const Share& share_of,
+                             std::vector<double>& last) {
+  std::vector<double> time_s{0.0}, share{1.0};
+  last.assign(holds, 1.0);
+  for (int k = 0; k <= kTimes; ++k) {
+    time_s.push_back(seconds * std::pow(1e-3, 1.0 - static_cast<double>(k) / kTimes));
+    for (std::size_t i = 0; i < holds; ++i) {
+      last[i] = share_of(i, time_s.back());
+    }
+    share.push_back(median(last));
+  }
+  return fit_relaxation(time_s, share);
+}
+
+double shortest_s(const std::vector<const Relaxation*>& holds) {
+  const std::vector<double> lengths_s = member_of(holds, &Relaxation::seconds);
+  return *std::min_element(lengths_s.begin(), lengths_s.end());
 }
 
 std::vector<const Relaxation*> comparable_holds(
@@ -88,18 +120,15 @@ ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& pro
   for (const Relaxation* hold : holds) {
     append(own, hold);
   }
-  const std::vector<double> lengths_s = member_of(holds, &Relaxation::seconds);
-  const double seconds = *std::min_element(lengths_s.begin(), lengths_s.end());
+  const double seconds = shortest_s(holds);
   const double speed = median(member_of(holds, &Relaxation::speed_m_per_s));
-  std::vector<double> time_s{0.0}, share{1.0}, shares(holds.size());
-  for (int k = 0; k <= kTimes; ++k) {
-    time_s.push_back(seconds * std::pow(1e-3, 1.0 - static_cast<double>(k) / kTimes));
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-      shares[i] = share_left(*holds[i], own, i, speed, time_s.back());
-    }
-    share.push_back(median(shares));
-  }
-  const Relaxation fit = fit_relaxation(time_s, share);
+  std::vector<double> shares;
+  const Relaxation fit = median_relaxation(
+      holds.size(), seconds,
+      [&](std::size_t i, double time_s) {
+        return share_left(*holds[i], own, i, speed, time_s);
+      },
+      shares);
   ResponseRelaxation common;
   common.rule = fmt::format(
       "two terms fitted to the median over the probes, at equal times, of what each "
@@ -112,6 +141,66 @@ ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& pro
   common.seconds = seconds;
   append(common.terms, &fit);
   return common;
+}
+
+Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& probes) {
+  std::vector<const Relaxation*> holds = comparable_holds(probes);
+  const std::size_t comparable = holds.size();
+  std::erase_if(holds, [](const Relaxation* hold) {
+    return !hold->joint.refused.empty();
+  });
+  if (holds.empty() || 2 * holds.size() < comparable) {
+    return {};
+  }
+  const double seconds = shortest_s(holds);
+  std::vector<double> shares;
+  const Relaxation fit = median_relaxation(
+      holds.size(), seconds,
+      [&](std::size_t i, double time_s) {
+        return share_left(holds[i]->joint, time_s);
+      },
+      shares);
+  Viscoelasticity common;
+  common.rule = fmt::format(
+      "two terms fitted to the median over the probes of the relaxation that each "
+      "one's "
+      "press and hold showed together, up to {:.3g} s; the same at every node; the "
+      "probes' shares then have a robust standard deviation of {:.2g}",
+      seconds, shares.size() > 1 ? robust_standard_deviation(shares) : 0.0);
+  common.probes = std::ssize(holds);
+  common.speed_m_per_s = median(member_of(holds, &Relaxation::speed_m_per_s));
+  common.error_relative = {static_cast<float>(fit.rms_relative)};
+  const bool alike = !(fit.tau_s[1] > fit.tau_s[0]) || fit.g[1] == 0.0;
+  const Eigen::Index terms = alike ? 1 : 2;
+  common.tau_s.assign(fit.tau_s.begin(), fit.tau_s.begin() + terms);
+  common.g.resize(1, terms);
+  for (Eigen::Index k = 0; k < terms; ++k) {
+    common.g(0, k) = static_cast<float>(fit.g[static_cast<std::size_t>(k)]);
+  }
+  if (fit.tau_s[1] == fit.tau_s[0]) {
+    common.g(0, 0) += static_cast<float>(fit.g[1]);
+  }
+  return common;
+}
+
+void keep_relaxation(const std::vector<const SurfaceProbe*>& probes,
+                     ResponseDatabase& database) {
+  ResponseTable& table = database.tools.front();
+  give_memory(database.body, database.normal, common_viscoelasticity(probes), 1, table);
+  if (table.viscoelasticity.empty()) {
+    table.relaxation = common_relaxation(probes);
+  }
+}
+
+std::string relaxation_text(const ResponseRelaxation& shown,
+                            const Viscoelasticity& rendered) {
+  std::string text = fmt::format(
+      "relaxation: {}\n",
+      shown.empty() ? "no probe was held with its time known" : describe(shown));
+  if (!rendered.empty()) {
+    text += fmt::format("rendered: {}\n", describe(rendered, share_extent(rendered)));
+  }
+  return text;
 }
 
 }  // namespace palpate

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "fitting/surface/probe.h"
+#include "formats/database/response_database.h"
 #include "formats/response/relaxation.h"
+#include "formats/response/viscoelasticity.h"
 
 namespace palpate {
 
@@ -22,5 +25,21 @@ namespace palpate {
 /// where no probe has any.
 [[nodiscard]] ResponseRelaxation common_relaxation(
     const std::vector<const SurfaceProbe*>& probes);
+
+/// How the material relaxes, as it is rendered: two terms fitted to the median over the
+/// probes of what each one's press and hold, fitted together, say of it; times up to
+/// the shortest hold. Curves are of a press at the median speed. Empty where less than
+/// half of the comparable holds were fitted together with their press.
+[[nodiscard]] Viscoelasticity common_viscoelasticity(
+    const std::vector<const SurfaceProbe*>& probes);
+
+/// The first tool's relaxation: what is rendered, else what the holds showed.
+void keep_relaxation(const std::vector<const SurfaceProbe*>& probes,
+                     ResponseDatabase& database);
+
+/// For people, what holds showed and what is rendered, a line each. Either may be
+/// empty.
+[[nodiscard]] std::string relaxation_text(const ResponseRelaxation& shown,
+                                          const Viscoelasticity& rendered);
 
 }  // namespace palpate

@@ -253,6 +253,43 @@ TEST_F(MeasuredSphere, KeepsEachProbesRelaxationAndTheMedianAtTheNodes) {
   EXPECT_TRUE(std::isnan(runs.terms.g_1[10]));
 }
 
+// Press and hold fitted together say how the material relaxes: that is rendered.
+TEST_F(MeasuredSphere, GivesTheDatabaseTheMaterialsRelaxation) {
+  for (std::size_t i = 0; i < 9; ++i) {
+    const double off = 0.1 * (static_cast<double>(i) - 4.0);
+    Relaxation hold = hold_of(1.0, 10.0 + static_cast<double>(i));
+    hold.joint.refused.clear();
+    hold.joint.terms.resize(2);
+    hold.joint.terms[0].g = 0.30 * (1.0 + off);
+    hold.joint.terms[0].tau_s = 0.3;
+    hold.joint.terms[1].g = 0.20 * (1.0 + off);
+    hold.joint.terms[1].tau_s = 4.0;
+    hold.joint.displacement_m = {0.0, 1e-3};
+    hold.joint.force_n = {0.0, 1.0};
+    probes_[i].relaxation = hold;
+  }
+  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  check(fit.database);
+  const ResponseTable& table = fit.database.tools.at(0);
+  EXPECT_TRUE(table.relaxation.empty());
+  const Viscoelasticity& rendered = table.viscoelasticity;
+  ASSERT_EQ(rendered.terms(), 2);
+  EXPECT_FALSE(rendered.instantaneous);
+  EXPECT_EQ(rendered.probes, 9);
+  EXPECT_EQ(rendered.speed_m_per_s, 2e-3);
+  EXPECT_NEAR(rendered.g(0, 0), 0.30F, 1e-3F);
+  EXPECT_NEAR(rendered.g(0, 1), 0.20F, 1e-3F);
+  EXPECT_NEAR(rendered.tau_s[0], 0.3, 2e-3);
+  EXPECT_NEAR(rendered.tau_s[1], 4.0, 4e-2);
+  EXPECT_FALSE(rendered.sites.empty());
+  // Most holds must have been fitted so.
+  for (std::size_t i = 0; i < 5; ++i) {
+    probes_[i].relaxation->joint.refused = "none";
+  }
+  EXPECT_TRUE(
+      fit_surface(body_, tool_, probes_).database.tools.at(0).viscoelasticity.empty());
+}
+
 TEST_F(MeasuredSphere, SaysNothingOfRelaxationWithoutHolds) {
   const SurfaceFit fit = fit_surface(body_, tool_, probes_);
   EXPECT_TRUE(fit.database.tools.at(0).relaxation.empty());
