@@ -100,14 +100,6 @@ Real carried_n(const SurfaceMemory& memory, int row) noexcept {
   return carried;
 }
 
-int count_dents(const SurfaceMemory& memory) noexcept {
-  int count = 0;
-  for (int row = 0; row < kMemorySites; ++row) {
-    count += carried_n(memory, row) > 0.0 ? 1 : 0;
-  }
-  return count;
-}
-
 void forget_all(SurfaceMemory& memory) noexcept {
   memory.row.fill({});
   memory.relaxed_n.fill(TermValues::Zero());

@@ -91,9 +91,6 @@ int claim_site(SurfaceMemory& memory, std::int32_t site) noexcept;
 /// s of a row at memory.time_s [N], of all bundles; 0 for a free row.
 [[nodiscard]] Real carried_n(const SurfaceMemory& memory, int row) noexcept;
 
-/// Rows with s > 0 now.
-[[nodiscard]] int count_dents(const SurfaceMemory& memory) noexcept;
-
 /// Everything that is remembered is gone; counts and time stay.
 void forget_all(SurfaceMemory& memory) noexcept;
 

@@ -10,6 +10,7 @@
 #include "runtime/fast/switch_model.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/render_report.h"
+#include "runtime/render/surface_dents.h"
 #include "runtime/render/telemetry.h"
 #include "runtime/slow/element_source.h"
 #include "runtime/slow/tool_state.h"
@@ -60,8 +61,8 @@ class FastProcess {
 
   /// The account so far.
   [[nodiscard]] const RenderReport& report() const noexcept { return report_; }
-  /// Memory sites of the surface that have not recovered yet.
-  [[nodiscard]] int dents() const noexcept { return count_dents(state_.memory); }
+  /// Memory sites of the surface that have not recovered yet. Not in a tick.
+  [[nodiscard]] std::vector<SurfaceDent> dents() const { return surface_dents(state_); }
 
  private:
   void watch(const DeviceReading& reading, DeviceStatus status,

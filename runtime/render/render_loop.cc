@@ -163,7 +163,7 @@ class ToolRun {
 
   [[nodiscard]] RenderReport report() const {
     RenderReport report = fast_->report();
-    report.dents = fast_->dents();
+    report.dents = std::ssize(fast_->dents());
     report.slow_updates = slow_.updates;
     report.slow_missed_deadlines = slow_.missed_deadlines;
     report.slow_error = slow_.failure;

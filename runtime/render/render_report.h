@@ -43,7 +43,7 @@ struct RenderReport {
   double memory_max_j = 0.0;    ///< [J]
   double carried_max_n = 0.0;   ///< [N] most that had relaxed of the normal force ...
   double carried_of_n = 0.0;    ///< [N] ... and what was left of it then
-  int dents = 0;                ///< memory sites that have not recovered at the end
+  std::int64_t dents = 0;       ///< memory sites that have not recovered at the end
   std::uint64_t forgotten = 0;  ///< dents that gave way to others
   double relaxed_shift_max_m = 0.0;  ///< [m] most that the ledger had to take
 

@@ -23,6 +23,7 @@ ViewFrame frame_of(const ViewSession& session) {
           .net_j = session.net_work_j(),
           .now = session.latest(),
           .contact = session.contact(),
+          .dents = session.dents(),
           .run = {.ticks = r.ticks,
                   .slow_updates = session.slow_updates(),
                   .starved_ticks = r.starved_ticks,

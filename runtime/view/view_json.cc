@@ -63,6 +63,21 @@ Json flag_names(std::uint8_t flags) {
 }
 
 // Every tick, as numbers of as many digits as a plot or a table needs.
+// What dents hold, by the account.
+double memory_j(const TickRecord& t) {
+  return std::max(0.0, t.work_j - t.stored_j - t.tank_j - t.dissipated_j);
+}
+
+Json as_json(const std::vector<NodeDent>& dents) {
+  Json nodes = Json::array();
+  Json depths_m = Json::array();
+  for (const NodeDent& dent : dents) {
+    nodes.push_back(dent.node);
+    depths_m.push_back(static_cast<float>(dent.depth_m));
+  }
+  return {{"node", nodes}, {"depth_m", depths_m}};
+}
+
 std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal_m) {
   const auto column = [&](const char* key, auto&& value) {
     std::string text = fmt::format("\"{}\":[", key);
@@ -100,7 +115,7 @@ std::string trace_text(const std::vector<TickRecord>& ticks, double over_nominal
                 [](const TickRecord& t) {
                   return t.tank_j;
                 }) +
-         "}";
+         "," + column("memory_j", memory_j) + "}";
 }
 
 // Of any curve, as far as it is rendered; 1 N where there is none.
@@ -235,6 +250,7 @@ std::string body_text(const ViewedBody& body) {
        {"source", provenance.source_file},
        {"left_out", provenance.left_out},
        {"tool", tool_json(body)},
+       {"relaxes", !body.table.viscoelasticity.empty()},
        {"displacement_fields", body.table.displacement.node.size()},
        {"models", models},
        {"depth_max_m", body.table.depth_max_m()},
@@ -272,6 +288,8 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
       {"depth_m", now.depth_m + frame.contact.over_nominal_m},
       {"stored_j", now.stored_j},
       {"tank_j", now.tank_j},
+      {"memory_j", memory_j(now)},
+      {"dents", as_json(frame.dents)},
       {"dissipated_j", now.dissipated_j},
       {"net_j", frame.net_j},
       {"shift_m", now.relaxed_shift_m},

@@ -14,6 +14,7 @@
 #include "formats/recording/recording.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/view/view_contact.h"
+#include "runtime/view/view_dents.h"
 
 namespace palpate {
 
@@ -73,6 +74,7 @@ struct ViewFrame {
   double net_j = 0.0;  ///< [J] put into the local model
   TickRecord now = {};
   ViewContact contact = {};
+  std::vector<NodeDent> dents = {};
   ViewRun run = {};
   ViewSettings settings = {};
 };

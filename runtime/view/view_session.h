@@ -19,6 +19,7 @@
 #include "runtime/slow/memory_elements.h"
 #include "runtime/view/adjusted_elements.h"
 #include "runtime/view/view_contact.h"
+#include "runtime/view/view_dents.h"
 
 namespace palpate {
 
@@ -71,6 +72,11 @@ class ViewSession {
 
   [[nodiscard]] ViewContact contact() const;
 
+  /// What of earlier presses has not recovered, of a body that relaxes.
+  [[nodiscard]] std::vector<NodeDent> dents() const {
+    return dents_.at(fast_->dents(), stiffness_scale());
+  }
+
   /// All ticks since the last call, at most the 8191 latest.
   [[nodiscard]] std::vector<TickRecord> take_ticks();
 
@@ -84,6 +90,7 @@ class ViewSession {
   ViewSessionOptions options_;
   ElementStream stream_;
   AdjustedStream adjusted_;
+  ViewDents dents_;
   Eigen::Vector3d start_m_;
   PointerHand hand_;
   SimulatedClock clock_;

@@ -16,7 +16,7 @@ class App {
   constructor(body) {
     this.body = body;
     this.surface = new Surface(body);
-    this.history = new History(["time_s", "force_n", "depth_m", "stored_j", "tank_j"]);
+    this.history = new History(["time_s", "force_n", "depth_m", "stored_j", "tank_j", "memory_j"]);
     this.plots = new TickPlots(get("plots"), this.history);
     this.curve = new CurvePlot(get("curve_plot"));
     this.pressMax = 2.0 * body.text.depth_max_m;
@@ -207,6 +207,8 @@ class App {
     put("depth", Math.max(0, state.depth_m * 1e3).toFixed(2));
     put("energy", (state.stored_j * 1e3).toFixed(3));
     put("tank", (state.tank_j * 1e3).toFixed(3));
+    put("memory", (state.memory_j * 1e3).toFixed(3));
+    get("memory_row").hidden = !this.body.text.relaxes;
     put("net", (state.net_j * 1e3).toFixed(3));
     get("net").classList.toggle("warn", state.net_j < -1e-6);
     put("shift", (state.shift_m * 1e3).toFixed(2));

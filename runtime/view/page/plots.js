@@ -35,7 +35,7 @@ function fromZero(least) {
 const kRows = [
   { title: "Force [N]", keys: ["force_n"], colours: ["force"], scale: 1, least: 0.05 },
   { title: "Depth [mm]", keys: ["depth_m"], colours: ["depth"], scale: 1e3, least: 0.5 },
-  { title: "Stored energy and tank [mJ]", keys: ["stored_j", "tank_j"], colours: ["energy", "tank"], scale: 1e3, least: 0.05 },
+  { title: "Stored energy, tank, dents [mJ]", keys: ["stored_j", "tank_j", "memory_j"], colours: ["energy", "tank", "memory"], scale: 1e3, least: 0.05 },
 ];
 
 export class TickPlots {

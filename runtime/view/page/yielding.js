@@ -104,9 +104,9 @@ export class Yielding {
   }
 
   // The surface under the tool; true if it has changed.
-  press({ contact_nodes: nodes, contact_shares: shares, contact_m: point, normal, penetration_m: depth }) {
+  press({ contact_nodes: nodes, contact_shares: shares, contact_m: point, normal, penetration_m: depth, dents }) {
     const parts = this.parts(nodes, shares);
-    const drawn = depth > 0 ? [nodes, shares, point, normal, depth].join() : "";
+    const drawn = (depth > 0 ? [nodes, shares, point, normal, depth].join() : "") + dents.depth_m.map((d) => d.toPrecision(3)).join();
     this.stored = parts.reduce((all, [field, share]) => all + (field ? share : 0), 0);
     if (drawn === this.drawn) {
       return false;
@@ -121,8 +121,25 @@ export class Yielding {
       }
       this.addTemplate(point, normal, depth, 1 - this.stored);
     }
+    this.addDents(dents);
     this.turnNormals();
     return true;
+  }
+
+  // What earlier presses have left: nodes that the tool does not hold deeper lie so deep.
+  addDents({ node, depth_m }) {
+    const { position, body: { position: rest, normal } } = this;
+    node.forEach((at, j) => {
+      const i = 3 * at;
+      let in_m = 0;
+      for (let k = 0; k < 3; ++k) {
+        in_m -= (position[i + k] - rest[i + k]) * normal[i + k];
+      }
+      const more = Math.max(0, depth_m[j] - in_m);
+      for (let k = 0; k < 3; ++k) {
+        position[i + k] -= more * normal[i + k];
+      }
+    });
   }
 
   // As FORMAT.md has it: in proportion to the normal penetration.

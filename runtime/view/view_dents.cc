@@ -1,0 +1,85 @@
+#include "runtime/view/view_dents.h"
+
+#include <algorithm>
+#include <map>
+
+#include "formats/response/press_inversion.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kShallow = 0.01;  // of the largest depth
+
+// Depth of a force, which curves that fall have at several: the shallowest. The last
+// one where the curve does not reach it.
+double depth_of(const CurveView& curve, double force_n) {
+  const auto above =
+      std::find_if(curve.force_n.begin(), curve.force_n.end(), [&](double f) {
+        return f >= force_n;
+      });
+  if (above == curve.force_n.end()) {
+    return curve.depth_max_m();
+  }
+  const auto i = static_cast<std::size_t>(above - curve.force_n.begin());
+  double low = i > 0 ? curve.depth_m[i - 1] : 0.0;
+  double high = curve.depth_m[i];
+  for (int step = 0; step < 20; ++step) {
+    const double middle = 0.5 * (low + high);
+    (curve.at(middle).force_n < force_n ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+ViewDents::ViewDents(const ResponseTable& table) {
+  if (table.viscoelasticity.empty()) {
+    return;
+  }
+  table_ = table;
+  make_instantaneous(table_);
+  const MemorySites& sites = table_.viscoelasticity.sites;
+  readers_.resize(sites.empty() ? static_cast<std::size_t>(table.nodes())
+                                : sites.node.size());
+  for (std::int32_t node = 0; node < table.nodes(); ++node) {
+    if (sites.empty()) {
+      readers_[static_cast<std::size_t>(node)] = {node};
+      continue;
+    }
+    for (const std::int32_t site : sites.site.row(node)) {
+      if (site >= 0) {
+        readers_[static_cast<std::size_t>(site)].push_back(node);
+      }
+    }
+  }
+}
+
+std::vector<NodeDent> ViewDents::at(const std::vector<SurfaceDent>& dents,
+                                    double stiffness_scale) const {
+  std::map<std::int32_t, double> carried_n;  // by node
+  const MemorySites& sites = table_.viscoelasticity.sites;
+  for (const SurfaceDent& dent : dents) {
+    for (const std::int32_t node : readers_[static_cast<std::size_t>(dent.site)]) {
+      double weight = sites.empty() ? 1.0 : 0.0;
+      for (Eigen::Index k = 0; !sites.empty() && k < kMostNodeSites; ++k) {
+        weight += sites.site(node, k) == dent.site
+                      ? static_cast<double>(sites.weight(node, k))
+                      : 0.0;
+      }
+      carried_n[node] += weight * dent.carried_n;
+    }
+  }
+  std::vector<NodeDent> all;
+  for (const auto& [node, force_n] : carried_n) {
+    const CurveView curve = table_.curve(node);
+    if (force_n > 0.0 && !curve.depth_m.empty()) {
+      const double depth_m = depth_of(curve, force_n / stiffness_scale);
+      if (depth_m > kShallow * table_.depth_max_m()) {
+        all.push_back({node, depth_m});
+      }
+    }
+  }
+  return all;
+}
+
+}  // namespace palpate
