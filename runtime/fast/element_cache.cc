@@ -70,9 +70,10 @@ bool well_formed(const ElementMemory& memory) noexcept {
                      }) == tau.end();
   return tau.front() > 0.0 && rises && std::isfinite(tau.back()) &&
          std::all_of(memory.node.begin(), memory.node.end(),
-                     [](const NodeMemory& node) {
+                     [&](const NodeMemory& node) {
                        return is_share(node.weight) && is_share(node.relaxing) &&
-                              std::is_sorted(node.cut_m.begin(), node.cut_m.end());
+                              std::is_sorted(node.cut_m.begin(),
+                                             node.cut_m.begin() + memory.bundles - 1);
                      });
 }
 
