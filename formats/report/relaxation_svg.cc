@@ -21,7 +21,7 @@ struct Axes {
   }
   // Room above the curves for the legend.
   [[nodiscard]] double y(double percent) const {
-    return panel.y + panel.height * (1.0 - percent / 140.0);
+    return panel.y + panel.height * (1.0 - percent / 155.0);
   }
 };
 

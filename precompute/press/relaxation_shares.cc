@@ -52,14 +52,15 @@ ForceRatio ratio_of(const Forces& relaxed_n, const Forces& sudden_n) {
 // Linear presses of all tools, of the scene as it is at one rate: [tool][node].
 std::vector<std::vector<Forces>> presses(
     const Scene& scene, const BodySource& body, const PressStrategy& strategy,
-    std::span<const std::vector<std::int32_t>> vertices, Progress& progress) {
+    std::span<const std::vector<std::int32_t>> vertices) {
   std::vector<std::int32_t> any;
   for (const auto& some : vertices) {
     any.insert(any.end(), some.begin(), some.end());
   }
   std::sort(any.begin(), any.end());
   any.erase(std::unique(any.begin(), any.end()), any.end());
-  const SceneSolver solver(scene, body, strategy, any, any, progress);
+  Progress silent(nullptr);  // the caller tells
+  const SceneSolver solver(scene, body, strategy, any, any, silent);
   const std::vector<WorkUnit> units = units_of(scene, body, any);
   std::vector<std::vector<Forces>> force_n(vertices.size());
   for (std::size_t t = 0; t < vertices.size(); ++t) {
@@ -101,6 +102,22 @@ void fill_from_nearest(const BodySource& body, std::span<const std::int32_t> ver
   }
 }
 
+// Nodes without a response have the mean: elements at the rim blend it with others'.
+void fill_others(std::span<const std::int32_t> vertices, Viscoelasticity& shares) {
+  std::vector<bool> others(static_cast<std::size_t>(shares.g.rows()), true);
+  Eigen::RowVectorXf sum = Eigen::RowVectorXf::Zero(shares.g.cols());
+  for (const std::int32_t v : vertices) {
+    others[static_cast<std::size_t>(v)] = false;
+    sum += shares.g.row(v);
+  }
+  for (std::size_t v = 0; v < others.size() && !vertices.empty(); ++v) {
+    if (others[v]) {
+      shares.g.row(static_cast<Eigen::Index>(v)) =
+          sum / static_cast<float>(vertices.size());
+    }
+  }
+}
+
 // One tool's table from sudden forces and those at each rate: [rate][node].
 Viscoelasticity table_of(const BodySource& body, std::span<const std::int32_t> vertices,
                          const std::vector<double>& tau_s,
@@ -134,6 +151,7 @@ Viscoelasticity table_of(const BodySource& body, std::span<const std::int32_t> v
     throw NumericalError("no linear press of the body tells how it relaxes");
   }
   fill_from_nearest(body, vertices, told, shares);
+  fill_others(vertices, shares);
   return shares;
 }
 
@@ -184,15 +202,15 @@ std::vector<Viscoelasticity> relaxation_shares(
   std::vector<double> all_per_s{std::numeric_limits<double>::infinity()};
   all_per_s.insert(all_per_s.end(), rate_per_s.begin(), rate_per_s.end());
   std::vector<std::vector<std::vector<Forces>>> force_n(vertices.size());
+  progress.stage("relaxation");
   for (std::size_t i = 0; i < all_per_s.size(); ++i) {
     const Scene relaxed = transformed_scene(scene, all_per_s[i]);
     BodySource relaxed_body = body;
     relaxed_body.material = materials_of(relaxed);
-    auto of_tools = presses(relaxed, relaxed_body, linear, vertices, progress);
+    auto of_tools = presses(relaxed, relaxed_body, linear, vertices);
     for (std::size_t t = 0; t < vertices.size(); ++t) {
       force_n[t].push_back(std::move(of_tools[t]));
     }
-    progress.stage("relaxation");
     progress.advance(i + 1, all_per_s.size(), "rates");
   }
   progress.finish();

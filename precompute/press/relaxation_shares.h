@@ -41,7 +41,7 @@ struct FittedShares {
 /// error_relative: what the fit misses, and how the share varies with depth.
 /// @param vertices of the body that have responses, by tool, ascending.
 /// @param tau_s common times (spectrum_of).
-/// @returns by tool a table with rows for all vertices of the body, 0 at others.
+/// @returns by tool a table with rows for all vertices of the body, at others the mean.
 /// @throws as SceneSolver; NumericalError where no press of a tool tells anything.
 [[nodiscard]] std::vector<Viscoelasticity> relaxation_shares(
     const Scene& scene, const BodySource& body, const PressStrategy& strategy,

@@ -146,6 +146,9 @@ TEST_F(RelaxationShares, AreLessWherePartOfTheBodyDoesNotRelax) {
   ASSERT_EQ(tables.size(), 1U);
   const Viscoelasticity& shares = tables.front();
   EXPECT_EQ(shares.g.rows(), body.surface.position_m.rows());
+  const std::int64_t other = top != 0 && side != 0 ? 0 : 1;
+  EXPECT_NEAR(shares.shares(other).sum(),
+              0.5 * (shares.shares(top).sum() + shares.shares(side).sum()), 1e-6);
   EXPECT_NEAR(shares.shares(side).sum(), 0.6, 0.005);
   EXPECT_LT(shares.shares(top).sum(), 0.5);
   EXPECT_GT(shares.shares(top).sum(), 0.3);
