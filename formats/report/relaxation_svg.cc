@@ -36,7 +36,8 @@ std::string draw_grid(const Axes& axes) {
         panel.x, axes.y(percent), panel.width, panel.x - 9.0, axes.y(percent) + 4.5,
         percent);
   }
-  for (double power = std::ceil(axes.log_first); power <= axes.log_last; power += 1.0) {
+  for (int power = static_cast<int>(std::ceil(axes.log_first)); power <= axes.log_last;
+       ++power) {
     svg += fmt::format(
         "<path d=\"M{0:.1f} {1:.1f}v5\" stroke=\"#1d2430\"/>"
         "<text x=\"{0:.1f}\" y=\"{2:.1f}\" text-anchor=\"middle\">{3}</text>\n",

@@ -76,7 +76,7 @@ struct FastContact {
   bool starved = false;
 };
 
-/// Everything the fast process remembers. About 220 kB, no pointers.
+/// Everything the fast process remembers. About 320 kB, no pointers.
 struct FastState {
   FastConfig config;
   ElementCache cache;

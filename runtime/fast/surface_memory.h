@@ -71,15 +71,22 @@ void take_terms(SurfaceMemory& memory, const ElementMemory& element) noexcept;
 /// remembers least.
 int claim_site(SurfaceMemory& memory, std::int32_t site) noexcept;
 
+/// Where relaxed_n has a row's bundle.
+[[nodiscard]] inline std::size_t relaxed_place(const SurfaceMemory& memory, int row,
+                                               int bundle) noexcept {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(memory.bundles) +
+         static_cast<std::size_t>(bundle);
+}
+
 /// q_k of a row and bundle [N].
 [[nodiscard]] inline TermValues& relaxed_forces(SurfaceMemory& memory, int row,
                                                 int bundle) noexcept {
-  return memory.relaxed_n[static_cast<std::size_t>(row * memory.bundles + bundle)];
+  return memory.relaxed_n[relaxed_place(memory, row, bundle)];
 }
 
 [[nodiscard]] inline const TermValues& relaxed_forces(const SurfaceMemory& memory,
                                                       int row, int bundle) noexcept {
-  return memory.relaxed_n[static_cast<std::size_t>(row * memory.bundles + bundle)];
+  return memory.relaxed_n[relaxed_place(memory, row, bundle)];
 }
 
 /// What a place's relaxed forces become in a time that nobody touches it; forgotten
