@@ -35,6 +35,7 @@ struct Press {
   double radius = 0.3;  // of the ball, in sides
   double depth = 0.05;  // in sides
   double resolution = 2.0;
+  int depths = 6;
   std::string support = {};  // instead of the fixed bottom
   std::string more = {};     // of the scene
 };
@@ -61,11 +62,11 @@ depth_max_m = {:.17e}
 [accuracy]
 force_relative = 0.02
 contact_resolution = {:.17e}
-depths = 6
+depths = {}
 {})",
                      p.law, p.youngs_modulus_pa, p.poissons_ratio,
                      p.support.empty() ? bottom : p.support, p.radius * p.side_m,
-                     p.depth * p.side_m, p.resolution, p.more);
+                     p.depth * p.side_m, p.resolution, p.depths, p.more);
 }
 
 ToolRun run(const Press& press) {
@@ -87,6 +88,7 @@ struct Response {
   std::vector<double> depth_m;
   std::vector<double> force_n;  // along the outward normal
   std::vector<double> energy_j;
+  bool hard_path = false;
   std::string failure = {};
   [[nodiscard]] double last_n() const { return force_n.back(); }
 };
@@ -113,7 +115,9 @@ void expect_sound(const Response& r) {
       work_j += work_between_j(r, k);
     }
   }
-  EXPECT_NEAR(work_j / r.energy_j.back(), 1.0, 0.01);
+  // Springs that keep a hard press from folding into the tool take energy that is not
+  // the body's.
+  EXPECT_NEAR(work_j / r.energy_j.back(), 1.0, r.hard_path ? 0.1 : 0.01);
 }
 
 Response respond(const Press& press) {
@@ -121,10 +125,13 @@ Response respond(const Press& press) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const Json report = result.exit_code == 0 ? Json::parse(result.out) : Json();
   if (report.empty()) {
-    return {{0.0}, {NAN}, {NAN}, result.err};
+    return {{0.0}, {NAN}, {NAN}, false, result.err};
   }
-  Response r{
-      report.at("depth_m"), {}, report.at("energy_j"), report.value("failure", "")};
+  Response r{report.at("depth_m"),
+             {},
+             report.at("energy_j"),
+             report.at("hard_path"),
+             report.value("failure", "")};
   for (const Json& force : report.at("force_vector_n")) {
     r.force_n.push_back(force.at(2));
   }
@@ -249,7 +256,8 @@ TEST_P(ExtremesByLaw, DepthsOfFourFifthsOfTheThicknessAreReachedOrTheReasonIsSai
                               .law = GetParam(),
                               .poissons_ratio = 0.45,
                               .radius = 0.5,
-                              .depth = 0.8 * thickness});
+                              .depth = 0.8 * thickness,
+                              .depths = 24});
   if (r.failure.empty()) {
     EXPECT_NEAR(r.depth_m.back(), 0.8 * thickness, 1e-12);
   } else {

@@ -47,13 +47,12 @@ class TangentFactors : public testing::Test {
 
   EquilibriumReport press(TangentFactor* tangent) {
     const EquilibriumOptions defaults;
-    Equilibrium equilibrium(
-        *near_, *contact_, block_.solve,
-        {.decrement_relative = 1e-2 * defaults.decrement_relative,
-         .multiplier_relative = 1e-2 * defaults.multiplier_relative,
-         .newton_max = 100,
-         .gradients_total = 10000},
-        tangent);
+    Equilibrium equilibrium(*near_, *contact_, block_.solve,
+                            {.decrement_relative = 1e-2 * defaults.decrement_relative,
+                             .multiplier_relative = 1e-2 * defaults.multiplier_relative,
+                             .newton_max = 100,
+                             .gradients_total = 10000},
+                            tangent);
     Multipliers multipliers = multipliers_;
     NearState state = state_;
     EquilibriumReport report =
