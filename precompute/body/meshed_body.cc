@@ -199,7 +199,7 @@ BodyModel model_of(const Scene& scene, const BodySource& body,
       reduce(scene_stiffness(scene, model.mesh, model.material), model.supports);
   model.factor.emplace(K, near_unknowns(model, near));
   if (keep_stiffness) {
-    model.stiffness = std::move(K);
+    model.stiffness.swap(K);
   }
   return model;
 }

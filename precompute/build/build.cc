@@ -251,20 +251,37 @@ void choose_possible_precision(std::optional<Precision> wanted, BuildReport& rep
   }
 }
 
-}  // namespace
-
-BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress) {
-  const auto began = std::chrono::steady_clock::now();
-  if (scene.drawing.displacement && options.shards > 1) {
+// What needs all responses at once cannot be shared out.
+void refuse_in_shards(const Scene& scene, const SceneSpectrum& spectrum) {
+  if (scene.drawing.displacement) {
     throw InputError(
         "[drawing] displacement = true needs all responses at once: build without "
         "--shard, or without the displacements");
   }
-  const SceneSpectrum spectrum = spectrum_of(scene);
-  if (relaxes_by_node(spectrum) && options.shards > 1) {
+  if (relaxes_by_node(spectrum)) {
     throw InputError(
         "materials that relax differently need all responses at once: build without "
         "--shard, or give every [[material]] the same relaxation");
+  }
+}
+
+std::vector<WorkUnit> units_of_shard(const std::vector<WorkUnit>& units,
+                                     const BuildOptions& options) {
+  std::vector<WorkUnit> mine;
+  std::copy_if(units.begin(), units.end(), std::back_inserter(mine),
+               [&](const WorkUnit& unit) {
+                 return unit.index % options.shards == options.shard;
+               });
+  return mine;
+}
+
+}  // namespace
+
+BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress) {
+  const auto began = std::chrono::steady_clock::now();
+  const SceneSpectrum spectrum = spectrum_of(scene);
+  if (options.shards > 1) {
+    refuse_in_shards(scene, spectrum);
   }
   { const AtomicFile place(options.output); }  // said before the work, not after it
   std::optional<tbb::global_control> limit;
@@ -280,11 +297,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   const std::vector<WorkUnit> units = units_of(scene, body, reachable);
   const JobDescription plan =
       plan_of(scene, body, options, strategy, reachable.size(), units.size());
-  std::vector<WorkUnit> mine;
-  std::copy_if(units.begin(), units.end(), std::back_inserter(mine),
-               [&](const WorkUnit& unit) {
-                 return unit.index % options.shards == options.shard;
-               });
+  const std::vector<WorkUnit> mine = units_of_shard(units, options);
   const Checkpoint checkpoint(options.output, plan, options.resume);
   report.nodes = body.surface.position_m.rows();
   report.units = static_cast<std::int64_t>(mine.size());

@@ -81,23 +81,13 @@ bool Equilibrium::pair_exactly(NearState& direction) const {
 }
 
 // In the pair (s, K^-1 s) neither K nor its far part is ever applied: K p = s_p.
-Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
-                                           const Multipliers& multipliers,
-                                           const NearState& state,
+NearState Equilibrium::conjugate_gradients(Eigen::VectorXd r,
                                            EquilibriumReport& report) {
-  Eigen::VectorXd gradient = state.source_n;
-  near_.linearise(state.displacement_m, gradient, convex_);
-  if (tangent_ != nullptr && slow_) {
-    tangent_->refresh();
-  }
-  contact_.linearise(state.displacement_m, tool, multipliers, gradient);
-  near_.mask(gradient);
   const Eigen::Index n = near_.size();
-  Step step{{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)}, 0.0};
-  Eigen::VectorXd r = -gradient;
+  const double tolerance = options_.gradient_tolerance * options_.gradient_tolerance;
+  NearState direction{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
   NearState p;
   double rz = 0.0;
-  const double tolerance = options_.gradient_tolerance * options_.gradient_tolerance;
   double enough = 0.0;
   double gain = 0.0;  // of energy, by all gradients
   double last_gain = 0.0;
@@ -126,12 +116,12 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
     report.indefinite = !(curvature > 0.0);
     if (report.indefinite) {
       if (i == 0) {
-        step.direction = p;
+        direction = p;
       }
       break;
     }
     const double alpha = rz / curvature;
-    add(step.direction, alpha, p);
+    add(direction, alpha, p);
     r -= alpha * q;
     learnt.push_back({p, std::move(q), 1.0 / curvature});
     last_gain = alpha * rz;
@@ -139,14 +129,28 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
   }
   slow_ = learnt.size() > kManyGradients;
   learn(std::move(learnt));
-  if (tangent_ != nullptr && tangent_->ready() && !pair_exactly(step.direction)) {
+  return direction;
+}
+
+Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
+                                           const Multipliers& multipliers,
+                                           const NearState& state,
+                                           EquilibriumReport& report) {
+  Eigen::VectorXd gradient = state.source_n;
+  near_.linearise(state.displacement_m, gradient, convex_);
+  if (tangent_ != nullptr && slow_) {
+    tangent_->refresh();
+  }
+  contact_.linearise(state.displacement_m, tool, multipliers, gradient);
+  near_.mask(gradient);
+  NearState direction = conjugate_gradients(-gradient, report);
+  if (tangent_ != nullptr && tangent_->ready() && !pair_exactly(direction)) {
     tangent_->drop();
     known_.clear();
-    slow_ = false;
-    return newton_step(tool, multipliers, state, report);
+    direction = conjugate_gradients(-gradient, report);
   }
-  step.slope = gradient.dot(step.direction.displacement_m);
-  return step;
+  const double slope = gradient.dot(direction.displacement_m);
+  return {std::move(direction), slope};
 }
 
 // One Newton step. False if the energy does not fall along it.

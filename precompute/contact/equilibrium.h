@@ -88,6 +88,8 @@ class Equilibrium {
   [[nodiscard]] bool pair_exactly(NearState& direction) const;
   [[nodiscard]] NearState preconditioned(const Eigen::VectorXd& r) const;
   void learn(std::vector<KnownDirection> directions);
+  // Towards A^-1 r, A the tangent of the last linearisations.
+  NearState conjugate_gradients(Eigen::VectorXd r, EquilibriumReport& report);
   // @param elastic of the state, before and after.
   bool descend(const PlacedTool& tool, const Multipliers& multipliers, NearState& state,
                ElementBatches::Energy& elastic, EquilibriumReport& report);

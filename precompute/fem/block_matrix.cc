@@ -64,20 +64,20 @@ void BlockMatrix::add(Eigen::Index group, const Eigen::Ref<const Eigen::MatrixXd
 
 void BlockMatrix::add(std::span<const Eigen::Index> groups,
                       const double (*blocks)[9][kBatch]) {
-  constexpr std::size_t n = kElementNodes;
-  for (std::size_t a = 0, block = 0; a < n; ++a) {
+  for (std::size_t a = 0, block = 0; a < kElementNodes; ++a) {
     for (std::size_t b = 0; b <= a; ++b, ++block) {
       const auto& from = blocks[block];
       for (std::size_t lane = 0; lane < groups.size(); ++lane) {
         const std::int64_t* slots =
-            slot_.data() + static_cast<std::size_t>(groups[lane]) * n * n;
-        if (const std::int64_t lower = slots[a * n + b]; lower >= 0) {
+            slot_.data() +
+            static_cast<std::size_t>(groups[lane]) * kElementNodes * kElementNodes;
+        if (const std::int64_t lower = slots[a * kElementNodes + b]; lower >= 0) {
           double* to = value_.data() + 9 * lower;
           for (std::size_t k = 0; k < 9; ++k) {
             to[k] += from[k][lane];
           }
         } else {
-          double* to = value_.data() + 9 * slots[b * n + a];
+          double* to = value_.data() + 9 * slots[b * kElementNodes + a];
           for (std::size_t k = 0; k < 9; ++k) {
             to[k] += from[3 * (k % 3) + k / 3][lane];
           }
