@@ -14,7 +14,7 @@ namespace {
 // unknowns.
 constexpr std::size_t kMostKnown = 24;
 // Conjugate gradients of a step that cost more than a factor that saves most of them.
-constexpr std::size_t kManyGradients = 30;
+constexpr std::size_t kManyGradients = 8;
 // [-] An element's volume over its volume at rest may become this share of the least
 // one within a step. Nearer to zero, forces grow beyond what a step can be computed
 // from.

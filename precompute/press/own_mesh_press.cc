@@ -1,5 +1,6 @@
 #include "precompute/press/own_mesh_press.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -12,6 +13,16 @@ namespace {
 constexpr int kFinerForTouch = 3;  // meshes, each twice as fine
 constexpr int kCoarserToEnd = 2;   // meshes, each twice as coarse
 
+// Below this the factor at rest preconditions well enough, and nothing is as exact.
+constexpr double kNearlyIncompressible = 0.48;  // Poisson's ratio
+
+bool gains_by_tangents(const Scene& scene) {
+  return std::any_of(scene.material.begin(), scene.material.end(),
+                     [](const SceneMaterial& m) {
+                       return m.poissons_ratio > kNearlyIncompressible;
+                     });
+}
+
 // One tool, and meshes made for the vertices that it presses.
 class OwnMeshes {
  public:
@@ -21,8 +32,9 @@ class OwnMeshes {
   [[nodiscard]] std::vector<PressedNode> press(std::span<const std::int32_t> vertices,
                                                const ContactFocus& focus,
                                                const PressMode& mode) const {
+    const bool keep_stiffness = mode.nonlinear && gains_by_tangents(scene_);
     return press_on_model(
-        scene_, body_, make_own_model(scene_, body_, vertices, focus, mode.nonlinear),
+        scene_, body_, make_own_model(scene_, body_, vertices, focus, keep_stiffness),
         tool_, vertices, mode);
   }
 
