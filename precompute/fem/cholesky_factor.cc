@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/fem/permuted_stiffness.h"
 #include "precompute/fem/symbolic_factor.h"
 #include "precompute/lanes/factor_kernels.h"
 #include "precompute/process/machine_memory.h"
@@ -14,48 +15,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::ptrdiff_t kAxes = 3;
-
 template <typename T>
 std::size_t at(T i) {
   return static_cast<std::size_t>(i);
-}
-
-// Whether K consists of whole 3 x 3 blocks, as that of a body does whose nodes are held
-// in all directions or in none.
-bool has_blocks(const Stiffness& lower) {
-  const std::int64_t* begin = lower.outerIndexPtr();
-  const std::int64_t* row = lower.innerIndexPtr();
-  if (lower.cols() % kAxes != 0) {
-    return false;
-  }
-  for (std::int64_t c = 0; c < lower.cols(); c += kAxes) {
-    const std::int64_t rows = begin[c + 1] - begin[c];
-    if (rows % kAxes != 0 || begin[c + 2] - begin[c + 1] != rows - 1 ||
-        begin[c + 3] - begin[c + 2] != rows - 2) {
-      return false;
-    }
-    for (std::int64_t i = begin[c]; i < begin[c + 1]; i += kAxes) {
-      if (row[i] % kAxes != 0 || row[i + 1] != row[i] + 1 || row[i + 2] != row[i] + 2) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-// Of K's blocks.
-LowerPattern pattern_of(const Stiffness& lower, std::ptrdiff_t block) {
-  LowerPattern pattern;
-  pattern.begin.push_back(0);
-  for (std::int64_t c = 0; c < lower.cols(); c += block) {
-    for (std::int64_t i = lower.outerIndexPtr()[c]; i < lower.outerIndexPtr()[c + 1];
-         i += block) {
-      pattern.row.push_back(lower.innerIndexPtr()[i] / block);
-    }
-    pattern.begin.push_back(static_cast<std::int64_t>(pattern.row.size()));
-  }
-  return pattern;
 }
 
 std::vector<std::int32_t> blocks_of(std::span<const std::int64_t> unknowns,
@@ -121,97 +83,6 @@ struct Supernodes {
     const FactorKernels& kernels = factor_kernels();
     kernels.solve_one(all, x.data(), space(kernels.solve_work(all, kSolveWidth)));
   }
-};
-
-// The blocks of K by blocks of columns of the factor.
-class PermutedStiffness {
- public:
-  PermutedStiffness(const Stiffness& lower, std::ptrdiff_t block,
-                    const std::vector<std::int32_t>& order)
-      : lower_(lower), block_(block), order_(order), place_(order.size()) {
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      place_[at(order[k])] = static_cast<std::int32_t>(k);
-    }
-    above_begin_.assign(order.size() + 1, 0);
-    for_each_below([&](std::int64_t, std::int64_t row, std::int64_t) {
-      ++above_begin_[at(row) + 1];
-    });
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      above_begin_[i + 1] += above_begin_[i];
-    }
-    above_.resize(at(above_begin_.back()));
-    std::vector<std::int64_t> next = above_begin_;
-    for_each_below([&](std::int64_t column, std::int64_t row, std::int64_t slot) {
-      above_[at(next[at(row)]++)] = {column, slot};
-    });
-  }
-
-  // Adds the columns of a supernode's block of K to its zeros.
-  // @param local row of each block of rows among the supernode's.
-  void add_to(std::int32_t first, std::int32_t last,
-              const std::vector<std::int32_t>& local, double* numbers,
-              std::ptrdiff_t ld) const {
-    for (std::int32_t k = first; k < last; ++k) {
-      const std::int64_t c = order_[at(k)];
-      double* const column = numbers + std::ptrdiff_t{k - first} * block_ * ld;
-      for (std::int64_t slot = 0; slot < blocks_in(c); ++slot) {
-        const std::int32_t row = place_[at(row_of(c, slot))];
-        if (row >= k) {
-          add_block(c, slot, false, column + std::ptrdiff_t{local[at(row)]} * block_,
-                    ld);
-        }
-      }
-      for (auto i = above_begin_[at(c)]; i < above_begin_[at(c) + 1]; ++i) {
-        const Above& entry = above_[at(i)];
-        const std::int32_t row = place_[at(entry.column)];
-        if (row > k) {
-          add_block(entry.column, entry.slot, true,
-                    column + std::ptrdiff_t{local[at(row)]} * block_, ld);
-        }
-      }
-    }
-  }
-
- private:
-  struct Above {
-    std::int64_t column, slot;
-  };
-  [[nodiscard]] std::int64_t blocks_in(std::int64_t column) const {
-    const std::int64_t* begin = lower_.outerIndexPtr() + column * block_;
-    return (begin[1] - begin[0]) / block_;
-  }
-  [[nodiscard]] std::int64_t row_of(std::int64_t column, std::int64_t slot) const {
-    return lower_.innerIndexPtr()[lower_.outerIndexPtr()[column * block_] +
-                                  slot * block_] /
-           block_;
-  }
-  template <typename Visit>
-  void for_each_below(const Visit& visit) const {
-    for (std::int64_t c = 0; c < lower_.cols() / block_; ++c) {
-      for (std::int64_t slot = 1; slot < blocks_in(c); ++slot) {
-        visit(c, row_of(c, slot), slot);
-      }
-    }
-  }
-  // The block of that place in K's column of blocks, or its transposed.
-  void add_block(std::int64_t column, std::int64_t slot, bool transposed, double* to,
-                 std::ptrdiff_t ld) const {
-    for (std::ptrdiff_t b = 0; b < block_; ++b) {
-      // The first block of column b of three begins at its diagonal.
-      const std::int64_t begin = lower_.outerIndexPtr()[column * block_ + b];
-      const double* value = lower_.valuePtr() + begin + slot * block_ - b;
-      for (std::ptrdiff_t a = slot == 0 ? b : 0; a < block_; ++a) {
-        to[transposed ? b + a * ld : a + b * ld] += value[a];
-      }
-    }
-  }
-
-  const Stiffness& lower_;
-  std::ptrdiff_t block_;
-  const std::vector<std::int32_t>& order_;
-  std::vector<std::int32_t> place_;  // of each block of unknowns in the order
-  std::vector<std::int64_t> above_begin_;
-  std::vector<Above> above_;  // blocks of each row, left of the diagonal
 };
 
 // What the columns of a supernode's descendants take out of it, and which they are.
@@ -397,7 +268,7 @@ void CholeskyFactor::Impl::factorise(const Stiffness& lower) {
 CholeskyFactor::CholeskyFactor(const Stiffness& lower,
                                std::span<const std::int64_t> near)
     : impl_(std::make_unique<Impl>()) {
-  impl_->block = has_blocks(lower) ? kAxes : 1;
+  impl_->block = block_size(lower);
   impl_->symbolic = std::make_shared<const SymbolicFactor>(
       symbolic_factor(pattern_of(lower, impl_->block), blocks_of(near, impl_->block)));
   impl_->make_structure();
