@@ -265,6 +265,9 @@ void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& led
   } else if (contact.depth_m != y_m) {
     (void)respond(contact, cache, y_m);
   }
+  if (!(ledger.dent_j > 0.0) && ledger.left_j > 0.0) {
+    settle_dent(contact, memory, ledger, cache);  // come back to
+  }
   memory.time_s += static_cast<double>(time_s);
   contact.sites.time_s = memory.time_s;
   Step step;

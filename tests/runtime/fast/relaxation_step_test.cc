@@ -70,8 +70,7 @@ TEST(RelaxationStep, NeverRaisesWhatAPlaceStoresWhateverTheClockDoes) {
     EXPECT_LE(largest_rise_j, 1e-18L) << terms.tau_s[0];
     EXPECT_GE(place.account().lowest_j, 0.0);
     EXPECT_NEAR(imbalance_j(place.state().ledger), 0.0, 1e-12);
-    // By rounding alone in so many ticks. Of ten million, with times of 4 ms, steps
-    // that were shortened took 9e-11 J.
+    // By rounding alone.
     EXPECT_LE(place.state().memory.shortened_j, 1e-15) << terms.tau_s[0];
     EXPECT_EQ(place.state().ledger.created_j, 0.0);
   }
