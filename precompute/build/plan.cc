@@ -1,6 +1,7 @@
 #include "precompute/build/plan.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -16,7 +17,6 @@
 #include "precompute/build/plan_shared_mesh.h"
 #include "precompute/contact/indentation_response.h"
 #include "precompute/press/compliance_sample.h"
-#include "precompute/press/node_press.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/press_cost.h"
@@ -37,7 +37,6 @@ constexpr double kPressesS = 6.0;  // nonlinear ones, which differ more
 // and to tighter tolerances (11 on a small organ, 23 on a gel cylinder).
 constexpr double kCheckTimes = 15.0;
 constexpr double kCheckMemory = 1.8;  // likewise
-
 constexpr std::size_t kMostBatches = 4;
 
 class Planner {
@@ -69,7 +68,6 @@ class Planner {
 
  private:
   using Group = std::vector<std::int32_t>;
-
   void describe_scene();
   void time_whole_bodies() {
     if (strategy_.shared_mesh) {
@@ -232,8 +230,8 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
       took_s[i] = seconds_of([&] {
         // Without what is done again where a press fails (press_on_own_mesh).
         pressed[i] = press_on_model(
-            scene_, body_, make_own_model(scene_, body_, groups[i], focus), tool,
-            groups[i],
+            scene_, body_, make_own_model(scene_, body_, groups[i], focus, nonlinear),
+            tool, groups[i],
             {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
       });
     });
@@ -392,12 +390,10 @@ PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progre
   }
   const std::size_t workers =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  PlanReport report;
-  const double seconds = seconds_of([&] {
-    report = Planner(scene, options, workers, progress).run();
-  });
+  const auto began = std::chrono::steady_clock::now();
+  PlanReport report = Planner(scene, options, workers, progress).run();
+  report.plan_seconds = seconds_since(began);
   progress.finish();
-  report.plan_seconds = seconds;
   return report;
 }
 

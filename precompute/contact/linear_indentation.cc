@@ -15,17 +15,13 @@
 
 #include "precompute/contact/complementarity.h"
 #include "precompute/contact/contact_gap.h"
+#include "precompute/contact/gaps_along.h"
 
 namespace palpate {
 namespace {
 
 // Faces turned more than this from the press are another side of the body.
 constexpr double kFacingCosine = 0.1;
-
-struct Gaps {
-  Eigen::VectorXd distance_m;  // (n)
-  Eigen::MatrixX3d by_centre;  // (n x 3)
-};
 
 const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
   return surface.node[static_cast<std::size_t>(v)];
@@ -34,63 +30,6 @@ const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
 bool is_held(const Supports& supports, const ContactNode& node) {
   return supports.free_index[3 * static_cast<std::size_t>(node.mesh_node)] < 0;
 }
-
-Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
-             const IndentationPath& path, double penetration_m) {
-  const PlacedTool tool = tool_at(path, penetration_m);
-  const auto n = static_cast<Eigen::Index>(patch.size());
-  Gaps gaps{Eigen::VectorXd(n), Eigen::MatrixX3d(n, 3)};
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Gap gap =
-        average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]), tool);
-    gaps.distance_m[i] = gap.distance_m;
-    gaps.by_centre.row(i) = gap.by_tool.transpose();
-  }
-  return gaps;
-}
-
-// Gaps along a path. They are convex in the penetration, and nearly always linear
-// (contact_gap.h): where they have one slope at both ends of the path they are linear
-// all along it.
-class GapsAlong {
- public:
-  GapsAlong(const ContactSurface& surface, std::span<const std::int32_t> patch,
-            const IndentationPath& path, double first_m)
-      : surface_(surface),
-        patch_(patch),
-        path_(path),
-        last_(gaps_at(surface, patch, path, path.depth_max_m)),
-        closing_(last_.by_centre * path.outward) {
-    constexpr double kSameSlope = 1e-12;
-    const Gaps first = gaps_at(surface, patch, path, first_m);
-    for (Eigen::Index i = 0; i < closing_.size(); ++i) {
-      if (!((first.by_centre.row(i) - last_.by_centre.row(i)).norm() < kSameSlope)) {
-        bent_.push_back(i);
-      }
-    }
-  }
-
-  [[nodiscard]] Gaps at(double penetration_m) const {
-    Gaps gaps = last_;
-    gaps.distance_m += (path_.depth_max_m - penetration_m) * closing_;
-    const PlacedTool tool = tool_at(path_, penetration_m);
-    for (const Eigen::Index i : bent_) {
-      const Gap gap =
-          average_gap(node_of(surface_, patch_[static_cast<std::size_t>(i)]), tool);
-      gaps.distance_m[i] = gap.distance_m;
-      gaps.by_centre.row(i) = gap.by_tool.transpose();
-    }
-    return gaps;
-  }
-
- private:
-  const ContactSurface& surface_;
-  std::span<const std::int32_t> patch_;
-  const IndentationPath& path_;
-  Gaps last_;
-  Eigen::VectorXd closing_;         // (n) [-] by the penetration, at its end
-  std::vector<Eigen::Index> bent_;  // those that are not linear
-};
 
 // Penetration at which the first gap closes. Nearly always gaps are linear in the
 // penetration, because the height of the tool's near side above a point is; where the

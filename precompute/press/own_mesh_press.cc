@@ -13,8 +13,9 @@ namespace {
 constexpr int kFinerForTouch = 3;  // meshes, each twice as fine
 constexpr int kCoarserToEnd = 2;   // meshes, each twice as coarse
 
-// Below this the factor at rest preconditions well enough, and nothing is as exact.
-constexpr double kNearlyIncompressible = 0.48;  // Poisson's ratio
+// Poisson's ratio below which the factor at rest is the better preconditioner: it asks
+// for few gradients there, and leaves presses nearer to balance.
+constexpr double kNearlyIncompressible = 0.48;
 
 bool gains_by_tangents(const Scene& scene) {
   return std::any_of(scene.material.begin(), scene.material.end(),
@@ -32,9 +33,8 @@ class OwnMeshes {
   [[nodiscard]] std::vector<PressedNode> press(std::span<const std::int32_t> vertices,
                                                const ContactFocus& focus,
                                                const PressMode& mode) const {
-    const bool keep_stiffness = mode.nonlinear && gains_by_tangents(scene_);
     return press_on_model(
-        scene_, body_, make_own_model(scene_, body_, vertices, focus, keep_stiffness),
+        scene_, body_, make_own_model(scene_, body_, vertices, focus, mode.nonlinear),
         tool_, vertices, mode);
   }
 
@@ -98,7 +98,8 @@ class OwnMeshes {
 
 BodyModel make_own_model(const Scene& scene, const BodySource& body,
                          std::span<const std::int32_t> vertices,
-                         const ContactFocus& focus, bool keep_stiffness) {
+                         const ContactFocus& focus, bool nonlinear) {
+  const bool keep_stiffness = nonlinear && gains_by_tangents(scene);
   for (int attempt = 0;; ++attempt) {
     try {
       return make_graded_model(scene, body, vertices, finer(focus, std::exp2(-attempt)),

@@ -12,11 +12,12 @@ namespace palpate {
 
 /// The body meshed around the vertices (make_graded_model), or, where that mesh cannot
 /// be made, two or four times coarser there. @throws as make_graded_model() where none
-/// can. @param keep_stiffness as make_graded_model()'s.
+/// can. @param nonlinear presses follow: with what those of a nearly incompressible
+/// body need besides (TangentFactor).
 [[nodiscard]] BodyModel make_own_model(const Scene& scene, const BodySource& body,
                                        std::span<const std::int32_t> vertices,
                                        const ContactFocus& focus,
-                                       bool keep_stiffness = false);
+                                       bool nonlinear = false);
 
 /// Meshes the body around the vertices and presses them with the tool. A vertex that
 /// the tool touches late (touches_late) is pressed again on meshes up to eight times

@@ -161,6 +161,18 @@ void turn_to(const PlaceCurve& curve, int bundle, Real y, NodePieces& pieces) {
   }
 }
 
+// f of each node's piece, x after its start [m].
+NodeValues force_at(const NodePieces& p, const NodeValues& x) {
+  return p.force_n +
+         x * (p.stiffness_n_per_m + x * (p.bend_n_per_m2 + x * p.twist_n_per_m3));
+}
+
+// f' of each.
+NodeValues stiffness_at(const NodePieces& p, const NodeValues& x) {
+  return p.stiffness_n_per_m +
+         x * (2.0 * p.bend_n_per_m2 + x * (3.0 * p.twist_n_per_m3));
+}
+
 }  // namespace
 
 CurvePiece rising_piece_around(const ElementCurve& curve, Real d) noexcept {
@@ -204,11 +216,8 @@ PlacePoint point_at(const PlaceCurve& curve, int bundle, Real y_m,
   turn_to(curve, bundle, y_m, pieces);
   const NodePieces& p = pieces;
   const NodeValues x = y_m - p.from_m;
-  const NodeValues force =
-      p.force_n +
-      x * (p.stiffness_n_per_m + x * (p.bend_n_per_m2 + x * p.twist_n_per_m3));
-  const NodeValues stiffness =
-      p.stiffness_n_per_m + x * (2.0 * p.bend_n_per_m2 + x * (3.0 * p.twist_n_per_m3));
+  const NodeValues force = force_at(p, x);
+  const NodeValues stiffness = stiffness_at(p, x);
   PlacePoint point;
   point.node_j =
       p.energy_j + x * (p.force_n + x * (0.5 * p.stiffness_n_per_m +
@@ -243,11 +252,8 @@ PlaceCubic cubic_around(const PlaceCurve& curve, int bundle, Real y_m,
   const NodePieces& p = pieces;
   const NodeValues x = y_m - p.from_m;
   const NodeValues& w = curve.weight;
-  const NodeValues force =
-      p.force_n +
-      x * (p.stiffness_n_per_m + x * (p.bend_n_per_m2 + x * p.twist_n_per_m3));
-  const NodeValues stiffness =
-      p.stiffness_n_per_m + x * (2.0 * p.bend_n_per_m2 + x * (3.0 * p.twist_n_per_m3));
+  const NodeValues force = force_at(p, x);
+  const NodeValues stiffness = stiffness_at(p, x);
   const NodeValues energy =
       p.energy_j + x * (p.force_n + x * (0.5 * p.stiffness_n_per_m +
                                          x * ((1.0 / 3.0) * p.bend_n_per_m2 +

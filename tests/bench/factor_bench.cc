@@ -2,6 +2,8 @@
 // sides through the factor's own block solve and nothing else, and the ratio of both.
 // The body is a box of gel in quadratic tets, held at its bottom; its top is pressed.
 //
+// And how fast a factor's dense products are with every instruction set.
+//
 // Threads run over blocks in both, all cores. "ratio" is columns over solves, each the
 // least of the repetitions so far; the median of a few counts.
 #include <algorithm>
@@ -16,6 +18,8 @@
 #include "precompute/contact/surface_compliance.h"
 #include "precompute/fem/linear_elasticity.h"
 #include "precompute/fem/quadratic_mesh.h"
+#include "precompute/lanes/factor_kernels.h"
+#include "precompute/lanes/instruction_set.h"
 #include "tests/support/box_tets.h"
 
 namespace palpate {
@@ -113,6 +117,31 @@ BENCHMARK(columns_over_solves)
     ->Iterations(3)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
+
+// A product of the size that factors are made of, by an instruction set.
+void product(benchmark::State& state) {
+  const auto set = static_cast<InstructionSet>(state.range(0));
+  if (set > instruction_set()) {
+    state.SkipWithError("this processor does not have it");
+    return;
+  }
+  const FactorKernels& kernels = factor_kernels(set);
+  constexpr std::ptrdiff_t kRows = 512, kColumns = 64, kInner = 256;
+  const std::vector<double> A(kRows * kInner, 1.0);
+  const std::ptrdiff_t rows = kernels.product_rows(kRows);
+  std::vector<double> C(static_cast<std::size_t>(rows * kColumns));
+  std::vector<double> work(
+      static_cast<std::size_t>(kernels.product_work(kRows, kColumns, kInner)));
+  for (auto _ : state) {
+    kernels.product(kRows, kColumns, kInner, A.data(), kRows, A.data(), kRows, C.data(),
+                    rows, false, work.data());
+    benchmark::DoNotOptimize(C.data());
+  }
+  state.SetLabel(name_of(set));
+  state.counters["flops"] = benchmark::Counter(
+      2.0 * kRows * kColumns * kInner, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(product)->Arg(0)->Arg(1)->Arg(2);
 
 }  // namespace
 }  // namespace palpate

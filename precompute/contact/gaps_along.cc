@@ -1,0 +1,57 @@
+#include "precompute/contact/gaps_along.h"
+
+#include "precompute/contact/contact_gap.h"
+
+namespace palpate {
+namespace {
+
+const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
+  return surface.node[static_cast<std::size_t>(v)];
+}
+
+}  // namespace
+
+Gaps gaps_at(const ContactSurface& surface, std::span<const std::int32_t> patch,
+             const IndentationPath& path, double penetration_m) {
+  const PlacedTool tool = tool_at(path, penetration_m);
+  const auto n = static_cast<Eigen::Index>(patch.size());
+  Gaps gaps{Eigen::VectorXd(n), Eigen::MatrixX3d(n, 3)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Gap gap =
+        average_gap(node_of(surface, patch[static_cast<std::size_t>(i)]), tool);
+    gaps.distance_m[i] = gap.distance_m;
+    gaps.by_centre.row(i) = gap.by_tool.transpose();
+  }
+  return gaps;
+}
+
+GapsAlong::GapsAlong(const ContactSurface& surface, std::span<const std::int32_t> patch,
+                     const IndentationPath& path, double first_m)
+    : surface_(surface),
+      patch_(patch),
+      path_(path),
+      last_(gaps_at(surface, patch, path, path.depth_max_m)),
+      closing_(last_.by_centre * path.outward) {
+  constexpr double kSameSlope = 1e-12;
+  const Gaps first = gaps_at(surface, patch, path, first_m);
+  for (Eigen::Index i = 0; i < closing_.size(); ++i) {
+    if (!((first.by_centre.row(i) - last_.by_centre.row(i)).norm() < kSameSlope)) {
+      bent_.push_back(i);
+    }
+  }
+}
+
+Gaps GapsAlong::at(double penetration_m) const {
+  Gaps gaps = last_;
+  gaps.distance_m += (path_.depth_max_m - penetration_m) * closing_;
+  const PlacedTool tool = tool_at(path_, penetration_m);
+  for (const Eigen::Index i : bent_) {
+    const Gap gap =
+        average_gap(node_of(surface_, patch_[static_cast<std::size_t>(i)]), tool);
+    gaps.distance_m[i] = gap.distance_m;
+    gaps.by_centre.row(i) = gap.by_tool.transpose();
+  }
+  return gaps;
+}
+
+}  // namespace palpate
