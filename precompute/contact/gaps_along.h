@@ -17,7 +17,8 @@ struct Gaps {
   Eigen::MatrixX3d by_centre;  ///< (n x 3) [-] by the tool's position
 };
 
-/// Of the nodes of a patch (average_gap), the body at rest.
+/// Of the nodes of a patch (average_gap), the body at rest. Nodes whose surface does
+/// not face the tool's are never met: twice the largest depth, by_centre 0.
 [[nodiscard]] Gaps gaps_at(const ContactSurface& surface,
                            std::span<const std::int32_t> patch,
                            const IndentationPath& path, double penetration_m);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/database/work_unit.h"
 #include "formats/response/force_difference.h"
 
 namespace palpate {
@@ -42,6 +43,11 @@ double pressure_mesh_error(const Indentation& indentation) {
     }
   }
   return kErrorPerDifference * largest;
+}
+
+double mesh_error(const NodeResponse& coarse, const NodeResponse& finer,
+                  const Eigen::Vector3d& outward) {
+  return kErrorPerDifference * response_difference(coarse, finer, outward);
 }
 
 NodeResponse to_response(const Indentation& indentation, const IndentationPath& path,
@@ -86,9 +92,10 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     response.sample_direction.front() = response.sample_direction[1];
   }
   const IndentationSample& last = indentation.sample.back();
+  const double mesh = indentation.mesh_error ? *indentation.mesh_error
+                                             : pressure_mesh_error(indentation);
   response.error_relative =
-      std::hypot(std::hypot(pressure_mesh_error(indentation), indentation.path_error,
-                            indentation.edge_share),
+      std::hypot(std::hypot(mesh, indentation.path_error, indentation.edge_share),
                  std::hypot(indentation.exterior_error_relative,
                             kLeastErrorShare * force_relative_budget));
   const auto flag_if = [&](bool set, ResponseFlag flag) {

@@ -11,6 +11,11 @@ namespace palpate {
 /// by pressure on a mesh twice as coarse. @param indentation with some force.
 [[nodiscard]] double pressure_mesh_error(const Indentation& indentation);
 
+/// What the finer one of two meshes makes of the force [-], in the same sense, told by
+/// presses on both. @param finer on a mesh twice as fine; both with some force.
+[[nodiscard]] double mesh_error(const NodeResponse& coarse, const NodeResponse& finer,
+                                const Eigen::Vector3d& outward);
+
 /// The stored form: |F| against displacement along one direction, the mean of the force
 /// along the path. Origin kSimulated, or kNone where the tool met nothing, which is
 /// also so where no depth carries force.
@@ -24,10 +29,10 @@ namespace palpate {
 /// above the budget is known once it is calibrated (error_calibration.h).
 ///
 /// error_relative is an estimate of what force_difference() measures, to be calibrated:
-/// what the pressure's mesh makes (0.55 of the difference to pressure on a mesh twice
-/// as coarse), what bears on the patch's edge, what interpolation between depths and
-/// the part left out around make, and a fifth of the budget for what none of them sees
-/// (root of the sum of squares).
+/// what the mesh makes (0.55 of the difference to a press on one twice as coarse, or
+/// to pressure alone on one twice as coarse), what bears on the patch's edge, what
+/// interpolation between depths and the part left out around make, and a fifth of the
+/// budget for what none of them sees (root of the sum of squares).
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,6 +48,8 @@ struct Indentation {
   double exterior_error_relative = 0.0;
   /// [-] of the force, by depths that were not solved but interpolated
   double path_error = 0.0;
+  /// [-] of the force, by the mesh, where a press on another mesh tells it
+  std::optional<double> mesh_error = {};
   /// [-] What the laws' energy adds to the linear body's at half of its displacements
   /// at the last depth, over that; where nobody asked, 0.
   double nonlinearity = 0.0;

@@ -38,8 +38,18 @@ void Territory::keep_cheap_within_budget(bool graded) {
   }
   for (PressedNode& node : solver_.finer(tool_, vertices_at(outside))) {
     PressedNode& kept = *good_[index_of(node.vertex)];
-    if (node.failure.empty() && node.indentation.sample.size() > 1 &&
-        (touches_late(kept) || estimate(node) < estimate(kept))) {
+    if (!node.failure.empty() || node.indentation.sample.size() < 2) {
+      continue;
+    }
+    if (touches_late(kept)) {
+      kept = std::move(node);
+      continue;
+    }
+    if (solver_.shared() == nullptr) {
+      node.indentation.mesh_error =
+          mesh_error(response_of(kept), response_of(node), node.path.outward);
+    }
+    if (estimate(node) < estimate(kept)) {
       kept = std::move(node);
     }
   }
@@ -50,8 +60,12 @@ bool Territory::is_outside_budget(const PressedNode& node) const {
          touches_late(node);
 }
 
+NodeResponse Territory::response_of(const PressedNode& node) const {
+  return to_response(node.indentation, node.path, scene_.force_relative);
+}
+
 double Territory::estimate(const PressedNode& node) const {
-  return to_response(node.indentation, node.path, scene_.force_relative).error_relative;
+  return response_of(node).error_relative;
 }
 
 std::vector<std::int32_t> Territory::vertices_at(const Places& which) const {
@@ -132,7 +146,7 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
     node.failure = press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
     if (good_[i]) {
-      node.response = to_response(press.indentation, press.path, scene_.force_relative);
+      node.response = response_of(press);
     } else if (is_like_others(i) && field_.size() > 0) {
       node.response = interpolated(i, left_out);
     } else if (touches(i)) {

@@ -70,6 +70,7 @@ class Territory {
                                           std::span<const double> left_out) const;
   [[nodiscard]] std::size_t index_of(std::int32_t vertex) const;
   [[nodiscard]] bool is_outside_budget(const PressedNode& node) const;
+  [[nodiscard]] NodeResponse response_of(const PressedNode& node) const;
   [[nodiscard]] double estimate(const PressedNode& node) const;
   [[nodiscard]] std::vector<std::int32_t> vertices_at(const Places& which) const;
   void solve(const Places& which);
