@@ -63,6 +63,14 @@ NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
   return z;
 }
 
+// What told so far of tangents may hide directions in which the body is not at rest.
+void Equilibrium::forget_tangents() {
+  known_.clear();
+  if (tangent_ != nullptr) {
+    tangent_->drop();
+  }
+}
+
 void Equilibrium::learn(std::vector<KnownDirection> directions) {
   std::move(directions.begin(), directions.end(), std::back_inserter(known_));
   while (known_.size() > kMostKnown) {
@@ -143,10 +151,14 @@ Equilibrium::Step Equilibrium::newton_step(const PlacedTool& tool,
   }
   contact_.linearise(state.displacement_m, tool, multipliers, gradient);
   near_.mask(gradient);
+  report.imbalance_n =
+      Eigen::Map<const Eigen::Matrix3Xd>(gradient.data(), 3, gradient.size() / 3)
+          .rowwise()
+          .sum()
+          .norm();
   NearState direction = conjugate_gradients(-gradient, report);
   if (tangent_ != nullptr && tangent_->ready() && !pair_exactly(direction)) {
-    tangent_->drop();
-    known_.clear();
+    forget_tangents();
     direction = conjugate_gradients(-gradient, report);
   }
   const double slope = gradient.dot(direction.displacement_m);
@@ -236,6 +248,10 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
       ++report.lagrange;
     } else if (report.decrement_relative > options_.decrement_relative) {
       enough = options_.decrement_relative;
+    } else if (report.imbalance_n >
+                   options_.imbalance_relative * contact.force_n.norm() &&
+               sum > 0.0) {
+      forget_tangents();
     } else {
       multipliers.pressure_n = contact.pressure_n;
       multipliers.tie_n = contact.tie_n;

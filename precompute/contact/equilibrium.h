@@ -28,6 +28,9 @@ struct EquilibriumOptions {
   double update_relative = 1e-2;
   /// [-] Multipliers end when they differ from the pressures by this share of the sum.
   double multiplier_relative = 0.03;
+  /// [-] Newton goes on while the forces out of balance sum up to more than this share
+  /// of the contact's: promised energy is only as good as the gradients behind it.
+  double imbalance_relative = 0.02;
   /// Updates of the multipliers; what they lack after these, the springs carry.
   int lagrange_max = std::numeric_limits<int>::max();
   double gradient_tolerance = 0.4;  ///< [-] of each conjugate-gradient solve
@@ -49,7 +52,8 @@ struct EquilibriumReport {
   int lagrange = 0;
   double decrement_relative = 0.0;
   double multiplier_relative = 0.0;
-  ContactState contact;  ///< at the rest state, where converged
+  double imbalance_n = 0.0;  ///< [N] resultant out of balance where the last step began
+  ContactState contact;      ///< at the rest state, where converged
 };
 
 class Equilibrium {
@@ -87,6 +91,7 @@ class Equilibrium {
   };
   [[nodiscard]] bool pair_exactly(NearState& direction) const;
   [[nodiscard]] NearState preconditioned(const Eigen::VectorXd& r) const;
+  void forget_tangents();
   void learn(std::vector<KnownDirection> directions);
   // Towards A^-1 r, A the tangent of the last linearisations.
   NearState conjugate_gradients(Eigen::VectorXd r, EquilibriumReport& report);

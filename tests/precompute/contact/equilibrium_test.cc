@@ -71,6 +71,22 @@ class Equilibria : public testing::Test {
   const Block block_;
 };
 
+// Where the promised energy is asked for far too little.
+TEST_F(Equilibria, EndWhereForcesAreInBalanceWhateverStepsPromise) {
+  EquilibriumOptions loose{
+      .decrement_relative = 0.9, .update_relative = 0.9, .multiplier_relative = 100.0};
+  const auto imbalance = [&](const EquilibriumOptions& options) {
+    Equilibrium equilibrium(*block_.near, *block_.contact, block_.solve, options);
+    Block::Start at = block_.rest();
+    const EquilibriumReport report = block_.press(equilibrium, 0.0025, at);
+    EXPECT_TRUE(report.converged);
+    return report.imbalance_n / report.contact.force_n.norm();
+  };
+  EXPECT_LE(imbalance(loose), loose.imbalance_relative);
+  loose.imbalance_relative = std::numeric_limits<double>::infinity();
+  EXPECT_GT(imbalance(loose), 0.05);
+}
+
 TEST_F(Equilibria, TangentsOfADepthSaveGradientsAtTheNext) {
   // Over several depths: at one of them rounding decides on one in ten.
   int gradients = 0;

@@ -273,6 +273,24 @@ Indentation leaning_by(double turn) {
   return indentation;
 }
 
+TEST(Response, WhereTwoMeshesPressedANodeTheirDifferenceIsItsError) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  Indentation finer = leaning_by(0.0);
+  Indentation coarse = finer;
+  for (IndentationSample& sample : coarse.sample) {
+    sample.force_n *= 1.04;
+  }
+  const auto response = [](const Indentation& of) {
+    return to_response(of, straight_down(), 0.05);
+  };
+  // No pressure on a coarser mesh is like it: none was computed.
+  EXPECT_GT(response(finer).error_relative, 0.5);
+  finer.mesh_error = mesh_error(response(coarse), response(finer), up);
+  EXPECT_NEAR(*finer.mesh_error, 0.55 * 0.04, 1e-12);
+  EXPECT_NEAR(response(finer).error_relative, std::hypot(0.55 * 0.04, 0.2 * 0.05),
+              1e-12);
+}
+
 TEST(Response, KeepsDirectionsPerDepthWhereOneCostsMoreThanTheBudget) {
   const NodeResponse straight = to_response(leaning_by(0.04), straight_down(), 0.05);
   EXPECT_TRUE(straight.sample_direction.empty());
