@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <boost/math/interpolators/pchip.hpp>
-
 namespace palpate {
 namespace {
 

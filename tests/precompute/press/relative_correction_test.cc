@@ -61,6 +61,17 @@ TEST(RelativeCorrection, IsSmoothGoesThroughItsKnotsAndFollowsACurve) {
   }
 }
 
+// Fritsch and Butland 1984: secants 1 over a width of 1, 2 over a width of 2, weighted
+// 2 * 2 + 1 and 2 + 2 * 1: 9 / (5 / 1 + 4 / 2).
+TEST(RelativeCorrection, SlopesAreHarmonicMeansWeightedByWidths) {
+  const std::array<Knot, 2> knots{Knot{1e-3, kAlong}, Knot{3e-3, 5.0 * kAlong}};
+  const RelativeCorrection correction(0.0, knots);
+  constexpr double kStep = 1e-8;
+  const Eigen::Vector3d slope =
+      (correction.at(1e-3 + kStep) - correction.at(1e-3 - kStep)) / (2.0 * kStep);
+  EXPECT_LT((slope - 9.0 / 7.0 * 1e3 * kAlong).norm(), 1e-4 * slope.norm());
+}
+
 TEST(RelativeCorrection, DoesNotOvershootWhereKnotsTurn) {
   const std::array<Knot, 3> knots{Knot{1e-3, kAlong}, Knot{2e-3, 3.0 * kAlong},
                                   Knot{3e-3, 1.0 * kAlong}};
