@@ -38,7 +38,7 @@ class Experiment {
         every_(std::lround(options.fast_hz / slow_hz)),
         device_(options.device, tick_),
         late_(static_cast<std::size_t>(std::ceil(options.delay_s / tick_ - 1e-9)), 0.0),
-        wall_(model, options.wall, k) {}
+        wall_(model, options.wall, k, options.relaxation) {}
 
   void settle(double hand_n_s_per_m, double seconds) {
     VirtualDeviceOptions held = options_;
@@ -128,6 +128,11 @@ Table1Report run_table1(const Table1Options& options) {
           fmt::format("bench table1: slow rate {} Hz, must divide the fast rate {} Hz",
                       rate, options.fast_hz));
     }
+  }
+  if (options.relaxation.share.size() != options.relaxation.time_s.size()) {
+    throw InputError(fmt::format(
+        "bench table1: {} shares that relax and {} times, must be as many",
+        options.relaxation.share.size(), options.relaxation.time_s.size()));
   }
   Table1Report report{options.rates_hz, {}, options.preload_n};
   for (const LocalModel model : kLocalModels) {

@@ -19,6 +19,7 @@ struct Table1Options {
   double resolution_m = 0.0;  ///< [m] >= 0 of the measured position; 0: exact
   double delay_s = 0.0;       ///< [s] >= 0 until a command acts, in whole ticks
   WallShape wall = WallShape::kNonlinear;
+  WallRelaxation relaxation = {};
   /// [N] into the wall, constant. The paper's 1 N leans on the wall's linear part, 0.1
   /// N on the quadratic one.
   double preload_n = 1.0;

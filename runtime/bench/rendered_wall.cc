@@ -37,10 +37,14 @@ void roll_up(ElementNode& node) {
   node.direction = node.normal;
 }
 
-std::vector<Element> wall_elements(WallShape shape, double k) {
+std::vector<Element> wall_elements(WallShape shape, double k,
+                                   const WallRelaxation& relaxation) {
   const bool cylinder = shape == WallShape::kCylinder;
-  std::vector<Element> elements =
-      make_bench_body({.cells = cylinder ? kCells : 1, .cell_m = kCellM}).element;
+  std::vector<Element> elements = make_bench_body({.cells = cylinder ? kCells : 1,
+                                                   .cell_m = kCellM,
+                                                   .relaxing = relaxation.share,
+                                                   .relaxation_s = relaxation.time_s})
+                                      .element;
   for (Element& element : elements) {
     for (ElementNode& node : element.node) {
       set_response(node, shape, k);
@@ -79,13 +83,15 @@ SlowValue response(WallShape shape, double k_n_per_m, double x_m) noexcept {
              : SlowValue{x_m, 0.0, 0.0, 0.0};
 }
 
-RenderedWall::RenderedWall(LocalModel model, WallShape shape, double k_n_per_m)
+RenderedWall::RenderedWall(LocalModel model, WallShape shape, double k_n_per_m,
+                           const WallRelaxation& relaxation)
     : shape_(shape), k_(k_n_per_m) {
-  if (!follows_surface(model) && shape != WallShape::kCylinder) {
+  if (!follows_surface(model) && shape != WallShape::kCylinder &&
+      relaxation.share.empty()) {
     model_.kind = model;
     return;
   }
-  element_ = wall_elements(shape, k_n_per_m);
+  element_ = wall_elements(shape, k_n_per_m, relaxation);
   at_ = place_of_tool(shape);
   const std::size_t active = shape == WallShape::kCylinder ? element_.size() / 2 : 0;
   element_[active].active = true;

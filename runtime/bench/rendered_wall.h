@@ -31,11 +31,18 @@ constexpr std::array<WallShape, 3> kWallShapes{
 [[nodiscard]] SlowValue response(WallShape shape, double k_n_per_m,
                                  double x_m) noexcept;
 
+/// How a wall relaxes; its response is then that to a sudden press.
+struct WallRelaxation {
+  std::vector<double> share = {};   ///< [-] g_k >= 0, sum <= 1; none: it does not
+  std::vector<double> time_s = {};  ///< [s] tau_k > 0, rising, as many
+};
+
 /// The wall and the two processes that render it. The tool is a point that moves along
 /// z, over the cylinder 5 mm aside of the crest.
 class RenderedWall {
  public:
-  RenderedWall(LocalModel model, WallShape shape, double k_n_per_m);
+  RenderedWall(LocalModel model, WallShape shape, double k_n_per_m,
+               const WallRelaxation& relaxation = {});
 
   /// One fast tick with the tool x_m [m] deep below z = 0. @param slow the slow process
   /// has its turn. @return force against x [N].

@@ -32,6 +32,7 @@ struct OutputFlags {
 void add_table1(Command bench) {
   struct Flags : OutputFlags {
     Table1Options options;
+    std::string wall = "nonlinear";
   };
   Command command = bench.add_subcommand(
       "table1", "largest stable stiffness by slow rate and local model");
@@ -41,9 +42,22 @@ void add_table1(Command bench) {
                   "into the wall [N]; 0.1 leans on its nonlinear part")
       .show_default()
       .in_range(0.001, 100.0);
+  command.add_option("--wall", flags->wall, "linear, or the paper's nonlinear one")
+      .show_default()
+      .one_of({"linear", "nonlinear"});
+  command
+      .add_option("--relaxing", flags->options.relaxation.share,
+                  "shares of the wall's force that relax, of a sudden press")
+      .in_range(0.0, 1.0);
+  command
+      .add_option("--times", flags->options.relaxation.time_s,
+                  "in which they do [s], rising")
+      .in_range(1e-6, 1e6);
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.add_flag("--csv", flags->csv, "comma-separated values on stdout");
   command.callback([flags] {
+    flags->options.wall =
+        flags->wall == "linear" ? WallShape::kLinear : WallShape::kNonlinear;
     const Table1Report report = run_table1(flags->options);
     fmt::print("{}", flags->json  ? to_json(report) + "\n"
                      : flags->csv ? table_csv(report)

@@ -1,6 +1,7 @@
 #include "runtime/bench/bench_table1.h"
 
 #include <algorithm>
+#include <array>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -70,6 +71,33 @@ TEST(Table1, OnTheQuadraticPartTheTankStaysFlatToo) {
   EXPECT_NEAR(stiffness(LocalModel::kEnergyTank, 50.0), fast, 0.02 * fast);
   EXPECT_LT(stiffness(LocalModel::kEqualEnergy, 100.0), 0.5 * fast);
   EXPECT_NEAR(stiffness(LocalModel::kElement, 10.0), fast, 0.02 * fast);
+}
+
+// Viscosity never asks for a softer wall: measured pork, and one that relaxes fast.
+TEST(Table1, AWallThatRelaxesMayBeAsStiffAsOneThatDoesNot) {
+  const std::array<WallRelaxation, 2> walls{
+      WallRelaxation{{0.258, 0.303}, {0.42, 4.5}},
+      WallRelaxation{{0.45, 0.35}, {0.004, 0.06}}};
+  for (const LocalModel model : {LocalModel::kElement, LocalModel::kPotential}) {
+    Table1Options options;
+    options.wall = WallShape::kLinear;
+    options.stiffness_max = 1000.0;
+    const double elastic = largest_stable_stiffness(options, model, 100.0);
+    double before = elastic;
+    for (const WallRelaxation& wall : walls) {
+      options.relaxation = wall;
+      const double relaxing = largest_stable_stiffness(options, model, 100.0);
+      EXPECT_GT(relaxing, 1.5 * before) << name(model) << ' ' << wall.time_s.front();
+      before = relaxing;
+    }
+  }
+}
+
+TEST(Table1, SharesThatRelaxWithoutTimesAreAnInputError) {
+  Table1Options options;
+  options.rates_hz = {100.0};
+  options.relaxation.share = {0.2};
+  EXPECT_THROW(run_table1(options), InputError);
 }
 
 TEST(Table1, PassiveColumnsReachWhatTheFastRateAllows) {
