@@ -63,6 +63,21 @@ Json viscoelasticity_json(const ToolSummary& tool) {
           {"doubts", doubts_of_memory(tool)}};
 }
 
+// By node: nulls.
+Json yielding_json(const ToolSummary& tool) {
+  if (tool.yielding.empty()) {
+    return nullptr;
+  }
+  Json json{{"text", tool.yielding}, {"sites", tool.memory_sites}};
+  for_each_dataset(tool.viscoelasticity.yielding,
+                   [&](const std::string& name, const char* /*units*/,
+                       const std::vector<double>& values) {
+                     json[name.substr(1)] =
+                         values.size() == 1 ? Json(values[0]) : Json(nullptr);
+                   });
+  return json;
+}
+
 Json to_json(const ToolSummary& tool) {
   return {{"name", tool.tool.name},
           {"shape", tool.tool.kind},
@@ -92,7 +107,8 @@ Json to_json(const ToolSummary& tool) {
           {"error_factor", tool.accuracy.error_factor},
           {"hard_error_factor", tool.accuracy.hard_error_factor},
           {"relaxation", to_json(tool.relaxation)},
-          {"viscoelasticity", viscoelasticity_json(tool)}};
+          {"viscoelasticity", viscoelasticity_json(tool)},
+          {"yielding", yielding_json(tool)}};
 }
 
 // Of all nodes.
@@ -154,6 +170,11 @@ void print(const ToolSummary& tool) {
   }
   if (!tool.viscoelasticity.empty()) {
     fmt::print("relaxation {}\n", describe(tool.viscoelasticity, tool.shares));
+  }
+  if (!tool.yielding.empty()) {
+    fmt::print("yielding   {}\n", tool.yielding);
+  }
+  if (!tool.viscoelasticity.empty() || !tool.yielding.empty()) {
     fmt::print("memory     {}\n", describe_memory(tool));
   }
 }

@@ -147,7 +147,9 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
     const bool own_shares =
         !tool.viscoelasticity.empty() && tool.viscoelasticity.g.rows() == 0;
     require(group + "/memory_sha256", tool.memory_sha256.size(),
-            own_shares || tool.memory_sites > 0 ? c * std::int64_t{kSha256Bytes} : 0);
+            own_shares || tool.yielding_rows || tool.memory_sites > 0
+                ? c * std::int64_t{kSha256Bytes}
+                : 0);
     for (const auto* values : {&tool.share_min, &tool.share_max}) {
       require(group + "/share_min, share_max", values->size(),
               own_shares ? c * (tool.viscoelasticity.terms() + 1) : 0);
@@ -283,6 +285,7 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
     by_the_rules(file_->reader, [&] {
       check_node_rows(group, part.viscoelasticity, part.nodes(), entry.memory_sites,
                       node);
+      check_yielding(group, part.viscoelasticity.yielding, part.nodes(), node);
       check_shares(entry, chunk, part.viscoelasticity);
     });
   }

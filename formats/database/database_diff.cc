@@ -86,10 +86,16 @@ double relaxation_difference(const ResponseTable& a, const ResponseTable& b,
   return largest;
 }
 
+bool same_yielding(const Yielding& a, const Yielding& b) {
+  return a.yield_depth_m == b.yield_depth_m && a.share == b.share &&
+         a.onset_m == b.onset_m && a.scale_m == b.scale_m && a.largest == b.largest;
+}
+
 bool same_memory(const Viscoelasticity& a, const Viscoelasticity& b) {
   return a.instantaneous == b.instantaneous && a.bundle_depth_m == b.bundle_depth_m &&
          a.sites.node == b.sites.node && a.sites.site.rows() == b.sites.site.rows() &&
-         a.sites.site == b.sites.site && a.sites.weight == b.sites.weight;
+         a.sites.site == b.sites.site && a.sites.weight == b.sites.weight &&
+         same_yielding(a.yielding, b.yielding);
 }
 
 StatedErrors stated_errors(const ResponseTable& a,

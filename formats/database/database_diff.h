@@ -50,7 +50,7 @@ struct ToolDifference {
   double largest_depth_m = 0.0;       ///< [m] largest difference of largest depths
   double largest_direction_rad = 0.0;
   double largest_relaxation = 0.0;  ///< [-] of F(0) while held; unstated: none relaxes
-  bool same_memory = true;  ///< sites, bundles, and of which press the curves are
+  bool same_memory = true;  ///< sites, bundles, of which press curves are, yielding
   StatedErrors stated;
   std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
 

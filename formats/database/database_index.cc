@@ -92,7 +92,20 @@ Viscoelasticity head_of(const Viscoelasticity& relaxation) {
   if (relaxation.g.rows() > 1) {
     head.g.resize(0, relaxation.g.cols());
   }
+  for_each_dataset(head.yielding, [](const auto&, const auto&, auto& values) {
+    if (values.size() > 1) {
+      values.clear();
+    }
+  });
   return head;
+}
+
+bool has_rows(const Yielding& yielding) {
+  bool any = false;
+  for_each_dataset(yielding, [&any](const auto&, const auto&, const auto& values) {
+    any = any || values.size() > 1;
+  });
+  return any;
 }
 
 void set_share_extents(const Viscoelasticity& relaxation, const DatabaseIndex& index,
@@ -118,6 +131,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
   tool.viscoelasticity = head_of(table.viscoelasticity);
   tool.memory_sites =
       static_cast<std::int64_t>(table.viscoelasticity.sites.node.size());
+  tool.yielding_rows = has_rows(table.viscoelasticity.yielding);
   tool.accuracy = table.accuracy;
   tool.origin_count.assign(4, 0);
   // Seven where there are no more, as it was before there was an eighth flag.
@@ -219,6 +233,10 @@ std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk) {
   add(digest, chunk.g);
   add(digest, chunk.sites.site);
   add(digest, chunk.sites.weight);
+  for_each_dataset(chunk.yielding,
+                   [&](const auto& /*name*/, const auto& /*units*/, const auto& values) {
+                     add(digest, values);
+                   });
   return bytes_of(digest);
 }
 
@@ -230,7 +248,8 @@ ShareExtent share_extent(const ToolIndex& tool) {
 }
 
 bool has_node_rows(const Viscoelasticity& relaxation) noexcept {
-  return relaxation.g.rows() > 1 || !relaxation.sites.empty();
+  return relaxation.g.rows() > 1 || !relaxation.sites.empty() ||
+         has_rows(relaxation.yielding);
 }
 
 Viscoelasticity rows_of(const Viscoelasticity& relaxation, std::int64_t begin,
@@ -244,6 +263,11 @@ Viscoelasticity rows_of(const Viscoelasticity& relaxation, std::int64_t begin,
     part.sites.site = relaxation.sites.site.middleRows(begin, count);
     part.sites.weight = relaxation.sites.weight.middleRows(begin, count);
   }
+  for_each_dataset(part.yielding, [&](const auto&, const auto&, auto& values) {
+    if (values.size() > 1) {
+      values = {values.begin() + begin, values.begin() + end};
+    }
+  });
   return part;
 }
 

@@ -34,6 +34,7 @@ struct ToolIndex {
   /// As the table's; without rows of nodes and sites if there is more than one.
   Viscoelasticity viscoelasticity;
   std::int64_t memory_sites = 0;  ///< rows of its sites; 0: the nodes
+  bool yielding_rows = false;     ///< nodes have rows of their own of how they yield
   RowsOf<double> share_min;       ///< (c x K + 1) [-] g_k and their sum; none if ...
   RowsOf<double> share_max;       ///< (c x K + 1) [-] ... there is one row of shares
   AccuracyRecord accuracy;        ///< as the table's

@@ -210,18 +210,31 @@ struct ViscoelasticityGroups {
   std::string memory;
 };
 
+// How they yield for good.
+template <typename File, typename Rows>
+void exchange_yielding(File& file, const std::string& tool, Rows& yielding) {
+  const bool dents = file.optional_group(tool + "/plastic", !yielding.share.empty());
+  const bool softens = file.optional_group(tool + "/damage", !yielding.largest.empty());
+  for_each_dataset(yielding, [&](const std::string& name, const char* units,
+                                 auto& values) {
+    if (name.starts_with("/plastic") ? dents : softens) {
+      file.dataset(tool + name, units, values);
+    }
+  });
+}
+
 template <typename File, typename Relaxation>
 void exchange_viscoelasticity(File& file, const std::string& tool,
                               Relaxation& relaxation) {
   const ViscoelasticityGroups groups(tool);
-  if (!file.optional_dataset(groups.relaxation + "/tau_s", !relaxation.empty())) {
-    return;
+  if (file.optional_dataset(groups.relaxation + "/tau_s", !relaxation.empty())) {
+    file.group(groups.relaxation);
+    exchange_relaxation_head(file, groups.relaxation, relaxation);
+    file.dataset(groups.relaxation + "/g", "1", relaxation.g);
+    exchange_if_any(file, groups.relaxation + "/error_relative", "1",
+                    relaxation.error_relative);
   }
-  file.group(groups.relaxation);
-  exchange_relaxation_head(file, groups.relaxation, relaxation);
-  file.dataset(groups.relaxation + "/g", "1", relaxation.g);
-  exchange_if_any(file, groups.relaxation + "/error_relative", "1",
-                  relaxation.error_relative);
+  exchange_yielding(file, tool, relaxation.yielding);
   auto& sites = relaxation.sites;
   if (file.optional_group(groups.memory, !sites.empty() || relaxation.bundles() > 1)) {
     exchange_sites_head(file, groups.memory, relaxation);

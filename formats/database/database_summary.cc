@@ -7,6 +7,7 @@
 
 #include "formats/database/error_calibration.h"
 #include "formats/response/memory_sites.h"
+#include "formats/response/yielding.h"
 
 namespace palpate {
 namespace {
@@ -48,9 +49,12 @@ ToolSummary summarise(const ResponseTable& table) {
   summary.error_relative_max = largest_of(table.error_relative);
   summary.direction_spread_max_rad = largest_of(table.direction_spread_rad);
   summary.relaxation = table.relaxation;
-  if (!table.viscoelasticity.empty()) {
+  summary.yielding = describe(table.viscoelasticity.yielding);
+  if (table.viscoelasticity.remembers()) {
     summary.viscoelasticity = table.viscoelasticity;
-    summary.shares = share_extent(table.viscoelasticity);
+    if (!table.viscoelasticity.empty()) {
+      summary.shares = share_extent(table.viscoelasticity);
+    }
     summary.memory_sites = std::ssize(table.viscoelasticity.sites.node);
   }
   summary.accuracy = table.accuracy;
@@ -86,9 +90,13 @@ ToolSummary summarise(const ToolIndex& tool) {
   summary.error_relative_max = largest_of(tool.error_relative_max);
   summary.direction_spread_max_rad = largest_of(tool.direction_spread_max_rad);
   summary.relaxation = tool.relaxation;
-  if (!tool.viscoelasticity.empty()) {
+  summary.yielding = tool.yielding_rows ? "differs from node to node"
+                                        : describe(tool.viscoelasticity.yielding);
+  if (tool.viscoelasticity.remembers() || tool.yielding_rows) {
     summary.viscoelasticity = tool.viscoelasticity;
-    summary.shares = share_extent(tool);
+    if (!tool.viscoelasticity.empty()) {
+      summary.shares = share_extent(tool);
+    }
     summary.memory_sites = tool.memory_sites;
   }
   summary.accuracy = tool.accuracy;
@@ -113,7 +121,7 @@ std::string describe_memory(const ToolSummary& tool) {
 }
 
 std::string doubts_of_memory(const ToolSummary& tool) {
-  if (tool.viscoelasticity.empty() || tool.depth_max_m == 0.0) {
+  if ((tool.viscoelasticity.empty() && tool.yielding.empty()) || tool.depth_max_m == 0.0) {
     return {};
   }
   if (tool.memory_sites == 0) {

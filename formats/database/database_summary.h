@@ -34,6 +34,7 @@ struct ToolSummary {
   Viscoelasticity viscoelasticity;        ///< as rendered, without rows; or empty
   ShareExtent shares;                     ///< its shares
   std::int64_t memory_sites = 0;          ///< its sites; 0: every node is one
+  std::string yielding = {};  ///< how responses yield, one line; empty: they do not
   AccuracyRecord accuracy;
 };
 

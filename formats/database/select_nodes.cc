@@ -150,6 +150,11 @@ Viscoelasticity select_viscoelasticity(const Viscoelasticity& all, Nodes nodes,
   if (all.error_relative.size() > 1) {
     selected.error_relative = rows_of(all.error_relative, nodes);
   }
+  for_each_dataset(selected.yielding, [&](const auto&, const auto&, auto& values) {
+    if (values.size() > 1) {
+      values = rows_of(values, nodes);
+    }
+  });
   selected.sites = select_sites(all.sites, nodes, places_of(nodes, size));
   return selected;
 }

@@ -26,18 +26,37 @@ void read_shares(Hdf5Reader& file, const std::string& group, std::int64_t nodes,
   }
 }
 
+// Of rows of nodes only that there are some.
+void read_yielding_head(Hdf5Reader& file, const std::string& group, std::int64_t nodes,
+                        ToolIndex& tool) {
+  for_each_dataset(tool.viscoelasticity.yielding, [&](const std::string& name,
+                                                      const char* units, auto& values) {
+    const std::string path = group + name;
+    if (!file.has(path)) {
+      return;
+    }
+    if (file.shape_of(path, units, Hdf5Type::kFloat64, {-1}).front() == 1) {
+      file.dataset(path, units, values);
+    } else {
+      static_cast<void>(file.shape_of(path, units, Hdf5Type::kFloat64, {nodes}));
+      tool.yielding_rows = true;
+    }
+  });
+  check_yielding(group, tool.viscoelasticity.yielding, nodes);
+}
+
 }  // namespace
 
 void read_viscoelasticity_head(Hdf5Reader& file, const std::string& group,
                                std::int64_t nodes, ToolIndex& tool) {
   const content::ViscoelasticityGroups groups(group);
   Viscoelasticity& relaxation = tool.viscoelasticity;
-  if (!file.has(groups.relaxation + "/tau_s")) {
-    return;
+  if (file.has(groups.relaxation + "/tau_s")) {
+    content::exchange_relaxation_head(file, groups.relaxation, relaxation);
+    check_terms(group, relaxation);
+    read_shares(file, group, nodes, relaxation);
   }
-  content::exchange_relaxation_head(file, groups.relaxation, relaxation);
-  check_terms(group, relaxation);
-  read_shares(file, group, nodes, relaxation);
+  read_yielding_head(file, group, nodes, tool);
   if (!file.has(groups.memory)) {
     return;
   }
@@ -64,13 +83,21 @@ void read_node_rows(const Hdf5Reader& file, const std::string& group,
     values.resize(count, columns);
     file.rows(path, "1", hdf5_type<Value>(), begin, count, columns, values.data());
   };
-  if (relaxation.g.rows() == 0) {
+  if (!relaxation.empty() && relaxation.g.rows() == 0) {
     rows(groups.relaxation + "/g", relaxation.g, relaxation.terms());
   }
   if (tool.memory_sites > 0) {
     rows(groups.memory + "/site", relaxation.sites.site, kMostNodeSites);
     rows(groups.memory + "/weight", relaxation.sites.weight, kMostNodeSites);
   }
+  for_each_dataset(relaxation.yielding, [&](const std::string& name, const char* units,
+                                            auto& values) {
+    if (tool.yielding_rows && values.empty() && file.has(group + name)) {
+      values.resize(static_cast<std::size_t>(count));
+      file.rows(group + name, units, Hdf5Type::kFloat64, begin, count, 1,
+                values.data());
+    }
+  });
 }
 
 void check_shares(const ToolIndex& tool, std::int64_t chunk,

@@ -1,6 +1,8 @@
 #include "formats/database/viscoelasticity_rules.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -55,6 +57,16 @@ void check_shares(const std::string& path, const RowsOf<float>& g, std::int64_t 
   }
 }
 
+// Either all datasets of a group, or none.
+void require_together(const std::string& group, std::initializer_list<std::size_t> rows) {
+  const auto some = std::count_if(rows.begin(), rows.end(), [](std::size_t n) {
+    return n > 0;
+  });
+  if (some != 0 && some != std::ssize(rows)) {
+    fail("{} has {} of its {} datasets, must have all", group, some, rows.size());
+  }
+}
+
 void check_sites(const std::string& group, const MemorySites& sites, std::int64_t count,
                  std::int64_t first) {
   for (Eigen::Index i = 0; i < sites.site.rows(); ++i) {
@@ -106,18 +118,43 @@ void check_terms(const std::string& tool, const Viscoelasticity& relaxation) {
   require_rising(tool + "/memory/bundle_depth_m", relaxation.bundle_depth_m);
 }
 
+void check_yielding(const std::string& tool, const Yielding& yielding,
+                    std::int64_t nodes, std::int64_t first) {
+  for_each_dataset(yielding, [&](const std::string& name, const char* /*units*/,
+                                 const std::vector<double>& values) {
+    const std::string path = tool + name;
+    const auto rows = std::ssize(values);
+    if (rows > 1 && rows != nodes) {
+      fail("{} has {} rows, must have 1 or {}", path, rows, nodes);
+    }
+    const bool share = name.ends_with("share") || name.ends_with("largest");
+    const bool scale = name.ends_with("scale_m");
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double value = values[i];
+      const bool right = share ? value >= 0.0 && value < 1.0
+                               : value >= 0.0 && value <= kLargest;
+      if (!right || (scale && !(value > 0.0))) {
+        fail("{}: row {} has {}, must {}", path,
+             static_cast<std::int64_t>(i) + (rows > 1 ? first : 0), value,
+             share   ? "lie in [0, 1)"
+             : scale ? "be positive and finite"
+                     : "be at least 0 and finite");
+      }
+    }
+  });
+}
+
 void check_node_rows(const std::string& tool, const Viscoelasticity& relaxation,
                      std::int64_t nodes, std::int64_t sites, std::int64_t first) {
-  if (relaxation.empty()) {
-    return;
+  if (!relaxation.empty()) {
+    const std::string path = tool + "/relaxation/g";
+    const RowsOf<float>& g = relaxation.g;
+    if (g.cols() != relaxation.terms() || (g.rows() != 1 && g.rows() != nodes)) {
+      fail("{} is {} x {}, must be 1 or {} x {}", path, g.rows(), g.cols(), nodes,
+           relaxation.terms());
+    }
+    check_shares(path, g, g.rows() == 1 ? 0 : first);
   }
-  const std::string path = tool + "/relaxation/g";
-  const RowsOf<float>& g = relaxation.g;
-  if (g.cols() != relaxation.terms() || (g.rows() != 1 && g.rows() != nodes)) {
-    fail("{} is {} x {}, must be 1 or {} x {}", path, g.rows(), g.cols(), nodes,
-         relaxation.terms());
-  }
-  check_shares(path, g, g.rows() == 1 ? 0 : first);
   if (relaxation.sites.empty()) {
     return;
   }
@@ -137,6 +174,12 @@ void check_node_rows(const std::string& tool, const Viscoelasticity& relaxation,
 void check(const std::string& tool, const Viscoelasticity& relaxation,
            std::int64_t nodes) {
   check_terms(tool, relaxation);
+  check_yielding(tool, relaxation.yielding, nodes);
+  require_together(tool + "/plastic", {relaxation.yielding.yield_depth_m.size(),
+                                       relaxation.yielding.share.size()});
+  require_together(tool + "/damage", {relaxation.yielding.onset_m.size(),
+                                      relaxation.yielding.scale_m.size(),
+                                      relaxation.yielding.largest.size()});
   const MemorySites& sites = relaxation.sites;
   const auto count = static_cast<std::int64_t>(sites.node.size());
   check_node_rows(tool, relaxation, nodes, count);

@@ -20,6 +20,10 @@ void check_terms(const std::string& tool, const Viscoelasticity& relaxation);
 void check_node_rows(const std::string& tool, const Viscoelasticity& relaxation,
                      std::int64_t nodes, std::int64_t sites, std::int64_t first = 0);
 
+/// Rows of how responses yield. @param nodes that have rows, if there is more than one.
+void check_yielding(const std::string& tool, const Yielding& yielding,
+                    std::int64_t nodes, std::int64_t first = 0);
+
 /// All of a table's. @param nodes of the body.
 void check(const std::string& tool, const Viscoelasticity& relaxation,
            std::int64_t nodes);

@@ -52,6 +52,7 @@ struct JobDescription {
   double force_max_n = 0.0;
   /// The same at every node of every tool: times and one row of shares; else empty.
   Viscoelasticity relaxation = {};
+  std::vector<Yielding> yielding = {};  ///< by tool, rows for all vertices
   std::int64_t bundles = 1;   ///< of responses that relax
   std::string left_out = {};  ///< of every response; counts are added to it
   Provenance provenance;      ///< but `left_out`

@@ -267,7 +267,9 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     assembly.error_factor = std::max(assembly.error_factor, factor.easy);
     assembly.hard_error_factor = std::max(assembly.hard_error_factor, factor.hard);
     assembly.database.tools.push_back(table_of(plan, t, answers[t], factor));
-    give_memory(plan.body, plan.normal, plan.relaxation, plan.bundles,
+    Viscoelasticity relaxation = plan.relaxation;
+    relaxation.yielding = plan.yielding.empty() ? Yielding{} : plan.yielding[t];
+    give_memory(plan.body, plan.normal, relaxation, plan.bundles,
                 assembly.database.tools.back());
   }
   std::sort(assembly.error.begin(), assembly.error.end());

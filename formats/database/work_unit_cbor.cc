@@ -152,6 +152,14 @@ void to_json(json& j, const JobDescription& plan) {
   for (const ToolShape& tool : plan.tool) {
     j["tool"].push_back(to_json(tool));
   }
+  for (const Yielding& yielding : plan.yielding) {
+    json rows = json::object();
+    for_each_dataset(yielding, [&](const std::string& name, const char* /*units*/,
+                                   const std::vector<double>& values) {
+      rows[name] = values;
+    });
+    j["yielding"].push_back(std::move(rows));
+  }
 }
 
 void from_json(const json& j, JobDescription& plan) {
@@ -181,6 +189,14 @@ void from_json(const json& j, JobDescription& plan) {
   }
   for (const json& tool : j.at("tool")) {
     plan.tool.push_back(tool_of(tool));
+  }
+  plan.yielding.clear();
+  for (const json& rows : j.value("yielding", json::array())) {
+    Yielding& yielding = plan.yielding.emplace_back();
+    for_each_dataset(yielding, [&](const std::string& name, const char* /*units*/,
+                                   std::vector<double>& values) {
+      values = rows.at(name).get<std::vector<double>>();
+    });
   }
 }
 

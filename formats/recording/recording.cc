@@ -27,6 +27,9 @@ class Reader {
   [[nodiscard]] bool has(const char* name) const {
     return H5Aexists(id_.get(), name) > 0;
   }
+  [[nodiscard]] bool has_surface() const {
+    return hdf5::link_at(id_.get(), "/surface") == hdf5::Link::kHard;
+  }
   std::string text(const char* name) const;
   std::int64_t integer(const char* name) const;
   double real(const char* name) const;
@@ -300,6 +303,10 @@ Recording read_recording(const fs::path& file) {
   Recording recording;
   recording.header = reader.header();
   recording.ended = reader.has("ended");
+  if (reader.has_surface()) {
+    recording.header.surface = reader.rows<YieldedRow>(recording::kSurfaceColumns, true);
+    check_yielded(recording.header.surface, fmt::format("{}: /surface", file.string()));
+  }
   recording.tick = reader.rows<TickRecord>(recording::kTickColumns, recording.ended);
   recording.arrival =
       reader.rows<ArrivalRecord>(recording::kArrivalColumns, recording.ended);

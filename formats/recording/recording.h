@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "formats/hdf5/hdf5_io.h"
+#include "formats/recording/surface_state.h"
 
 namespace palpate {
 
@@ -77,6 +78,7 @@ struct RecordingHeader {
   double device_coulomb_n = 0.0;
   double device_resolution_m = 0.0;
   double device_delay_s = 0.0;
+  std::vector<YieldedRow> surface = {};  ///< what had yielded before the first tick
 };
 
 /// How the recording ended.

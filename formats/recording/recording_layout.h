@@ -62,6 +62,13 @@ inline constexpr std::array kArrivalColumns{
     Column{"/arrival/active", "1", Hdf5Type::kUint8, offsetof(ArrivalRecord, active),
            1}};
 
+/// There only where something had yielded.
+inline constexpr std::array kSurfaceColumns{
+    Column{"/surface/site", "1", Hdf5Type::kInt32, offsetof(YieldedRow, site), 1},
+    Column{"/surface/dent_m", "m", Hdf5Type::kFloat64, offsetof(YieldedRow, dent_m), 1},
+    Column{"/surface/softened_m", "m", Hdf5Type::kFloat64,
+           offsetof(YieldedRow, softened_m), 1}};
+
 inline constexpr std::array kTexts{
     TextField{"writer", &RecordingHeader::writer},
     TextField{"database", &RecordingHeader::database},

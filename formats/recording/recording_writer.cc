@@ -198,6 +198,9 @@ class RecordingWriter::File {
     for (const Column& column : recording::kArrivalColumns) {
       make_column(target_, id_->get(), column);
     }
+    if (!header.surface.empty()) {
+      put_surface(header.surface, create.get());
+    }
     if (H5Fstart_swmr_write(id_->get()) < 0) {
       fail(target_, hdf5::last_failure());
     }
@@ -232,6 +235,21 @@ class RecordingWriter::File {
   }
 
  private:
+  void put_surface(const std::vector<YieldedRow>& rows, hid_t create) {
+    {
+      const Handle made(
+          H5Gcreate2(id_->get(), "/surface", H5P_DEFAULT, create, H5P_DEFAULT),
+          H5Gclose);
+    }
+    for (const Column& column : recording::kSurfaceColumns) {
+      make_column(target_, id_->get(), column);
+    }
+    Table<YieldedRow, recording::kSurfaceColumns.size()> table(
+        target_, id_->get(), recording::kSurfaceColumns);
+    table.append(rows);
+    table.write();
+  }
+
   QuietHdf5 quiet_;
   fs::path target_;
   fs::path partial_;

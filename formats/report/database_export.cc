@@ -1,5 +1,6 @@
 #include "formats/report/database_export.h"
 
+#include <algorithm>
 #include <iterator>
 #include <span>
 #include <vector>
@@ -48,6 +49,17 @@ std::vector<double> of_nodes(const ResponseTable& table, const Value& value) {
   return values;
 }
 
+// Of a row for all nodes or one for each.
+double value_of(const std::vector<double>& rows, std::int64_t node) {
+  return rows[rows.size() == 1 ? 0 : static_cast<std::size_t>(node)];
+}
+
+// "plastic_share" of "/plastic/share".
+std::string column_name(std::string dataset) {
+  std::replace(dataset.begin(), dataset.end(), '/', '_');
+  return dataset.substr(1);
+}
+
 void point_data(Out out, const ResponseTable& table) {
   fmt::format_to(out, "<PointData Scalars=\"stiffness\">\n");
   data_array(out, "Float64", "stiffness", 1, table.stiffness_max_n_per_m);
@@ -69,6 +81,15 @@ void point_data(Out out, const ResponseTable& table) {
                  return mean_time_s(relaxation, node);
                }));
   }
+  for_each_dataset(relaxation.yielding, [&](const std::string& name, const char*,
+                                            const std::vector<double>& values) {
+    if (!values.empty()) {
+      data_array(out, "Float64", column_name(name), 1,
+                 of_nodes(table, [&](std::int64_t node) {
+                   return value_of(values, node);
+                 }));
+    }
+  });
   fmt::format_to(out, "</PointData>\n");
 }
 
@@ -103,6 +124,12 @@ std::string to_csv(const ResponseDatabase& database, const ResponseTable& table)
   for (std::int64_t k = 1; k <= relaxation.terms(); ++k) {
     fmt::format_to(out, ",g_{}", k);
   }
+  for_each_dataset(relaxation.yielding, [&](const std::string& name, const char*,
+                                            const std::vector<double>& values) {
+    if (!values.empty()) {
+      fmt::format_to(out, ",{}", column_name(name));
+    }
+  });
   text += '\n';
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto x = database.body.position_m.row(i);
@@ -113,6 +140,12 @@ std::string to_csv(const ResponseDatabase& database, const ResponseTable& table)
         fmt::format_to(std::back_inserter(shares), ",{}", g);
       }
     }
+    for_each_dataset(relaxation.yielding, [&](const std::string&, const char*,
+                                              const std::vector<double>& values) {
+      if (!values.empty()) {
+        fmt::format_to(std::back_inserter(shares), ",{}", value_of(values, i));
+      }
+    });
     for (std::size_t k = 0; k < curve.depth_m.size(); ++k) {
       fmt::format_to(out, "{},{},{},{},{},{},{},{}{}\n", i, x[0], x[1], x[2],
                      curve.depth_m[k], curve.force_n[k], curve.stiffness_n_per_m[k],
@@ -144,6 +177,12 @@ Json to_json(const Viscoelasticity& relaxation) {
                {"g", rows_json(relaxation.g)},
                {"error_relative", relaxation.error_relative},
                {"bundle_depth_m", relaxation.bundle_depth_m}};
+  for_each_dataset(relaxation.yielding, [&](const std::string& name, const char*,
+                                            const std::vector<double>& values) {
+    if (!values.empty()) {
+      json[column_name(name)] = values;
+    }
+  });
   if (!relaxation.sites.empty()) {
     json["sites"] = {{"spacing_m", relaxation.sites.spacing_m},
                      {"node", relaxation.sites.node},
@@ -195,7 +234,7 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
                             {"tau_1_s", relaxation.terms.tau_1_s},
                             {"tau_2_s", relaxation.terms.tau_2_s}};
   }
-  if (!table.viscoelasticity.empty()) {
+  if (table.viscoelasticity.remembers()) {
     report["viscoelasticity"] = to_json(table.viscoelasticity);
   }
   return report.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

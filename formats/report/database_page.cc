@@ -143,6 +143,11 @@ std::string tool_rows(const ResponseTable& table) {
   }
   if (!table.viscoelasticity.empty()) {
     text += row("relaxation", describe(all.viscoelasticity, all.shares));
+  }
+  if (!all.yielding.empty()) {
+    text += row("yielding", all.yielding);
+  }
+  if (table.viscoelasticity.remembers()) {
     text += row("memory", describe_memory(all));
   }
   return text + row("accuracy", accuracy_of(table));

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/report/axis_ticks.h"
+#include "formats/response/yielding.h"
 
 namespace palpate {
 namespace {
@@ -79,6 +80,34 @@ SurfaceMap relaxation_map(const ResponseTable& table) {
       table,
       [&](std::int64_t node) {
         return 100.0 * (1.0 - slow_share(table.viscoelasticity, node));
+      },
+      map);
+  return map;
+}
+
+SurfaceMap dent_map(const ResponseTable& table) {
+  SurfaceMap map;
+  map.name = "stays [%]";
+  map.unit = "%";
+  map.note = "of what is past yielding";
+  set_values(
+      table,
+      [&](std::int64_t node) {
+        return 100.0 * yielding_of(table.viscoelasticity.yielding, node).share;
+      },
+      map);
+  return map;
+}
+
+SurfaceMap softening_map(const ResponseTable& table) {
+  SurfaceMap map;
+  map.name = "softens [%]";
+  map.unit = "%";
+  map.note = "at most";
+  set_values(
+      table,
+      [&](std::int64_t node) {
+        return 100.0 * yielding_of(table.viscoelasticity.yielding, node).largest;
       },
       map);
   return map;

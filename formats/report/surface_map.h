@@ -35,6 +35,13 @@ struct SurfaceMap {
 /// @param table whose responses relax.
 [[nodiscard]] SurfaceMap relaxation_map(const ResponseTable& table);
 
+/// The share of a deep press that stays as a dent [%].
+/// @param table whose responses leave dents.
+[[nodiscard]] SurfaceMap dent_map(const ResponseTable& table);
+
+/// By how much responses soften at most [%]. @param table whose responses soften.
+[[nodiscard]] SurfaceMap softening_map(const ResponseTable& table);
+
 /// Mean time in which it does, by share [s]. @param table whose responses relax.
 [[nodiscard]] SurfaceMap relaxation_time_map(const ResponseTable& table);
 

@@ -22,6 +22,10 @@ constexpr Panel kBody{40.0, 92.0, 500.0, 430.0};
 constexpr Panel kBar{592.0, 150.0, 16.0, 300.0};
 constexpr Panel kPlot{770.0, 128.0, 390.0, 390.0};
 
+bool shows_relaxation(Shown shown) {
+  return shown == Shown::kRelaxation || shown == Shown::kTime;
+}
+
 // Names come in any length; the title has room for so much.
 std::string shortened(const std::string& name) {
   constexpr std::size_t kRoom = 40;
@@ -46,7 +50,7 @@ std::string draw_title(const ResponseDatabase& database, const ResponseTable& ta
       body, markup_escaped(table.tool.name), markup_escaped(table.tool.kind),
       short_number(1e3 * table.tool.radius_m), map.lowest_first.size(), table.nodes(),
       doubts, kPlot.x - 30.0,
-      shown == Shown::kStiffness ? "responses" : "force that stays while held");
+      !shows_relaxation(shown) ? "responses" : "force that stays while held");
 }
 
 // A soft shadow on the ground beneath the body, seen at the camera's angle.
@@ -122,6 +126,16 @@ SurfaceMap map_of(const ResponseTable& table, Shown what) {
   if (what == Shown::kStiffness) {
     return stiffness_map(table);
   }
+  if (!shows_relaxation(what)) {
+    const Yielding& yielding = table.viscoelasticity.yielding;
+    const bool dents = what == Shown::kDents;
+    if ((dents ? yielding.share : yielding.largest).empty()) {
+      throw InputError(fmt::format("the responses of tool {:?} {}: there is nothing to show",
+                                   table.tool.name,
+                                   dents ? "leave no dents" : "do not soften"));
+    }
+    return dents ? dent_map(table) : softening_map(table);
+  }
   if (table.viscoelasticity.empty()) {
     throw InputError(fmt::format(
         "the responses of tool {:?} are static: there is no relaxation to show",
@@ -156,7 +170,7 @@ std::string surface_picture(const ResponseDatabase& database,
   svg += draw_scale_bar(view);
   if (!shown.empty()) {
     svg += draw_colour_bar(map);
-    svg += what == Shown::kStiffness ? draw_curves(table, map, shown, kPlot)
+    svg += !shows_relaxation(what) ? draw_curves(table, map, shown, kPlot)
                                      : draw_relaxation(table, map, shown, kPlot);
   }
   return svg.append("</svg>\n");

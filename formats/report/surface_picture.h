@@ -10,18 +10,18 @@
 namespace palpate {
 
 /// What the body is coloured by (surface_map.h).
-enum class Shown { kStiffness, kRelaxation, kTime };
+enum class Shown { kStiffness, kRelaxation, kTime, kDents, kSoftening };
 
 /// Their names for users, in the enumeration's order.
-constexpr std::array<std::string_view, 3> kShownNames{"stiffness", "relaxation",
-                                                      "time"};
+constexpr std::array<std::string_view, 5> kShownNames{"stiffness", "relaxation", "time",
+                                                      "dents", "softening"};
 
 /// A self-contained SVG, 1200 x 600 px: the body coloured, with colour bar and scale
 /// bar, and a plot of some nodes from the lowest to the highest value: of stiffness
-/// their responses, else what stays of a force that is held. Equal input gives equal
-/// text.
+/// their responses, and where they yield, else what stays of a force that is held.
+/// Equal input gives equal text.
 /// @param table one of the database's tools.
-/// @throws InputError for maps of relaxation of a tool whose responses are static.
+/// @throws InputError for maps of relaxation or yielding of a tool without.
 [[nodiscard]] std::string surface_picture(const ResponseDatabase& database,
                                           const ResponseTable& table,
                                           Shown shown = Shown::kStiffness);

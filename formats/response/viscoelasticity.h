@@ -32,7 +32,29 @@ struct MemorySites {
   [[nodiscard]] bool empty() const noexcept { return site.rows() == 0; }
 };
 
-/// Of a tool's responses; without times where they are static.
+/// How responses yield for good (yielding.h): a row for all nodes alike, or (n).
+struct Yielding {
+  std::vector<double> yield_depth_m = {};  ///< [m] >= 0 past which dents stay ...
+  std::vector<double> share = {};    ///< [-] [0, 1) ... and how much of it; none: no dents
+  std::vector<double> onset_m = {};  ///< [m] >= 0 past which curves soften ...
+  std::vector<double> scale_m = {};  ///< [m] > 0 ... over this depth ...
+  std::vector<double> largest = {};  ///< [-] [0, 1) ... by at most this; none: they do not
+
+  [[nodiscard]] bool empty() const noexcept { return share.empty() && largest.empty(); }
+};
+
+/// Calls with(name, units, rows) for every dataset of it, names relative to the tool's
+/// group: the one place where they stand.
+template <typename Rows, typename With>
+void for_each_dataset(Rows& yielding, const With& with) {
+  with("/plastic/yield_depth_m", "m", yielding.yield_depth_m);
+  with("/plastic/share", "1", yielding.share);
+  with("/damage/onset_m", "m", yielding.onset_m);
+  with("/damage/scale_m", "m", yielding.scale_m);
+  with("/damage/largest", "1", yielding.largest);
+}
+
+/// Of a tool's responses: how they relax, without times not at all, and how they yield.
 struct Viscoelasticity {
   std::string rule = {};           ///< how the shares were found; one line
   std::int64_t probes = 0;         ///< indentations behind them; 0: from materials
@@ -44,8 +66,14 @@ struct Viscoelasticity {
                                             ///< at the start; empty: not known
   MemorySites sites = {};                   ///< empty: every node is a site
   std::vector<double> bundle_depth_m = {};  ///< [m] cuts of every curve; none: one part
+  Yielding yielding = {};
 
+  /// Nothing relaxes.
   [[nodiscard]] bool empty() const noexcept { return tau_s.empty(); }
+  /// Something stays of a press, for a while or for good.
+  [[nodiscard]] bool remembers() const noexcept {
+    return !empty() || !yielding.empty();
+  }
   [[nodiscard]] std::int64_t terms() const noexcept {
     return static_cast<std::int64_t>(tau_s.size());
   }

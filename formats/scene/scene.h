@@ -45,6 +45,25 @@ struct SceneRelaxation {
   [[nodiscard]] bool operator==(const SceneRelaxation&) const = default;
 };
 
+/// Past yield_depth_m a share of the press stays as a dent.
+struct ScenePlastic {
+  double yield_depth_m = 0.0;  ///< [m] [0, inf)
+  double share = 0.0;          ///< [-] [0, 1)
+};
+
+/// Past onset_m responses soften, by largest (1 - exp(-(m - onset) / scale)).
+struct SceneDamage {
+  double onset_m = 0.0;  ///< [m] [0, inf)
+  double scale_m = 0.0;  ///< [m] (0, inf)
+  double largest = 0.0;  ///< [-] [0, 1)
+};
+
+/// How responses yield for good (response/yielding.h).
+struct SceneYielding {
+  std::optional<ScenePlastic> plastic = {};
+  std::optional<SceneDamage> damage = {};
+};
+
 /// What a law does not have stays 0. Moduli are instantaneous ones.
 struct SceneMaterial {
   std::string region = std::string(kBodyRegion);  ///< or the name of an inclusion
@@ -67,6 +86,7 @@ struct SceneMaterial {
   double k1_pa = 0.0;                 ///< [Pa] (0, inf) exponential fibre
   double k2 = 0.0;                    ///< [-] (0, inf)
   SceneRelaxation relaxation = {};
+  SceneYielding yielding = {};  ///< of nodes under which it lies
 };
 
 /// The side of a plane that its normal points away from.
@@ -134,6 +154,7 @@ struct Scene {
   /// A tool of kind "mesh" has no mesh yet: its file is at the same place of tool_mesh.
   std::vector<ToolShape> tool;
   std::vector<SceneMesh> tool_mesh;  ///< as many as tools; no file unless kind "mesh"
+  std::vector<SceneYielding> tool_yielding;  ///< as many; before the materials'
   SceneReach reach;
   double force_relative = 0.05;  ///< [-] (0, 1) accuracy budget: relative force error
   /// [-] [0.5, 16] element sizes that the contact radius spans at the largest depth;

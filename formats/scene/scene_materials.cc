@@ -28,8 +28,11 @@ constexpr std::string_view kMaterialKeys[] = {"region",
                                               "finite_strain",
                                               "k1_pa",
                                               "k2",
-                                              "relaxation"};
-constexpr std::string_view kSharedKeys[] = {"region", "law", "relaxation"};
+                                              "relaxation",
+                                              "plastic",
+                                              "damage"};
+constexpr std::string_view kSharedKeys[] = {"region", "law", "relaxation", "plastic",
+                                            "damage"};
 constexpr std::string_view kIsotropicKeys[] = {"youngs_modulus_pa", "poissons_ratio"};
 constexpr std::string_view kMooneyKeys[] = {"c10_pa", "c01_pa", "poissons_ratio"};
 constexpr std::string_view kOgdenKeys[] = {"mu_pa", "alpha", "poissons_ratio"};
@@ -199,6 +202,7 @@ void read_materials(const Sections& sections, Scene& scene) {
     material.law = section.choice("law", kLaws);
     read_law(section, material);
     read_relaxation(section, material);
+    material.yielding = read_yielding(section);
     for (const SceneMaterial& other : scene.material) {
       if (other.region == material.region) {
         section.fail("region {:?} has two materials, must have one", material.region);

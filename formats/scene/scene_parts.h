@@ -46,6 +46,9 @@ void read_tools(const Sections& sections, Scene& scene);
 [[nodiscard]] SceneMesh read_mesh_keys(const SceneSection& section,
                                        const SceneFile& file);
 
+/// The keys plastic and damage of a section.
+[[nodiscard]] SceneYielding read_yielding(const SceneSection& section);
+
 /// { center_m = [x, y, z], radius_m = r }
 [[nodiscard]] SceneBall read_ball(const SceneSection& section, std::string_view key);
 
@@ -65,6 +68,10 @@ inline constexpr NumberRule kFraction{[](double v) {
                                         return v > 0.0 && v < 1.0;
                                       },
                                       "above 0 and below 1"};
+inline constexpr NumberRule kBelowOne{[](double v) {
+                                        return v >= 0.0 && v < 1.0;
+                                      },
+                                      "in [0, 1)"};
 inline constexpr NumberRule kAny{[](double) {
                                    return true;
                                  },

@@ -14,9 +14,10 @@ namespace {
 constexpr std::string_view kToolKeys[] = {
     "name",         "shape",    "radius_m",    "edge_radius_m", "half_angle_deg",
     "tip_radius_m", "length_m", "mesh",        "length_unit",   "axis",
-    "contact",      "friction", "presliding_m"};
-constexpr std::string_view kSharedKeys[] = {"name",    "shape",    "axis",
-                                            "contact", "friction", "presliding_m"};
+    "contact",      "friction", "presliding_m", "plastic",      "damage"};
+constexpr std::string_view kSharedKeys[] = {"name",     "shape",        "axis",
+                                            "contact",  "friction",     "presliding_m",
+                                            "plastic",  "damage"};
 constexpr std::string_view kSphereKeys[] = {"radius_m"};
 constexpr std::string_view kPunchKeys[] = {"radius_m", "edge_radius_m"};
 constexpr std::string_view kConeKeys[] = {"half_angle_deg", "tip_radius_m", "length_m"};
@@ -94,6 +95,7 @@ void read_tools(const Sections& sections, Scene& scene) {
       section.fail("{}", error.what());
     }
     scene.tool.push_back(tool);
+    scene.tool_yielding.push_back(read_yielding(section));
     scene.tool_mesh.push_back(
         tool.kind == "mesh" ? read_mesh_keys(section, sections.file()) : SceneMesh{});
   }

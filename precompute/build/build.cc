@@ -19,6 +19,7 @@
 #include "formats/database/table_memory.h"
 #include "precompute/build/checkpoint.h"
 #include "precompute/material/material_spectrum.h"
+#include "precompute/press/node_yielding.h"
 #include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
 #include "precompute/press/work_unit_solver.h"
@@ -88,6 +89,7 @@ JobDescription plan_of(const Scene& scene, const BodySource& body,
       .depth_max_m = scene.reach.depth_max_m,
       .force_max_n = scene.reach.force_max_n,
       .relaxation = uniform_relaxation(scene, strategy),
+      .yielding = node_yielding(scene, body),
       .bundles = scene.accuracy.bundles,
       .left_out = cut_out_text(scene),
       .provenance = {.writer = fmt::format("palpate-precompute {}", PALPATE_VERSION),
@@ -210,6 +212,7 @@ void add_relaxation(const Scene& scene, const BodySource& body,
     shares[t].rule = fmt::format(
         "correspondence principle, fitted at each node to linear presses at {} rates",
         fitted_rates_per_s(tau_s).size());
+    shares[t].yielding = database.tools[t].viscoelasticity.yielding;
     give_memory(database.body, database.normal, shares[t], scene.accuracy.bundles,
                 database.tools[t]);
   }

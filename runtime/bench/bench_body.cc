@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "runtime/fast/triangle.h"
+#include "runtime/slow/thinned_curve.h"
 
 namespace palpate {
 namespace {
@@ -113,6 +114,25 @@ Eigen::Matrix3d corners(const Element& element) {
 
 }  // namespace
 
+void set_yielding(BenchBody& body, const std::vector<NodeYielding>& by_node) {
+  for (Element& element : body.element) {
+    element.memory.yields = true;
+    for (std::size_t j = 0; j < 3; ++j) {
+      ElementNode& node = element.node[j];
+      const NodeYielding& yielding = by_node[static_cast<std::size_t>(node.node)];
+      NodeMemory& memory = element.memory.node[j];
+      memory.yield_depth_m = yielding.yield_depth_m;
+      memory.dent_share = yielding.share;
+      memory.onset_m = yielding.onset_m;
+      memory.soft_scale_m = yielding.scale_m;
+      memory.soft_most = yielding.largest;
+      if (yielding.largest > 0.0) {
+        (void)set_curve(node, undamaged_curve(node.curve(), yielding).view());
+      }
+    }
+  }
+}
+
 void set_power_law(ElementNode& node, double exponent, double force_n, double depth_m,
                    int samples) {
   const double a = force_n / std::pow(depth_m, exponent);
@@ -213,6 +233,9 @@ BenchBody make_bench_body(const BenchBodyOptions& options) {
     }
   }
   set_memory(body);
+  if (options.yielding) {
+    set_yielding(body, std::vector<NodeYielding>(node.size(), *options.yielding));
+  }
   return body;
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "formats/response/yielding.h"
 #include "runtime/fast/element.h"
 
 namespace palpate {
@@ -28,6 +30,7 @@ struct BenchBodyOptions {
   std::vector<double> relaxing = {};      ///< [-] g_k of every node; none: static
   std::vector<double> relaxation_s = {};  ///< [s] tau_k, as many
   int bundles = 1;                        ///< that every curve is cut into
+  std::optional<NodeYielding> yielding = {};  ///< of every node; none: nothing yields
   /// [-] >= 1; 1: every node is a memory site, else every so many along both sides.
   int cells_per_site = 1;
   std::uint32_t seed = 1;
@@ -71,6 +74,10 @@ struct BenchWalkOptions {
 /// Positions of the tool's centre [m]; the same options give the same walk.
 [[nodiscard]] std::vector<Eigen::Vector3d> make_bench_walk(
     const BenchBody& body, const BenchWalkOptions& options);
+
+/// How every node yields. Curves must be those of a first press: they become the
+/// undamaged ones.
+void set_yielding(BenchBody& body, const std::vector<NodeYielding>& by_node);
 
 /// Samples f = a d^p, a = force_n / depth_m^p, into a node: exact slopes, energies of
 /// the cubic between the samples. @param samples [2, kElementSamples].

@@ -54,12 +54,20 @@ std::vector<Scene> scenes() {
   relaxing.relaxation_s = {0.42, 4.5};
   BenchBodyOptions bundles = relaxing;
   bundles.bundles = 8;
+  BenchBodyOptions dents = organ;
+  dents.yielding = NodeYielding{.yield_depth_m = 0.001, .share = 0.4};
+  BenchBodyOptions softening = dents;
+  softening.yielding->onset_m = 0.001;
+  softening.yielding->scale_m = 0.002;
+  softening.yielding->largest = 0.5;
   const BenchBodyOptions rigid{.exponent = 1.0, .force_n = 100.0, .samples = 2};
   return {{.name = "two tools", .body = organ, .tools = 2},
           {.name = "friction", .body = organ},
           {.name = "smooth", .body = smooth},
           {.name = "relaxing", .body = relaxing},
           {.name = "8 bundles", .body = bundles},
+          {.name = "dents", .body = dents},
+          {.name = "softening", .body = softening},
           {.name = "rigid wall", .body = rigid, .depth_m = 0.001},
           {.name = "free space", .body = smooth, .depth_m = -0.004}};
 }

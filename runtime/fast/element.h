@@ -33,13 +33,23 @@ struct NodeMemory {
   /// [m] where its curve is cut; bundle b reaches from cut b - 1 to cut b, the first
   /// from 0, the last to infinity. Not decreasing; only of an element with bundles.
   std::array<Real, kMemoryBundles - 1> cut_m{};
+  // Dents that stay and curves that soften (yielding_place.h).
+  Real yield_depth_m = 0.0;  ///< [m] >= 0 d_y, along the direction, past which dents stay
+  Real dent_share = 0.0;     ///< [-] [0, 1) r of what is past it; 0: none
+  Real onset_m = 0.0;        ///< [m] >= 0 m_0 past which the curve softens
+  Real soft_scale_m = 1.0;   ///< [m] > 0 m_1
+  /// [-] [0, 1) omega_max; 0: it does not. Else the curve is the undamaged one,
+  /// f / (1 - omega) of the response f to a first press.
+  Real soft_most = 0.0;
 };
 
-/// How an element's responses relax while a tool presses (relaxing_contact.h).
+/// How an element's responses relax while a tool presses (relaxing_contact.h), and
+/// whether they yield.
 struct ElementMemory {
   std::int32_t terms = 0;    ///< [0, kMemoryTerms]; 0: responses are static
   std::int32_t bundles = 1;  ///< [1, kMemoryBundles]
   std::array<Real, kMemoryTerms> relaxation_s{};  ///< [s] tau_k > 0, increasing
+  bool yields = false;  ///< some node of the tool leaves dents or softens
   std::array<NodeMemory, 3> node{};
 };
 

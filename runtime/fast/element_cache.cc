@@ -20,6 +20,17 @@ bool is_share(std::span<const Real> values) {
                          1.0 + kShareRounding;
 }
 
+bool is_depth(Real value) {
+  return value >= 0.0 && std::isfinite(value);
+}
+
+bool yields_well(const NodeMemory& node) {
+  return is_depth(node.yield_depth_m) && is_depth(node.onset_m) &&
+         is_depth(node.soft_scale_m) && node.soft_scale_m > 0.0 &&
+         node.dent_share >= 0.0 && node.dent_share < 1.0 &&
+         node.soft_most >= 0.0 && node.soft_most < 1.0;
+}
+
 bool well_formed(const Element& element) {
   for (const ElementNode& node : element.node) {
     const bool none = node.samples == 0;
@@ -56,7 +67,7 @@ int slot_for(const ElementCache& cache, std::int32_t triangle) {
 bool well_formed(const ElementMemory& memory) noexcept {
   const auto most_terms = static_cast<std::int32_t>(kMemoryTerms);
   const auto most_bundles = static_cast<std::int32_t>(kMemoryBundles);
-  if (memory.terms == 0) {
+  if (memory.terms == 0 && !memory.yields) {
     return true;
   }
   if (memory.terms < 0 || memory.terms > most_terms || memory.bundles < 1 ||
@@ -68,10 +79,11 @@ bool well_formed(const ElementMemory& memory) noexcept {
   const bool rises = std::adjacent_find(tau.begin(), tau.end(), [](Real a, Real b) {
                        return !(a < b);
                      }) == tau.end();
-  return tau.front() > 0.0 && rises && std::isfinite(tau.back()) &&
-         std::all_of(memory.node.begin(), memory.node.end(),
+  const bool lasts =
+      tau.empty() || (tau.front() > 0.0 && rises && std::isfinite(tau.back()));
+  return lasts && std::all_of(memory.node.begin(), memory.node.end(),
                      [&](const NodeMemory& node) {
-                       return is_share(node.weight) && is_share(node.relaxing) &&
+                       return is_share(node.weight) && is_share(node.relaxing) && yields_well(node) &&
                               std::is_sorted(node.cut_m.begin(),
                                              node.cut_m.begin() + memory.bundles - 1);
                      });

@@ -7,6 +7,7 @@
 #include "runtime/fast/element_walk.h"
 #include "runtime/fast/relaxation_step.h"
 #include "runtime/fast/relaxed_shift.h"
+#include "runtime/fast/yield_step.h"
 
 namespace palpate {
 namespace {
@@ -232,6 +233,10 @@ ElementResponse advance(ElementModel& model, ElementCache& cache, SurfaceMemory&
     }
     if (relax_here(model, cache, memory, ledger, x_m, 0.5 * dt_s)) {
       response = respond_here(model, cache, x_m);
+    }
+    if (yield(model.contact, memory, cache)) {
+      response = respond_here(model, cache, x_m);
+      book_yielding(ledger, response.potential_j());
     }
   }
   settle(model, cache, ledger, limits, x_m, recovery_s, response);

@@ -81,11 +81,19 @@ void pass_node(Pass& pass, Node& node, Memory& memory) noexcept {
   pass(memory.weight);
   pass(memory.relaxing);
   pass(memory.cut_m);
+  pass(memory.yield_depth_m);
+  pass(memory.dent_share);
+  pass(memory.onset_m);
+  pass(memory.soft_scale_m);
+  pass(memory.soft_most);
 }
+
+constexpr unsigned kActive = 1;
+constexpr unsigned kYields = 2;
 
 struct Head {
   std::uint16_t version = kWireVersion;
-  std::uint16_t active = 0;
+  std::uint16_t flags = 0;
   std::uint32_t session = 0;
   std::uint16_t terms = 0;
   std::uint16_t bundles = 1;
@@ -94,7 +102,7 @@ struct Head {
 template <typename Pass, typename Message, typename HeadType>
 void pass_frame(Pass& pass, Message& element, HeadType& head) noexcept {
   pass(head.version);
-  pass(head.active);
+  pass(head.flags);
   pass(head.session);
   pass(element.triangle);
   pass(element.sequence);
@@ -130,7 +138,7 @@ bool well_formed(const ElementNode& node) {
 }
 
 bool well_formed(const Element& element, const Head& head) {
-  return head.version == kWireVersion && head.active <= 1 && element.sequence > 0 &&
+  return head.version == kWireVersion && head.flags <= (kActive | kYields) && element.sequence > 0 &&
          element.triangle >= 0 && well_formed(element.memory) &&
          std::all_of(element.node.begin(), element.node.end(),
                      [](const ElementNode& node) {
@@ -173,7 +181,8 @@ bool decode(const WireFrame& frame, Element& element, Head& head) {
   }
   Reader read{frame.data() + kMagic.size()};
   pass_frame(read, element, head);
-  element.active = head.active == 1;
+  element.active = (head.flags & kActive) != 0;
+  element.memory.yields = (head.flags & kYields) != 0;
   element.memory.terms = head.terms;
   element.memory.bundles = head.bundles;
   return well_formed(element, head);
@@ -214,7 +223,8 @@ void write_frame(const Element& element, std::uint32_t session,
     clear_unused(node.stiffness_n_per_m, node.samples);
     clear_unused(node.energy_j, node.samples);
   }
-  Head head{.active = static_cast<std::uint16_t>(element.active ? 1 : 0),
+  Head head{.flags = static_cast<std::uint16_t>((element.active ? kActive : 0U) |
+                                                (element.memory.yields ? kYields : 0U)),
             .session = session,
             .terms = static_cast<std::uint16_t>(element.memory.terms),
             .bundles = static_cast<std::uint16_t>(element.memory.bundles)};

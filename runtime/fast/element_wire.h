@@ -7,8 +7,8 @@
 //
 //   bytes       what
 //   0   4       magic "PLPE" (binary64) or "PLPS" (binary32)
-//   4   2       version, 2
-//   6   2       1: active, 0: a neighbour
+//   4   2       version, 3
+//   6   2       flags: 1 active, else a neighbour; 2 the body yields
 //   8   4       session: drawn anew when the sender starts
 //   12  4       triangle
 //   16  8       sequence, counts up from 1 within a session
@@ -17,11 +17,13 @@
 //   44  2       terms of the memory, 0: static
 //   46  2       bundles
 //   48  4 r     relaxation times; those past the terms are 0
-//   48 + 4 r    3 x (24 + 219 r)
+//   48 + 4 r    3 x (24 + 224 r)
 //               nodes: index (4), samples (4), position, normal, direction (3 r each),
 //               touch offset, friction, presliding (r each), then depths, forces,
 //               stiffnesses, energies (48 r each; those past `samples` are 0), then
-//               memory: sites (4 x 4), weights, shares (4 r each), cuts (7 r)
+//               memory: sites (4 x 4), weights, shares (4 r each), cuts (7 r),
+//               yield depth, share that stays, onset, scale and most of softening
+//               (r each)
 //   at the end 4  CRC-32 (IEEE 802.3) of all before
 //
 // CRC-32 finds every three wrong bits and every burst of 32 in a frame of this length.
@@ -40,14 +42,14 @@ namespace palpate {
 /// Bytes of a frame of this floating point.
 template <typename Scalar>
 constexpr std::size_t kFrameBytes = 52 + 4 * sizeof(Scalar) +
-                                    3 * (24 + 219 * sizeof(Scalar));
-using DoubleFrame = std::array<std::byte, kFrameBytes<double>>;  // 5412 bytes
-using SingleFrame = std::array<std::byte, kFrameBytes<float>>;   // 2768 bytes
+                                    3 * (24 + 224 * sizeof(Scalar));
+using DoubleFrame = std::array<std::byte, kFrameBytes<double>>;  // 5532 bytes
+using SingleFrame = std::array<std::byte, kFrameBytes<float>>;   // 2828 bytes
 
 /// What this program's Real receives.
 constexpr std::size_t kWireBytes = kFrameBytes<Real>;
 using WireFrame = std::array<std::byte, kWireBytes>;
-constexpr std::uint16_t kWireVersion = 2;
+constexpr std::uint16_t kWireVersion = 3;
 
 /// CRC-32 of IEEE 802.3 (reflected, 0xEDB88320): 0xCBF43926 of "123456789".
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes) noexcept;

@@ -7,6 +7,7 @@
 
 #include "runtime/fast/element_walk.h"
 #include "runtime/fast/relaxation_step.h"
+#include "runtime/fast/yield_step.h"
 
 namespace palpate {
 namespace {
@@ -26,8 +27,10 @@ Real scalar_depth_m(const FastState& state, const Vector3& x_m) {
 
 // Depth at which the first node that counts is touched, or the dent.
 Real touch_m(const ElementModel& model, const ElementCache& cache) {
+  const YieldingPlace& yielded = model.contact.yielded;
+  const Real stays_m = model.contact.remembers ? yielded.dent_m.value : Real(0.0);
   if (model.contact.remembers && model.contact.bundle[0].touched) {
-    return model.contact.bundle[0].dent.depth_m;
+    return stays_m + yielded.elastic_depth_m(model.contact.bundle[0].dent.depth_m);
   }
   const Element& element = cache.element[static_cast<std::size_t>(model.slot)];
   Real first = std::numeric_limits<Real>::infinity();
@@ -36,7 +39,7 @@ Real touch_m(const ElementModel& model, const ElementCache& cache) {
       first = std::min(first, model.touch_m[j]);
     }
   }
-  return std::isfinite(first) ? first : 0.0;
+  return stays_m + (std::isfinite(first) ? first : Real(0.0));
 }
 
 // The slow simulation's value: the response of the element last called active. It also
@@ -50,7 +53,10 @@ void update_scalar(FastState& state, const Vector3& x) {
         state.config.tool_radius_m);
   read_memory(state.element, state.memory, &state.memory, state.cache);
   state.cache.pinned = state.element.slot;
-  const ElementResponse at = respond_here(state.element, state.cache, x);
+  ElementResponse at = respond_here(state.element, state.cache, x);
+  if (yield(state.element.contact, state.memory, state.cache)) {
+    at = respond_here(state.element, state.cache, x);
+  }
   update(state.scalar, state.ledger,
          {at.depth_m, at.normal_n, at.stiffness_n_per_m, at.normal_j,
           touch_m(state.element, state.cache)});
@@ -194,7 +200,7 @@ void accept(FastState& state, const Element& element) noexcept {
     raise_fault(state, Fault::kNotFinite);
     return;
   }
-  if (store(state.cache, element) && element.memory.terms > 0) {
+  if (store(state.cache, element)) {
     take_terms(state.memory, element.memory);
   }
   state.update_due = state.update_due || element.active;
@@ -224,15 +230,18 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
     state.safety.force_n.setZero();
   }
   if (command.in_contact && remembers(state.memory)) {
-    command.carried_n =
-        carried_n(state.config.model == LocalModel::kPotential ? state.potential.contact
-                                                               : state.element.contact);
+    const RelaxingContact& at = state.config.model == LocalModel::kPotential
+                                    ? state.potential.contact
+                                    : state.element.contact;
+    command.carried_n = carried_n(at);
+    command.dent_m = at.remembers ? at.yielded.dent_m.value : Real(0.0);
   }
   state.in_contact = command.in_contact;
   command.stored_j = state.ledger.stored_j;
   command.tank_j = state.ledger.tank_j;
   command.memory_j = state.ledger.dent_j + state.ledger.left_j;
   command.dissipated_j = state.ledger.dissipated_j;
+  command.yielded_j = state.ledger.yielded_j;
   command.fault = static_cast<std::uint8_t>(state.safety.fault);
   return command;
 }

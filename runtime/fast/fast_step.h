@@ -61,6 +61,8 @@ struct FastCommand {
   double memory_j = 0.0;       ///< [J] >= 0, in dents of the surface
   Real carried_n = 0.0;        ///< [N] >= 0, what has relaxed of the normal force
   double dissipated_j = 0.0;   ///< [J] >= 0, friction, relaxing, surplus, since start
+  double yielded_j = 0.0;      ///< [J] >= 0, of that by yielding
+  Real dent_m = 0.0;           ///< [m] >= 0, dent under the tool that stays
   Real relaxed_shift_m = 0.0;  ///< [m] >= 0, delta_0 that the ledger had to take
   std::uint8_t fault = 0;      ///< Fault, latched; 0 none
 };
@@ -76,7 +78,7 @@ struct FastContact {
   bool starved = false;
 };
 
-/// Everything the fast process remembers. About 320 kB, no pointers.
+/// Everything the fast process remembers. About 450 kB, no pointers.
 struct FastState {
   FastConfig config;
   ElementCache cache;

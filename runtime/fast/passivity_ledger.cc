@@ -45,6 +45,14 @@ void book_relaxing(PassivityLedger& ledger, double risen_j, double lost_j) noexc
   ledger.dissipated_j += lost;
 }
 
+void book_yielding(PassivityLedger& ledger, double potential_j) noexcept {
+  const double freed = ledger.stored_j - potential_j;
+  ledger.stored_j = potential_j;
+  ledger.created_j += std::max<double>(0.0, -freed);
+  ledger.dissipated_j += std::max<double>(0.0, freed);
+  ledger.yielded_j += std::max<double>(0.0, freed);
+}
+
 void book_dent(PassivityLedger& ledger, double holds_j) noexcept {
   const double over = ledger.dent_j - std::max<double>(0.0, holds_j);
   const double moved = std::max(over, -ledger.left_j);

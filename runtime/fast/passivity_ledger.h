@@ -24,6 +24,7 @@ struct PassivityLedger {
   double dent_j = 0.0;        ///< [J] >= 0, in the dent under the tool
   double left_j = 0.0;        ///< [J] >= 0, in dents left behind
   double dissipated_j = 0.0;  ///< [J] >= 0, gone: friction, relaxing, discarded surplus
+  double yielded_j = 0.0;     ///< [J] >= 0, of that by yielding
   double created_j = 0.0;     ///< [J] >= 0, held beyond the allowance; rounding only
   std::uint64_t interventions = 0;  ///< changes that had to be cut to the allowance
   double cut_j = 0.0;               ///< [J] >= 0, by which they were cut
@@ -53,6 +54,11 @@ void book_change(PassivityLedger& ledger, double potential_j,
 /// @param risen_j [J] of the potential, at most ledger.dent_j.
 /// @param lost_j  [J] >= 0; no more than the dent has left is taken.
 void book_relaxing(PassivityLedger& ledger, double risen_j, double lost_j) noexcept;
+
+/// Books that the model has yielded at a fixed position (yield_step.h): what that frees
+/// is gone.
+/// @param potential_j [J] after it, at most what was stored.
+void book_yielding(PassivityLedger& ledger, double potential_j) noexcept;
 
 /// Books that the dent under the tool stores at most holds_j [J] >= 0: more is left
 /// behind, less is taken back from there.

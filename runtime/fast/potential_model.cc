@@ -7,6 +7,7 @@
 
 #include "runtime/fast/relaxation_step.h"
 #include "runtime/fast/relaxed_shift.h"
+#include "runtime/fast/yield_step.h"
 
 namespace palpate {
 namespace {
@@ -95,7 +96,7 @@ Real carried_j(const Rendered& at, const ElementCache& cache,
   if (at.memory.bundles > 0) {
     RelaxingContact contact;
     enter(contact, memory, cache, at.slot, place_nodes(along, cache));
-    continue_at(contact, at.memory, node_weights(along));
+    continue_at(contact, at.memory);
     energy = respond(along, cache, radius, shift_m, contact).energy_j;
   } else {
     CurvePieces pieces;
@@ -299,6 +300,15 @@ void settle(PotentialModel& model, const ElementCache& cache, PassivityLedger& l
   book_change(ledger, model.response.energy_j + spring_j(model), keep);
 }
 
+// The contact has changed where it is: its response is the model's, but for the part of
+// the force along the surface, which follows at the end of the tick.
+void take_response(PotentialModel& model, const ElementCache& cache, Real radius) {
+  const Vector3 force_n = model.response.force_n;
+  model.response = field_response(model.place, cache, radius, model.shift_m,
+                                  model.contact, response_of(model.contact, cache));
+  model.response.force_n = force_n;
+}
+
 // Half a tick passes where the tool is.
 void relax_here(PotentialModel& model, const ElementCache& cache, SurfaceMemory& memory,
                 PassivityLedger& ledger, Real radius, Real half_s) {
@@ -312,10 +322,16 @@ void relax_here(PotentialModel& model, const ElementCache& cache, SurfaceMemory&
   }
   const Real y = radius - model.place.at.height_m - model.shift_m;
   relax(model.contact, memory, ledger, cache, y, time_s);
-  const Vector3 force_n = model.response.force_n;
-  model.response = field_response(model.place, cache, radius, model.shift_m,
-                                  model.contact, response_of(model.contact, cache));
-  model.response.force_n = force_n;
+  take_response(model, cache, radius);
+}
+
+// What the tool's depth asks of the surface to yield.
+void yield_here(PotentialModel& model, const ElementCache& cache, SurfaceMemory& memory,
+                PassivityLedger& ledger, Real radius) {
+  if (yield(model.contact, memory, cache)) {
+    take_response(model, cache, radius);
+    book_yielding(ledger, model.response.energy_j + spring_j(model));
+  }
 }
 
 }  // namespace
@@ -360,6 +376,7 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
       settle(model, cache, ledger, limits, std::exchange(recovery_s, Real(0.0)));
     }
     relax_here(model, cache, memory, ledger, radius, 0.5 * dt_s);
+    yield_here(model, cache, memory, ledger, radius);
   }
   settle(model, cache, ledger, limits, recovery_s);
   if (model.contact.remembers) {

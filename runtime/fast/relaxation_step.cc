@@ -163,9 +163,16 @@ double write(RelaxingContact& contact, const Step& step) {
   for (int i = 0; i < contact.nodes.bundles; ++i) {
     BundleContact& b = contact.bundle[index(i)];
     const Start& start = step.start[index(i)];
-    const Real from_m = start.touched ? contact.depth_m : start.dent.depth_m;
+    const YieldingPlace& yielded = contact.yielded;
+    const Real from_m = yielded.elastic_depth_m(start.touched ? contact.depth_m
+                                                              : start.dent.depth_m);
     const TermValues went = b.memory.relaxed_n.value - start.relaxed_n;
-    const TermValues above = ((from_m - b.relaxed_depth_m) * went).max(Real(0.0));
+    TermValues above;
+    for (Eigen::Index k = 0; k < above.size(); ++k) {
+      above(k) = std::max(
+          Real(0.0),
+          (from_m - yielded.elastic_depth_m(b.relaxed_depth_m(k))) * went(k));
+    }
     lost += double{
         (contact.sites.place_relaxing.value * (Real(1.0) - step.share) * above).sum()};
     if (start.pressed) {
@@ -208,11 +215,15 @@ double dent_j(RelaxingContact& contact, const SurfaceMemory& memory,
     b.dent =
         inverse(curve, bundle, s, b.dent.depth_m, most, b.near_dent, b.dent_pieces);
   }
-  Real stored = b.dent.energy_j - s * b.dent.depth_m;
+  const YieldingPlace& yielded = contact.yielded;
+  Real stored = elastic_j(contact, b, b.dent.depth_m, b.dent.energy_j) -
+                s * yielded.elastic_depth_m(b.dent.depth_m);
   for (Eigen::Index k = 0; k < memory.times.terms; ++k) {
     const Real q = b.memory.relaxed_n.value(k);
     const Real depth = b.relaxed_depth_m(k);
-    const Real conjugate = q * depth - b.near_term[index(k)].energy_at(depth);
+    const Real conjugate =
+        q * yielded.elastic_depth_m(depth) -
+        elastic_j(contact, b, depth, b.near_term[index(k)].energy_at(depth));
     stored += contact.sites.place_relaxing.value(k) * std::max(Real(0.0), conjugate);
   }
   return double{std::max(Real(0.0), stored)};
@@ -260,9 +271,9 @@ Real pass_time(SurfaceMemory& memory, Real half_s) noexcept {
 void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& ledger,
            const ElementCache& cache, Real y_m, Real time_s) noexcept {
   if (contact.sites.time_s < memory.time_s) {
-    read_memory(contact, memory, contact.weight, contact.turn);
+    read_memory(contact, memory, contact.place_weight, contact.place_turn);
     (void)respond(contact, cache, y_m);
-  } else if (contact.depth_m != y_m) {
+  } else if (contact.tool_m != y_m) {
     (void)respond(contact, cache, y_m);
   }
   if (!(ledger.dent_j > 0.0) && ledger.left_j > 0.0) {

@@ -6,10 +6,11 @@
 namespace palpate {
 namespace {
 
-// What a plain curve that falls has beside its running maximum, of one node.
+// What a plain curve that falls has beside its running maximum, of one node, at a depth
+// of the curve.
 ElementSample fallen(const RelaxingContact& contact, const ElementCache& cache,
-                     std::size_t j) {
-  const Real e = contact.nodes.lean[j] * (contact.depth_m - contact.nodes.touch_m[j]);
+                     std::size_t j, Real depth_m) {
+  const Real e = contact.nodes.lean[j] * (depth_m - contact.nodes.touch_m[j]);
   if (!contact.nodes.falls[j] || !(e > 0.0)) {
     return {};
   }
@@ -24,14 +25,67 @@ ElementSample fallen(const RelaxingContact& contact, const ElementCache& cache,
 
 void add_fallen(const RelaxingContact& contact, const ElementCache& cache,
                 RelaxedResponse& response) {
+  const Real r = contact.yielded.share_at(contact.depth_m);
   for (std::size_t j = 0; j < 3; ++j) {
     const Real w = contact.weight(static_cast<Eigen::Index>(j));
     const Real c = contact.nodes.lean[j];
-    const ElementSample less = fallen(contact, cache, j);
+    const ElementSample less = fallen(contact, cache, j, contact.depth_m);
     response.force_n += w * c * less.force_n;
     response.stiffness_n_per_m += w * c * c * less.stiffness_n_per_m;
-    response.energy_j += w * less.energy_j;
+    response.energy_j += w * (Real(1.0) - r) * less.energy_j;
+    if (r > 0.0) {
+      response.energy_j +=
+          w * r * fallen(contact, cache, j, contact.yielded.yield_m.value).energy_j;
+    }
   }
+}
+
+// The same at one depth of the curve, for all nodes.
+PlacePoint fallen_point(const RelaxingContact& contact, const ElementCache& cache,
+                        Real depth_m) {
+  PlacePoint point;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    const ElementSample less = fallen(contact, cache, j, depth_m);
+    point.force_n += contact.weight(row) * contact.nodes.lean[j] * less.force_n;
+    point.energy_j += contact.weight(row) * less.energy_j;
+    point.node_j(row) = less.energy_j;
+  }
+  return point;
+}
+
+// Derivatives of u by n_1 and n_2 where the surface yields [J], of one bundle. At fixed
+// e, and with it -p_e dD; the dent's depth gives no part, p = s there.
+Vector2 yielded_slope_j(RelaxingContact& contact, const PlaceCurve& curve, int bundle) {
+  BundleContact& b = contact.bundle[static_cast<std::size_t>(bundle)];
+  const YieldingPlace& place = contact.yielded;
+  const PlacePoint at_dent = point_at(curve, bundle, b.dent.depth_m, b.dent_pieces);
+  const Real above = place.elastic_depth_m(contact.depth_m) -
+                     place.elastic_depth_m(b.dent.depth_m);
+  return stored_slope_j(place, b.at, b.at_yield, contact.depth_m, contact.turn) -
+         stored_slope_j(place, at_dent, b.at_yield, b.dent.depth_m, contact.turn) -
+         above * carried_slope_n(contact.sites, b.memory) -
+         (b.at.force_n - b.memory.carried_n) * slope_of(place.dent_m);
+}
+
+// The whole slope where the surface yields.
+Vector2 yielded_slope_j(RelaxingContact& contact, const ElementCache& cache) {
+  const PlaceCurve curve = curve_of(contact, cache);
+  Vector2 slope = Vector2::Zero();
+  for (int b = 0; b < contact.nodes.bundles; ++b) {
+    if (contact.bundle[static_cast<std::size_t>(b)].touched) {
+      slope += yielded_slope_j(contact, curve, b);
+    }
+  }
+  if (contact.nodes.any_falls) {
+    const PlacePoint at = fallen_point(contact, cache, contact.depth_m);
+    slope += stored_slope_j(
+                 contact.yielded, at,
+                 fallen_point(contact, cache, contact.yielded.yield_m.value),
+                 contact.depth_m, contact.turn) -
+             at.force_n * slope_of(contact.yielded.dent_m);
+  }
+  return slope;
 }
 
 }  // namespace
@@ -43,28 +97,44 @@ void enter(RelaxingContact& contact, const SurfaceMemory& memory,
   contact.slot = slot;
   contact.stored_at = cache.stored_at[static_cast<std::size_t>(slot)];
   contact.nodes = nodes;
-  contact.sites = element.memory.terms > 0 && agrees(memory, element.memory)
+  const bool remembered = element.memory.terms > 0 || element.memory.yields;
+  contact.sites = remembered && agrees(memory, element.memory)
                       ? sites_of(element, contact.sites, memory)
                       : SitesAtHand{};
+  contact.yielding = make_yielding_nodes(element.memory, nodes);
+  contact.yielded = {};
   for (std::size_t b = 0; b < static_cast<std::size_t>(nodes.bundles); ++b) {
     contact.bundle[b].contact_pieces = {};
     contact.bundle[b].dent_pieces = {};
     contact.bundle[b].term_pieces = {};
+    contact.bundle[b].yield_pieces = {};
   }
 }
 
 void read_memory(RelaxingContact& contact, const SurfaceMemory& memory,
                  const NodeValues& weight, const Turn& turn) noexcept {
-  contact.weight = weight;
-  contact.turn = turn;
+  contact.place_weight = contact.weight = weight;
+  contact.place_turn = contact.turn = turn;
   catch_up(contact.sites, memory);
   weigh(contact.sites, weight, turn);
+  if (contact.yielding.any) {
+    locate(contact.yielded, contact.yielding, weight, turn);
+    read_yielded(contact);
+  }
   for (int b = 0; b < memory.bundles; ++b) {
     BundleContact& bundle = contact.bundle[static_cast<std::size_t>(b)];
     bundle.memory = blended(contact.sites, b);
     bundle.solved = false;
     bundle.near_dent.high_m = bundle.near_dent.low_m;
   }
+}
+
+void read_yielded(RelaxingContact& contact) noexcept {
+  contact.yielded.dent_m = blended(contact.sites, contact.sites.dent_m);
+  contact.yielded.softened_m = blended(contact.sites, contact.sites.softened_m);
+  contact.weight = contact.place_weight;
+  contact.turn = contact.place_turn;
+  soften(contact.yielded, contact.yielding, contact.weight, contact.turn);
 }
 
 CarriedMemory carried_memory(const RelaxingContact& contact) noexcept {
@@ -75,6 +145,8 @@ CarriedMemory carried_memory(const RelaxingContact& contact) noexcept {
       carried.carried_n[b] = contact.bundle[b].memory.carried_n;
       carried.dent_m[b] = contact.bundle[b].dent.depth_m;
     }
+    carried.weight = contact.weight;
+    carried.yielded = contact.yielded;
   }
   return carried;
 }
@@ -89,10 +161,10 @@ Real carried_n(const RelaxingContact& contact) noexcept {
   return carried;
 }
 
-void continue_at(RelaxingContact& contact, const CarriedMemory& carried,
-                 const NodeValues& weight) noexcept {
+void continue_at(RelaxingContact& contact, const CarriedMemory& carried) noexcept {
   contact.remembers = true;
-  contact.weight = weight;
+  contact.weight = carried.weight;
+  contact.yielded = carried.yielded;
   for (std::size_t b = 0; b < static_cast<std::size_t>(carried.bundles); ++b) {
     contact.bundle[b].memory.carried_n = carried.carried_n[b];
     contact.bundle[b].dent.depth_m = carried.dent_m[b];
@@ -101,11 +173,18 @@ void continue_at(RelaxingContact& contact, const CarriedMemory& carried,
 
 RelaxedResponse respond(RelaxingContact& contact, const ElementCache& cache,
                         Real y_m) noexcept {
-  contact.depth_m = y_m;
+  contact.tool_m = contact.depth_m = y_m;
+  if (contact.yielding.any) {
+    contact.depth_m = contact.yielded.curve_depth_m(y_m);
+  }
   const PlaceCurve curve = curve_of(contact, cache);
   for (int b = 0; b < contact.nodes.bundles; ++b) {
     BundleContact& bundle = contact.bundle[static_cast<std::size_t>(b)];
-    bundle.at = point_at(curve, b, y_m, bundle.contact_pieces);
+    bundle.at = point_at(curve, b, contact.depth_m, bundle.contact_pieces);
+    if (contact.yielding.any) {
+      bundle.at_yield =
+          point_at(curve, b, contact.yielded.yield_m.value, bundle.yield_pieces);
+    }
   }
   return response_of(contact, cache);
 }
@@ -126,10 +205,16 @@ RelaxedResponse response_of(RelaxingContact& contact,
   if (contact.nodes.any_falls) {
     add_fallen(contact, cache, response);
   }
+  if (contact.depth_m > contact.yielded.yield_m.value) {
+    response.stiffness_n_per_m *= contact.yielded.stretch;
+  }
   return response;
 }
 
 Vector2 surface_slope_j(RelaxingContact& contact, const ElementCache& cache) noexcept {
+  if (contact.yielding.any) {
+    return yielded_slope_j(contact, cache);
+  }
   NodeValues energy = NodeValues::Zero();
   Vector2 slope = Vector2::Zero();
   const PlaceCurve curve = curve_of(contact, cache);
@@ -142,7 +227,8 @@ Vector2 surface_slope_j(RelaxingContact& contact, const ElementCache& cache) noe
     }
   }
   for (std::size_t j = 0; contact.nodes.any_falls && j < 3; ++j) {
-    energy(static_cast<Eigen::Index>(j)) += fallen(contact, cache, j).energy_j;
+    energy(static_cast<Eigen::Index>(j)) +=
+        fallen(contact, cache, j, contact.depth_m).energy_j;
   }
   return slope + contact.turn.transpose() * energy.head<3>().matrix();
 }
@@ -150,8 +236,9 @@ Vector2 surface_slope_j(RelaxingContact& contact, const ElementCache& cache) noe
 bool touches(const RelaxingContact& contact, const ElementCache& cache,
              Real y_m) noexcept {
   NodePieces pieces;
+  const Real depth_m = contact.yielded.curve_depth_m(y_m);
   for (int b = 0; b < contact.nodes.bundles; ++b) {
-    if (point_at(curve_of(contact, cache), b, y_m, pieces).force_n >
+    if (point_at(curve_of(contact, cache), b, depth_m, pieces).force_n >
         contact.bundle[static_cast<std::size_t>(b)].memory.carried_n) {
       return true;
     }

@@ -17,6 +17,10 @@
 //
 // A curve that is cut into bundles (place_curve.h) has all of this for each of them.
 // Here is the response at frozen memory; relaxation_step.h lets time pass.
+//
+// Where the surface yields (yielding_place.h), p and U are those of the elastic response
+// at the depth e = y - D: depths of the curve are l, distances and energies are taken
+// in e. yield_step.h raises what has yielded.
 #pragma once
 
 #include <algorithm>
@@ -30,6 +34,7 @@
 #include "runtime/fast/real.h"
 #include "runtime/fast/sites_at_hand.h"
 #include "runtime/fast/surface_memory.h"
+#include "runtime/fast/yielding_place.h"
 
 namespace palpate {
 
@@ -37,7 +42,8 @@ namespace palpate {
 struct BundleContact {
   BlendedMemory memory;
   PlacePoint at;         ///< at the contact's depth
-  CurveInverse dent;     ///< delta(s); else near it
+  PlacePoint at_yield;   ///< at Y, where the surface yields
+  CurveInverse dent;     ///< delta(s), as a depth of the curve; else near it
   bool solved = false;   ///< dent is that of s
   bool touched = false;  ///< p > s
   Real energy_j = 0.0;   ///< [J] u
@@ -48,6 +54,7 @@ struct BundleContact {
   NodePieces contact_pieces;
   NodePieces dent_pieces;
   NodePieces term_pieces;
+  NodePieces yield_pieces;
 
   [[nodiscard]] bool is_marked() const noexcept {
     return (memory.relaxed_n.value > 0.0).any();
@@ -61,10 +68,15 @@ struct RelaxingContact {
   std::int32_t slot = -1;       ///< element in the cache that was entered
   std::uint64_t stored_at = 0;  ///< which element that was
   PlaceNodes nodes;
+  YieldingNodes yielding;
   SitesAtHand sites;
-  NodeValues weight = NodeValues::Zero();  ///< [-] w_j of the place
-  Turn turn = Turn::Zero();
-  Real depth_m = 0.0;  ///< [m] y of the latest response
+  NodeValues place_weight = NodeValues::Zero();  ///< [-] w_j of the place
+  Turn place_turn = Turn::Zero();
+  NodeValues weight = NodeValues::Zero();  ///< [-] w_j (1 - omega_j)
+  Turn turn = Turn::Zero();                ///< its derivatives
+  YieldingPlace yielded;
+  Real tool_m = 0.0;   ///< [m] y of the latest response
+  Real depth_m = 0.0;  ///< [m] l of it: y where nothing yields
   std::array<BundleContact, kMemoryBundles> bundle;
   std::uint32_t steps = 0;  ///< of relaxation
 };
@@ -93,19 +105,23 @@ void enter(RelaxingContact& contact, const SurfaceMemory& memory,
 void read_memory(RelaxingContact& contact, const SurfaceMemory& memory,
                  const NodeValues& weight, const Turn& turn) noexcept;
 
+/// Reads what the sites at hand have yielded, where the memory was read.
+void read_yielded(RelaxingContact& contact) noexcept;
+
 /// What of a contact fixes its continuation at frozen memory. Of the arrays, as many
 /// values are set as there are bundles.
 struct CarriedMemory {
   std::int32_t bundles = 0;                    ///< 0: nothing is remembered
   std::array<Real, kMemoryBundles> carried_n;  ///< [N] s
   std::array<Real, kMemoryBundles> dent_m;     ///< [m] near delta(s)
+  NodeValues weight = NodeValues::Zero();      ///< [-] w_j (1 - omega_j)
+  YieldingPlace yielded;
 };
 
 [[nodiscard]] CarriedMemory carried_memory(const RelaxingContact& contact) noexcept;
 
-/// The contact again, at a place of the element that was entered.
-void continue_at(RelaxingContact& contact, const CarriedMemory& carried,
-                 const NodeValues& weight) noexcept;
+/// The contact again, at the same place of the element that was entered.
+void continue_at(RelaxingContact& contact, const CarriedMemory& carried) noexcept;
 
 /// What the surface gives less than it would to a sudden press [N]: s of all bundles
 /// where the memory was read.
@@ -132,6 +148,14 @@ struct RelaxedResponse {
 [[nodiscard]] Vector2 surface_slope_j(RelaxingContact& contact,
                                       const ElementCache& cache) noexcept;
 
+/// U_e of a bundle at the depth e of l, whose energy by the curve is known [J].
+[[nodiscard]] inline Real elastic_j(const RelaxingContact& contact,
+                                    const BundleContact& bundle, Real l_m,
+                                    Real energy_j) noexcept {
+  const Real r = contact.yielded.share_at(l_m);
+  return r > 0.0 ? r * bundle.at_yield.energy_j + (Real(1.0) - r) * energy_j : energy_j;
+}
+
 /// u of one bundle at the contact's depth, for its present s [J].
 inline Real set_energy(RelaxingContact& contact, const ElementCache& cache,
                        int bundle) noexcept {
@@ -145,8 +169,12 @@ inline Real set_energy(RelaxingContact& contact, const ElementCache& cache,
                        contact.depth_m, b.near_dent, b.dent_pieces);
       b.solved = true;
     }
-    const Real above = contact.depth_m - b.dent.depth_m;
-    b.energy_j = std::max(Real(0.0), b.at.energy_j - b.dent.energy_j - s * above);
+    const YieldingPlace& yielded = contact.yielded;
+    const Real above = yielded.elastic_depth_m(contact.depth_m) -
+                       yielded.elastic_depth_m(b.dent.depth_m);
+    b.energy_j = std::max(
+        Real(0.0), elastic_j(contact, b, contact.depth_m, b.at.energy_j) -
+                       elastic_j(contact, b, b.dent.depth_m, b.dent.energy_j) - s * above);
   }
   return b.energy_j;
 }

@@ -51,6 +51,15 @@ void recall(SitesAtHand& sites, std::size_t i, const SitesAtHand& until_now,
   }
 }
 
+// What has stayed of a site.
+void recall_yielded(SitesAtHand& sites, std::size_t i, const YieldedSites& yielded) {
+  if (const int row = find_yielded(yielded, sites.site[i]); row >= 0) {
+    const YieldedSite& stayed = yielded.row[static_cast<std::size_t>(row)];
+    sites.dent_m[i] = stayed.dent_m;
+    sites.softened_m[i] = stayed.softened_m;
+  }
+}
+
 // Sites on one side of a target, of one term: their weights, and how far it is.
 struct Movers {
   std::array<Real, kSitesAtHand> weight;
@@ -132,6 +141,9 @@ SitesAtHand sites_of(const Element& element, const SitesAtHand& until_now,
     sites.relaxing[i] = (share[0] * g[0] + share[1] * g[1] + share[2] * g[2]) /
                         (share[0] + share[1] + share[2]);
     recall(sites, i, until_now, memory);
+    if (memory.yields) {
+      recall_yielded(sites, i, memory.yielded);
+    }
   }
   return sites;
 }
@@ -199,6 +211,18 @@ BlendedMemory blended(const SitesAtHand& sites, int bundle) noexcept {
   }
   at.carried_n = carried_n(sites, sum.value);
   return at;
+}
+
+Turned<Real> blended(const SitesAtHand& sites,
+                     const std::array<Real, kSitesAtHand>& value) noexcept {
+  Turned<Real> sum{0.0, 0.0, 0.0};
+  for (std::size_t i = 0; i < sites.count; ++i) {
+    const Turned<Real>& m = sites.weight[i];
+    sum.value += m.value * value[i];
+    sum.by_n1 += m.by_n1 * value[i];
+    sum.by_n2 += m.by_n2 * value[i];
+  }
+  return sum;
 }
 
 void move_towards(SitesAtHand& sites, int bundle, const TermValues& from_n,

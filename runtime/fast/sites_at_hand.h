@@ -7,7 +7,12 @@
 //
 // Neighbouring elements share the corners of their common edge, so that all three are
 // continuous over the surface. What is at hand is newer than the table
-// (surface_memory.h), where it goes back when another element comes to hand.
+// (surface_memory.h), where it goes back when another element comes to hand. Of a
+// surface that yields (yielding_place.h),
+//
+//   D = sum_i m_i D_i,   m = sum_i m_i m_i,
+//
+// and the table always has what the sites at hand have.
 #pragma once
 
 #include <array>
@@ -19,20 +24,12 @@
 #include "runtime/fast/place_curve.h"
 #include "runtime/fast/real.h"
 #include "runtime/fast/surface_memory.h"
+#include "runtime/fast/turned.h"
+#include "runtime/fast/yielding_place.h"
 
 namespace palpate {
 
 constexpr std::size_t kSitesAtHand = 3 * kNodeSites;  ///< that one element reads
-
-using Turn = Eigen::Matrix<Real, 3, 2>;  ///< dw/dn_1 and dw/dn_2, n_0 giving way
-
-/// A value at the place, and its derivatives by n_1 and n_2.
-template <typename Value>
-struct Turned {
-  Value value;
-  Value by_n1;
-  Value by_n2;
-};
 
 struct SitesAtHand {
   std::size_t count = 0;
@@ -43,6 +40,8 @@ struct SitesAtHand {
   std::array<std::array<TermValues, kSitesAtHand>, kMemoryBundles> relaxed_n;  ///< [N]
   std::array<TermValues, 3> corner_relaxing;  ///< [-] g_jk
   bool uniform = false;                       ///< the same at all corners
+  std::array<Real, kSitesAtHand> dent_m{};      ///< [m] D_i, where the tool yields
+  std::array<Real, kSitesAtHand> softened_m{};  ///< [m]
   // At the place.
   std::array<Turned<Real>, kSitesAtHand> weight{};  ///< [-] m_i
   Turned<TermValues> place_relaxing{TermValues::Zero(), TermValues::Zero(),
@@ -87,6 +86,10 @@ struct BlendedMemory {
   return {(g.value * q.by_n1 + g.by_n1 * q.value).sum(),
           (g.value * q.by_n2 + g.by_n2 * q.value).sum()};
 }
+
+/// Sum over sites of weight times value, where they were weighed.
+[[nodiscard]] Turned<Real> blended(const SitesAtHand& sites,
+                                   const std::array<Real, kSitesAtHand>& value) noexcept;
 
 /// Moves the blended q_k of a bundle by a share of their way to a target: exactly, and
 /// through sites on this side of it, none of which passes it. Site i goes

@@ -35,7 +35,8 @@ bool agrees(const SurfaceMemory& memory, const ElementMemory& element) noexcept 
 }
 
 void take_terms(SurfaceMemory& memory, const ElementMemory& element) noexcept {
-  if (remembers(memory)) {
+  memory.yields = memory.yields || element.yields;
+  if (memory.times.terms > 0 || element.terms == 0) {
     return;
   }
   memory.times.terms = element.terms;

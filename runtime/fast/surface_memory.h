@@ -15,6 +15,7 @@
 #include "runtime/fast/element.h"
 #include "runtime/fast/free_recovery.h"
 #include "runtime/fast/real.h"
+#include "runtime/fast/yielded_sites.h"
 
 // Rows of the table, a multiple of kMemoryWays; fewer for small processors.
 #ifndef PALPATE_MEMORY_SITES
@@ -49,11 +50,13 @@ struct SurfaceMemory {
   std::uint64_t forgotten = 0;  ///< dents that gave way to others
   std::uint64_t shortened = 0;  ///< steps cut because the account was short
   double shortened_j = 0.0;     ///< [J] >= 0 by which they would have exceeded it
+  bool yields = false;          ///< the tool's responses leave dents or soften
+  YieldedSites yielded;         ///< what stays of that
 };
 
-/// Whether the tool's responses relax at all.
+/// Whether anything stays of a press, for a while or for good.
 [[nodiscard]] inline bool remembers(const SurfaceMemory& memory) noexcept {
-  return memory.times.terms > 0;
+  return memory.times.terms > 0 || memory.yields;
 }
 
 /// Whether an element's terms, times and bundles are those of the memory; no others are
@@ -61,7 +64,8 @@ struct SurfaceMemory {
 [[nodiscard]] bool agrees(const SurfaceMemory& memory,
                           const ElementMemory& element) noexcept;
 
-/// Takes terms, times and bundles from a tool's first element that has some.
+/// Takes terms, times and bundles from a tool's first element that has some, and
+/// whether the tool yields from any.
 void take_terms(SurfaceMemory& memory, const ElementMemory& element) noexcept;
 
 /// Row of a site; -1 if nothing is remembered of it.
@@ -98,7 +102,7 @@ int claim_site(SurfaceMemory& memory, std::int32_t site) noexcept;
 /// s of a row at memory.time_s [N], of all bundles; 0 for a free row.
 [[nodiscard]] Real carried_n(const SurfaceMemory& memory, int row) noexcept;
 
-/// Everything that is remembered is gone; counts and time stay.
+/// Everything that goes back by itself is gone; counts, time and what has yielded stay.
 void forget_all(SurfaceMemory& memory) noexcept;
 
 }  // namespace palpate

@@ -171,7 +171,7 @@ void FastProcess::account(const DeviceReading& reading,
 
 void FastProcess::account_memory(const FastCommand& command) noexcept {
   RenderReport& r = report_;
-  r.relaxes = true;
+  r.relaxes = state_.memory.times.terms > 0;
   r.memory_j = command.memory_j;
   r.memory_max_j = std::max(r.memory_max_j, command.memory_j);
   if (command.carried_n > r.carried_max_n) {
@@ -179,6 +179,9 @@ void FastProcess::account_memory(const FastCommand& command) noexcept {
     r.carried_of_n = command.force_n.norm();
   }
   r.forgotten = state_.memory.forgotten;
+  r.yields = state_.memory.yields;
+  r.yielded_j = command.yielded_j;
+  r.not_yielded = state_.memory.yielded.refused;
 }
 
 void FastProcess::record(const DeviceReading& reading, const FastCommand& command,

@@ -61,6 +61,10 @@ class FastProcess {
 
   /// The account so far.
   [[nodiscard]] const RenderReport& report() const noexcept { return report_; }
+  /// Begins with what had yielded; before the first tick. @throws as begin_yielded().
+  void begin_with(const std::vector<YieldedRow>& rows) { begin_yielded(rows, state_); }
+  /// What has yielded. Not in a tick.
+  [[nodiscard]] std::vector<YieldedRow> yielded() const { return yielded_rows(state_); }
   /// Memory sites of the surface that have not recovered yet. Not in a tick.
   [[nodiscard]] std::vector<SurfaceDent> dents() const { return surface_dents(state_); }
 

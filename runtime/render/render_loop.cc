@@ -115,7 +115,9 @@ class ToolRun {
                                             *exchange_, outputs(tool.setup))),
         slow_(tool.setup.stream, *exchange_),
         session_(tool.setup.device),
-        deadlines_(0, tool.config.fast.rate_hz) {}
+        deadlines_(0, tool.config.fast.rate_hz) {
+    fast_->begin_with(tool.setup.surface);
+  }
 
   void begin(std::int64_t start_ns) {
     deadlines_ = Deadlines(start_ns, tool_.config.fast.rate_hz);
@@ -163,7 +165,11 @@ class ToolRun {
 
   [[nodiscard]] RenderReport report() const {
     RenderReport report = fast_->report();
-    report.dents = std::ssize(fast_->dents());
+    const std::vector<SurfaceDent> dents = fast_->dents();
+    report.dents = std::count_if(dents.begin(), dents.end(), [](const SurfaceDent& dent) {
+      return dent.carried_n > 0.0;
+    });
+    report.surface = fast_->yielded();
     report.slow_updates = slow_.updates;
     report.slow_missed_deadlines = slow_.missed_deadlines;
     report.slow_error = slow_.failure;

@@ -33,6 +33,7 @@ struct RenderSetup {
   Recorder* recorder = nullptr;              ///< records the run
   FlightLog* flight = nullptr;               ///< keeps the last ticks
   TickQueue* watch = nullptr;                ///< shows every tick
+  std::vector<YieldedRow> surface = {};      ///< what had yielded before
 };
 
 /// One of several tools in a scene.

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "formats/recording/surface_state.h"
 #include "runtime/fast/fast_step.h"
 #include "runtime/realtime/step_histogram.h"
 
@@ -45,6 +46,10 @@ struct RenderReport {
   double carried_of_n = 0.0;    ///< [N] ... and what was left of it then
   std::int64_t dents = 0;       ///< memory sites that have not recovered at the end
   std::uint64_t forgotten = 0;  ///< dents that gave way to others
+  bool yields = false;               ///< the body leaves dents or softens
+  double yielded_j = 0.0;            ///< [J] dissipated by it
+  std::uint64_t not_yielded = 0;     ///< times that a site had no room to yield
+  std::vector<YieldedRow> surface;   ///< what has yielded, at the end
   double relaxed_shift_max_m = 0.0;  ///< [m] most that the ledger had to take
 
   StepHistogram step_time;  ///< taking in elements and one step, wall time

@@ -5,17 +5,26 @@
 #include <cstdint>
 #include <vector>
 
+#include "formats/recording/surface_state.h"
 #include "runtime/fast/fast_step.h"
 
 namespace palpate {
 
-/// A memory site that carries force.
+/// A memory site that carries force, or that has yielded.
 struct SurfaceDent {
   std::int32_t site = -1;  ///< as the database counts
-  double carried_n = 0.0;  ///< [N] s > 0: the force of its dent's depth
+  double carried_n = 0.0;  ///< [N] s >= 0: the force of its dent's depth
+  double stays_m = 0.0;    ///< [m] >= 0 of it for good, beside that
 };
 
 /// Of a state between two steps: sites at hand and in the table, as they are now.
 [[nodiscard]] std::vector<SurfaceDent> surface_dents(const FastState& state);
+
+/// What has yielded, by site.
+[[nodiscard]] std::vector<YieldedRow> yielded_rows(const FastState& state);
+
+/// A fresh state begins with what had yielded. @throws InputError for more sites than a
+/// state holds.
+void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state);
 
 }  // namespace palpate

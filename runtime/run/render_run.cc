@@ -181,7 +181,8 @@ void render(std::vector<PreparedRun>& runs, const std::atomic<bool>& stop,
                       .stop = stop,
                       .recorder = run.recorder.get(),
                       .flight = run.flight.get(),
-                      .watch = run.report.options.watch}});
+                      .watch = run.report.options.watch,
+                      .surface = run.header.surface}});
   }
   const std::vector<RenderReport> rendered = runs.front().report.options.real_time
                                                  ? render_in_real_time(tools)

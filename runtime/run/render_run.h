@@ -48,6 +48,8 @@ struct SimulationOptions {
   std::optional<AttachedDevice> attached;  ///< instead of the simulated device
   RecordingRequest recording;
   TickQueue* watch = nullptr;  ///< every tick goes there, too; outlives the run
+  /// What each tool of the body had left on it before; no tool: a fresh body.
+  SurfaceState surface = {};
 };
 
 struct SimulationReport {

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/realtime/clock.h"
+#include "runtime/render/surface_dents.h"
 #include "runtime/slow/memory_elements.h"
 
 namespace palpate {
@@ -82,6 +83,7 @@ class Pass {
         stream_(database, table_, recording.header.force_scale) {
     state_->config = fast_config(recording.header);
     state_->config.model = model;
+    begin_yielded(recording.header.surface, *state_);
     report_.model = model;
     report_.ticks = static_cast<std::int64_t>(recording.tick.size());
     report_.from_start = recording.tick.empty() || recording.tick.front().tick == 0;
@@ -250,6 +252,11 @@ std::string verdict(const ReplayReport& r) {
 
 }  // namespace
 
+std::vector<YieldedRow> surface_of(const SurfaceState& surface, const std::string& tool) {
+  const auto found = surface.tool.find(tool);
+  return found == surface.tool.end() ? std::vector<YieldedRow>() : found->second;
+}
+
 RecordingHeader recording_header(const SimulationReport& report,
                                  const FastProcessConfig& config,
                                  const DeviceLimits& limits,
@@ -273,7 +280,8 @@ RecordingHeader recording_header(const SimulationReport& report,
           .device_damping_n_s_per_m = limits.damping_n_s_per_m,
           .device_coulomb_n = limits.coulomb_n,
           .device_resolution_m = limits.resolution_m,
-          .device_delay_s = limits.delay_s};
+          .device_delay_s = limits.delay_s,
+          .surface = surface_of(report.options.surface, report.tool)};
 }
 
 FastConfig fast_config(const RecordingHeader& header) {

@@ -1,5 +1,6 @@
 #include "runtime/run/run_outcome.h"
 
+#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
@@ -32,6 +33,14 @@ nlohmann::json as_json(const LinkReport& wire) {
           {"force_age_p50_ns", wire.force_age.percentile_ns(0.5)},
           {"force_age_p99_ns", wire.force_age.percentile_ns(0.99)},
           {"force_age_max_ns", wire.force_age.max_ns()}};
+}
+
+double largest(const std::vector<YieldedRow>& rows, double YieldedRow::*value) {
+  double most = 0.0;
+  for (const YieldedRow& row : rows) {
+    most = std::max(most, row.*value);
+  }
+  return most;
 }
 
 }  // namespace
@@ -79,6 +88,12 @@ nlohmann::json as_json(const SimulationReport& report) {
           {"carried_of_n", r.carried_of_n},
           {"dents", r.dents},
           {"forgotten", r.forgotten},
+          {"yields", r.yields},
+          {"yielded_j", r.yielded_j},
+          {"yielded_sites", r.surface.size()},
+          {"largest_dent_m", largest(r.surface, &YieldedRow::dent_m)},
+          {"softened_m", largest(r.surface, &YieldedRow::softened_m)},
+          {"not_yielded", r.not_yielded},
           {"relaxed_shift_max_m", r.relaxed_shift_max_m},
           {"step_p50_ns", r.step_time.percentile_ns(0.5)},
           {"step_p99_ns", r.step_time.percentile_ns(0.99)},

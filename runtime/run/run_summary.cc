@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "runtime/run/render_run.h"
@@ -72,6 +74,31 @@ std::string memory_lines(const RenderReport& r) {
   if (r.forgotten > 0) {
     text += line("  forgotten",
                  fmt::format("{} dents gave way to newer ones", r.forgotten));
+  }
+  return text;
+}
+
+// What stays of the run for good.
+std::string yielding_lines(const RenderReport& r) {
+  if (!r.yields) {
+    return {};
+  }
+  double deepest_m = 0.0;
+  double softened_m = 0.0;
+  for (const YieldedRow& row : r.surface) {
+    deepest_m = std::max(deepest_m, row.dent_m);
+    softened_m = std::max(softened_m, row.softened_m);
+  }
+  std::string text = line(
+      "yielding", fmt::format("{} sites have yielded, dents of at most {:.4g} mm, "
+                              "softened up to {:.4g} mm, {:.4g} mJ dissipated by it",
+                              r.surface.size(), deepest_m * 1e3, softened_m * 1e3,
+                              r.yielded_j * 1e3));
+  if (r.not_yielded > 0) {
+    text += line("  without room",
+                 fmt::format("{} times a site stayed as it was, because the table of "
+                             "sites is full",
+                             r.not_yielded));
   }
   return text;
 }
@@ -169,7 +196,7 @@ std::string summary(const SimulationReport& report) {
                                        ? ""
                                        : fmt::format(", beyond the curves in {} ticks",
                                                      r.extrapolated_ticks)));
-  text += energy_lines(r) + memory_lines(r) + timing_lines(r);
+  text += energy_lines(r) + memory_lines(r) + yielding_lines(r) + timing_lines(r);
   if (report.wire) {
     text += wire_lines(*report.wire);
   }

@@ -4,6 +4,7 @@
 
 #include "formats/database/database_rules.h"
 #include "formats/response/press_inversion.h"
+#include "formats/response/yielding.h"
 
 namespace palpate {
 namespace {
@@ -34,6 +35,7 @@ std::shared_ptr<const LoadedChunk> load_chunk(const ChunkReader& reader,
   loaded->table = reader.responses(tool, chunk);
   check_normals(loaded->body.normal, loaded->table, loaded->body.node_begin);
   make_instantaneous(loaded->table);
+  make_undamaged(loaded->table);
   loaded->thinned = thinned_messages(loaded->rows(force_scale), loaded->loss);
   loaded->needs = chunks_of_nodes(reader.index(), loaded->body, chunk);
   return loaded;
@@ -58,9 +60,15 @@ std::size_t chunk_bytes(const DatabaseIndex& index, std::size_t tool,
           ? sizeof(float) * static_cast<std::size_t>(entry.viscoelasticity.terms()) +
                 kNodeSites * (sizeof(std::int32_t) + sizeof(float))
           : 0;
+  // Five rows of a node at most, and curves that soften have as many samples as fit.
+  const Yielding& yielding = entry.viscoelasticity.yielding;
+  const std::size_t per_yielding =
+      entry.yielding_rows || !yielding.empty()
+          ? 5 * sizeof(double) + kPerSample * kElementSamples
+          : 0;
   const std::size_t samples = count(index.tools[tool].sample_begin);
   const std::size_t thinned = std::min(nodes, samples / (kElementSamples + 1));
-  return kFixed + (kPerNode + per_memory) * nodes +
+  return kFixed + (kPerNode + per_memory + per_yielding) * nodes +
          kPerTriangle * count(index.triangle_begin) + kPerSample * samples +
          kPerThinned * thinned;
 }

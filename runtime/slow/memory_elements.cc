@@ -4,17 +4,21 @@
 
 #include "formats/base/error.h"
 #include "formats/response/press_inversion.h"
+#include "formats/response/yielding.h"
 #include "runtime/slow/node_memory.h"
 
 namespace palpate {
 namespace {
 
 std::optional<ResponseTable> rendered_copy(const ResponseTable& table) {
-  if (table.viscoelasticity.empty() || table.viscoelasticity.instantaneous) {
+  const Viscoelasticity& relaxation = table.viscoelasticity;
+  const bool pressed = !relaxation.empty() && !relaxation.instantaneous;
+  if (!pressed && relaxation.yielding.largest.empty()) {
     return std::nullopt;
   }
   std::optional<ResponseTable> copy = table;
   make_instantaneous(*copy);
+  make_undamaged(*copy);
   return copy;
 }
 
@@ -45,7 +49,7 @@ Element ElementStream::element(std::int32_t triangle) const {
     message.node[j] =
         thinned != thinned_.end() ? thinned->second : node_message(rows_, node);
     message.node[j].node = node;
-    if (!relaxation.empty()) {
+    if (relaxation.remembers()) {
       message.memory.node[j] = node_memory(relaxation, node, message.node[j]);
     }
     message.neighbour[j] = search_.neighbours()(triangle, column);

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "formats/response/yielding.h"
+
 namespace palpate {
 namespace {
 
@@ -44,6 +46,19 @@ double least_slope(const CurveView& curve, double from, double to) {
              : least;
 }
 
+// Of a node without a response, too: places beside it blend it with others.
+void set_yielding(const Yielding& yielding, std::int64_t row, NodeMemory& memory) {
+  if (yielding.empty()) {
+    return;
+  }
+  const NodeYielding node = yielding_of(yielding, row);
+  memory.yield_depth_m = node.yield_depth_m;
+  memory.dent_share = node.share;
+  memory.onset_m = node.onset_m;
+  memory.soft_scale_m = node.scale_m;
+  memory.soft_most = node.largest;
+}
+
 bool falls(const CurveView& curve) {
   return !std::is_sorted(curve.force_n.begin(), curve.force_n.end());
 }
@@ -54,6 +69,7 @@ ElementMemory tool_memory(const Viscoelasticity& relaxation) noexcept {
   ElementMemory memory;
   memory.terms = static_cast<std::int32_t>(relaxation.terms());
   memory.bundles = static_cast<std::int32_t>(relaxation.bundles());
+  memory.yields = !relaxation.yielding.empty();
   std::copy(relaxation.tau_s.begin(), relaxation.tau_s.end(),
             memory.relaxation_s.begin());
   return memory;
@@ -62,14 +78,17 @@ ElementMemory tool_memory(const Viscoelasticity& relaxation) noexcept {
 NodeMemory node_memory(const Viscoelasticity& relaxation, std::int64_t row,
                        const ElementNode& node) {
   NodeMemory memory;
+  set_yielding(relaxation.yielding, row, memory);
   if (node.samples == 0) {
     return memory;
   }
-  const Eigen::RowVectorXd g = relaxation.shares(row);
-  // Shares are stored in single precision, whose sums may exceed 1 in the last place.
-  const double most = std::max(1.0, g.sum());
-  for (Eigen::Index k = 0; k < g.size(); ++k) {
-    memory.relaxing[static_cast<std::size_t>(k)] = g[k] / most;
+  if (!relaxation.empty()) {
+    const Eigen::RowVectorXd g = relaxation.shares(row);
+    // Shares are stored in single precision, whose sums may exceed 1 in the last place.
+    const double most = std::max(1.0, g.sum());
+    for (Eigen::Index k = 0; k < g.size(); ++k) {
+      memory.relaxing[static_cast<std::size_t>(k)] = g[k] / most;
+    }
   }
   const MemorySites& sites = relaxation.sites;
   if (sites.empty()) {

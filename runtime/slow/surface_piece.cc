@@ -150,7 +150,7 @@ Element SurfacePiece::element(std::int32_t row) const {
                           ? thinned->second
                           : node_message(at.chunk->rows(force_scale_), at.row);
     message.node[j].node = at.chunk->body.source_node[static_cast<std::size_t>(at.row)];
-    if (message.memory.terms > 0) {
+    if (message.memory.terms > 0 || message.memory.yields) {
       message.memory.node[j] =
           node_memory(at.chunk->table.viscoelasticity, at.row, message.node[j]);
     }

@@ -14,6 +14,11 @@ namespace palpate {
 namespace {
 
 constexpr std::uint32_t kSession = 77;
+constexpr NodeYielding kYielding{.yield_depth_m = 0.001,
+                                 .share = 0.4,
+                                 .onset_m = 0.002,
+                                 .scale_m = 0.003,
+                                 .largest = 0.5};
 
 Element element(std::uint64_t sequence) {
   static const BenchBody body = make_bench_body({.contrast = 9.0,
@@ -23,6 +28,7 @@ Element element(std::uint64_t sequence) {
                                                  .relaxing = {0.25, 0.3},
                                                  .relaxation_s = {0.4, 4.5},
                                                  .bundles = 8,
+                                                 .yielding = kYielding,
                                                  .cells_per_site = 2});
   Element made = body.element[sequence % body.element.size()];
   made.sequence = sequence;
@@ -62,7 +68,13 @@ std::vector<std::uint64_t> receive_all(ElementReceiver& receiver, const Bytes& w
           EXPECT_EQ(out.memory.node[j].weight, sent.memory.node[j].weight);
           EXPECT_EQ(out.memory.node[j].relaxing, sent.memory.node[j].relaxing);
           EXPECT_EQ(out.memory.node[j].cut_m, sent.memory.node[j].cut_m);
+          EXPECT_EQ(out.memory.node[j].yield_depth_m, 0.001);
+          EXPECT_EQ(out.memory.node[j].dent_share, 0.4);
+          EXPECT_EQ(out.memory.node[j].onset_m, 0.002);
+          EXPECT_EQ(out.memory.node[j].soft_scale_m, 0.003);
+          EXPECT_EQ(out.memory.node[j].soft_most, 0.5);
         }
+        EXPECT_TRUE(out.memory.yields);
         EXPECT_EQ(out.memory.terms, 2);
         EXPECT_EQ(out.memory.bundles, 8);
         EXPECT_EQ(out.memory.relaxation_s, sent.memory.relaxation_s);
@@ -84,15 +96,17 @@ TEST(ElementWire, FrameHasTheBytesThatItsDescriptionSays) {
   WireFrame frame;
   Element sent = element(3);
   encode(sent, 0x01020304, frame);
-  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x02\x00\x01\x00\x04\x03\x02\x01", 12), 0);
+  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x03\x00\x03\x00\x04\x03\x02\x01", 12), 0);
   EXPECT_EQ(std::memcmp(frame.data() + 44, "\x02\x00\x08\x00", 4), 0);
   double number = -1.0;
   std::memcpy(&number, frame.data() + 48 + 8, 8);
   EXPECT_EQ(number, 4.5);
-  std::memcpy(&number, frame.data() + 80 + 1776 + 8 + 96 + 8, 8);
+  std::memcpy(&number, frame.data() + 80 + 1816 + 8 + 96 + 8, 8);
   EXPECT_EQ(number, sent.node[1].depth_m[1]);
-  std::memcpy(&number, frame.data() + 80 + 3 * 1776 - 8, 8);
+  std::memcpy(&number, frame.data() + 80 + 3 * 1816 - 6 * 8, 8);
   EXPECT_EQ(number, sent.memory.node[2].cut_m[6]);
+  std::memcpy(&number, frame.data() + 80 + 3 * 1816 - 8, 8);
+  EXPECT_EQ(number, sent.memory.node[2].soft_most);
 }
 
 TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
@@ -100,7 +114,7 @@ TEST(ElementWire, PiecesOfAnySizeGiveEveryElement) {
   for (std::uint64_t i = 1; i <= 5; ++i) {
     add(wire, element(i));
   }
-  for (const std::size_t piece : {1UL, 7UL, 64UL, 5411UL, 5412UL, 5413UL, 99999UL}) {
+  for (const std::size_t piece : {1UL, 7UL, 64UL, 5531UL, 5532UL, 5533UL, 99999UL}) {
     ElementReceiver receiver;
     EXPECT_EQ(receive_all(receiver, wire, piece), (Sequences{1, 2, 3, 4, 5})) << piece;
     EXPECT_EQ(receiver.counts.accepted, 5U);

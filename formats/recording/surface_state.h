@@ -1,0 +1,48 @@
+// What of being pressed stays on a body when a run is over: dents and softening at
+// sites of its surface, of each tool. RECORDING.md describes the file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+constexpr std::int64_t kSurfaceStateVersion = 1;  ///< readers refuse any other
+
+/// A site of the surface that has yielded.
+struct YieldedRow {
+  std::int32_t site = -1;    ///< number in the database, >= 0
+  double dent_m = 0.0;       ///< [m] >= 0 depth that stays, along the normal
+  double softened_m = 0.0;   ///< [m] >= 0 depth up to which its curve has softened
+
+  [[nodiscard]] bool operator==(const YieldedRow&) const = default;
+};
+
+struct SurfaceState {
+  std::string writer = {};           ///< tool and version
+  std::string database = {};         ///< name of the file, without its folder
+  std::string database_sha256 = {};  ///< its content_sha256
+  std::map<std::string, std::vector<YieldedRow>> tool = {};  ///< by name; sites rise
+};
+
+/// Writes it whole or not at all. @throws InputError if the place cannot be written.
+void write_surface_state(const std::filesystem::path& file, const SurfaceState& state);
+
+/// @throws InputError if it is missing, FormatError if it is foreign, damaged, of
+/// another version, or its values break the rules above.
+[[nodiscard]] SurfaceState read_surface_state(const std::filesystem::path& file);
+
+/// The same, of a body. @param sha256 content_sha256 of its database.
+/// @throws InputError if it is the state of another body, saying of which.
+[[nodiscard]] SurfaceState read_surface_state(const std::filesystem::path& file,
+                                              const std::string& sha256,
+                                              const std::string& database);
+
+/// Every row has a site of its own and values that are finite and not negative.
+/// @param where names them in an error. @throws FormatError
+void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where);
+
+}  // namespace palpate

@@ -1,0 +1,173 @@
+#include "precompute/press/node_yielding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/response/memory_sites.h"
+
+namespace palpate {
+namespace {
+
+// Whether a closed surface, outside out, is around a point: its solid angle is 4 pi.
+bool surrounds(const SurfaceMesh& surface, const Eigen::Vector3d& p) {
+  double angle = 0.0;
+  for (Eigen::Index i = 0; i < surface.triangle.rows(); ++i) {
+    const auto corner = [&](Eigen::Index k) -> Eigen::Vector3d {
+      return surface.position_m.row(surface.triangle(i, k)).transpose() - p;
+    };
+    const Eigen::Vector3d a = corner(0);
+    const Eigen::Vector3d b = corner(1);
+    const Eigen::Vector3d c = corner(2);
+    const double below = a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
+                         b.dot(c) * a.norm() + c.dot(a) * b.norm();
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)), below);
+  }
+  return std::abs(angle) > 2.0 * std::numbers::pi;
+}
+
+double box_m3(const SurfaceMesh& surface) {
+  return (surface.position_m.colwise().maxCoeff() -
+          surface.position_m.colwise().minCoeff())
+      .prod();
+}
+
+// What lies under a node: of its region, or of the body where that has no material.
+const SceneYielding& material_under(const Scene& scene, const BodySource& body,
+                                    const Eigen::Vector3d& p_m) {
+  const std::int32_t region = region_of(body, p_m);
+  const std::string name =
+      region == 0 ? std::string(kBodyRegion)
+                  : scene.inclusion[static_cast<std::size_t>(region) - 1].name;
+  return std::find_if(scene.material.begin(), scene.material.end(),
+                      [&](const SceneMaterial& material) {
+                        return material.region == name;
+                      })
+      ->yielding;
+}
+
+void require_within(const Scene& scene, const SceneYielding& yielding,
+                    const std::string& whose) {
+  const double most_m = scene.reach.depth_max_m;
+  const auto require = [&](const char* key, double depth_m) {
+    if (!(depth_m < most_m)) {
+      throw InputError(fmt::format(
+          "{}: {} is {:.4g} m, must be less than depth_max_m of [reach], {:.4g} m: "
+          "nothing that is pressed so deep yields",
+          whose, key, depth_m, most_m));
+    }
+  };
+  if (yielding.plastic) {
+    require("plastic.yield_depth_m", yielding.plastic->yield_depth_m);
+  }
+  if (yielding.damage) {
+    require("damage.onset_m", yielding.damage->onset_m);
+  }
+}
+
+bool yields_somewhere(const Scene& scene) {
+  const auto yields = [](const SceneYielding& yielding) {
+    return yielding.plastic || yielding.damage;
+  };
+  return std::any_of(scene.tool_yielding.begin(), scene.tool_yielding.end(), yields) ||
+         std::any_of(scene.material.begin(), scene.material.end(),
+                     [&](const SceneMaterial& material) {
+                       return yields(material.yielding);
+                     });
+}
+
+bool all_same(const std::vector<double>& values) {
+  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) ==
+         values.end();
+}
+
+// Columns of one tool, from what each node has. A node that does not yield would at the
+// largest depth: places between it and one that does yield somewhere between.
+Yielding columns_of(const std::vector<const SceneYielding*>& of_node, double most_m) {
+  const auto any = [&](const auto& has) {
+    return std::any_of(of_node.begin(), of_node.end(), has);
+  };
+  Yielding all;
+  if (any([](const SceneYielding* y) { return y->plastic && y->plastic->share > 0.0; })) {
+    for (const SceneYielding* node : of_node) {
+      const ScenePlastic plastic =
+          node->plastic.value_or(ScenePlastic{.yield_depth_m = most_m});
+      all.yield_depth_m.push_back(plastic.yield_depth_m);
+      all.share.push_back(plastic.share);
+    }
+  }
+  if (any([](const SceneYielding* y) { return y->damage && y->damage->largest > 0.0; })) {
+    for (const SceneYielding* node : of_node) {
+      const SceneDamage damage = node->damage.value_or(
+          SceneDamage{.onset_m = most_m, .scale_m = most_m});
+      all.onset_m.push_back(damage.onset_m);
+      all.scale_m.push_back(damage.scale_m);
+      all.largest.push_back(damage.largest);
+    }
+  }
+  bool same = true;
+  for_each_dataset(all, [&](const auto&, const auto&, const auto& values) {
+    same = same && all_same(values);
+  });
+  for_each_dataset(all, [&](const auto&, const auto&, auto& values) {
+    values.resize(same ? std::min<std::size_t>(1, values.size()) : values.size());
+  });
+  return all;
+}
+
+}  // namespace
+
+std::int32_t region_of(const BodySource& body, const Eigen::Vector3d& p_m) {
+  std::int32_t region = 0;
+  double smallest_m3 = 0.0;
+  for (std::size_t i = 0; i < body.inner.size(); ++i) {
+    const SurfaceMesh& surface = body.inner[i].surface;
+    const double size_m3 = box_m3(surface);
+    if (!body.inner[i].cavity && surrounds(surface, p_m) &&
+        (region == 0 || size_m3 < smallest_m3)) {
+      region = static_cast<std::int32_t>(i) + 1;
+      smallest_m3 = size_m3;
+    }
+  }
+  return region;
+}
+
+std::vector<Yielding> node_yielding(const Scene& scene, const BodySource& body) {
+  const double most_m = scene.reach.depth_max_m;
+  if (!yields_somewhere(scene)) {
+    return {};
+  }
+  for (const SceneMaterial& material : scene.material) {
+    require_within(scene, material.yielding,
+                   fmt::format("[[material]] of region {:?}", material.region));
+  }
+  std::vector<Yielding> tools;
+  for (std::size_t t = 0; t < scene.tool.size(); ++t) {
+    const SceneYielding own =
+        t < scene.tool_yielding.size() ? scene.tool_yielding[t] : SceneYielding{};
+    require_within(scene, own, fmt::format("[[tool]] {:?}", scene.tool[t].name));
+    const double under_m =
+        0.5 * contact_radius_m(body.tool[t]->shape(), 0.5 * most_m);
+    std::vector<SceneYielding> merged;
+    for (Eigen::Index v = 0; v < body.normal.rows(); ++v) {
+      const Eigen::Vector3d p_m =
+          (body.surface.position_m.row(v) - under_m * body.normal.row(v)).transpose();
+      const SceneYielding& under = own.plastic && own.damage
+                                       ? own
+                                       : material_under(scene, body, p_m);
+      merged.push_back({.plastic = own.plastic ? own.plastic : under.plastic,
+                        .damage = own.damage ? own.damage : under.damage});
+    }
+    std::vector<const SceneYielding*> of_node;
+    for (const SceneYielding& node : merged) {
+      of_node.push_back(&node);
+    }
+    tools.push_back(columns_of(of_node, most_m));
+  }
+  return tools;
+}
+
+}  // namespace palpate

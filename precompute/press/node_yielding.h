@@ -1,0 +1,29 @@
+// How each node's response yields, from the materials and tools of a scene.
+//
+// What a tool says of itself holds for all of its nodes. Else a node takes the material
+// that lies under it, half a contact radius deep along its normal, where the shear of a
+// ball's contact is largest (Hertz: 0.48 a; Johnson 1985, 4.2); a cavity counts as what
+// it lies in.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/response/viscoelasticity.h"
+#include "formats/scene/scene.h"
+#include "precompute/body/scene_body.h"
+
+namespace palpate {
+
+/// Region of a point of the body: 0 the body itself, i + 1 inside inner surface i and
+/// not deeper. By the solid angle of each surface (van Oosterom & Strackee 1983).
+[[nodiscard]] std::int32_t region_of(const BodySource& body, const Eigen::Vector3d& p_m);
+
+/// By tool; one row where all nodes have the same, none where nothing yields.
+/// @throws InputError for a yield depth or an onset past the scene's largest depth:
+/// nothing would yield.
+[[nodiscard]] std::vector<Yielding> node_yielding(const Scene& scene,
+                                                  const BodySource& body);
+
+}  // namespace palpate
