@@ -91,7 +91,7 @@ std::string damage_of(const ElementSender* sender) {
 }  // namespace
 
 HostBody::HostBody(const std::filesystem::path& file, const HostOptions& options)
-    : options_(options) {
+    : options_(options), file_(file) {
   check(options_);
   if (options_.streamed) {
     open_streamed(file);
@@ -118,6 +118,7 @@ HostBody::~HostBody() {
 void HostBody::open_whole(const std::filesystem::path& file) {
   auto database = std::make_unique<const ResponseDatabase>(read_database(file));
   const ResponseTable& table = find_tool(*database, options_.tool);
+  tool_name_ = table.tool.name;
   fast_ = fast_config(options_, table.tool);
   take_stiffness(rendered_stiffness(table, fast_.force_max_n));
   whole_ = std::make_unique<OwnedStream>(std::move(database), table, force_scale_);
@@ -127,6 +128,7 @@ void HostBody::open_streamed(const std::filesystem::path& file) {
   const ChunkReader reader(file);
   const CacheOptions wanted{.tool = options_.tool};
   const std::size_t tool = ChunkCache(file, wanted).tool();
+  tool_name_ = reader.index().tools[tool].tool.name;
   fast_ = fast_config(options_, reader.index().tools[tool].tool);
   take_stiffness(streamed_stiffness(reader, tool, fast_.force_max_n));
   const StreamedPlace place = streamed_place(reader, tool, std::nullopt);

@@ -47,6 +47,9 @@ class HostBody {
   [[nodiscard]] SlowFailure slow_failure();
 
   [[nodiscard]] const HostOptions& options() const noexcept { return options_; }
+  [[nodiscard]] const std::filesystem::path& file() const noexcept { return file_; }
+  /// Of the tool that all tools of the body are.
+  [[nodiscard]] const std::string& tool_name() const noexcept { return tool_name_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
 
   /// [N s/m] b = K (T/2 + delay), K the largest stiffness as the device feels it
@@ -69,6 +72,8 @@ class HostBody {
   void run() noexcept;
 
   HostOptions options_;
+  std::filesystem::path file_;
+  std::string tool_name_;
   double force_scale_ = 1.0;
   double stiffness_n_per_m_ = 0.0;  // largest, at gains of 1 and scale 1
   FastConfig fast_;

@@ -108,8 +108,10 @@ HostTick HostTool::step(const HostSample& sample) noexcept {
 }
 
 void HostTool::reset() noexcept {
+  kept_ = state_.memory.yielded;
   std::construct_at(&state_);
   state_.config = config_;
+  state_.memory.yielded = kept_;
   silent_s_ = 0.0;
   ticks_ = 0;
   // What is under way is of the place before.
@@ -117,6 +119,12 @@ void HostTool::reset() noexcept {
     exchange_.elements.pop();
   }
   latest_.write({});
+}
+
+void HostTool::begin_with(const std::vector<YieldedRow>& rows) {
+  state_.memory.yielded = {};
+  reset();
+  begin_yielded(rows, state_);
 }
 
 HostTick HostTool::latest() noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -61,8 +62,14 @@ class HostTool {
 
   HostTick step(const HostSample& sample) noexcept;
 
-  /// Forgets fault, account and place.
+  /// Forgets fault, account, place and what relaxes; what has yielded stays.
   void reset() noexcept;
+
+  /// What has yielded. Not while another thread steps.
+  [[nodiscard]] std::vector<YieldedRow> yielded() const { return yielded_rows(state_); }
+
+  /// reset(), on a surface that has yielded so. @throws as begin_yielded().
+  void begin_with(const std::vector<YieldedRow>& rows);
 
   /// The latest tick; a default one before the first.
   [[nodiscard]] HostTick latest() noexcept;
@@ -76,6 +83,7 @@ class HostTool {
   double tick_s_;
   double stall_s_;
   FastState state_;
+  YieldedSites kept_;  // in a reset
   RenderExchange exchange_;
   TripleBuffer<HostTick> latest_;
   double silent_s_ = 0.0;       // since the latest element

@@ -124,6 +124,9 @@ typedef struct palpate_state {
   double memory_j;      /* [J] >= 0 in dents that have not recovered:
                            work = stored + tank + dissipated + memory */
   double relaxed_force; /* [host force] >= 0, what has relaxed of the normal force */
+  /* Of a body that yields; else 0. */
+  double yielded_j; /* [J] >= 0 dissipated by dents and softening since the start */
+  double dent;      /* [host length] >= 0, depth that stays under the tool */
 } palpate_state;
 
 typedef struct palpate_body palpate_body;
@@ -188,9 +191,24 @@ PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
 PALPATE_API void palpate_state_get(palpate_tool* tool, palpate_state* state);
 
 /* Haptic thread: clears a fault, the account, what is known of the tool's place, as
- * after a jump, and what a body that relaxes remembers of this tool: it has no dents
- * then. The next slow step finds the tool again; the force ramps up anew. */
+ * after a jump, and what a body that relaxes remembers of this tool. Dents that stay
+ * and curves that have softened stay: palpate_surface_load() with no file makes the
+ * body fresh. The next slow step finds the tool again; the force ramps up anew. */
 PALPATE_API void palpate_reset(palpate_tool* tool);
+
+/* While no other call of the tool is under way: writes what the body keeps of this
+ * tool's presses for good, for palpate_surface_load() and palpate-run --surface-in. A
+ * file that has the surface of the same body keeps what it says of other tools. 0, or
+ * an error below zero with one line of text (may be NULL). */
+PALPATE_API int palpate_surface_save(palpate_tool* tool, const char* file, char* error,
+                                     size_t error_bytes);
+
+/* While no other call of the tool is under way: palpate_reset(), on a body that has
+ * yielded as the file says; NULL: a fresh one. A file of another body is refused, and
+ * nothing changes then. 0, or an error below zero with one line of text (may be NULL).
+ */
+PALPATE_API int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
+                                     size_t error_bytes);
 
 /* "free", "contact", "not-finite", ...: never NULL, lives for ever. Any thread. */
 PALPATE_API const char* palpate_fault_name(int status);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -17,11 +18,13 @@
 
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_io.h"
+#include "formats/recording/recording.h"
 #include "runtime/c_api/host_body.h"
 #include "runtime/c_api/palpate.h"
 
 struct palpate_tool {
   palpate::HostTool& tool;
+  const palpate::HostBody& body;
   double metres_per_unit;
   double newtons_per_unit;
   double force_scale;
@@ -200,7 +203,7 @@ palpate_tool* palpate_tool_open(palpate_body* body, char* error, size_t error_by
     body->tools.reserve(palpate::kHostToolsMax);
     const HostOptions& options = body->body.options();
     body->tools.push_back(std::unique_ptr<palpate_tool>(
-        new palpate_tool{body->body.add_tool(), options.metres_per_unit,
+        new palpate_tool{body->body.add_tool(), body->body, options.metres_per_unit,
                          options.newtons_per_unit, body->body.force_scale()}));
     tool = body->tools.back().get();
     return 0;
@@ -288,6 +291,8 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.ticks = tick.ticks;
   all.memory_j = tick.command.memory_j;
   all.relaxed_force = tick.command.carried_n / tool->newtons_per_unit;
+  all.yielded_j = tick.command.yielded_j;
+  all.dent = tick.command.dent_m / tool->metres_per_unit;
   const std::size_t bytes = all.struct_size;
   std::memcpy(state, &all, std::min(bytes, sizeof(all)));
   if (bytes > sizeof(all)) {
@@ -300,6 +305,46 @@ void palpate_reset(palpate_tool* tool) {
   if (tool != nullptr) {
     tool->tool.reset();
   }
+}
+
+int palpate_surface_save(palpate_tool* tool, const char* file, char* error,
+                         size_t error_bytes) {
+  copy_text("", error, error_bytes);
+  return guarded(error, error_bytes, [&] {
+    if (tool == nullptr || file == nullptr) {
+      throw InputError("no tool or no file: a pointer is null");
+    }
+    const std::filesystem::path& database = tool->body.file();
+    const std::string sha256 = palpate::database_sha256(database);
+    palpate::SurfaceState surface;
+    if (std::filesystem::exists(file)) {
+      surface = palpate::read_surface_state(file, sha256, database);
+    }
+    surface.writer = "libpalpate " PALPATE_VERSION;
+    surface.database = database.filename();
+    surface.database_sha256 = sha256;
+    surface.tool[tool->body.tool_name()] = tool->tool.yielded();
+    palpate::write_surface_state(file, surface);
+    return 0;
+  });
+}
+
+int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
+                         size_t error_bytes) {
+  copy_text("", error, error_bytes);
+  return guarded(error, error_bytes, [&] {
+    if (tool == nullptr) {
+      throw InputError("no tool: the pointer is null");
+    }
+    palpate::SurfaceState surface;
+    if (file != nullptr) {
+      const std::filesystem::path& database = tool->body.file();
+      surface = palpate::read_surface_state(file, palpate::database_sha256(database),
+                                            database);
+    }
+    tool->tool.begin_with(surface.tool[tool->body.tool_name()]);
+    return 0;
+  });
 }
 
 const char* palpate_fault_name(int status) {

@@ -22,6 +22,7 @@ struct Flags {
   std::string model = "potential";
   bool json = false;
   bool reconnect = false;
+  SurfaceFiles surface;
   DeviceFlags device;
   SimulationOptions options;
 };
@@ -59,10 +60,12 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
 
 void run(Flags& flags) {
   flags.options.model = requested_model(flags.model);
+  flags.options.surface = begin_surface(flags.surface, flags.database);
   attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
   const std::vector<SimulationReport> reports = render(flags, database);
   print(flags, reports);
+  leave_surface(flags.surface, flags.options.surface, std::span(&reports.back(), 1));
   throw_what_ended(reports.back());
 }
 
@@ -92,6 +95,7 @@ void add_device_command(Command app) {
       .show_default();
   command.add_flag("--limit-stiffness", options.limit_stiffness,
                    "Scale forces to what the device can render");
+  add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {
     run(*flags);

@@ -11,9 +11,11 @@
 #include "formats/base/error.h"
 #include "formats/recording/recording.h"
 #include "runtime/command/commands.h"
+#include "runtime/command/device_options.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
+#include "runtime/run/surface_file.h"
 
 namespace palpate {
 namespace {
@@ -30,6 +32,7 @@ struct Flags {
   std::vector<std::string> flight_recorders;
   std::vector<std::string> devices;
   bool json = false;
+  SurfaceFiles surface;
   SimulationOptions options;
 };
 
@@ -111,8 +114,11 @@ bool is_streamed(const Flags& flags) {
          (flags.stream == "auto" && !missing && bytes > kStreamFrom);
 }
 
-std::vector<SimulationReport> render(const Flags& flags) {
-  const std::vector<SimulationOptions> tools = tools_of(flags);
+std::vector<SimulationReport> render(const Flags& flags, const SurfaceState& surface) {
+  std::vector<SimulationOptions> tools = tools_of(flags);
+  for (SimulationOptions& tool : tools) {
+    tool.surface = surface;
+  }
   if (is_streamed(flags)) {
     const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
                                                  static_cast<double>(kMebibyte));
@@ -138,8 +144,10 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
 }
 
 void run(const Flags& flags) {
-  const std::vector<SimulationReport> reports = render(flags);
+  const SurfaceState surface = begin_surface(flags.surface, flags.database);
+  const std::vector<SimulationReport> reports = render(flags, surface);
   print(flags, reports);
+  leave_surface(flags.surface, surface, reports);
   for (const SimulationReport& report : reports) {
     throw_what_ended(report);
   }
@@ -202,6 +210,7 @@ void add_simulate_command(Command app) {
       .show_default();
   command.add_option("--cpu", options.cpu,
                      "Keep the fast thread on this CPU (--clock real)");
+  add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {
     run(*flags);

@@ -17,6 +17,7 @@
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/render_run.h"
+#include "runtime/run/replay.h"
 #include "runtime/run/run_outcome.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/page_assets.h"
@@ -38,6 +39,7 @@ struct Flags {
   double seconds = 3600.0;  // of a device's run
   bool limit_stiffness = false;
   bool fast_hz_given = false;
+  SurfaceFiles surface;
   ViewSessionOptions options;
   DeviceFlags device;
 };
@@ -85,10 +87,22 @@ void check_stiffness_scale(double scale) {
   }
 }
 
+// @throws InputError for files of a body that has none itself.
+SurfaceState begin(const Flags& flags) {
+  const bool any = !flags.surface.in.empty() || !flags.surface.out.empty();
+  if (any && flags.database.empty()) {
+    throw InputError("--surface-in and --surface-out need a database file");
+  }
+  return begin_surface(flags.surface, flags.database);
+}
+
 // The page steers, on simulated time.
 void steer(const Flags& flags, const ResponseDatabase& database) {
   ViewSessionOptions options = flags.options;
   options.model = requested_model(flags.model);
+  SurfaceState surface = begin(flags);
+  const std::string tool = find_tool(database, options.tool).tool.name;
+  options.surface = surface_of(surface, tool);
   ViewSession session(database, options);
   check_stiffness_scale(flags.stiffness_scale);
   session.set_stiffness_scale(flags.stiffness_scale);
@@ -105,6 +119,10 @@ void steer(const Flags& flags, const ResponseDatabase& database) {
   const std::atomic<bool>& stop = heed_stop_signals();
   say_where(server);
   server.run(stop);
+  if (!flags.surface.out.empty()) {
+    surface.tool[tool] = session.yielded();
+    write_surface_state(flags.surface.out, surface);
+  }
 }
 
 SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
@@ -118,6 +136,7 @@ SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
   options.force_max_n = flags.options.force_max_n;
   options.limit_stiffness = flags.limit_stiffness;
   options.watch = &ticks;
+  options.surface = begin(flags);
   attach_device(flags.device, options);
   return options;
 }
@@ -156,6 +175,7 @@ void watch(Flags& flags, const ResponseDatabase& database) {
   }
   const SimulationReport report = run.get();
   fmt::print("{}", summary(report));
+  leave_surface(flags.surface, options.surface, std::span(&report, 1));
   throw_what_ended(report);
 }
 
@@ -195,6 +215,7 @@ void add_view_command(Command app) {
       .add_option("--stiffness-scale", flags->stiffness_scale,
                   "Forces are multiplied by it, at the start")
       .show_default();
+  add_surface_options(command, flags->surface);
   add_device_options(command, flags->device);
   command.add_option("--seconds", flags->seconds, "Duration of a device's run [s]")
       .show_default();

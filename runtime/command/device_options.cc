@@ -64,6 +64,13 @@ void add_device_options(Command command, DeviceFlags& flags) {
       .one_value_each();
 }
 
+void add_surface_options(Command command, SurfaceFiles& files) {
+  command.add_option("--surface-in", files.in,
+                     "Begin with the dents and the softening of this file");
+  command.add_option("--surface-out", files.out,
+                     "Write the dents and the softening there when the run is over");
+}
+
 void attach_device(DeviceFlags& flags, SimulationOptions& options) {
   flags.request.tell = tell_person;
   flags.request.ask = ask_person;

@@ -7,6 +7,7 @@
 #include "formats/base/command_line.h"
 #include "runtime/attach/device_choice.h"
 #include "runtime/run/render_run.h"
+#include "runtime/run/surface_file.h"
 
 namespace palpate {
 
@@ -20,6 +21,9 @@ struct DeviceFlags {
 
 /// --device and what goes with it. @param flags must outlive the command.
 void add_device_options(Command command, DeviceFlags& flags);
+
+/// --surface-in and --surface-out. @param files must outlive the command.
+void add_surface_options(Command command, SurfaceFiles& files);
 
 /// Says what a person is to do and waits for Enter. @throws Interrupted on a signal,
 /// InputError where standard input ends.

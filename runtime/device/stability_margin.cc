@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/response/press_inversion.h"
+#include "formats/response/yielding.h"
 
 namespace palpate {
 
@@ -22,6 +23,7 @@ RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_m
     make_instantaneous(rendered);
   }
   const ResponseTable& table = pressed ? rendered : stored;
+  const Yielding& yielding = table.viscoelasticity.yielding;
   RenderedStiffness largest;
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     const auto node = static_cast<std::size_t>(i);
@@ -29,8 +31,12 @@ RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_m
     if (curve.force_n.empty()) {
       continue;
     }
-    if (table.stiffness_max_n_per_m[node] > largest.normal_n_per_m) {
-      largest.normal_n_per_m = table.stiffness_max_n_per_m[node];
+    const double stiffness =
+        yielding.empty()
+            ? table.stiffness_max_n_per_m[node]
+            : yielded_stiffness_max_n_per_m(curve, yielding_of(yielding, i));
+    if (stiffness > largest.normal_n_per_m) {
+      largest.normal_n_per_m = stiffness;
       largest.node = i;
     }
     if (table.presliding_m[node] > 0.0) {

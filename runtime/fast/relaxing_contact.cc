@@ -59,13 +59,18 @@ PlacePoint fallen_point(const RelaxingContact& contact, const ElementCache& cach
 Vector2 yielded_slope_j(RelaxingContact& contact, const PlaceCurve& curve, int bundle) {
   BundleContact& b = contact.bundle[static_cast<std::size_t>(bundle)];
   const YieldingPlace& place = contact.yielded;
-  const PlacePoint at_dent = point_at(curve, bundle, b.dent.depth_m, b.dent_pieces);
-  const Real above = place.elastic_depth_m(contact.depth_m) -
-                     place.elastic_depth_m(b.dent.depth_m);
-  return stored_slope_j(place, b.at, b.at_yield, contact.depth_m, contact.turn) -
-         stored_slope_j(place, at_dent, b.at_yield, b.dent.depth_m, contact.turn) -
-         above * carried_slope_n(contact.sites, b.memory) -
-         (b.at.force_n - b.memory.carried_n) * slope_of(place.dent_m);
+  const Real s = b.memory.carried_n;
+  Vector2 slope =
+      stored_slope_j(place, b.at, b.at_yield, contact.depth_m, contact.turn) -
+      (b.at.force_n - s) * slope_of(place.dent_m);
+  if (s > 0.0) {  // else U_e(delta) is zero all around
+    const PlacePoint at_dent = point_at(curve, bundle, b.dent.depth_m, b.dent_pieces);
+    const Real above = place.elastic_depth_m(contact.depth_m) -
+                       place.elastic_depth_m(b.dent.depth_m);
+    slope -= stored_slope_j(place, at_dent, b.at_yield, b.dent.depth_m, contact.turn) +
+             above * carried_slope_n(contact.sites, b.memory);
+  }
+  return slope;
 }
 
 // The whole slope where the surface yields.
@@ -123,7 +128,9 @@ void read_memory(RelaxingContact& contact, const SurfaceMemory& memory,
   }
   for (int b = 0; b < memory.bundles; ++b) {
     BundleContact& bundle = contact.bundle[static_cast<std::size_t>(b)];
-    bundle.memory = blended(contact.sites, b);
+    if (memory.times.terms > 0) {
+      bundle.memory = blended(contact.sites, b);
+    }
     bundle.solved = false;
     bundle.near_dent.high_m = bundle.near_dent.low_m;
   }

@@ -33,7 +33,7 @@ double depth_of(const CurveView& curve, double force_n) {
 }  // namespace
 
 ViewDents::ViewDents(const ResponseTable& table) {
-  if (table.viscoelasticity.empty()) {
+  if (!table.viscoelasticity.remembers()) {
     return;
   }
   table_ = table;
@@ -56,7 +56,11 @@ ViewDents::ViewDents(const ResponseTable& table) {
 
 std::vector<NodeDent> ViewDents::at(const std::vector<SurfaceDent>& dents,
                                     double stiffness_scale) const {
-  std::map<std::int32_t, double> carried_n;  // by node
+  struct Blend {
+    double carried_n = 0.0;
+    double stays_m = 0.0;
+  };
+  std::map<std::int32_t, Blend> blend;  // by node
   const MemorySites& sites = table_.viscoelasticity.sites;
   for (const SurfaceDent& dent : dents) {
     for (const std::int32_t node : readers_[static_cast<std::size_t>(dent.site)]) {
@@ -66,14 +70,17 @@ std::vector<NodeDent> ViewDents::at(const std::vector<SurfaceDent>& dents,
                       ? static_cast<double>(sites.weight(node, k))
                       : 0.0;
       }
-      carried_n[node] += weight * dent.carried_n;
+      blend[node].carried_n += weight * dent.carried_n;
+      blend[node].stays_m += weight * dent.stays_m;
     }
   }
   std::vector<NodeDent> all;
-  for (const auto& [node, force_n] : carried_n) {
+  for (const auto& [node, at] : blend) {
     const CurveView curve = table_.curve(node);
-    if (force_n > 0.0 && !curve.depth_m.empty()) {
-      const double depth_m = depth_of(curve, force_n / stiffness_scale);
+    if (!curve.depth_m.empty()) {
+      const double depth_m =
+          at.stays_m +
+          (at.carried_n > 0.0 ? depth_of(curve, at.carried_n / stiffness_scale) : 0.0);
       if (depth_m > kShallow * table_.depth_max_m()) {
         all.push_back({node, depth_m});
       }

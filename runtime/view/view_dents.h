@@ -1,4 +1,4 @@
-// The dents that a body which relaxes keeps, at the nodes of its surface.
+// The dents that a body keeps, for a while or for good, at the nodes of its surface.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,12 @@ struct NodeDent {
 
 class ViewDents {
  public:
-  /// @param table whose curves are copied as they are rendered; static: no dents.
+  /// @param table whose curves are copied as they are rendered; if neither relaxes nor
+  /// yields: no dents.
   explicit ViewDents(const ResponseTable& table);
 
-  /// Depth at which each node's response is what its sites carry; shallower ones than a
-  /// hundredth of the largest depth are left out. By node.
+  /// Depth at which each node's response is what its sites carry, under the dent that
+  /// stays; shallower ones than a hundredth of the largest depth are left out. By node.
   /// @param stiffness_scale [-] > 0 that forces are multiplied by.
   [[nodiscard]] std::vector<NodeDent> at(const std::vector<SurfaceDent>& dents,
                                          double stiffness_scale) const;

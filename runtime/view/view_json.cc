@@ -251,6 +251,7 @@ std::string body_text(const ViewedBody& body) {
        {"left_out", provenance.left_out},
        {"tool", tool_json(body)},
        {"relaxes", !body.table.viscoelasticity.empty()},
+       {"yields", !body.table.viscoelasticity.yielding.empty()},
        {"displacement_fields", body.table.displacement.node.size()},
        {"models", models},
        {"depth_max_m", body.table.depth_max_m()},

@@ -90,6 +90,7 @@ void ViewSession::start(const Eigen::Vector3d& at_m) {
   fast_ = std::make_unique<FastProcess>(fast_config(options_, table_.tool), *device_,
                                         *exchange_,
                                         TickOutputs{.telemetry = telemetry_.get()});
+  fast_->begin_with(options_.surface);
   fast_deadlines_ = Deadlines(clock_.now_ns(), options_.fast_hz);
   slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
   latest_ = {};

@@ -30,6 +30,7 @@ struct ViewSessionOptions {
   double slow_hz = 100.0;    ///< [Hz] [1, fast_hz]
   double force_max_n = 8.0;  ///< [N] > 0
   SimulatedDeviceConfig device = {};
+  std::vector<YieldedRow> surface = {};  ///< what had yielded before
 };
 
 /// One thread. Time passes in advance() alone.
@@ -52,7 +53,8 @@ class ViewSession {
   /// Fast ticks pass, unless a fault has ended the run.
   void advance(std::int64_t ticks);
 
-  /// A new run: clear of the body, faults and accounts gone, settings kept.
+  /// A new run: clear of the body, faults and accounts gone, settings kept. The body is
+  /// as it was at the start of the session: new dents are gone.
   void reset();
 
   [[nodiscard]] bool holding() const noexcept { return holding_; }
@@ -72,7 +74,10 @@ class ViewSession {
 
   [[nodiscard]] ViewContact contact() const;
 
-  /// What of earlier presses has not recovered, of a body that relaxes.
+  /// What has yielded until now.
+  [[nodiscard]] std::vector<YieldedRow> yielded() const { return fast_->yielded(); }
+
+  /// What of earlier presses has not recovered, or never will.
   [[nodiscard]] std::vector<NodeDent> dents() const {
     return dents_.at(fast_->dents(), stiffness_scale());
   }

@@ -1,0 +1,39 @@
+#include "runtime/run/surface_file.h"
+
+#include <filesystem>
+
+#include "formats/base/atomic_file.h"
+#include "formats/recording/recording.h"
+
+namespace palpate {
+
+SurfaceState begin_surface(const SurfaceFiles& files, const std::string& database) {
+  if (files.in.empty() && files.out.empty()) {
+    return {};
+  }
+  if (!files.out.empty()) {
+    const AtomicFile place(files.out);  // said before the run, not after it
+  }
+  SurfaceState surface;
+  const std::string sha256 = database_sha256(database);
+  if (!files.in.empty()) {
+    surface = read_surface_state(files.in, sha256, database);
+  }
+  surface.writer = "palpate-run " PALPATE_VERSION;
+  surface.database = std::filesystem::path(database).filename().string();
+  surface.database_sha256 = sha256;
+  return surface;
+}
+
+void leave_surface(const SurfaceFiles& files, SurfaceState surface,
+                   std::span<const SimulationReport> reports) {
+  if (files.out.empty()) {
+    return;
+  }
+  for (const SimulationReport& report : reports) {
+    surface.tool[report.tool] = report.render.surface;
+  }
+  write_surface_state(files.out, surface);
+}
+
+}  // namespace palpate
