@@ -65,7 +65,8 @@ void print(const ToolDifference& tool) {
       "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
       "the force held{}\n",
       tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation,
-      tool.same_memory ? "" : "; memory: other sites, bundles, kind of curve or yielding");
+      tool.same_memory ? ""
+                       : "; memory: other sites, bundles, kind of curve or yielding");
   if (tool.compared > 0) {
     fmt::print(
         "stated     {:.1f} % of nodes differ by no more than the first's stated error, "

@@ -69,12 +69,11 @@ Json yielding_json(const ToolSummary& tool) {
     return nullptr;
   }
   Json json{{"text", tool.yielding}, {"sites", tool.memory_sites}};
-  for_each_dataset(tool.viscoelasticity.yielding,
-                   [&](const std::string& name, const char* /*units*/,
-                       const std::vector<double>& values) {
-                     json[name.substr(1)] =
-                         values.size() == 1 ? Json(values[0]) : Json(nullptr);
-                   });
+  for_each_dataset(
+      tool.viscoelasticity.yielding, [&](const std::string& name, const char* /*units*/,
+                                         const std::vector<double>& values) {
+        json[name.substr(1)] = values.size() == 1 ? Json(values[0]) : Json(nullptr);
+      });
   return json;
 }
 

@@ -47,7 +47,8 @@ void add_picture_command(Command app) {
   command
       .add_option(
           "--show", flags->shown,
-          "Colours: stiffness, share of a held force that relaxes, mean time in which it "
+          "Colours: stiffness, share of a held force that relaxes, mean time in which "
+          "it "
           "does, share of a press that stays as a dent, or by how much it softens")
       .one_of({kShownNames.begin(), kShownNames.end()})
       .show_default();

@@ -233,10 +233,10 @@ std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk) {
   add(digest, chunk.g);
   add(digest, chunk.sites.site);
   add(digest, chunk.sites.weight);
-  for_each_dataset(chunk.yielding,
-                   [&](const auto& /*name*/, const auto& /*units*/, const auto& values) {
-                     add(digest, values);
-                   });
+  for_each_dataset(chunk.yielding, [&](const auto& /*name*/, const auto& /*units*/,
+                                       const auto& values) {
+    add(digest, values);
+  });
   return bytes_of(digest);
 }
 

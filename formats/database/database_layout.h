@@ -215,12 +215,12 @@ template <typename File, typename Rows>
 void exchange_yielding(File& file, const std::string& tool, Rows& yielding) {
   const bool dents = file.optional_group(tool + "/plastic", !yielding.share.empty());
   const bool softens = file.optional_group(tool + "/damage", !yielding.largest.empty());
-  for_each_dataset(yielding, [&](const std::string& name, const char* units,
-                                 auto& values) {
-    if (name.starts_with("/plastic") ? dents : softens) {
-      file.dataset(tool + name, units, values);
-    }
-  });
+  for_each_dataset(yielding,
+                   [&](const std::string& name, const char* units, auto& values) {
+                     if (name.starts_with("/plastic") ? dents : softens) {
+                       file.dataset(tool + name, units, values);
+                     }
+                   });
 }
 
 template <typename File, typename Relaxation>

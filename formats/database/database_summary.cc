@@ -121,7 +121,8 @@ std::string describe_memory(const ToolSummary& tool) {
 }
 
 std::string doubts_of_memory(const ToolSummary& tool) {
-  if ((tool.viscoelasticity.empty() && tool.yielding.empty()) || tool.depth_max_m == 0.0) {
+  if ((tool.viscoelasticity.empty() && tool.yielding.empty()) ||
+      tool.depth_max_m == 0.0) {
     return {};
   }
   if (tool.memory_sites == 0) {

@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-/// The table's responses relax and yield so, and the surface remembers them at sites two contact
-/// radii apart (memory_sites.h). Nothing where neither is
-/// so, or there is no response. Cuts of bundles lie at (i / bundles)^1.5 of the largest depth: closer
+/// The table's responses relax and yield so, and the surface remembers them at sites
+/// two contact radii apart (memory_sites.h). Nothing where neither is so, or there is
+/// no response. Cuts of bundles lie at (i / bundles)^1.5 of the largest depth: closer
 /// where curves bend more.
 /// @param relaxation but for sites and bundles.
 /// @param bundles [1, kMostBundles]

@@ -58,7 +58,8 @@ void check_shares(const std::string& path, const RowsOf<float>& g, std::int64_t 
 }
 
 // Either all datasets of a group, or none.
-void require_together(const std::string& group, std::initializer_list<std::size_t> rows) {
+void require_together(const std::string& group,
+                      std::initializer_list<std::size_t> rows) {
   const auto some = std::count_if(rows.begin(), rows.end(), [](std::size_t n) {
     return n > 0;
   });
@@ -131,8 +132,8 @@ void check_yielding(const std::string& tool, const Yielding& yielding,
     const bool scale = name.ends_with("scale_m");
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double value = values[i];
-      const bool right = share ? value >= 0.0 && value < 1.0
-                               : value >= 0.0 && value <= kLargest;
+      const bool right =
+          share ? value >= 0.0 && value < 1.0 : value >= 0.0 && value <= kLargest;
       if (!right || (scale && !(value > 0.0))) {
         fail("{}: row {} has {}, must {}", path,
              static_cast<std::int64_t>(i) + (rows > 1 ? first : 0), value,

@@ -53,9 +53,9 @@ struct JobDescription {
   /// The same at every node of every tool: times and one row of shares; else empty.
   Viscoelasticity relaxation = {};
   std::vector<Yielding> yielding = {};  ///< by tool, rows for all vertices
-  std::int64_t bundles = 1;   ///< of responses that relax
-  std::string left_out = {};  ///< of every response; counts are added to it
-  Provenance provenance;      ///< but `left_out`
+  std::int64_t bundles = 1;             ///< of responses that relax
+  std::string left_out = {};            ///< of every response; counts are added to it
+  Provenance provenance;                ///< but `left_out`
 };
 
 [[nodiscard]] std::vector<std::byte> to_bytes(const WorkUnitOutcome& unit);

@@ -304,7 +304,8 @@ Recording read_recording(const fs::path& file) {
   recording.header = reader.header();
   recording.ended = reader.has("ended");
   if (reader.has_surface()) {
-    recording.header.surface = reader.rows<YieldedRow>(recording::kSurfaceColumns, true);
+    recording.header.surface =
+        reader.rows<YieldedRow>(recording::kSurfaceColumns, true);
     check_yielded(recording.header.surface, fmt::format("{}: /surface", file.string()));
   }
   recording.tick = reader.rows<TickRecord>(recording::kTickColumns, recording.ended);

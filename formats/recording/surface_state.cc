@@ -41,10 +41,10 @@ std::vector<YieldedRow> rows_of(const Hdf5Reader& file, const std::string& tool,
                                 const Columns& columns) {
   const std::size_t count = columns.site.size();
   if (columns.dent_m.size() != count || columns.softened_m.size() != count) {
-    file.fail(fmt::format("/tools/{}: datasets have {}, {} and {} rows, must have as "
-                          "many",
-                          tool, count, columns.dent_m.size(),
-                          columns.softened_m.size()));
+    file.fail(
+        fmt::format("/tools/{}: datasets have {}, {} and {} rows, must have as "
+                    "many",
+                    tool, count, columns.dent_m.size(), columns.softened_m.size()));
   }
   std::vector<YieldedRow> rows;
   for (std::size_t i = 0; i < count; ++i) {
@@ -103,8 +103,8 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
   std::int64_t version = 0;
   in.attribute("/", "format", format);
   if (format != kFormat) {
-    in.fail(fmt::format("attribute /@format is {:?}, must be {:?}", format.substr(0, 80),
-                        kFormat));
+    in.fail(fmt::format("attribute /@format is {:?}, must be {:?}",
+                        format.substr(0, 80), kFormat));
   }
   in.attribute("/", "format_version", version);
   if (version != kSurfaceStateVersion) {
@@ -129,7 +129,8 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
 }
 
 SurfaceState read_surface_state(const std::filesystem::path& file,
-                                const std::string& sha256, const std::string& database) {
+                                const std::string& sha256,
+                                const std::string& database) {
   SurfaceState state = read_surface_state(file);
   if (state.database_sha256 != sha256) {
     throw InputError(fmt::format(

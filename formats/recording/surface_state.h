@@ -14,9 +14,9 @@ constexpr std::int64_t kSurfaceStateVersion = 1;  ///< readers refuse any other
 
 /// A site of the surface that has yielded.
 struct YieldedRow {
-  std::int32_t site = -1;    ///< number in the database, >= 0
-  double dent_m = 0.0;       ///< [m] >= 0 depth that stays, along the normal
-  double softened_m = 0.0;   ///< [m] >= 0 depth up to which its curve has softened
+  std::int32_t site = -1;   ///< number in the database, >= 0
+  double dent_m = 0.0;      ///< [m] >= 0 depth that stays, along the normal
+  double softened_m = 0.0;  ///< [m] >= 0 depth up to which its curve has softened
 
   [[nodiscard]] bool operator==(const YieldedRow&) const = default;
 };

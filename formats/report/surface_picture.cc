@@ -130,9 +130,9 @@ SurfaceMap map_of(const ResponseTable& table, Shown what) {
     const Yielding& yielding = table.viscoelasticity.yielding;
     const bool dents = what == Shown::kDents;
     if ((dents ? yielding.share : yielding.largest).empty()) {
-      throw InputError(fmt::format("the responses of tool {:?} {}: there is nothing to show",
-                                   table.tool.name,
-                                   dents ? "leave no dents" : "do not soften"));
+      throw InputError(
+          fmt::format("the responses of tool {:?} {}: there is nothing to show",
+                      table.tool.name, dents ? "leave no dents" : "do not soften"));
     }
     return dents ? dent_map(table) : softening_map(table);
   }
@@ -171,7 +171,7 @@ std::string surface_picture(const ResponseDatabase& database,
   if (!shown.empty()) {
     svg += draw_colour_bar(map);
     svg += !shows_relaxation(what) ? draw_curves(table, map, shown, kPlot)
-                                     : draw_relaxation(table, map, shown, kPlot);
+                                   : draw_relaxation(table, map, shown, kPlot);
   }
   return svg.append("</svg>\n");
 }

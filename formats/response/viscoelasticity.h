@@ -35,10 +35,12 @@ struct MemorySites {
 /// How responses yield for good (yielding.h): a row for all nodes alike, or (n).
 struct Yielding {
   std::vector<double> yield_depth_m = {};  ///< [m] >= 0 past which dents stay ...
-  std::vector<double> share = {};    ///< [-] [0, 1) ... and how much of it; none: no dents
+  std::vector<double> share =
+      {};  ///< [-] [0, 1) ... and how much of it; none: no dents
   std::vector<double> onset_m = {};  ///< [m] >= 0 past which curves soften ...
   std::vector<double> scale_m = {};  ///< [m] > 0 ... over this depth ...
-  std::vector<double> largest = {};  ///< [-] [0, 1) ... by at most this; none: they do not
+  std::vector<double> largest =
+      {};  ///< [-] [0, 1) ... by at most this; none: they do not
 
   [[nodiscard]] bool empty() const noexcept { return share.empty() && largest.empty(); }
 };

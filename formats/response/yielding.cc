@@ -20,18 +20,18 @@ constexpr double kBeforeOnset = 1e-6;
 // 1 - omega, as the fast step has it.
 double share_left(const NodeYielding& node, double deepest_m) {
   const double past = deepest_m - node.onset_m;
-  return past > 0.0
-             ? 1.0 - node.largest + node.largest * std::exp(-past / node.scale_m)
-             : 1.0;
+  return past > 0.0 ? 1.0 - node.largest + node.largest * std::exp(-past / node.scale_m)
+                    : 1.0;
 }
 
 // f / (1 - omega) at a depth, and its slope on the deeper side.
 ResponseSample undamaged(const CurveView& curve, const NodeYielding& node, double d) {
   const ResponseSample at = curve.at(d);
   const double left = share_left(node, d);
-  const double growing = d < node.onset_m ? 0.0
-                                          : node.largest / node.scale_m *
-                                                std::exp(-(d - node.onset_m) / node.scale_m);
+  const double growing =
+      d < node.onset_m
+          ? 0.0
+          : node.largest / node.scale_m * std::exp(-(d - node.onset_m) / node.scale_m);
   return {at.force_n / left,
           (at.stiffness_n_per_m + at.force_n * growing / left) / left, 0.0, false};
 }

@@ -12,12 +12,12 @@ namespace palpate::scene_parts {
 namespace {
 
 constexpr std::string_view kToolKeys[] = {
-    "name",         "shape",    "radius_m",    "edge_radius_m", "half_angle_deg",
-    "tip_radius_m", "length_m", "mesh",        "length_unit",   "axis",
-    "contact",      "friction", "presliding_m", "plastic",      "damage"};
-constexpr std::string_view kSharedKeys[] = {"name",     "shape",        "axis",
-                                            "contact",  "friction",     "presliding_m",
-                                            "plastic",  "damage"};
+    "name",         "shape",    "radius_m",     "edge_radius_m", "half_angle_deg",
+    "tip_radius_m", "length_m", "mesh",         "length_unit",   "axis",
+    "contact",      "friction", "presliding_m", "plastic",       "damage"};
+constexpr std::string_view kSharedKeys[] = {"name",    "shape",    "axis",
+                                            "contact", "friction", "presliding_m",
+                                            "plastic", "damage"};
 constexpr std::string_view kSphereKeys[] = {"radius_m"};
 constexpr std::string_view kPunchKeys[] = {"radius_m", "edge_radius_m"};
 constexpr std::string_view kConeKeys[] = {"half_angle_deg", "tip_radius_m", "length_m"};

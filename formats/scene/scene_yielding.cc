@@ -9,9 +9,8 @@ SceneYielding read_yielding(const SceneSection& section) {
   SceneYielding yielding;
   if (section.find("plastic") != nullptr) {
     const SceneSection plastic = section.table("plastic", kPlasticKeys);
-    yielding.plastic = {
-        .yield_depth_m = plastic.number("yield_depth_m", kNotNegative),
-        .share = plastic.number("share", kBelowOne)};
+    yielding.plastic = {.yield_depth_m = plastic.number("yield_depth_m", kNotNegative),
+                        .share = plastic.number("share", kBelowOne)};
   }
   if (section.find("damage") != nullptr) {
     const SceneSection damage = section.table("damage", kDamageKeys);

@@ -1,33 +1,16 @@
 #include "precompute/press/node_yielding.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <functional>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
 #include "formats/response/memory_sites.h"
+#include "precompute/surface/winding_number.h"
 
 namespace palpate {
 namespace {
-
-// Whether a closed surface, outside out, is around a point: its solid angle is 4 pi.
-bool surrounds(const SurfaceMesh& surface, const Eigen::Vector3d& p) {
-  double angle = 0.0;
-  for (Eigen::Index i = 0; i < surface.triangle.rows(); ++i) {
-    const auto corner = [&](Eigen::Index k) -> Eigen::Vector3d {
-      return surface.position_m.row(surface.triangle(i, k)).transpose() - p;
-    };
-    const Eigen::Vector3d a = corner(0);
-    const Eigen::Vector3d b = corner(1);
-    const Eigen::Vector3d c = corner(2);
-    const double below = a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
-                         b.dot(c) * a.norm() + c.dot(a) * b.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)), below);
-  }
-  return std::abs(angle) > 2.0 * std::numbers::pi;
-}
 
 double box_m3(const SurfaceMesh& surface) {
   return (surface.position_m.colwise().maxCoeff() -
@@ -91,7 +74,9 @@ Yielding columns_of(const std::vector<const SceneYielding*>& of_node, double mos
     return std::any_of(of_node.begin(), of_node.end(), has);
   };
   Yielding all;
-  if (any([](const SceneYielding* y) { return y->plastic && y->plastic->share > 0.0; })) {
+  if (any([](const SceneYielding* y) {
+        return y->plastic && y->plastic->share > 0.0;
+      })) {
     for (const SceneYielding* node : of_node) {
       const ScenePlastic plastic =
           node->plastic.value_or(ScenePlastic{.yield_depth_m = most_m});
@@ -99,10 +84,12 @@ Yielding columns_of(const std::vector<const SceneYielding*>& of_node, double mos
       all.share.push_back(plastic.share);
     }
   }
-  if (any([](const SceneYielding* y) { return y->damage && y->damage->largest > 0.0; })) {
+  if (any([](const SceneYielding* y) {
+        return y->damage && y->damage->largest > 0.0;
+      })) {
     for (const SceneYielding* node : of_node) {
-      const SceneDamage damage = node->damage.value_or(
-          SceneDamage{.onset_m = most_m, .scale_m = most_m});
+      const SceneDamage damage =
+          node->damage.value_or(SceneDamage{.onset_m = most_m, .scale_m = most_m});
       all.onset_m.push_back(damage.onset_m);
       all.scale_m.push_back(damage.scale_m);
       all.largest.push_back(damage.largest);
@@ -126,7 +113,7 @@ std::int32_t region_of(const BodySource& body, const Eigen::Vector3d& p_m) {
   for (std::size_t i = 0; i < body.inner.size(); ++i) {
     const SurfaceMesh& surface = body.inner[i].surface;
     const double size_m3 = box_m3(surface);
-    if (!body.inner[i].cavity && surrounds(surface, p_m) &&
+    if (!body.inner[i].cavity && winding_number(surface, p_m) > 0.5 &&
         (region == 0 || size_m3 < smallest_m3)) {
       region = static_cast<std::int32_t>(i) + 1;
       smallest_m3 = size_m3;
@@ -149,15 +136,13 @@ std::vector<Yielding> node_yielding(const Scene& scene, const BodySource& body) 
     const SceneYielding own =
         t < scene.tool_yielding.size() ? scene.tool_yielding[t] : SceneYielding{};
     require_within(scene, own, fmt::format("[[tool]] {:?}", scene.tool[t].name));
-    const double under_m =
-        0.5 * contact_radius_m(body.tool[t]->shape(), 0.5 * most_m);
+    const double under_m = 0.5 * contact_radius_m(body.tool[t]->shape(), 0.5 * most_m);
     std::vector<SceneYielding> merged;
     for (Eigen::Index v = 0; v < body.normal.rows(); ++v) {
       const Eigen::Vector3d p_m =
           (body.surface.position_m.row(v) - under_m * body.normal.row(v)).transpose();
-      const SceneYielding& under = own.plastic && own.damage
-                                       ? own
-                                       : material_under(scene, body, p_m);
+      const SceneYielding& under =
+          own.plastic && own.damage ? own : material_under(scene, body, p_m);
       merged.push_back({.plastic = own.plastic ? own.plastic : under.plastic,
                         .damage = own.damage ? own.damage : under.damage});
     }

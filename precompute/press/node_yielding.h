@@ -2,8 +2,7 @@
 //
 // What a tool says of itself holds for all of its nodes. Else a node takes the material
 // that lies under it, half a contact radius deep along its normal, where the shear of a
-// ball's contact is largest (Hertz: 0.48 a; Johnson 1985, 4.2); a cavity counts as what
-// it lies in.
+// ball's contact is largest (0.48 a; Johnson 1985); a cavity counts as what it lies in.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +16,9 @@
 namespace palpate {
 
 /// Region of a point of the body: 0 the body itself, i + 1 inside inner surface i and
-/// not deeper. By the solid angle of each surface (van Oosterom & Strackee 1983).
-[[nodiscard]] std::int32_t region_of(const BodySource& body, const Eigen::Vector3d& p_m);
+/// not deeper; cavities are passed over.
+[[nodiscard]] std::int32_t region_of(const BodySource& body,
+                                     const Eigen::Vector3d& p_m);
 
 /// By tool; one row where all nodes have the same, none where nothing yields.
 /// @throws InputError for a yield depth or an onset past the scene's largest depth:

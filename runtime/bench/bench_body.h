@@ -27,9 +27,9 @@ struct BenchBodyOptions {
   double friction_max = 0.0;    ///< [-] per node in between
   double presliding_m = 5e-4;   ///< [m] delta_L of every node
   double touch_offset_m = 0.0;  ///< [m] largest touch offset, either sign
-  std::vector<double> relaxing = {};      ///< [-] g_k of every node; none: static
-  std::vector<double> relaxation_s = {};  ///< [s] tau_k, as many
-  int bundles = 1;                        ///< that every curve is cut into
+  std::vector<double> relaxing = {};          ///< [-] g_k of every node; none: static
+  std::vector<double> relaxation_s = {};      ///< [s] tau_k, as many
+  int bundles = 1;                            ///< that every curve is cut into
   std::optional<NodeYielding> yielding = {};  ///< of every node; none: nothing yields
   /// [-] >= 1; 1: every node is a memory site, else every so many along both sides.
   int cells_per_site = 1;

@@ -31,10 +31,9 @@ RenderedStiffness rendered_stiffness(const ResponseTable& stored, double force_m
     if (curve.force_n.empty()) {
       continue;
     }
-    const double stiffness =
-        yielding.empty()
-            ? table.stiffness_max_n_per_m[node]
-            : yielded_stiffness_max_n_per_m(curve, yielding_of(yielding, i));
+    const double stiffness = yielding.empty() ? table.stiffness_max_n_per_m[node]
+                                              : yielded_stiffness_max_n_per_m(
+                                                    curve, yielding_of(yielding, i));
     if (stiffness > largest.normal_n_per_m) {
       largest.normal_n_per_m = stiffness;
       largest.node = i;

@@ -27,8 +27,8 @@ bool is_depth(Real value) {
 bool yields_well(const NodeMemory& node) {
   return is_depth(node.yield_depth_m) && is_depth(node.onset_m) &&
          is_depth(node.soft_scale_m) && node.soft_scale_m > 0.0 &&
-         node.dent_share >= 0.0 && node.dent_share < 1.0 &&
-         node.soft_most >= 0.0 && node.soft_most < 1.0;
+         node.dent_share >= 0.0 && node.dent_share < 1.0 && node.soft_most >= 0.0 &&
+         node.soft_most < 1.0;
 }
 
 bool well_formed(const Element& element) {
@@ -81,9 +81,11 @@ bool well_formed(const ElementMemory& memory) noexcept {
                      }) == tau.end();
   const bool lasts =
       tau.empty() || (tau.front() > 0.0 && rises && std::isfinite(tau.back()));
-  return lasts && std::all_of(memory.node.begin(), memory.node.end(),
+  return lasts &&
+         std::all_of(memory.node.begin(), memory.node.end(),
                      [&](const NodeMemory& node) {
-                       return is_share(node.weight) && is_share(node.relaxing) && yields_well(node) &&
+                       return is_share(node.weight) && is_share(node.relaxing) &&
+                              yields_well(node) &&
                               std::is_sorted(node.cut_m.begin(),
                                              node.cut_m.begin() + memory.bundles - 1);
                      });

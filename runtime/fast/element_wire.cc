@@ -138,8 +138,8 @@ bool well_formed(const ElementNode& node) {
 }
 
 bool well_formed(const Element& element, const Head& head) {
-  return head.version == kWireVersion && head.flags <= (kActive | kYields) && element.sequence > 0 &&
-         element.triangle >= 0 && well_formed(element.memory) &&
+  return head.version == kWireVersion && head.flags <= (kActive | kYields) &&
+         element.sequence > 0 && element.triangle >= 0 && well_formed(element.memory) &&
          std::all_of(element.node.begin(), element.node.end(),
                      [](const ElementNode& node) {
                        return well_formed(node);

@@ -164,14 +164,14 @@ double write(RelaxingContact& contact, const Step& step) {
     BundleContact& b = contact.bundle[index(i)];
     const Start& start = step.start[index(i)];
     const YieldingPlace& yielded = contact.yielded;
-    const Real from_m = yielded.elastic_depth_m(start.touched ? contact.depth_m
-                                                              : start.dent.depth_m);
+    const Real from_m =
+        yielded.elastic_depth_m(start.touched ? contact.depth_m : start.dent.depth_m);
     const TermValues went = b.memory.relaxed_n.value - start.relaxed_n;
     TermValues above;
     for (Eigen::Index k = 0; k < above.size(); ++k) {
-      above(k) = std::max(
-          Real(0.0),
-          (from_m - yielded.elastic_depth_m(b.relaxed_depth_m(k))) * went(k));
+      above(k) =
+          std::max(Real(0.0),
+                   (from_m - yielded.elastic_depth_m(b.relaxed_depth_m(k))) * went(k));
     }
     lost += double{
         (contact.sites.place_relaxing.value * (Real(1.0) - step.share) * above).sum()};

@@ -65,8 +65,8 @@ Vector2 yielded_slope_j(RelaxingContact& contact, const PlaceCurve& curve, int b
       (b.at.force_n - s) * slope_of(place.dent_m);
   if (s > 0.0) {  // else U_e(delta) is zero all around
     const PlacePoint at_dent = point_at(curve, bundle, b.dent.depth_m, b.dent_pieces);
-    const Real above = place.elastic_depth_m(contact.depth_m) -
-                       place.elastic_depth_m(b.dent.depth_m);
+    const Real above =
+        place.elastic_depth_m(contact.depth_m) - place.elastic_depth_m(b.dent.depth_m);
     slope -= stored_slope_j(place, at_dent, b.at_yield, b.dent.depth_m, contact.turn) +
              above * carried_slope_n(contact.sites, b.memory);
   }
@@ -84,10 +84,9 @@ Vector2 yielded_slope_j(RelaxingContact& contact, const ElementCache& cache) {
   }
   if (contact.nodes.any_falls) {
     const PlacePoint at = fallen_point(contact, cache, contact.depth_m);
-    slope += stored_slope_j(
-                 contact.yielded, at,
-                 fallen_point(contact, cache, contact.yielded.yield_m.value),
-                 contact.depth_m, contact.turn) -
+    slope += stored_slope_j(contact.yielded, at,
+                            fallen_point(contact, cache, contact.yielded.yield_m.value),
+                            contact.depth_m, contact.turn) -
              at.force_n * slope_of(contact.yielded.dent_m);
   }
   return slope;

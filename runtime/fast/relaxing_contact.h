@@ -18,9 +18,9 @@
 // A curve that is cut into bundles (place_curve.h) has all of this for each of them.
 // Here is the response at frozen memory; relaxation_step.h lets time pass.
 //
-// Where the surface yields (yielding_place.h), p and U are those of the elastic response
-// at the depth e = y - D: depths of the curve are l, distances and energies are taken
-// in e. yield_step.h raises what has yielded.
+// Where the surface yields (yielding_place.h), p and U are those of the elastic
+// response at the depth e = y - D: depths of the curve are l, distances and energies
+// are taken in e. yield_step.h raises what has yielded.
 #pragma once
 
 #include <algorithm>
@@ -172,9 +172,10 @@ inline Real set_energy(RelaxingContact& contact, const ElementCache& cache,
     const YieldingPlace& yielded = contact.yielded;
     const Real above = yielded.elastic_depth_m(contact.depth_m) -
                        yielded.elastic_depth_m(b.dent.depth_m);
-    b.energy_j = std::max(
-        Real(0.0), elastic_j(contact, b, contact.depth_m, b.at.energy_j) -
-                       elastic_j(contact, b, b.dent.depth_m, b.dent.energy_j) - s * above);
+    b.energy_j =
+        std::max(Real(0.0), elastic_j(contact, b, contact.depth_m, b.at.energy_j) -
+                                elastic_j(contact, b, b.dent.depth_m, b.dent.energy_j) -
+                                s * above);
   }
   return b.energy_j;
 }

@@ -38,8 +38,8 @@ struct SitesAtHand {
   std::array<std::array<Real, 3>, kSitesAtHand> share{};  ///< [-] m_ij
   std::array<TermValues, kSitesAtHand> relaxing;  ///< [-] g_k where it goes back alone
   std::array<std::array<TermValues, kSitesAtHand>, kMemoryBundles> relaxed_n;  ///< [N]
-  std::array<TermValues, 3> corner_relaxing;  ///< [-] g_jk
-  bool uniform = false;                       ///< the same at all corners
+  std::array<TermValues, 3> corner_relaxing;    ///< [-] g_jk
+  bool uniform = false;                         ///< the same at all corners
   std::array<Real, kSitesAtHand> dent_m{};      ///< [m] D_i, where the tool yields
   std::array<Real, kSitesAtHand> softened_m{};  ///< [m]
   // At the place.
@@ -88,8 +88,8 @@ struct BlendedMemory {
 }
 
 /// Sum over sites of weight times value, where they were weighed.
-[[nodiscard]] Turned<Real> blended(const SitesAtHand& sites,
-                                   const std::array<Real, kSitesAtHand>& value) noexcept;
+[[nodiscard]] Turned<Real> blended(
+    const SitesAtHand& sites, const std::array<Real, kSitesAtHand>& value) noexcept;
 
 /// Moves the blended q_k of a bundle by a share of their way to a target: exactly, and
 /// through sites on this side of it, none of which passes it. Site i goes

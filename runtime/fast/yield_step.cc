@@ -16,7 +16,8 @@ using SiteValues = std::array<Real, kSitesAtHand>;
 using SiteRows = std::array<int, kSitesAtHand>;
 
 // Raises values until their blend is the target or all are there; none passes it.
-void raise(const SitesAtHand& sites, const SiteRows& row, Real target, SiteValues& value) {
+void raise(const SitesAtHand& sites, const SiteRows& row, Real target,
+           SiteValues& value) {
   std::array<std::size_t, kSitesAtHand> mover{};
   std::size_t movers = 0;
   for (std::size_t i = 0; i < sites.count; ++i) {

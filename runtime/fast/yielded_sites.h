@@ -32,7 +32,7 @@ struct YieldedSite {
 /// A site lies in the row of its number, or in one of the next that was free then.
 struct YieldedSites {
   std::array<YieldedSite, kYieldedSites> row;
-  std::int32_t count = 0;      ///< rows that are taken
+  std::int32_t count = 0;     ///< rows that are taken
   std::uint64_t refused = 0;  ///< times that a site got no row
 };
 

@@ -55,9 +55,9 @@ void soften(const YieldingPlace& place, const YieldingNodes& nodes, NodeValues& 
       const auto row = static_cast<Eigen::Index>(j);
       const Real left = nodes.most[j] * std::exp(-x);
       const Real whole = Real(1.0) - nodes.most[j] + left;  // 1 - omega
-      turn.row(row) = whole * turn.row(row) -
-                      (weight(row) * left * nodes.rate_per_m[j]) *
-                          slope_of(m).transpose();
+      turn.row(row) =
+          whole * turn.row(row) -
+          (weight(row) * left * nodes.rate_per_m[j]) * slope_of(m).transpose();
       weight(row) *= whole;
     }
   }
@@ -73,8 +73,8 @@ Vector2 stored_slope_j(const YieldingPlace& place, const PlacePoint& at,
   if (!(r > 0.0)) {
     return along(at);
   }
-  const Real past_j = at_yield.energy_j - at.energy_j +
-                      at.force_n * (l_m - place.yield_m.value);
+  const Real past_j =
+      at_yield.energy_j - at.energy_j + at.force_n * (l_m - place.yield_m.value);
   return r * along(at_yield) + (Real(1.0) - r) * along(at) +
          past_j * slope_of(place.share) +
          (r * (at_yield.force_n - at.force_n)) * slope_of(place.yield_m);

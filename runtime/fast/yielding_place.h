@@ -37,14 +37,14 @@ namespace palpate {
 
 /// What of an element's nodes is the same at every place.
 struct YieldingNodes {
-  bool any = false;              ///< the tool yields
-  bool softens = false;          ///< some of these nodes does
-  std::array<Real, 3> yield_m{};  ///< [m] Y of each, as y
-  std::array<Real, 3> share{};    ///< [-] r
-  std::array<Real, 3> onset_m{};  ///< [m] m_0 of each, as y
+  bool any = false;                  ///< the tool yields
+  bool softens = false;              ///< some of these nodes does
+  std::array<Real, 3> yield_m{};     ///< [m] Y of each, as y
+  std::array<Real, 3> share{};       ///< [-] r
+  std::array<Real, 3> onset_m{};     ///< [m] m_0 of each, as y
   std::array<Real, 3> rate_per_m{};  ///< [1/m] c_j / m_1
-  std::array<Real, 3> most{};     ///< [-] omega_max
-  Real first_onset_m = 0.0;      ///< [m] the least of those that soften
+  std::array<Real, 3> most{};        ///< [-] omega_max
+  Real first_onset_m = 0.0;          ///< [m] the least of those that soften
 };
 
 /// @param nodes of the same element.

@@ -166,9 +166,10 @@ class ToolRun {
   [[nodiscard]] RenderReport report() const {
     RenderReport report = fast_->report();
     const std::vector<SurfaceDent> dents = fast_->dents();
-    report.dents = std::count_if(dents.begin(), dents.end(), [](const SurfaceDent& dent) {
-      return dent.carried_n > 0.0;
-    });
+    report.dents =
+        std::count_if(dents.begin(), dents.end(), [](const SurfaceDent& dent) {
+          return dent.carried_n > 0.0;
+        });
     report.surface = fast_->yielded();
     report.slow_updates = slow_.updates;
     report.slow_missed_deadlines = slow_.missed_deadlines;

@@ -39,16 +39,16 @@ struct RenderReport {
   double dissipated_j = 0.0;  ///< [J] by friction and discarded surplus
   double tank_j = 0.0;        ///< [J] at the end
   double tank_max_j = 0.0;
-  bool relaxes = false;         ///< the body's surface remembers
-  double memory_j = 0.0;        ///< [J] in dents at the end
-  double memory_max_j = 0.0;    ///< [J]
-  double carried_max_n = 0.0;   ///< [N] most that had relaxed of the normal force ...
-  double carried_of_n = 0.0;    ///< [N] ... and what was left of it then
-  std::int64_t dents = 0;       ///< memory sites that have not recovered at the end
-  std::uint64_t forgotten = 0;  ///< dents that gave way to others
-  bool yields = false;               ///< the body leaves dents or softens
-  double yielded_j = 0.0;            ///< [J] dissipated by it
-  std::uint64_t not_yielded = 0;     ///< times that a site had no room to yield
+  bool relaxes = false;           ///< the body's surface remembers
+  double memory_j = 0.0;          ///< [J] in dents at the end
+  double memory_max_j = 0.0;      ///< [J]
+  double carried_max_n = 0.0;     ///< [N] most that had relaxed of the normal force ...
+  double carried_of_n = 0.0;      ///< [N] ... and what was left of it then
+  std::int64_t dents = 0;         ///< memory sites that have not recovered at the end
+  std::uint64_t forgotten = 0;    ///< dents that gave way to others
+  bool yields = false;            ///< the body leaves dents or softens
+  double yielded_j = 0.0;         ///< [J] dissipated by it
+  std::uint64_t not_yielded = 0;  ///< times that a site had no room to yield
   std::vector<YieldedRow> surface;   ///< what has yielded, at the end
   double relaxed_shift_max_m = 0.0;  ///< [m] most that the ledger had to take
 

@@ -252,7 +252,8 @@ std::string verdict(const ReplayReport& r) {
 
 }  // namespace
 
-std::vector<YieldedRow> surface_of(const SurfaceState& surface, const std::string& tool) {
+std::vector<YieldedRow> surface_of(const SurfaceState& surface,
+                                   const std::string& tool) {
   const auto found = surface.tool.find(tool);
   return found == surface.tool.end() ? std::vector<YieldedRow>() : found->second;
 }

@@ -79,7 +79,8 @@ std::string memory_lines(const RenderReport& r) {
 }
 
 // What stays of the run for good.
-std::string yielding_lines(const RenderReport& r) {
+std::string yielding_lines(const SimulationReport& report) {
+  const RenderReport& r = report.render;
   if (!r.yields) {
     return {};
   }
@@ -90,10 +91,13 @@ std::string yielding_lines(const RenderReport& r) {
     softened_m = std::max(softened_m, row.softened_m);
   }
   std::string text = line(
-      "yielding", fmt::format("{} sites have yielded, dents of at most {:.4g} mm, "
-                              "softened up to {:.4g} mm, {:.4g} mJ dissipated by it",
-                              r.surface.size(), deepest_m * 1e3, softened_m * 1e3,
-                              r.yielded_j * 1e3));
+      "yielding",
+      fmt::format("{} sites have yielded, dents of at most {:.4g} mm, "
+                  "softened up to {:.4g} mm{}",
+                  r.surface.size(), deepest_m * 1e3, softened_m * 1e3,
+                  follows_surface(report.options.model)
+                      ? fmt::format(", {:.4g} mJ dissipated by it", r.yielded_j * 1e3)
+                      : std::string()));
   if (r.not_yielded > 0) {
     text += line("  without room",
                  fmt::format("{} times a site stayed as it was, because the table of "
@@ -196,7 +200,7 @@ std::string summary(const SimulationReport& report) {
                                        ? ""
                                        : fmt::format(", beyond the curves in {} ticks",
                                                      r.extrapolated_ticks)));
-  text += energy_lines(r) + memory_lines(r) + yielding_lines(r) + timing_lines(r);
+  text += energy_lines(r) + memory_lines(r) + yielding_lines(report) + timing_lines(r);
   if (report.wire) {
     text += wire_lines(*report.wire);
   }

@@ -95,7 +95,8 @@ RenderedStiffness streamed_stiffness(const ChunkReader& reader, std::size_t tool
   const std::int64_t first = entry.yielding_rows ? 0 : stiffest - stiffness.begin();
   const std::int64_t last = entry.yielding_rows ? reader.index().chunks() : first + 1;
   for (std::int64_t chunk = first; chunk < last; ++chunk) {
-    RenderedStiffness of = rendered_stiffness(reader.responses(tool, chunk), force_max_n);
+    RenderedStiffness of =
+        rendered_stiffness(reader.responses(tool, chunk), force_max_n);
     if (of.normal_n_per_m > largest.normal_n_per_m) {
       of.node = reader.body(chunk).source_node[static_cast<std::size_t>(of.node)];
       of.friction_n_per_m = std::max(of.friction_n_per_m, largest.friction_n_per_m);

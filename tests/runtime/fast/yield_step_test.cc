@@ -177,8 +177,7 @@ TEST(YieldStepSites, NoSiteIsDeeperThanThePress) {
       const FastCommand command = step(*state, {x, 0}, 0.0005);
       if (i == 38 && command.in_contact) {
         // Where others pressed deeper it may be more, never less.
-        EXPECT_GE(command.dent_m,
-                  (1.0 - 1e-14) * 0.4 * std::max(0.0, depth_m - 0.001));
+        EXPECT_GE(command.dent_m, (1.0 - 1e-14) * 0.4 * std::max(0.0, depth_m - 0.001));
       }
     }
   }
@@ -290,9 +289,9 @@ class YieldingWalk : public testing::TestWithParam<Walk> {
       int n = 0;
       for (const Eigen::Vector3d& x : make_bench_walk(
                body, {.ticks = static_cast<int>(std::min<std::int64_t>(ticks, 100000)),
-                      .speed_m_per_s = 0.1,
-                      .lift_m = 0.004,
-                      .seed = part + 1})) {
+                     .speed_m_per_s = 0.1,
+                     .lift_m = 0.004,
+                     .seed = part + 1})) {
         if (n++ % 20 == 0 && !(walk.late && unit(random) < 0.3)) {
           send(*state_, body, x);
         }
@@ -324,8 +323,9 @@ INSTANTIATE_TEST_SUITE_P(
     Bodies, YieldingWalk,
     testing::Values(
         Walk{"dents", kDenting}, Walk{"dents, contrast 100", kDenting, 100.0},
-        Walk{"softening", kSoftening}, Walk{"softening, contrast 100", kSoftening, 100.0},
-        Walk{"both", kBoth}, Walk{"both, contrast 100", kBoth, 100.0},
+        Walk{"softening", kSoftening},
+        Walk{"softening, contrast 100", kSoftening, 100.0}, Walk{"both", kBoth},
+        Walk{"both, contrast 100", kBoth, 100.0},
         Walk{"friction", kBoth, 9.0, LocalModel::kPotential, {}, 0.5},
         Walk{"late", kBoth, 100.0, LocalModel::kPotential, {}, 0.5, true},
         Walk{"relaxing", kBoth, 9.0, LocalModel::kPotential, kPork, 0.3, true},
@@ -383,10 +383,11 @@ TEST(YieldStepGradient, ForcesAreThePotentialsGradient) {
         Eigen::Vector3d slope;
         for (int i = 0; i < 3; ++i) {
           const Eigen::Vector3d h = kH * Eigen::Vector3d::Unit(i);
-          slope(i) = (potential_j(*state, x + h) - potential_j(*state, x - h)) / (2 * kH);
+          slope(i) =
+              (potential_j(*state, x + h) - potential_j(*state, x - h)) / (2 * kH);
         }
-        worst = std::max(worst, (command.force_n + slope).norm() /
-                                    (command.force_n.norm() + 0.01));
+        worst = std::max(
+            worst, (command.force_n + slope).norm() / (command.force_n.norm() + 0.01));
       }
       // Central differences: rounding 1e-17 J over 1e-8 m, and kinks of the field.
       EXPECT_LE(worst, 1e-5) << relaxing;
