@@ -94,7 +94,7 @@ void read_node_rows(const Hdf5Reader& file, const std::string& group,
                                             auto& values) {
     if (tool.yielding_rows && values.empty() && file.has(group + name)) {
       values.resize(static_cast<std::size_t>(count));
-      file.rows(group + name, units, Hdf5Type::kFloat64, begin, count, 1,
+      file.rows(group + name, units, Hdf5Type::kFloat64, begin, count, 0,
                 values.data());
     }
   });

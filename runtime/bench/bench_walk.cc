@@ -148,7 +148,10 @@ WalkBenchReport run_walk(const ResponseDatabase& database,
   }
   report.work_j = static_cast<double>(work_j);
   report.through_j = state->ledger.stored_j + state->ledger.dissipated_j;
-  report.relaxes = remembers(state->memory);
+  report.relaxes = state->memory.times.terms > 0;
+  report.yields = state->memory.yields;
+  report.yielded_j = state->ledger.yielded_j;
+  report.yielded_sites = state->memory.yielded.count;
   report.shortened = state->memory.shortened;
   report.forgotten = state->memory.forgotten;
   report.interventions = state->ledger.interventions;
@@ -177,6 +180,10 @@ std::string table_text(const WalkBenchReport& r) {
         "forgotten\n",
         r.carried_max_n, r.shortened, r.forgotten);
   }
+  if (r.yields) {
+    text += fmt::format("{} sites have yielded, {:.4g} J dissipated by it\n",
+                        r.yielded_sites, r.yielded_j);
+  }
   return text;
 }
 
@@ -194,6 +201,9 @@ std::string to_json(const WalkBenchReport& r) {
                               {"carried_max_n", r.carried_max_n},
                               {"shortened", r.shortened},
                               {"forgotten", r.forgotten},
+                              {"yields", r.yields},
+                              {"yielded_j", r.yielded_j},
+                              {"yielded_sites", r.yielded_sites},
                               {"not_finite", r.not_finite},
                               {"fault", name(r.fault)},
                               {"seconds", r.seconds}};

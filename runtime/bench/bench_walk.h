@@ -40,7 +40,10 @@ struct WalkBenchReport {
   double drift_j = 0.0;    ///< [J] largest distance of the ledger from its identity
   double through_j = 0.0;  ///< [J] that went through the account: stored, dissipated
   double force_max_n = 0.0;
-  bool relaxes = false;         ///< the body's surface remembers
+  bool relaxes = false;    ///< the body relaxes
+  bool yields = false;     ///< the body leaves dents or softens
+  double yielded_j = 0.0;  ///< [J] dissipated by that
+  std::int32_t yielded_sites = 0;
   double carried_max_n = 0.0;   ///< [N] most that had relaxed of the normal force
   std::uint64_t shortened = 0;  ///< steps of relaxing that the account was short for
   std::uint64_t forgotten = 0;  ///< dents that gave way to others

@@ -12,7 +12,7 @@ namespace palpate {
 std::vector<SurfaceDent> surface_dents(const FastState& state) {
   const SurfaceMemory& memory = state.memory;
   std::vector<SurfaceDent> dents;
-  if (!remembers(memory)) {
+  if (!remembers(memory) && memory.yielded.count == 0) {
     return dents;
   }
   // What is at hand is newer than the table: put back into a copy of it.

@@ -79,10 +79,10 @@ NodeMemory node_memory(const Viscoelasticity& relaxation, std::int64_t row,
                        const ElementNode& node) {
   NodeMemory memory;
   set_yielding(relaxation.yielding, row, memory);
-  if (node.samples == 0) {
+  if (node.samples == 0 && relaxation.yielding.empty()) {
     return memory;
   }
-  if (!relaxation.empty()) {
+  if (node.samples > 0 && !relaxation.empty()) {
     const Eigen::RowVectorXd g = relaxation.shares(row);
     // Shares are stored in single precision, whose sums may exceed 1 in the last place.
     const double most = std::max(1.0, g.sum());
@@ -102,7 +102,7 @@ NodeMemory node_memory(const Viscoelasticity& relaxation, std::int64_t row,
       memory.weight[k] = static_cast<double>(sites.weight(row, column)) / sum;
     }
   }
-  if (relaxation.bundles() > 1) {
+  if (node.samples > 0 && relaxation.bundles() > 1) {
     const std::array<double, kMemoryBundles - 1> cuts_m =
         bundle_cuts_m(node.curve(), relaxation.bundle_depth_m);
     std::copy(cuts_m.begin(), cuts_m.end(), memory.cut_m.begin());

@@ -154,6 +154,53 @@ TEST_F(PalpateC, AHeldForceRelaxesAndAResetForgetsTheDent) {
   EXPECT_GT(force(tool, 0.001).force[2], 0.9 * 2e4 * 1e-6);
 }
 
+// The plate of a material that keeps dents and softens.
+TEST_F(PalpateC, WhatHasYieldedOutlivesAResetAndTheProcess) {
+  ResponseDatabase database = read_database(file_);
+  Viscoelasticity yields;
+  yields.yielding = {.yield_depth_m = {0.001},
+                     .share = {0.4},
+                     .onset_m = {0.001},
+                     .scale_m = {0.002},
+                     .largest = {0.5}};
+  give_memory(database.body, database.normal, yields, 1, database.tools[0]);
+  write_database(file_, database);
+  palpate_tool* tool = open(options());
+  ASSERT_NE(tool, nullptr) << error_;
+  const double first_n = press(tool, 0.003).force[2];
+  EXPECT_NEAR(first_n, 0.18, 1e-6);
+  palpate_state state{};
+  state.struct_size = sizeof state;
+  palpate_state_get(tool, &state);
+  EXPECT_NEAR(state.dent, 0.4 * 0.002, 1e-12);
+  EXPECT_GT(state.yielded_j, 0.0);
+  EXPECT_NEAR(state.work_j, state.stored_j + state.tank_j + state.dissipated_j, 1e-12);
+  const std::string surface = folder_ / "surface.h5";
+  ASSERT_EQ(palpate_surface_save(tool, surface.c_str(), error_, sizeof error_), 0)
+      << error_;
+  palpate_reset(tool);
+  const double again_n = press(tool, 0.002).force[2];
+  EXPECT_LT(again_n, 0.8 * 2e4 * 0.002 * 0.002);
+  EXPECT_GT(again_n, 0.0);
+  // A fresh body, and the worn one again, in another process's words.
+  EXPECT_EQ(palpate_surface_load(tool, nullptr, error_, sizeof error_), 0);
+  EXPECT_NEAR(press(tool, 0.002).force[2], 2e4 * 0.002 * 0.002, 1e-6);
+  tool = open(options());
+  EXPECT_EQ(palpate_surface_load(tool, surface.c_str(), error_, sizeof error_), 0)
+      << error_;
+  EXPECT_EQ(press(tool, 0.002).force[2], again_n);
+  // Another body's is refused, and nothing changes.
+  database.provenance.left_out = "something";
+  write_database(file_, database);
+  tool = open(options());
+  EXPECT_EQ(palpate_surface_load(tool, surface.c_str(), error_, sizeof error_),
+            PALPATE_ERROR_INPUT);
+  EXPECT_NE(std::string(error_).find("the surface of another body"), std::string::npos);
+  EXPECT_EQ(palpate_surface_save(tool, surface.c_str(), error_, sizeof error_),
+            PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_surface_load(nullptr, nullptr, nullptr, 0), PALPATE_ERROR_INPUT);
+}
+
 TEST_F(PalpateC, EveryBadInputHasItsFault) {
   const double at[3] = {0.0031, 0.0017, 0.01};
   double out[3];

@@ -124,6 +124,65 @@ TEST_F(Replay, AStreamedBodyRemembersAsOneInMemoryDoes) {
   EXPECT_TRUE(report.is_reproduced()) << report.different_in;
 }
 
+// A body that yields everywhere, and relaxes.
+ResponseDatabase yielding_body() {
+  ResponseDatabase database = relaxing_body();
+  Viscoelasticity relaxation = database.tools[0].viscoelasticity;
+  relaxation.bundle_depth_m.clear();
+  relaxation.sites = {};
+  relaxation.yielding = {.yield_depth_m = {0.0005},
+                         .share = {0.4},
+                         .onset_m = {0.001},
+                         .scale_m = {0.002},
+                         .largest = {0.5}};
+  give_memory(database.body, database.normal, relaxation, 1, database.tools[0]);
+  return database;
+}
+
+TEST_F(Replay, ReproducesARunThatBeginsWithDents) {
+  database_ = yielding_body();
+  database_.storage.chunk_nodes = 64;
+  write_database(file_, database_);
+  for (const LocalModel model : kLocalModels) {
+    SimulationOptions o = options(model);
+    const SimulationReport first = simulate(database_, o, stop_);
+    EXPECT_TRUE(first.render.yields);
+    EXPECT_FALSE(first.render.surface.empty()) << name(model);
+    EXPECT_EQ(first.render.not_yielded, 0U);
+    EXPECT_TRUE(
+        replay(read_recording(recording_), read_database(file_)).is_reproduced())
+        << name(model);
+    o.surface.tool[first.tool] = first.render.surface;
+    const SimulationReport second = simulate(database_, o, stop_);
+    Recording recording = read_recording(recording_);
+    EXPECT_EQ(recording.header.surface, first.render.surface);
+    const ReplayReport report = replay(recording, read_database(file_));
+    EXPECT_TRUE(report.is_reproduced()) << name(model) << ": " << report.different_in;
+    if (follows_surface(model)) {
+      EXPECT_GT(first.render.yielded_j, 0.0);
+      EXPECT_LT(second.render.yielded_j, 0.1 * first.render.yielded_j);
+      EXPECT_GE(second.render.model_work_j, 0.0);
+    }
+    // On a fresh surface the same way gives other forces.
+    recording.header.surface.clear();
+    EXPECT_FALSE(replay(recording, read_database(file_)).is_reproduced())
+        << name(model);
+  }
+}
+
+TEST_F(Replay, AStreamedBodyYieldsAsOneInMemoryDoes) {
+  database_ = yielding_body();
+  database_.storage.chunk_nodes = 64;
+  write_database(file_, database_);
+  SimulationOptions o = options(LocalModel::kPotential);
+  o.limit_stiffness = false;
+  const SimulationReport streamed =
+      simulate_streamed(file_, std::span(&o, 1), 64 * kMebibyte, stop_).front();
+  EXPECT_GT(streamed.render.yielded_j, 0.0);
+  const ReplayReport report = replay(read_recording(recording_), read_database(file_));
+  EXPECT_TRUE(report.is_reproduced()) << report.different_in;
+}
+
 TEST_F(Replay, ReproducesARunInRealTimeWhateverItsTiming) {
   SimulationOptions o = options(LocalModel::kElement);
   o.real_time = true;

@@ -8,6 +8,7 @@
 #include "formats/response/memory_sites.h"
 #include "formats/response/press_inversion.h"
 #include "formats/response/response_curve.h"
+#include "formats/response/yielding.h"
 #include "runtime/fast/element_cache.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/memory_elements.h"
@@ -37,6 +38,7 @@ ResponseDatabase relaxing_sphere() {
 }
 
 void expect_same(const Element& a, const Element& b) {
+  EXPECT_EQ(a.memory.yields, b.memory.yields);
   EXPECT_EQ(a.memory.terms, b.memory.terms);
   EXPECT_EQ(a.memory.bundles, b.memory.bundles);
   EXPECT_EQ(a.memory.relaxation_s, b.memory.relaxation_s);
@@ -45,6 +47,9 @@ void expect_same(const Element& a, const Element& b) {
     EXPECT_EQ(a.memory.node[j].weight, b.memory.node[j].weight);
     EXPECT_EQ(a.memory.node[j].relaxing, b.memory.node[j].relaxing);
     EXPECT_EQ(a.memory.node[j].cut_m, b.memory.node[j].cut_m);
+    EXPECT_EQ(a.memory.node[j].yield_depth_m, b.memory.node[j].yield_depth_m);
+    EXPECT_EQ(a.memory.node[j].dent_share, b.memory.node[j].dent_share);
+    EXPECT_EQ(a.memory.node[j].soft_most, b.memory.node[j].soft_most);
     EXPECT_EQ(a.node[j].force_n, b.node[j].force_n);
     EXPECT_EQ(a.node[j].stiffness_n_per_m, b.node[j].stiffness_n_per_m);
   }
@@ -87,6 +92,37 @@ TEST(ElementMemoryStream, NodesAreSitesWhereThereAreNone) {
   }
 }
 
+TEST(ElementMemoryStream, SaysHowNodesYieldAndSendsTheUndamagedCurve) {
+  ResponseDatabase database = sphere_database(24, 6);
+  ResponseTable& table = database.tools[0];
+  const auto n = static_cast<std::size_t>(database.body.position_m.rows());
+  Yielding& yielding = table.viscoelasticity.yielding;
+  yielding = {.yield_depth_m = {0.001},
+              .share = std::vector<double>(n, 0.2),
+              .onset_m = {0.0},
+              .scale_m = {0.003},
+              .largest = {0.5}};
+  yielding.share[static_cast<std::size_t>(database.body.triangle(17, 1))] = 0.6;
+  const ElementStream stream(database, table);
+  const Element element = stream.element(17);
+  EXPECT_TRUE(well_formed(element.memory));
+  EXPECT_TRUE(element.memory.yields);
+  EXPECT_EQ(element.memory.terms, 0);
+  EXPECT_EQ(element.memory.node[0].dent_share, 0.2);
+  EXPECT_EQ(element.memory.node[1].dent_share, 0.6);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const NodeMemory& memory = element.memory.node[j];
+    EXPECT_EQ(memory.yield_depth_m, 0.001);
+    EXPECT_EQ(memory.soft_most, 0.5);
+    EXPECT_EQ(memory.site[0], element.node[j].node);
+    const CurveView curve = table.curve(element.node[j].node);
+    const double d = 0.7 * curve.depth_max_m();
+    const double left = 1.0 - softened_share(yielding_of(yielding, 0), d);
+    EXPECT_NEAR(left * element.node[j].curve().at(d).force_n, curve.at(d).force_n,
+                1e-5 * curve.force_n.back());
+  }
+}
+
 TEST(ElementMemoryStream, OfAStaticBodySaysNothing) {
   const ResponseDatabase database = sphere_database(12, 6);
   const ElementStream stream(database, database.tools[0]);
@@ -97,6 +133,15 @@ TEST(ElementMemoryStream, OfAStaticBodySaysNothing) {
 TEST(ElementMemoryStream, IsTheSameOfAFile) {
   const ScratchFolder folder;
   ResponseDatabase database = relaxing_sphere();
+  Yielding& yielding = database.tools[0].viscoelasticity.yielding;
+  yielding = {.yield_depth_m = {0.001},
+              .share = {},
+              .onset_m = {0.001},
+              .scale_m = {0.002},
+              .largest = {0.3}};
+  for (Eigen::Index i = 0; i < database.body.position_m.rows(); ++i) {
+    yielding.share.push_back(0.5 / (1.0 + 0.01 * static_cast<double>(i)));
+  }
   write_database(folder / "a.h5", database);
   database = read_database(folder / "a.h5");
   ElementStream whole(database, database.tools[0]);

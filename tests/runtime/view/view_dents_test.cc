@@ -74,6 +74,36 @@ TEST(ViewDents, OfASessionAppearUnderTheToolAndGoBack) {
   EXPECT_TRUE(session.dents().empty());
 }
 
+TEST(ViewDents, OfABodyThatYieldsStayAndAreGoneAfterAReset) {
+  ResponseDatabase database = relaxing_plate();
+  Viscoelasticity yields;
+  yields.yielding = {.yield_depth_m = {0.001}, .share = {0.4}};
+  give_memory(database.body, database.normal, yields, 1, database.tools[0]);
+  ViewSession session(database, {});
+  session.hold({0.0, 0.0, -0.006});
+  session.advance(4000);
+  session.let_go();
+  session.advance(400);
+  EXPECT_EQ(session.latest().force_n[2], 0.0);
+  const std::vector<NodeDent> dents = session.dents();
+  ASSERT_FALSE(dents.empty());
+  const auto deepest = std::max_element(dents.begin(), dents.end(),
+                                        [](const NodeDent& a, const NodeDent& b) {
+                                          return a.depth_m < b.depth_m;
+                                        });
+  EXPECT_EQ(database.body.position_m.row(deepest->node).norm(), 0.0);
+  EXPECT_GT(deepest->depth_m, 0.0005);
+  session.advance(20000);
+  EXPECT_EQ(session.dents().size(), dents.size());
+  // A session of its own begins where this one ended.
+  ViewSession next(database, {.surface = session.yielded()});
+  EXPECT_EQ(next.dents().size(), dents.size());
+  next.reset();
+  EXPECT_EQ(next.dents().size(), dents.size());
+  session.reset();
+  EXPECT_TRUE(session.dents().empty());
+}
+
 TEST(ViewDents, OfAStaticBodyAreNone) {
   ResponseDatabase database = relaxing_plate();
   database.tools[0].viscoelasticity = {};
