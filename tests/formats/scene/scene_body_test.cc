@@ -179,23 +179,6 @@ TEST(SceneMaterial, AnyLawMayRelax) {
   }
 }
 
-TEST(SceneMaterial, AnyLawMayYield) {
-  EXPECT_FALSE(material_of(kIsotropic).yielding.plastic);
-  for (const std::string& law : {std::string(kIsotropic), std::string(kLinearFibre)}) {
-    const SceneYielding yielding =
-        material_of(law +
-                    "plastic = { yield_depth_m = 0.001, share = 0.4 }\n"
-                    "damage = { onset_m = 0, scale_m = 0.003, largest = 0.5 }\n")
-            .yielding;
-    ASSERT_TRUE(yielding.plastic && yielding.damage);
-    EXPECT_EQ(yielding.plastic->yield_depth_m, 0.001);
-    EXPECT_EQ(yielding.plastic->share, 0.4);
-    EXPECT_EQ(yielding.damage->onset_m, 0.0);
-    EXPECT_EQ(yielding.damage->scale_m, 0.003);
-    EXPECT_EQ(yielding.damage->largest, 0.5);
-  }
-}
-
 class SceneBodyMistake : public SceneMistakeTest {};
 
 TEST_P(SceneBodyMistake, IsNamedWithItsLine) {
@@ -274,35 +257,6 @@ INSTANTIATE_TEST_SUITE_P(
                                  "4, 5] }"),
                 ":10: g in relaxation of [[material]] must be a list of 1 to 4 "
                 "numbers"}));
-
-// The same with another last key.
-#define PALPATE_YIELDING(key)                 \
-  "law = \"linear\"\nyoungs_modulus_pa = 1\n" \
-  "poissons_ratio = 0\n" key "\n"
-
-INSTANTIATE_TEST_SUITE_P(
-    Yielding, SceneBodyMistake,
-    testing::Values(
-        Mistake{kIsotropic,
-                PALPATE_YIELDING("plastic = { yield_depth_m = 0.001, share = 1 }"),
-                ":10: share in plastic of [[material]] is 1, must be in [0, 1)"},
-        Mistake{kIsotropic,
-                PALPATE_YIELDING("plastic = { yield_depth_m = 0.001, share = -0.1 }"),
-                ":10: share in plastic of [[material]] is -0.1, must be in [0, 1)"},
-        Mistake{kIsotropic,
-                PALPATE_YIELDING("plastic = { yield_depth_m = -0.001, share = 0.4 }"),
-                ":10: yield_depth_m in plastic of [[material]] is -0.001, must be zero "
-                "or more"},
-        Mistake{kIsotropic, PALPATE_YIELDING("plastic = { share = 0.4 }"),
-                ":10: plastic of [[material]] needs the key \"yield_depth_m\""},
-        Mistake{
-            kIsotropic,
-            PALPATE_YIELDING("damage = { onset_m = 0, scale_m = 0, largest = 0.5 }"),
-            ":10: scale_m in damage of [[material]] is 0, must be positive"},
-        Mistake{
-            kIsotropic,
-            PALPATE_YIELDING("damage = { onset_m = 0, scale_m = 0.1, largest = 2 }"),
-            ":10: largest in damage of [[material]] is 2, must be in [0, 1)"}));
 
 constexpr const char* kFibre =
     "law = \"transversely-isotropic\"\nfibre_law = \"linear\"\nfibre = [0, 0, 0]\n"

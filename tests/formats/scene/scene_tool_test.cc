@@ -15,18 +15,6 @@ ToolShape tool_of(const std::string& keys) {
   return read_scene_text(scene_with(kSphere, keys)).tool.at(0);
 }
 
-TEST(SceneTool, MayLeaveDentsAndSoften) {
-  const Scene scene = read_scene_text(
-      scene_with(kSphere,
-                 "shape = \"sphere\"\nradius_m = 0.005\n"
-                 "plastic = { yield_depth_m = 0.001, share = 0.4 }\n"
-                 "damage = { onset_m = 0.001, scale_m = 0.003, largest = 0.5 }\n"));
-  ASSERT_EQ(scene.tool_yielding.size(), 1U);
-  EXPECT_EQ(scene.tool_yielding[0].plastic->share, 0.4);
-  EXPECT_EQ(scene.tool_yielding[0].damage->largest, 0.5);
-  EXPECT_FALSE(read_scene_text(kScene).tool_yielding.at(0).plastic);
-}
-
 TEST(SceneTool, APunchHasAnEdge) {
   const ToolShape punch =
       tool_of("shape = \"flat-punch\"\nradius_m = 0.004\nedge_radius_m = 0.0002\n");

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -246,116 +245,6 @@ TEST(YieldStepElements, NoElementTakesADentAway) {
     EXPECT_EQ(state.ledger.created_j, 0.0);
     EXPECT_EQ(state.ledger.tank_j, 0.0);
   }
-}
-
-// Or PALPATE_WALK_TICKS of them.
-std::int64_t walk_ticks(std::int64_t otherwise) {
-  const char* wanted = std::getenv("PALPATE_WALK_TICKS");
-  return wanted != nullptr ? std::atoll(wanted) : otherwise;
-}
-
-struct Walk {
-  const char* name;
-  NodeYielding yielding;
-  double contrast = 1.0;
-  LocalModel model = LocalModel::kPotential;
-  PronyTerms2 terms = {};
-  double friction = 0.0;
-  bool late = false;  // elements come late, or not at all
-};
-
-std::ostream& operator<<(std::ostream& out, const Walk& walk) {
-  return out << walk.name;
-}
-
-class YieldingWalk : public testing::TestWithParam<Walk> {
- protected:
-  // The largest rise of the potential in a tick in which the surface yields [J].
-  double wander(std::int64_t ticks) {
-    const Walk& walk = GetParam();
-    BenchBodyOptions options{.wave_m = 0.004,
-                             .contrast = walk.contrast,
-                             .tilt_rad = 0.2,
-                             .friction_max = walk.friction,
-                             .touch_offset_m = 3e-4};
-    if (walk.terms.tau_s[0] > 0.0) {
-      set_terms(options, walk.terms);
-    }
-    const BenchBody body = mixed_body(options, walk.yielding);
-    std::mt19937_64 random(7);
-    std::uniform_real_distribution<double> unit;
-    double rise_j = 0.0;
-    for (std::uint32_t part = 0; ticks > 0; ++part, ticks -= 100000) {
-      int n = 0;
-      for (const Eigen::Vector3d& x : make_bench_walk(
-               body, {.ticks = static_cast<int>(std::min<std::int64_t>(ticks, 100000)),
-                     .speed_m_per_s = 0.1,
-                     .lift_m = 0.004,
-                     .seed = part + 1})) {
-        if (n++ % 20 == 0 && !(walk.late && unit(random) < 0.3)) {
-          send(*state_, body, x);
-        }
-        const double dt_s = 0.0005 * (0.2 + 1.6 * unit(random));
-        relax_ahead(*state_, dt_s);
-        const double moved_j = potential_j(*state_, x);
-        const double yielded_j = state_->ledger.yielded_j;
-        const FastCommand command = account_.step(*state_, x, dt_s);
-        if (command.yielded_j > yielded_j) {
-          ++yields_;
-          rise_j = std::max(rise_j, potential_j(*state_, x) - moved_j);
-        }
-        contacts_ += command.in_contact ? 1 : 0;
-        EXPECT_TRUE(command.force_n.allFinite() && command.fault == 0) << n;
-      }
-    }
-    return rise_j;
-  }
-
-  std::unique_ptr<FastState> state_ = free_state(GetParam().model, 0.005);
-  Account account_;
-  std::int64_t contacts_ = 0;
-  std::int64_t yields_ = 0;
-};
-
-constexpr NodeYielding kNothing{};
-
-INSTANTIATE_TEST_SUITE_P(
-    Bodies, YieldingWalk,
-    testing::Values(
-        Walk{"dents", kDenting}, Walk{"dents, contrast 100", kDenting, 100.0},
-        Walk{"softening", kSoftening},
-        Walk{"softening, contrast 100", kSoftening, 100.0}, Walk{"both", kBoth},
-        Walk{"both, contrast 100", kBoth, 100.0},
-        Walk{"friction", kBoth, 9.0, LocalModel::kPotential, {}, 0.5},
-        Walk{"late", kBoth, 100.0, LocalModel::kPotential, {}, 0.5, true},
-        Walk{"relaxing", kBoth, 9.0, LocalModel::kPotential, kPork, 0.3, true},
-        Walk{"short times", kDenting, 100.0, LocalModel::kPotential, kShortTimes},
-        Walk{"element", kBoth, 9.0, LocalModel::kElement, {}, 0.5, true},
-        Walk{"element, relaxing", kBoth, 9.0, LocalModel::kElement, kPork, 0.3, true},
-        Walk{"tank", kBoth, 9.0, LocalModel::kEnergyTank},
-        Walk{"equal energy", kBoth, 9.0, LocalModel::kEqualEnergy},
-        Walk{"nothing", kNothing, 9.0}));
-
-TEST_P(YieldingWalk, CreatesNoEnergy) {
-  const Walk& walk = GetParam();
-  const double rise_j = wander(walk_ticks(40000));
-  const PassivityLedger& ledger = state_->ledger;
-  EXPECT_GT(contacts_, 10000);
-  EXPECT_GE(account_.lowest_j, walk.late ? -1e-11 : -1e-13);
-  EXPECT_GE(ledger.work_j, 0.0);
-  EXPECT_NEAR(imbalance_j(ledger), 0.0, 1e-12);
-  EXPECT_LE(ledger.created_j, 1e-15);
-  const bool plain = walk.model == LocalModel::kPotential && !walk.late &&
-                     walk.friction == 0.0 && walk.terms.tau_s[0] == 0.0;
-  if (plain) {
-    EXPECT_LE(rise_j, 1e-18);
-    EXPECT_EQ(ledger.interventions, 0U);
-    EXPECT_EQ(ledger.tank_j, 0.0);
-  }
-  std::printf(
-      "%-22s yields %ld of %ld rise %.1e least %.1e work %.4e yielded %.4e off %.1e\n",
-      walk.name, static_cast<long>(yields_), static_cast<long>(contacts_), rise_j,
-      account_.lowest_j, ledger.work_j, ledger.yielded_j, imbalance_j(ledger));
 }
 
 // Force is the gradient of the potential, the dent's walls included.
