@@ -48,6 +48,7 @@ struct WalkAccount {
   std::uint64_t interventions = 0;
   std::int64_t contacts = 0;
   std::int64_t yields = 0;
+  std::int64_t starved = 0;
 };
 
 class YieldingWalk : public testing::TestWithParam<Walk> {
@@ -75,7 +76,9 @@ class YieldingWalk : public testing::TestWithParam<Walk> {
     for (const Eigen::Vector3d& x : make_bench_walk(
              body_,
              {.ticks = ticks, .speed_m_per_s = 0.1, .lift_m = 0.004, .seed = seed})) {
-      if (n++ % 20 == 0 && !(GetParam().late && unit(random) < 0.3)) {
+      // So often that the tool never leaves what has arrived; or late.
+      if (n++ % (GetParam().late ? 20 : 4) == 0 &&
+          !(GetParam().late && unit(random) < 0.3)) {
         send(*state, body_, x);
       }
       const double dt_s = 0.0005 * (0.2 + 1.6 * unit(random));
@@ -88,6 +91,7 @@ class YieldingWalk : public testing::TestWithParam<Walk> {
         all_.rise_j = std::max(all_.rise_j, potential_j(*state, x) - moved_j);
       }
       all_.contacts += command.in_contact ? 1 : 0;
+      all_.starved += command.starved ? 1 : 0;
       ASSERT_TRUE(command.force_n.allFinite() && command.fault == 0) << n;
     }
     add(state->ledger, account);
@@ -133,7 +137,9 @@ TEST_P(YieldingWalk, CreatesNoEnergy) {
     wander(static_cast<int>(std::min<std::int64_t>(left, 40000)), seed++);
   }
   EXPECT_GT(all_.contacts, 10000);
-  // Outside of its element a place is found to 1e-7 of the element's size again.
+  // Outside of its element a place is found to 1e-7 of the element's size again. A field
+  // that changes by less than 1e-15 J is taken for one (potential_model.cc): some tens
+  // of times where nothing is dissipated.
   EXPECT_GE(all_.lowest_j, walk.late ? -1e-11 : -1e-13);
   EXPECT_LE(all_.off_j, 1e-12);
   EXPECT_LE(all_.created_j, 1e-15);
@@ -143,6 +149,7 @@ TEST_P(YieldingWalk, CreatesNoEnergy) {
   }
   if (walk.is_plain()) {
     EXPECT_LE(all_.rise_j, 1e-18);
+    EXPECT_EQ(all_.starved, 0);
     EXPECT_EQ(all_.interventions, 0U);
     EXPECT_EQ(all_.tank_j, 0.0);
   }
