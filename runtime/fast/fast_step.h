@@ -78,7 +78,7 @@ struct FastContact {
   bool starved = false;
 };
 
-/// Everything the fast process remembers. About 450 kB, no pointers.
+/// Everything the fast process remembers. About 430 kB, no pointers.
 struct FastState {
   FastConfig config;
   ElementCache cache;
