@@ -137,9 +137,9 @@ TEST_P(YieldingWalk, CreatesNoEnergy) {
     wander(static_cast<int>(std::min<std::int64_t>(left, 40000)), seed++);
   }
   EXPECT_GT(all_.contacts, 10000);
-  // Outside of its element a place is found to 1e-7 of the element's size again. A field
-  // that changes by less than 1e-15 J is taken for one (potential_model.cc): some tens
-  // of times where nothing is dissipated.
+  // Outside of its element a place is found to 1e-7 of the element's size again. A
+  // field that changes by less than 1e-15 J is taken for one (potential_model.cc): some
+  // tens of times where nothing is dissipated.
   EXPECT_GE(all_.lowest_j, walk.late ? -1e-11 : -1e-13);
   EXPECT_LE(all_.off_j, 1e-12);
   EXPECT_LE(all_.created_j, 1e-15);
