@@ -130,9 +130,9 @@ Table1Report run_table1(const Table1Options& options) {
     }
   }
   if (options.relaxation.share.size() != options.relaxation.time_s.size()) {
-    throw InputError(fmt::format(
-        "bench table1: {} shares that relax and {} times, must be as many",
-        options.relaxation.share.size(), options.relaxation.time_s.size()));
+    throw InputError(
+        fmt::format("bench table1: {} shares that relax and {} times, must be as many",
+                    options.relaxation.share.size(), options.relaxation.time_s.size()));
   }
   Table1Report report{options.rates_hz, {}, options.preload_n};
   for (const LocalModel model : kLocalModels) {
