@@ -23,6 +23,41 @@ struct SurfaceOptions {
   bool json = false;
 };
 
+// g: of all nodes, or of the least and the most that there is at any.
+nlohmann::ordered_json rendered_json(const SurfaceFitReport& report) {
+  const Viscoelasticity& v = report.viscoelasticity;
+  if (v.empty()) {
+    return nullptr;
+  }
+  nlohmann::ordered_json json{{"probes", v.probes},
+                              {"speed_m_per_s", v.speed_m_per_s},
+                              {"tau_s", v.tau_s},
+                              {"rule", v.rule}};
+  const RelaxationFieldReport& field = report.relaxation_field;
+  const auto row = [](const auto& values) {
+    return std::vector<float>(values.begin(), values.end());
+  };
+  if (field.taken) {
+    json["g_min"] = row(v.g.colwise().minCoeff().eval());
+    json["g_max"] = row(v.g.colwise().maxCoeff().eval());
+  } else {
+    json["g"] = row(v.g.row(0));
+  }
+  json["field"] = {{"taken", field.taken},
+                   {"reason", field.reason},
+                   {"places", field.places},
+                   {"left_out", field.left_out},
+                   {"time_s", field.time_s},
+                   {"patches", field.patches},
+                   {"rms_share", field.field_rms},
+                   {"median_rms_share", field.median_rms},
+                   {"coverage_95", field.coverage},
+                   {"gain_over_error", field.gain_over_error},
+                   {"common_times_error", field.common_times_error},
+                   {"error_median", field.error_median}};
+  return json;
+}
+
 nlohmann::ordered_json to_json(const SurfaceFitReport& report,
                                const std::vector<std::string>& notes) {
   const FieldParameters& p = report.parameters.parameters;
@@ -51,14 +86,7 @@ nlohmann::ordered_json to_json(const SurfaceFitReport& report,
                           {"tau_s", {r.terms.tau_1_s[0], r.terms.tau_2_s[0]}},
                           {"rule", r.rule}};
   }
-  json["rendered"] = nullptr;
-  if (const Viscoelasticity& v = report.viscoelasticity; !v.empty()) {
-    json["rendered"] = {{"probes", v.probes},
-                        {"speed_m_per_s", v.speed_m_per_s},
-                        {"g", std::vector<float>(v.g.data(), v.g.data() + v.g.size())},
-                        {"tau_s", v.tau_s},
-                        {"rule", v.rule}};
-  }
+  json["rendered"] = rendered_json(report);
   json["left_one_out"] = nlohmann::json::array();
   for (const DepthScore& d : report.depth) {
     json["left_one_out"].push_back({{"depth_m", d.depth_m},

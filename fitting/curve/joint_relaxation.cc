@@ -215,29 +215,46 @@ std::string why_not_claimed(double tau_s, const Rows& rows) {
                                    : "";
 }
 
-// g from r: dg_k / dr_j = ([j = k] - g_k) / (1 + sum r).
+// Of g and ln tau from that of the model's r and ln tau, side by side there:
+// dg_k / dr_j = ([j = k] - g_k) / (1 + sum r).
+Eigen::MatrixXd terms_covariance(const Candidate& c,
+                                 const Eigen::MatrixXd& covariance) {
+  const Eigen::Index K = c.shape.terms, at = c.model->ratio_at();
+  const Eigen::VectorXd ratio = c.report.q.segment(at, K);
+  const double all = 1.0 + ratio.sum();
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Identity(2 * K, 2 * K);
+  slope.topLeftCorner(K, K).colwise() -= ratio / all;
+  slope.topLeftCorner(K, K) /= all;
+  return slope * covariance.block(at, at, 2 * K, 2 * K) * slope.transpose();
+}
+
 void take_terms(const Rows& rows, const Candidate& c, const Eigen::MatrixXd& covariance,
                 JointRelaxation& result) {
   const Eigen::Index K = c.shape.terms, at = c.model->ratio_at();
   const Eigen::VectorXd ratio = c.report.q.segment(at, K);
+  const Eigen::VectorXd log_tau = c.report.q.segment(c.model->tau_at(), K);
   const double all = 1.0 + ratio.sum();
   const Eigen::MatrixXd of_ratio = covariance.block(at, at, K, K);
-  for (Eigen::Index k = 0; k < K; ++k) {
+  const Eigen::MatrixXd of_terms = terms_covariance(c, covariance);
+  std::vector<Eigen::Index> rising(static_cast<std::size_t>(K));
+  std::iota(rising.begin(), rising.end(), 0);
+  std::sort(rising.begin(), rising.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return log_tau[a] < log_tau[b];
+  });
+  for (const Eigen::Index k : rising) {
     RelaxationTerm term;
     term.g = ratio[k] / all;
-    Eigen::VectorXd slope = Eigen::VectorXd::Constant(K, -term.g / all);
-    slope[k] += 1.0 / all;
-    term.g_sd = std::sqrt(slope.dot(of_ratio * slope));
-    const Eigen::Index tau = c.model->tau_at() + k;
-    term.tau_s = std::exp(c.report.q[tau]);
-    term.tau_sd_s = term.tau_s * std::sqrt(covariance(tau, tau));
+    term.g_sd = std::sqrt(of_terms(k, k));
+    term.tau_s = std::exp(log_tau[k]);
+    term.tau_sd_s = term.tau_s * std::sqrt(of_terms(K + k, K + k));
     term.not_claimed = why_not_claimed(term.tau_s, rows);
     result.terms.push_back(term);
   }
-  std::sort(result.terms.begin(), result.terms.end(),
-            [](const RelaxationTerm& a, const RelaxationTerm& b) {
-              return a.tau_s < b.tau_s;
-            });
+  std::vector<Eigen::Index> order = rising;
+  for (const Eigen::Index k : rising) {
+    order.push_back(K + k);
+  }
+  result.covariance = of_terms(order, order);
   result.g_inf = 1.0 / all;
   result.g_inf_sd = std::sqrt(of_ratio.sum()) / (all * all);
 }
@@ -333,6 +350,23 @@ double held_share(const JointRelaxation& joint, double speed_m_per_s, double tim
                                                    joint.force_n, speed_m_per_s)) {
     share += term.g * std::expm1(-time_s / term.tau_s);
   }
+  return share;
+}
+
+RelaxedShare relaxed_within(const JointRelaxation& joint, double time_s) {
+  const auto K = std::ssize(joint.terms);
+  RelaxedShare share;
+  Eigen::VectorXd slope(2 * K);
+  for (Eigen::Index k = 0; k < K; ++k) {
+    const RelaxationTerm& term = joint.terms[static_cast<std::size_t>(k)];
+    const double x = time_s / term.tau_s;
+    slope[k] = -std::expm1(-x);
+    slope[K + k] = -term.g * x * std::exp(-x);  // d / d ln tau
+    share.value += term.g * slope[k];
+  }
+  share.sd = joint.covariance.rows() == 2 * K
+                 ? std::sqrt(slope.dot(joint.covariance * slope))
+                 : std::numeric_limits<double>::quiet_NaN();
   return share;
 }
 

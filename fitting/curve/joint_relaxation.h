@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "fitting/curve/quasi_linear.h"
 
 namespace palpate {
@@ -21,6 +23,8 @@ struct PressAndHold {
 struct JointRelaxation {
   std::string refused = "not fitted";  ///< why there is none; empty where there is
   std::vector<RelaxationTerm> terms;   ///< 1 to 3, tau rising
+  /// (2K x 2K) of g_1 .. g_K [-] and ln tau_1 .. ln tau_K; empty: not known
+  Eigen::MatrixXd covariance;
   double g_inf = 1.0;                  ///< [-] 1 - sum g, terms not claimed among them
   double g_inf_sd = 0.0;
   std::string curve;  ///< "power-law" or "monotone-spline"
@@ -49,6 +53,15 @@ struct JointRelaxation {
 /// tool has stayed for a time [s]. @param joint not refused.
 [[nodiscard]] double held_share(const JointRelaxation& joint, double speed_m_per_s,
                                 double time_s);
+
+struct RelaxedShare {
+  double value = 0.0;  ///< [-]
+  double sd = 0.0;     ///< [-] NaN: not known
+};
+
+/// Share of the instantaneous force that relaxes within a time [s] after a sudden
+/// press, sum_k g_k (1 - exp(-t / tau_k)). @param joint not refused.
+[[nodiscard]] RelaxedShare relaxed_within(const JointRelaxation& joint, double time_s);
 
 /// One line for people.
 [[nodiscard]] std::string describe(const JointRelaxation& joint);

@@ -341,7 +341,7 @@ SurfaceFit fit_surface(const SurfaceMesh& body, const ToolShape& tool,
   report.straightened = straightened(fields);
   report.error_median = median(result.database.tools.front().error_relative);
   result.database.measurement = raw_of(body, probes);
-  keep_relaxation(behind, result.database);
+  report.relaxation_field = keep_relaxation(behind, result.database);
   report.relaxation = common_relaxation(behind);
   report.viscoelasticity = result.database.tools.front().viscoelasticity;
   return result;
@@ -387,7 +387,8 @@ std::string describe(const SurfaceFitReport& report) {
       "median error of the nodes {:.3g}; {} nodes farther than {} lengths from every "
       "probe; {} nodes whose force would have fallen with depth\n",
       report.error_median, report.far_nodes, kFarLengths, report.straightened);
-  text += relaxation_text(report.relaxation, report.viscoelasticity);
+  text += relaxation_text(report.relaxation, report.viscoelasticity,
+                          report.relaxation_field);
   for (const LeftOutProbe& probe : report.left_out) {
     text += fmt::format("left out {}: {}\n", probe.name, probe.reason);
   }

@@ -17,6 +17,7 @@
 #include "fitting/surface/field_patches.h"
 #include "fitting/surface/probe.h"
 #include "fitting/surface/probe_screen.h"
+#include "fitting/surface/relaxation_field.h"
 #include "formats/database/response_database.h"
 
 namespace palpate {
@@ -56,6 +57,7 @@ struct SurfaceFitReport {
   Viscoelasticity
       viscoelasticity;  ///< the database's, rendered; else empty and the ...
                         ///< ... database has `relaxation`
+  RelaxationFieldReport relaxation_field;  ///< whether the nodes have g of their own
 };
 
 struct SurfaceFit {
@@ -81,7 +83,7 @@ struct SurfaceFitOptions {
 /// nodes that have a probe, interpolated elsewhere; error_relative is the largest
 /// standard deviation of log force over the deeper half. Directions deviate from the
 /// normals as the probes' do, each within half a length. Relaxation is kept by probe,
-/// and for the nodes as common_relaxation().
+/// and for the nodes by keep_relaxation().
 /// @param body closed or open, every vertex in a triangle, outside out.
 /// @throws InputError for fewer than kProbesMin usable probes or places, a probe
 /// farther from the surface than a tenth of the body's diagonal; NumericalError as

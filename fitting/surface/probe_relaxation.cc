@@ -44,15 +44,6 @@ double share_left(const Relaxation& r, const PronyTerms& own, std::size_t row,
                                  : share;
 }
 
-// What is left of the force after a sudden press.
-double share_left(const JointRelaxation& joint, double time_s) {
-  double share = 1.0;
-  for (const RelaxationTerm& term : joint.terms) {
-    share += term.g * std::expm1(-time_s / term.tau_s);
-  }
-  return share;
-}
-
 // Two terms of the median over several holds at equal times, from 0 to the end.
 // @param share of hold i at a time. @param last the holds' shares at the end.
 template <typename Share>
@@ -70,27 +61,37 @@ Relaxation median_relaxation(std::size_t holds, double seconds, const Share& sha
   return fit_relaxation(time_s, share);
 }
 
+std::vector<const Relaxation*> holds_of(
+    const std::vector<const SurfaceProbe*>& probes) {
+  std::vector<const Relaxation*> holds;
+  for (const SurfaceProbe* probe : probes) {
+    holds.push_back(&*probe->relaxation);
+  }
+  return holds;
+}
+
 double shortest_s(const std::vector<const Relaxation*>& holds) {
   const std::vector<double> lengths_s = member_of(holds, &Relaxation::seconds);
   return *std::min_element(lengths_s.begin(), lengths_s.end());
 }
 
-std::vector<const Relaxation*> comparable_holds(
+// Probes whose holds can be compared.
+std::vector<const SurfaceProbe*> comparable(
     const std::vector<const SurfaceProbe*>& probes) {
-  std::vector<const Relaxation*> holds;
+  std::vector<const SurfaceProbe*> held;
   for (const SurfaceProbe* probe : probes) {
     if (probe->relaxation && probe->relaxation->speed_m_per_s > 0.0) {
-      holds.push_back(&*probe->relaxation);
+      held.push_back(probe);
     }
   }
-  if (!holds.empty()) {
+  if (!held.empty()) {
     const double shortest =
-        kShortShare * median(member_of(holds, &Relaxation::seconds));
-    std::erase_if(holds, [&](const Relaxation* hold) {
-      return hold->seconds < shortest;
+        kShortShare * median(member_of(holds_of(held), &Relaxation::seconds));
+    std::erase_if(held, [&](const SurfaceProbe* probe) {
+      return probe->relaxation->seconds < shortest;
     });
   }
-  return holds;
+  return held;
 }
 
 }  // namespace
@@ -112,7 +113,7 @@ RunRelaxation run_relaxation(std::span<const SurfaceProbe> probes) {
 }
 
 ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& probes) {
-  const std::vector<const Relaxation*> holds = comparable_holds(probes);
+  const std::vector<const Relaxation*> holds = holds_of(comparable(probes));
   if (holds.empty()) {
     return {};
   }
@@ -143,13 +144,19 @@ ResponseRelaxation common_relaxation(const std::vector<const SurfaceProbe*>& pro
   return common;
 }
 
-Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& probes) {
-  std::vector<const Relaxation*> holds = comparable_holds(probes);
-  const std::size_t comparable = holds.size();
-  std::erase_if(holds, [](const Relaxation* hold) {
-    return !hold->joint.refused.empty();
+std::vector<const SurfaceProbe*> held_with_press(
+    const std::vector<const SurfaceProbe*>& probes) {
+  std::vector<const SurfaceProbe*> held = comparable(probes);
+  const std::size_t all = held.size();
+  std::erase_if(held, [](const SurfaceProbe* probe) {
+    return !probe->relaxation->joint.refused.empty();
   });
-  if (holds.empty() || 2 * holds.size() < comparable) {
+  return 2 * held.size() < all ? std::vector<const SurfaceProbe*>{} : held;
+}
+
+Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& probes) {
+  const std::vector<const Relaxation*> holds = holds_of(held_with_press(probes));
+  if (holds.empty()) {
     return {};
   }
   const double seconds = shortest_s(holds);
@@ -157,7 +164,7 @@ Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& p
   const Relaxation fit = median_relaxation(
       holds.size(), seconds,
       [&](std::size_t i, double time_s) {
-        return share_left(holds[i]->joint, time_s);
+        return 1.0 - relaxed_within(holds[i]->joint, time_s).value;
       },
       shares);
   Viscoelasticity common;
@@ -183,24 +190,28 @@ Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& p
   return common;
 }
 
-void keep_relaxation(const std::vector<const SurfaceProbe*>& probes,
-                     ResponseDatabase& database) {
+RelaxationFieldReport keep_relaxation(const std::vector<const SurfaceProbe*>& probes,
+                                      ResponseDatabase& database) {
   ResponseTable& table = database.tools.front();
-  give_memory(database.body, database.normal, common_viscoelasticity(probes), 1, table);
+  const RelaxationField found = relaxation_field(
+      database.body, held_with_press(probes), common_viscoelasticity(probes));
+  give_memory(database.body, database.normal, found.relaxation, 1, table);
   if (table.viscoelasticity.empty()) {
     table.relaxation = common_relaxation(probes);
   }
+  return found.report;
 }
 
 std::string relaxation_text(const ResponseRelaxation& shown,
-                            const Viscoelasticity& rendered) {
+                            const Viscoelasticity& rendered,
+                            const RelaxationFieldReport& field) {
   std::string text = fmt::format(
       "relaxation: {}\n",
       shown.empty() ? "no probe was held with its time known" : describe(shown));
   if (!rendered.empty()) {
     text += fmt::format("rendered: {}\n", describe(rendered, share_extent(rendered)));
   }
-  return text;
+  return text + describe(field);
 }
 
 }  // namespace palpate

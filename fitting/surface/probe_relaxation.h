@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fitting/surface/probe.h"
+#include "fitting/surface/relaxation_field.h"
 #include "formats/database/response_database.h"
 #include "formats/response/relaxation.h"
 #include "formats/response/viscoelasticity.h"
@@ -26,20 +27,27 @@ namespace palpate {
 [[nodiscard]] ResponseRelaxation common_relaxation(
     const std::vector<const SurfaceProbe*>& probes);
 
-/// How the material relaxes, as it is rendered: two terms fitted to the median over the
-/// probes of what each one's press and hold, fitted together, say of it; times up to
-/// the shortest hold. Curves are of a press at the median speed. Empty where less than
-/// half of the comparable holds were fitted together with their press.
+/// Those of comparable holds (as above) that were fitted together with their press;
+/// none where that is less than half of them.
+[[nodiscard]] std::vector<const SurfaceProbe*> held_with_press(
+    const std::vector<const SurfaceProbe*>& probes);
+
+/// How the material relaxes, as it is rendered: two terms fitted to the median over
+/// held_with_press() of what each one's press and hold, fitted together, say of it;
+/// times up to the shortest hold. Curves are of a press at the median speed. Empty
+/// where there are none.
 [[nodiscard]] Viscoelasticity common_viscoelasticity(
     const std::vector<const SurfaceProbe*>& probes);
 
-/// The first tool's relaxation: what is rendered, else what the holds showed.
-void keep_relaxation(const std::vector<const SurfaceProbe*>& probes,
-                     ResponseDatabase& database);
+/// The first tool's relaxation: what is rendered, by node where relaxation_field() is
+/// taken and else in common; else what the holds showed.
+RelaxationFieldReport keep_relaxation(const std::vector<const SurfaceProbe*>& probes,
+                                      ResponseDatabase& database);
 
-/// For people, what holds showed and what is rendered, a line each. Either may be
-/// empty.
+/// For people, what holds showed, what is rendered, and whether by a field, a line
+/// each. Any may be empty.
 [[nodiscard]] std::string relaxation_text(const ResponseRelaxation& shown,
-                                          const Viscoelasticity& rendered);
+                                          const Viscoelasticity& rendered,
+                                          const RelaxationFieldReport& field);
 
 }  // namespace palpate

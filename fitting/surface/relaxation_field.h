@@ -1,0 +1,61 @@
+// Relaxation that differs over a body, from probes that were held: Gaussian fields of
+// the shares of force that are gone at a few times, where they predict what they have
+// not seen better than one median for all nodes does.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "fitting/surface/field_parameters.h"
+#include "fitting/surface/probe.h"
+#include "formats/response/viscoelasticity.h"
+
+namespace palpate {
+
+/// Places with a hold that a field needs at least.
+constexpr std::size_t kHeldPlacesMin = 20;
+/// The field is taken where the sum over patches of what it is better by (weighed
+/// squares of what is left to the measured shares) is more than so many of its standard
+/// errors, which are those that the patches' own sums tell.
+constexpr double kFieldGainMin = 2.0;
+
+struct RelaxationFieldReport {
+  bool taken = false;            ///< else the median
+  std::string reason;            ///< one line with its numbers; empty: nothing was held
+  std::size_t places = 0;        ///< with a hold
+  std::size_t left_out = 0;      ///< of them, which the others contradict
+  std::vector<double> time_s;    ///< (K) of the shares
+  std::size_t patches = 0;       ///< left out in turn
+  double field_rms = 0.0;        ///< [-] of shares at places left out, by the field
+  double median_rms = 0.0;       ///< [-] by the median of the others
+  double coverage = 0.0;         ///< [-] of these shares by 95 % intervals of the field
+  double gain_over_error = 0.0;  ///< [-] over its standard error; kFieldGainMin
+  double common_times_error = 0.0;              ///< [-] of held_shares.h
+  std::vector<FieldParameters> parameters;      ///< (K) most probable, by share
+  double error_median = 0.0;                    ///< [-] of the nodes', where taken
+};
+
+struct RelaxationField {
+  Viscoelasticity relaxation;  ///< with n rows where the field is taken
+  RelaxationFieldReport report;
+};
+
+/// The times stay those of `common`; presses at one place are joined and places that
+/// the others contradict left out (probe_repeats.h, probe_screen.h). Length, sd and
+/// nugget are found for each share, and averaged over as for forces. The nugget is in
+/// the errors where repeats tell it from repeatability. g of a node: nearest_terms().
+/// error_relative of a node: standard deviation of the share of force that is gone, the
+/// larger of those at `time_s`, and what the common times miss. 95 % of nodes should
+/// have true shares within 1.96 times that.
+/// @param held probes whose press and hold were fitted together. @param common what
+/// they say in common: returned as it is where no field is taken. Empty: nothing.
+[[nodiscard]] RelaxationField relaxation_field(
+    const SurfaceMesh& body, const std::vector<const SurfaceProbe*>& held,
+    const Viscoelasticity& common);
+
+/// One line for people; empty where nothing was held.
+[[nodiscard]] std::string describe(const RelaxationFieldReport& report);
+
+}  // namespace palpate
