@@ -50,7 +50,7 @@ nlohmann::ordered_json rendered_json(const SurfaceFitReport& report) {
                    {"time_s", field.time_s},
                    {"patches", field.patches},
                    {"rms_share", field.field_rms},
-                   {"median_rms_share", field.median_rms},
+                   {"common_rms_share", field.common_rms},
                    {"coverage_95", field.coverage},
                    {"gain_over_error", field.gain_over_error},
                    {"common_times_error", field.common_times_error},

@@ -25,7 +25,7 @@ struct JointRelaxation {
   std::vector<RelaxationTerm> terms;   ///< 1 to 3, tau rising
   /// (2K x 2K) of g_1 .. g_K [-] and ln tau_1 .. ln tau_K; empty: not known
   Eigen::MatrixXd covariance;
-  double g_inf = 1.0;                  ///< [-] 1 - sum g, terms not claimed among them
+  double g_inf = 1.0;  ///< [-] 1 - sum g, terms not claimed among them
   double g_inf_sd = 0.0;
   std::string curve;  ///< "power-law" or "monotone-spline"
   /// The instantaneous curve without baseline, from the contact point to the deepest.

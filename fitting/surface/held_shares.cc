@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include <Eigen/LU>
+
+#include "fitting/numerics/nelder_mead.h"
 
 namespace palpate {
 namespace {
@@ -12,6 +15,7 @@ namespace {
 constexpr double kErrorMin = 1e-3;  // [-] no share is known better
 constexpr double kErrorMax = 0.5;   // a worse one says nothing
 constexpr int kTimes = 32;          // from a thousandth of the holds
+constexpr double kFarthest = 1.1;   // a factor of 3 between times, as logarithm
 
 RelaxedShare share_of(const SurfaceProbe& probe, double time_s) {
   return relaxed_within(probe.relaxation->joint, time_s);
@@ -76,15 +80,15 @@ Eigen::VectorXd nearest_terms(const Eigen::MatrixXd& of_terms,
 std::vector<FieldData> held_shares(const std::vector<const SurfaceProbe*>& held,
                                    std::span<const double> time_s) {
   const auto m = std::ssize(held);
-  std::vector<FieldData> data(
-      time_s.size(),
-      {Eigen::VectorXd(m), Eigen::VectorXd(m), std::vector<char>(held.size(), 1)});
+  std::vector<FieldData> data(time_s.size(), {Eigen::VectorXd(m), Eigen::VectorXd(m),
+                                              std::vector<char>(held.size(), 1)});
   for (std::size_t s = 0; s < time_s.size(); ++s) {
     for (std::size_t i = 0; i < held.size(); ++i) {
       const RelaxedShare share = share_of(*held[i], time_s[s]);
       const auto row = static_cast<Eigen::Index>(i);
       data[s].value[row] = share.value;
-      data[s].sd[row] = std::isnan(share.sd) ? kErrorMin : std::max(share.sd, kErrorMin);
+      data[s].sd[row] =
+          std::isnan(share.sd) ? kErrorMin : std::max(share.sd, kErrorMin);
       data[s].used[i] = data[s].sd[row] < kErrorMax ? 1 : 0;
     }
   }
@@ -118,6 +122,27 @@ double common_times_error(const std::vector<const SurfaceProbe*>& held,
     }
   }
   return std::sqrt(squares / (kTimes * static_cast<double>(held.size())));
+}
+
+std::vector<double> times_that_miss_least_s(
+    const std::vector<const SurfaceProbe*>& held, std::span<const double> tau_s,
+    double seconds) {
+  const auto times_of = [](const Eigen::VectorXd& x) {
+    const Eigen::VectorXd tau = x.array().exp();
+    return std::vector<double>(tau.begin(), tau.end());
+  };
+  const Eigen::VectorXd start =
+      Eigen::Map<const Eigen::VectorXd>(tau_s.data(), std::ssize(tau_s)).array().log();
+  const SimplexReport found = minimise_simplex(
+      [&](const Eigen::VectorXd& x) {
+        const bool rising =
+            std::adjacent_find(x.begin(), x.end(), std::greater_equal<>()) == x.end();
+        return rising && (x - start).cwiseAbs().maxCoeff() < kFarthest
+                   ? common_times_error(held, times_of(x), seconds)
+                   : std::numeric_limits<double>::infinity();
+      },
+      start, {.step = 0.1, .tolerance_x = 1e-3, .tolerance_f = 1e-6});
+  return times_of(found.x);
 }
 
 }  // namespace palpate

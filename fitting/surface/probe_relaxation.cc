@@ -193,8 +193,8 @@ Viscoelasticity common_viscoelasticity(const std::vector<const SurfaceProbe*>& p
 RelaxationFieldReport keep_relaxation(const std::vector<const SurfaceProbe*>& probes,
                                       ResponseDatabase& database) {
   ResponseTable& table = database.tools.front();
-  const RelaxationField found = relaxation_field(
-      database.body, held_with_press(probes), common_viscoelasticity(probes));
+  const RelaxationField found = relaxation_field(database.body, held_with_press(probes),
+                                                 common_viscoelasticity(probes));
   give_memory(database.body, database.normal, found.relaxation, 1, table);
   if (table.viscoelasticity.empty()) {
     table.relaxation = common_relaxation(probes);

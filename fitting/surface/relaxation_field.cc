@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -36,6 +37,14 @@ Held joined_holds(const SurfaceMesh& body,
   return held;
 }
 
+double shortest_s(const std::vector<const SurfaceProbe*>& probes) {
+  double seconds = probes.front()->relaxation->seconds;
+  for (const SurfaceProbe* probe : probes) {
+    seconds = std::min(seconds, probe->relaxation->seconds);
+  }
+  return seconds;
+}
+
 // Places that say something of every share.
 std::size_t places_with_all(const std::vector<FieldData>& data) {
   std::size_t count = 0;
@@ -47,11 +56,12 @@ std::size_t places_with_all(const std::vector<FieldData>& data) {
   return count;
 }
 
-std::vector<double> used_values(const FieldData& set) {
+// Of the set's values or errors.
+std::vector<double> used_values(const FieldData& set, const Eigen::VectorXd& of) {
   std::vector<double> values;
   for (std::size_t i = 0; i < set.used.size(); ++i) {
     if (set.used[i] != 0) {
-      values.push_back(set.value[static_cast<Eigen::Index>(i)]);
+      values.push_back(of[static_cast<Eigen::Index>(i)]);
     }
   }
   return values;
@@ -80,78 +90,103 @@ struct ShareField {
   }
 };
 
-// Sums over what is left out: weighed squares, and how many are within the intervals.
-struct Scores {
-  double weights = 0.0, field = 0.0, median = 0.0, count = 0.0, covered = 0.0;
-
-  void add(double weight, double of_field, double of_median, bool within) {
-    weights += weight;
-    field += weight * of_field * of_field;
-    median += weight * of_median * of_median;
-    count += 1.0;
-    covered += within ? 1.0 : 0.0;
-  }
+// Sums over places left out of weighed squares: of what the field misses, and what one
+// value for all misses, which is the median or the mean of the others.
+struct Misses {
+  double weights = 0.0, field = 0.0, median = 0.0, mean = 0.0, count = 0.0,
+         covered = 0.0;
 };
 
-// The weights know nothing of either prediction: a share's own error, and how the
-// shares spread about their median.
-void score_patch(const FieldModel& model, const FieldData& all,
-                 const std::vector<std::size_t>& patch, const FieldParameters& near,
-                 Scores& scores) {
-  FieldData others = all;
-  for (const std::size_t i : patch) {
-    others.used[i] = 0;
-  }
-  const FieldPosterior posterior = ShareField(model, others, near).posterior;
-  const double middle = median(used_values(others));
-  const double spread = robust_standard_deviation(used_values(all));
-  for (const std::size_t i : patch) {
-    const auto row = static_cast<Eigen::Index>(i);
-    if (all.used[i] != 0) {
-      const double off = posterior.left_out_residual[row];
-      scores.add(1.0 / (all.sd[row] * all.sd[row] + spread * spread), off,
-                 all.value[row] - middle, std::abs(off) <= kZ * posterior.left_out_sd[row]);
-    }
-  }
+// How far the shares are apart beyond their own errors.
+double excess_spread(const FieldData& set) {
+  const double spread = robust_standard_deviation(used_values(set, set.value));
+  const double error = median(used_values(set, set.sd));
+  return std::sqrt(std::max(0.0, spread * spread - error * error));
 }
 
+// The weights know nothing of any prediction.
+Misses misses_of(const FieldData& set, const FieldPosterior& posterior,
+                 const std::vector<std::size_t>& patch) {
+  const double spread = excess_spread(set);
+  double all = 0.0, sum = 0.0;
+  const auto weight = [&](Eigen::Index i) {
+    return 1.0 / (set.sd[i] * set.sd[i] + spread * spread);
+  };
+  for (Eigen::Index i = 0; i < set.value.size(); ++i) {
+    if (set.used[static_cast<std::size_t>(i)] != 0) {
+      all += weight(i);
+      sum += weight(i) * set.value[i];
+    }
+  }
+  const double middle = median(used_values(set, set.value));
+  Misses misses;
+  for (const std::size_t at : patch) {
+    const auto i = static_cast<Eigen::Index>(at);
+    if (set.used[at] == 0) {
+      continue;
+    }
+    const double w = weight(i), y = set.value[i];
+    const double off = posterior.left_out_residual[i];
+    misses.weights += w;
+    misses.field += w * off * off;
+    misses.median += w * std::pow(y - middle, 2);
+    misses.mean += w * std::pow(y - (sum - w * y) / (all - w), 2);
+    misses.count += 1.0;
+    misses.covered += std::abs(off) <= kZ * posterior.left_out_sd[i] ? 1.0 : 0.0;
+  }
+  return misses;
+}
+
+Misses operator+(const Misses& a, const Misses& b) {
+  return {a.weights + b.weights, a.field + b.field, a.median + b.median,
+          a.mean + b.mean,       a.count + b.count, a.covered + b.covered};
+}
+
+// Sum of some gains over its standard error, as their own scatter tells it.
+double over_error(const std::vector<double>& gains) {
+  const auto n = static_cast<double>(gains.size());
+  const double sum = std::accumulate(gains.begin(), gains.end(), 0.0);
+  double squares = 0.0;
+  for (const double gain : gains) {
+    squares += std::pow(gain - sum / n, 2);
+  }
+  return sum / std::sqrt(n / (n - 1.0) * squares);
+}
+
+// Neighbours err together: gains are summed over patches of them, and scatter so.
 void compare(const FieldModel& model, const std::vector<FieldData>& data,
-             const FieldParameters& near, RelaxationFieldReport& report) {
+             const std::vector<ShareField>& fields, RelaxationFieldReport& report) {
   const auto patches =
       patches_of(model, std::min(kPatchesMax, model.point().size() / kPatchPoints));
-  Scores all;
-  std::vector<double> gains;
+  Misses all;
+  std::vector<double> over_median, over_mean;
   for (const auto& patch : patches) {
-    const double before = all.median - all.field;
-    for (const FieldData& set : data) {
-      score_patch(model, set, patch, near, all);
+    Misses here;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      here = here + misses_of(data[k], fields[k].posterior, patch);
     }
-    gains.push_back(all.median - all.field - before);
+    over_median.push_back(here.median - here.field);
+    over_mean.push_back(here.mean - here.field);
+    all = all + here;
   }
-  const auto n = static_cast<double>(gains.size());
-  const double gain = all.median - all.field;
-  double squares = 0.0;
-  for (const double one : gains) {
-    squares += std::pow(one - gain / n, 2);
-  }
-  report.patches = gains.size();
+  report.patches = patches.size();
   report.field_rms = std::sqrt(all.field / all.weights);
-  report.median_rms = std::sqrt(all.median / all.weights);
+  report.common_rms = std::sqrt(std::min(all.median, all.mean) / all.weights);
   report.coverage = all.covered / all.count;
-  report.gain_over_error = gain / std::sqrt(n / (n - 1.0) * squares);
+  report.gain_over_error = std::min(over_error(over_median), over_error(over_mean));
   report.taken = report.gain_over_error > kFieldGainMin;
   report.reason = fmt::format(
-      "{} patches left out: shares of the force that relax are predicted to {:.3g} by "
-      "the field, to {:.3g} by the median; better by {:.2g} standard errors, {} are "
-      "wanted",
-      report.patches, report.field_rms, report.median_rms, report.gain_over_error,
-      kFieldGainMin);
+      "shares of the force that relax, each place left out in turn, are predicted to "
+      "{:.3g} by the field, to {:.3g} by one value for all; better by {:.2g} standard "
+      "errors, {} are wanted",
+      report.field_rms, report.common_rms, report.gain_over_error, kFieldGainMin);
 }
 
 // Rows of g and their errors at every node.
 void fill_rows(const std::vector<ShareField>& fields,
-               const std::vector<double>& repeatability, const Eigen::MatrixXd& of_terms,
-               RelaxationFieldReport& report, Viscoelasticity& relaxation) {
+               const std::vector<double>& repeatability,
+               const Eigen::MatrixXd& of_terms, RelaxationFieldReport& report,
+               Viscoelasticity& relaxation) {
   const Eigen::Index n = fields.front().posterior.mean.size();
   Eigen::MatrixXd shares(n, std::ssize(fields));
   Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(n);
@@ -182,11 +217,10 @@ RelaxationField relaxation_field(const SurfaceMesh& body,
   if (common.empty() || probes.empty()) {
     return result;
   }
-  double seconds = probes.front()->relaxation->seconds;
-  for (const SurfaceProbe* probe : probes) {
-    seconds = std::min(seconds, probe->relaxation->seconds);
-  }
-  report.time_s = share_times_s(common.tau_s, seconds);
+  const double seconds = shortest_s(probes);
+  const std::vector<double> tau_s =
+      times_that_miss_least_s(probes, common.tau_s, seconds);
+  report.time_s = share_times_s(tau_s, seconds);
   const Held held = joined_holds(body, probes, report.time_s);
   report.places = places_with_all(held.joined.data);
   if (report.places < kHeldPlacesMin) {
@@ -202,18 +236,19 @@ RelaxationField relaxation_field(const SurfaceMesh& body,
   const ScreenedField screened = screen_probes(model, held.joined.data);
   const FieldParameters& near = screened.parameters.parameters;
   report.left_out = screened.bad.size();
-  report.common_times_error = common_times_error(probes, common.tau_s, seconds);
-  compare(model, screened.data, near, report);
+  report.common_times_error = common_times_error(probes, tau_s, seconds);
+  std::vector<ShareField> fields;
+  for (const FieldData& set : screened.data) {
+    fields.emplace_back(model, set, near);
+    report.parameters.push_back(fields.back().most_probable);
+  }
+  compare(model, screened.data, fields, report);
   if (report.taken) {
-    std::vector<ShareField> fields;
-    for (const FieldData& set : screened.data) {
-      fields.emplace_back(model, set, near);
-      report.parameters.push_back(fields.back().most_probable);
-    }
-    fill_rows(fields, held.joined.repeatability,
-              shares_of_terms(report.time_s, common.tau_s), report, result.relaxation);
+    result.relaxation.tau_s = tau_s;
+    fill_rows(fields, held.joined.repeatability, shares_of_terms(report.time_s, tau_s),
+              report, result.relaxation);
     result.relaxation.rule = fmt::format(
-        "times of the median over the probes; g a field over the surface through the "
+        "times that suit all probes best; g a field over the surface through the "
         "shares that holds at {} places show relaxed after {:.3g} s, within its error; "
         "{}",
         report.places - report.left_out, fmt::join(report.time_s, " and "),

@@ -16,9 +16,9 @@ namespace palpate {
 
 /// Places with a hold that a field needs at least.
 constexpr std::size_t kHeldPlacesMin = 20;
-/// The field is taken where the sum over patches of what it is better by (weighed
-/// squares of what is left to the measured shares) is more than so many of its standard
-/// errors, which are those that the patches' own sums tell.
+/// The field is taken where the squares of what it misses, weighed, are smaller than
+/// those of one value for all nodes by more than so many standard errors; these follow
+/// from the scatter of the sums over patches of neighbours.
 constexpr double kFieldGainMin = 2.0;
 
 struct RelaxationFieldReport {
@@ -27,14 +27,14 @@ struct RelaxationFieldReport {
   std::size_t places = 0;        ///< with a hold
   std::size_t left_out = 0;      ///< of them, which the others contradict
   std::vector<double> time_s;    ///< (K) of the shares
-  std::size_t patches = 0;       ///< left out in turn
-  double field_rms = 0.0;        ///< [-] of shares at places left out, by the field
-  double median_rms = 0.0;       ///< [-] by the median of the others
+  std::size_t patches = 0;       ///< of neighbouring places
+  double field_rms = 0.0;        ///< [-] off at places left out in turn, by the field
+  double common_rms = 0.0;       ///< [-] by median or mean of all, whichever is better
   double coverage = 0.0;         ///< [-] of these shares by 95 % intervals of the field
   double gain_over_error = 0.0;  ///< [-] over its standard error; kFieldGainMin
-  double common_times_error = 0.0;              ///< [-] of held_shares.h
-  std::vector<FieldParameters> parameters;      ///< (K) most probable, by share
-  double error_median = 0.0;                    ///< [-] of the nodes', where taken
+  double common_times_error = 0.0;          ///< [-] of held_shares.h
+  std::vector<FieldParameters> parameters;  ///< (K) most probable, by share
+  double error_median = 0.0;                ///< [-] of the nodes', where taken
 };
 
 struct RelaxationField {
@@ -42,13 +42,13 @@ struct RelaxationField {
   RelaxationFieldReport report;
 };
 
-/// The times stay those of `common`; presses at one place are joined and places that
-/// the others contradict left out (probe_repeats.h, probe_screen.h). Length, sd and
-/// nugget are found for each share, and averaged over as for forces. The nugget is in
-/// the errors where repeats tell it from repeatability. g of a node: nearest_terms().
-/// error_relative of a node: standard deviation of the share of force that is gone, the
-/// larger of those at `time_s`, and what the common times miss. 95 % of nodes should
-/// have true shares within 1.96 times that.
+/// The times are those that miss least of all probes; presses at one place are joined
+/// and places that the others contradict left out (probe_repeats.h, probe_screen.h).
+/// Length, sd and nugget are found for each share, and averaged over as for forces. The
+/// nugget is in the errors where repeats tell it from repeatability. g of a node:
+/// nearest_terms(). error_relative of a node: standard deviation of the share of force
+/// that is gone, the larger of those at `time_s`, and what the common times miss. 95 %
+/// of nodes should have true shares within 1.96 times that.
 /// @param held probes whose press and hold were fitted together. @param common what
 /// they say in common: returned as it is where no field is taken. Empty: nothing.
 [[nodiscard]] RelaxationField relaxation_field(

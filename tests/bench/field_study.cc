@@ -51,22 +51,6 @@ struct Study {
 constexpr std::size_t kGlitches = 5;
 constexpr double kNoiseMin = 0.02;  // of log force; stated per probe, up to twice that
 
-SurfaceMesh stretched(SurfaceMesh mesh, const Eigen::Vector3d& by) {
-  mesh.position_m *= by.asDiagonal();
-  return mesh;
-}
-
-// A body with a blunt edge and a hollow, as an organ has them.
-SurfaceMesh organ_like(int refinements) {
-  SurfaceMesh mesh = icosphere(1.0, refinements);
-  for (Eigen::Index i = 0; i < mesh.position_m.rows(); ++i) {
-    const Eigen::Vector3d p = mesh.position_m.row(i);
-    const double r = 0.06 * (1.0 + 0.25 * p.x() * p.y() + 0.2 * std::cos(3.0 * p.x()));
-    mesh.position_m.row(i) = r * Eigen::RowVector3d(1.5 * p.x(), p.y(), 0.6 * p.z());
-  }
-  return mesh;
-}
-
 // Matern fields in space (waves whose vectors have its spectrum, a multivariate t
 // distribution with 2 nu degrees of freedom), and a stiff inclusion with an edge of
 // 4 mm. None is the model's own: that lives on the surface, has other smoothnesses, and

@@ -96,6 +96,21 @@ SurfaceMesh icosphere(double radius_m, int refinements) {
   return mesh;
 }
 
+SurfaceMesh stretched(SurfaceMesh mesh, const Eigen::Vector3d& by) {
+  mesh.position_m *= by.asDiagonal();
+  return mesh;
+}
+
+SurfaceMesh organ_like(int refinements) {
+  SurfaceMesh mesh = icosphere(1.0, refinements);
+  for (Eigen::Index i = 0; i < mesh.position_m.rows(); ++i) {
+    const Eigen::Vector3d p = mesh.position_m.row(i);
+    const double r = 0.06 * (1.0 + 0.25 * p.x() * p.y() + 0.2 * std::cos(3.0 * p.x()));
+    mesh.position_m.row(i) = r * Eigen::RowVector3d(1.5 * p.x(), p.y(), 0.6 * p.z());
+  }
+  return mesh;
+}
+
 SurfaceMesh plate(double side_m, int cells) {
   std::vector<Eigen::Vector3d> position;
   std::vector<Eigen::Vector3i> triangle;

@@ -14,6 +14,12 @@ using NodeForce = std::function<double(Eigen::Index node, double depth_m)>;
 /// `refinements` times; 10 * 4^r + 2 vertices.
 [[nodiscard]] SurfaceMesh icosphere(double radius_m, int refinements);
 
+/// The same, its coordinates times `by`.
+[[nodiscard]] SurfaceMesh stretched(SurfaceMesh mesh, const Eigen::Vector3d& by);
+
+/// A body with a blunt edge and a hollow, as an organ has them; 0.18 m long.
+[[nodiscard]] SurfaceMesh organ_like(int refinements);
+
 /// An open square plate in the plane z = 0, outside upwards: (cells + 1)^2 vertices,
 /// centred at the origin.
 [[nodiscard]] SurfaceMesh plate(double side_m, int cells);

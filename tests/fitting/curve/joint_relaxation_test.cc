@@ -125,6 +125,33 @@ TEST(JointRelaxation, TakesAsManyTermsAsThereAre) {
                0.1);
 }
 
+TEST(JointRelaxation, TellsWhatIsGoneWithinATime) {
+  const std::vector<RelaxationTerm> terms = terms_of({{0.26, 0.4}, {0.3, 4.0}});
+  const JointRelaxation found =
+      fit_press_and_hold(pressed(terms, 1e-3, 20.0, 10.0, 5e-3).view());
+  ASSERT_TRUE(found.refused.empty()) << found.refused;
+  const auto K = std::ssize(found.terms);
+  ASSERT_EQ(found.covariance.rows(), 2 * K);
+  for (Eigen::Index k = 0; k < K; ++k) {
+    const RelaxationTerm& term = found.terms[static_cast<std::size_t>(k)];
+    EXPECT_NEAR(std::sqrt(found.covariance(k, k)), term.g_sd, 1e-12);
+    EXPECT_NEAR(term.tau_s * std::sqrt(found.covariance(K + k, K + k)), term.tau_sd_s,
+                1e-12);
+  }
+  // At last all of it, known as well as what stays.
+  const RelaxedShare last = relaxed_within(found, 1e4);
+  EXPECT_NEAR(last.value, 1.0 - found.g_inf, 1e-12);
+  EXPECT_NEAR(last.sd, found.g_inf_sd, 1e-9);
+  EXPECT_EQ(relaxed_within(found, 0.0).value, 0.0);
+  EXPECT_EQ(relaxed_within(found, 0.0).sd, 0.0);
+  const double exact = -0.26 * std::expm1(-2.0 / 0.4) - 0.3 * std::expm1(-2.0 / 4.0);
+  const RelaxedShare at = relaxed_within(found, 2.0);
+  EXPECT_NEAR(at.value, exact, 4.0 * at.sd);
+  JointRelaxation told = found;
+  told.covariance.resize(0, 0);
+  EXPECT_TRUE(std::isnan(relaxed_within(told, 1.0).sd));
+}
+
 TEST(JointRelaxation, DoesNotClaimWhatTheHoldIsTooShortFor) {
   const auto truth = terms_of({{0.3, 0.5}, {0.3, 60.0}});
   const JointRelaxation found =
