@@ -4,10 +4,12 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include <Eigen/LU>
 
 #include "fitting/numerics/nelder_mead.h"
+#include "fitting/numerics/robust_statistics.h"
 
 namespace palpate {
 namespace {
@@ -28,6 +30,30 @@ Eigen::VectorXd nearest_between(const Eigen::MatrixXd& of_terms,
   const Eigen::VectorXd along = of_terms * (b - a);
   const double t = along.dot(shares - of_terms * a) / along.squaredNorm();
   return a + std::clamp(t, 0.0, 1.0) * (b - a);
+}
+
+// Mean square over the times, by probe.
+std::vector<double> squares_missed(const std::vector<const SurfaceProbe*>& held,
+                                   std::span<const double> tau_s, double seconds) {
+  const std::vector<double> time_s = share_times_s(tau_s, seconds);
+  const Eigen::MatrixXd of_terms = shares_of_terms(time_s, tau_s);
+  std::vector<double> squares;
+  for (const SurfaceProbe* probe : held) {
+    Eigen::VectorXd shares(std::ssize(time_s));
+    for (std::size_t m = 0; m < time_s.size(); ++m) {
+      shares[static_cast<Eigen::Index>(m)] = share_of(*probe, time_s[m]).value;
+    }
+    const Eigen::VectorXd g = nearest_terms(of_terms, shares);
+    double sum = 0.0;
+    for (int k = 0; k < kTimes; ++k) {
+      const double at_s =
+          seconds * std::pow(1e-3, static_cast<double>(k) / (kTimes - 1));
+      const double common = (shares_of_terms({&at_s, 1}, tau_s) * g).value();
+      sum += std::pow(share_of(*probe, at_s).value - common, 2);
+    }
+    squares.push_back(sum / kTimes);
+  }
+  return squares;
 }
 
 }  // namespace
@@ -105,23 +131,9 @@ std::vector<FieldData> held_shares(const std::vector<const SurfaceProbe*>& held,
 
 double common_times_error(const std::vector<const SurfaceProbe*>& held,
                           std::span<const double> tau_s, double seconds) {
-  const std::vector<double> time_s = share_times_s(tau_s, seconds);
-  const Eigen::MatrixXd of_terms = shares_of_terms(time_s, tau_s);
-  double squares = 0.0;
-  for (const SurfaceProbe* probe : held) {
-    Eigen::VectorXd shares(std::ssize(time_s));
-    for (std::size_t m = 0; m < time_s.size(); ++m) {
-      shares[static_cast<Eigen::Index>(m)] = share_of(*probe, time_s[m]).value;
-    }
-    const Eigen::VectorXd g = nearest_terms(of_terms, shares);
-    for (int k = 0; k < kTimes; ++k) {
-      const double at_s =
-          seconds * std::pow(1e-3, static_cast<double>(k) / (kTimes - 1));
-      const double common = (shares_of_terms({&at_s, 1}, tau_s) * g).value();
-      squares += std::pow(share_of(*probe, at_s).value - common, 2);
-    }
-  }
-  return std::sqrt(squares / (kTimes * static_cast<double>(held.size())));
+  const std::vector<double> squares = squares_missed(held, tau_s, seconds);
+  return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) /
+                   static_cast<double>(squares.size()));
 }
 
 std::vector<double> times_that_miss_least_s(
@@ -138,7 +150,7 @@ std::vector<double> times_that_miss_least_s(
         const bool rising =
             std::adjacent_find(x.begin(), x.end(), std::greater_equal<>()) == x.end();
         return rising && (x - start).cwiseAbs().maxCoeff() < kFarthest
-                   ? common_times_error(held, times_of(x), seconds)
+                   ? std::sqrt(median(squares_missed(held, times_of(x), seconds)))
                    : std::numeric_limits<double>::infinity();
       },
       start, {.step = 0.1, .tolerance_x = 1e-3, .tolerance_f = 1e-6});

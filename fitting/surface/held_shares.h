@@ -45,8 +45,8 @@ namespace palpate {
 [[nodiscard]] double common_times_error(const std::vector<const SurfaceProbe*>& held,
                                         std::span<const double> tau_s, double seconds);
 
-/// The tau with the least common_times_error(), rising, each within a factor of
-/// 3 of those given.
+/// The tau that miss least of the median probe (as above), rising, each within a factor
+/// of 3 of those given.
 [[nodiscard]] std::vector<double> times_that_miss_least_s(
     const std::vector<const SurfaceProbe*>& held, std::span<const double> tau_s,
     double seconds);

@@ -17,9 +17,10 @@ namespace palpate {
 /// Places with a hold that a field needs at least.
 constexpr std::size_t kHeldPlacesMin = 20;
 /// The field is taken where the squares of what it misses, weighed, are smaller than
-/// those of one value for all nodes by more than so many standard errors; these follow
-/// from the scatter of the sums over patches of neighbours.
-constexpr double kFieldGainMin = 2.0;
+/// those of one value for all nodes by more than so many standard errors (Breiman et
+/// al. 1984, 3.4.3: the simpler of two within one); these follow from the scatter of
+/// the sums over patches of neighbours.
+constexpr double kFieldGainMin = 1.0;
 
 struct RelaxationFieldReport {
   bool taken = false;            ///< else the median

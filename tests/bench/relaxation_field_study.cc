@@ -133,16 +133,6 @@ void study_once(const SurfaceMesh& body, const std::string& kind, std::size_t co
   }
   const Viscoelasticity common = common_viscoelasticity(all);
   const auto [field, report] = relaxation_field(body, held_with_press(all), common);
-  if (std::getenv("GF_DEBUG") != nullptr) {
-    fmt::print("{}{} misfit {:.4f} error {:.4f} out {} cov {:.3f}", kind,
-               describe(report), report.common_times_error, report.error_median,
-               report.left_out, report.coverage);
-    for (const auto& p : report.parameters) {
-      fmt::print(" | L {:.3f} sd {:.3f} nug {:.4f} nu {}", p.length_m, p.sd,
-                 p.nugget_sd, p.smoothness);
-    }
-    fmt::print("\n");
-  }
   double end = 0.0, worst = 0.0, off = 0.0, by_median = 0.0;
   for (Eigen::Index i = 0; i < body.position_m.rows(); ++i) {
     const PronyTerms2 exact = truth(body.position_m.row(i));
@@ -161,11 +151,6 @@ void study_once(const SurfaceMesh& body, const std::string& kind, std::size_t co
     by_median += std::pow(miss(common, kHold), 2);
   }
   const auto n = static_cast<double>(body.position_m.rows());
-  if (std::getenv("GF_DEBUG") != nullptr) {
-    fmt::print("XX {} {} {:.2f} off {:.4f} median {:.4f} end {:.3f}\n", kind, count,
-               report.gain_over_error, std::sqrt(off / n), std::sqrt(by_median / n),
-               end / n);
-  }
   study.runs += 1.0;
   study.off += std::sqrt(off / n);
   study.median += std::sqrt(by_median / n);

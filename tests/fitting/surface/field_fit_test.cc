@@ -253,20 +253,27 @@ TEST_F(MeasuredSphere, KeepsEachProbesRelaxationAndTheMedianAtTheNodes) {
   EXPECT_TRUE(std::isnan(runs.terms.g_1[10]));
 }
 
+// Also fitted together with its press, which tells the terms to 0.01.
+Relaxation hold_with_press(double g_1, double g_2, double seconds) {
+  Relaxation hold = hold_of(1.0, seconds);
+  hold.joint.refused.clear();
+  hold.joint.terms.resize(2);
+  hold.joint.terms[0].g = g_1;
+  hold.joint.terms[0].tau_s = 0.3;
+  hold.joint.terms[1].g = g_2;
+  hold.joint.terms[1].tau_s = 4.0;
+  hold.joint.covariance = 1e-4 * Eigen::MatrixXd::Identity(4, 4);
+  hold.joint.displacement_m = {0.0, 1e-3};
+  hold.joint.force_n = {0.0, 1.0};
+  return hold;
+}
+
 // Press and hold fitted together say how the material relaxes: that is rendered.
 TEST_F(MeasuredSphere, GivesTheDatabaseTheMaterialsRelaxation) {
   for (std::size_t i = 0; i < 9; ++i) {
     const double off = 0.1 * (static_cast<double>(i) - 4.0);
-    Relaxation hold = hold_of(1.0, 10.0 + static_cast<double>(i));
-    hold.joint.refused.clear();
-    hold.joint.terms.resize(2);
-    hold.joint.terms[0].g = 0.30 * (1.0 + off);
-    hold.joint.terms[0].tau_s = 0.3;
-    hold.joint.terms[1].g = 0.20 * (1.0 + off);
-    hold.joint.terms[1].tau_s = 4.0;
-    hold.joint.displacement_m = {0.0, 1e-3};
-    hold.joint.force_n = {0.0, 1.0};
-    probes_[i].relaxation = hold;
+    probes_[i].relaxation = hold_with_press(0.30 * (1.0 + off), 0.20 * (1.0 + off),
+                                            10.0 + static_cast<double>(i));
   }
   const SurfaceFit fit = fit_surface(body_, tool_, probes_);
   check(fit.database);
@@ -282,12 +289,40 @@ TEST_F(MeasuredSphere, GivesTheDatabaseTheMaterialsRelaxation) {
   EXPECT_NEAR(rendered.tau_s[0], 0.3, 2e-3);
   EXPECT_NEAR(rendered.tau_s[1], 4.0, 4e-2);
   EXPECT_FALSE(rendered.sites.empty());
+  EXPECT_NE(describe(fit.report).find("holds at 9 places, a field needs 20"),
+            std::string::npos)
+      << describe(fit.report);
   // Most holds must have been fitted so.
   for (std::size_t i = 0; i < 5; ++i) {
     probes_[i].relaxation->joint.refused = "none";
   }
   EXPECT_TRUE(
       fit_surface(body_, tool_, probes_).database.tools.at(0).viscoelasticity.empty());
+}
+
+TEST_F(MeasuredSphere, GivesNodesRelaxationOfTheirOwnWhereTheyDiffer) {
+  std::mt19937 generator(2);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  for (SurfaceProbe& probe : probes_) {
+    const double g = probe.position_m.y() < 0.0 ? 0.1 : 0.3;
+    probe.relaxation =
+        hold_with_press(g + noise(generator), 0.2 + noise(generator), 10.0);
+  }
+  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  check(fit.database);
+  const Viscoelasticity& rendered = fit.database.tools.at(0).viscoelasticity;
+  ASSERT_EQ(rendered.g.rows(), body_.position_m.rows()) << describe(fit.report);
+  EXPECT_EQ(rendered.error_relative.size(),
+            static_cast<std::size_t>(body_.position_m.rows()));
+  EXPECT_FALSE(rendered.sites.empty());
+  Eigen::Index low = 0, high = 0;
+  body_.position_m.col(1).minCoeff(&low);
+  body_.position_m.col(1).maxCoeff(&high);
+  EXPECT_NEAR(rendered.g(low, 0), 0.1F, 0.05F);
+  EXPECT_NEAR(rendered.g(high, 0), 0.3F, 0.05F);
+  EXPECT_NEAR(rendered.g(low, 1), 0.2F, 0.05F);
+  EXPECT_NE(describe(fit.report).find("relaxation of the nodes: a field"),
+            std::string::npos);
 }
 
 TEST_F(MeasuredSphere, SaysNothingOfRelaxationWithoutHolds) {

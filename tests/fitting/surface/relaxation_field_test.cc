@@ -69,7 +69,7 @@ class HeldSphere : public testing::Test {
                             common_viscoelasticity(all()));
   }
 
-  SurfaceMesh body_ = icosphere(kRadius, 3);
+  SurfaceMesh body_ = icosphere(kRadius, 2);
   std::vector<SurfaceProbe> probes_;
 };
 
