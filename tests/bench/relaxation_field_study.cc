@@ -6,13 +6,13 @@
 // 4; all kinds, "" too; 20, 30 and 60; 3, each of which quarters the triangles; 1)
 //
 // Kinds: uniform; halves of two materials; smooth; weak, a fifth as much as smooth;
-// patch, a place 2 cm wide that relaxes more; times, smooth with times that differ by a
+// patch, a place 4 cm wide that relaxes more; times, smooth with times that differ by a
 // quarter too, so that no common times are right. Every run draws its own field.
 //
 // Of 95 % intervals, 1.96 times the stated error, at nodes of runs whose field was
 // taken: "end" are shares at the end of the holds, "worst" the worst of all times up to
 // it. Of all runs, "off" and "median": rms over the nodes of these shares by what was
-// taken, and by the median. "patches": coverage of measured shares left out.
+// taken, and by the median. "out": coverage of measured shares at places left out.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -118,7 +118,7 @@ double relaxed(const PronyTerms2& terms, double time_s) {
 }
 
 struct Study {
-  double runs = 0, taken = 0, end = 0, end2 = 0, worst = 0, patches = 0, off = 0,
+  double runs = 0, taken = 0, end = 0, end2 = 0, worst = 0, out = 0, off = 0,
          median = 0, error = 0;
 };
 
@@ -159,20 +159,28 @@ void study_once(const SurfaceMesh& body, const std::string& kind, std::size_t co
     study.end += end / n;
     study.end2 += end * end / (n * n);
     study.worst += worst / n;
-    study.patches += report.coverage;
+    study.out += report.coverage;
     study.error += report.error_median;
   }
 }
 
+// A mean over the runs that took the field; a dash where none did.
+std::string of_taken(const Study& s, double sum, int digits) {
+  return s.taken > 0.0 ? fmt::format("{:.{}f}", sum / s.taken, digits) : "-";
+}
+
 void print(const std::string& name, std::size_t count, const Study& s) {
-  const double mean = s.end / s.taken;
+  const double spread = s.end2 - s.end * s.end / s.taken;
+  const std::string error =
+      s.taken > 1.0
+          ? fmt::format("{:.3f}",
+                        std::sqrt(std::max(0.0, spread) / s.taken / (s.taken - 1.0)))
+          : "-";
   fmt::print(
-      "{:<20} {:>6} {:>5} {:>6.2f} {:>7.3f} {:>6.3f} {:>7.3f} {:>8.3f} {:>7.4f} "
-      "{:>7.4f} {:>7.4f}\n",
-      name, count, s.runs, s.taken / s.runs, mean,
-      std::sqrt(std::max(0.0, s.end2 / s.taken - mean * mean) / (s.taken - 1.0)),
-      s.worst / s.taken, s.patches / s.taken, s.error / s.taken, s.off / s.runs,
-      s.median / s.runs);
+      "{:<20} {:>6} {:>5} {:>6.2f} {:>7} {:>6} {:>7} {:>8} {:>7} {:>7.4f} {:>7.4f}\n",
+      name, count, s.runs, s.taken / s.runs, of_taken(s, s.end, 3), error,
+      of_taken(s, s.worst, 3), of_taken(s, s.out, 3), of_taken(s, s.error, 4),
+      s.off / s.runs, s.median / s.runs);
   std::fflush(stdout);
 }
 
@@ -190,8 +198,8 @@ void study_all(const Plan& plan) {
       stretched(icosphere(1.0, plan.refinements), {0.08, 0.05, 0.03}),
       organ_like(plan.refinements)};
   fmt::print("{:<20} {:>6} {:>5} {:>6} {:>7} {:>6} {:>7} {:>8} {:>7} {:>7} {:>7}\n",
-             "kind", "probes", "runs", "taken", "end", "s.e.", "worst", "patches",
-             "stated", "off", "median");
+             "kind", "probes", "runs", "taken", "end", "s.e.", "worst", "out", "stated",
+             "off", "median");
   for (const std::string kind :
        {"uniform", "halves", "smooth", "weak", "patch", "times"}) {
     if (!plan.only.empty() && plan.only != kind) {
