@@ -91,7 +91,7 @@ struct ShareField {
 };
 
 // Sums over places left out of weighed squares: of what the field misses, and what one
-// value for all misses, which is the median or the mean of the others.
+// value for all misses: the median of all, or the mean of the others.
 struct Misses {
   double weights = 0.0, field = 0.0, median = 0.0, mean = 0.0, count = 0.0,
          covered = 0.0;

@@ -150,8 +150,9 @@ TEST_F(HeldSphere, SharesStayInBoundsAtExtremes) {
   EXPECT_LT(found.g.rowwise().sum().minCoeff(), 0.05F);
 }
 
-// The probe nearest to the pole of the stiff half claims to relax as the other does.
-TEST_F(HeldSphere, ProbeCountsAsItsErrorLets) {
+// The probe nearest to the pole of one half claims, with a large error,
+// to relax as the other does.
+TEST_F(HeldSphere, OneUncertainProbeChangesLittle) {
   hold(halves, 80, 0.01);
   std::size_t odd = 0;
   for (std::size_t i = 1; i < probes_.size(); ++i) {
@@ -188,6 +189,28 @@ TEST(HeldShares, NearestTermsAreTheNearestOfAllThatMayBe) {
     }
     EXPECT_LE(distance, least + 1e-12);
     EXPECT_NEAR(distance, least, 2.0 / kSteps);  // of_terms shortens; a cell's diagonal
+  }
+}
+
+// Of independent errors e of both g: e sqrt(sum (1 - exp(-t / tau))^2).
+TEST(HeldShares, CarryEachProbesOwnError) {
+  SurfaceProbe sure, unsure, lost, silent;
+  sure.relaxation = hold_of({0.2, 0.3}, 0.01);
+  unsure.relaxation = hold_of({0.2, 0.3}, 0.1);
+  lost.relaxation = hold_of({0.2, 0.3}, 1.0);
+  silent.relaxation = hold_of({0.2, 0.3}, 0.01);
+  silent.relaxation->joint.covariance.resize(0, 0);
+  const std::vector<double> time_s = share_times_s(kTau, kHold);
+  const auto data = held_shares({&sure, &unsure, &lost, &silent}, time_s);
+  ASSERT_EQ(data.size(), 2U);
+  for (Eigen::Index m = 0; m < 2; ++m) {
+    const FieldData& set = data[static_cast<std::size_t>(m)];
+    const Eigen::VectorXd slope = shares_of_terms(time_s, kTau).row(m);
+    EXPECT_NEAR(set.value[0], slope.dot(Eigen::Vector2d(0.2, 0.3)), 1e-12);
+    EXPECT_NEAR(set.sd[0], 0.01 * slope.norm(), 1e-12);
+    EXPECT_NEAR(set.sd[1], 0.1 * slope.norm(), 1e-12);
+    EXPECT_EQ(set.used, (std::vector<char>{1, 1, 0, 1}));
+    EXPECT_EQ(set.sd[3], 1e-3);
   }
 }
 
