@@ -178,7 +178,7 @@ void compare(const FieldModel& model, const std::vector<FieldData>& data,
   report.reason = fmt::format(
       "shares of the force that relax, each place left out in turn, are predicted to "
       "{:.3g} by the field, to {:.3g} by one value for all; better by {:.2g} standard "
-      "errors, {} are wanted",
+      "errors (more than {})",
       report.field_rms, report.common_rms, report.gain_over_error, kFieldGainMin);
 }
 
