@@ -52,6 +52,17 @@ void set_values(const ResponseTable& table, const Value& value, SurfaceMap& map)
   }
 }
 
+template <typename Value>
+SurfaceMap node_map(const ResponseTable& table, const char* name, const char* unit,
+                    const char* note, const Value& value) {
+  SurfaceMap map;
+  map.name = name;
+  map.unit = unit;
+  map.note = note;
+  set_values(table, value, map);
+  return map;
+}
+
 }  // namespace
 
 SurfaceMap stiffness_map(const ResponseTable& table) {
@@ -72,59 +83,29 @@ SurfaceMap stiffness_map(const ResponseTable& table) {
 }
 
 SurfaceMap relaxation_map(const ResponseTable& table) {
-  SurfaceMap map;
-  map.name = "relaxes [%]";
-  map.unit = "%";
-  map.note = "of a held force";
-  set_values(
-      table,
-      [&](std::int64_t node) {
-        return 100.0 * (1.0 - slow_share(table.viscoelasticity, node));
-      },
-      map);
-  return map;
+  return node_map(table, "relaxes [%]", "%", "of a held force", [&](std::int64_t node) {
+    return 100.0 * (1.0 - slow_share(table.viscoelasticity, node));
+  });
 }
 
 SurfaceMap dent_map(const ResponseTable& table) {
-  SurfaceMap map;
-  map.name = "stays [%]";
-  map.unit = "%";
-  map.note = "of what is past yielding";
-  set_values(
-      table,
-      [&](std::int64_t node) {
+  return node_map(
+      table, "stays [%]", "%", "of what is past yielding", [&](std::int64_t node) {
         return 100.0 * yielding_of(table.viscoelasticity.yielding, node).share;
-      },
-      map);
-  return map;
+      });
 }
 
 SurfaceMap softening_map(const ResponseTable& table) {
-  SurfaceMap map;
-  map.name = "softens [%]";
-  map.unit = "%";
-  map.note = "at most";
-  set_values(
-      table,
-      [&](std::int64_t node) {
-        return 100.0 * yielding_of(table.viscoelasticity.yielding, node).largest;
-      },
-      map);
-  return map;
+  return node_map(table, "softens [%]", "%", "at most", [&](std::int64_t node) {
+    return 100.0 * yielding_of(table.viscoelasticity.yielding, node).largest;
+  });
 }
 
 SurfaceMap relaxation_time_map(const ResponseTable& table) {
-  SurfaceMap map;
-  map.name = "relaxes in [s]";
-  map.unit = "s";
-  map.note = "mean of its times";
-  set_values(
-      table,
-      [&](std::int64_t node) {
-        return mean_time_s(table.viscoelasticity, node);
-      },
-      map);
-  return map;
+  return node_map(table, "relaxes in [s]", "s", "mean of its times",
+                  [&](std::int64_t node) {
+                    return mean_time_s(table.viscoelasticity, node);
+                  });
 }
 
 }  // namespace palpate
