@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/base/lines.h"
 #include "formats/database/response_database.h"
 #include "formats/database/select_nodes.h"
 #include "formats/database/vtk_cells.h"
@@ -20,10 +21,6 @@
 namespace palpate::content {
 
 constexpr const char* kFormatName = "palpate-response-database";
-
-/// Texts without line ends, as one text with a line each; and back.
-[[nodiscard]] std::string join_lines(const std::vector<std::string>& lines);
-[[nodiscard]] std::vector<std::string> split_lines(const std::string& text);
 
 template <typename File, typename Number>
 void exchange_number(File& file, const std::string& group, const char* name,

@@ -24,7 +24,7 @@ std::string join_names(const std::vector<ResponseTable>& tools) {
   for (const ResponseTable& table : tools) {
     names.push_back(table.tool.name);
   }
-  return content::join_lines(names);
+  return join_lines(names);
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "formats/recording/surface_state.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/lines.h"
 #include "formats/hdf5/hdf5_reader.h"
 
 namespace palpate {
@@ -53,17 +55,6 @@ std::vector<YieldedRow> rows_of(const Hdf5Reader& file, const std::string& tool,
   return rows;
 }
 
-// Names in the attribute /tools@names, a line each.
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return lines;
-}
-
 }  // namespace
 
 void write_surface_state(const std::filesystem::path& file, const SurfaceState& state) {
@@ -73,12 +64,12 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
   out.attribute("/", "format", std::string(kFormat));
   out.attribute("/", "format_version", kSurfaceStateVersion);
   exchange_head(out, state);
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& [tool, rows] : state.tool) {
-    names += (names.empty() ? "" : "\n") + tool;
+    names.push_back(tool);
   }
   out.group("/tools");
-  out.attribute("/tools", "names", names);
+  out.attribute("/tools", "names", join_lines(names));
   for (const auto& [tool, rows] : state.tool) {
     Columns columns;
     for (const YieldedRow& row : rows) {
@@ -116,7 +107,7 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
   std::string names;
   in.group("/tools");
   in.attribute("/tools", "names", names);
-  for (const std::string& tool : lines_of(names)) {
+  for (const std::string& tool : split_lines(names)) {
     Columns columns;
     exchange_columns(in, tool, columns);
     state.tool[tool] = rows_of(in, tool, columns);
@@ -138,6 +129,21 @@ SurfaceState read_surface_state(const std::filesystem::path& file,
         file.string(), state.database, state.database_sha256, database, sha256));
   }
   return state;
+}
+
+std::vector<YieldedRow> surface_of(const SurfaceState& surface,
+                                   const std::string& tool) {
+  const auto found = surface.tool.find(tool);
+  return found == surface.tool.end() ? std::vector<YieldedRow>() : found->second;
+}
+
+YieldedRow largest_of(const std::vector<YieldedRow>& rows) {
+  YieldedRow largest;
+  for (const YieldedRow& row : rows) {
+    largest.dent_m = std::max(largest.dent_m, row.dent_m);
+    largest.softened_m = std::max(largest.softened_m, row.softened_m);
+  }
+  return largest;
 }
 
 void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where) {

@@ -41,6 +41,13 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
                                               const std::string& sha256,
                                               const std::string& database);
 
+/// What a tool had left on a surface; nothing where it has none there.
+[[nodiscard]] std::vector<YieldedRow> surface_of(const SurfaceState& surface,
+                                                 const std::string& tool);
+
+/// The largest of each depth, of no site in particular; 0 for none.
+[[nodiscard]] YieldedRow largest_of(const std::vector<YieldedRow>& rows);
+
 /// Every row has a site of its own and values that are finite and not negative.
 /// @param where names them in an error. @throws FormatError
 void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where);

@@ -17,7 +17,6 @@
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/render_run.h"
-#include "runtime/run/replay.h"
 #include "runtime/run/run_outcome.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/page_assets.h"

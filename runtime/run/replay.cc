@@ -252,12 +252,6 @@ std::string verdict(const ReplayReport& r) {
 
 }  // namespace
 
-std::vector<YieldedRow> surface_of(const SurfaceState& surface,
-                                   const std::string& tool) {
-  const auto found = surface.tool.find(tool);
-  return found == surface.tool.end() ? std::vector<YieldedRow>() : found->second;
-}
-
 RecordingHeader recording_header(const SimulationReport& report,
                                  const FastProcessConfig& config,
                                  const DeviceLimits& limits,

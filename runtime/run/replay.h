@@ -14,10 +14,6 @@
 
 namespace palpate {
 
-/// What a tool had left on a surface; nothing where it has none there.
-[[nodiscard]] std::vector<YieldedRow> surface_of(const SurfaceState& surface,
-                                                 const std::string& tool);
-
 /// What a recording must say of a run.
 [[nodiscard]] RecordingHeader recording_header(const SimulationReport& report,
                                                const FastProcessConfig& config,

@@ -1,6 +1,5 @@
 #include "runtime/run/run_outcome.h"
 
-#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
@@ -35,16 +34,9 @@ nlohmann::json as_json(const LinkReport& wire) {
           {"force_age_max_ns", wire.force_age.max_ns()}};
 }
 
-double largest(const std::vector<YieldedRow>& rows, double YieldedRow::*value) {
-  double most = 0.0;
-  for (const YieldedRow& row : rows) {
-    most = std::max(most, row.*value);
-  }
-  return most;
-}
-
 // What the surface remembers, for a while and for good.
 nlohmann::json memory_json(const RenderReport& r) {
+  const YieldedRow largest = largest_of(r.surface);
   return {{"relaxes", r.relaxes},
           {"carried_max_n", r.carried_max_n},
           {"carried_of_n", r.carried_of_n},
@@ -53,8 +45,8 @@ nlohmann::json memory_json(const RenderReport& r) {
           {"yields", r.yields},
           {"yielded_j", r.yielded_j},
           {"yielded_sites", r.surface.size()},
-          {"largest_dent_m", largest(r.surface, &YieldedRow::dent_m)},
-          {"softened_m", largest(r.surface, &YieldedRow::softened_m)},
+          {"largest_dent_m", largest.dent_m},
+          {"softened_m", largest.softened_m},
           {"not_yielded", r.not_yielded}};
 }
 

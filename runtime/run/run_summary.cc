@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "runtime/run/render_run.h"
@@ -84,17 +82,12 @@ std::string yielding_lines(const SimulationReport& report) {
   if (!r.yields) {
     return {};
   }
-  double deepest_m = 0.0;
-  double softened_m = 0.0;
-  for (const YieldedRow& row : r.surface) {
-    deepest_m = std::max(deepest_m, row.dent_m);
-    softened_m = std::max(softened_m, row.softened_m);
-  }
+  const YieldedRow largest = largest_of(r.surface);
   std::string text = line(
       "yielding",
       fmt::format("{} sites have yielded, dents of at most {:.4g} mm, "
                   "softened up to {:.4g} mm{}",
-                  r.surface.size(), deepest_m * 1e3, softened_m * 1e3,
+                  r.surface.size(), largest.dent_m * 1e3, largest.softened_m * 1e3,
                   follows_surface(report.options.model)
                       ? fmt::format(", {:.4g} mJ dissipated by it", r.yielded_j * 1e3)
                       : std::string()));
