@@ -49,11 +49,6 @@ std::vector<double> of_nodes(const ResponseTable& table, const Value& value) {
   return values;
 }
 
-// Of a row for all nodes or one for each.
-double value_of(const std::vector<double>& rows, std::int64_t node) {
-  return rows[rows.size() == 1 ? 0 : static_cast<std::size_t>(node)];
-}
-
 // "plastic_share" of "/plastic/share".
 std::string column_name(std::string dataset) {
   std::replace(dataset.begin(), dataset.end(), '/', '_');
@@ -86,7 +81,7 @@ void point_data(Out out, const ResponseTable& table) {
     if (!values.empty()) {
       data_array(out, "Float64", column_name(name), 1,
                  of_nodes(table, [&](std::int64_t node) {
-                   return value_of(values, node);
+                   return row_of(values, node);
                  }));
     }
   });
@@ -143,7 +138,7 @@ std::string to_csv(const ResponseDatabase& database, const ResponseTable& table)
     for_each_dataset(relaxation.yielding, [&](const std::string&, const char*,
                                               const std::vector<double>& values) {
       if (!values.empty()) {
-        fmt::format_to(std::back_inserter(shares), ",{}", value_of(values, i));
+        fmt::format_to(std::back_inserter(shares), ",{}", row_of(values, i));
       }
     });
     for (std::size_t k = 0; k < curve.depth_m.size(); ++k) {

@@ -34,16 +34,22 @@ struct MemorySites {
 
 /// How responses yield for good (yielding.h): a row for all nodes alike, or (n).
 struct Yielding {
-  std::vector<double> yield_depth_m = {};  ///< [m] >= 0 past which dents stay ...
-  std::vector<double> share =
-      {};  ///< [-] [0, 1) ... and how much of it; none: no dents
-  std::vector<double> onset_m = {};  ///< [m] >= 0 past which curves soften ...
-  std::vector<double> scale_m = {};  ///< [m] > 0 ... over this depth ...
-  std::vector<double> largest =
-      {};  ///< [-] [0, 1) ... by at most this; none: they do not
+  // Dents stay past a depth, so much of what is past it; no share: none do.
+  std::vector<double> yield_depth_m = {};  ///< [m] >= 0
+  std::vector<double> share = {};          ///< [-] [0, 1)
+  // Curves soften past a depth, over the scale, by at most `largest`; none: not at all.
+  std::vector<double> onset_m = {};  ///< [m] >= 0
+  std::vector<double> scale_m = {};  ///< [m] > 0
+  std::vector<double> largest = {};  ///< [-] [0, 1)
 
   [[nodiscard]] bool empty() const noexcept { return share.empty() && largest.empty(); }
 };
+
+/// A node's value of one of these. @param rows one for all nodes alike, or (n).
+[[nodiscard]] inline double row_of(const std::vector<double>& rows,
+                                   std::int64_t node) noexcept {
+  return rows[rows.size() == 1 ? 0 : static_cast<std::size_t>(node)];
+}
 
 /// Calls with(name, units, rows) for every dataset of it, names relative to the tool's
 /// group: the one place where they stand.

@@ -66,8 +66,7 @@ std::vector<double> depths_of(const CurveView& curve, const NodeYielding& node) 
 }
 
 double of_node(const std::vector<double>& rows, std::int64_t node, double none) {
-  return rows.empty() ? none
-                      : rows[rows.size() == 1 ? 0 : static_cast<std::size_t>(node)];
+  return rows.empty() ? none : row_of(rows, node);
 }
 
 std::string range_text(const std::vector<double>& values, double scale) {
