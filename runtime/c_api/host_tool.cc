@@ -122,9 +122,8 @@ void HostTool::reset() noexcept {
 }
 
 void HostTool::begin_with(const std::vector<YieldedRow>& rows) {
-  state_.memory.yielded = {};
-  reset();
   begin_yielded(rows, state_);
+  reset();
 }
 
 HostTick HostTool::latest() noexcept {

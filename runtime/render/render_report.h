@@ -39,7 +39,7 @@ struct RenderReport {
   double dissipated_j = 0.0;  ///< [J] by friction and discarded surplus
   double tank_j = 0.0;        ///< [J] at the end
   double tank_max_j = 0.0;
-  bool relaxes = false;           ///< the body's surface remembers
+  bool relaxes = false;           ///< the body does
   double memory_j = 0.0;          ///< [J] in dents at the end
   double memory_max_j = 0.0;      ///< [J]
   double carried_max_n = 0.0;     ///< [N] most that had relaxed of the normal force ...

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -52,17 +53,18 @@ std::vector<YieldedRow> yielded_rows(const FastState& state) {
 }
 
 void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state) {
-  YieldedSites& sites = state.memory.yielded;
+  const auto sites = std::make_unique<YieldedSites>();
   for (const YieldedRow& from : rows) {
-    const int row = claim_yielded(sites, from.site);
+    const int row = claim_yielded(*sites, from.site);
     if (row < 0) {
       throw InputError(fmt::format(
           "a surface with {} sites that have yielded cannot be held, {} at most can",
           rows.size(), kYieldedSites));
     }
-    sites.row[static_cast<std::size_t>(row)] = {
+    sites->row[static_cast<std::size_t>(row)] = {
         from.site, static_cast<Real>(from.dent_m), static_cast<Real>(from.softened_m)};
   }
+  state.memory.yielded = *sites;
 }
 
 }  // namespace palpate

@@ -23,8 +23,8 @@ struct SurfaceDent {
 /// What has yielded, by site.
 [[nodiscard]] std::vector<YieldedRow> yielded_rows(const FastState& state);
 
-/// A fresh state begins with what had yielded. @throws InputError for more sites than a
-/// state holds.
+/// What had yielded takes the place of what has in the state; nothing else changes.
+/// @throws InputError for more sites than a state holds, which is as it was then.
 void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state);
 
 }  // namespace palpate

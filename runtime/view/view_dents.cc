@@ -63,6 +63,9 @@ std::vector<NodeDent> ViewDents::at(const std::vector<SurfaceDent>& dents,
   std::map<std::int32_t, Blend> blend;  // by node
   const MemorySites& sites = table_.viscoelasticity.sites;
   for (const SurfaceDent& dent : dents) {
+    if (static_cast<std::size_t>(dent.site) >= readers_.size()) {
+      continue;  // of a file that somebody has written by hand
+    }
     for (const std::int32_t node : readers_[static_cast<std::size_t>(dent.site)]) {
       double weight = sites.empty() ? 1.0 : 0.0;
       for (Eigen::Index k = 0; !sites.empty() && k < kMostNodeSites; ++k) {
