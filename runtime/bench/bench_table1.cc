@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -87,6 +89,25 @@ class Experiment {
   RenderedWall wall_;
 };
 
+void require_relaxation(const WallRelaxation& relaxation) {
+  const auto& [share, time_s] = relaxation;
+  if (share.size() != time_s.size() || share.size() > kMemoryTerms) {
+    throw InputError(fmt::format(
+        "bench table1: {} shares that relax and {} times, must be as many, {} at most",
+        share.size(), time_s.size(), kMemoryTerms));
+  }
+  const double sum = std::accumulate(share.begin(), share.end(), 0.0);
+  if (!(sum <= 1.0)) {
+    throw InputError(fmt::format(
+        "bench table1: shares that relax sum to {:.4g}, must sum to at most 1", sum));
+  }
+  if (std::adjacent_find(time_s.begin(), time_s.end(), std::greater_equal<>()) !=
+      time_s.end()) {
+    throw InputError(fmt::format("bench table1: times are {} s, must rise",
+                                 fmt::join(time_s, ", ")));
+  }
+}
+
 }  // namespace
 
 bool wall_is_stable(const Table1Options& options, LocalModel model, double slow_hz,
@@ -129,12 +150,13 @@ Table1Report run_table1(const Table1Options& options) {
                       rate, options.fast_hz));
     }
   }
-  if (options.relaxation.share.size() != options.relaxation.time_s.size()) {
-    throw InputError(
-        fmt::format("bench table1: {} shares that relax and {} times, must be as many",
-                    options.relaxation.share.size(), options.relaxation.time_s.size()));
-  }
-  Table1Report report{options.rates_hz, {}, options.preload_n};
+  require_relaxation(options.relaxation);
+  Table1Report report{
+      options.rates_hz,
+      {},
+      options.preload_n,
+      fmt::format("{} wall{}", name(options.wall),
+                  options.relaxation.share.empty() ? "" : " that relaxes")};
   for (const LocalModel model : kLocalModels) {
     Table1Column column{model, {}};
     for (const double rate : options.rates_hz) {
@@ -162,9 +184,10 @@ double paper_value(const PaperColumn& column, double rate_hz) {
 
 std::string table_text(const Table1Report& report) {
   std::string text = fmt::format(
-      "Largest stable stiffness [N/m] on the virtual PenCat under {} N, fast rate 2000 "
-      "Hz\n",
-      report.preload_n);
+      "Largest stable stiffness [N/m] of a {} on the virtual PenCat under {} N, fast "
+      "rate "
+      "2000 Hz\n",
+      report.wall, report.preload_n);
   text += fmt::format("{:>8}", "rate Hz");
   for (const Table1Column& column : report.columns) {
     text += fmt::format(" {:>16}", name(column.model));
@@ -212,6 +235,7 @@ std::string table_csv(const Table1Report& report) {
 
 std::string to_json(const Table1Report& report) {
   nlohmann::ordered_json json;
+  json["wall"] = report.wall;
   json["preload_n"] = report.preload_n;
   json["rates_hz"] = report.rates_hz;
   for (const Table1Column& column : report.columns) {

@@ -19,7 +19,7 @@ struct Table1Options {
   double resolution_m = 0.0;  ///< [m] >= 0 of the measured position; 0: exact
   double delay_s = 0.0;       ///< [s] >= 0 until a command acts, in whole ticks
   WallShape wall = WallShape::kNonlinear;
-  WallRelaxation relaxation = {};
+  WallRelaxation relaxation = {};  ///< at most kMemoryTerms
   /// [N] into the wall, constant. The paper's 1 N leans on the wall's linear part, 0.1
   /// N on the quadratic one.
   double preload_n = 1.0;
@@ -40,6 +40,7 @@ struct Table1Report {
   std::vector<double> rates_hz;
   std::vector<Table1Column> columns;  ///< every local model
   double preload_n = 0.0;
+  std::string wall;  ///< "nonlinear wall", "linear wall that relaxes"
 };
 
 /// One column of the paper's table, at 2000, 1000, 500, 250, 200, 100 Hz [N/m].
@@ -65,7 +66,7 @@ constexpr std::array<PaperColumn, 3> kPaperTable1{
 [[nodiscard]] double largest_stable_stiffness(const Table1Options& options,
                                               LocalModel model, double slow_hz);
 
-/// @throws InputError if a rate does not divide fast_hz.
+/// @throws InputError if a rate does not divide fast_hz, or a wall cannot relax so.
 [[nodiscard]] Table1Report run_table1(const Table1Options& options);
 
 [[nodiscard]] std::string table_text(const Table1Report& report);

@@ -93,11 +93,17 @@ TEST(Table1, AWallThatRelaxesMayBeAsStiffAsOneThatDoesNot) {
   }
 }
 
-TEST(Table1, SharesThatRelaxWithoutTimesAreAnInputError) {
+// Elements of such a wall would be refused, and nothing is as stable as no wall.
+TEST(Table1, AWallThatCannotRelaxSoIsAnInputError) {
   Table1Options options;
   options.rates_hz = {100.0};
-  options.relaxation.share = {0.2};
-  EXPECT_THROW(run_table1(options), InputError);
+  for (const WallRelaxation& wall :
+       {WallRelaxation{{0.2}, {}}, WallRelaxation{{0.6, 0.6}, {1.0, 2.0}},
+        WallRelaxation{{0.2, 0.2}, {2.0, 1.0}},
+        WallRelaxation{{0.1, 0.1, 0.1, 0.1, 0.1}, {1.0, 2.0, 3.0, 4.0, 5.0}}}) {
+    options.relaxation = wall;
+    EXPECT_THROW(run_table1(options), InputError);
+  }
 }
 
 TEST(Table1, PassiveColumnsReachWhatTheFastRateAllows) {
