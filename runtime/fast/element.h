@@ -34,11 +34,10 @@ struct NodeMemory {
   /// from 0, the last to infinity. Not decreasing; only of an element with bundles.
   std::array<Real, kMemoryBundles - 1> cut_m{};
   // Dents that stay and curves that soften (yielding_place.h).
-  Real yield_depth_m =
-      0.0;                ///< [m] >= 0 d_y, along the direction, past which dents stay
-  Real dent_share = 0.0;  ///< [-] [0, 1) r of what is past it; 0: none
-  Real onset_m = 0.0;     ///< [m] >= 0 m_0 past which the curve softens
-  Real soft_scale_m = 1.0;  ///< [m] > 0 m_1
+  Real yield_depth_m = 0.0;  ///< [m] >= 0 d_y along the direction: past it dents stay
+  Real dent_share = 0.0;     ///< [-] [0, 1) r of what is past it; 0: none
+  Real onset_m = 0.0;        ///< [m] >= 0 m_0 past which the curve softens
+  Real soft_scale_m = 1.0;   ///< [m] > 0 m_1
   /// [-] [0, 1) omega_max; 0: it does not. Else the curve is the undamaged one,
   /// f / (1 - omega) of the response f to a first press.
   Real soft_most = 0.0;
