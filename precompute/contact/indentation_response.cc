@@ -92,8 +92,9 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     response.sample_direction.front() = response.sample_direction[1];
   }
   const IndentationSample& last = indentation.sample.back();
-  const double mesh = indentation.mesh_error ? *indentation.mesh_error
-                                             : pressure_mesh_error(indentation);
+  // Two meshes may agree by chance.
+  const double mesh =
+      std::max(indentation.mesh_error, pressure_mesh_error(indentation));
   response.error_relative =
       std::hypot(std::hypot(mesh, indentation.path_error, indentation.edge_share),
                  std::hypot(indentation.exterior_error_relative,

@@ -29,10 +29,10 @@ namespace palpate {
 /// above the budget is known once it is calibrated (error_calibration.h).
 ///
 /// error_relative is an estimate of what force_difference() measures, to be calibrated:
-/// what the mesh makes (0.55 of the difference to a press on one twice as coarse, or
-/// to pressure alone on one twice as coarse), what bears on the patch's edge, what
-/// interpolation between depths and the part left out around make, and a fifth of the
-/// budget for what none of them sees (root of the sum of squares).
+/// what the mesh makes (0.55 of the difference to pressure on a mesh twice as coarse,
+/// or, if that is more, to a whole press on one, where there is one), what bears on the
+/// patch's edge, what interpolation between depths and the part left out around make,
+/// and a fifth of the budget for what none of them sees (root of the sum of squares).
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,8 +47,8 @@ struct Indentation {
   double exterior_error_relative = 0.0;
   /// [-] of the force, by depths that were not solved but interpolated
   double path_error = 0.0;
-  /// [-] of the force, by the mesh, where a press on another mesh tells it
-  std::optional<double> mesh_error = {};
+  /// [-] of the force, by the mesh, where a press on a coarser one tells it; else 0
+  double mesh_error = 0.0;
   /// [-] What the laws' energy adds to the linear body's at half of its displacements
   /// at the last depth, over that; where nobody asked, 0.
   double nonlinearity = 0.0;

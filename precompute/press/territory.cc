@@ -38,20 +38,17 @@ void Territory::keep_cheap_within_budget(bool graded) {
   }
   for (PressedNode& node : solver_.finer(tool_, vertices_at(outside))) {
     PressedNode& kept = *good_[index_of(node.vertex)];
-    if (!node.failure.empty() || node.indentation.sample.size() < 2) {
+    const bool late = touches_late(kept);
+    if (!node.failure.empty() || node.indentation.sample.size() < 2 ||
+        !(late || estimate(node) < estimate(kept))) {
       continue;
     }
-    if (touches_late(kept)) {
-      kept = std::move(node);
-      continue;
-    }
-    if (solver_.shared() == nullptr) {
+    if (!late && solver_.shared() == nullptr &&
+        node.again_times_finer == kept.again_times_finer) {  // twice as fine
       node.indentation.mesh_error =
           mesh_error(response_of(kept), response_of(node), node.path.outward);
     }
-    if (estimate(node) < estimate(kept)) {
-      kept = std::move(node);
-    }
+    kept = std::move(node);
   }
 }
 
