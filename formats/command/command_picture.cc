@@ -48,8 +48,7 @@ void add_picture_command(Command app) {
       .add_option(
           "--show", flags->shown,
           "Colours: stiffness, share of a held force that relaxes, mean time in which "
-          "it "
-          "does, share of a press that stays as a dent, or by how much it softens")
+          "it does, share of a press that stays as a dent, or by how much it softens")
       .one_of({kShownNames.begin(), kShownNames.end()})
       .show_default();
   command.callback([flags] {

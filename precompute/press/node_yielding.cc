@@ -18,7 +18,7 @@ double box_m3(const SurfaceMesh& surface) {
       .prod();
 }
 
-// What lies under a node: of its region, or of the body where that has no material.
+// How the region of a point yields; every region has a material.
 const SceneYielding& material_under(const Scene& scene, const BodySource& body,
                                     const Eigen::Vector3d& p_m) {
   const std::int32_t region = region_of(body, p_m);
