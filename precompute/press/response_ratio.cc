@@ -67,7 +67,8 @@ std::optional<PathRatio> path_ratio(const Indentation& good, const Indentation& 
   const auto samples = static_cast<Eigen::Index>(cheap.sample.size() - 1);
   PathRatio ratio{.force = Eigen::VectorXd(samples),
                   .turn = Eigen::MatrixX3d(samples, 3),
-                  .weight = error_weights(cheap)};
+                  .weight = error_weights(cheap),
+                  .hard_share = good.hard_path ? 1.0 : 0.0};
   for (Eigen::Index i = 0; i < samples; ++i) {
     const std::size_t k =
         std::min(static_cast<std::size_t>(i) + 1, good.sample.size() - 1);
@@ -86,6 +87,7 @@ Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
                    double force_max_n) {
   Indentation path = cheap;
   path.force_capped = false;
+  path.hard_path = ratio.hard_share >= 0.5;
   for (std::size_t k = 1; k < path.sample.size() && !path.force_capped; ++k) {
     IndentationSample& sample = path.sample[k];
     const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
@@ -124,14 +126,22 @@ double RatioField::distance_m(std::int32_t a, const Indentation& cheap_a,
   return distance_m(place_of(a, cheap_a), place_of(b, cheap_b));
 }
 
+double RatioField::unlikeness(std::int32_t a, const Indentation& cheap_a,
+                              std::int32_t b, const Indentation& cheap_b) const {
+  return unlikeness(place_of(a, cheap_a), place_of(b, cheap_b));
+}
+
+double RatioField::unlikeness(const Place& a, const Place& b) const {
+  const double turned = (normal_.row(a.vertex) - normal_.row(b.vertex)).norm();
+  const double stiffer = a.log_stiffness - b.log_stiffness;
+  const double bent = (a.nonlinearity - b.nonlinearity) / kAlikeEnergy;
+  return std::hypot(turned, stiffer, bent);
+}
+
 double RatioField::distance_m(const Place& a, const Place& b) const {
   const double away =
       (surface_.position_m.row(a.vertex) - surface_.position_m.row(b.vertex)).norm();
-  const double turned = (normal_.row(a.vertex) - normal_.row(b.vertex)).norm();
-  const double stiffer = a.log_stiffness - b.log_stiffness;
-  const double unlike = (a.nonlinearity - b.nonlinearity) / kAlikeEnergy;
-  return std::hypot(away,
-                    kAlikeRadii * contact_m_ * std::hypot(turned, stiffer, unlike));
+  return std::hypot(away, kAlikeRadii * contact_m_ * unlikeness(a, b));
 }
 
 std::vector<RatioField::Weight> RatioField::weights(const Place& place,
@@ -169,6 +179,7 @@ PathRatio RatioField::mean_at(const Place& place, std::int32_t without) const {
   PathRatio mean;
   for (const Weight& w : weights(place, without, Of::kRatios)) {
     const PathRatio& ratio = *known_[w.known].ratio;
+    mean.hard_share += w.weight * ratio.hard_share;
     if (mean.force.size() < ratio.force.size()) {
       // A longer path goes on where shorter ones end.
       const Eigen::Index before = mean.force.size();

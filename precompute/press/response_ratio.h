@@ -33,6 +33,8 @@ struct PathRatio {
   /// nothing below a tenth of the depth, less where the force is below a tenth of the
   /// largest.
   Eigen::VectorXd weight;
+  /// [-] [0, 1] part of what it was made of that comes from presses with a hard path.
+  double hard_share = 0.0;
 };
 
 /// Whether a path can be scaled, or divided by: at least two samples after the first
@@ -46,7 +48,7 @@ struct PathRatio {
                                                   const Indentation& cheap);
 
 /// A cheap path, on any mesh, scaled sample by sample, and turned where the ratio says
-/// so.
+/// so. Hard to follow where half of the ratio or more is of such presses.
 [[nodiscard]] Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
                                  double force_max_n);
 
@@ -70,6 +72,11 @@ class RatioField {
   /// face elsewhere, as the cheap path of one is stiffer than the other's, or as the
   /// body is more nonlinear there.
   [[nodiscard]] double distance_m(std::int32_t a, const Indentation& cheap_a,
+                                  std::int32_t b, const Indentation& cheap_b) const;
+
+  /// The same but for their places: how unlike each other they are [-], in radians that
+  /// they face apart and in logarithms of stiffness.
+  [[nodiscard]] double unlikeness(std::int32_t a, const Indentation& cheap_a,
                                   std::int32_t b, const Indentation& cheap_b) const;
 
   /// Mean of the nearest known ratios, weighted by inverse squares of distance; there
@@ -102,6 +109,7 @@ class RatioField {
     double distance_m = 0.0;
   };
   [[nodiscard]] static Place place_of(std::int32_t vertex, const Indentation& cheap);
+  [[nodiscard]] double unlikeness(const Place& a, const Place& b) const;
   [[nodiscard]] double distance_m(const Place& a, const Place& b) const;
   [[nodiscard]] PathRatio mean_at(const Place& place, std::int32_t without) const;
   // Of the nearest known vertices; of all, or only of those with a ratio.

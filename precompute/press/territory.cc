@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -11,6 +12,13 @@
 #include "precompute/process/fault_point.h"
 
 namespace palpate {
+namespace {
+
+// Vertices that face so many radians apart, or are exp(0.3) times as stiff, are of
+// different kinds.
+constexpr double kOtherKind = 0.3;
+
+}  // namespace
 
 Territory::Territory(const Scene& scene, const BodySource& body,
                      const SceneSolver& solver, const SharedTool& tool,
@@ -78,7 +86,7 @@ std::vector<std::int32_t> Territory::vertices_at(const Places& which) const {
 void Territory::solve_within_budget() {
   solve(only_by_solving());
   solve(farthest(kFirstSamples, {}));
-  solve_until_within_budget();
+  solve_kinds_until_within_budget();
 }
 
 void Territory::solve_few_first() {
@@ -94,7 +102,7 @@ void Territory::solve_few_first() {
     }
   }
   solve(only_by_solving());
-  solve_until_within_budget();
+  solve_kinds_until_within_budget();
 }
 
 // Whether the ratio of each solved vertex follows from the others', within the budget.
@@ -114,7 +122,10 @@ bool Territory::few_predict_each_other() const {
   return *std::max_element(error.begin(), error.end()) < scene_.force_relative;
 }
 
-void Territory::solve_until_within_budget() {
+// Ratios that are alike say nothing about a kind of place that nobody has solved, like
+// an edge between faces.
+void Territory::solve_kinds_until_within_budget() {
+  solve(other_kinds());
   while (true) {
     const std::vector<double> left_out = field_.leave_one_out();
     std::vector<double> error(vertex_.size(), 0.0);
@@ -210,18 +221,42 @@ Territory::Places Territory::far_apart(std::size_t count) const {
   return chosen;
 }
 
-// Vertices that touch and are not solved yet, each the farthest from those solved or
-// chosen; where errors are given, distances count in proportion to them.
+// Where errors are given, distances count in proportion to them.
 Territory::Places Territory::farthest(std::size_t count,
                                       std::span<const double> error) const {
+  return spread(
+      count,
+      [&](std::size_t i, std::size_t j) {
+        return field_.distance_m(vertex_[i], cheap_[i].indentation, vertex_[j],
+                                 cheap_[j].indentation);
+      },
+      [&](std::size_t i, double apart_m) {
+        return apart_m * (error.empty() ? 1.0 : error[i]);
+      });
+}
+
+Territory::Places Territory::other_kinds() const {
+  return spread(
+      kOtherKinds,
+      [&](std::size_t i, std::size_t j) {
+        return field_.unlikeness(vertex_[i], cheap_[i].indentation, vertex_[j],
+                                 cheap_[j].indentation);
+      },
+      [](std::size_t, double unlike) {
+        return unlike > kOtherKind ? unlike : 0.0;
+      });
+}
+
+// Vertices that touch and are not solved yet, each the one that is worth most for its
+// distance from those solved or chosen, as long as one is worth anything.
+Territory::Places Territory::spread(
+    std::size_t count, const std::function<double(std::size_t, std::size_t)>& apart,
+    const std::function<double(std::size_t, double)>& worth) const {
   std::vector<double> distance(vertex_.size(), std::numeric_limits<double>::infinity());
   const auto take = [&](std::size_t chosen) {
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
       if (is_like_others(i) && is_like_others(chosen)) {
-        distance[i] =
-            std::min(distance[i],
-                     field_.distance_m(vertex_[i], cheap_[i].indentation,
-                                       vertex_[chosen], cheap_[chosen].indentation));
+        distance[i] = std::min(distance[i], apart(i, chosen));
       }
     }
   };
@@ -235,10 +270,9 @@ Territory::Places Territory::farthest(std::size_t count,
     std::optional<std::size_t> best;
     double most = 0.0;
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
-      const double worth = distance[i] * (error.empty() ? 1.0 : error[i]);
-      if (!good_[i] && is_like_others(i) && worth > most) {
+      if (!good_[i] && is_like_others(i) && worth(i, distance[i]) > most) {
         best = i;
-        most = worth;
+        most = worth(i, distance[i]);
       }
     }
     if (!best) {

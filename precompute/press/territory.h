@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -17,6 +18,7 @@
 namespace palpate {
 
 inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
+inline constexpr std::size_t kOtherKinds = 6;    ///< at most, unlike all those
 inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
 
 /// Every vertex has a cheap press, once press_cheap() was called, and a good one where
@@ -63,6 +65,10 @@ class Territory {
   [[nodiscard]] Places only_by_solving() const;
   [[nodiscard]] Places far_apart(std::size_t count) const;
   [[nodiscard]] Places farthest(std::size_t count, std::span<const double> error) const;
+  [[nodiscard]] Places other_kinds() const;
+  [[nodiscard]] Places spread(
+      std::size_t count, const std::function<double(std::size_t, std::size_t)>& apart,
+      const std::function<double(std::size_t, double)>& worth) const;
   [[nodiscard]] bool few_predict_each_other() const;
   [[nodiscard]] double expected_error(std::size_t i,
                                       std::span<const double> left_out) const;
@@ -74,7 +80,7 @@ class Territory {
   [[nodiscard]] double estimate(const PressedNode& node) const;
   [[nodiscard]] std::vector<std::int32_t> vertices_at(const Places& which) const;
   void solve(const Places& which);
-  void solve_until_within_budget();
+  void solve_kinds_until_within_budget();
   void take_ratio(std::size_t i, const PressedNode& node);
 
   const Scene& scene_;

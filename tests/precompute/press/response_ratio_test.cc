@@ -77,6 +77,8 @@ TEST_F(RatioFields, VerticesThatFaceElsewhereOrAreStifferAreFartherAway) {
   const Indentation stiff = path(1000.0);
   EXPECT_NEAR(field.distance_m(0, soft, 1, soft), 0.001, 1e-12);
   EXPECT_GT(field.distance_m(0, soft, 2, soft), 0.005);
+  EXPECT_DOUBLE_EQ(field.unlikeness(0, soft, 1, soft), 0.0);
+  EXPECT_NEAR(field.unlikeness(0, soft, 2, soft), std::sqrt(2.0), 1e-12);
   EXPECT_GT(field.distance_m(0, soft, 3, stiff), 0.01);
   Indentation bent = soft;  // of the same stiffness, but not for long
   bent.nonlinearity = 0.5;
@@ -98,6 +100,17 @@ TEST_F(RatioFields, TakeTheRatioOfTheAlikeNeighbour) {
   const auto left_out = field.leave_one_out();
   EXPECT_NEAR(left_out[0], 5.0 / 1.1 - 1.0, 1e-6);
   EXPECT_NEAR(left_out[1], 1.0 - 1.1 / 5.0, 1e-6);
+}
+
+TEST_F(RatioFields, SayThatPathsAreHardWhereMostOfTheRatioIsOfSuch) {
+  RatioField field(body_, normal_, 0.002);
+  const Indentation soft = path(100.0);
+  Indentation hard = path(110.0);
+  hard.hard_path = true;
+  field.add(0, soft, *path_ratio(hard, soft));
+  field.add(2, soft, *path_ratio(path(110.0), soft));
+  EXPECT_TRUE(scaled(soft, field.at(1, soft), kInfinity).hard_path);
+  EXPECT_FALSE(scaled(soft, field.at(1, soft, 0), kInfinity).hard_path);
 }
 
 TEST_F(RatioFields, KeepAConstantRatioExactly) {
