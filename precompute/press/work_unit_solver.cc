@@ -42,7 +42,7 @@ WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
 }  // namespace
 
 std::size_t expected_samples(double force_relative) {
-  return kFirstSamples + kMoreSamples * (force_relative < 0.03 ? 12 : 6);
+  return kFirstSamples + kOtherKinds + kMoreSamples * (force_relative < 0.03 ? 16 : 10);
 }
 
 std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
