@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/compliance_rules.h"
 #include "formats/database/database_check_optional.h"
 #include "formats/database/database_layout.h"
 #include "formats/database/database_rules.h"
@@ -150,11 +151,28 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
             own_shares || tool.yielding_rows || tool.memory_sites > 0
                 ? c * std::int64_t{kSha256Bytes}
                 : 0);
+    require(group + "/compliance_sha256", tool.compliance_sha256.size(),
+            tool.compliance.empty() ? 0 : c * std::int64_t{kSha256Bytes});
     for (const auto* values : {&tool.share_min, &tool.share_max}) {
       require(group + "/share_min, share_max", values->size(),
               own_shares ? c * (tool.viscoelasticity.terms() + 1) : 0);
     }
   }
+}
+
+void read_compliance_head(Hdf5Reader& file, const DatabaseIndex& index,
+                          ToolIndex& tool) {
+  const std::string group = content::compliance_group("/tools/" + tool.tool.name);
+  if (!file.has(group)) {
+    return;
+  }
+  content::exchange_compliance_head(file, group, tool.compliance);
+  check_compliance_head("/tools/" + tool.tool.name, tool.compliance);
+  const auto knots = static_cast<std::int64_t>(tool.compliance.knots());
+  static_cast<void>(
+      file.shape_of(group + "/value", content::kComplianceUnits, Hdf5Type::kFloat32,
+                    {index.node_begin.empty() ? 0 : index.nodes(), knots}));
+  tool.compliance.value.resize(0, knots);
 }
 
 DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
@@ -176,6 +194,7 @@ DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
   for (ToolIndex& entry : index.tools) {
     read_viscoelasticity_head(file, "/tools/" + entry.tool.name,
                               index.node_begin.empty() ? 0 : index.nodes(), entry);
+    read_compliance_head(file, index, entry);
   }
   check_index(file, index);
   const std::string stored = file.remark("/index", "index_sha256");
@@ -287,6 +306,19 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
                       node);
       check_yielding(group, part.viscoelasticity.yielding, part.nodes(), node);
       check_shares(entry, chunk, part.viscoelasticity);
+    });
+  }
+  if (!entry.compliance.empty()) {
+    const std::string path = content::compliance_group(group) + "/value";
+    const auto knots = static_cast<std::int64_t>(entry.compliance.knots());
+    part.compliance = entry.compliance;
+    part.compliance.value.resize(part.nodes(), knots);
+    file_->reader.rows(path, content::kComplianceUnits, Hdf5Type::kFloat32, node,
+                       part.nodes(), knots, part.compliance.value.data());
+    verify(file_->reader, entry.compliance_sha256, chunk,
+           compliance_digest(part.compliance), path);
+    by_the_rules(file_->reader, [&] {
+      check_compliance_rows(group, part.compliance, part.nodes(), node);
     });
   }
   return part;

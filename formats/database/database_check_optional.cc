@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/compliance_rules.h"
 #include "formats/database/viscoelasticity_rules.h"
 
 namespace palpate {
@@ -249,6 +250,8 @@ void check_optional(const std::string& group, const ResponseTable& table) {
   check_displacement(group + "/displacement", table.displacement, n);
   check_relaxation(group + "/relaxation", table.relaxation, table.nodes());
   check(group, table.viscoelasticity, table.nodes());
+  check_compliance_head(group, table.compliance);
+  check_compliance_rows(group, table.compliance, table.nodes());
   if (!table.relaxation.empty() && !table.viscoelasticity.empty()) {
     fail("{}/relaxation has g_1 and g, must have one of them", group);
   }

@@ -124,6 +124,20 @@ void set_share_extents(const Viscoelasticity& relaxation, const DatabaseIndex& i
   }
 }
 
+void set_compliance(const ComplianceTable& table, const DatabaseIndex& index,
+                    ToolIndex& tool) {
+  tool.compliance = table;
+  tool.compliance.value.resize(0, table.value.cols());
+  tool.compliance_sha256.resize(table.empty() ? 0 : index.chunks(), kSha256Bytes);
+  for (std::int64_t k = 0; k < tool.compliance_sha256.rows(); ++k) {
+    const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
+    const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
+    ComplianceTable part;
+    part.value = table.value.middleRows(begin, end - begin);
+    set_row(tool.compliance_sha256, k, compliance_digest(part));
+  }
+}
+
 ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index) {
   ToolIndex tool;
   tool.tool = table.tool;
@@ -172,6 +186,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
     }
   }
   set_share_extents(table.viscoelasticity, index, tool);
+  set_compliance(table.compliance, index, tool);
   return tool;
 }
 
@@ -237,6 +252,12 @@ std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk) {
                                        const auto& values) {
     add(digest, values);
   });
+  return bytes_of(digest);
+}
+
+std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk) {
+  Sha256 digest;
+  add(digest, chunk.value);
   return bytes_of(digest);
 }
 

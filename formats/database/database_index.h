@@ -39,7 +39,9 @@ struct ToolIndex {
   RowsOf<double> share_max;       ///< (c x K + 1) [-] ... there is one row of shares
   AccuracyRecord accuracy;        ///< as the table's
   Sha256Rows sha256;              ///< (c x 32) chunk_digest()
-  Sha256Rows memory_sha256;  ///< (c x 32) memory_digest(); none without rows of nodes
+  Sha256Rows memory_sha256;    ///< (c x 32) memory_digest(); none without rows of nodes
+  ComplianceTable compliance;  ///< as the table's, without rows of nodes
+  Sha256Rows compliance_sha256;  ///< (c x 32) compliance_digest(); none without table
 };
 
 /// Chunks of neighbouring nodes. Nodes and triangles are counted as the file orders
@@ -83,6 +85,9 @@ struct BodyChunk {
 
 /// The same of the rows that a chunk's nodes have of shares and sites.
 [[nodiscard]] std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk);
+
+/// The same of the rows of its compliance table.
+[[nodiscard]] std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk);
 
 /// Of a tool whose responses relax, over all of its nodes.
 [[nodiscard]] ShareExtent share_extent(const ToolIndex& tool);

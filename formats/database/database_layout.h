@@ -21,6 +21,7 @@
 namespace palpate::content {
 
 constexpr const char* kFormatName = "palpate-response-database";
+constexpr const char* kComplianceUnits = "m2 N-1";
 
 template <typename File, typename Number>
 void exchange_number(File& file, const std::string& group, const char* name,
@@ -64,6 +65,11 @@ void exchange_shape(File& file, const std::string& group, Tool& tool) {
     if constexpr (!File::kWrites) {
       tool.sticking = sticking != 0;
     }
+  }
+  const std::string contact = group + "/contact";
+  if (file.optional_group(contact, !tool.contact.empty())) {
+    file.dataset(contact + "/point_m", "m", tool.contact.point_m);
+    file.dataset(contact + "/radius_m", "m", tool.contact.radius_m);
   }
   const std::string mesh = group + "/mesh";
   if (file.optional_group(mesh, tool.mesh.triangle.rows() > 0)) {
@@ -243,6 +249,32 @@ void exchange_viscoelasticity(File& file, const std::string& tool,
   }
 }
 
+// Of how contacts couple what is the same for all nodes.
+template <typename File, typename Table>
+void exchange_compliance_head(File& file, const std::string& group, Table& table) {
+  std::int64_t convex = table.convex ? 1 : 0;
+  file.attribute(group, "convex", convex);
+  exchange_number(file, group, "error_relative", table.error_relative);
+  file.dataset(group + "/distance_m", "m", table.distance_m);
+  if constexpr (!File::kWrites) {
+    table.convex = convex != 0;
+  }
+}
+
+// The one place where the group's name stands.
+inline std::string compliance_group(const std::string& tool) {
+  return tool + "/compliance";
+}
+
+template <typename File, typename Table>
+void exchange_compliance(File& file, const std::string& tool, Table& table) {
+  const std::string group = compliance_group(tool);
+  if (file.optional_group(group, !table.empty())) {
+    exchange_compliance_head(file, group, table);
+    file.dataset(group + "/value", kComplianceUnits, table.value);
+  }
+}
+
 // One row per node.
 template <typename File, typename Table>
 void exchange_nodes(File& file, const std::string& group, Table& table) {
@@ -294,6 +326,7 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
   exchange_displacement(file, group + "/displacement", table.displacement);
   exchange_relaxation(file, group + "/relaxation", table.relaxation);
   exchange_viscoelasticity(file, group, table.viscoelasticity);
+  exchange_compliance(file, group, table.compliance);
 }
 
 template <typename File, typename Measured>

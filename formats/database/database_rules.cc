@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/compliance_rules.h"
 #include "formats/database/database_check_optional.h"
 #include "formats/response/response_curve.h"
 
@@ -383,6 +384,7 @@ void check(const ResponseDatabase& database) {
       fail("/tools: the name {:?} occurs twice, must be unique", table.tool.name);
     }
   }
+  check_contact_tables(database.tools);
   check(database.measurement, n);
   check_provenance(database.provenance);
 }

@@ -201,6 +201,9 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   }
   selected.viscoelasticity = select_viscoelasticity(
       table.viscoelasticity, nodes, static_cast<std::size_t>(table.nodes()));
+  selected.compliance = table.compliance;
+  selected.compliance.value =
+      rows_of(table.compliance.value, table.compliance.empty() ? Nodes{} : nodes);
   return selected;
 }
 

@@ -49,6 +49,10 @@ json to_json(const ToolShape& tool) {
   if (tool.axis) {
     j["axis"] = list(*tool.axis);
   }
+  if (!tool.contact.empty()) {
+    j["contact"] = {{"point_m", flat(tool.contact.point_m)},
+                    {"radius_m", tool.contact.radius_m}};
+  }
   return j;
 }
 
@@ -66,6 +70,11 @@ ToolShape tool_of(const json& j) {
                  .sticking = j.at("sticking")};
   if (j.contains("axis")) {
     tool.axis = vector_of(j.at("axis"));
+  }
+  if (j.contains("contact")) {
+    const json& contact = j.at("contact");
+    tool.contact = {rows_of_three<Points>(contact.at("point_m")),
+                    contact.at("radius_m").get<std::vector<double>>()};
   }
   return tool;
 }

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "formats/mesh/surface_mesh.h"
+#include "formats/response/compliance_table.h"
 #include "formats/response/curve_view.h"
 #include "formats/response/relaxation.h"
 #include "formats/response/tool_shape.h"
@@ -118,6 +119,7 @@ struct ResponseTable {
   DisplacementField displacement;
   ResponseRelaxation relaxation;  ///< what holds showed; not rendered
   Viscoelasticity viscoelasticity;
+  ComplianceTable compliance;  ///< how several contacts couple
 
   [[nodiscard]] std::int64_t nodes() const noexcept {
     return static_cast<std::int64_t>(touch_offset_m.size());

@@ -14,6 +14,8 @@ namespace palpate {
 
 namespace {
 
+constexpr double kSmallestM = 1e-9;  // no tool is sharper than atoms
+
 // A name is also a group in the database and a word on the command line.
 void check_tool_name(const std::string& name) {
   const auto allowed = [](unsigned char c) {
@@ -57,8 +59,7 @@ void check_lengths(const ToolShape& tool) {
   const bool capsule = tool.kind == "capsule";
   if (punch || capsule || tool.kind == "sphere") {
     require_positive(tool, "radius_m", tool.radius_m);
-    constexpr double kSmallest = 1e-9;  // [m] no tool is sharper than atoms
-    require(tool, "radius_m", tool.radius_m, tool.radius_m >= kSmallest,
+    require(tool, "radius_m", tool.radius_m, tool.radius_m >= kSmallestM,
             "at least 1e-9 m");
   } else {
     require_none(tool, "radius_m", tool.radius_m);
@@ -85,6 +86,56 @@ void check_lengths(const ToolShape& tool) {
   } else if (!cone) {
     require_none(tool, "length_m", tool.length_m);
   }
+}
+
+void check_apart(const ToolShape& tool) {
+  const Points& point_m = tool.contact.point_m;
+  for (Eigen::Index i = 0; i < point_m.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      if (point_m.row(i) == point_m.row(j)) {
+        throw InputError(fmt::format(
+            "tool {:?}: contact spheres {} and {} have one centre, must be apart",
+            tool.name, j, i));
+      }
+    }
+  }
+}
+
+void check_contacts(const ToolShape& tool) {
+  const ContactSet& set = tool.contact;
+  if (set.empty() && set.point_m.size() == 0) {
+    return;
+  }
+  if (tool.kind != "sphere") {
+    throw InputError(
+        fmt::format("tool {:?}: a {} has no contact spheres, must be a "
+                    "sphere",
+                    tool.name, tool.kind));
+  }
+  const auto count = std::ssize(set.radius_m);
+  if (count != set.point_m.rows() || count < 1 || count > kMostContacts) {
+    throw InputError(fmt::format(
+        "tool {:?}: has {} centres and {} radii of contact spheres, must have as many, "
+        "1 to {}",
+        tool.name, set.point_m.rows(), count, kMostContacts));
+  }
+  if (set.radius_m.front() != tool.radius_m) {
+    throw InputError(fmt::format(
+        "tool {:?}: radius_m is {}, must be that of its first contact sphere: {}",
+        tool.name, tool.radius_m, set.radius_m.front()));
+  }
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double radius_m = set.radius_m[static_cast<std::size_t>(i)];
+    require(tool, "radius_m of a contact sphere", radius_m, radius_m >= kSmallestM,
+            "at least 1e-9 m");
+    if (!set.point_m.row(i).allFinite()) {
+      throw InputError(
+          fmt::format("tool {:?}: the centre of contact sphere {} is not "
+                      "finite",
+                      tool.name, i));
+    }
+  }
+  check_apart(tool);
 }
 
 void check_friction(const ToolShape& tool) {
@@ -117,6 +168,7 @@ void check_without_mesh(const ToolShape& tool) {
                     tool.name, tool.axis->norm()));
   }
   check_friction(tool);
+  check_contacts(tool);
 }
 
 void check(const ToolShape& tool) {
@@ -155,6 +207,9 @@ std::string describe(const ToolShape& tool) {
   add_length(tool.kind == "cone" ? "height" : "length", tool.length_m);
   if (tool.kind == "mesh") {
     add(fmt::format("{} triangles", tool.mesh.triangle.rows()));
+  }
+  if (!tool.contact.empty()) {
+    add(fmt::format("{} contacts", tool.contact.radius_m.size()));
   }
   if (tool.axis) {
     add(fmt::format("axis ({:.3g}, {:.3g}, {:.3g})", tool.axis->x(), tool.axis->y(),

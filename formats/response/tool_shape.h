@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -14,6 +16,16 @@ namespace palpate {
 
 inline constexpr std::array<std::string_view, 5> kToolKinds{"sphere", "flat-punch",
                                                             "cone", "capsule", "mesh"};
+
+constexpr std::int64_t kMostContacts = 64;  ///< spheres of a tool
+
+/// Spheres by which a rigid tool touches at several places at once.
+struct ContactSet {
+  Points point_m = {};                ///< (c x 3) [m] centres, in the tool's frame
+  std::vector<double> radius_m = {};  ///< (c) [m] > 0
+
+  [[nodiscard]] bool empty() const noexcept { return radius_m.empty(); }
+};
 
 /// What touches the body: rigid, convex, in its own frame with +z from tip to handle.
 /// Its pose is its reference point, the frame's origin: a sphere's centre, the centre
@@ -36,6 +48,8 @@ struct ToolShape {
   /// of the vertex that is pressed, as laboratory indenters stand.
   std::optional<Eigen::Vector3d> axis = std::nullopt;
   bool sticking = false;  ///< else the contact is without friction while pressing
+  /// A sphere that stands for several (contact_set.h); one touches at its own place.
+  ContactSet contact = {};
 };
 
 /// @throws InputError naming the value that is out of range, or that the kind does not

@@ -1,0 +1,101 @@
+#include "formats/database/compliance_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/response/contact_set.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kLargest = std::numeric_limits<double>::max();
+// Rounding of distances that are evenly spaced in ln.
+constexpr double kSpacingTolerance = 1e-9;
+
+template <typename... Values>
+[[noreturn]] void fail(fmt::format_string<Values...> what, Values&&... values) {
+  throw FormatError(fmt::format(what, std::forward<Values>(values)...));
+}
+
+}  // namespace
+
+void check_compliance_head(const std::string& tool, const ComplianceTable& table) {
+  if (table.empty()) {
+    return;
+  }
+  const std::string group = tool + "/compliance";
+  const std::string path = group + "/distance_m";
+  const std::vector<double>& distance_m = table.distance_m;
+  if (distance_m.size() < kFewestKnots || distance_m.size() > kMostKnots) {
+    fail("{} has {} rows, must have {} to {}", path, distance_m.size(), kFewestKnots,
+         kMostKnots);
+  }
+  const double first = distance_m.front(), last = distance_m.back();
+  if (!(first > 0.0 && last > first && last <= kLargest)) {
+    fail("{} runs from {} to {}, must be positive and increase", path, first, last);
+  }
+  const std::vector<double> spaced = log_spaced(first, last, distance_m.size());
+  for (std::size_t k = 0; k < spaced.size(); ++k) {
+    if (!(std::abs(distance_m[k] / spaced[k] - 1.0) <= kSpacingTolerance)) {
+      fail("{}: element {} is {}, must be {}: evenly spaced in ln", path, k,
+           distance_m[k], spaced[k]);
+    }
+  }
+  if (!(table.error_relative >= 0.0 && table.error_relative <= kLargest)) {
+    fail("{}@error_relative is {}, must be at least 0 and finite", group,
+         table.error_relative);
+  }
+}
+
+void check_compliance_rows(const std::string& tool, const ComplianceTable& table,
+                           std::int64_t nodes, std::int64_t first) {
+  const std::string path = tool + "/compliance/value";
+  const auto knots = static_cast<std::int64_t>(table.knots());
+  const std::int64_t rows = table.empty() ? 0 : nodes;
+  if (table.value.rows() != rows || (rows > 0 && table.value.cols() != knots)) {
+    fail("{} is {} x {}, must be {} x {}", path, table.value.rows(), table.value.cols(),
+         rows, knots);
+  }
+  for (Eigen::Index i = 0; i < table.value.rows(); ++i) {
+    for (Eigen::Index k = 0; k < table.value.cols(); ++k) {
+      if (!std::isfinite(table.value(i, k))) {
+        fail("{}: row {} has {}, must be finite", path, first + i,
+             static_cast<double>(table.value(i, k)));
+      }
+    }
+  }
+}
+
+void check_contact_tables(const std::vector<ResponseTable>& tables) {
+  for (const ResponseTable& table : tables) {
+    if (table.tool.contact.empty()) {
+      continue;
+    }
+    for (const ToolShape& sphere : spheres_of(table.tool)) {
+      const auto found =
+          std::find_if(tables.begin(), tables.end(), [&](const ResponseTable& other) {
+            return other.tool.name == sphere.name;
+          });
+      if (found == tables.end()) {
+        fail(
+            "/tools/{}/contact/radius_m has {}, must have a table of that radius, "
+            "named "
+            "{:?}",
+            table.tool.name, sphere.radius_m, sphere.name);
+      }
+      if (found->tool.kind != "sphere" || found->tool.radius_m != sphere.radius_m) {
+        fail(
+            "/tools/{} is a {} of radius {}, must be a sphere of radius {} as {} has "
+            "it",
+            sphere.name, found->tool.kind, found->tool.radius_m, sphere.radius_m,
+            table.tool.name);
+      }
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+// How contacts of tools couple through a body: at every node, the compliance between it
+// and places at a distance (compliance_row.h).
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "formats/response/compliance_row.h"
+#include "formats/response/viscoelasticity.h"
+
+namespace palpate {
+
+/// Of one body, as a tool's table keeps it; without knots where contacts do not couple.
+struct ComplianceTable {
+  std::vector<double> distance_m = {};  ///< (K) [m] > 0, evenly spaced in ln; [4, 32]
+  RowsOf<float> value = {};             ///< (n x K) [m^2/N] c(r) r; 0: it does not move
+  /// [-] Largest error of a contact's force, over the largest force of its set, at 95 %
+  /// of sets that were solved jointly; 0: not known.
+  double error_relative = 0.0;
+  /// Every set of contacts that was tried at the table's distances has one equilibrium.
+  bool convex = false;
+
+  [[nodiscard]] bool empty() const noexcept { return distance_m.empty(); }
+  [[nodiscard]] std::size_t knots() const noexcept { return distance_m.size(); }
+};
+
+/// K distances from first to last, evenly spaced in ln [m].
+/// @param count [4, 32]
+[[nodiscard]] std::vector<double> log_spaced(double first_m, double last_m,
+                                             std::size_t count);
+
+/// @param table with distances.
+[[nodiscard]] ComplianceKnots knots_of(const ComplianceTable& table);
+
+/// Row of a place on the surface; beyond its K numbers 0.
+using ComplianceRow = std::array<double, kMostKnots>;
+
+/// Of a place in a triangle: the nodes' rows, weighted.
+/// @param nodes (3). @param weights (3) [-] area coordinates.
+[[nodiscard]] ComplianceRow contact_compliance(
+    const ComplianceTable& table, std::span<const std::int32_t> nodes,
+    std::span<const double> weights) noexcept;
+
+/// C of two contacts at places with these rows, and dC/d(distance).
+[[nodiscard]] ComplianceSample coupling(const ComplianceKnots& knots,
+                                        const ComplianceRow& one,
+                                        const ComplianceRow& other,
+                                        double distance_m) noexcept;
+
+}  // namespace palpate
