@@ -45,6 +45,7 @@ Json to_json(const ToolDifference& tool) {
           {"largest_direction_rad", tool.largest_direction_rad},
           {"largest_relaxation", tool.largest_relaxation},
           {"same_memory", tool.same_memory},
+          {"largest_compliance", tool.largest_compliance},
           {"stated_errors",
            {{"covered", tool.stated.covered},
             {"stated_over_found", tool.stated.stated_over_found},
@@ -63,8 +64,9 @@ void print(const ToolDifference& tool) {
       tool.largest_n, tool.rms_n, tool.largest_relative_rms);
   fmt::print(
       "also       direction {:.4g} rad, largest depth {:.4g} mm, relaxation {:.4g} of "
-      "the force held{}\n",
+      "the force held, coupling {:.4g} of its largest{}\n",
       tool.largest_direction_rad, 1e3 * tool.largest_depth_m, tool.largest_relaxation,
+      tool.largest_compliance,
       tool.same_memory ? ""
                        : "; memory: other sites, bundles, kind of curve or yielding");
   if (tool.compared > 0) {

@@ -77,6 +77,26 @@ Json yielding_json(const ToolSummary& tool) {
   return json;
 }
 
+Json contacts_json(const ToolShape& tool) {
+  Json spheres = Json::array();
+  for (std::size_t i = 0; i < tool.contact.radius_m.size(); ++i) {
+    const auto at = tool.contact.point_m.row(static_cast<Eigen::Index>(i));
+    spheres.push_back({{"point_m", {at.x(), at.y(), at.z()}},
+                       {"radius_m", tool.contact.radius_m[i]}});
+  }
+  return spheres;
+}
+
+Json compliance_json(const ComplianceTable& table) {
+  if (table.empty()) {
+    return nullptr;
+  }
+  return {{"text", describe(table)},
+          {"distance_m", table.distance_m},
+          {"error_relative", table.error_relative},
+          {"convex", table.convex}};
+}
+
 Json to_json(const ToolSummary& tool) {
   return {{"name", tool.tool.name},
           {"shape", tool.tool.kind},
@@ -107,7 +127,9 @@ Json to_json(const ToolSummary& tool) {
           {"hard_error_factor", tool.accuracy.hard_error_factor},
           {"relaxation", to_json(tool.relaxation)},
           {"viscoelasticity", viscoelasticity_json(tool)},
-          {"yielding", yielding_json(tool)}};
+          {"yielding", yielding_json(tool)},
+          {"contacts", contacts_json(tool.tool)},
+          {"compliance", compliance_json(tool.compliance)}};
 }
 
 // Of all nodes.
@@ -175,6 +197,9 @@ void print(const ToolSummary& tool) {
   }
   if (!tool.viscoelasticity.empty() || !tool.yielding.empty()) {
     fmt::print("memory     {}\n", describe_memory(tool));
+  }
+  if (!tool.compliance.empty()) {
+    fmt::print("coupling   {}\n", describe(tool.compliance));
   }
 }
 

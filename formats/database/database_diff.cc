@@ -128,6 +128,7 @@ ToolDifference tool_difference(const ResponseTable& a, const ResponseTable& b,
   ToolDifference result;
   result.tool = a.tool.name;
   result.same_memory = same_memory(a.viscoelasticity, b.viscoelasticity);
+  result.largest_compliance = relative_difference(a.compliance, b.compliance);
   double squares = 0.0;
   std::vector<NodeDifference> nodes;
   for (std::int64_t i = 0; i < a.nodes(); ++i) {
@@ -206,6 +207,7 @@ bool ToolDifference::agrees(double tolerance_relative) const {
   return only_first == 0 && only_second == 0 && largest_depth_m == 0.0 &&
          largest_relative_rms <= tolerance_relative && same_memory &&
          largest_relaxation <= tolerance_relative &&
+         largest_compliance <= tolerance_relative &&
          largest_direction_rad <= tolerance_relative;
 }
 

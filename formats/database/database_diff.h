@@ -51,6 +51,7 @@ struct ToolDifference {
   double largest_direction_rad = 0.0;
   double largest_relaxation = 0.0;  ///< [-] of F(0) while held; unstated: none relaxes
   bool same_memory = true;  ///< sites, bundles, of which press curves are, yielding
+  double largest_compliance = 0.0;  ///< [-] of the first's largest; 1: one has none
   StatedErrors stated;
   std::vector<NodeDifference> worst;  ///< by relative rms, the worst first
 

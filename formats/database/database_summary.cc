@@ -57,6 +57,8 @@ ToolSummary summarise(const ResponseTable& table) {
     }
     summary.memory_sites = std::ssize(table.viscoelasticity.sites.node);
   }
+  summary.compliance = table.compliance;
+  summary.compliance.value.resize(0, 0);
   summary.accuracy = table.accuracy;
   return summary;
 }
@@ -99,6 +101,7 @@ ToolSummary summarise(const ToolIndex& tool) {
     }
     summary.memory_sites = tool.memory_sites;
   }
+  summary.compliance = tool.compliance;
   summary.accuracy = tool.accuracy;
   return summary;
 }

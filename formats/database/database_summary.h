@@ -35,6 +35,7 @@ struct ToolSummary {
   ShareExtent shares;                     ///< its shares
   std::int64_t memory_sites = 0;          ///< its sites; 0: every node is one
   std::string yielding = {};  ///< how responses yield, one line; empty: they do not
+  ComplianceTable compliance = {};  ///< without rows; empty: contacts do not couple
   AccuracyRecord accuracy;
 };
 

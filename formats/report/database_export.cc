@@ -85,6 +85,12 @@ void point_data(Out out, const ResponseTable& table) {
                  }));
     }
   });
+  if (const ComplianceTable& coupling = table.compliance; !coupling.empty()) {
+    data_array(out, "Float32", "compliance_m2_per_n",
+               static_cast<int>(coupling.knots()),
+               std::span(coupling.value.data(),
+                         static_cast<std::size_t>(coupling.value.size())));
+  }
   fmt::format_to(out, "</PointData>\n");
 }
 
@@ -228,6 +234,16 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
                             {"g_2", relaxation.terms.g_2},
                             {"tau_1_s", relaxation.terms.tau_1_s},
                             {"tau_2_s", relaxation.terms.tau_2_s}};
+  }
+  if (!table.tool.contact.empty()) {
+    report["tool"]["contact"] = {{"point_m", rows_json(table.tool.contact.point_m)},
+                                 {"radius_m", table.tool.contact.radius_m}};
+  }
+  if (const ComplianceTable& compliance = table.compliance; !compliance.empty()) {
+    report["compliance"] = {{"distance_m", compliance.distance_m},
+                            {"value_m2_per_n", rows_json(compliance.value)},
+                            {"error_relative", compliance.error_relative},
+                            {"convex", compliance.convex}};
   }
   if (table.viscoelasticity.remembers()) {
     report["viscoelasticity"] = to_json(table.viscoelasticity);

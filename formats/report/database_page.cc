@@ -150,6 +150,9 @@ std::string tool_rows(const ResponseTable& table) {
   if (table.viscoelasticity.remembers()) {
     text += row("memory", describe_memory(all));
   }
+  if (!all.compliance.empty()) {
+    text += row("coupling", describe(all.compliance));
+  }
   return text + row("accuracy", accuracy_of(table));
 }
 

@@ -1,8 +1,18 @@
 #include "formats/response/compliance_table.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace palpate {
+namespace {
+
+std::span<const float> row_of(const ComplianceTable& table, Eigen::Index node) {
+  return {table.value.row(node).data(), table.knots()};
+}
+
+}  // namespace
 
 std::vector<double> log_spaced(double first_m, double last_m, std::size_t count) {
   std::vector<double> distance_m(count);
@@ -20,6 +30,46 @@ ComplianceKnots knots_of(const ComplianceTable& table) {
           std::log(table.distance_m.back() / first_m) /
               static_cast<double>(table.knots() - 1),
           table.knots()};
+}
+
+double relative_difference(const ComplianceTable& a, const ComplianceTable& b) {
+  if (a.empty() && b.empty()) {
+    return 0.0;
+  }
+  if (a.empty() || b.empty() || a.value.rows() != b.value.rows()) {
+    return 1.0;
+  }
+  const ComplianceKnots knots = knots_of(b);
+  double largest = 0.0;
+  double off = 0.0;
+  for (std::size_t k = 0; k < a.knots(); ++k) {
+    const double r = a.distance_m[k];
+    // At a common distance there is nothing to interpolate, nor to round.
+    const bool common = k < b.knots() && b.distance_m[k] == r;
+    const ComplianceWeights weights = compliance_weights(knots, r);
+    for (Eigen::Index i = 0; i < a.value.rows(); ++i) {
+      const auto v = static_cast<double>(a.value(i, static_cast<Eigen::Index>(k)));
+      const double other =
+          common ? static_cast<double>(b.value(i, static_cast<Eigen::Index>(k)))
+                 : r * weights.of(row_of(b, i)).compliance_m_per_n;
+      largest = std::max(largest, std::abs(v));
+      off = std::max(off, std::abs(other - v));
+    }
+  }
+  return off == 0.0 ? 0.0 : off / largest;
+}
+
+std::string describe(const ComplianceTable& table) {
+  std::string text =
+      fmt::format("{} distances from {:.3g} to {:.3g} mm; ", table.knots(),
+                  1e3 * table.distance_m.front(), 1e3 * table.distance_m.back());
+  text += table.error_relative > 0.0
+              ? fmt::format(
+                    "forces of several contacts within {:.2g} % of the largest at "
+                    "95 % of sets",
+                    100.0 * table.error_relative)
+              : "error not known";
+  return text + (table.convex ? "; one equilibrium" : "; equilibria not checked");
 }
 
 ComplianceRow contact_compliance(const ComplianceTable& table,

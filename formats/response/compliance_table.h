@@ -4,6 +4,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "formats/response/compliance_row.h"
@@ -32,6 +33,16 @@ struct ComplianceTable {
 
 /// @param table with distances.
 [[nodiscard]] ComplianceKnots knots_of(const ComplianceTable& table);
+
+/// Largest difference of two tables at the first's distances, over the first's largest
+/// number [-]; 1 where one of them is empty or has other nodes.
+[[nodiscard]] double relative_difference(const ComplianceTable& a,
+                                         const ComplianceTable& b);
+
+/// One line for people: over which distances contacts couple, and how well that is
+/// known.
+/// @param table with distances; rows are not read.
+[[nodiscard]] std::string describe(const ComplianceTable& table);
 
 /// Row of a place on the surface; beyond its K numbers 0.
 using ComplianceRow = std::array<double, kMostKnots>;

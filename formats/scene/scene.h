@@ -154,6 +154,8 @@ struct Scene {
   /// A tool of kind "mesh" has no mesh yet: its file is at the same place of tool_mesh.
   std::vector<ToolShape> tool;
   std::vector<SceneMesh> tool_mesh;  ///< as many as tools; no file unless kind "mesh"
+  /// As many: contacts of the tool couple with others (compliance_table.h).
+  std::vector<bool> tool_couples;
   std::vector<SceneYielding> tool_yielding;  ///< as many; before the materials'
   SceneReach reach;
   double force_relative = 0.05;  ///< [-] (0, 1) accuracy budget: relative force error

@@ -230,6 +230,21 @@ Eigen::Vector3d SceneSection::vector(std::string_view key) const {
   return point(std::string(key), need(key));
 }
 
+Points SceneSection::points(std::string_view key, std::size_t most) const {
+  const toml::node& node = need(key);
+  const toml::array* array = node.as_array();
+  if (array == nullptr || array->empty() || array->size() > most) {
+    fail(node, "{} in {} must be a list of 1 to {} points: [[x, y, z], ...] in metres",
+         key, title_, most);
+  }
+  Points points(static_cast<Eigen::Index>(array->size()), 3);
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    points.row(static_cast<Eigen::Index>(i)) =
+        point(fmt::format("point {} of {}", i, key), *array->get(i)).transpose();
+  }
+  return points;
+}
+
 Eigen::Vector3d SceneSection::direction(std::string_view key) const {
   const Eigen::Vector3d along = vector(key);
   const double largest = along.cwiseAbs().maxCoeff();

@@ -14,6 +14,7 @@
 #include <toml++/toml.h>
 
 #include "formats/base/error.h"
+#include "formats/mesh/surface_mesh.h"
 
 namespace palpate {
 
@@ -86,6 +87,9 @@ class SceneSection {
 
   /// [x, y, z]; finite.
   [[nodiscard]] Eigen::Vector3d vector(std::string_view key) const;
+
+  /// [[x, y, z], ...], 1 to `most` points; finite.
+  [[nodiscard]] Points points(std::string_view key, std::size_t most) const;
 
   /// [x, y, z] of any length but 0, made a unit vector.
   [[nodiscard]] Eigen::Vector3d direction(std::string_view key) const;

@@ -5,7 +5,9 @@
 
 #include "formats/base/error.h"
 #include "formats/database/chunk_reader.h"
+#include "formats/database/database_diff.h"
 #include "formats/database/database_slice.h"
+#include "formats/database/database_summary.h"
 #include "formats/database/work_unit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
@@ -105,6 +107,29 @@ TEST(DatabaseCompliance, ASliceKeepsTheRowsOfItsNodes) {
     EXPECT_EQ(part.tools[0].compliance.value.row(i),
               whole.tools[0].compliance.value.row(same));
   }
+}
+
+TEST(DatabaseCompliance, DatabasesThatCoupleDifferentlyDiffer) {
+  const ResponseDatabase database = coupled_sphere();
+  ResponseDatabase other = database;
+  EXPECT_TRUE(difference(database, other, 0)[0].agrees(0.0));
+  const float largest = database.tools[0].compliance.value.cwiseAbs().maxCoeff();
+  other.tools[0].compliance.value(3, 2) += 0.02F * largest;
+  EXPECT_NEAR(difference(database, other, 0)[0].largest_compliance, 0.02, 1e-6);
+  EXPECT_FALSE(difference(database, other, 0)[0].agrees(0.01));
+  other.tools[0].compliance = {};
+  EXPECT_EQ(difference(database, other, 0)[0].largest_compliance, 1.0);
+}
+
+TEST(DatabaseCompliance, SummariesDescribeIt) {
+  const ScratchFolder folder;
+  write_database(folder / "a.h5", coupled_sphere());
+  const ChunkReader reader(folder / "a.h5");
+  const std::string line =
+      "7 distances from 2 to 100 mm; forces of several contacts within 3 % of the "
+      "largest at 95 % of sets; one equilibrium";
+  EXPECT_EQ(describe(summarise(reader.index().tools[0]).compliance), line);
+  EXPECT_EQ(describe(summarise(coupled_sphere().tools[0]).compliance), line);
 }
 
 TEST(DatabaseCompliance, UnitsCarryTheContactsOfTheirTools) {
