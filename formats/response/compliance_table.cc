@@ -6,13 +6,10 @@
 #include <fmt/format.h>
 
 namespace palpate {
-namespace {
 
-std::span<const float> row_of(const ComplianceTable& table, Eigen::Index node) {
+std::span<const float> compliance_row(const ComplianceTable& table, std::int64_t node) {
   return {table.value.row(node).data(), table.knots()};
 }
-
-}  // namespace
 
 std::vector<double> log_spaced(double first_m, double last_m, std::size_t count) {
   std::vector<double> distance_m(count);
@@ -51,7 +48,7 @@ double relative_difference(const ComplianceTable& a, const ComplianceTable& b) {
       const auto v = static_cast<double>(a.value(i, static_cast<Eigen::Index>(k)));
       const double other =
           common ? static_cast<double>(b.value(i, static_cast<Eigen::Index>(k)))
-                 : r * weights.of(row_of(b, i)).compliance_m_per_n;
+                 : r * weights.of(compliance_row(b, i)).compliance_m_per_n;
       largest = std::max(largest, std::abs(v));
       off = std::max(off, std::abs(other - v));
     }

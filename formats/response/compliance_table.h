@@ -44,6 +44,10 @@ struct ComplianceTable {
 /// @param table with distances; rows are not read.
 [[nodiscard]] std::string describe(const ComplianceTable& table);
 
+/// Row of a node, (K).
+[[nodiscard]] std::span<const float> compliance_row(const ComplianceTable& table,
+                                                    std::int64_t node);
+
 /// Row of a place on the surface; beyond its K numbers 0.
 using ComplianceRow = std::array<double, kMostKnots>;
 

@@ -17,8 +17,10 @@
 #include "formats/database/precision_choice.h"
 #include "formats/database/rounded_database.h"
 #include "formats/database/table_memory.h"
+#include "formats/response/memory_sites.h"
 #include "precompute/build/checkpoint.h"
 #include "precompute/material/material_spectrum.h"
+#include "precompute/press/contact_coupling.h"
 #include "precompute/press/node_yielding.h"
 #include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
@@ -218,6 +220,25 @@ void add_relaxation(const Scene& scene, const BodySource& body,
   }
 }
 
+// How contacts couple through the body: one table for all tools that want it.
+void add_coupling(const Scene& scene, const BodySource& body,
+                  std::span<const std::int32_t> reachable, ResponseDatabase& database,
+                  Progress& progress) {
+  progress.stage("coupling of contacts");
+  const ComplianceTable coupling =
+      make_coupling_table(scene, body, reachable, progress);
+  progress.finish();
+  for (std::size_t t = 0; t < database.tools.size(); ++t) {
+    if (scene.tool_couples[t]) {
+      ResponseTable& table = database.tools[t];
+      table.compliance = coupling;
+      table.compliance.convex = one_equilibrium(
+          coupling, table, body.surface.position_m,
+          kClosestInRadii * contact_radius_m(table.tool, scene.reach.depth_max_m));
+    }
+  }
+}
+
 // Displacements are for drawing: where they cannot be had the responses are written
 // without.
 void add_fields_or_note(const Scene& scene, const BodySource& body,
@@ -260,6 +281,11 @@ void refuse_in_shards(const Scene& scene, const SceneSpectrum& spectrum) {
     throw InputError(
         "[drawing] displacement = true needs all responses at once: build without "
         "--shard, or without the displacements");
+  }
+  if (couples(scene)) {
+    throw InputError(
+        "tools whose contacts couple need the whole body at once: build without "
+        "--shard, or without shape = \"spheres\" and compliance = true");
   }
   if (relaxes_by_node(spectrum)) {
     throw InputError(
@@ -320,6 +346,9 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
     if (relaxes_by_node(spectrum)) {
       add_relaxation(scene, body, strategy, spectrum.tau_s, report.assembly.database,
                      progress);
+    }
+    if (couples(scene)) {
+      add_coupling(scene, body, reachable, report.assembly.database, progress);
     }
     if (scene.drawing.displacement) {
       add_fields_or_note(scene, body, strategy, reachable, report, progress);

@@ -9,6 +9,7 @@ void add_body_command(Command app);
 void add_build_command(Command app);
 void add_check_command(Command app);
 void add_indent_command(Command app);
+void add_pairs_command(Command app);
 void add_plan_command(Command app);
 void add_remesh_command(Command app);
 void add_submit_command(Command app);

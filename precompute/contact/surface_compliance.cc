@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "precompute/contact/face_quadrature.h"
+#include "precompute/contact/loaded_part.h"
 #include "precompute/process/parallel.h"
 
 namespace palpate {
@@ -14,32 +15,6 @@ namespace {
 std::int64_t free_index(const Supports& supports, std::int32_t node, int axis) {
   return supports
       .free_index[3 * static_cast<std::size_t>(node) + static_cast<std::size_t>(axis)];
-}
-
-void add_load(const ContactNode& node, const Supports& supports, SolveRows& B,
-              Eigen::Index column) {
-  for (const NodalForce& entry : node.load) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t dof = free_index(supports, entry.node, axis);
-      if (dof >= 0) {
-        B(dof, column) += entry.force[axis];
-      }
-    }
-  }
-}
-
-// average_displacement() of a node, for all right-hand sides.
-void average_rows(const ContactNode& node, const Supports& supports, const SolveRows& X,
-                  Eigen::Ref<Eigen::RowVectorXd> average) {
-  average.setZero();
-  for (const NodalForce& entry : node.load) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t dof = free_index(supports, entry.node, axis);
-      if (dof >= 0) {
-        average += entry.force[axis] * X.row(dof);
-      }
-    }
-  }
 }
 
 // Nodes of `nodes` within the radius of each of them, ascending: a sweep along x.
@@ -176,32 +151,6 @@ Stiffness reduce(const Stiffness& lower, const Supports& supports) {
   return K;
 }
 
-// The part of the factor that the nodes' loads act on, and the supports as it sees
-// them: indices into its rows.
-struct SurfaceCompliance::LoadedPart {
-  FactorPart factor;
-  Supports supports;
-};
-
-SurfaceCompliance::LoadedPart SurfaceCompliance::loaded_part(
-    const CholeskyFactor& factor, const Supports& supports,
-    const ContactSurface& surface, std::span<const std::int32_t> nodes) {
-  std::vector<std::int64_t> unknowns;
-  for (const std::int32_t v : nodes) {
-    for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
-      for (int axis = 0; axis < 3; ++axis) {
-        unknowns.push_back(free_index(supports, entry.node, axis));
-      }
-    }
-  }
-  LoadedPart loaded{factor.part(unknowns), supports};
-  loaded.supports.free = loaded.factor.size();
-  for (std::int64_t& dof : loaded.supports.free_index) {
-    dof = dof >= 0 ? loaded.factor.row()[static_cast<std::size_t>(dof)] : dof;
-  }
-  return loaded;
-}
-
 SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      const Supports& supports,
                                      const ContactSurface& surface,
@@ -241,7 +190,7 @@ void SurfaceCompliance::solve_block(const LoadedPart& loaded,
   std::vector<char> has_entry(surface.node.size(), 0);  // in some column, by row
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
-    add_load(surface.node[v], loaded.supports, X, k);
+    add_unit_load(surface.node[v], loaded.supports, X, k);
     next.push_back(begin_[v]);
     for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
       has_entry[static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)])] = 1;

@@ -13,6 +13,8 @@
 
 namespace palpate {
 
+struct LoadedPart;
+
 /// Which degrees of freedom are solved for: index among the free ones, or -1 if held.
 struct Supports {
   std::vector<std::int64_t> free_index;  ///< (3 n_nodes)
@@ -86,10 +88,6 @@ class SurfaceCompliance {
   }
 
  private:
-  struct LoadedPart;
-  static LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
-                                const ContactSurface& surface,
-                                std::span<const std::int32_t> nodes);
   static std::vector<std::int32_t> by_elimination(
       const LoadedPart& loaded, const ContactSurface& surface,
       std::span<const std::int32_t> columns);

@@ -1,0 +1,108 @@
+#include "precompute/contact/loaded_part.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <vector>
+
+#include "precompute/process/interrupt.h"
+#include "precompute/process/parallel.h"
+
+namespace palpate {
+namespace {
+
+// Calls with(dof, weight) for every free unknown that a node's load acts on.
+template <typename With>
+void for_each_load(const ContactNode& node, const Supports& supports,
+                   const With& with) {
+  for (const NodalForce& entry : node.load) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t dof =
+          supports.free_index[3 * static_cast<std::size_t>(entry.node) +
+                              static_cast<std::size_t>(axis)];
+      if (dof >= 0) {
+        with(dof, entry.force[axis]);
+      }
+    }
+  }
+}
+
+const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
+  return surface.node[static_cast<std::size_t>(v)];
+}
+
+}  // namespace
+
+LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
+                       const ContactSurface& surface,
+                       std::span<const std::int32_t> nodes) {
+  std::vector<std::int64_t> unknowns;
+  for (const std::int32_t v : nodes) {
+    for_each_load(node_of(surface, v), supports, [&](std::int64_t dof, double) {
+      unknowns.push_back(dof);
+    });
+  }
+  LoadedPart loaded{factor.part(unknowns), supports};
+  loaded.supports.free = loaded.factor.size();
+  for (std::int64_t& dof : loaded.supports.free_index) {
+    dof = dof >= 0 ? loaded.factor.row()[static_cast<std::size_t>(dof)] : dof;
+  }
+  return loaded;
+}
+
+void add_unit_load(const ContactNode& node, const Supports& supports, SolveRows& B,
+                   Eigen::Index column) {
+  for_each_load(node, supports, [&](std::int64_t dof, double force) {
+    B(dof, column) += force;
+  });
+}
+
+void average_rows(const ContactNode& node, const Supports& supports, const SolveRows& X,
+                  Eigen::Ref<Eigen::RowVectorXd> average) {
+  average.setZero();
+  for_each_load(node, supports, [&](std::int64_t dof, double force) {
+    average += force * X.row(dof);
+  });
+}
+
+void for_each_column(
+    const CholeskyFactor& factor, const Supports& supports,
+    const ContactSurface& surface, std::span<const std::int32_t> rows,
+    std::span<const std::int32_t> columns,
+    const std::function<void(std::size_t, const Eigen::VectorXd&)>& take,
+    const std::function<void(std::size_t)>& progress) {
+  std::vector<std::int32_t> nodes(rows.begin(), rows.end());
+  nodes.insert(nodes.end(), columns.begin(), columns.end());
+  const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
+  constexpr std::size_t kBlock = SurfaceCompliance::kBlock;
+  std::atomic<std::size_t> done = 0;
+  std::mutex reporting;
+  in_parallel((columns.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    check_interrupted();
+    const std::size_t first = block * kBlock;
+    const auto some = columns.subspan(first, std::min(kBlock, columns.size() - first));
+    const auto count = static_cast<Eigen::Index>(some.size());
+    SolveRows X = SolveRows::Zero(loaded.supports.free, solve_width(count));
+    for (Eigen::Index k = 0; k < count; ++k) {
+      add_unit_load(node_of(surface, some[static_cast<std::size_t>(k)]),
+                    loaded.supports, X, k);
+    }
+    loaded.factor.solve(X);
+    Eigen::MatrixXd u(static_cast<Eigen::Index>(rows.size()), count);
+    Eigen::RowVectorXd average(X.cols());
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      average_rows(node_of(surface, rows[j]), loaded.supports, X, average);
+      u.row(static_cast<Eigen::Index>(j)) = average.head(count);
+    }
+    for (Eigen::Index k = 0; k < count; ++k) {
+      take(first + static_cast<std::size_t>(k), u.col(k));
+    }
+    done += some.size();
+    if (progress && reporting.try_lock()) {
+      const std::lock_guard lock(reporting, std::adopt_lock);
+      progress(done);
+    }
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+// The part of a factor that loads on contact nodes act on.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "precompute/contact/contact_surface.h"
+#include "precompute/contact/surface_compliance.h"
+#include "precompute/fem/cholesky_factor.h"
+
+namespace palpate {
+
+/// A solve in it costs what it holds. Must not outlive its factor.
+struct LoadedPart {
+  FactorPart factor;
+  Supports supports;  ///< as the part sees them: free_index are its rows
+};
+
+/// @param nodes contact nodes that will be loaded, or whose displacement is wanted.
+[[nodiscard]] LoadedPart loaded_part(const CholeskyFactor& factor,
+                                     const Supports& supports,
+                                     const ContactSurface& surface,
+                                     std::span<const std::int32_t> nodes);
+
+/// Adds 1 N of pressure force over the hat of a node to a column of loads.
+void add_unit_load(const ContactNode& node, const Supports& supports, SolveRows& B,
+                   Eigen::Index column);
+
+/// average_displacement() of a node, for all right-hand sides.
+void average_rows(const ContactNode& node, const Supports& supports, const SolveRows& X,
+                  Eigen::Ref<Eigen::RowVectorXd> average);
+
+/// Calls take(k, u) with the average inward displacements u (n_rows) [m] at the rows
+/// for 1 N at columns[k]: each column once, from several threads, in no order. Of what
+/// a SurfaceCompliance keeps no more than is near, this is all.
+/// @param rows, columns contact nodes; held parts of the surface do not move.
+/// @param progress called now and then from one thread with the columns done; may be
+/// null.
+void for_each_column(
+    const CholeskyFactor& factor, const Supports& supports,
+    const ContactSurface& surface, std::span<const std::int32_t> rows,
+    std::span<const std::int32_t> columns,
+    const std::function<void(std::size_t, const Eigen::VectorXd&)>& take,
+    const std::function<void(std::size_t)>& progress);
+
+}  // namespace palpate
