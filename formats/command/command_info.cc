@@ -93,6 +93,7 @@ Json compliance_json(const ComplianceTable& table) {
   }
   return {{"text", describe(table)},
           {"distance_m", table.distance_m},
+          {"modes", table.modes()},
           {"error_relative", table.error_relative},
           {"convex", table.convex}};
 }

@@ -173,6 +173,28 @@ void read_compliance_head(Hdf5Reader& file, const DatabaseIndex& index,
       file.shape_of(group + "/value", content::kComplianceUnits, Hdf5Type::kFloat32,
                     {index.node_begin.empty() ? 0 : index.nodes(), knots}));
   tool.compliance.value.resize(0, knots);
+  if (file.has(group + "/mode")) {
+    tool.compliance.mode.resize(
+        0, file.shape_of(group + "/mode", content::kModeUnits, Hdf5Type::kFloat32,
+                         {index.node_begin.empty() ? 0 : index.nodes(), -1})
+               .back());
+  }
+}
+
+void read_compliance_rows(const Hdf5Reader& file, const std::string& group,
+                          std::int64_t begin, std::int64_t count,
+                          const ComplianceTable& head, ComplianceTable& part) {
+  part = head;
+  const auto rows = [&](const char* name, const char* units, RowsOf<float>& values) {
+    const std::int64_t columns = values.cols();
+    if (columns > 0) {
+      values.resize(count, columns);
+      file.rows(group + name, units, Hdf5Type::kFloat32, begin, count, columns,
+                values.data());
+    }
+  };
+  rows("/value", content::kComplianceUnits, part.value);
+  rows("/mode", content::kModeUnits, part.mode);
 }
 
 DatabaseIndex index_of(Hdf5Reader& file, const std::filesystem::path& name) {
@@ -309,12 +331,9 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
     });
   }
   if (!entry.compliance.empty()) {
-    const std::string path = content::compliance_group(group) + "/value";
-    const auto knots = static_cast<std::int64_t>(entry.compliance.knots());
-    part.compliance = entry.compliance;
-    part.compliance.value.resize(part.nodes(), knots);
-    file_->reader.rows(path, content::kComplianceUnits, Hdf5Type::kFloat32, node,
-                       part.nodes(), knots, part.compliance.value.data());
+    const std::string path = content::compliance_group(group);
+    read_compliance_rows(file_->reader, path, node, part.nodes(), entry.compliance,
+                         part.compliance);
     verify(file_->reader, entry.compliance_sha256, chunk,
            compliance_digest(part.compliance), path);
     by_the_rules(file_->reader, [&] {

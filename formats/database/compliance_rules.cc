@@ -21,6 +21,22 @@ template <typename... Values>
   throw FormatError(fmt::format(what, std::forward<Values>(values)...));
 }
 
+void check_rows(const std::string& path, const RowsOf<float>& values, std::int64_t rows,
+                std::int64_t columns, std::int64_t first) {
+  if (values.rows() != rows || (rows > 0 && values.cols() != columns)) {
+    fail("{} is {} x {}, must be {} x {}", path, values.rows(), values.cols(), rows,
+         columns);
+  }
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    for (Eigen::Index k = 0; k < values.cols(); ++k) {
+      if (!std::isfinite(values(i, k))) {
+        fail("{}: row {} has {}, must be finite", path, first + i,
+             static_cast<double>(values(i, k)));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void check_compliance_head(const std::string& tool, const ComplianceTable& table) {
@@ -53,21 +69,19 @@ void check_compliance_head(const std::string& tool, const ComplianceTable& table
 
 void check_compliance_rows(const std::string& tool, const ComplianceTable& table,
                            std::int64_t nodes, std::int64_t first) {
-  const std::string path = tool + "/compliance/value";
+  const std::string group = tool + "/compliance";
   const auto knots = static_cast<std::int64_t>(table.knots());
-  const std::int64_t rows = table.empty() ? 0 : nodes;
-  if (table.value.rows() != rows || (rows > 0 && table.value.cols() != knots)) {
-    fail("{} is {} x {}, must be {} x {}", path, table.value.rows(), table.value.cols(),
-         rows, knots);
+  check_rows(group + "/value", table.value, table.empty() ? 0 : nodes, knots, first);
+  const std::int64_t modes = table.mode.cols();
+  if (modes > static_cast<std::int64_t>(kMostModes) || table.added_modes < 0 ||
+      table.added_modes > modes) {
+    fail(
+        "{}/mode has {} columns of which {} add, must have at most {}, and no fewer "
+        "than add",
+        group, modes, table.added_modes, kMostModes);
   }
-  for (Eigen::Index i = 0; i < table.value.rows(); ++i) {
-    for (Eigen::Index k = 0; k < table.value.cols(); ++k) {
-      if (!std::isfinite(table.value(i, k))) {
-        fail("{}: row {} has {}, must be finite", path, first + i,
-             static_cast<double>(table.value(i, k)));
-      }
-    }
-  }
+  check_rows(group + "/mode", table.mode, table.empty() || modes == 0 ? 0 : nodes,
+             modes, first);
 }
 
 void check_contact_tables(const std::vector<ResponseTable>& tables) {

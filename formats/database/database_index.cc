@@ -128,12 +128,16 @@ void set_compliance(const ComplianceTable& table, const DatabaseIndex& index,
                     ToolIndex& tool) {
   tool.compliance = table;
   tool.compliance.value.resize(0, table.value.cols());
+  tool.compliance.mode.resize(0, table.mode.cols());
   tool.compliance_sha256.resize(table.empty() ? 0 : index.chunks(), kSha256Bytes);
   for (std::int64_t k = 0; k < tool.compliance_sha256.rows(); ++k) {
     const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
     const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
     ComplianceTable part;
     part.value = table.value.middleRows(begin, end - begin);
+    if (table.mode.size() > 0) {
+      part.mode = table.mode.middleRows(begin, end - begin);
+    }
     set_row(tool.compliance_sha256, k, compliance_digest(part));
   }
 }
@@ -258,6 +262,7 @@ std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk) {
 std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk) {
   Sha256 digest;
   add(digest, chunk.value);
+  add(digest, chunk.mode);
   return bytes_of(digest);
 }
 

@@ -22,6 +22,7 @@ namespace palpate::content {
 
 constexpr const char* kFormatName = "palpate-response-database";
 constexpr const char* kComplianceUnits = "m2 N-1";
+constexpr const char* kModeUnits = "m0.5 N-0.5";
 
 template <typename File, typename Number>
 void exchange_number(File& file, const std::string& group, const char* name,
@@ -255,6 +256,7 @@ void exchange_compliance_head(File& file, const std::string& group, Table& table
   std::int64_t convex = table.convex ? 1 : 0;
   file.attribute(group, "convex", convex);
   exchange_number(file, group, "error_relative", table.error_relative);
+  exchange_number(file, group, "added_modes", table.added_modes);
   file.dataset(group + "/distance_m", "m", table.distance_m);
   if constexpr (!File::kWrites) {
     table.convex = convex != 0;
@@ -272,6 +274,7 @@ void exchange_compliance(File& file, const std::string& tool, Table& table) {
   if (file.optional_group(group, !table.empty())) {
     exchange_compliance_head(file, group, table);
     file.dataset(group + "/value", kComplianceUnits, table.value);
+    exchange_if_any(file, group + "/mode", kModeUnits, table.mode);
   }
 }
 

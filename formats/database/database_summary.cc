@@ -59,6 +59,7 @@ ToolSummary summarise(const ResponseTable& table) {
   }
   summary.compliance = table.compliance;
   summary.compliance.value.resize(0, 0);
+  summary.compliance.mode.resize(0, table.compliance.mode.cols());
   summary.accuracy = table.accuracy;
   return summary;
 }

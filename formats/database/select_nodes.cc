@@ -204,6 +204,8 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   selected.compliance = table.compliance;
   selected.compliance.value =
       rows_of(table.compliance.value, table.compliance.empty() ? Nodes{} : nodes);
+  selected.compliance.mode = rows_of(
+      table.compliance.mode, table.compliance.mode.size() == 0 ? Nodes{} : nodes);
   return selected;
 }
 

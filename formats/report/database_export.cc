@@ -242,6 +242,8 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
   if (const ComplianceTable& compliance = table.compliance; !compliance.empty()) {
     report["compliance"] = {{"distance_m", compliance.distance_m},
                             {"value_m2_per_n", rows_json(compliance.value)},
+                            {"mode", rows_json(compliance.mode)},
+                            {"added_modes", compliance.added_modes},
                             {"error_relative", compliance.error_relative},
                             {"convex", compliance.convex}};
   }

@@ -3,7 +3,12 @@
 //
 // The row of a place holds v_k = c(r_k) r_k [m^2/N] at K knots r_k, evenly spaced in
 // ln r; c(r) [m/N] is the inward normal displacement at distance r for 1 N there. Two
-// contacts i and j at distance r couple by C_ij = (c_i(r) + c_j(r)) / 2.
+// contacts i and j at distance r couple by
+//
+//   C_ij = (c_i(r) + c_j(r)) / 2 + sum_m s_m b_im b_jm,
+//
+// b_m [m^1/2 N^-1/2] modes by which parts of the body move as a whole, whatever the
+// distance (a lobe that tilts); s_m = 1 for the first of them, -1 for the others.
 //
 // Between knots v is the cubic in ln r through them with slopes (v_{k+1} - v_{k-1}) / 2
 // a step (Catmull-Rom), at the first knot v_1 - v_0, at the last 0. So c has a
@@ -24,6 +29,7 @@ namespace palpate {
 
 inline constexpr std::size_t kFewestKnots = 4;
 inline constexpr std::size_t kMostKnots = 32;
+inline constexpr std::size_t kMostModes = 16;
 
 /// Distances of a row's numbers: first_m exp(k log_step), k < count.
 struct ComplianceKnots {
@@ -130,6 +136,19 @@ template <typename Row>
                                              const Row& row,
                                              double distance_m) noexcept {
   return compliance_weights(knots, distance_m).of(row);
+}
+
+/// What modes add to C of two places. @param one, other (any) [m^1/2 N^-1/2] with as
+/// many numbers. @param added how many of them add; the rest subtracts.
+template <typename Row>
+[[nodiscard]] double coupling_by_modes(const Row& one, const Row& other,
+                                       std::size_t count, std::size_t added) noexcept {
+  double sum = 0.0;
+  for (std::size_t m = 0; m < count; ++m) {
+    const double part = static_cast<double>(one[m]) * static_cast<double>(other[m]);
+    sum += m < added ? part : -part;
+  }
+  return sum;
 }
 
 }  // namespace palpate

@@ -29,11 +29,19 @@ ComplianceKnots knots_of(const ComplianceTable& table) {
           table.knots()};
 }
 
+namespace {
+
+bool same_modes(const ComplianceTable& a, const ComplianceTable& b) {
+  return a.modes() == b.modes() && a.mode == b.mode && a.added_modes == b.added_modes;
+}
+
+}  // namespace
+
 double relative_difference(const ComplianceTable& a, const ComplianceTable& b) {
   if (a.empty() && b.empty()) {
     return 0.0;
   }
-  if (a.empty() || b.empty() || a.value.rows() != b.value.rows()) {
+  if (a.empty() || b.empty() || a.value.rows() != b.value.rows() || !same_modes(a, b)) {
     return 1.0;
   }
   const ComplianceKnots knots = knots_of(b);
@@ -57,13 +65,13 @@ double relative_difference(const ComplianceTable& a, const ComplianceTable& b) {
 }
 
 std::string describe(const ComplianceTable& table) {
-  std::string text =
-      fmt::format("{} distances from {:.3g} to {:.3g} mm; ", table.knots(),
-                  1e3 * table.distance_m.front(), 1e3 * table.distance_m.back());
+  std::string text = fmt::format("{} distances from {:.3g} to {:.3g} mm, {} modes; ",
+                                 table.knots(), 1e3 * table.distance_m.front(),
+                                 1e3 * table.distance_m.back(), table.modes());
   text += table.error_relative > 0.0
               ? fmt::format(
-                    "forces of several contacts within {:.2g} % of the largest at "
-                    "95 % of sets",
+                    "95 % of forces of several contacts within {:.2g} % of the "
+                    "largest of their set",
                     100.0 * table.error_relative)
               : "error not known";
   return text + (table.convex ? "; one equilibrium" : "; equilibria not checked");
@@ -80,6 +88,31 @@ ComplianceRow contact_compliance(const ComplianceTable& table,
     }
   }
   return row;
+}
+
+ComplianceModes contact_modes(const ComplianceTable& table,
+                              std::span<const std::int32_t> nodes,
+                              std::span<const double> weights) noexcept {
+  ComplianceModes modes{};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (std::size_t m = 0; m < table.modes(); ++m) {
+      modes[m] += weights[i] * static_cast<double>(
+                                   table.mode(nodes[i], static_cast<Eigen::Index>(m)));
+    }
+  }
+  return modes;
+}
+
+double node_coupling_m_per_n(const ComplianceTable& table, const ComplianceKnots& knots,
+                             std::int64_t one, std::int64_t other,
+                             double distance_m) noexcept {
+  const ComplianceWeights weights = compliance_weights(knots, distance_m);
+  const double by_distance =
+      weights.of(compliance_row(table, one)).compliance_m_per_n +
+      weights.of(compliance_row(table, other)).compliance_m_per_n;
+  return 0.5 * by_distance +
+         coupling_by_modes(table.mode.row(one).data(), table.mode.row(other).data(),
+                           table.modes(), static_cast<std::size_t>(table.added_modes));
 }
 
 ComplianceSample coupling(const ComplianceKnots& knots, const ComplianceRow& one,

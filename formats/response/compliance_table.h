@@ -16,14 +16,19 @@ namespace palpate {
 struct ComplianceTable {
   std::vector<double> distance_m = {};  ///< (K) [m] > 0, evenly spaced in ln; [4, 32]
   RowsOf<float> value = {};             ///< (n x K) [m^2/N] c(r) r; 0: it does not move
-  /// [-] Largest error of a contact's force, over the largest force of its set, at 95 %
-  /// of sets that were solved jointly; 0: not known.
+  RowsOf<float> mode = {};       ///< (n x M) [m^1/2 N^-1/2] M at most 16; or empty
+  std::int64_t added_modes = 0;  ///< the first of M, [0, M]; the others subtract
+  /// [-] Error of a contact's force, over the largest force of its set, that 95 % of
+  /// those that were solved jointly stay below; 0: not known.
   double error_relative = 0.0;
   /// Every set of contacts that was tried at the table's distances has one equilibrium.
   bool convex = false;
 
   [[nodiscard]] bool empty() const noexcept { return distance_m.empty(); }
   [[nodiscard]] std::size_t knots() const noexcept { return distance_m.size(); }
+  [[nodiscard]] std::size_t modes() const noexcept {
+    return static_cast<std::size_t>(mode.cols());
+  }
 };
 
 /// K distances from first to last, evenly spaced in ln [m].
@@ -35,7 +40,7 @@ struct ComplianceTable {
 [[nodiscard]] ComplianceKnots knots_of(const ComplianceTable& table);
 
 /// Largest difference of two tables at the first's distances, over the first's largest
-/// number [-]; 1 where one of them is empty or has other nodes.
+/// number [-]; 1 where one of them is empty or has other nodes or modes.or modes.
 [[nodiscard]] double relative_difference(const ComplianceTable& a,
                                          const ComplianceTable& b);
 
@@ -57,10 +62,25 @@ using ComplianceRow = std::array<double, kMostKnots>;
     const ComplianceTable& table, std::span<const std::int32_t> nodes,
     std::span<const double> weights) noexcept;
 
-/// C of two contacts at places with these rows, and dC/d(distance).
+/// Modes of a place; beyond its M numbers 0.
+using ComplianceModes = std::array<double, kMostModes>;
+
+/// Of a place in a triangle, as contact_compliance().
+[[nodiscard]] ComplianceModes contact_modes(const ComplianceTable& table,
+                                            std::span<const std::int32_t> nodes,
+                                            std::span<const double> weights) noexcept;
+
+/// Of C of two contacts at places with these rows what depends on distance, and
+/// dC/d(distance).
 [[nodiscard]] ComplianceSample coupling(const ComplianceKnots& knots,
                                         const ComplianceRow& one,
                                         const ComplianceRow& other,
                                         double distance_m) noexcept;
+
+/// C of contacts at two nodes [m/N].
+[[nodiscard]] double node_coupling_m_per_n(const ComplianceTable& table,
+                                           const ComplianceKnots& knots,
+                                           std::int64_t one, std::int64_t other,
+                                           double distance_m) noexcept;
 
 }  // namespace palpate

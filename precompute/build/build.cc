@@ -13,6 +13,7 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/quantile.h"
 #include "formats/base/sha256.h"
 #include "formats/database/precision_choice.h"
 #include "formats/database/rounded_database.h"
@@ -21,6 +22,7 @@
 #include "precompute/build/checkpoint.h"
 #include "precompute/material/material_spectrum.h"
 #include "precompute/press/contact_coupling.h"
+#include "precompute/press/joint_presses.h"
 #include "precompute/press/node_yielding.h"
 #include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
@@ -220,6 +222,27 @@ void add_relaxation(const Scene& scene, const BodySource& body,
   }
 }
 
+// What the table makes of the forces of two to four contacts, against joint presses:
+// the 95th percentile [-]; 0 where none were made.
+double coupling_error(const Scene& scene, const BodySource& body,
+                      std::span<const std::int32_t> reachable, std::size_t tool,
+                      const ComplianceTable& coupling, Progress& progress) {
+  // Of the checks of single presses; each set has up to nine forces.
+  const auto sets = static_cast<std::size_t>(scene.accuracy.verify) / 4;
+  std::vector<double> found;
+  if (sets > 0) {
+    progress.stage("joint presses");
+    for (const CouplingErrors& errors :
+         coupling_errors(scene, body, body.tool[tool], reachable, coupling,
+                         {.sets = sets}, progress)) {
+      found.insert(found.end(), errors.by_table.begin(), errors.by_table.end());
+    }
+    progress.finish();
+  }
+  std::sort(found.begin(), found.end());
+  return quantile(found, 0.95);
+}
+
 // How contacts couple through the body: one table for all tools that want it.
 void add_coupling(const Scene& scene, const BodySource& body,
                   std::span<const std::int32_t> reachable, ResponseDatabase& database,
@@ -229,13 +252,16 @@ void add_coupling(const Scene& scene, const BodySource& body,
       make_coupling_table(scene, body, reachable, progress);
   progress.finish();
   for (std::size_t t = 0; t < database.tools.size(); ++t) {
-    if (scene.tool_couples[t]) {
-      ResponseTable& table = database.tools[t];
-      table.compliance = coupling;
-      table.compliance.convex = one_equilibrium(
-          coupling, table, body.surface.position_m,
-          kClosestInRadii * contact_radius_m(table.tool, scene.reach.depth_max_m));
+    if (!scene.tool_couples[t]) {
+      continue;
     }
+    ResponseTable& table = database.tools[t];
+    table.compliance = coupling;
+    table.compliance.error_relative =
+        coupling_error(scene, body, reachable, t, coupling, progress);
+    table.compliance.convex = one_equilibrium(
+        coupling, table, body.surface.position_m,
+        kClosestInRadii * contact_radius_m(table.tool, scene.reach.depth_max_m));
   }
 }
 

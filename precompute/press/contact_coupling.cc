@@ -9,6 +9,7 @@
 
 #include "formats/response/memory_sites.h"
 #include "precompute/contact/loaded_part.h"
+#include "precompute/press/coupling_modes.h"
 #include "precompute/press/scene_solver.h"
 #include "precompute/process/parallel.h"
 
@@ -17,6 +18,8 @@ namespace {
 
 // First distance in contact radii of a press to half of the largest depth.
 constexpr double kFirstInRadii = 1.5;
+// Columns of which the modes are found: the matrix is dense.
+constexpr Eigen::Index kMostForModes = 8000;
 constexpr double kNodesWithin = 2.5;  // contact nodes within the first distance
 
 bool tool_couples(const Scene& scene, std::size_t tool) {
@@ -171,12 +174,22 @@ ComplianceTable coupling_table(const BodyModel& model, const BodySource& body,
     columns.push_back(
         model.contact.of_mesh_node[static_cast<std::size_t>(corner_of(model, v))]);
   }
+  // Rows at which columns are averaged, then the columns' own places.
+  std::vector<std::int32_t> all = rows;
+  all.insert(all.end(), columns.begin(), columns.end());
+  const auto averaged = std::ssize(rows);
+  const auto n = std::ssize(columns);
+  const bool with_modes = n <= kMostForModes;
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(with_modes ? n : 0, with_modes ? n : 0);
   std::vector<BinnedColumn> bins(columns.size());
   for_each_column(
-      *model.factor, model.supports, model.contact, rows, columns,
+      *model.factor, model.supports, model.contact, all, columns,
       [&](std::size_t k, const Eigen::VectorXd& u_m) {
-        bins[k] = binned(model.contact, rows, u_m,
+        bins[k] = binned(model.contact, rows, u_m.head(averaged),
                          body.surface.position_m.row(wanted[k]).transpose(), knots);
+        if (with_modes) {
+          C.col(static_cast<Eigen::Index>(k)) = u_m.tail(n);
+        }
       },
       [&](std::size_t done) {
         progress.advance(done, columns.size(), "columns");
@@ -194,6 +207,9 @@ ComplianceTable coupling_table(const BodyModel& model, const BodySource& body,
     if (model.supports.free_index[3 * node] >= 0) {
       table.value.row(wanted[i]) = found.row(static_cast<Eigen::Index>(i));
     }
+  }
+  if (with_modes) {
+    add_modes(C, wanted, body.surface.position_m, table);
   }
   return table;
 }
@@ -252,10 +268,8 @@ bool one_equilibrium(const ComplianceTable& coupling, const ResponseTable& respo
       A(a, a) = 1.0 / responses.stiffness_max_n_per_m[static_cast<std::size_t>(v)];
       for (Eigen::Index b = 0; b < a; ++b) {
         const std::int32_t w = set[static_cast<std::size_t>(b)];
-        const ComplianceWeights weights =
-            compliance_weights(knots, (position_m.row(v) - position_m.row(w)).norm());
-        A(a, b) = 0.5 * (weights.of(compliance_row(coupling, v)).compliance_m_per_n +
-                         weights.of(compliance_row(coupling, w)).compliance_m_per_n);
+        A(a, b) = node_coupling_m_per_n(coupling, knots, v, w,
+                                        (position_m.row(v) - position_m.row(w)).norm());
       }
     }
     if (Eigen::LLT<Eigen::MatrixXd>(A).info() != Eigen::Success) {

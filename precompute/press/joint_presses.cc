@@ -122,10 +122,8 @@ Eigen::MatrixXd by_table(const ComplianceTable& coupling, const Points& position
       const std::int32_t v = vertices[static_cast<std::size_t>(i)];
       const std::int32_t w = vertices[static_cast<std::size_t>(j)];
       if (i != j) {
-        const ComplianceWeights weights =
-            compliance_weights(knots, (position_m.row(v) - position_m.row(w)).norm());
-        C(i, j) = 0.5 * (weights.of(compliance_row(coupling, v)).compliance_m_per_n +
-                         weights.of(compliance_row(coupling, w)).compliance_m_per_n);
+        C(i, j) = node_coupling_m_per_n(coupling, knots, v, w,
+                                        (position_m.row(v) - position_m.row(w)).norm());
       }
     }
   }

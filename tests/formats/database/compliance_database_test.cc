@@ -26,6 +26,8 @@ ComplianceTable rising(std::int64_t nodes) {
       table.value(i, k) = 1e-6F * static_cast<float>(3 * i - k);
     }
   }
+  table.mode = RowsOf<float>::Random(nodes, 3);
+  table.added_modes = 2;
   table.error_relative = 0.03;
   table.convex = true;
   return table;
@@ -51,6 +53,8 @@ ResponseDatabase coupled_sphere() {
 void expect_equal(const ComplianceTable& a, const ComplianceTable& b) {
   EXPECT_EQ(a.distance_m, b.distance_m);
   EXPECT_EQ(a.value, b.value);
+  EXPECT_EQ(a.mode, b.mode);
+  EXPECT_EQ(a.added_modes, b.added_modes);
   EXPECT_EQ(a.error_relative, b.error_relative);
   EXPECT_EQ(a.convex, b.convex);
 }
@@ -80,6 +84,8 @@ TEST(DatabaseCompliance, ChunksHaveTheRowsOfTheWhole) {
     const std::int64_t begin = reader.index().node_begin[static_cast<std::size_t>(k)];
     EXPECT_EQ(part.value, all.value.middleRows(begin, part.value.rows()));
     EXPECT_EQ(part.distance_m, all.distance_m);
+    EXPECT_EQ(part.mode, all.mode.middleRows(begin, part.value.rows()));
+    EXPECT_EQ(part.added_modes, 2);
   }
 }
 
@@ -106,6 +112,8 @@ TEST(DatabaseCompliance, ASliceKeepsTheRowsOfItsNodes) {
         .minCoeff(&same);
     EXPECT_EQ(part.tools[0].compliance.value.row(i),
               whole.tools[0].compliance.value.row(same));
+    EXPECT_EQ(part.tools[0].compliance.mode.row(i),
+              whole.tools[0].compliance.mode.row(same));
   }
 }
 
@@ -126,8 +134,8 @@ TEST(DatabaseCompliance, SummariesDescribeIt) {
   write_database(folder / "a.h5", coupled_sphere());
   const ChunkReader reader(folder / "a.h5");
   const std::string line =
-      "7 distances from 2 to 100 mm; forces of several contacts within 3 % of the "
-      "largest at 95 % of sets; one equilibrium";
+      "7 distances from 2 to 100 mm, 3 modes; 95 % of forces of several contacts "
+      "within 3 % of the largest of their set; one equilibrium";
   EXPECT_EQ(describe(summarise(reader.index().tools[0]).compliance), line);
   EXPECT_EQ(describe(summarise(coupled_sphere().tools[0]).compliance), line);
 }
@@ -178,6 +186,16 @@ TEST(DatabaseCompliance, SaysWhatIsWrong) {
          db.tools[0].compliance.value(4, 2) = nan;
        },
        "compliance/value: row 4 has nan, must be finite"},
+      {"modes that add",
+       [](ResponseDatabase& db) {
+         db.tools[0].compliance.added_modes = 4;
+       },
+       "compliance/mode has 3 columns of which 4 add"},
+      {"rows of modes",
+       [](ResponseDatabase& db) {
+         db.tools[0].compliance.mode.conservativeResize(5, 3);
+       },
+       "compliance/mode is 5 x 3, must be"},
       {"error",
        [](ResponseDatabase& db) {
          db.tools[0].compliance.error_relative = -1.0;
