@@ -151,13 +151,6 @@ bool is_finite(const ElementNode& node) {
          is_finite(node.stiffness_n_per_m, n) && is_finite(node.energy_j, n);
 }
 
-bool is_finite(const Element& element) {
-  return std::all_of(element.node.begin(), element.node.end(),
-                     [](const ElementNode& node) {
-                       return is_finite(node);
-                     });
-}
-
 // NaN in dt or position is a fault before it can reach the account.
 void check_input(FastState& state, const FastSample& sample, Real dt_s) {
   if (!sample.position_m.allFinite()) {
@@ -169,6 +162,13 @@ void check_input(FastState& state, const FastSample& sample, Real dt_s) {
 }
 
 }  // namespace
+
+bool is_finite(const Element& element) noexcept {
+  return std::all_of(element.node.begin(), element.node.end(),
+                     [](const ElementNode& node) {
+                       return is_finite(node);
+                     });
+}
 
 const char* check(const FastConfig& config) noexcept {
   if (!(config.tool_radius_m >= 0.0) || !std::isfinite(config.tool_radius_m)) {

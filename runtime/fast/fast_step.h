@@ -95,6 +95,9 @@ struct FastState {
   bool in_contact = false;
 };
 
+/// Whether every number of an element that is read is finite.
+[[nodiscard]] bool is_finite(const Element& element) noexcept;
+
 /// Takes in one element of the slow process. For the scalar models an element marked
 /// active is the slow update: its response at the next sample is the slow simulation's
 /// value, and the model goes on from there until the next one. One with a number that

@@ -35,18 +35,31 @@ struct SafetyLimits {
   Real ramp_s = 0.0;  ///< [s] [0, inf) from the start until force_max_n is allowed
 };
 
-struct SafetyState {
-  Vector3 force_n = Vector3::Zero();      ///< [N] last that left
-  Vector3 delivered_n = Vector3::Zero();  ///< [N] what the device made of it
-  Vector3 model_n = Vector3::Zero();      ///< [N] last that was asked for
-  double owed_j = 0.0;             ///< [J] >= 0 given to the user beyond the model
-  double dissipated_seen_j = 0.0;  ///< [J] the ledger's, at the last call
-  Real age_s = 0.0;                ///< [s] since the start, as the steps counted it
+/// @tparam kSize components: a force's three, or the wrenches of two ports.
+template <int kSize>
+struct BasicSafetyState {
+  using Vector = Eigen::Matrix<Real, kSize, 1>;
+  Vector force_n = Vector::Zero();      ///< [N] last that left
+  Vector delivered_n = Vector::Zero();  ///< [N] what the device made of it
+  Vector model_n = Vector::Zero();      ///< [N] last that was asked for
+  double owed_j = 0.0;                  ///< [J] >= 0 given to the user beyond the model
+  double dissipated_seen_j = 0.0;       ///< [J] the ledger's, at the last call
+  Real age_s = 0.0;  ///< [s] since the start, as the steps counted it
   Fault fault = Fault::kNone;
 };
+using SafetyState = BasicSafetyState<3>;
+
+/// Force and torque of two ports, the torques divided by a lever [N]; movements
+/// likewise, turns times the lever [m]. The limits hold for the six of each port.
+using WrenchSafety = BasicSafetyState<12>;
 
 /// Latches a fault, unless one is latched already.
-void raise_fault(SafetyState& state, Fault fault) noexcept;
+template <int kSize>
+void raise_fault(BasicSafetyState<kSize>& state, Fault fault) noexcept {
+  if (state.fault == Fault::kNone) {
+    state.fault = fault;
+  }
+}
 
 /// In order: finite check, force clamp (whole vector, direction kept), slew clamp,
 /// energy check. From the start the clamp rises in proportion to time, to force_max_n
@@ -68,5 +81,10 @@ void raise_fault(SafetyState& state, Fault fault) noexcept;
 Vector3 make_safe(SafetyState& state, const SafetyLimits& limits,
                   const PassivityLedger& ledger, const Vector3& wanted_n,
                   const Vector3& moved_m, Real dt_s) noexcept;
+
+WrenchSafety::Vector make_safe(WrenchSafety& state, const SafetyLimits& limits,
+                               const PassivityLedger& ledger,
+                               const WrenchSafety::Vector& wanted_n,
+                               const WrenchSafety::Vector& moved_m, Real dt_s) noexcept;
 
 }  // namespace palpate

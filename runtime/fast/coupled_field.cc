@@ -1,0 +1,305 @@
+#include "runtime/fast/coupled_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+using Index = Eigen::Index;
+
+// Depth of a contact that has no element: of nothing.
+constexpr Real kNowhereM = -1.0;
+
+Real weight_of(const FieldPlace& place, std::size_t a) {
+  return std::max(Real(0.0), place.frame.weight(static_cast<Index>(a)));
+}
+
+const Element& element_at(const ContactSurface& surface, int slot) {
+  return surface.cache.element[static_cast<std::size_t>(slot)];
+}
+
+// The place on the surface at rest.
+Vector3 foot_m(const FieldPlace& place) {
+  return place.prism.corner_m * place.frame.weight;
+}
+
+struct NodeReading {
+  ElementSample sample;
+  Real past_m = 0.0;
+};
+
+// Node a at depth y of the contact.
+NodeReading read_node(CoupledPlace& at, const Element& element, std::size_t a, Real y) {
+  NodeReading reading{{}, y - at.touch_m[a]};
+  if (at.lean[a] > 0.0 && reading.past_m > 0.0) {
+    reading.sample =
+        evaluate(at.pieces, element.node[a], a, at.lean[a] * reading.past_m);
+  }
+  return reading;
+}
+
+struct Curves {
+  CoupledField* field;
+  ContactSurfaces surfaces;
+};
+
+// The stored curves of all contacts at their delta.
+void evaluate_curves(void* of, CoupledContacts& c) {
+  const auto& [field, surfaces] = *static_cast<Curves*>(of);
+  for (Index i = 0; i < c.count; ++i) {
+    Real force = 0.0;
+    Real stiffness = 0.0;
+    Real energy = 0.0;
+    CoupledPlace& at = field->at[static_cast<std::size_t>(i)];
+    const Real y = c.delta_m(i);
+    if (at.slot >= 0) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        if (!(at.lean[a] > 0.0 && y > at.touch_m[a])) {
+          continue;
+        }
+        const Element& element = element_at(surfaces[i], at.slot);
+        const ElementSample sample = read_node(at, element, a, y).sample;
+        const Real c_a = at.lean[a];
+        const Real weight = weight_of(at.place, a);
+        force += weight * c_a * sample.force_n;
+        stiffness += weight * c_a * c_a * sample.stiffness_n_per_m;
+        energy += weight * sample.energy_j;
+      }
+    }
+    c.force_n(i) = force;
+    c.stiffness_n_per_m(i) = stiffness;
+    c.own_energy_j(i) = energy;
+  }
+}
+
+// The distance between contacts of two ports, among the knots of the first, and the
+// unit vector from the second to the first.
+struct Apart {
+  KnotPlace at;
+  Vector3 toward = Vector3::Zero();
+};
+
+Apart apart(const CoupledField& field, const ContactSet& set, std::size_t i,
+            std::size_t j) {
+  const Vector3 between = foot_m(field.at[i].place) - foot_m(field.at[j].place);
+  const Real r = between.norm();
+  const auto table = static_cast<std::size_t>(set.sphere[i].table);
+  return {place_among(set.knots[table], r),
+          r > 0.0 ? Vector3(between / r) : Vector3::Zero()};
+}
+
+bool of_one_port(const ContactSet& set, std::size_t i, std::size_t j) {
+  return set.sphere[i].port == set.sphere[j].port;
+}
+
+// c_a of contact i's nodes at the contacts of other ports, which move.
+void reach_other_ports(CoupledField& field, const ContactSet& set,
+                       ContactSurfaces surfaces, std::size_t i) {
+  CoupledPlace& at = field.at[i];
+  const auto& row = surfaces[i].row[static_cast<std::size_t>(at.slot)];
+  for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
+    if (of_one_port(set, i, j)) {
+      continue;
+    }
+    const bool there = field.at[j].slot >= 0;
+    const Apart pair = there ? apart(field, set, i, j) : Apart{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      at.reach(static_cast<Index>(j), static_cast<Index>(a)) =
+          there ? compliance_at(row[a], pair.at) : Real(0.0);
+    }
+  }
+}
+
+// dc_i/dr at contact j of another port [1/N].
+Real reach_slope(const CoupledField& field, const ContactSet& set,
+                 ContactSurfaces surfaces, std::size_t i, std::size_t j) {
+  const CoupledPlace& at = field.at[i];
+  const auto& row = surfaces[i].row[static_cast<std::size_t>(at.slot)];
+  const Apart pair = apart(field, set, i, j);
+  Real slope = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    slope += weight_of(at.place, a) * compliance_slope_at(row[a], pair.at);
+  }
+  return slope;
+}
+
+// dU/dn_1 and dU/dn_2 by the change of distance to contacts of other ports.
+Vector2 distance_slope_j(const CoupledField& field, const ContactSet& set,
+                         ContactSurfaces surfaces, std::size_t i) {
+  const CoupledContacts& c = field.equilibrium;
+  Vector3 pull = Vector3::Zero();  // sum_j f_j dC_ij/dr, towards i
+  for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
+    const Real f = c.force_n(static_cast<Index>(j));
+    if (of_one_port(set, i, j) || f == 0.0) {
+      continue;
+    }
+    const Real by_r = 0.5 * (reach_slope(field, set, surfaces, i, j) +
+                             reach_slope(field, set, surfaces, j, i));
+    pull += (f * by_r) * apart(field, set, i, j).toward;
+  }
+  const FieldPlace& place = field.at[i].place;
+  return -(c.scale * c.force_n(static_cast<Index>(i))) *
+         ((place.prism.corner_m * place.frame.turn).transpose() * pull);
+}
+
+}  // namespace
+
+bool store(ContactSurface& surface, const ContactElement& message) noexcept {
+  const ElementMemory& memory = message.element.memory;
+  if (memory.terms != 0 || memory.yields) {
+    return false;
+  }
+  float sum = 0.0F;
+  for (const ComplianceRow& row : message.row) {
+    for (const float value : row.value) {
+      sum += 0.0F * value;
+    }
+  }
+  if (!(sum == 0.0F) || !store(surface.cache, message.element)) {
+    return false;
+  }
+  const int slot = find(surface.cache, message.element.triangle);
+  surface.row[static_cast<std::size_t>(slot)] = message.row;
+  return true;
+}
+
+void enter(CoupledField& field, const ContactSet& set, ContactSurfaces surfaces,
+           int i) noexcept {
+  const auto self = static_cast<std::size_t>(i);
+  CoupledPlace& at = field.at[self];
+  const int slot = at.place.slot;
+  const ContactSurface& surface = surfaces[i];
+  const std::uint64_t stored_at =
+      slot < 0 ? 0 : surface.cache.stored_at[static_cast<std::size_t>(slot)];
+  if (slot == at.slot && stored_at == at.stored_at) {
+    return;
+  }
+  at.slot = slot;
+  at.stored_at = stored_at;
+  if (slot < 0) {
+    return;
+  }
+  turn_to(at.pieces, surface.cache, slot);
+  const Element& element = element_at(surface, slot);
+  const auto& row = surface.row[static_cast<std::size_t>(slot)];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const ElementNode& node = element.node[a];
+    const Eigen::Map<const Vector3> n(node.normal.data());
+    const Eigen::Map<const Vector3> u(node.direction.data());
+    at.lean[a] = node.samples > 0 ? std::abs(n.dot(u)) : Real(0.0);
+    at.touch_m[a] = node.touch_offset_m;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
+      const bool couples = j != self && of_one_port(set, self, j);
+      at.reach(static_cast<Index>(j), static_cast<Index>(a)) =
+          couples ? compliance_at(row[a], set.apart[self][j]) : Real(0.0);
+    }
+  }
+}
+
+void set_places(CoupledField& field, const ContactSet& set,
+                ContactSurfaces surfaces) noexcept {
+  CoupledContacts& c = field.equilibrium;
+  const Index n = set.count;
+  c.count = set.count;
+  for (Index i = 0; i < n; ++i) {
+    const auto self = static_cast<std::size_t>(i);
+    CoupledPlace& at = field.at[self];
+    auto column = c.compliance_m_per_n.col(i).head(n);
+    if (at.slot < 0) {
+      c.depth_m(i) = kNowhereM;
+      column.setZero();
+      continue;
+    }
+    c.depth_m(i) = set.sphere[self].radius_m - at.place.at.height_m - field.shift_m;
+    if (set.ports > 1) {
+      reach_other_ports(field, set, surfaces, self);
+    }
+    column = (0.5 * weight_of(at.place, 0)) * at.reach.col(0).head(n) +
+             (0.5 * weight_of(at.place, 1)) * at.reach.col(1).head(n) +
+             (0.5 * weight_of(at.place, 2)) * at.reach.col(2).head(n);
+  }
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i < j; ++i) {
+      const Real both = c.compliance_m_per_n(i, j) + c.compliance_m_per_n(j, i);
+      c.compliance_m_per_n(i, j) = both;
+      c.compliance_m_per_n(j, i) = both;
+    }
+  }
+}
+
+bool settle_contacts(CoupledField& field, const ContactSet& set,
+                     ContactSurfaces surfaces) noexcept {
+  for (Index i = 0; i < set.count; ++i) {
+    const auto self = static_cast<std::size_t>(i);
+    if (field.at[self].slot >= 0) {
+      field.equilibrium.depth_m(i) =
+          set.sphere[self].radius_m - field.at[self].place.at.height_m - field.shift_m;
+    }
+  }
+  Curves curves{&field, surfaces};
+  return solve(field.equilibrium, {&curves, &evaluate_curves});
+}
+
+ContactReading read_contact(CoupledField& field, const ContactSet& set,
+                            ContactSurfaces surfaces, int i) noexcept {
+  ContactReading reading;
+  const auto self = static_cast<std::size_t>(i);
+  CoupledPlace& at = field.at[self];
+  if (at.slot < 0) {
+    return reading;
+  }
+  const CoupledContacts& c = field.equilibrium;
+  const Real y = c.delta_m(i);
+  const Real d = c.depth_m(i) + field.shift_m;
+  const Real f = c.force_n(i);
+  const Element& element = element_at(surfaces[i], at.slot);
+  Vector2 slope = Vector2::Zero();  // dU by n_1 and n_2 [J]
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto row = static_cast<Index>(a);
+    const Real weight = weight_of(at.place, a);
+    if (!(at.lean[a] > 0.0)) {
+      continue;
+    }
+    const NodeReading node = read_node(at, element, a, y);
+    reading.touching = reading.touching || (d > at.touch_m[a] && weight > 0.0);
+    reading.loaded = reading.loaded || (node.past_m > 0.0 && weight > 0.0);
+    reading.extrapolated =
+        reading.extrapolated || (node.sample.extrapolated && weight > 0.0);
+    slope += at.place.frame.turn.row(row).transpose() * node.sample.energy_j;
+  }
+  if (!reading.loaded) {
+    return reading;
+  }
+  if (at.place.folded) {
+    reading.force_n = f * at.place.frame.normal;
+    return reading;
+  }
+  // Of the rows: 1/2 of each of C_ij's two, so all of it with f_i f_j / 2 twice.
+  const Vector3 sunk =
+      at.reach.topRows(set.count).transpose() * c.force_n.head(set.count).matrix();
+  slope -= at.place.frame.turn.transpose() * ((0.5 * c.scale * f) * sunk);
+  if (set.ports > 1) {
+    slope += distance_slope_j(field, set, surfaces, self);
+  }
+  reading.force_n = -gradient(at.place.frame, slope(0), slope(1), -f);
+  return reading;
+}
+
+Real unloading_shift_m(const CoupledField& field, const ContactSet& set) noexcept {
+  Real most = 0.0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
+    const CoupledPlace& at = field.at[i];
+    for (std::size_t a = 0; a < 3 && at.slot >= 0; ++a) {
+      if (at.lean[a] > 0.0) {
+        most = std::max(most,
+                        set.sphere[i].radius_m - at.place.at.height_m - at.touch_m[a]);
+      }
+    }
+  }
+  return most;
+}
+
+}  // namespace palpate

@@ -1,0 +1,403 @@
+#include "runtime/fast/coupled_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <Eigen/Geometry>
+
+#include "runtime/fast/relaxed_shift.h"
+
+namespace palpate {
+namespace {
+
+// As in potential_model.cc: more than this many times the force times the movement is a
+// leap to another sheet of the field.
+constexpr Real kLeap = 4.0;
+constexpr Real kLeapJ = rounding(1e-15, 1e-8);
+
+// What the functions of a tick share.
+struct Tick {
+  CoupledModel& model;
+  CoupledField& scratch;
+  const ContactSet& set;
+  ContactSurfaces surfaces;
+
+  [[nodiscard]] int count() const { return set.count; }
+  [[nodiscard]] CoupledContact& contact(int i) const {
+    return model.contact[static_cast<std::size_t>(i)];
+  }
+  [[nodiscard]] CoupledPlace& at(int i) const {
+    return model.field.at[static_cast<std::size_t>(i)];
+  }
+};
+
+// How one contact's rendering goes on beyond x_k: in its tangent plane, or exactly in
+// the plane of its element.
+struct Continuation {
+  FieldPlace place;
+  bool sound = false;                 // none is needed
+  Vector3 along_n = Vector3::Zero();  // its force along the surface
+  Vector3 moved_m = Vector3::Zero();
+};
+
+struct Friction {
+  Real coefficient = 0.0;
+  Real presliding_m = 0.0;
+};
+
+Friction friction_of(const FieldPlace& place, const ElementCache& cache) {
+  Friction friction;
+  const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real weight =
+        std::max(Real(0.0), place.frame.weight(static_cast<Eigen::Index>(a)));
+    friction.coefficient += weight * element.node[a].friction;
+    friction.presliding_m += weight * element.node[a].presliding_m;
+  }
+  return friction;
+}
+
+void release(CoupledContact& contact) {
+  contact.friction_n_per_m = 0.0;
+  contact.presliding_m.setZero();
+}
+
+Real springs_j(const Tick& t) {
+  Real sum = 0.0;
+  for (int i = 0; i < t.count(); ++i) {
+    const CoupledContact& contact = t.contact(i);
+    sum += 0.5 * contact.friction_n_per_m * contact.presliding_m.squaredNorm();
+  }
+  return sum;
+}
+
+void read_contacts(const Tick& t) {
+  t.model.touching = false;
+  t.model.loaded = false;
+  for (int i = 0; i < t.count(); ++i) {
+    ContactReading& reading = t.contact(i).reading;
+    reading = read_contact(t.model.field, t.set, t.surfaces, i);
+    t.model.touching = t.model.touching || reading.touching;
+    t.model.loaded = t.model.loaded || reading.loaded;
+  }
+}
+
+// The field at the present places. False: it is another one, C is scaled.
+bool respond(const Tick& t) {
+  set_places(t.model.field, t.set, t.surfaces);
+  const bool same = settle_contacts(t.model.field, t.set, t.surfaces);
+  read_contacts(t);
+  return same;
+}
+
+// The field at another delta_0.
+ShiftedEnergy at_shift(const Tick& t, Real shift_m) {
+  t.model.field.shift_m = shift_m;
+  (void)settle_contacts(t.model.field, t.set, t.surfaces);
+  const CoupledContacts& c = t.model.field.equilibrium;
+  return {shift_m, c.energy_j, c.force_n.head(t.count()).sum()};
+}
+
+// Of what was rendered at x_k; the place is still that of x_k.
+FieldPlace in_tangent_plane(const FieldPlace& from, const Vector3& moved) {
+  FieldPlace along = from;
+  along.folded = true;
+  along.at.height_m += from.frame.normal.dot(moved);
+  return along;
+}
+
+// Moves contact i to x. @returns how its rendering goes on where that is not sound.
+Continuation move_contact(const Tick& t, int i, const Vector3& x) {
+  FieldPlace& place = t.at(i).place;
+  CoupledContact& contact = t.contact(i);
+  Continuation on;
+  on.moved_m = x - contact.centre_m;
+  if (place.slot < 0) {
+    on.sound = true;
+    contact.centre_m = x;
+    return on;
+  }
+  const Vector3& n = place.frame.normal;
+  if (contact.friction_n_per_m > 0.0) {
+    contact.presliding_m += on.moved_m - on.moved_m.dot(n) * n;
+  }
+  const bool sound = !place.folded && !place.outside && !place.prism.flat;
+  const FieldPlace before = place;
+  follow(place, t.surfaces[i].cache, x);
+  contact.centre_m = x;
+  on.sound = sound && !place.folded;
+  if (on.sound) {
+    return on;
+  }
+  if (before.outside) {
+    on.place = before;
+    if (follow_within(on.place, x)) {
+      return on;
+    }
+  }
+  const Vector3& f = contact.reading.force_n;
+  on.along_n = f - f.dot(before.frame.normal) * before.frame.normal;
+  on.place = in_tangent_plane(before, on.moved_m);
+  return on;
+}
+
+// Energy with every contact that is not sound continued.
+Real continued_j(const Tick& t, const std::array<Continuation, kContactsMax>& on,
+                 Real scale) {
+  CoupledField& field = t.scratch;
+  field.shift_m = t.model.field.shift_m;
+  field.equilibrium.scale = scale;
+  field.equilibrium.dimple_m = t.model.field.equilibrium.dimple_m;
+  field.equilibrium.factor.sound = false;
+  Real along_j = 0.0;
+  for (int i = 0; i < t.count(); ++i) {
+    const auto self = static_cast<std::size_t>(i);
+    CoupledPlace& at = field.at[self];
+    at.place = on[self].sound ? t.at(i).place : on[self].place;
+    at.slot = -1;  // another element may be in the slot by now
+    at.stored_at = 0;
+    enter(field, t.set, t.surfaces, i);
+    along_j += on[self].along_n.dot(on[self].moved_m);
+  }
+  set_places(field, t.set, t.surfaces);
+  return settle_contacts(field, t.set, t.surfaces)
+             ? std::max(Real(0.0), field.equilibrium.energy_j - along_j)
+             : Real(-1.0);
+}
+
+Real linear_j(Real energy_before, Real given_j) {
+  return std::max(Real(0.0), energy_before - given_j);
+}
+
+// Moves all contacts. @returns the energy of what was rendered until now, there; the
+// model's field is that of the new places, which may hold another energy.
+Real move(const Tick& t, const PortPoses& pose) {
+  CoupledModel& model = t.model;
+  const Real energy_before = model.field.equilibrium.energy_j;
+  const Real scale = model.field.equilibrium.scale;
+  std::array<Continuation, kContactsMax> on;
+  std::array<Vector3, kContactsMax> force;
+  bool sound = true;
+  Real given_j = 0.0;  // by the forces of x_k on the way
+  for (int i = 0; i < t.count(); ++i) {
+    const auto self = static_cast<std::size_t>(i);
+    force[self] = t.contact(i).reading.force_n;
+    on[self] = move_contact(t, i, centre_of(t.set, pose, i));
+    enter(model.field, t.set, t.surfaces, i);
+    sound = sound && on[self].sound;
+    given_j += force[self].dot(on[self].moved_m);
+  }
+  if (!respond(t)) {
+    return linear_j(energy_before, given_j);
+  }
+  const Real energy =
+      sound ? model.field.equilibrium.energy_j : continued_j(t, on, scale);
+  Real most = kLeapJ;
+  for (int i = 0; i < t.count(); ++i) {
+    const auto self = static_cast<std::size_t>(i);
+    const Vector3& now = t.contact(i).reading.force_n;
+    const Real force2 = std::max(force[self].squaredNorm(), now.squaredNorm());
+    most += kLeap * std::sqrt(force2 * on[self].moved_m.squaredNorm());
+  }
+  return energy >= 0.0 && std::abs(energy - energy_before) <= most
+             ? energy
+             : linear_j(energy_before, given_j);
+}
+
+std::int32_t triangle_in(const ElementCache& cache, int slot) {
+  return cache.triangle[static_cast<std::size_t>(slot)];
+}
+
+// Another element for contact i where the rules of potential_model.cc allow it.
+// @returns whether its place changed.
+bool change_element(const Tick& t, int i) {
+  CoupledContact& contact = t.contact(i);
+  FieldPlace& place = t.at(i).place;
+  const ElementCache& cache = t.surfaces[i].cache;
+  const bool news = cache.received != contact.received_seen;
+  contact.received_seen = cache.received;
+  if (!news && !place.outside) {
+    return false;
+  }
+  const int active = cache.newest_active;
+  const int here = place.slot;
+  const bool another = active >= 0 && (here < 0 || triangle_in(cache, active) !=
+                                                       triangle_in(cache, here));
+  const bool lost =
+      place.outside && active >= 0 &&
+      cache.stored_at[static_cast<std::size_t>(active)] > contact.received_inside;
+  if (another && (here < 0 || !contact.reading.touching || lost)) {
+    release(contact);
+    adopt(place, cache, active, contact.centre_m);
+    contact.received_inside = cache.received;
+    return true;
+  }
+  if (here < 0) {
+    return false;
+  }
+  const int newer = find(cache, triangle_in(cache, here));
+  const bool copied = newer >= 0 && newer != here;
+  if (copied) {
+    move_to_copy(place, cache, newer);
+  }
+  return copied;
+}
+
+bool change_elements(const Tick& t) {
+  bool changed = false;
+  for (int i = 0; i < t.count(); ++i) {
+    changed = change_element(t, i) || changed;
+    enter(t.model.field, t.set, t.surfaces, i);
+    ElementCache& cache = t.surfaces[i].cache;
+    cache.pinned = t.at(i).place.slot;
+    if (!t.at(i).place.outside) {
+      t.contact(i).received_inside = cache.received;
+    }
+  }
+  return changed;
+}
+
+// The spring of contact i for its force, turned into its tangent plane (23).
+void set_spring(const Tick& t, int i) {
+  CoupledContact& contact = t.contact(i);
+  const FieldPlace& place = t.at(i).place;
+  if (place.slot < 0 || !contact.reading.loaded) {
+    release(contact);
+    return;
+  }
+  const Friction friction = friction_of(place, t.surfaces[i].cache);
+  if (!(friction.coefficient > 0.0 && friction.presliding_m > 0.0)) {
+    release(contact);
+    return;
+  }
+  const Real normal_n = std::max(Real(0.0), t.model.field.equilibrium.force_n(i));
+  const Real before = contact.friction_n_per_m;
+  const Real now = friction.coefficient * normal_n / friction.presliding_m;
+  contact.friction_n_per_m = now;
+  Vector3& stretch = contact.presliding_m;
+  const Real length2 = stretch.squaredNorm();
+  if (!(length2 > 0.0)) {
+    return;
+  }
+  stretch -= stretch.dot(place.frame.normal) * place.frame.normal;
+  const Real in_plane2 = stretch.squaredNorm();
+  const Real kept2 = now > before ? length2 * before / now : length2;
+  const Real limit2 = friction.presliding_m * friction.presliding_m;
+  if (in_plane2 > 0.0) {
+    stretch *= std::sqrt(std::min(kept2, limit2) / in_plane2);
+  }
+}
+
+// Brings the model down to the allowance: springs first, then delta_0.
+void pay(const Tick& t, Real allowed_j) {
+  CoupledField& field = t.model.field;
+  const Real springs = springs_j(t);
+  const Real energy = field.equilibrium.energy_j;
+  if (energy + springs <= allowed_j) {
+    return;
+  }
+  const Real kept_j = kPaid * std::max(Real(0.0), allowed_j - energy);
+  const Real part = springs > 0.0 ? std::sqrt(kept_j / springs) : Real(0.0);
+  for (int i = 0; i < t.count(); ++i) {
+    t.contact(i).presliding_m *= part;
+  }
+  if (energy > allowed_j) {
+    const Real force_n = field.equilibrium.force_n.head(t.count()).sum();
+    const Real shift =
+        raised_shift_m({field.shift_m, energy, force_n},
+                       unloading_shift_m(field, t.set), allowed_j, [&](Real shift_m) {
+                         return at_shift(t, shift_m);
+                       });
+    if (!(at_shift(t, shift).energy_j <= allowed_j)) {  // C was scaled on the way
+      (void)at_shift(t, unloading_shift_m(field, t.set));
+    }
+    read_contacts(t);
+  }
+}
+
+// delta_0 sinks back, as in potential_model.cc.
+void recover(const Tick& t, Real unspent_j, Real step_m) {
+  CoupledField& field = t.model.field;
+  if (!t.model.loaded) {
+    field.shift_m = std::min(field.shift_m, unloading_shift_m(field, t.set));
+    return;
+  }
+  const CoupledContacts& c = field.equilibrium;
+  const ShiftedEnergy now{field.shift_m, c.energy_j, c.force_n.head(t.count()).sum()};
+  const Real shift = recovered_shift_m(now, step_m, unspent_j, [&](Real shift_m) {
+    return at_shift(t, shift_m);
+  });
+  (void)at_shift(t, shift);
+  read_contacts(t);
+}
+
+// Springs and delta_0 for the present places, and what changed since the work was
+// booked: paid, and booked.
+void settle(const Tick& t, PassivityLedger& ledger, Real recovery_m) {
+  CoupledField& field = t.model.field;
+  for (int i = 0; i < t.count(); ++i) {
+    set_spring(t, i);
+  }
+  note_shortfall(ledger, field.equilibrium.energy_j + springs_j(t));
+  const Real allowed = not_above(allowance_j(ledger));
+  pay(t, allowed);
+  if (field.shift_m > 0.0) {
+    recover(t, allowed - field.equilibrium.energy_j - springs_j(t), recovery_m);
+  }
+  Real keep = t.model.touching ? field.equilibrium.energy_j : Real(0.0);
+  if (field.shift_m > 0.0 && t.model.touching) {
+    const Real shift = field.shift_m;
+    keep = at_shift(t, 0.0).energy_j;
+    (void)at_shift(t, shift);
+    read_contacts(t);
+  }
+  book_change(ledger, field.equilibrium.energy_j + springs_j(t), keep);
+  if (!t.model.touching && !t.model.loaded) {
+    field.equilibrium.scale = 1.0;
+  }
+}
+
+}  // namespace
+
+PortWrenches wrenches(const CoupledModel& model, const ContactSet& set,
+                      const PortPoses& pose) noexcept {
+  PortWrenches sum;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
+    const CoupledContact& contact = model.contact[i];
+    const auto port = static_cast<std::size_t>(set.sphere[i].port);
+    const Vector3 f =
+        contact.reading.force_n - contact.friction_n_per_m * contact.presliding_m;
+    sum[port].force_n += f;
+    sum[port].torque_n_m += (contact.centre_m - pose[port].position_m).cross(f);
+  }
+  return sum;
+}
+
+PortWrenches advance(CoupledModel& model, CoupledField& scratch, const ContactSet& set,
+                     ContactSurfaces surfaces, PassivityLedger& ledger,
+                     const PortPoses& pose, Real recovery_m) noexcept {
+  const Tick t{model, scratch, set, surfaces};
+  const Real moved_j = move(t, pose);
+  book_work(ledger, moved_j + springs_j(t));
+  if (change_elements(t)) {
+    (void)respond(t);
+  }
+  settle(t, ledger, recovery_m);
+  return wrenches(model, set, pose);
+}
+
+Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
+                    CoupledField& scratch, const ContactSet& set,
+                    ContactSurfaces surfaces, const PortPoses& pose) noexcept {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
+    moved.field.at[i] = model.field.at[i];
+    moved.contact[i] = model.contact[i];
+  }
+  moved.field.equilibrium = model.field.equilibrium;
+  moved.field.shift_m = model.field.shift_m;
+  const Tick t{moved, scratch, set, surfaces};
+  return move(t, pose) + springs_j(t);
+}
+
+}  // namespace palpate

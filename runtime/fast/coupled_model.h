@@ -1,0 +1,74 @@
+// Several contacts as a local model: followed along the surface, each with its
+// friction, kept passive by one ledger.
+//
+// The rules are those of one contact (potential_model.h), of the sum: while all places
+// are sound, U is one function of the ports' poses and the work of a tick is its
+// change. Where a place is not (a late neighbour, a fold), its contact is continued in
+// the tangent plane of the last tick, and U is that of the others with it; where C had
+// to be scaled (coupled_contacts.h), the last tick's energy less the work of its
+// forces. What the field then is instead is a change that the ledger balances, by one
+// delta_0 of all contacts. Friction springs are one per contact, with the force f_i
+// that the others leave it.
+//
+// C that was scaled is whole again once nothing is touched.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "runtime/fast/contact_set.h"
+#include "runtime/fast/coupled_field.h"
+#include "runtime/fast/passivity_ledger.h"
+#include "runtime/fast/real.h"
+
+namespace palpate {
+
+/// One contact in the latest tick.
+struct CoupledContact {
+  Vector3 centre_m = Vector3::Zero();      ///< [m] x_i
+  Real friction_n_per_m = 0.0;             ///< [N/m] k_t >= 0
+  Vector3 presliding_m = Vector3::Zero();  ///< [m] delta_t
+  ContactReading reading;
+  std::uint64_t received_seen = 0;    ///< cache.received at the last tick
+  std::uint64_t received_inside = 0;  ///< cache.received when last inside
+};
+
+/// About 400 kB.
+struct CoupledModel {
+  CoupledField field;
+  std::array<CoupledContact, kContactsMax> contact;
+  bool touching = false;  ///< some contact
+  bool loaded = false;
+};
+
+/// Force and torque about a port's reference point, in the body's frame.
+struct Wrench {
+  Vector3 force_n = Vector3::Zero();
+  Vector3 torque_n_m = Vector3::Zero();
+};
+
+using PortPoses = std::array<PortPose, kPortsMax>;
+using PortWrenches = std::array<Wrench, kPortsMax>;
+
+/// One tick: books the work of the movement to `pose`, then changes the model there.
+/// @param scratch of the caller's, overwritten where places are not sound.
+/// @param recovery_m [m] >= 0, most that delta_0 sinks back in the tick.
+/// @return on the ports, friction included.
+PortWrenches advance(CoupledModel& model, CoupledField& scratch, const ContactSet& set,
+                     ContactSurfaces surfaces, PassivityLedger& ledger,
+                     const PortPoses& pose, Real recovery_m) noexcept;
+
+/// Energy of the model with the ports moved there [J], before anything changes.
+/// @param moved overwritten.
+[[nodiscard]] Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
+                                  CoupledField& scratch, const ContactSet& set,
+                                  ContactSurfaces surfaces,
+                                  const PortPoses& pose) noexcept;
+
+/// Sum of F_i and of (x_i - position) x F_i by port.
+[[nodiscard]] PortWrenches wrenches(const CoupledModel& model, const ContactSet& set,
+                                    const PortPoses& pose) noexcept;
+
+}  // namespace palpate

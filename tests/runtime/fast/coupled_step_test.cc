@@ -1,0 +1,377 @@
+#include "runtime/fast/coupled_step.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "runtime/bench/contact_walk.h"
+#include "runtime/slow/coupled_storage.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kTickS = 0.0005;
+constexpr double kRadiusM = 0.003;
+
+FastConfig free_of_clamps() {
+  FastConfig config;
+  config.model = LocalModel::kPotential;
+  config.force_max_n = 1e9;
+  config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
+  return config;
+}
+
+BenchBodyOptions rough(double friction = 0.0) {
+  return {.wave_m = 0.002,
+          .contrast = 9.0,
+          .tilt_rad = 0.1,
+          .friction_min = friction,
+          .friction_max = friction,
+          .touch_offset_m = 1e-4};
+}
+
+void send_all(CoupledState& state, const ContactBody& body, const PortPoses& pose) {
+  for (int i = 0; i < state.set.count; ++i) {
+    send(state, body, pose, i);
+  }
+}
+
+// Work of a model on its way, kept by the test.
+struct CoupledAccount {
+  std::unique_ptr<CoupledModel> moved = std::make_unique<CoupledModel>();
+  double net_j = 0.0;
+  double lowest_j = 0.0;
+
+  CoupledCommand step(CoupledState& state, const PortPoses& pose) {
+    net_j += potential_j(state, *moved, pose) - state.ledger.stored_j;
+    lowest_j = std::min(lowest_j, net_j);
+    return palpate::step(state, {pose, 0}, kTickS);
+  }
+};
+
+// Comes down on the pose from free space.
+CoupledCommand press(CoupledState& state, const ContactBody& body, PortPoses pose) {
+  send_all(state, body, pose);
+  const double height = pose[0].position_m.z();
+  CoupledCommand command;
+  for (int tick = 200; tick >= 0; --tick) {
+    pose[0].position_m.z() = height + 2e-5 * tick;
+    command = step(state, {pose, 0}, kTickS);
+  }
+  return command;
+}
+
+PortPose moved_by(const PortPose& pose, int axis, double h) {
+  PortPose to = pose;
+  if (axis < 3) {
+    to.position_m(axis) += h;
+  } else {
+    to.rotation =
+        Eigen::AngleAxisd(h, Eigen::Vector3d::Unit(axis - 3)).toRotationMatrix() *
+        pose.rotation;
+  }
+  return to;
+}
+
+// The wrench against the potential's differences along six axes of every port.
+void expect_gradient(CoupledState& state, const PortPoses& pose,
+                     const CoupledCommand& command, double lever_m) {
+  const auto moved = std::make_unique<CoupledModel>();
+  for (int port = 0; port < state.set.ports; ++port) {
+    const auto p = static_cast<std::size_t>(port);
+    const Wrench& wrench = command.wrench[p];
+    for (int axis = 0; axis < 6; ++axis) {
+      const double h = 1e-7 / (axis < 3 ? 1.0 : lever_m);
+      PortPoses above = pose;
+      PortPoses below = pose;
+      above[p] = moved_by(pose[p], axis, h);
+      below[p] = moved_by(pose[p], axis, -h);
+      const double slope =
+          (potential_j(state, *moved, above) - potential_j(state, *moved, below)) /
+          (2.0 * h);
+      const double given =
+          axis < 3 ? wrench.force_n(axis) : wrench.torque_n_m(axis - 3);
+      const double scale = wrench.force_n.norm() * (axis < 3 ? 1.0 : lever_m);
+      // Of second order in h, and energies of 1e-3 J to 1e-16: 1e-6 of the force.
+      EXPECT_NEAR(given, -slope, 1e-6 * scale + 1e-9) << port << " axis " << axis;
+    }
+  }
+}
+
+TEST(CoupledStep, WrenchIsTheGradientOfThePotential) {
+  const ContactBody body = make_contact_body(rough(), kRadiusM);
+  for (const int contacts : {2, 4, 16}) {
+    const ContactSet set = make_plate(body, contacts, 0.006, kRadiusM);
+    CoupledStorage storage(set, free_of_clamps());
+    CoupledState& state = storage.state();
+    PoseWalk walk(body, 1, {.seed = 3});
+    int tried = 0;
+    for (int tick = 0; tick < 20000; ++tick) {
+      const PortPoses& pose = walk.next();
+      if (tick % 20 == 0) {
+        send_all(state, body, pose);
+      }
+      const CoupledCommand command = step(state, {pose, 0}, kTickS);
+      if (tick % 197 == 5 && command.contacts > 1) {
+        expect_gradient(state, pose, command, lever_m(set, 0));
+        ++tried;
+      }
+    }
+    EXPECT_GT(tried, 5) << contacts;
+    EXPECT_EQ(state.safety.fault, Fault::kNone);
+  }
+}
+
+TEST(CoupledStep, TwoHandsFeelOnePotential) {
+  const ContactBody body = make_contact_body(rough(), kRadiusM);
+  CoupledStorage storage(make_pinch(body, kRadiusM), free_of_clamps());
+  CoupledState& state = storage.state();
+  PoseWalk walk(body, 2, {.reach_m = 0.004, .apart_m = 0.009, .seed = 2});
+  int tried = 0;
+  for (int tick = 0; tick < 30000; ++tick) {
+    const PortPoses& pose = walk.next();
+    if (tick % 20 == 0) {
+      send_all(state, body, pose);
+    }
+    const CoupledCommand command = step(state, {pose, 0}, kTickS);
+    // Just touched, the force bends too much for differences over 2e-7 m.
+    const double least =
+        std::min(command.wrench[0].force_n.norm(), command.wrench[1].force_n.norm());
+    if (tick % 197 == 5 && least > 1e-3) {
+      expect_gradient(state, pose, command, kRadiusM);
+      ++tried;
+    }
+  }
+  EXPECT_GT(tried, 3);
+}
+
+// 10^5 ticks; PALPATE_LONG_WALK=10000000 for the capability's.
+TEST(CoupledStep, PoseWalksNeverGetEnergy) {
+  const char* longer = std::getenv("PALPATE_LONG_WALK");
+  const std::int64_t ticks = longer != nullptr ? std::atoll(longer) : 100000;
+  for (const double friction : {0.0, 0.6}) {
+    const ContactBody body = make_contact_body(rough(friction), kRadiusM);
+    CoupledStorage storage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
+    CoupledState& state = storage.state();
+    PoseWalk walk(body, 1, {.seed = 7});
+    CoupledAccount account;
+    std::int64_t together = 0;
+    for (std::int64_t tick = 0; tick < ticks; ++tick) {
+      const PortPoses& pose = walk.next();
+      if (tick % 20 == 0) {
+        send_all(state, body, pose);
+      }
+      together += account.step(state, pose).contacts > 1 ? 1 : 0;
+    }
+    EXPECT_EQ(state.safety.fault, Fault::kNone);
+    EXPECT_GE(account.lowest_j, -1e-12);
+    EXPECT_NEAR(imbalance_j(state.ledger), 0.0,
+                1e-12 * std::sqrt(static_cast<double>(ticks) / 1e5));
+    EXPECT_GT(together, ticks / 10);
+    if (friction == 0.0) {
+      EXPECT_EQ(state.ledger.interventions, 0U);
+      EXPECT_EQ(state.model.field.equilibrium.scale, 1.0);
+    } else {
+      EXPECT_GT(account.net_j, 1e-5);
+    }
+  }
+}
+
+// Elements that come late, half of them not at all.
+TEST(CoupledStep, LateElementsGiveNoEnergy) {
+  BenchBodyOptions options = rough(0.5);
+  options.contrast = 100.0;
+  const ContactBody body = make_contact_body(options, kRadiusM);
+  CoupledStorage storage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
+  CoupledState& state = storage.state();
+  PoseWalk walk(body, 1, {.seed = 5});
+  CoupledAccount account;
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform;
+  int starved = 0;
+  for (int tick = 0; tick < 100000; ++tick) {
+    const PortPoses& pose = walk.next();
+    for (int i = 0; i < 4 && tick % 100 == 0; ++i) {
+      if (uniform(random) < 0.3) {
+        send(state, body, pose, i);
+      }
+    }
+    starved += account.step(state, pose).starved ? 1 : 0;
+  }
+  EXPECT_EQ(state.safety.fault, Fault::kNone);
+  EXPECT_GE(account.lowest_j, -1e-12);
+  EXPECT_NEAR(imbalance_j(state.ledger), 0.0, 1e-12);
+  EXPECT_GT(starved, 100);
+}
+
+TEST(CoupledStep, OneContactIsTodaysStepBitForBit) {
+  const ContactBody body = make_contact_body(rough(0.5), kRadiusM);
+  ContactSet set = make_plate(body, 1, 0.006, kRadiusM);
+  set.sphere[0].centre_m = {0.001, 0.002, -0.004};
+  ASSERT_EQ(finish(set), nullptr);
+  CoupledStorage storage(set, free_of_clamps());
+  CoupledState& state = storage.state();
+  const auto single = std::make_unique<FastState>();
+  single->config = free_of_clamps();
+  single->config.tool_radius_m = kRadiusM;
+  PoseWalk walk(body, 1, {.seed = 6});
+  int contacts = 0;
+  for (int tick = 0; tick < 20000; ++tick) {
+    const PortPoses& pose = walk.next();
+    const Eigen::Vector3d x = centre_of(set, pose, 0);
+    if (tick % 20 == 0) {
+      send(state, body, pose, 0);
+      for (const Element& element : body.body.around(x)) {
+        accept(*single, element);
+      }
+    }
+    const CoupledCommand command = step(state, {pose, 0}, kTickS);
+    const FastCommand wanted = step(*single, {x, 0}, kTickS);
+    ASSERT_EQ(command.wrench[0].force_n, wanted.force_n) << tick;
+    ASSERT_EQ(command.stored_j, wanted.stored_j);
+    ASSERT_EQ(command.wrench[0].torque_n_m,
+              (x - pose[0].position_m).cross(wanted.force_n));
+    contacts += command.in_contact ? 1 : 0;
+  }
+  EXPECT_GT(contacts, 2000);
+}
+
+// Contacts without compliance between them are single ones, added up.
+TEST(CoupledStep, WithoutComplianceForcesAdd) {
+  ContactBody body = make_contact_body(rough(), kRadiusM);
+  for (ComplianceRow& row : body.row) {
+    row.value.fill(0.0F);
+  }
+  const ContactSet set = make_plate(body, 4, 0.006, kRadiusM);
+  CoupledStorage storage(set, free_of_clamps());
+  std::array<std::unique_ptr<FastState>, 4> single;
+  for (auto& one : single) {
+    one = std::make_unique<FastState>();
+    one->config = free_of_clamps();
+    one->config.tool_radius_m = kRadiusM;
+  }
+  PoseWalk walk(body, 1, {.seed = 6});
+  double largest = 0.0;
+  for (int tick = 0; tick < 20000; ++tick) {
+    const PortPoses& pose = walk.next();
+    if (tick % 20 == 0) {
+      send_all(storage.state(), body, pose);
+    }
+    const CoupledCommand command = step(storage.state(), {pose, 0}, kTickS);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector3d x = centre_of(set, pose, i);
+      FastState& one = *single[static_cast<std::size_t>(i)];
+      for (const Element& element : body.body.around(x)) {
+        if (tick % 20 == 0) {
+          accept(one, element);
+        }
+      }
+      sum += step(one, {x, 0}, kTickS).force_n;
+    }
+    ASSERT_NEAR((command.wrench[0].force_n - sum).norm(), 0.0, 1e-10) << tick;
+    largest = std::max(largest, sum.norm());
+  }
+  EXPECT_GT(largest, 0.1);
+}
+
+TEST(CoupledStep, CouplingMakesThePlateSofter) {
+  const ContactBody body = make_contact_body({}, kRadiusM, 1e3);
+  const ContactSet set = make_plate(body, 4, 0.006, kRadiusM);
+  CoupledStorage storage(set, free_of_clamps());
+  PortPoses pose;
+  pose[0].position_m = {0.03, 0.03, kRadiusM - 0.001};
+  const CoupledCommand command = press(storage.state(), body, pose);
+  const double alone = body.body.element[0].node[0].curve().at(0.001).force_n;
+  // Hertz coupled by point loads at s = 6 mm and its diagonal, a^2 = R d.
+  const double a = std::sqrt(kRadiusM * 0.001);
+  const double sum = (2.0 + 1.0 / std::sqrt(2.0)) / 0.006;
+  double delta = 0.001;
+  for (int i = 0; i < 200; ++i) {
+    delta =
+        0.5 * delta + 0.5 * (0.001 - 4.0 / (3.0 * std::numbers::pi) * sum *
+                                         std::sqrt(kRadiusM) * std::pow(delta, 1.5));
+  }
+  EXPECT_NEAR(command.wrench[0].force_n.z() / (4.0 * alone),
+              std::pow(delta / 0.001, 1.5), 1e-3);  // samples of a stored curve
+  EXPECT_LT(delta, 0.001 - 0.1 * a * 0.001 / 0.006);
+  EXPECT_NEAR(command.wrench[0].torque_n_m.norm(), 0.0, 1e-12);
+  EXPECT_EQ(command.contacts, 4);
+}
+
+TEST(CoupledStep, OddNumbersAreFaults) {
+  const ContactBody body = make_contact_body(rough(), kRadiusM);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto fresh = [&] {
+    return CoupledStorage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
+  };
+  PortPoses pose;
+  pose[0].position_m = {0.03, 0.03, 0.002};
+  {
+    CoupledStorage storage = fresh();
+    PortPoses odd = pose;
+    odd[0].position_m.x() = nan;
+    const CoupledCommand command = step(storage.state(), {odd, 0}, kTickS);
+    EXPECT_EQ(command.fault, static_cast<int>(Fault::kNotFinite));
+    EXPECT_EQ(command.wrench[0].force_n.norm(), 0.0);
+  }
+  {
+    CoupledStorage storage = fresh();
+    PortPoses odd = pose;
+    odd[0].rotation *= 1.1;
+    EXPECT_EQ(step(storage.state(), {odd, 0}, kTickS).fault,
+              static_cast<int>(Fault::kNotFinite));
+  }
+  {
+    CoupledStorage storage = fresh();
+    EXPECT_EQ(step(storage.state(), {pose, 0}, 1.5).fault,
+              static_cast<int>(Fault::kTimeStep));
+  }
+  {
+    CoupledStorage storage = fresh();
+    ContactElement message;
+    message.element = body.body.element[0];
+    message.element.node[1].force_n[3] = nan;
+    accept(storage.state(), message);
+    EXPECT_EQ(step(storage.state(), {pose, 0}, kTickS).fault,
+              static_cast<int>(Fault::kNotFinite));
+  }
+}
+
+TEST(CoupledStep, ElementsThatRememberAreNotTaken) {
+  BenchBodyOptions options = rough();
+  options.relaxing = {0.3};
+  options.relaxation_s = {0.5};
+  const ContactBody body = make_contact_body(options, kRadiusM);
+  CoupledStorage storage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
+  PortPoses pose;
+  pose[0].position_m = {0.03, 0.03, 0.002};
+  send_all(storage.state(), body, pose);
+  EXPECT_FALSE(press(storage.state(), body, pose).in_contact);
+}
+
+// The limits hold for force and torque together.
+TEST(CoupledStep, WrenchesAreClampedWhole) {
+  const ContactBody body = make_contact_body(rough(), kRadiusM);
+  const ContactSet set = make_plate(body, 4, 0.006, kRadiusM);
+  FastConfig config = free_of_clamps();
+  config.force_max_n = 0.05;
+  CoupledStorage clamped(set, config);
+  CoupledStorage whole(set, free_of_clamps());
+  PortPoses pose;
+  pose[0].position_m = {0.03, 0.03, 0.001};
+  const Wrench a = press(clamped.state(), body, pose).wrench[0];
+  const Wrench b = press(whole.state(), body, pose).wrench[0];
+  const double lever = lever_m(set, 0);
+  EXPECT_GT(b.force_n.norm(), 0.1);
+  EXPECT_NEAR(std::hypot(a.force_n.norm(), a.torque_n_m.norm() / lever), 0.05, 1e-12);
+  EXPECT_NEAR(a.force_n.cross(b.force_n).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(a.torque_n_m.cross(b.torque_n_m).norm(), 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate
