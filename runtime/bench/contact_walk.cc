@@ -10,18 +10,15 @@ namespace {
 
 constexpr double kTickS = 0.0005;
 constexpr int kTicksPerAim = 700;
-constexpr int kKnots = 25;
+constexpr std::size_t kKnots = 25;
 
 }  // namespace
 
 ContactBody make_contact_body(const BenchBodyOptions& options, double radius_m,
                               double thickness_m) {
   ContactBody made{.body = make_bench_body(options), .knots = {}, .row = {}};
-  std::vector<double> distance(kKnots);
-  for (int k = 0; k < kKnots; ++k) {
-    distance[static_cast<std::size_t>(k)] = 0.003 * std::pow(40.0, k / (kKnots - 1.0));
-  }
-  (void)set_knots(made.knots, distance.data(), kKnots);
+  made.knots = {
+      .first_m = 0.003, .log_step = std::log(40.0) / (kKnots - 1), .count = kKnots};
   const double amplitude =
       options.force_n / std::pow(options.depth_m, options.exponent);
   // Hertz: a = 4/3 E* sqrt(R).
@@ -33,8 +30,10 @@ ContactBody make_contact_body(const BenchBodyOptions& options, double radius_m,
       const auto n = static_cast<std::size_t>(node.samples);
       const double stiffer = node.force_n[n - 1] / options.force_n;
       for (std::size_t k = 0; k < kKnots; ++k) {
+        const double r =
+            made.knots.first_m * std::exp(static_cast<double>(k) * made.knots.log_step);
         made.row[index].value[k] =
-            static_cast<float>((1.0 - distance[k] / thickness_m) /
+            static_cast<float>((1.0 - r / thickness_m) /
                                (std::numbers::pi * modulus_pa * std::sqrt(stiffer)));
       }
     }
@@ -42,9 +41,9 @@ ContactBody make_contact_body(const BenchBodyOptions& options, double radius_m,
   return made;
 }
 
-ContactSet make_plate(const ContactBody& body, int contacts, double apart_m,
+CoupledSet make_plate(const ContactBody& body, int contacts, double apart_m,
                       double radius_m) {
-  ContactSet set;
+  CoupledSet set;
   set.count = contacts;
   set.knots[0] = body.knots;
   const int side = static_cast<int>(std::ceil(std::sqrt(contacts)));
@@ -58,8 +57,8 @@ ContactSet make_plate(const ContactBody& body, int contacts, double apart_m,
   return set;
 }
 
-ContactSet make_pinch(const ContactBody& body, double radius_m) {
-  ContactSet set;
+CoupledSet make_pinch(const ContactBody& body, double radius_m) {
+  CoupledSet set;
   set.count = 2;
   set.ports = 2;
   set.knots[0] = body.knots;

@@ -17,7 +17,7 @@ namespace palpate {
 struct ContactBody {
   BenchBody body;
   ComplianceKnots knots;
-  std::vector<ComplianceRow> row;  ///< by node
+  std::vector<ContactRow> row;  ///< by node
 };
 
 /// Rows of a half-space whose contact of radius_m is the body's mean curve,
@@ -28,11 +28,11 @@ struct ContactBody {
 
 /// A square plate of contacts at heights 0, as many of `side` x `side` as are asked
 /// for; one hand. Finished.
-[[nodiscard]] ContactSet make_plate(const ContactBody& body, int contacts,
+[[nodiscard]] CoupledSet make_plate(const ContactBody& body, int contacts,
                                     double apart_m, double radius_m);
 
 /// Two hands with one sphere each. Finished.
-[[nodiscard]] ContactSet make_pinch(const ContactBody& body, double radius_m);
+[[nodiscard]] CoupledSet make_pinch(const ContactBody& body, double radius_m);
 
 /// What the slow process sends for contact i at its place.
 void send(CoupledState& state, const ContactBody& body, const PortPoses& pose, int i);

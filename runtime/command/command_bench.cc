@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/atomic_file.h"
+#include "runtime/bench/bench_contacts.h"
 #include "runtime/bench/bench_device.h"
 #include "runtime/bench/bench_fidelity.h"
 #include "runtime/bench/bench_potential.h"
@@ -83,6 +84,24 @@ void add_step(Command bench) {
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     const std::vector<StepBenchRow> rows = run_step_bench({}, allocations_so_far);
+    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+  });
+}
+
+void add_contacts(Command bench) {
+  struct Flags : ContactsBenchOptions {
+    bool json = false;
+  };
+  Command command =
+      bench.add_subcommand("contacts", "time of a tick with 1 to 64 coupled contacts");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("--ticks", flags->ticks, "of each walk, at 2 kHz")
+      .show_default()
+      .in_range(100, 100000000);
+  command.add_flag("--json", flags->json, "one JSON object on stdout");
+  command.callback([flags] {
+    const std::vector<ContactsBenchRow> rows =
+        run_contacts_bench(*flags, allocations_so_far);
     fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
   });
 }
@@ -285,6 +304,7 @@ void add_bench_command(Command app) {
   add_table1(command);
   add_fidelity(command);
   add_step(command);
+  add_contacts(command);
   add_potential(command);
   add_trade(command);
   add_walk(command);

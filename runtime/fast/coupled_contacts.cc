@@ -11,6 +11,8 @@ namespace {
 constexpr Real kResidualM = rounding(1e-12, 2e-8);
 // A step that leaves more than this of g asks for another factor.
 constexpr Real kSlow = 0.1;
+// So few contacts are factored anew at every step: that costs less than an evaluation.
+constexpr int kFactoredAtOnce = 12;
 // A Newton step is halved at most so often.
 constexpr int kHalvingsMax = 6;
 // C is halved at most so often before it is left out.
@@ -131,7 +133,7 @@ void apply_compliance(const CoupledContacts& c, const ContactValues& v,
 // Curves and dimples at delta. @returns the largest |g|.
 Real evaluate(CoupledContacts& c, const ContactCurves& curves, ContactValues& g) {
   ++c.evaluations;
-  curves.evaluate(curves.of, c);
+  curves.evaluate(curves.of, c, false);
   apply_compliance(c, c.force_n, c.dimple_m);
   const Index n = c.count;
   g.head(n) = c.delta_m.head(n) + c.dimple_m.head(n) - c.depth_m.head(n);
@@ -197,12 +199,34 @@ bool iterate(CoupledContacts& c, const ContactCurves& curves) {
       c.factor.sound = false;
     }
     fresh = false;
+    if (c.count <= kFactoredAtOnce) {
+      c.factor.sound = false;
+    }
   }
   return whole || is_convex(c);
 }
 
+// From the last solution to first order in the change of depths: there g is that
+// change's negative.
+void begin_at_last(CoupledContacts& c) {
+  const Index n = c.count;
+  if (c.solved == c.count && c.factor.sound) {
+    const ContactValues g = c.solved_depth_m - c.depth_m;
+    ContactValues change;
+    find_change(c, g, change);
+    c.delta_m.head(n) += change.head(n);
+  } else {
+    c.delta_m.head(n) = c.depth_m.head(n) - c.dimple_m.head(n);
+  }
+  if (!c.delta_m.head(n).allFinite()) {
+    c.delta_m.head(n) = c.depth_m.head(n);
+  }
+}
+
 void sum_energy(CoupledContacts& c) {
   const Index n = c.count;
+  c.solved = c.count;
+  c.solved_depth_m = c.depth_m;
   c.energy_j = (c.own_energy_j.head(n) +
                 c.force_n.head(n) *
                     (c.depth_m.head(n) - c.delta_m.head(n) - 0.5 * c.dimple_m.head(n)))
@@ -221,17 +245,14 @@ bool solve(CoupledContacts& contacts, const ContactCurves& curves) noexcept {
     return true;
   }
   const Real asked = c.scale;
-  c.delta_m.head(n) = c.depth_m.head(n) - c.dimple_m.head(n);
-  if (!c.delta_m.head(n).allFinite()) {
-    c.delta_m.head(n) = c.depth_m.head(n);
-  }
+  begin_at_last(c);
   bool found = iterate(c, curves);
   for (int i = 0; !found; ++i) {
     c.factor.sound = false;
     c.delta_m.head(n) = c.depth_m.head(n);
     if (i == kScalesMax || !c.depth_m.head(n).allFinite()) {
       c.scale = c.depth_m.head(n).allFinite() ? Real(0.0) : asked;
-      curves.evaluate(curves.of, c);
+      curves.evaluate(curves.of, c, false);
       c.dimple_m.head(n).setZero();
       found = true;
     } else {
@@ -241,6 +262,7 @@ bool solve(CoupledContacts& contacts, const ContactCurves& curves) noexcept {
       }
     }
   }
+  curves.evaluate(curves.of, c, true);
   sum_energy(c);
   return c.scale == asked;
 }

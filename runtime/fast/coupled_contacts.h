@@ -69,13 +69,15 @@ struct CoupledContacts {
   int evaluations = 0;  ///< of the curves, in the latest solve
   int factorings = 0;   ///< in the latest solve
   CoupledFactor factor;
+  int solved = 0;  ///< count of the last solution; 0: there is none to begin at
+  ContactValues solved_depth_m = ContactValues::Zero();
 };
 
-/// The stored curves: fills force_n, stiffness_n_per_m and own_energy_j of every
-/// contact for its delta_m. Does not throw.
+/// The stored curves: fills force_n and stiffness_n_per_m of every contact for its
+/// delta_m, or, asked for `energy`, own_energy_j. Does not throw.
 struct ContactCurves {
   void* of = nullptr;
-  void (*evaluate)(void* of, CoupledContacts& contacts) = nullptr;
+  void (*evaluate)(void* of, CoupledContacts& contacts, bool energy) = nullptr;
 };
 
 /// Finds the equilibrium for depth_m, compliance_m_per_n and scale, to 1e-12 m (float:

@@ -17,7 +17,7 @@ Real weight_of(const FieldPlace& place, std::size_t a) {
   return std::max(Real(0.0), place.frame.weight(static_cast<Index>(a)));
 }
 
-const Element& element_at(const ContactSurface& surface, int slot) {
+const Element& element_at(const CoupledSurface& surface, int slot) {
   return surface.cache.element[static_cast<std::size_t>(slot)];
 }
 
@@ -31,73 +31,102 @@ struct NodeReading {
   Real past_m = 0.0;
 };
 
+// The piece of node a's curve around y, which is past its touch.
+const CurvePiece& piece_of(CoupledPlace& at, const CoupledSurface& surface,
+                           std::size_t a, Real along_m) {
+  CurvePiece& piece = at.pieces.node[a];
+  if (!piece.holds(along_m)) {
+    piece = piece_around(element_at(surface, at.slot).node[a].curve(), along_m);
+  }
+  return piece;
+}
+
 // Node a at depth y of the contact.
-NodeReading read_node(CoupledPlace& at, const Element& element, std::size_t a, Real y) {
+NodeReading read_node(CoupledPlace& at, const CoupledSurface& surface, std::size_t a,
+                      Real y) {
   NodeReading reading{{}, y - at.touch_m[a]};
   if (at.lean[a] > 0.0 && reading.past_m > 0.0) {
-    reading.sample =
-        evaluate(at.pieces, element.node[a], a, at.lean[a] * reading.past_m);
+    const Real along = at.lean[a] * reading.past_m;
+    reading.sample = piece_of(at, surface, a, along).at(along);
   }
   return reading;
 }
 
+// The stored curve of a contact at delta: its energy, or force and stiffness.
+Real energy_at(CoupledPlace& at, const CoupledSurface& surface, Real y) {
+  Real energy = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (at.lean[a] > 0.0 && y > at.touch_m[a]) {
+      const Real along = at.lean[a] * (y - at.touch_m[a]);
+      energy +=
+          weight_of(at.place, a) * piece_of(at, surface, a, along).at(along).energy_j;
+    }
+  }
+  return energy;
+}
+
+void force_at(CoupledPlace& at, const CoupledSurface& surface, Real y, Real& force,
+              Real& stiffness) {
+  force = 0.0;
+  stiffness = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (at.lean[a] > 0.0 && y > at.touch_m[a]) {
+      const Real along = at.lean[a] * (y - at.touch_m[a]);
+      const CurvePiece& p = piece_of(at, surface, a, along);
+      const Real x = along - p.from_m;
+      const Real weight = weight_of(at.place, a) * at.lean[a];
+      force +=
+          weight * (p.force_n + x * (p.stiffness_n_per_m +
+                                     x * (p.bend_n_per_m2 + x * p.twist_n_per_m3)));
+      stiffness += weight * at.lean[a] *
+                   (p.stiffness_n_per_m +
+                    x * (2.0 * p.bend_n_per_m2 + x * (3.0 * p.twist_n_per_m3)));
+    }
+  }
+}
+
 struct Curves {
   CoupledField* field;
-  ContactSurfaces surfaces;
+  CoupledSurfaces surfaces;
 };
 
 // The stored curves of all contacts at their delta.
-void evaluate_curves(void* of, CoupledContacts& c) {
+void evaluate_curves(void* of, CoupledContacts& c, bool energy) {
   const auto& [field, surfaces] = *static_cast<Curves*>(of);
   for (Index i = 0; i < c.count; ++i) {
-    Real force = 0.0;
-    Real stiffness = 0.0;
-    Real energy = 0.0;
     CoupledPlace& at = field->at[static_cast<std::size_t>(i)];
-    const Real y = c.delta_m(i);
-    if (at.slot >= 0) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (!(at.lean[a] > 0.0 && y > at.touch_m[a])) {
-          continue;
-        }
-        const Element& element = element_at(surfaces[i], at.slot);
-        const ElementSample sample = read_node(at, element, a, y).sample;
-        const Real c_a = at.lean[a];
-        const Real weight = weight_of(at.place, a);
-        force += weight * c_a * sample.force_n;
-        stiffness += weight * c_a * c_a * sample.stiffness_n_per_m;
-        energy += weight * sample.energy_j;
-      }
+    const Real y = at.slot >= 0 ? c.delta_m(i) : -std::numeric_limits<Real>::max();
+    if (energy) {
+      c.own_energy_j(i) = energy_at(at, surfaces[i], y);
+    } else {
+      force_at(at, surfaces[i], y, c.force_n(i), c.stiffness_n_per_m(i));
     }
-    c.force_n(i) = force;
-    c.stiffness_n_per_m(i) = stiffness;
-    c.own_energy_j(i) = energy;
   }
 }
 
 // The distance between contacts of two ports, among the knots of the first, and the
 // unit vector from the second to the first.
 struct Apart {
-  KnotPlace at;
+  ComplianceWeights at;
   Vector3 toward = Vector3::Zero();
 };
 
-Apart apart(const CoupledField& field, const ContactSet& set, std::size_t i,
+Apart apart(const CoupledField& field, const CoupledSet& set, std::size_t i,
             std::size_t j) {
   const Vector3 between = foot_m(field.at[i].place) - foot_m(field.at[j].place);
   const Real r = between.norm();
   const auto table = static_cast<std::size_t>(set.sphere[i].table);
-  return {place_among(set.knots[table], r),
+  return {compliance_weights(set.knots[table], static_cast<double>(r)),
           r > 0.0 ? Vector3(between / r) : Vector3::Zero()};
 }
 
-bool of_one_port(const ContactSet& set, std::size_t i, std::size_t j) {
+bool of_one_port(const CoupledSet& set, std::size_t i, std::size_t j) {
   return set.sphere[i].port == set.sphere[j].port;
 }
 
 // c_a of contact i's nodes at the contacts of other ports, which move.
-void reach_other_ports(CoupledField& field, const ContactSet& set,
-                       ContactSurfaces surfaces, std::size_t i) {
+void reach_other_ports(CoupledField& field, const CoupledSet& set,
+                       CoupledSurfaces surfaces, std::size_t i) {
   CoupledPlace& at = field.at[i];
   const auto& row = surfaces[i].row[static_cast<std::size_t>(at.slot)];
   for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
@@ -108,27 +137,28 @@ void reach_other_ports(CoupledField& field, const ContactSet& set,
     const Apart pair = there ? apart(field, set, i, j) : Apart{};
     for (std::size_t a = 0; a < 3; ++a) {
       at.reach(static_cast<Index>(j), static_cast<Index>(a)) =
-          there ? compliance_at(row[a], pair.at) : Real(0.0);
+          there ? reach_m_per_n(row[a], pair.at) : Real(0.0);
     }
   }
 }
 
 // dc_i/dr at contact j of another port [1/N].
-Real reach_slope(const CoupledField& field, const ContactSet& set,
-                 ContactSurfaces surfaces, std::size_t i, std::size_t j) {
+Real reach_slope(const CoupledField& field, const CoupledSet& set,
+                 CoupledSurfaces surfaces, std::size_t i, std::size_t j) {
   const CoupledPlace& at = field.at[i];
   const auto& row = surfaces[i].row[static_cast<std::size_t>(at.slot)];
   const Apart pair = apart(field, set, i, j);
   Real slope = 0.0;
   for (std::size_t a = 0; a < 3; ++a) {
-    slope += weight_of(at.place, a) * compliance_slope_at(row[a], pair.at);
+    slope += weight_of(at.place, a) *
+             static_cast<Real>(pair.at.of(row[a].value).slope_per_n);
   }
   return slope;
 }
 
 // dU/dn_1 and dU/dn_2 by the change of distance to contacts of other ports.
-Vector2 distance_slope_j(const CoupledField& field, const ContactSet& set,
-                         ContactSurfaces surfaces, std::size_t i) {
+Vector2 distance_slope_j(const CoupledField& field, const CoupledSet& set,
+                         CoupledSurfaces surfaces, std::size_t i) {
   const CoupledContacts& c = field.equilibrium;
   Vector3 pull = Vector3::Zero();  // sum_j f_j dC_ij/dr, towards i
   for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
@@ -147,13 +177,13 @@ Vector2 distance_slope_j(const CoupledField& field, const ContactSet& set,
 
 }  // namespace
 
-bool store(ContactSurface& surface, const ContactElement& message) noexcept {
+bool store(CoupledSurface& surface, const ContactElement& message) noexcept {
   const ElementMemory& memory = message.element.memory;
   if (memory.terms != 0 || memory.yields) {
     return false;
   }
   float sum = 0.0F;
-  for (const ComplianceRow& row : message.row) {
+  for (const ContactRow& row : message.row) {
     for (const float value : row.value) {
       sum += 0.0F * value;
     }
@@ -166,12 +196,12 @@ bool store(ContactSurface& surface, const ContactElement& message) noexcept {
   return true;
 }
 
-void enter(CoupledField& field, const ContactSet& set, ContactSurfaces surfaces,
+void enter(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
            int i) noexcept {
   const auto self = static_cast<std::size_t>(i);
   CoupledPlace& at = field.at[self];
   const int slot = at.place.slot;
-  const ContactSurface& surface = surfaces[i];
+  const CoupledSurface& surface = surfaces[i];
   const std::uint64_t stored_at =
       slot < 0 ? 0 : surface.cache.stored_at[static_cast<std::size_t>(slot)];
   if (slot == at.slot && stored_at == at.stored_at) {
@@ -194,13 +224,13 @@ void enter(CoupledField& field, const ContactSet& set, ContactSurfaces surfaces,
     for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
       const bool couples = j != self && of_one_port(set, self, j);
       at.reach(static_cast<Index>(j), static_cast<Index>(a)) =
-          couples ? compliance_at(row[a], set.apart[self][j]) : Real(0.0);
+          couples ? reach_m_per_n(row[a], set.apart[self][j]) : Real(0.0);
     }
   }
 }
 
-void set_places(CoupledField& field, const ContactSet& set,
-                ContactSurfaces surfaces) noexcept {
+void set_places(CoupledField& field, const CoupledSet& set,
+                CoupledSurfaces surfaces) noexcept {
   CoupledContacts& c = field.equilibrium;
   const Index n = set.count;
   c.count = set.count;
@@ -230,8 +260,8 @@ void set_places(CoupledField& field, const ContactSet& set,
   }
 }
 
-bool settle_contacts(CoupledField& field, const ContactSet& set,
-                     ContactSurfaces surfaces) noexcept {
+bool settle_contacts(CoupledField& field, const CoupledSet& set,
+                     CoupledSurfaces surfaces) noexcept {
   for (Index i = 0; i < set.count; ++i) {
     const auto self = static_cast<std::size_t>(i);
     if (field.at[self].slot >= 0) {
@@ -243,8 +273,8 @@ bool settle_contacts(CoupledField& field, const ContactSet& set,
   return solve(field.equilibrium, {&curves, &evaluate_curves});
 }
 
-ContactReading read_contact(CoupledField& field, const ContactSet& set,
-                            ContactSurfaces surfaces, int i) noexcept {
+ContactReading read_contact(CoupledField& field, const CoupledSet& set,
+                            CoupledSurfaces surfaces, int i) noexcept {
   ContactReading reading;
   const auto self = static_cast<std::size_t>(i);
   CoupledPlace& at = field.at[self];
@@ -255,7 +285,6 @@ ContactReading read_contact(CoupledField& field, const ContactSet& set,
   const Real y = c.delta_m(i);
   const Real d = c.depth_m(i) + field.shift_m;
   const Real f = c.force_n(i);
-  const Element& element = element_at(surfaces[i], at.slot);
   Vector2 slope = Vector2::Zero();  // dU by n_1 and n_2 [J]
   for (std::size_t a = 0; a < 3; ++a) {
     const auto row = static_cast<Index>(a);
@@ -263,7 +292,7 @@ ContactReading read_contact(CoupledField& field, const ContactSet& set,
     if (!(at.lean[a] > 0.0)) {
       continue;
     }
-    const NodeReading node = read_node(at, element, a, y);
+    const NodeReading node = read_node(at, surfaces[i], a, y);
     reading.touching = reading.touching || (d > at.touch_m[a] && weight > 0.0);
     reading.loaded = reading.loaded || (node.past_m > 0.0 && weight > 0.0);
     reading.extrapolated =
@@ -288,7 +317,7 @@ ContactReading read_contact(CoupledField& field, const ContactSet& set,
   return reading;
 }
 
-Real unloading_shift_m(const CoupledField& field, const ContactSet& set) noexcept {
+Real unloading_shift_m(const CoupledField& field, const CoupledSet& set) noexcept {
   Real most = 0.0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
     const CoupledPlace& at = field.at[i];

@@ -17,8 +17,8 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/contact_set.h"
 #include "runtime/fast/coupled_contacts.h"
+#include "runtime/fast/coupled_set.h"
 #include "runtime/fast/cubic_cache.h"
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/prism_walk.h"
@@ -30,19 +30,19 @@ namespace palpate {
 struct ContactElement {
   std::int32_t contact = 0;  ///< [0, count)
   Element element;
-  std::array<ComplianceRow, 3> row{};
+  std::array<ContactRow, 3> row{};
 };
 
 /// What the slow process has sent for one contact. About 200 kB.
-struct ContactSurface {
+struct CoupledSurface {
   ElementCache cache;
-  std::array<std::array<ComplianceRow, 3>, kCacheSlots> row{};
+  std::array<std::array<ContactRow, 3>, kCacheSlots> row{};
 };
 
 /// Stores a copy, as store() of element_cache.h. @returns whether it was stored: not an
 /// element that remembers or yields (`memory.terms`, `memory.yields`), which several
 /// contacts cannot render, nor one with a row that is not finite.
-bool store(ContactSurface& surface, const ContactElement& message) noexcept;
+bool store(CoupledSurface& surface, const ContactElement& message) noexcept;
 
 /// One contact's place, and what of its element is read there.
 struct CoupledPlace {
@@ -59,7 +59,7 @@ struct CoupledPlace {
 using CoupledPlaces = std::array<CoupledPlace, kContactsMax>;
 
 /// The surfaces of a set's contacts, in their order.
-using ContactSurfaces = ContactSurface*;
+using CoupledSurfaces = CoupledSurface*;
 
 /// What the energy is a function of, besides what the slow process has sent.
 struct CoupledField {
@@ -69,16 +69,16 @@ struct CoupledField {
 };
 
 /// Reads what is fixed for the element that contact i is in, if that is another one.
-void enter(CoupledField& field, const ContactSet& set, ContactSurfaces surfaces,
+void enter(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
            int i) noexcept;
 
 /// Depths and C for the places. Every contact has entered its element.
-void set_places(CoupledField& field, const ContactSet& set,
-                ContactSurfaces surfaces) noexcept;
+void set_places(CoupledField& field, const CoupledSet& set,
+                CoupledSurfaces surfaces) noexcept;
 
 /// Finds the equilibrium for the present delta_0. @returns as solve().
-bool settle_contacts(CoupledField& field, const ContactSet& set,
-                     ContactSurfaces surfaces) noexcept;
+bool settle_contacts(CoupledField& field, const CoupledSet& set,
+                     CoupledSurfaces surfaces) noexcept;
 
 /// What a contact is doing in the equilibrium.
 struct ContactReading {
@@ -89,11 +89,11 @@ struct ContactReading {
 };
 
 /// F_i and flags of contact i.
-[[nodiscard]] ContactReading read_contact(CoupledField& field, const ContactSet& set,
-                                          ContactSurfaces surfaces, int i) noexcept;
+[[nodiscard]] ContactReading read_contact(CoupledField& field, const CoupledSet& set,
+                                          CoupledSurfaces surfaces, int i) noexcept;
 
 /// Largest delta_0 at which something is loaded, of all contacts.
 [[nodiscard]] Real unloading_shift_m(const CoupledField& field,
-                                     const ContactSet& set) noexcept;
+                                     const CoupledSet& set) noexcept;
 
 }  // namespace palpate

@@ -15,13 +15,15 @@ namespace {
 // leap to another sheet of the field.
 constexpr Real kLeap = 4.0;
 constexpr Real kLeapJ = rounding(1e-15, 1e-8);
+// Two solutions of one equilibrium differ by no more than this share of U.
+constexpr Real kSameEnergy = rounding(1e-14, 1e-6);
 
 // What the functions of a tick share.
 struct Tick {
   CoupledModel& model;
   CoupledField& scratch;
-  const ContactSet& set;
-  ContactSurfaces surfaces;
+  const CoupledSet& set;
+  CoupledSurfaces surfaces;
 
   [[nodiscard]] int count() const { return set.count; }
   [[nodiscard]] CoupledContact& contact(int i) const {
@@ -32,14 +34,14 @@ struct Tick {
   }
 };
 
-// How one contact's rendering goes on beyond x_k: in its tangent plane, or exactly in
-// the plane of its element.
-struct Continuation {
-  FieldPlace place;
-  bool sound = false;                 // none is needed
-  Vector3 along_n = Vector3::Zero();  // its force along the surface
-  Vector3 moved_m = Vector3::Zero();
+// One contact in the move of a tick.
+struct Moved {
+  Vector3 moved_m;
+  Vector3 force_n;  // at x_k
+  Vector3 along_n;  // of it along the surface, where that continues it
+  bool sound;       // else scratch has the place where its rendering goes on
 };
+using Moves = std::array<Moved, kContactsMax>;
 
 struct Friction {
   Real coefficient = 0.0;
@@ -99,52 +101,65 @@ ShiftedEnergy at_shift(const Tick& t, Real shift_m) {
   return {shift_m, c.energy_j, c.force_n.head(t.count()).sum()};
 }
 
-// Of what was rendered at x_k; the place is still that of x_k.
-FieldPlace in_tangent_plane(const FieldPlace& from, const Vector3& moved) {
-  FieldPlace along = from;
-  along.folded = true;
-  along.at.height_m += from.frame.normal.dot(moved);
-  return along;
+// What of a place fixes its tangent plane.
+struct Tangent {
+  int slot;
+  Real height_m;
+  Vector3 weight;
+  Vector3 normal;
+};
+
+// What was rendered at x_k, continued in its tangent plane.
+void continue_in(const Tangent& tangent, const CoupledSurface& surface,
+                 const Vector3& moved, FieldPlace& place) {
+  place.slot = tangent.slot;
+  place.prism =
+      make_prism(surface.cache.element[static_cast<std::size_t>(tangent.slot)]);
+  place.folded = true;
+  place.outside = false;
+  place.at.height_m = tangent.height_m + tangent.normal.dot(moved);
+  place.frame.weight = tangent.weight;
+  place.frame.normal = tangent.normal;
+  place.frame.turn.setZero();
 }
 
-// Moves contact i to x. @returns how its rendering goes on where that is not sound.
-Continuation move_contact(const Tick& t, int i, const Vector3& x) {
+// Moves contact i to x, and its spring. Where its place is not sound, scratch gets the
+// one where its rendering goes on.
+void move_contact(const Tick& t, int i, const Vector3& x, Moved& move) {
   FieldPlace& place = t.at(i).place;
   CoupledContact& contact = t.contact(i);
-  Continuation on;
-  on.moved_m = x - contact.centre_m;
+  move.moved_m = x - contact.centre_m;
+  move.force_n = contact.reading.force_n;
+  move.along_n.setZero();
+  move.sound = true;
+  contact.centre_m = x;
   if (place.slot < 0) {
-    on.sound = true;
-    contact.centre_m = x;
-    return on;
+    return;
   }
-  const Vector3& n = place.frame.normal;
+  const Tangent before{place.slot, place.at.height_m, place.frame.weight,
+                       place.frame.normal};
   if (contact.friction_n_per_m > 0.0) {
-    contact.presliding_m += on.moved_m - on.moved_m.dot(n) * n;
+    contact.presliding_m +=
+        move.moved_m - move.moved_m.dot(before.normal) * before.normal;
   }
   const bool sound = !place.folded && !place.outside && !place.prism.flat;
-  const FieldPlace before = place;
+  FieldPlace& on = t.scratch.at[static_cast<std::size_t>(i)].place;
+  bool within = false;
+  if (place.outside) {
+    on = place;
+    within = follow_within(on, x);
+  }
   follow(place, t.surfaces[i].cache, x);
-  contact.centre_m = x;
-  on.sound = sound && !place.folded;
-  if (on.sound) {
-    return on;
+  move.sound = sound && !place.folded;
+  if (move.sound || within) {
+    return;
   }
-  if (before.outside) {
-    on.place = before;
-    if (follow_within(on.place, x)) {
-      return on;
-    }
-  }
-  const Vector3& f = contact.reading.force_n;
-  on.along_n = f - f.dot(before.frame.normal) * before.frame.normal;
-  on.place = in_tangent_plane(before, on.moved_m);
-  return on;
+  move.along_n = move.force_n - move.force_n.dot(before.normal) * before.normal;
+  continue_in(before, t.surfaces[i], move.moved_m, on);
 }
 
 // Energy with every contact that is not sound continued.
-Real continued_j(const Tick& t, const std::array<Continuation, kContactsMax>& on,
-                 Real scale) {
+Real continued_j(const Tick& t, const Moves& moves, Real scale) {
   CoupledField& field = t.scratch;
   field.shift_m = t.model.field.shift_m;
   field.equilibrium.scale = scale;
@@ -154,11 +169,13 @@ Real continued_j(const Tick& t, const std::array<Continuation, kContactsMax>& on
   for (int i = 0; i < t.count(); ++i) {
     const auto self = static_cast<std::size_t>(i);
     CoupledPlace& at = field.at[self];
-    at.place = on[self].sound ? t.at(i).place : on[self].place;
+    if (moves[self].sound) {
+      at.place = t.at(i).place;
+    }
     at.slot = -1;  // another element may be in the slot by now
     at.stored_at = 0;
     enter(field, t.set, t.surfaces, i);
-    along_j += on[self].along_n.dot(on[self].moved_m);
+    along_j += moves[self].along_n.dot(moves[self].moved_m);
   }
   set_places(field, t.set, t.surfaces);
   return settle_contacts(field, t.set, t.surfaces)
@@ -176,29 +193,27 @@ Real move(const Tick& t, const PortPoses& pose) {
   CoupledModel& model = t.model;
   const Real energy_before = model.field.equilibrium.energy_j;
   const Real scale = model.field.equilibrium.scale;
-  std::array<Continuation, kContactsMax> on;
-  std::array<Vector3, kContactsMax> force;
+  Moves moves;
   bool sound = true;
   Real given_j = 0.0;  // by the forces of x_k on the way
   for (int i = 0; i < t.count(); ++i) {
     const auto self = static_cast<std::size_t>(i);
-    force[self] = t.contact(i).reading.force_n;
-    on[self] = move_contact(t, i, centre_of(t.set, pose, i));
+    move_contact(t, i, centre_of(t.set, pose, i), moves[self]);
     enter(model.field, t.set, t.surfaces, i);
-    sound = sound && on[self].sound;
-    given_j += force[self].dot(on[self].moved_m);
+    sound = sound && moves[self].sound;
+    given_j += moves[self].force_n.dot(moves[self].moved_m);
   }
   if (!respond(t)) {
     return linear_j(energy_before, given_j);
   }
   const Real energy =
-      sound ? model.field.equilibrium.energy_j : continued_j(t, on, scale);
+      sound ? model.field.equilibrium.energy_j : continued_j(t, moves, scale);
   Real most = kLeapJ;
   for (int i = 0; i < t.count(); ++i) {
     const auto self = static_cast<std::size_t>(i);
     const Vector3& now = t.contact(i).reading.force_n;
-    const Real force2 = std::max(force[self].squaredNorm(), now.squaredNorm());
-    most += kLeap * std::sqrt(force2 * on[self].moved_m.squaredNorm());
+    const Real force2 = std::max(moves[self].force_n.squaredNorm(), now.squaredNorm());
+    most += kLeap * std::sqrt(force2 * moves[self].moved_m.squaredNorm());
   }
   return energy >= 0.0 && std::abs(energy - energy_before) <= most
              ? energy
@@ -294,7 +309,7 @@ void pay(const Tick& t, Real allowed_j) {
   CoupledField& field = t.model.field;
   const Real springs = springs_j(t);
   const Real energy = field.equilibrium.energy_j;
-  if (energy + springs <= allowed_j) {
+  if (energy + springs <= allowed_j + kSameEnergy * energy) {
     return;
   }
   const Real kept_j = kPaid * std::max(Real(0.0), allowed_j - energy);
@@ -323,6 +338,9 @@ void recover(const Tick& t, Real unspent_j, Real step_m) {
     field.shift_m = std::min(field.shift_m, unloading_shift_m(field, t.set));
     return;
   }
+  if (!(unspent_j > 0.0)) {
+    return;
+  }
   const CoupledContacts& c = field.equilibrium;
   const ShiftedEnergy now{field.shift_m, c.energy_j, c.force_n.head(t.count()).sum()};
   const Real shift = recovered_shift_m(now, step_m, unspent_j, [&](Real shift_m) {
@@ -346,7 +364,8 @@ void settle(const Tick& t, PassivityLedger& ledger, Real recovery_m) {
     recover(t, allowed - field.equilibrium.energy_j - springs_j(t), recovery_m);
   }
   Real keep = t.model.touching ? field.equilibrium.energy_j : Real(0.0);
-  if (field.shift_m > 0.0 && t.model.touching) {
+  const Real left = allowed - field.equilibrium.energy_j - springs_j(t);
+  if (field.shift_m > 0.0 && left > 0.0 && t.model.touching) {
     const Real shift = field.shift_m;
     keep = at_shift(t, 0.0).energy_j;
     (void)at_shift(t, shift);
@@ -360,7 +379,7 @@ void settle(const Tick& t, PassivityLedger& ledger, Real recovery_m) {
 
 }  // namespace
 
-PortWrenches wrenches(const CoupledModel& model, const ContactSet& set,
+PortWrenches wrenches(const CoupledModel& model, const CoupledSet& set,
                       const PortPoses& pose) noexcept {
   PortWrenches sum;
   for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
@@ -374,8 +393,8 @@ PortWrenches wrenches(const CoupledModel& model, const ContactSet& set,
   return sum;
 }
 
-PortWrenches advance(CoupledModel& model, CoupledField& scratch, const ContactSet& set,
-                     ContactSurfaces surfaces, PassivityLedger& ledger,
+PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
+                     CoupledSurfaces surfaces, PassivityLedger& ledger,
                      const PortPoses& pose, Real recovery_m) noexcept {
   const Tick t{model, scratch, set, surfaces};
   const Real moved_j = move(t, pose);
@@ -388,8 +407,8 @@ PortWrenches advance(CoupledModel& model, CoupledField& scratch, const ContactSe
 }
 
 Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
-                    CoupledField& scratch, const ContactSet& set,
-                    ContactSurfaces surfaces, const PortPoses& pose) noexcept {
+                    CoupledField& scratch, const CoupledSet& set,
+                    CoupledSurfaces surfaces, const PortPoses& pose) noexcept {
   for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
     moved.field.at[i] = model.field.at[i];
     moved.contact[i] = model.contact[i];

@@ -18,8 +18,8 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/contact_set.h"
 #include "runtime/fast/coupled_field.h"
+#include "runtime/fast/coupled_set.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/real.h"
 
@@ -56,19 +56,19 @@ using PortWrenches = std::array<Wrench, kPortsMax>;
 /// @param scratch of the caller's, overwritten where places are not sound.
 /// @param recovery_m [m] >= 0, most that delta_0 sinks back in the tick.
 /// @return on the ports, friction included.
-PortWrenches advance(CoupledModel& model, CoupledField& scratch, const ContactSet& set,
-                     ContactSurfaces surfaces, PassivityLedger& ledger,
+PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
+                     CoupledSurfaces surfaces, PassivityLedger& ledger,
                      const PortPoses& pose, Real recovery_m) noexcept;
 
 /// Energy of the model with the ports moved there [J], before anything changes.
 /// @param moved overwritten.
 [[nodiscard]] Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
-                                  CoupledField& scratch, const ContactSet& set,
-                                  ContactSurfaces surfaces,
+                                  CoupledField& scratch, const CoupledSet& set,
+                                  CoupledSurfaces surfaces,
                                   const PortPoses& pose) noexcept;
 
 /// Sum of F_i and of (x_i - position) x F_i by port.
-[[nodiscard]] PortWrenches wrenches(const CoupledModel& model, const ContactSet& set,
+[[nodiscard]] PortWrenches wrenches(const CoupledModel& model, const CoupledSet& set,
                                     const PortPoses& pose) noexcept;
 
 }  // namespace palpate

@@ -32,28 +32,24 @@ void check_input(CoupledState& state, const CoupledSample& sample, Real dt_s) {
   }
 }
 
-// The lever that turns a port's torque into a force; 1 m for one that has no arm.
-Real lever_of(const ContactSet& set, int port) {
-  const Real lever = lever_m(set, port);
-  return lever > 0.0 ? lever : Real(1.0);
-}
-
-WrenchSafety::Vector flattened(const ContactSet& set, const PortWrenches& wrench) {
+WrenchSafety::Vector flattened(const CoupledSet& set, const PortWrenches& wrench) {
   WrenchSafety::Vector v = WrenchSafety::Vector::Zero();
   for (int port = 0; port < set.ports; ++port) {
     const Wrench& w = wrench[static_cast<std::size_t>(port)];
     v.segment<3>(6 * port) = w.force_n;
-    v.segment<3>(6 * port + 3) = w.torque_n_m / lever_of(set, port);
+    v.segment<3>(6 * port + 3) =
+        w.torque_n_m / set.lever_m[static_cast<std::size_t>(port)];
   }
   return v;
 }
 
-PortWrenches unflattened(const ContactSet& set, const WrenchSafety::Vector& v) {
+PortWrenches unflattened(const CoupledSet& set, const WrenchSafety::Vector& v) {
   PortWrenches wrench;
   for (int port = 0; port < set.ports; ++port) {
     Wrench& w = wrench[static_cast<std::size_t>(port)];
     w.force_n = v.segment<3>(6 * port);
-    w.torque_n_m = v.segment<3>(6 * port + 3) * lever_of(set, port);
+    w.torque_n_m =
+        v.segment<3>(6 * port + 3) * set.lever_m[static_cast<std::size_t>(port)];
   }
   return wrench;
 }
@@ -67,7 +63,8 @@ WrenchSafety::Vector movement(const CoupledState& state, const PortPoses& to) {
     const Eigen::AngleAxis<Real> turn(Matrix3(b.rotation * a.rotation.transpose()));
     v.segment<3>(6 * port) = b.position_m - a.position_m;
     v.segment<3>(6 * port + 3) =
-        (lever_of(state.set, port) * turn.angle()) * turn.axis();
+        (state.set.lever_m[static_cast<std::size_t>(port)] * turn.angle()) *
+        turn.axis();
   }
   return v;
 }
@@ -115,7 +112,7 @@ void describe(const CoupledState& state, CoupledCommand& command) {
 
 }  // namespace
 
-const char* check(const ContactSet& set, const FastConfig& config) noexcept {
+const char* check(const CoupledSet& set, const FastConfig& config) noexcept {
   if (set.count < 1 || set.count > kContactsMax) {
     return "a tool has 1 to 64 contacts";
   }

@@ -13,9 +13,9 @@
 #include <array>
 #include <cstdint>
 
-#include "runtime/fast/contact_set.h"
 #include "runtime/fast/coupled_field.h"
 #include "runtime/fast/coupled_model.h"
+#include "runtime/fast/coupled_set.h"
 #include "runtime/fast/fast_step.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/real.h"
@@ -61,8 +61,8 @@ struct CoupledContactPlace {
 /// Everything a coupled fast process remembers, besides the surfaces. About 1 MB.
 struct CoupledState {
   FastConfig config;  ///< model: kPotential; the tool's radius is the set's
-  ContactSet set;     ///< finished
-  ContactSurfaces surfaces = nullptr;  ///< (set.count), while the state lives
+  CoupledSet set;     ///< finished
+  CoupledSurfaces surfaces = nullptr;  ///< (set.count), while the state lives
   FastState* alone = nullptr;          ///< for one contact of one port: renders it
   CoupledModel model;
   CoupledField scratch;
@@ -74,11 +74,11 @@ struct CoupledState {
 };
 
 /// Null if a state may begin with them, else what is wrong, one line.
-[[nodiscard]] const char* check(const ContactSet& set,
+[[nodiscard]] const char* check(const CoupledSet& set,
                                 const FastConfig& config) noexcept;
 
 /// Whether a set is rendered by `alone`: its owner provides one.
-[[nodiscard]] inline bool is_alone(const ContactSet& set) noexcept {
+[[nodiscard]] inline bool is_alone(const CoupledSet& set) noexcept {
   return set.count == 1 && set.ports == 1;
 }
 

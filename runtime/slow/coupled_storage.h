@@ -16,7 +16,7 @@ namespace palpate {
 class CoupledStorage {
  public:
   /// @param set finished. @throws InputError.
-  CoupledStorage(const ContactSet& set, const FastConfig& config)
+  CoupledStorage(const CoupledSet& set, const FastConfig& config)
       : state_(std::make_unique<CoupledState>()),
         surfaces_(is_alone(set) ? 0 : static_cast<std::size_t>(set.count)) {
     if (const char* wrong = check(set, config)) {
@@ -37,7 +37,7 @@ class CoupledStorage {
 
  private:
   std::unique_ptr<CoupledState> state_;
-  std::vector<ContactSurface> surfaces_;
+  std::vector<CoupledSurface> surfaces_;
   std::unique_ptr<FastState> alone_;
 };
 

@@ -20,7 +20,7 @@ struct PowerLaw {
   double exponent = 1.5;
   double end_m = std::numeric_limits<double>::infinity();
 
-  static void evaluate(void* of, CoupledContacts& c) {
+  static void evaluate(void* of, CoupledContacts& c, bool energy) {
     const auto& law = *static_cast<const PowerLaw*>(of);
     for (Eigen::Index i = 0; i < c.count; ++i) {
       const double x = std::min(c.delta_m(i), law.end_m);
@@ -28,9 +28,12 @@ struct PowerLaw {
       const double a = law.amplitude(i);
       const bool pressed = c.delta_m(i) > 0.0;
       const double f = pressed ? a * std::pow(x, law.exponent) : 0.0;
+      if (energy) {
+        c.own_energy_j(i) = pressed ? f * x / (law.exponent + 1.0) + f * past : 0.0;
+        continue;
+      }
       c.force_n(i) = f;
       c.stiffness_n_per_m(i) = pressed && past == 0.0 ? law.exponent * f / x : 0.0;
-      c.own_energy_j(i) = pressed ? f * x / (law.exponent + 1.0) + f * past : 0.0;
     }
   }
   ContactCurves curves() { return {this, &evaluate}; }

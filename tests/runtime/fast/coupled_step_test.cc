@@ -105,7 +105,7 @@ void expect_gradient(CoupledState& state, const PortPoses& pose,
 TEST(CoupledStep, WrenchIsTheGradientOfThePotential) {
   const ContactBody body = make_contact_body(rough(), kRadiusM);
   for (const int contacts : {2, 4, 16}) {
-    const ContactSet set = make_plate(body, contacts, 0.006, kRadiusM);
+    const CoupledSet set = make_plate(body, contacts, 0.006, kRadiusM);
     CoupledStorage storage(set, free_of_clamps());
     CoupledState& state = storage.state();
     PoseWalk walk(body, 1, {.seed = 3});
@@ -117,7 +117,7 @@ TEST(CoupledStep, WrenchIsTheGradientOfThePotential) {
       }
       const CoupledCommand command = step(state, {pose, 0}, kTickS);
       if (tick % 197 == 5 && command.contacts > 1) {
-        expect_gradient(state, pose, command, lever_m(set, 0));
+        expect_gradient(state, pose, command, set.lever_m[0]);
         ++tried;
       }
     }
@@ -210,7 +210,7 @@ TEST(CoupledStep, LateElementsGiveNoEnergy) {
 
 TEST(CoupledStep, OneContactIsTodaysStepBitForBit) {
   const ContactBody body = make_contact_body(rough(0.5), kRadiusM);
-  ContactSet set = make_plate(body, 1, 0.006, kRadiusM);
+  CoupledSet set = make_plate(body, 1, 0.006, kRadiusM);
   set.sphere[0].centre_m = {0.001, 0.002, -0.004};
   ASSERT_EQ(finish(set), nullptr);
   CoupledStorage storage(set, free_of_clamps());
@@ -243,10 +243,10 @@ TEST(CoupledStep, OneContactIsTodaysStepBitForBit) {
 // Contacts without compliance between them are single ones, added up.
 TEST(CoupledStep, WithoutComplianceForcesAdd) {
   ContactBody body = make_contact_body(rough(), kRadiusM);
-  for (ComplianceRow& row : body.row) {
+  for (ContactRow& row : body.row) {
     row.value.fill(0.0F);
   }
-  const ContactSet set = make_plate(body, 4, 0.006, kRadiusM);
+  const CoupledSet set = make_plate(body, 4, 0.006, kRadiusM);
   CoupledStorage storage(set, free_of_clamps());
   std::array<std::unique_ptr<FastState>, 4> single;
   for (auto& one : single) {
@@ -281,7 +281,7 @@ TEST(CoupledStep, WithoutComplianceForcesAdd) {
 
 TEST(CoupledStep, CouplingMakesThePlateSofter) {
   const ContactBody body = make_contact_body({}, kRadiusM, 1e3);
-  const ContactSet set = make_plate(body, 4, 0.006, kRadiusM);
+  const CoupledSet set = make_plate(body, 4, 0.006, kRadiusM);
   CoupledStorage storage(set, free_of_clamps());
   PortPoses pose;
   pose[0].position_m = {0.03, 0.03, kRadiusM - 0.001};
@@ -357,7 +357,7 @@ TEST(CoupledStep, ElementsThatRememberAreNotTaken) {
 // The limits hold for force and torque together.
 TEST(CoupledStep, WrenchesAreClampedWhole) {
   const ContactBody body = make_contact_body(rough(), kRadiusM);
-  const ContactSet set = make_plate(body, 4, 0.006, kRadiusM);
+  const CoupledSet set = make_plate(body, 4, 0.006, kRadiusM);
   FastConfig config = free_of_clamps();
   config.force_max_n = 0.05;
   CoupledStorage clamped(set, config);
@@ -366,7 +366,7 @@ TEST(CoupledStep, WrenchesAreClampedWhole) {
   pose[0].position_m = {0.03, 0.03, 0.001};
   const Wrench a = press(clamped.state(), body, pose).wrench[0];
   const Wrench b = press(whole.state(), body, pose).wrench[0];
-  const double lever = lever_m(set, 0);
+  const double lever = set.lever_m[0];
   EXPECT_GT(b.force_n.norm(), 0.1);
   EXPECT_NEAR(std::hypot(a.force_n.norm(), a.torque_n_m.norm() / lever), 0.05, 1e-12);
   EXPECT_NEAR(a.force_n.cross(b.force_n).norm(), 0.0, 1e-12);

@@ -1,0 +1,51 @@
+#include "runtime/bench/bench_contacts.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace palpate {
+namespace {
+
+std::uint64_t no_allocations() {
+  return 0;
+}
+
+const std::vector<ContactsBenchRow>& rows() {
+  static const std::vector<ContactsBenchRow> kRows =
+      run_contacts_bench({.ticks = 3000}, no_allocations);
+  return kRows;
+}
+
+// A plate of touching spheres is several times too stiff without coupling: measured
+// with boundary elements, 0.61 of the sum for 4 spheres, 0.35 for 16, 0.2 for 64.
+TEST(ContactsBench, CouplingTakesForceAndGivesNoEnergy) {
+  ASSERT_EQ(rows().size(), 16U);
+  for (std::size_t i = 0; i < rows().size(); i += 4) {
+    const ContactsBenchRow& sum = rows()[i];
+    const ContactsBenchRow& coupled = rows()[i + 2];
+    EXPECT_FALSE(sum.coupled);
+    EXPECT_TRUE(coupled.coupled);
+    if (sum.contacts == 1) {
+      EXPECT_EQ(sum.force_max_n, coupled.force_max_n);
+    } else {
+      EXPECT_LT(coupled.force_max_n, 0.8 * sum.force_max_n) << sum.contacts;
+    }
+    for (std::size_t j = i; j < i + 4; ++j) {
+      EXPECT_GE(rows()[j].lowest_work_j, -1e-12);
+      EXPECT_FALSE(rows()[j].scaled);
+      EXPECT_GT(rows()[j].touching, 0.0);
+    }
+  }
+}
+
+TEST(ContactsBench, ReportHasItsKeys) {
+  const auto json = nlohmann::json::parse(to_json(rows()));
+  ASSERT_EQ(json["rows"].size(), 16U);
+  for (const char* key : {"contacts", "coupled", "median_us", "p999_us", "factorings",
+                          "lowest_work_j", "allocations"}) {
+    EXPECT_TRUE(json["rows"][0].contains(key)) << key;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
