@@ -1,0 +1,212 @@
+#include "runtime/slow/contact_elements.h"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "formats/response/contact_set.h"
+#include "formats/response/tool_support.h"
+
+namespace palpate {
+namespace {
+
+// Responses that one radius of a tool needs.
+struct RadiusTable {
+  const ResponseTable* responses = nullptr;
+  const ComplianceTable* compliance = nullptr;
+};
+
+const ResponseTable& table_of_radius(const ResponseDatabase& database,
+                                     const ResponseTable& tool, std::size_t radius) {
+  return radius == 0 ? tool : find_tool(database, table_name(tool.tool.name, radius));
+}
+
+std::vector<RadiusTable> radius_tables(const ResponseDatabase& database,
+                                       std::span<const ResponseTable* const> tools) {
+  std::vector<RadiusTable> tables;
+  for (const ResponseTable* tool : tools) {
+    const std::size_t radii =
+        tool->tool.contact.empty() ? 1 : distinct_radii(tool->tool.contact).size();
+    for (std::size_t i = 0; i < radii; ++i) {
+      const ResponseTable& responses = table_of_radius(database, *tool, i);
+      tables.push_back({&responses, responses.compliance.empty()
+                                        ? &tool->compliance
+                                        : &responses.compliance});
+    }
+  }
+  if (tables.size() > static_cast<std::size_t>(kComplianceTables)) {
+    throw InputError(
+        fmt::format("contacts have {} radii, must have {} at most: give spheres of "
+                    "nearly one size the same radius",
+                    tables.size(), kComplianceTables));
+  }
+  return tables;
+}
+
+// The spheres of one tool. @param table number of its first radius.
+void add_spheres(const ToolShape& tool, std::size_t port, std::size_t table,
+                 CoupledSet& set) {
+  const auto add = [&](const Eigen::Vector3d& centre_m, double radius_m,
+                       std::size_t radius) {
+    if (set.count == kContactsMax) {
+      throw InputError(
+          fmt::format("the tools have more than {} contacts together", kContactsMax));
+    }
+    ContactSphere& sphere = set.sphere[static_cast<std::size_t>(set.count++)];
+    sphere.centre_m = centre_m;
+    sphere.radius_m = radius_m;
+    sphere.port = static_cast<std::int8_t>(port);
+    sphere.table = static_cast<std::int8_t>(table + radius);
+  };
+  if (tool.contact.empty()) {
+    add(Eigen::Vector3d::Zero(), nominal_height_m(tool), 0);
+    return;
+  }
+  const std::vector<std::size_t> radius = radius_of_contacts(tool.contact);
+  for (std::size_t i = 0; i < radius.size(); ++i) {
+    add(tool.contact.point_m.row(static_cast<Eigen::Index>(i)).transpose(),
+        tool.contact.radius_m[i], radius[i]);
+  }
+}
+
+void check_renderable(const RadiusTable& table, int contacts) {
+  const std::string& name = table.responses->tool.name;
+  if (table.compliance->empty()) {
+    throw InputError(fmt::format(
+        "tool \"{}\" has no table of compliance, which {} contacts on one body need: "
+        "build the database again with palpate-precompute from a scene whose [[tool]] "
+        "has shape = \"spheres\" or compliance = true",
+        name, contacts));
+  }
+  if (table.responses->viscoelasticity.remembers()) {
+    throw InputError(
+        fmt::format("tool \"{}\" relaxes or yields, and {} contacts are rendered of "
+                    "elastic responses alone: build the scene without that, or use a "
+                    "tool of one contact",
+                    name, contacts));
+  }
+}
+
+}  // namespace
+
+ContactToolState contact_tool_state(const CoupledState& state,
+                                    std::uint64_t ticks) noexcept {
+  ContactToolState all;
+  all.sequence = ticks;
+  all.count = state.set.count;
+  for (int i = 0; i < state.set.count; ++i) {
+    const CoupledContactPlace at = contact_place(state, i);
+    all.contact[static_cast<std::size_t>(i)] = {.sequence = ticks,
+                                                .time_ns = state.latest.time_ns,
+                                                .position_m = at.centre_m,
+                                                .triangle = at.triangle,
+                                                .in_contact = at.touching};
+  }
+  return all;
+}
+
+CoupledSet coupled_set(const ResponseDatabase& database,
+                       std::span<const ResponseTable* const> tools) {
+  if (tools.empty() || tools.size() > static_cast<std::size_t>(kPortsMax)) {
+    throw InputError(fmt::format("{} tools press one body together, must be 1 to {}",
+                                 tools.size(), kPortsMax));
+  }
+  CoupledSet set;
+  set.ports = static_cast<int>(tools.size());
+  const std::vector<RadiusTable> tables = radius_tables(database, tools);
+  std::size_t first = 0;
+  for (std::size_t port = 0; port < tools.size(); ++port) {
+    const ToolShape& tool = tools[port]->tool;
+    add_spheres(tool, port, first, set);
+    first += tool.contact.empty() ? 1 : distinct_radii(tool.contact).size();
+  }
+  for (std::size_t i = 0; i < tables.size() && !is_alone(set); ++i) {
+    check_renderable(tables[i], set.count);
+    set.knots[i] = knots_of(*tables[i].compliance);
+  }
+  if (const char* wrong = finish(set)) {
+    throw InputError(fmt::format("contacts: {}", wrong));
+  }
+  return set;
+}
+
+ContactStream::ContactStream(const ResponseDatabase& database,
+                             std::span<const ResponseTable* const> tools,
+                             double force_scale)
+    : database_(database), set_(coupled_set(database, tools)) {
+  for (const RadiusTable& table : radius_tables(database, tools)) {
+    radius_.push_back(
+        {is_alone(set_) ? nullptr : table.compliance,
+         std::make_unique<ElementStream>(database, *table.responses, force_scale)});
+  }
+}
+
+ContactElement ContactStream::element(int i, std::int32_t triangle) const {
+  const ContactSphere& sphere = set_.sphere[static_cast<std::size_t>(i)];
+  const Radius& radius = radius_[static_cast<std::size_t>(sphere.table)];
+  ContactElement message;
+  message.contact = i;
+  message.element = radius.elements->element(triangle);
+  for (std::size_t a = 0; a < 3 && radius.compliance != nullptr; ++a) {
+    const std::int32_t node =
+        database_.body.triangle(triangle, static_cast<Eigen::Index>(a));
+    const auto row = radius.compliance->value.row(node);
+    for (Eigen::Index k = 0; k < row.size(); ++k) {
+      message.row[a].value[static_cast<std::size_t>(k)] = row(k);
+    }
+  }
+  return message;
+}
+
+std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_ns,
+                                  ContactFifo& fifo) {
+  if (!at.position_m.allFinite()) {
+    return 0;
+  }
+  const auto self = static_cast<std::size_t>(i);
+  const Radius& radius = radius_[static_cast<std::size_t>(set_.sphere[self].table)];
+  const SurfaceSearch& search = radius.elements->search();
+  const bool walk =
+      at.in_contact && at.triangle >= 0 && at.triangle < database_.body.triangle.rows();
+  const std::int32_t active =
+      (walk ? search.walk(at.position_m, at.triangle) : search.nearest(at.position_m))
+          .triangle;
+  if (active < 0) {
+    return 0;
+  }
+  const WantedTriangles wanted =
+      wanted_triangles(search, active, walk ? at.triangle : -1);
+  Sent& sent = sent_[self];
+  const bool same =
+      sent.whole && sent.wanted.count == wanted.count &&
+      std::equal(wanted.triangle.begin(),
+                 wanted.triangle.begin() + static_cast<std::ptrdiff_t>(wanted.count),
+                 sent.wanted.triangle.begin());
+  if (same && (updates_ + self) % kRepeatUpdates != 0) {
+    return 0;
+  }
+  std::size_t pushed = 0;
+  for (std::size_t t = 0; t < wanted.count; ++t) {
+    ContactElement message = element(i, wanted.triangle[t]);
+    message.element.sequence = ++sequence_;
+    message.element.sent_ns = now_ns;
+    message.element.active = t == 0;
+    pushed += fifo.push(message) ? 1 : 0;
+  }
+  sent = {wanted, pushed == wanted.count};
+  return pushed;
+}
+
+std::size_t ContactStream::update(const ContactToolState& tool, std::int64_t now_ns,
+                                  ContactFifo& fifo) {
+  ++updates_;
+  std::size_t pushed = 0;
+  for (int i = 0; i < std::min(tool.count, set_.count); ++i) {
+    pushed += update(i, tool.contact[static_cast<std::size_t>(i)], now_ns, fifo);
+  }
+  return pushed;
+}
+
+}  // namespace palpate

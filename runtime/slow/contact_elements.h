@@ -1,0 +1,92 @@
+// The slow process of a tool with several contacts, or of two hands on one body: for
+// each contact the element nearest to it and those around it, with the rows of the
+// table of compliance.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "formats/database/response_database.h"
+#include "runtime/fast/coupled_field.h"
+#include "runtime/fast/coupled_set.h"
+#include "runtime/fast/coupled_step.h"
+#include "runtime/realtime/spsc_ring.h"
+#include "runtime/slow/memory_elements.h"
+#include "runtime/slow/tool_state.h"
+
+namespace palpate {
+
+/// One update of 64 contacts that all lie in other elements. About 6 MB.
+constexpr std::size_t kContactFifoCapacity = 1024;
+using ContactFifo = SpscRing<ContactElement, kContactFifoCapacity>;
+
+/// What the fast process tells the slow one of all contacts.
+struct ContactToolState {
+  std::uint64_t sequence = 0;  ///< counts fast ticks from 1; 0: nothing written yet
+  std::int32_t count = 0;
+  std::array<ToolState, kContactsMax> contact;
+};
+
+/// Where the contacts of a coupled fast process are. @param ticks from 1.
+[[nodiscard]] ContactToolState contact_tool_state(const CoupledState& state,
+                                                  std::uint64_t ticks) noexcept;
+
+/// The contacts of tools that press one body together, each in a hand of its own. A
+/// tool without a contact set is one sphere of its nominal radius.
+/// @param tools (1 to kPortsMax) of the database.
+/// @throws InputError, in one sentence, where there are several contacts and a tool has
+/// no table of compliance, or relaxes or yields; or too many contacts or radii.
+[[nodiscard]] CoupledSet coupled_set(const ResponseDatabase& database,
+                                     std::span<const ResponseTable* const> tools);
+
+/// Of a database in memory. Allocates in the constructor only.
+class ContactStream {
+ public:
+  /// An element is sent when a contact's surroundings change, and every so many updates
+  /// again: what was dropped, or is younger than the fast process, comes back.
+  static constexpr std::uint64_t kRepeatUpdates = 8;
+
+  /// The database must outlive the stream. @param force_scale [-] (0, 1]
+  /// @throws as coupled_set().
+  ContactStream(const ResponseDatabase& database,
+                std::span<const ResponseTable* const> tools, double force_scale = 1.0);
+
+  [[nodiscard]] const CoupledSet& set() const noexcept { return set_; }
+
+  /// One slow step of all contacts. @returns messages pushed; what does not fit is
+  /// dropped and counted by the ring, and sent again.
+  std::size_t update(const ContactToolState& tool, std::int64_t now_ns,
+                     ContactFifo& fifo);
+
+  /// The message for one triangle of contact i, without sequence and time.
+  [[nodiscard]] ContactElement element(int i, std::int32_t triangle) const;
+
+ private:
+  // Responses of one radius.
+  struct Radius {
+    const ComplianceTable* compliance = nullptr;  // null: one contact
+    std::unique_ptr<ElementStream> elements;
+  };
+
+  // What was last sent for a contact.
+  struct Sent {
+    WantedTriangles wanted;
+    bool whole = false;
+  };
+
+  std::size_t update(int i, const ToolState& at, std::int64_t now_ns,
+                     ContactFifo& fifo);
+
+  const ResponseDatabase& database_;
+  CoupledSet set_;
+  std::vector<Radius> radius_;
+  std::array<Sent, kContactsMax> sent_;
+  std::uint64_t updates_ = 0;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace palpate
