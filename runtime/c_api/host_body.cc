@@ -1,5 +1,6 @@
 #include "runtime/c_api/host_body.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "runtime/device/stability_margin.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/deadlines.h"
+#include "runtime/slow/contact_stiffness.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/file_press_site.h"
 #include "runtime/slow/memory_elements.h"
@@ -53,6 +55,30 @@ double renderable_scale(const HostOptions& options, RenderedStiffness stiffness)
         reason, felt, bounds.renderable_n_per_m() / stiffness.largest_n_per_m()));
   }
   return bounds.renderable_n_per_m() / stiffness.largest_n_per_m();
+}
+
+// The same of several contacts, in six axes.
+double contacts_scale(const HostOptions& options, const ContactStiffness& contacts) {
+  if (options.damping_n_s_per_m == 0.0) {
+    return 1.0;
+  }
+  ContactStiffness felt = contacts;
+  felt.n_per_m *= options.position_gain * options.force_gain;
+  const WrenchMargin margin =
+      wrench_margin(felt, options.damping_n_s_per_m, options.angular_damping_n_m_s,
+                    options.tick_s, options.delay_s);
+  const std::string reason = why_not_renderable(margin, options.damping_n_s_per_m,
+                                                options.angular_damping_n_m_s);
+  if (reason.empty()) {
+    return 1.0;
+  }
+  if (!options.limit_stiffness) {
+    throw InputError(
+        fmt::format("the device cannot render this: {}; the flag to limit stiffness "
+                    "scales forces by {:.3g}",
+                    reason, 1.0 / margin.share));
+  }
+  return 1.0 / margin.share;
 }
 
 // The database with the stream that reads it.
@@ -120,8 +146,31 @@ void HostBody::open_whole(const std::filesystem::path& file) {
   const ResponseTable& table = find_tool(*database, options_.tool);
   tool_name_ = table.tool.name;
   fast_ = fast_config(options_, table.tool);
+  if (!table.tool.contact.empty()) {
+    open_contacts(std::move(database), table);
+    return;
+  }
   take_stiffness(rendered_stiffness(table, fast_.force_max_n));
   whole_ = std::make_unique<OwnedStream>(std::move(database), table, force_scale_);
+}
+
+void HostBody::open_contacts(std::unique_ptr<const ResponseDatabase> database,
+                             const ResponseTable& table) {
+  const ResponseTable* const tools[] = {&table};
+  const CoupledSet set = coupled_set(*database, tools);
+  if (const char* wrong = check(set, fast_)) {
+    throw InputError(fmt::format("tool \"{}\": {}", table.tool.name, wrong));
+  }
+  const RenderedStiffness one = rendered_stiffness(table, fast_.force_max_n);
+  const ContactStiffness contacts =
+      contact_stiffness(table, set, one.normal_n_per_m, one.node);
+  force_scale_ = contacts_scale(options_, contacts);
+  stiffness_n_per_m_ =
+      std::max(wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
+                   .stiffness_n_per_m,
+               set.count * one.friction_n_per_m);
+  contact_stream_ = std::make_unique<ContactStream>(*database, tools, force_scale_);
+  database_ = std::move(database);
 }
 
 void HostBody::open_streamed(const std::filesystem::path& file) {
@@ -129,7 +178,14 @@ void HostBody::open_streamed(const std::filesystem::path& file) {
   const CacheOptions wanted{.tool = options_.tool};
   const std::size_t tool = ChunkCache(file, wanted).tool();
   tool_name_ = reader.index().tools[tool].tool.name;
-  fast_ = fast_config(options_, reader.index().tools[tool].tool);
+  const ToolShape& shape = reader.index().tools[tool].tool;
+  if (!shape.contact.empty()) {
+    throw InputError(
+        fmt::format("tool \"{}\" has {} contacts, which need the whole database in "
+                    "memory: open it without streaming",
+                    shape.name, shape.contact.radius_m.size()));
+  }
+  fast_ = fast_config(options_, shape);
   take_stiffness(streamed_stiffness(reader, tool, fast_.force_max_n));
   const StreamedPlace place = streamed_place(reader, tool, std::nullopt);
   const Eigen::Vector3d start_m =
@@ -156,6 +212,13 @@ HostTool& HostBody::add_tool() {
   if (tools_.size() == kHostToolsMax) {
     throw InputError(
         fmt::format("a body takes {} tools at most, all are there", kHostToolsMax));
+  }
+  if (contact_stream_ != nullptr) {
+    tools_.push_back(std::make_unique<Served>(
+        std::make_unique<HostContacts>(contact_stream_->set(), fast_, options_.tick_s,
+                                       options_.stall_s),
+        fast_, options_.tick_s, options_.stall_s));
+    return tools_.back()->tool;
   }
   tools_.push_back(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
                                             fast_, options_.tick_s, options_.stall_s));
@@ -184,6 +247,14 @@ std::size_t HostBody::serve() {
   MonotonicClock clock;
   std::size_t sent = 0;
   for (const auto& served : tools_) {
+    if (HostContacts* contacts = served->tool.contacts()) {
+      ContactExchange& exchange = contacts->exchange();
+      if (exchange.tool.fetch()) {
+        sent += contact_stream_->update(exchange.tool.latest(), clock.now_ns(),
+                                        exchange.elements, exchange.sent);
+      }
+      continue;
+    }
     RenderExchange& exchange = served->tool.exchange();
     if (!exchange.tool.fetch()) {
       continue;

@@ -12,8 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "formats/database/response_database.h"
+#include "runtime/c_api/host_contacts.h"
 #include "runtime/c_api/host_tool.h"
 #include "runtime/device/stability_margin.h"
+#include "runtime/slow/contact_elements.h"
 #include "runtime/slow/element_source.h"
 
 namespace palpate {
@@ -61,11 +64,16 @@ class HostBody {
     Served(std::unique_ptr<ElementSender> own, const FastConfig& fast, double tick_s,
            double stall_s)
         : sender(std::move(own)), tool(fast, tick_s, stall_s) {}
+    Served(std::unique_ptr<HostContacts> contacts, const FastConfig& fast,
+           double tick_s, double stall_s)
+        : tool(std::move(contacts), fast, tick_s, stall_s) {}
     std::unique_ptr<ElementSender> sender;  // null: the body's
     HostTool tool;
   };
 
   void open_whole(const std::filesystem::path& file);
+  void open_contacts(std::unique_ptr<const ResponseDatabase> database,
+                     const ResponseTable& table);
   void open_streamed(const std::filesystem::path& file);
   void take_stiffness(const RenderedStiffness& stiffness);
   std::size_t serve();  // with mutex_ held
@@ -79,6 +87,8 @@ class HostBody {
   FastConfig fast_;
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;
+  std::unique_ptr<const ResponseDatabase> database_;  // of contact_stream_
+  std::unique_ptr<ContactStream> contact_stream_;     // of a tool of several contacts
   std::mutex mutex_;  // of all below; never taken in a haptic function
   std::vector<std::unique_ptr<Served>> tools_;
   SlowFailure failure_;

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/c_api/host_contacts.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {
@@ -57,6 +59,7 @@ void check(const HostOptions& options) {
         fmt::format("slow rate is {} Hz, must be at least 1", options.slow_hz));
   }
   check_not_negative("device damping [N s/m]", options.damping_n_s_per_m);
+  check_not_negative("device angular damping [N m s]", options.angular_damping_n_m_s);
   check_not_negative("device delay [s]", options.delay_s);
   check_range("largest force [N]", options.force_max_n, 0.0, kEndless);
   check_range("stall limit [s]", options.stall_s, 0.0, kEndless);
@@ -68,6 +71,14 @@ HostTool::HostTool(const FastConfig& fast, double tick_s, double stall_s)
   state_.config = config_;
 }
 
+HostTool::HostTool(std::unique_ptr<HostContacts> contacts, const FastConfig& fast,
+                   double tick_s, double stall_s)
+    : HostTool(fast, tick_s, stall_s) {
+  contacts_ = std::move(contacts);
+}
+
+HostTool::~HostTool() = default;
+
 void HostTool::take_elements() noexcept {
   while (const Element* element = exchange_.elements.front()) {
     accept(state_, *element);
@@ -77,6 +88,11 @@ void HostTool::take_elements() noexcept {
 }
 
 HostTick HostTool::step(const HostSample& sample) noexcept {
+  if (contacts_ != nullptr) {
+    const HostTick tick = contacts_->step(sample);
+    latest_.write(tick);
+    return tick;
+  }
   const double dt_s = sample.dt_s == 0.0 ? tick_s_ : sample.dt_s;
   take_elements();
   if (!sample.quaternion.allFinite()) {
@@ -108,6 +124,9 @@ HostTick HostTool::step(const HostSample& sample) noexcept {
 }
 
 void HostTool::reset() noexcept {
+  if (contacts_ != nullptr) {
+    contacts_->reset();
+  }
   kept_ = state_.memory.yielded;
   std::construct_at(&state_);
   state_.config = config_;

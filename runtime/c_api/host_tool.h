@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,18 +21,19 @@ struct HostOptions {
   LocalModel model = LocalModel::kPotential;  ///< a passive one
   double metres_per_unit = 1.0;               ///< [m] > 0
   double newtons_per_unit = 1.0;              ///< [N] > 0
-  double position_gain = 1.0;      ///< [-] > 0 movement here per device movement
-  double force_gain = 1.0;         ///< [-] > 0 device force per force here
-  double tick_s = 0.001;           ///< [s] (0, 1]
-  double slow_hz = 100.0;          ///< [Hz] [1, 1000]
-  double damping_n_s_per_m = 0.0;  ///< [N s/m] >= 0 of the device; 0: unknown
-  double delay_s = 0.0;            ///< [s] >= 0 of the device
-  double force_max_n = 8.0;        ///< [N] > 0 at the device
-  double stall_s = 0.5;            ///< [s] > 0 in contact without an element: fault
-  double ramp_s = 0.1;             ///< [s] > 0 to the full force
-  bool own_slow_steps = false;     ///< no slow thread
-  bool limit_stiffness = false;    ///< scale forces instead of refusing
-  bool streamed = false;           ///< the database stays in its file
+  double position_gain = 1.0;          ///< [-] > 0 movement here per device movement
+  double force_gain = 1.0;             ///< [-] > 0 device force per force here
+  double tick_s = 0.001;               ///< [s] (0, 1]
+  double slow_hz = 100.0;              ///< [Hz] [1, 1000]
+  double damping_n_s_per_m = 0.0;      ///< [N s/m] >= 0 of the device; 0: unknown
+  double angular_damping_n_m_s = 0.0;  ///< [N m s] >= 0 of its turns; 0: unknown
+  double delay_s = 0.0;                ///< [s] >= 0 of the device
+  double force_max_n = 8.0;            ///< [N] > 0 at the device
+  double stall_s = 0.5;                ///< [s] > 0 in contact without an element: fault
+  double ramp_s = 0.1;                 ///< [s] > 0 to the full force
+  bool own_slow_steps = false;         ///< no slow thread
+  bool limit_stiffness = false;        ///< scale forces instead of refusing
+  bool streamed = false;               ///< the database stays in its file
 };
 
 /// @throws InputError for the first value out of range.
@@ -42,6 +45,10 @@ struct HostTick {
   FastContact contact;
   double work_j = 0.0;    ///< [J] by the ledger
   double tilt_rad = 0.0;  ///< [rad] [0, pi]
+  // Of a tool with several contacts; else 0.
+  Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();  ///< about the reference point
+  std::int32_t contacts = 0;                             ///< that carry something
+  bool scaled = false;  ///< the coupling is not whole (coupled_contacts.h)
   std::uint64_t ticks = 0;
 };
 
@@ -52,6 +59,8 @@ struct HostSample {
   double dt_s = 0.0;                                     ///< [s] 0: nominal tick
 };
 
+class HostContacts;
+
 /// About 1 MB. Three threads at most: the haptic one calls step() and reset(), the slow
 /// one fetches from exchange().tool and pushes to exchange().elements, one reads
 /// latest(). The haptic functions do not allocate, lock, throw or read a clock.
@@ -59,6 +68,13 @@ class HostTool {
  public:
   /// @param fast valid. @param tick_s, stall_s as in HostOptions.
   HostTool(const FastConfig& fast, double tick_s, double stall_s);
+
+  /// Of several contacts, which the exchange of contacts() serves.
+  HostTool(std::unique_ptr<HostContacts> contacts, const FastConfig& fast,
+           double tick_s, double stall_s);
+  ~HostTool();
+  HostTool(const HostTool&) = delete;
+  HostTool& operator=(const HostTool&) = delete;
 
   HostTick step(const HostSample& sample) noexcept;
 
@@ -75,6 +91,7 @@ class HostTool {
   [[nodiscard]] HostTick latest() noexcept;
 
   [[nodiscard]] RenderExchange& exchange() noexcept { return exchange_; }
+  [[nodiscard]] HostContacts* contacts() noexcept { return contacts_.get(); }
 
  private:
   void take_elements() noexcept;
@@ -86,9 +103,10 @@ class HostTool {
   YieldedSites kept_;  // in a reset
   RenderExchange exchange_;
   TripleBuffer<HostTick> latest_;
-  double silent_s_ = 0.0;       // since the latest element
-  std::int64_t time_ns_ = 0;    // sum of the steps, for the slow process
-  std::uint64_t sequence_ = 0;  // never goes back
+  std::unique_ptr<HostContacts> contacts_;  // null: one contact, by state_
+  double silent_s_ = 0.0;                   // since the latest element
+  std::int64_t time_ns_ = 0;                // sum of the steps, for the slow process
+  std::uint64_t sequence_ = 0;              // never goes back
   std::uint64_t ticks_ = 0;
 };
 

@@ -98,6 +98,8 @@ typedef struct palpate_options {
   /* Local model, of the passive ones: "potential" (NULL), "element", "energy-tank",
    * "equal-energy". */
   const char* model;
+  double device_angular_damping_n_m_s; /* [N m s] > 0, viscous, of turns; 0: unknown,
+                                          turning of several contacts is not checked */
 } palpate_options;
 
 /* The latest tick. Energies are those of the body, not of a scaled device. */
@@ -127,6 +129,11 @@ typedef struct palpate_state {
   /* Of a body that yields; else 0. */
   double yielded_j; /* [J] >= 0 dissipated by dents and softening since the start */
   double dent;      /* [host length] >= 0, depth that stays under the tool */
+  /* Of a tool with several contacts; contact_point, normal and triangle are of the one
+   * that carries most, depth of the deepest. */
+  double torque[3];        /* [host force x host length] about the reference point */
+  int32_t contacts;        /* that carry something */
+  int32_t coupling_scaled; /* 1: some lie too close to be coupled as they are */
 } palpate_state;
 
 typedef struct palpate_body palpate_body;
@@ -174,16 +181,27 @@ PALPATE_API int palpate_slow_failure(palpate_body* body, char* text, size_t text
 
 /* Haptic thread: one tick. Never allocates, locks, throws, waits or reads a clock.
  * position [host length]: of the tool's reference point, a sphere's centre.
- * quat_xyzw: orientation, of any length; NULL or zero: none. Responses are of one
- * orientation: another one changes tilt_rad alone.
- * dt_s: since the last call, at most 1; 0: the nominal tick.
- * Any movement is followed: a host that reads a device refuses wrong readings itself,
- * one of which would be answered with the force of a place where the tool is not.
- * force_out [host force]: on the tool; zero in free space and on a fault.
- * Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero. */
+ * quat_xyzw: orientation, of any length; NULL or zero: none. Responses of one contact
+ * are of one orientation: another one changes tilt_rad alone. dt_s: since the last
+ * call, at most 1; 0: the nominal tick. Any movement is followed: a host that reads a
+ * device refuses wrong readings itself, one of which would be answered with the force
+ * of a place where the tool is not. force_out [host force]: on the tool; zero in free
+ * space and on a fault. Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero.
+ */
 PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
                               const double quat_xyzw[4], double dt_s,
                               double force_out[3]);
+
+/* Haptic thread: palpate_force() with a torque, for tools that touch at several places
+ * (the database says where) and turn. Force and torque are the gradient of one
+ * potential of the pose, with the contacts coupled through the body. Without an
+ * orientation the tool's frame lies along the body's. Of a tool of one contact the
+ * torque is zero: it acts at the reference point. torque_out [host force x host
+ * length]: about the reference point, in the body's frame.
+ */
+PALPATE_API int palpate_wrench(palpate_tool* tool, const double position[3],
+                               const double quat_xyzw[4], double dt_s,
+                               double force_out[3], double torque_out[3]);
 
 /* The haptic thread, or one other, but always the same one: there is one reader. Fills
  * the first struct_size bytes; those of a newer header than the library's with zeros.

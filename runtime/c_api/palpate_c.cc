@@ -140,6 +140,7 @@ HostOptions host_options(const palpate_options* given) {
   take(all.nominal_tick_s, options.tick_s);
   take(all.slow_hz, options.slow_hz);
   take(all.device_damping_n_s_per_m, options.damping_n_s_per_m);
+  take(all.device_angular_damping_n_m_s, options.angular_damping_n_m_s);
   take(all.device_delay_s, options.delay_s);
   take(all.force_max_n, options.force_max_n);
   take(all.stall_s, options.stall_s);
@@ -166,6 +167,30 @@ int status_of(const palpate::FastCommand& command) noexcept {
 void copy(const Eigen::Vector3d& from, double per_unit, double* to) noexcept {
   Eigen::Map<Eigen::Vector3d> view(to);
   view = from / per_unit;
+}
+
+// One tick. @param torque_out may be null.
+int render(palpate_tool* tool, const double* position, const double* quat_xyzw,
+           double dt_s, double* force_out, double* torque_out) noexcept {
+  if (force_out != nullptr) {
+    std::fill_n(force_out, 3, 0.0);
+  }
+  if (tool == nullptr || position == nullptr || force_out == nullptr) {
+    return PALPATE_ERROR_INPUT;
+  }
+  palpate::HostSample sample;
+  sample.position_m =
+      tool->metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position);
+  if (quat_xyzw != nullptr) {
+    sample.quaternion = Eigen::Map<const Eigen::Vector4d>(quat_xyzw);
+  }
+  sample.dt_s = dt_s;
+  const palpate::HostTick tick = tool->tool.step(sample);
+  copy(tick.command.force_n, tool->newtons_per_unit, force_out);
+  if (torque_out != nullptr) {
+    copy(tick.torque_n_m, tool->newtons_per_unit * tool->metres_per_unit, torque_out);
+  }
+  return status_of(tick.command);
 }
 
 }  // namespace
@@ -236,22 +261,20 @@ int palpate_slow_failure(palpate_body* body, char* text, size_t text_bytes) {
 
 int palpate_force(palpate_tool* tool, const double position[3],
                   const double quat_xyzw[4], double dt_s, double force_out[3]) {
+  return render(tool, position, quat_xyzw, dt_s, force_out, nullptr);
+}
+
+int palpate_wrench(palpate_tool* tool, const double position[3],
+                   const double quat_xyzw[4], double dt_s, double force_out[3],
+                   double torque_out[3]) {
   if (force_out != nullptr) {
     std::fill_n(force_out, 3, 0.0);
   }
-  if (tool == nullptr || position == nullptr || force_out == nullptr) {
+  if (torque_out == nullptr) {
     return PALPATE_ERROR_INPUT;
   }
-  palpate::HostSample sample;
-  sample.position_m =
-      tool->metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position);
-  if (quat_xyzw != nullptr) {
-    sample.quaternion = Eigen::Map<const Eigen::Vector4d>(quat_xyzw);
-  }
-  sample.dt_s = dt_s;
-  const palpate::HostTick tick = tool->tool.step(sample);
-  copy(tick.command.force_n, tool->newtons_per_unit, force_out);
-  return status_of(tick.command);
+  std::fill_n(torque_out, 3, 0.0);
+  return render(tool, position, quat_xyzw, dt_s, force_out, torque_out);
 }
 
 double palpate_needed_damping(const palpate_body* body) {
@@ -292,6 +315,9 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.memory_j = tick.command.memory_j;
   all.relaxed_force = tick.command.carried_n / tool->newtons_per_unit;
   all.yielded_j = tick.command.yielded_j;
+  copy(tick.torque_n_m, tool->newtons_per_unit * tool->metres_per_unit, all.torque);
+  all.contacts = tick.contacts;
+  all.coupling_scaled = tick.scaled ? 1 : 0;
   all.dent = tick.command.dent_m / tool->metres_per_unit;
   const std::size_t bytes = all.struct_size;
   std::memcpy(state, &all, std::min(bytes, sizeof(all)));

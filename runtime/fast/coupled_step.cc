@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 
 #include <Eigen/Geometry>
 
@@ -117,7 +118,7 @@ const char* check(const CoupledSet& set, const FastConfig& config) noexcept {
     return "a tool has 1 to 64 contacts";
   }
   if (!is_alone(set) && config.model != LocalModel::kPotential) {
-    return "several contacts are rendered by the potential field alone";
+    return "several contacts are rendered by the model \"potential\" alone";
   }
   return check(config);
 }
@@ -127,6 +128,22 @@ void begin(CoupledState& state) noexcept {
     state.alone->config = state.config;
     state.alone->config.tool_radius_m = state.set.sphere[0].radius_m;
   }
+}
+
+void restart(CoupledState& state) noexcept {
+  if (is_alone(state.set)) {
+    std::construct_at(state.alone);
+    begin(state);
+  }
+  for (int i = 0; i < state.set.count && !is_alone(state.set); ++i) {
+    std::construct_at(&state.surfaces[i]);
+  }
+  std::construct_at(&state.model);
+  state.ledger = {};
+  state.safety = {};
+  state.latest = {};
+  state.sampled = false;
+  state.in_contact = false;
 }
 
 void accept(CoupledState& state, const ContactElement& message) noexcept {

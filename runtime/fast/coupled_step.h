@@ -85,6 +85,9 @@ struct CoupledState {
 /// Gives `alone` its configuration; after config, set, surfaces and alone are set.
 void begin(CoupledState& state) noexcept;
 
+/// Forgets fault, account, places and what was sent; as after begin().
+void restart(CoupledState& state) noexcept;
+
 /// Takes in one element; one with a number that is not finite is a fault, one that
 /// remembers or yields is refused (several contacts).
 void accept(CoupledState& state, const ContactElement& message) noexcept;

@@ -135,7 +135,9 @@ CoupledSet coupled_set(const ResponseDatabase& database,
 ContactStream::ContactStream(const ResponseDatabase& database,
                              std::span<const ResponseTable* const> tools,
                              double force_scale)
-    : database_(database), set_(coupled_set(database, tools)) {
+    : database_(database),
+      set_(coupled_set(database, tools)),
+      force_scale_(force_scale) {
   for (const RadiusTable& table : radius_tables(database, tools)) {
     radius_.push_back(
         {is_alone(set_) ? nullptr : table.compliance,
@@ -154,14 +156,15 @@ ContactElement ContactStream::element(int i, std::int32_t triangle) const {
         database_.body.triangle(triangle, static_cast<Eigen::Index>(a));
     const auto row = radius.compliance->value.row(node);
     for (Eigen::Index k = 0; k < row.size(); ++k) {
-      message.row[a].value[static_cast<std::size_t>(k)] = row(k);
+      message.row[a].value[static_cast<std::size_t>(k)] = static_cast<float>(
+          static_cast<double>(row(k)) / force_scale_);  // of a body as much softer
     }
   }
   return message;
 }
 
 std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_ns,
-                                  ContactFifo& fifo) {
+                                  ContactFifo& fifo, ContactSent& sent) {
   if (!at.position_m.allFinite()) {
     return 0;
   }
@@ -178,13 +181,13 @@ std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_n
   }
   const WantedTriangles wanted =
       wanted_triangles(search, active, walk ? at.triangle : -1);
-  Sent& sent = sent_[self];
+  ContactSent::Contact& last = sent.contact[self];
   const bool same =
-      sent.whole && sent.wanted.count == wanted.count &&
+      last.whole && last.wanted.count == wanted.count &&
       std::equal(wanted.triangle.begin(),
                  wanted.triangle.begin() + static_cast<std::ptrdiff_t>(wanted.count),
-                 sent.wanted.triangle.begin());
-  if (same && (updates_ + self) % kRepeatUpdates != 0) {
+                 last.wanted.triangle.begin());
+  if (same && (sent.updates + self) % ContactSent::kRepeatUpdates != 0) {
     return 0;
   }
   std::size_t pushed = 0;
@@ -195,16 +198,16 @@ std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_n
     message.element.active = t == 0;
     pushed += fifo.push(message) ? 1 : 0;
   }
-  sent = {wanted, pushed == wanted.count};
+  last = {wanted, pushed == wanted.count};
   return pushed;
 }
 
 std::size_t ContactStream::update(const ContactToolState& tool, std::int64_t now_ns,
-                                  ContactFifo& fifo) {
-  ++updates_;
+                                  ContactFifo& fifo, ContactSent& sent) {
+  ++sent.updates;
   std::size_t pushed = 0;
   for (int i = 0; i < std::min(tool.count, set_.count); ++i) {
-    pushed += update(i, tool.contact[static_cast<std::size_t>(i)], now_ns, fifo);
+    pushed += update(i, tool.contact[static_cast<std::size_t>(i)], now_ns, fifo, sent);
   }
   return pushed;
 }

@@ -43,13 +43,23 @@ struct ContactToolState {
 [[nodiscard]] CoupledSet coupled_set(const ResponseDatabase& database,
                                      std::span<const ResponseTable* const> tools);
 
-/// Of a database in memory. Allocates in the constructor only.
+/// What was last sent for each contact of a tool. An element is sent when a contact's
+/// surroundings change, and every kRepeatUpdates updates again: what was dropped, or is
+/// older than the fast process, comes back.
+struct ContactSent {
+  static constexpr std::uint64_t kRepeatUpdates = 8;
+  struct Contact {
+    WantedTriangles wanted;
+    bool whole = false;  ///< nothing of it was dropped
+  };
+  std::array<Contact, kContactsMax> contact;
+  std::uint64_t updates = 0;
+};
+
+/// Of a database in memory, for any number of tools of one kind. Allocates in the
+/// constructor only.
 class ContactStream {
  public:
-  /// An element is sent when a contact's surroundings change, and every so many updates
-  /// again: what was dropped, or is younger than the fast process, comes back.
-  static constexpr std::uint64_t kRepeatUpdates = 8;
-
   /// The database must outlive the stream. @param force_scale [-] (0, 1]
   /// @throws as coupled_set().
   ContactStream(const ResponseDatabase& database,
@@ -60,7 +70,7 @@ class ContactStream {
   /// One slow step of all contacts. @returns messages pushed; what does not fit is
   /// dropped and counted by the ring, and sent again.
   std::size_t update(const ContactToolState& tool, std::int64_t now_ns,
-                     ContactFifo& fifo);
+                     ContactFifo& fifo, ContactSent& sent);
 
   /// The message for one triangle of contact i, without sequence and time.
   [[nodiscard]] ContactElement element(int i, std::int32_t triangle) const;
@@ -72,20 +82,13 @@ class ContactStream {
     std::unique_ptr<ElementStream> elements;
   };
 
-  // What was last sent for a contact.
-  struct Sent {
-    WantedTriangles wanted;
-    bool whole = false;
-  };
-
-  std::size_t update(int i, const ToolState& at, std::int64_t now_ns,
-                     ContactFifo& fifo);
+  std::size_t update(int i, const ToolState& at, std::int64_t now_ns, ContactFifo& fifo,
+                     ContactSent& sent);
 
   const ResponseDatabase& database_;
   CoupledSet set_;
   std::vector<Radius> radius_;
-  std::array<Sent, kContactsMax> sent_;
-  std::uint64_t updates_ = 0;
+  double force_scale_;
   std::uint64_t sequence_ = 0;
 };
 

@@ -96,8 +96,9 @@ TEST(ContactElements, EachContactGetsWhatIsUnderIt) {
   const ResponseDatabase database = padded_plate(3);
   ContactStream stream(database, tools(database, {"pads"}));
   const auto fifo = std::make_unique<ContactFifo>();
+  ContactSent sent_so_far;
   const ContactToolState state = at_height(stream.set(), 0.006);
-  const std::size_t sent = stream.update(state, 7, *fifo);
+  const std::size_t sent = stream.update(state, 7, *fifo, sent_so_far);
   EXPECT_GE(sent, 3U * 7U);
   std::array<int, 3> active{};
   std::size_t taken = 0;
@@ -128,26 +129,27 @@ TEST(ContactElements, AreSentWhenTheyChangeAndNowAndThen) {
   const ResponseDatabase database = padded_plate(3);
   ContactStream stream(database, tools(database, {"pads"}));
   const auto fifo = std::make_unique<ContactFifo>();
+  ContactSent sent_so_far;
   ContactToolState state = at_height(stream.set(), 0.006);
   const auto drain = [&] {
     while (fifo->front() != nullptr) {
       fifo->pop();
     }
   };
-  const std::size_t whole = stream.update(state, 0, *fifo);
+  const std::size_t whole = stream.update(state, 0, *fifo, sent_so_far);
   drain();
   std::size_t again = 0;
-  for (std::uint64_t i = 0; i < ContactStream::kRepeatUpdates; ++i) {
-    again += stream.update(state, 0, *fifo);
+  for (std::uint64_t i = 0; i < ContactSent::kRepeatUpdates; ++i) {
+    again += stream.update(state, 0, *fifo, sent_so_far);
     drain();
   }
   EXPECT_EQ(again, whole);  // each contact once
   for (ToolState& contact : state.contact) {
     contact.position_m.x() += 0.01;
   }
-  EXPECT_GE(stream.update(state, 0, *fifo), whole);
+  EXPECT_GE(stream.update(state, 0, *fifo, sent_so_far), whole);
   state.contact[1].position_m.x() = std::numeric_limits<double>::quiet_NaN();
-  (void)stream.update(state, 0, *fifo);
+  (void)stream.update(state, 0, *fifo, sent_so_far);
 }
 
 // A plate of three pads that comes down on the body, by both processes: each force is
@@ -159,12 +161,13 @@ TEST(ContactElements, RenderACoupledPress) {
   config.model = LocalModel::kPotential;
   CoupledStorage storage(stream.set(), config);
   const auto fifo = std::make_unique<ContactFifo>();
+  ContactSent sent_so_far;
   PortPoses pose;
   CoupledCommand command;
   for (int tick = 0; tick < 2000; ++tick) {
     pose[0].position_m = {0.001, 0.002, 0.007 - 2.5e-6 * tick};
     if (tick % 20 == 0) {
-      (void)stream.update(contact_tool_state(storage.state(), 1), 0, *fifo);
+      (void)stream.update(contact_tool_state(storage.state(), 1), 0, *fifo, sent_so_far);
       while (const ContactElement* message = fifo->front()) {
         accept(storage.state(), *message);
         fifo->pop();

@@ -1,0 +1,35 @@
+#include "runtime/slow/contact_stiffness.h"
+
+#include <Eigen/Cholesky>
+
+namespace palpate {
+
+ContactStiffness contact_stiffness(const ResponseTable& table, const CoupledSet& set,
+                                   double stiffness_n_per_m, std::int64_t node) {
+  ContactStiffness all;
+  const Eigen::Index n = set.count;
+  all.lever_m.resize(n, 3);
+  Eigen::MatrixXd compliance = Eigen::MatrixXd::Identity(n, n) / stiffness_n_per_m;
+  ContactRow row;
+  for (Eigen::Index k = 0; k < table.compliance.value.cols() && node >= 0; ++k) {
+    row.value[static_cast<std::size_t>(k)] = table.compliance.value(node, k);
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto self = static_cast<std::size_t>(i);
+    all.lever_m.row(i) = set.sphere[self].centre_m.transpose();
+    for (Eigen::Index j = 0; j < n && n > 1; ++j) {
+      if (i != j) {
+        compliance(i, j) =
+            reach_m_per_n(row, set.apart[self][static_cast<std::size_t>(j)]);
+      }
+    }
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(compliance);
+  all.n_per_m =
+      factor.info() == Eigen::Success
+          ? Eigen::MatrixXd(factor.solve(Eigen::MatrixXd::Identity(n, n)))
+          : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n) * stiffness_n_per_m);
+  return all;
+}
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+// How stiff the contacts of a tool are together, where its body is stiffest.
+#pragma once
+
+#include "formats/response/response_table.h"
+#include "runtime/device/wrench_margin.h"
+#include "runtime/fast/coupled_set.h"
+
+namespace palpate {
+
+/// All contacts of port 0 on the node with the largest slope k, its row of compliance
+/// between them: (diag(1/k) + C)^-1. Where that is not positive definite, diag(k).
+/// @param set of the table's tool.
+[[nodiscard]] ContactStiffness contact_stiffness(const ResponseTable& table,
+                                                 const CoupledSet& set,
+                                                 double stiffness_n_per_m,
+                                                 std::int64_t node);
+
+}  // namespace palpate

@@ -1,0 +1,197 @@
+// Tools of several contacts through palpate.h.
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "runtime/c_api/palpate.h"
+#include "tests/support/padded_plate.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+struct WrenchAnswer {
+  int status = 0;
+  Triple force{};
+  Triple torque{};
+};
+
+class PalpateWrench : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_database(file_, padded_plate(3));
+    write_database(without_, padded_plate(3, false));
+  }
+  void TearDown() override { palpate_close(body_); }
+
+  static palpate_options options(const char* tool) {
+    palpate_options all{};
+    all.struct_size = sizeof all;
+    all.flags = PALPATE_OWN_SLOW_STEPS;
+    all.tool_name = tool;
+    return all;
+  }
+
+  palpate_tool* open(const palpate_options& options) {
+    palpate_close(body_);
+    body_ = palpate_open(file_.c_str(), &options, error_, sizeof error_);
+    return body_ == nullptr ? nullptr : palpate_tool_add(body_);
+  }
+
+  std::string refusal(const std::string& file, const palpate_options& options) {
+    palpate_body* body = palpate_open(file.c_str(), &options, error_, sizeof error_);
+    EXPECT_EQ(body, nullptr);
+    palpate_close(body);
+    return error_;
+  }
+
+  // Down onto z, turned about y by `turn`; lengths in units of `unit` metres.
+  WrenchAnswer press(palpate_tool* tool, double z, double turn, double unit = 1.0) {
+    const double quaternion[4] = {0.0, 3.0 * std::sin(0.5 * turn), 0.0,
+                                  3.0 * std::cos(0.5 * turn)};
+    WrenchAnswer answer;
+    for (int tick = 0; tick <= 1000; ++tick) {
+      const double at[3] = {0.001 / unit, 0.002 / unit,
+                            (z + 1e-5 * (1000 - tick)) / unit};
+      answer.status = palpate_wrench(tool, at, quaternion, 0.001, answer.force.data(),
+                                     answer.torque.data());
+      if (tick % 10 == 0) {
+        EXPECT_GE(palpate_slow_step(body_), 0);
+      }
+    }
+    return answer;
+  }
+
+  ScratchFolder folder_;
+  std::string file_ = (folder_ / "pads.h5").string();
+  std::string without_ = (folder_ / "without.h5").string();
+  palpate_body* body_ = nullptr;
+  char error_[512] = {};
+};
+
+TEST_F(PalpateWrench, ATurnedToolIsTurnedBack) {
+  palpate_tool* tool = open(options("pads"));
+  ASSERT_NE(tool, nullptr) << error_;
+  const WrenchAnswer flat = press(tool, 0.003, 0.0);
+  EXPECT_EQ(flat.status, PALPATE_CONTACT);
+  EXPECT_GT(flat.force[2], 0.1);
+  EXPECT_NEAR(flat.torque[1], 0.0, 1e-6);  // but for the triangles of the plate
+  palpate_state state{};
+  state.struct_size = sizeof state;
+  palpate_state_get(tool, &state);
+  EXPECT_EQ(state.contacts, 3);
+  EXPECT_EQ(state.coupling_scaled, 0);
+  EXPECT_EQ(state.torque[1], flat.torque[1]);
+  EXPECT_NEAR(state.work_j, state.stored_j + state.tank_j + state.dissipated_j, 1e-12);
+  palpate_reset(tool);
+  // About y, +x goes down, and is pressed up there: a torque that turns it back.
+  const WrenchAnswer turned = press(tool, 0.003, 0.05);
+  EXPECT_EQ(turned.status, PALPATE_CONTACT);
+  EXPECT_LT(turned.torque[1], -1e-4);
+}
+
+TEST_F(PalpateWrench, UnitsAreTheHosts) {
+  const WrenchAnswer metres = press(open(options("pads")), 0.003, 0.05);
+  palpate_options all = options("pads");
+  all.metres_per_unit = 0.001;
+  all.newtons_per_unit = 0.01;
+  const WrenchAnswer other = press(open(all), 0.003, 0.05, 0.001);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(other.force[i], metres.force[i] * 100.0, 1e-8);
+    EXPECT_NEAR(other.torque[i], metres.torque[i] * 1e5, 1e-5);
+  }
+}
+
+TEST_F(PalpateWrench, OneContactIsPalpateForceWithoutTorque) {
+  const WrenchAnswer wrench = press(open(options("ball")), 0.003, 0.3);
+  palpate_tool* tool = open(options("ball"));
+  Triple force{};
+  for (int tick = 0; tick <= 1000; ++tick) {
+    const double at[3] = {0.001, 0.002, 0.003 + 1e-5 * (1000 - tick)};
+    (void)palpate_force(tool, at, nullptr, 0.001, force.data());
+    if (tick % 10 == 0) {
+      EXPECT_GE(palpate_slow_step(body_), 0);
+    }
+  }
+  EXPECT_EQ(wrench.force, force);
+  EXPECT_EQ(wrench.torque, (Triple{0.0, 0.0, 0.0}));
+}
+
+TEST_F(PalpateWrench, RefusesWithASentence) {
+  EXPECT_NE(refusal(without_, options("pads")).find("has no table of compliance"),
+            std::string::npos)
+      << error_;
+  palpate_options streamed = options("pads");
+  streamed.flags |= PALPATE_STREAMED;
+  EXPECT_NE(refusal(file_, streamed).find("without streaming"), std::string::npos)
+      << error_;
+  palpate_options element = options("pads");
+  element.model = "element";
+  palpate_body* body = palpate_open(file_.c_str(), &element, error_, sizeof error_);
+  EXPECT_EQ(body, nullptr);
+  EXPECT_NE(std::string(error_).find("potential"), std::string::npos) << error_;
+  palpate_close(body);
+  palpate_options weak = options("pads");
+  weak.device_damping_n_s_per_m = 0.01;
+  EXPECT_NE(refusal(file_, weak).find("contacts together"), std::string::npos)
+      << error_;
+  weak.flags |= PALPATE_LIMIT_STIFFNESS;
+  const WrenchAnswer limited = press(open(weak), 0.003, 0.0);
+  const WrenchAnswer whole = press(open(options("pads")), 0.003, 0.0);
+  EXPECT_GT(limited.force[2], 0.0);
+  EXPECT_LT(limited.force[2], 0.9 * whole.force[2]);
+}
+
+TEST_F(PalpateWrench, OddCallsAreFaultsOrErrors) {
+  palpate_tool* tool = open(options("pads"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double at[3] = {0.0, 0.0, 0.01};
+  const double odd[4] = {0.0, nan, 0.0, 1.0};
+  WrenchAnswer answer;
+  EXPECT_EQ(palpate_wrench(tool, at, nullptr, 0.001, answer.force.data(), nullptr),
+            PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_wrench(nullptr, at, nullptr, 0.001, answer.force.data(),
+                           answer.torque.data()),
+            PALPATE_ERROR_INPUT);
+  EXPECT_EQ(
+      palpate_wrench(tool, at, odd, 0.001, answer.force.data(), answer.torque.data()),
+      PALPATE_FAULT_NOT_FINITE);
+  palpate_reset(tool);
+  EXPECT_EQ(palpate_wrench(tool, at, nullptr, 0.001, answer.force.data(),
+                           answer.torque.data()),
+            PALPATE_FREE);
+}
+
+TEST_F(PalpateWrench, ACompilerOfCTakesIt) {
+  const ToolRun run = run_tool_process(
+      "c_wrench_host", {file_, "pads", "0.001", "0.002", "0.003", "0.05"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const WrenchAnswer here = press(open(options("pads")), 0.003, 0.05);
+  std::istringstream words(run.out);
+  std::string status;
+  Triple force{};
+  Triple torque{};
+  words >> status;
+  for (double& value : force) {
+    words >> value;
+  }
+  for (double& value : torque) {
+    words >> value;
+  }
+  EXPECT_EQ(status, "contact");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(force[i], here.force[i], 1e-9);
+    EXPECT_NEAR(torque[i], here.torque[i], 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
