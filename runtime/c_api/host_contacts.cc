@@ -90,7 +90,7 @@ HostTick HostContacts::step(const HostSample& sample) noexcept {
   tick.contacts = made.contacts;
   tick.scaled = made.scaled;
   tick.contact = foremost(state);
-  tick.work_j = state.ledger.work_j;
+  tick.work_j = account_of(state).work_j;
   tick.ticks = ++ticks_;
   if (made.fault == 0) {
     exchange_->tool.write(contact_tool_state(state, ++sequence_));

@@ -13,6 +13,7 @@
 #include "runtime/command/commands.h"
 #include "runtime/command/device_options.h"
 #include "runtime/realtime/stop_signals.h"
+#include "runtime/run/contact_run.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
 #include "runtime/run/surface_file.h"
@@ -32,6 +33,8 @@ struct Flags {
   std::vector<std::string> flight_recorders;
   std::vector<std::string> devices;
   bool json = false;
+  bool together = false;
+  ContactRunOptions contacts;
   SurfaceFiles surface;
   SimulationOptions options;
 };
@@ -114,17 +117,74 @@ bool is_streamed(const Flags& flags) {
          (flags.stream == "auto" && !missing && bytes > kStreamFrom);
 }
 
-std::vector<SimulationReport> render(const Flags& flags, const SurfaceState& surface) {
+// @throws InputError for what runs of contacts do not have.
+ContactRunOptions contact_options(const Flags& flags) {
+  const SimulationOptions one = options_of(flags);
+  if (one.real_time || !flags.devices.empty() || !flags.records.empty() ||
+      !flags.flight_recorders.empty()) {
+    throw InputError(
+        "several contacts are simulated in simulated time on simulated devices, and "
+        "recorded by --trace: leave out --clock real, --device, --record and "
+        "--flight-recorder");
+  }
+  if (one.model != LocalModel::kPotential) {
+    throw InputError(fmt::format(
+        "--model {}: several contacts are rendered by the model potential alone",
+        flags.model));
+  }
+  ContactRunOptions options = flags.contacts;
+  options.tools = flags.tools;
+  options.duration_s = one.duration_s;
+  options.fast_hz = one.fast_hz;
+  options.slow_hz = one.slow_hz;
+  options.force_max_n = one.force_max_n;
+  options.ramp_s = one.ramp_s;
+  options.limit_stiffness = one.limit_stiffness;
+  for (std::size_t i = 0; 3 * i + 2 < flags.at_m.size(); ++i) {
+    options.at_m.push_back(*place(flags, i));
+  }
+  return options;
+}
+
+// @returns whether it was a run of several contacts.
+bool run_contacts(const Flags& flags, const ResponseDatabase& database) {
+  if (!is_contact_run(database, flags.tools, flags.together)) {
+    if (!flags.contacts.trace.empty() || !flags.contacts.poses.empty()) {
+      throw InputError(
+          "--trace and --poses are of tools of several contacts, or of two by "
+          "--together");
+    }
+    return false;
+  }
+  const ContactRunReport report =
+      simulate_contacts(database, contact_options(flags), heed_stop_signals());
+  fmt::print("{}", flags.json ? to_json(report) + "\n" : summary(report));
+  if (report.fault != Fault::kNone) {
+    throw DeviceError(fmt::format("ended by a fault: {}", name(report.fault)));
+  }
+  return true;
+}
+
+std::vector<SimulationOptions> tools_on(const Flags& flags,
+                                        const SurfaceState& surface) {
   std::vector<SimulationOptions> tools = tools_of(flags);
   for (SimulationOptions& tool : tools) {
     tool.surface = surface;
   }
-  if (is_streamed(flags)) {
-    const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
-                                                 static_cast<double>(kMebibyte));
-    return simulate_streamed(flags.database, tools, budget, heed_stop_signals());
+  return tools;
+}
+
+std::vector<SimulationReport> render_streamed(const Flags& flags,
+                                              const SurfaceState& surface) {
+  if (flags.together) {
+    throw InputError(
+        "--together: several contacts need the whole database in memory (--stream "
+        "off)");
   }
-  return simulate(read_database(flags.database), tools, heed_stop_signals());
+  const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
+                                               static_cast<double>(kMebibyte));
+  return simulate_streamed(flags.database, tools_on(flags, surface), budget,
+                           heed_stop_signals());
 }
 
 void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
@@ -145,7 +205,16 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
 
 void run(const Flags& flags) {
   const SurfaceState surface = begin_surface(flags.surface, flags.database);
-  const std::vector<SimulationReport> reports = render(flags, surface);
+  std::vector<SimulationReport> reports;
+  if (is_streamed(flags)) {
+    reports = render_streamed(flags, surface);
+  } else {
+    const ResponseDatabase database = read_database(flags.database);
+    if (run_contacts(flags, database)) {
+      return;
+    }
+    reports = simulate(database, tools_on(flags, surface), heed_stop_signals());
+  }
   print(flags, reports);
   leave_surface(flags.surface, surface, reports);
   for (const SimulationReport& report : reports) {
@@ -210,6 +279,21 @@ void add_simulate_command(Command app) {
       .show_default();
   command.add_option("--cpu", options.cpu,
                      "Keep the fast thread on this CPU (--clock real)");
+  command.add_flag("--together", flags->together,
+                   "Two tools press one body together, coupled through it (a pinch)");
+  command.add_option("--trace", flags->contacts.trace,
+                     "Of several contacts: poses, forces and torques of every tick "
+                     "(comma-separated values)");
+  command.add_option("--poses", flags->contacts.poses,
+                     "Of several contacts: replay the poses of such a file");
+  command
+      .add_option("--tilt-rad", flags->contacts.tilt_rad,
+                  "Of several contacts: how far the hand rocks its tool [rad]")
+      .show_default();
+  command
+      .add_option("--turn-rad", flags->contacts.turn_rad,
+                  "Of several contacts: how far it turns it about the normal [rad]")
+      .show_default();
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {

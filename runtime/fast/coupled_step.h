@@ -82,6 +82,12 @@ struct CoupledState {
   return set.count == 1 && set.ports == 1;
 }
 
+/// The ledger that a state goes by.
+[[nodiscard]] inline const PassivityLedger& account_of(
+    const CoupledState& state) noexcept {
+  return is_alone(state.set) ? state.alone->ledger : state.ledger;
+}
+
 /// Gives `alone` its configuration; after config, set, surfaces and alone are set.
 void begin(CoupledState& state) noexcept;
 

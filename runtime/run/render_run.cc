@@ -109,6 +109,12 @@ void prepare_records(PreparedRun& run, const DeviceLimits& limits) {
 // Checks the margin. @param clock of all tools.
 PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
                     Clock& clock) {
+  if (!body.tool.contact.empty()) {
+    throw InputError(
+        fmt::format("tool \"{}\" has {} contacts: it is rendered by simulate without "
+                    "streaming, or by the C interface (palpate_wrench)",
+                    body.tool.name, body.tool.contact.radius_m.size()));
+  }
   PreparedRun run;
   run.config = render_config(options, body.tool);
   SimulationReport& report = run.report;

@@ -1,0 +1,137 @@
+// Runs of tools with several contacts, and of two hands on one body.
+#include "runtime/run/contact_run.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "runtime/run/pose_trace.h"
+#include "runtime/run/render_run.h"
+#include "tests/support/padded_plate.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class ContactRuns : public testing::Test {
+ protected:
+  ContactRunReport run(const ContactRunOptions& options) {
+    return simulate_contacts(database_, options, stop_);
+  }
+  ContactRunOptions options(std::vector<std::string> tools) const {
+    ContactRunOptions o;
+    o.tools = std::move(tools);
+    o.duration_s = 4.0;
+    return o;
+  }
+
+  ResponseDatabase database_ = padded_plate(3);
+  ScratchFolder folder_;
+  std::atomic<bool> stop_ = false;
+};
+
+TEST_F(ContactRuns, PadsAreHeldAndTurned) {
+  const ContactRunReport r = run(options({"pads"}));
+  EXPECT_EQ(r.fault, Fault::kNone);
+  EXPECT_EQ(r.ticks, 8000);
+  EXPECT_GT(r.contact_ticks, 3000);
+  EXPECT_EQ(r.contacts_max, 3);
+  EXPECT_GT(r.torque_max_n_m, 1e-4);
+  EXPECT_GE(r.lowest_work_j, -1e-12);
+  EXPECT_NEAR(r.model_work_j, r.stored_j + r.tank_j + r.dissipated_j, 1e-12);
+  EXPECT_EQ(r.scaled_ticks, 0);
+  EXPECT_TRUE(r.convex);
+  EXPECT_NE(summary(r).find("3 contacts"), std::string::npos);
+}
+
+// Two fingers 14 mm apart: each makes the other's place softer than it is alone.
+TEST_F(ContactRuns, TwoHandsFeelEachOther) {
+  ContactRunOptions both = options({"ball", "ball"});
+  both.at_m = {{-0.007, 0.0, 0.0}, {0.007, 0.0, 0.0}};
+  both.tilt_rad = 0.0;
+  const ContactRunReport coupled = run(both);
+  EXPECT_EQ(coupled.contacts, 2);
+  EXPECT_EQ(coupled.fault, Fault::kNone);
+  EXPECT_GE(coupled.lowest_work_j, -1e-12);
+  ContactRunOptions single = options({"ball"});
+  single.at_m = {both.at_m[0]};
+  const ContactRunReport alone = run(single);
+  EXPECT_EQ(alone.contacts, 1);
+  EXPECT_GT(alone.force_max_n, 1.02 * coupled.force_max_n);
+}
+
+TEST_F(ContactRuns, PosesOfATraceGiveTheSameBits) {
+  ContactRunOptions first = options({"pads"});
+  first.duration_s = 2.0;
+  first.trace = folder_ / "first.csv";
+  const ContactRunReport live = run(first);
+  ContactRunOptions again = options({"pads"});
+  again.poses = first.trace;
+  again.trace = folder_ / "again.csv";
+  const ContactRunReport replayed = run(again);
+  EXPECT_EQ(replayed.ticks, live.ticks);
+  EXPECT_EQ(replayed.model_work_j, live.model_work_j);
+  EXPECT_EQ(replayed.torque_max_n_m, live.torque_max_n_m);
+  EXPECT_EQ(read_text(first.trace), read_text(again.trace));
+  const std::string header =
+      read_text(first.trace).substr(0, read_text(first.trace).find('\n'));
+  EXPECT_NE(header.find("tz1_n_m"), std::string::npos);
+}
+
+TEST_F(ContactRuns, PosesAreCheckedLineByLine) {
+  const auto refusal = [&](const std::string& text) {
+    const auto file = folder_ / "poses.csv";
+    std::ofstream(file) << text;
+    try {
+      (void)read_poses(file, 1);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string head = "time_s,x1_m,y1_m,z1_m,qx1,qy1,qz1,qw1\n";
+  EXPECT_EQ(refusal(head + "0,0,0,0.1,0,0,0,1\n"), "");
+  EXPECT_NE(refusal("time_s,x1_m\n").find("no column \"y1_m\""), std::string::npos);
+  EXPECT_NE(refusal(head + "0,0,0,0.1,0,0,0,nan\n").find("line 2: qw1"),
+            std::string::npos);
+  EXPECT_NE(refusal(head + "0,0,0,0.1,0,0,0,0\n").find("quaternion of zeros"),
+            std::string::npos);
+  EXPECT_NE(refusal(head + "1,0,0,0.1,0,0,0,1\n1,0,0,0.1,0,0,0,1\n").find("must rise"),
+            std::string::npos);
+  EXPECT_NE(refusal(head).find("no poses"), std::string::npos);
+}
+
+TEST_F(ContactRuns, RefuseWhatCannotBeRendered) {
+  const auto refusal = [&](const ContactRunOptions& o) {
+    try {
+      (void)run(o);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  ContactRunOptions weak = options({"pads"});
+  weak.device.damping_n_s_per_m = 0.001;
+  EXPECT_NE(refusal(weak).find("--limit-stiffness"), std::string::npos);
+  weak.limit_stiffness = true;
+  EXPECT_EQ(refusal(weak), "");
+  ContactRunOptions wild = options({"pads"});
+  wild.tilt_rad = 3.0;
+  EXPECT_NE(refusal(wild).find("tilt"), std::string::npos);
+  EXPECT_TRUE(is_contact_run(database_, {"pads"}, false));
+  EXPECT_FALSE(is_contact_run(database_, {"ball", "ball"}, false));
+  EXPECT_TRUE(is_contact_run(database_, {"ball", "ball"}, true));
+  EXPECT_THROW((void)is_contact_run(database_, {"pads", "ball"}, false), InputError);
+  SimulationOptions single;
+  single.tool = "pads";
+  EXPECT_THROW((void)simulate(database_, single, stop_), InputError);
+}
+
+}  // namespace
+}  // namespace palpate
