@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/fast/relaxed_shift.h"
+#include "runtime/fast/coupled_settle.h"
 
 namespace palpate {
 namespace {
@@ -15,24 +15,6 @@ namespace {
 // leap to another sheet of the field.
 constexpr Real kLeap = 4.0;
 constexpr Real kLeapJ = rounding(1e-15, 1e-8);
-// Two solutions of one equilibrium differ by no more than this share of U.
-constexpr Real kSameEnergy = rounding(1e-14, 1e-6);
-
-// What the functions of a tick share.
-struct Tick {
-  CoupledModel& model;
-  CoupledField& scratch;
-  const CoupledSet& set;
-  CoupledSurfaces surfaces;
-
-  [[nodiscard]] int count() const { return set.count; }
-  [[nodiscard]] CoupledContact& contact(int i) const {
-    return model.contact[static_cast<std::size_t>(i)];
-  }
-  [[nodiscard]] CoupledPlace& at(int i) const {
-    return model.field.at[static_cast<std::size_t>(i)];
-  }
-};
 
 // One contact in the move of a tick.
 struct Moved {
@@ -43,62 +25,12 @@ struct Moved {
 };
 using Moves = std::array<Moved, kContactsMax>;
 
-struct Friction {
-  Real coefficient = 0.0;
-  Real presliding_m = 0.0;
-};
-
-Friction friction_of(const FieldPlace& place, const ElementCache& cache) {
-  Friction friction;
-  const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
-  for (std::size_t a = 0; a < 3; ++a) {
-    const Real weight =
-        std::max(Real(0.0), place.frame.weight(static_cast<Eigen::Index>(a)));
-    friction.coefficient += weight * element.node[a].friction;
-    friction.presliding_m += weight * element.node[a].presliding_m;
-  }
-  return friction;
-}
-
-void release(CoupledContact& contact) {
-  contact.friction_n_per_m = 0.0;
-  contact.presliding_m.setZero();
-}
-
-Real springs_j(const Tick& t) {
-  Real sum = 0.0;
-  for (int i = 0; i < t.count(); ++i) {
-    const CoupledContact& contact = t.contact(i);
-    sum += 0.5 * contact.friction_n_per_m * contact.presliding_m.squaredNorm();
-  }
-  return sum;
-}
-
-void read_contacts(const Tick& t) {
-  t.model.touching = false;
-  t.model.loaded = false;
-  for (int i = 0; i < t.count(); ++i) {
-    ContactReading& reading = t.contact(i).reading;
-    reading = read_contact(t.model.field, t.set, t.surfaces, i);
-    t.model.touching = t.model.touching || reading.touching;
-    t.model.loaded = t.model.loaded || reading.loaded;
-  }
-}
-
 // The field at the present places. False: it is another one, C is scaled.
-bool respond(const Tick& t) {
+bool respond(const CoupledTick& t) {
   set_places(t.model.field, t.set, t.surfaces);
   const bool same = settle_contacts(t.model.field, t.set, t.surfaces);
   read_contacts(t);
   return same;
-}
-
-// The field at another delta_0.
-ShiftedEnergy at_shift(const Tick& t, Real shift_m) {
-  t.model.field.shift_m = shift_m;
-  (void)settle_contacts(t.model.field, t.set, t.surfaces);
-  const CoupledContacts& c = t.model.field.equilibrium;
-  return {shift_m, c.energy_j, c.force_n.head(t.count()).sum()};
 }
 
 // What of a place fixes its tangent plane.
@@ -125,7 +57,7 @@ void continue_in(const Tangent& tangent, const CoupledSurface& surface,
 
 // Moves contact i to x, and its spring. Where its place is not sound, scratch gets the
 // one where its rendering goes on.
-void move_contact(const Tick& t, int i, const Vector3& x, Moved& move) {
+void move_contact(const CoupledTick& t, int i, const Vector3& x, Moved& move) {
   FieldPlace& place = t.at(i).place;
   CoupledContact& contact = t.contact(i);
   move.moved_m = x - contact.centre_m;
@@ -159,7 +91,7 @@ void move_contact(const Tick& t, int i, const Vector3& x, Moved& move) {
 }
 
 // Energy with every contact that is not sound continued.
-Real continued_j(const Tick& t, const Moves& moves, Real scale) {
+Real continued_j(const CoupledTick& t, const Moves& moves, Real scale) {
   CoupledField& field = t.scratch;
   field.shift_m = t.model.field.shift_m;
   field.equilibrium.scale = scale;
@@ -189,7 +121,7 @@ Real linear_j(Real energy_before, Real given_j) {
 
 // Moves all contacts. @returns the energy of what was rendered until now, there; the
 // model's field is that of the new places, which may hold another energy.
-Real move(const Tick& t, const PortPoses& pose) {
+Real move(const CoupledTick& t, const PortPoses& pose) {
   CoupledModel& model = t.model;
   const Real energy_before = model.field.equilibrium.energy_j;
   const Real scale = model.field.equilibrium.scale;
@@ -226,7 +158,7 @@ std::int32_t triangle_in(const ElementCache& cache, int slot) {
 
 // Another element for contact i where the rules of potential_model.cc allow it.
 // @returns whether its place changed.
-bool change_element(const Tick& t, int i) {
+bool change_element(const CoupledTick& t, int i) {
   CoupledContact& contact = t.contact(i);
   FieldPlace& place = t.at(i).place;
   const ElementCache& cache = t.surfaces[i].cache;
@@ -259,7 +191,7 @@ bool change_element(const Tick& t, int i) {
   return copied;
 }
 
-bool change_elements(const Tick& t) {
+bool change_elements(const CoupledTick& t) {
   bool changed = false;
   for (int i = 0; i < t.count(); ++i) {
     changed = change_element(t, i) || changed;
@@ -271,110 +203,6 @@ bool change_elements(const Tick& t) {
     }
   }
   return changed;
-}
-
-// The spring of contact i for its force, turned into its tangent plane (23).
-void set_spring(const Tick& t, int i) {
-  CoupledContact& contact = t.contact(i);
-  const FieldPlace& place = t.at(i).place;
-  if (place.slot < 0 || !contact.reading.loaded) {
-    release(contact);
-    return;
-  }
-  const Friction friction = friction_of(place, t.surfaces[i].cache);
-  if (!(friction.coefficient > 0.0 && friction.presliding_m > 0.0)) {
-    release(contact);
-    return;
-  }
-  const Real normal_n = std::max(Real(0.0), t.model.field.equilibrium.force_n(i));
-  const Real before = contact.friction_n_per_m;
-  const Real now = friction.coefficient * normal_n / friction.presliding_m;
-  contact.friction_n_per_m = now;
-  Vector3& stretch = contact.presliding_m;
-  const Real length2 = stretch.squaredNorm();
-  if (!(length2 > 0.0)) {
-    return;
-  }
-  stretch -= stretch.dot(place.frame.normal) * place.frame.normal;
-  const Real in_plane2 = stretch.squaredNorm();
-  const Real kept2 = now > before ? length2 * before / now : length2;
-  const Real limit2 = friction.presliding_m * friction.presliding_m;
-  if (in_plane2 > 0.0) {
-    stretch *= std::sqrt(std::min(kept2, limit2) / in_plane2);
-  }
-}
-
-// Brings the model down to the allowance: springs first, then delta_0.
-void pay(const Tick& t, Real allowed_j) {
-  CoupledField& field = t.model.field;
-  const Real springs = springs_j(t);
-  const Real energy = field.equilibrium.energy_j;
-  if (energy + springs <= allowed_j + kSameEnergy * energy) {
-    return;
-  }
-  const Real kept_j = kPaid * std::max(Real(0.0), allowed_j - energy);
-  const Real part = springs > 0.0 ? std::sqrt(kept_j / springs) : Real(0.0);
-  for (int i = 0; i < t.count(); ++i) {
-    t.contact(i).presliding_m *= part;
-  }
-  if (energy > allowed_j) {
-    const Real force_n = field.equilibrium.force_n.head(t.count()).sum();
-    const Real shift =
-        raised_shift_m({field.shift_m, energy, force_n},
-                       unloading_shift_m(field, t.set), allowed_j, [&](Real shift_m) {
-                         return at_shift(t, shift_m);
-                       });
-    if (!(at_shift(t, shift).energy_j <= allowed_j)) {  // C was scaled on the way
-      (void)at_shift(t, unloading_shift_m(field, t.set));
-    }
-    read_contacts(t);
-  }
-}
-
-// delta_0 sinks back, as in potential_model.cc.
-void recover(const Tick& t, Real unspent_j, Real step_m) {
-  CoupledField& field = t.model.field;
-  if (!t.model.loaded) {
-    field.shift_m = std::min(field.shift_m, unloading_shift_m(field, t.set));
-    return;
-  }
-  if (!(unspent_j > 0.0)) {
-    return;
-  }
-  const CoupledContacts& c = field.equilibrium;
-  const ShiftedEnergy now{field.shift_m, c.energy_j, c.force_n.head(t.count()).sum()};
-  const Real shift = recovered_shift_m(now, step_m, unspent_j, [&](Real shift_m) {
-    return at_shift(t, shift_m);
-  });
-  (void)at_shift(t, shift);
-  read_contacts(t);
-}
-
-// Springs and delta_0 for the present places, and what changed since the work was
-// booked: paid, and booked.
-void settle(const Tick& t, PassivityLedger& ledger, Real recovery_m) {
-  CoupledField& field = t.model.field;
-  for (int i = 0; i < t.count(); ++i) {
-    set_spring(t, i);
-  }
-  note_shortfall(ledger, field.equilibrium.energy_j + springs_j(t));
-  const Real allowed = not_above(allowance_j(ledger));
-  pay(t, allowed);
-  if (field.shift_m > 0.0) {
-    recover(t, allowed - field.equilibrium.energy_j - springs_j(t), recovery_m);
-  }
-  Real keep = t.model.touching ? field.equilibrium.energy_j : Real(0.0);
-  const Real left = allowed - field.equilibrium.energy_j - springs_j(t);
-  if (field.shift_m > 0.0 && left > 0.0 && t.model.touching) {
-    const Real shift = field.shift_m;
-    keep = at_shift(t, 0.0).energy_j;
-    (void)at_shift(t, shift);
-    read_contacts(t);
-  }
-  book_change(ledger, field.equilibrium.energy_j + springs_j(t), keep);
-  if (!t.model.touching && !t.model.loaded) {
-    field.equilibrium.scale = 1.0;
-  }
 }
 
 }  // namespace
@@ -396,7 +224,7 @@ PortWrenches wrenches(const CoupledModel& model, const CoupledSet& set,
 PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
                      CoupledSurfaces surfaces, PassivityLedger& ledger,
                      const PortPoses& pose, Real recovery_m) noexcept {
-  const Tick t{model, scratch, set, surfaces};
+  const CoupledTick t{model, scratch, set, surfaces};
   const Real moved_j = move(t, pose);
   book_work(ledger, moved_j + springs_j(t));
   if (change_elements(t)) {
@@ -415,7 +243,7 @@ Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
   }
   moved.field.equilibrium = model.field.equilibrium;
   moved.field.shift_m = model.field.shift_m;
-  const Tick t{moved, scratch, set, surfaces};
+  const CoupledTick t{moved, scratch, set, surfaces};
   return move(t, pose) + springs_j(t);
 }
 

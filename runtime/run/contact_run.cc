@@ -130,7 +130,7 @@ class ContactRun {
       hand.device->open();
     }
     for (std::int64_t tick = 0; tick < ticks && !stop.load(); ++tick) {
-      if (tick % per_slow == 0) {
+      if (tick > 0 && tick % per_slow == 0) {
         serve();
       }
       if (!turn(tick)) {

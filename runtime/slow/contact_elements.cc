@@ -187,7 +187,9 @@ std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_n
       std::equal(wanted.triangle.begin(),
                  wanted.triangle.begin() + static_cast<std::ptrdiff_t>(wanted.count),
                  last.wanted.triangle.begin());
-  if (same && (sent.updates + self) % ContactSent::kRepeatUpdates != 0) {
+  const auto turns =
+      static_cast<std::uint64_t>(std::min(set_.count, ContactSent::kRepeatUpdates));
+  if (same && sent.updates % turns != self % turns) {
     return 0;
   }
   std::size_t pushed = 0;

@@ -44,10 +44,11 @@ struct ContactToolState {
                                      std::span<const ResponseTable* const> tools);
 
 /// What was last sent for each contact of a tool. An element is sent when a contact's
-/// surroundings change, and every kRepeatUpdates updates again: what was dropped, or is
-/// older than the fast process, comes back.
+/// surroundings change. At every update one contact in turn, of more than 8 every
+/// eighth, is sent again: so that what was dropped comes back, and something always
+/// says that the slow process is there.
 struct ContactSent {
-  static constexpr std::uint64_t kRepeatUpdates = 8;
+  static constexpr int kRepeatUpdates = 8;  ///< at most, until each comes again
   struct Contact {
     WantedTriangles wanted;
     bool whole = false;  ///< nothing of it was dropped

@@ -139,8 +139,10 @@ TEST(ContactElements, AreSentWhenTheyChangeAndNowAndThen) {
   const std::size_t whole = stream.update(state, 0, *fifo, sent_so_far);
   drain();
   std::size_t again = 0;
-  for (std::uint64_t i = 0; i < ContactSent::kRepeatUpdates; ++i) {
-    again += stream.update(state, 0, *fifo, sent_so_far);
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t one = stream.update(state, 0, *fifo, sent_so_far);
+    EXPECT_GT(one, 0U);
+    again += one;
     drain();
   }
   EXPECT_EQ(again, whole);  // each contact once
@@ -167,7 +169,8 @@ TEST(ContactElements, RenderACoupledPress) {
   for (int tick = 0; tick < 2000; ++tick) {
     pose[0].position_m = {0.001, 0.002, 0.007 - 2.5e-6 * tick};
     if (tick % 20 == 0) {
-      (void)stream.update(contact_tool_state(storage.state(), 1), 0, *fifo, sent_so_far);
+      (void)stream.update(contact_tool_state(storage.state(), 1), 0, *fifo,
+                          sent_so_far);
       while (const ContactElement* message = fifo->front()) {
         accept(storage.state(), *message);
         fifo->pop();
