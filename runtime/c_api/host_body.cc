@@ -1,6 +1,5 @@
 #include "runtime/c_api/host_body.h"
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -64,6 +63,7 @@ double contacts_scale(const HostOptions& options, const ContactStiffness& contac
   }
   ContactStiffness felt = contacts;
   felt.n_per_m *= options.position_gain * options.force_gain;
+  felt.friction_n_per_m *= options.position_gain * options.force_gain;
   const WrenchMargin margin =
       wrench_margin(felt, options.damping_n_s_per_m, options.angular_damping_n_m_s,
                     options.tick_s, options.delay_s);
@@ -161,14 +161,13 @@ void HostBody::open_contacts(std::unique_ptr<const ResponseDatabase> database,
   if (const char* wrong = check(set, fast_)) {
     throw InputError(fmt::format("tool \"{}\": {}", table.tool.name, wrong));
   }
-  const RenderedStiffness one = rendered_stiffness(table, fast_.force_max_n);
-  const ContactStiffness contacts =
-      contact_stiffness(table, set, one.normal_n_per_m, one.node);
+  // The contacts share the largest force.
+  const ContactStiffness contacts = contact_stiffness(
+      table, set, rendered_stiffness(table, fast_.force_max_n / set.count));
   force_scale_ = contacts_scale(options_, contacts);
   stiffness_n_per_m_ =
-      std::max(wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
-                   .stiffness_n_per_m,
-               set.count * one.friction_n_per_m);
+      wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
+          .stiffness_n_per_m;
   contact_stream_ = std::make_unique<ContactStream>(*database, tools, force_scale_);
   database_ = std::move(database);
 }

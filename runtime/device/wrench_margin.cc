@@ -29,14 +29,26 @@ std::vector<Eigen::Vector3d> directions() {
   return all;
 }
 
-Matrix6d stiffness_along(const ContactStiffness& contacts, const Eigen::Vector3d& n) {
-  Eigen::MatrixXd jacobian(contacts.lever_m.rows(), 6);
-  for (Eigen::Index i = 0; i < jacobian.rows(); ++i) {
+// Rows (e, r x e) of every contact: how far it moves along e.
+Eigen::MatrixXd jacobian(const ContactStiffness& contacts, const Eigen::Vector3d& e) {
+  Eigen::MatrixXd rows(contacts.lever_m.rows(), 6);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const Eigen::Vector3d r = contacts.lever_m.row(i).transpose();
-    jacobian.row(i).head<3>() = n.transpose();
-    jacobian.row(i).tail<3>() = r.cross(n).transpose();
+    rows.row(i).head<3>() = e.transpose();
+    rows.row(i).tail<3>() = r.cross(e).transpose();
   }
-  return jacobian.transpose() * contacts.n_per_m * jacobian;
+  return rows;
+}
+
+Matrix6d stiffness_along(const ContactStiffness& contacts, const Eigen::Vector3d& n) {
+  const Eigen::MatrixXd along = jacobian(contacts, n);
+  Matrix6d k = along.transpose() * contacts.n_per_m * along;
+  const Eigen::Vector3d side = n.unitOrthogonal();
+  for (const Eigen::Vector3d& e : {side, Eigen::Vector3d(n.cross(side))}) {
+    const Eigen::MatrixXd across = jacobian(contacts, e);
+    k += contacts.friction_n_per_m * across.transpose() * across;
+  }
+  return k;
 }
 
 }  // namespace

@@ -10,8 +10,9 @@ namespace palpate {
 
 /// What turns with a tool, and how stiff its contacts are together.
 struct ContactStiffness {
-  Eigen::MatrixX3d lever_m;  ///< (c x 3) [m] contacts from the reference point
-  Eigen::MatrixXd n_per_m;   ///< (c x c) [N/m] df_i/dd_j, symmetric
+  Eigen::MatrixX3d lever_m;       ///< (c x 3) [m] contacts from the reference point
+  Eigen::MatrixXd n_per_m;        ///< (c x c) [N/m] df_i/dd_j, symmetric
+  double friction_n_per_m = 0.0;  ///< [N/m] >= 0 k_t of each contact's spring
 };
 
 struct WrenchMargin {
@@ -23,10 +24,10 @@ struct WrenchMargin {
 };
 
 /// With the contacts' normals all along n, J_i = (n, r_i x n) and K = sum_ij J_i^T K_ij
-/// J_j: held forces give a hand no energy where B - (T/2 + delay) K is positive
-/// semidefinite (Colgate & Schenkel 1997 in every direction of six axes; Diolaiti et
-/// al. 2006 for the delay). The worst n of those along the axes and diagonals of space,
-/// as the tool may turn.
+/// J_j, and the springs of friction across n: held forces give a hand no energy where B
+/// - (T/2 + delay) K is positive semidefinite (Colgate & Schenkel 1997 in every
+/// direction of six axes; Diolaiti et al. 2006 for the delay). The worst n of those
+/// along the axes and diagonals of space, as the tool may turn.
 /// @param angular_n_m_s [N m s] viscous damping of turns; 0: not known, translations
 /// alone are checked. @param linear_n_s_per_m > 0.
 [[nodiscard]] WrenchMargin wrench_margin(const ContactStiffness& contacts,

@@ -5,8 +5,11 @@
 namespace palpate {
 
 ContactStiffness contact_stiffness(const ResponseTable& table, const CoupledSet& set,
-                                   double stiffness_n_per_m, std::int64_t node) {
+                                   const RenderedStiffness& stiffest) {
+  const double stiffness_n_per_m = stiffest.normal_n_per_m;
+  const std::int64_t node = stiffest.node;
   ContactStiffness all;
+  all.friction_n_per_m = stiffest.friction_n_per_m;
   const Eigen::Index n = set.count;
   all.lever_m.resize(n, 3);
   Eigen::MatrixXd compliance = Eigen::MatrixXd::Identity(n, n) / stiffness_n_per_m;

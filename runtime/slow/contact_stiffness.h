@@ -2,6 +2,7 @@
 #pragma once
 
 #include "formats/response/response_table.h"
+#include "runtime/device/stability_margin.h"
 #include "runtime/device/wrench_margin.h"
 #include "runtime/fast/coupled_set.h"
 
@@ -9,10 +10,9 @@ namespace palpate {
 
 /// All contacts of port 0 on the node with the largest slope k, its row of compliance
 /// between them: (diag(1/k) + C)^-1. Where that is not positive definite, diag(k).
-/// @param set of the table's tool.
+/// @param set of the table's tool. @param stiffest of the table.
 [[nodiscard]] ContactStiffness contact_stiffness(const ResponseTable& table,
                                                  const CoupledSet& set,
-                                                 double stiffness_n_per_m,
-                                                 std::int64_t node);
+                                                 const RenderedStiffness& stiffest);
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ inline constexpr double kPadRadius = 0.005;
 
 /// `pads` spheres in a row along x, 12 mm apart, their middle the reference point.
 inline ToolShape pads(int count) {
-  ToolShape tool = ball(kPadRadius, 0.3, 5e-4);
+  ToolShape tool = ball(kPadRadius, 0.3, 2e-3);
   tool.name = "pads";
   tool.contact.point_m = Points(count, 3);
   for (int i = 0; i < count; ++i) {
@@ -36,7 +36,7 @@ inline ResponseDatabase padded_plate(int count = 3, bool table = true) {
     return 2e4 * d * d;
   };
   ResponseDatabase database =
-      sample_database(plate(0.1, 20), ball(kPadRadius, 0.3, 5e-4), soft, 0.01, 41);
+      sample_database(plate(0.1, 20), ball(kPadRadius, 0.3, 2e-3), soft, 0.01, 41);
   database.tools.push_back(database.tools[0]);
   database.tools[1].tool = pads(count);
   for (ResponseTable& each : database.tools) {

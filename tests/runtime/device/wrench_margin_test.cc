@@ -26,6 +26,17 @@ TEST(WrenchMargin, OneContactIsColgatesBound) {
   EXPECT_NE(why_not_renderable(margin, 0.5, 0.0).find("pressing"), std::string::npos);
 }
 
+// The spring of friction acts across the normal: the larger of the two bounds.
+TEST(WrenchMargin, FrictionIsStiffToo) {
+  ContactStiffness one;
+  one.lever_m = Eigen::MatrixX3d::Zero(1, 3);
+  one.n_per_m = Eigen::MatrixXd::Constant(1, 1, 400.0);
+  one.friction_n_per_m = 300.0;
+  EXPECT_NEAR(wrench_margin(one, 0.5, 0.0, 0.001, 0.0).stiffness_n_per_m, 400.0, 1e-9);
+  one.friction_n_per_m = 900.0;
+  EXPECT_NEAR(wrench_margin(one, 0.5, 0.0, 0.001, 0.0).stiffness_n_per_m, 900.0, 1e-9);
+}
+
 // Two at arms r: 2 k in pressing, 2 k r^2 in turning; coupling softens pressing and
 // stiffens turning.
 TEST(WrenchMargin, LeversTurn) {
