@@ -41,11 +41,28 @@ ContactBody make_contact_body(const BenchBodyOptions& options, double radius_m,
   return made;
 }
 
+void add_modes(ContactBody& body, double share) {
+  body.modes = 2;
+  for (const Element& element : body.body.element) {
+    for (const ElementNode& node : element.node) {
+      ContactRow& row = body.row[static_cast<std::size_t>(node.node)];
+      const double amplitude =
+          std::sqrt(share * static_cast<double>(row.value[0]) / 0.01);
+      const double side = body.body.side_m();
+      row.mode[0] = static_cast<float>(amplitude * (2.0 * node.position_m[0] / side));
+      row.mode[1] = static_cast<float>(
+          amplitude * std::sin(std::numbers::pi * node.position_m[1] / side));
+    }
+  }
+}
+
 CoupledSet make_plate(const ContactBody& body, int contacts, double apart_m,
                       double radius_m) {
   CoupledSet set;
   set.count = contacts;
-  set.knots[0] = body.knots;
+  set.knots = body.knots;
+  set.modes = body.modes;
+  set.added_modes = body.modes / 2;
   const int side = static_cast<int>(std::ceil(std::sqrt(contacts)));
   for (int i = 0; i < contacts; ++i) {
     ContactSphere& sphere = set.sphere[static_cast<std::size_t>(i)];
@@ -61,7 +78,9 @@ CoupledSet make_pinch(const ContactBody& body, double radius_m) {
   CoupledSet set;
   set.count = 2;
   set.ports = 2;
-  set.knots[0] = body.knots;
+  set.knots = body.knots;
+  set.modes = body.modes;
+  set.added_modes = body.modes / 2;
   for (std::size_t i = 0; i < 2; ++i) {
     set.sphere[i].radius_m = radius_m;
     set.sphere[i].port = static_cast<std::int8_t>(i);

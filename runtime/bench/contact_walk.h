@@ -18,6 +18,7 @@ struct ContactBody {
   BenchBody body;
   ComplianceKnots knots;
   std::vector<ContactRow> row;  ///< by node
+  int modes = 0;                ///< of the rows; the first adds, the second subtracts
 };
 
 /// Rows of a half-space whose contact of radius_m is the body's mean curve,
@@ -25,6 +26,10 @@ struct ContactBody {
 /// less by `thickness_m` as a layer of it has: c r (1 - r / thickness).
 [[nodiscard]] ContactBody make_contact_body(const BenchBodyOptions& options,
                                             double radius_m, double thickness_m = 0.2);
+
+/// Gives the rows two modes of this share of c at 1 cm [-]: a tilt along x, and a bulge
+/// along y that subtracts.
+void add_modes(ContactBody& body, double share);
 
 /// A square plate of contacts at heights 0, as many of `side` x `side` as are asked
 /// for; one hand. Finished.

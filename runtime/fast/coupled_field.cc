@@ -104,7 +104,7 @@ void evaluate_curves(void* of, CoupledContacts& c, bool energy) {
   }
 }
 
-// The distance between contacts of two ports, among the knots of the first, and the
+// The distance between contacts of two ports, among the knots, and the
 // unit vector from the second to the first.
 struct Apart {
   ComplianceWeights at;
@@ -115,8 +115,7 @@ Apart apart(const CoupledField& field, const CoupledSet& set, std::size_t i,
             std::size_t j) {
   const Vector3 between = foot_m(field.at[i].place) - foot_m(field.at[j].place);
   const Real r = between.norm();
-  const auto table = static_cast<std::size_t>(set.sphere[i].table);
-  return {compliance_weights(set.knots[table], static_cast<double>(r)),
+  return {compliance_weights(set.knots, static_cast<double>(r)),
           r > 0.0 ? Vector3(between / r) : Vector3::Zero()};
 }
 
@@ -156,6 +155,47 @@ Real reach_slope(const CoupledField& field, const CoupledSet& set,
   return slope;
 }
 
+Real sign_of(const CoupledSet& set, int mode) {
+  return mode < set.added_modes ? Real(1.0) : Real(-1.0);
+}
+
+// b of every contact at its place.
+void read_modes(CoupledField& field, const CoupledSet& set) {
+  for (Index i = 0; i < set.count && set.modes > 0; ++i) {
+    const CoupledPlace& at = field.at[static_cast<std::size_t>(i)];
+    for (int m = 0; m < set.modes; ++m) {
+      Real b = 0.0;
+      for (std::size_t a = 0; a < 3 && at.slot >= 0; ++a) {
+        b += weight_of(at.place, a) * at.signed_mode(m, static_cast<Index>(a));
+      }
+      field.mode(i, m) = sign_of(set, m) * b;
+    }
+  }
+}
+
+// What modes add to C_ij.
+Real coupling_by_modes(const CoupledField& field, const CoupledSet& set, Index i,
+                       Index j) {
+  Real sum = 0.0;
+  for (int m = 0; m < set.modes; ++m) {
+    sum += sign_of(set, m) * field.mode(i, m) * field.mode(j, m);
+  }
+  return sum;
+}
+
+// Displacement of contact i's nodes by the others' forces, as modes have it [m].
+Vector3 sunk_by_modes_m(const CoupledField& field, const CoupledSet& set, Index i) {
+  const auto f = field.equilibrium.force_n.head(set.count).matrix();
+  Vector3 sunk = Vector3::Zero();
+  for (int m = 0; m < set.modes; ++m) {
+    const Real others = field.mode.col(m).head(set.count).dot(f) -
+                        field.mode(i, m) * field.equilibrium.force_n(i);
+    sunk +=
+        others * field.at[static_cast<std::size_t>(i)].signed_mode.row(m).transpose();
+  }
+  return sunk;
+}
+
 // dU/dn_1 and dU/dn_2 by the change of distance to contacts of other ports.
 Vector2 distance_slope_j(const CoupledField& field, const CoupledSet& set,
                          CoupledSurfaces surfaces, std::size_t i) {
@@ -185,6 +225,9 @@ bool store(CoupledSurface& surface, const ContactElement& message) noexcept {
   float sum = 0.0F;
   for (const ContactRow& row : message.row) {
     for (const float value : row.value) {
+      sum += 0.0F * value;
+    }
+    for (const float value : row.mode) {
       sum += 0.0F * value;
     }
   }
@@ -221,6 +264,10 @@ void enter(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
     const Eigen::Map<const Vector3> u(node.direction.data());
     at.lean[a] = node.samples > 0 ? std::abs(n.dot(u)) : Real(0.0);
     at.touch_m[a] = node.touch_offset_m;
+    for (int m = 0; m < set.modes; ++m) {
+      const Real b = row[a].mode[static_cast<std::size_t>(m)];
+      at.signed_mode(m, static_cast<Index>(a)) = m < set.added_modes ? b : -b;
+    }
     for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
       const bool couples = j != self && of_one_port(set, self, j);
       at.reach(static_cast<Index>(j), static_cast<Index>(a)) =
@@ -251,9 +298,11 @@ void set_places(CoupledField& field, const CoupledSet& set,
              (0.5 * weight_of(at.place, 1)) * at.reach.col(1).head(n) +
              (0.5 * weight_of(at.place, 2)) * at.reach.col(2).head(n);
   }
+  read_modes(field, set);
   for (Index j = 0; j < n; ++j) {
     for (Index i = 0; i < j; ++i) {
-      const Real both = c.compliance_m_per_n(i, j) + c.compliance_m_per_n(j, i);
+      const Real both = c.compliance_m_per_n(i, j) + c.compliance_m_per_n(j, i) +
+                        coupling_by_modes(field, set, i, j);
       c.compliance_m_per_n(i, j) = both;
       c.compliance_m_per_n(j, i) = both;
     }
@@ -306,10 +355,11 @@ ContactReading read_contact(CoupledField& field, const CoupledSet& set,
     reading.force_n = f * at.place.frame.normal;
     return reading;
   }
-  // Of the rows: 1/2 of each of C_ij's two, so all of it with f_i f_j / 2 twice.
-  const Vector3 sunk =
+  // A row is half of C_ij, a mode's product all of it.
+  const Vector3 rows =
       at.reach.topRows(set.count).transpose() * c.force_n.head(set.count).matrix();
-  slope -= at.place.frame.turn.transpose() * ((0.5 * c.scale * f) * sunk);
+  const Vector3 sunk = 0.5 * rows + sunk_by_modes_m(field, set, i);
+  slope -= at.place.frame.turn.transpose() * ((c.scale * f) * sunk);
   if (set.ports > 1) {
     slope += distance_slope_j(field, set, surfaces, self);
   }

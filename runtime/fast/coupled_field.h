@@ -54,6 +54,8 @@ struct CoupledPlace {
   std::array<Real, 3> touch_m{};
   /// [m/N] c_a(r_ij) of its node a (column) at contact j (row).
   Eigen::Matrix<Real, kContactsMax, 3> reach;
+  /// [m^1/2 N^-1/2] s_m b_m of its nodes (columns).
+  Eigen::Matrix<Real, kMostModes, 3> signed_mode;
 };
 
 using CoupledPlaces = std::array<CoupledPlace, kContactsMax>;
@@ -66,6 +68,8 @@ struct CoupledField {
   CoupledPlaces at;
   CoupledContacts equilibrium;
   Real shift_m = 0.0;  ///< [m] delta_0 >= 0 of all contacts
+  /// b of the contacts (rows) at their places.
+  Eigen::Matrix<Real, kContactsMax, kMostModes> mode;
 };
 
 /// Reads what is fixed for the element that contact i is in, if that is another one.

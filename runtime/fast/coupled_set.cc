@@ -37,18 +37,23 @@ const char* finish(CoupledSet& set) noexcept {
     if (at.port < 0 || at.port >= set.ports) {
       return "a contact belongs to a hand that is not there";
     }
-    if (at.table < 0 || at.table >= kComplianceTables ||
-        (set.count > 1 && set.knots[static_cast<std::size_t>(at.table)].count == 0)) {
-      return "several contacts need a table of compliance for each radius";
+    if (at.table < 0 || at.table >= kResponseTables) {
+      return "contacts have too many radii";
     }
+  }
+  if (set.count > 1 && set.knots.count < kFewestKnots) {
+    return "several contacts need a table of compliance";
+  }
+  if (set.modes < 0 || set.modes > static_cast<int>(kMostModes) ||
+      set.added_modes < 0 || set.added_modes > set.modes) {
+    return "a table of compliance has 0 to 16 modes";
   }
   for (int i = 0; i < set.count && set.count > 1; ++i) {
     const ContactSphere& a = set.sphere[static_cast<std::size_t>(i)];
-    const ComplianceKnots& knots = set.knots[static_cast<std::size_t>(a.table)];
     for (int j = 0; j < set.count; ++j) {
       const ContactSphere& b = set.sphere[static_cast<std::size_t>(j)];
       set.apart[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
-          compliance_weights(knots,
+          compliance_weights(set.knots,
                              static_cast<double>((a.centre_m - b.centre_m).norm()));
     }
   }

@@ -7,7 +7,10 @@
 // Compliance: with n_a the area coordinates of a contact's place and the nodes' rows of
 // compliance_row.h, c_i = sum n_a c_a and
 //
-//   C_ij = (c_i(r_ij) + c_j(r_ij)) / 2.
+//   C_ij = (c_i(r_ij) + c_j(r_ij)) / 2 + sum_m s_m b_im b_jm,
+//
+// b_m the modes by which parts of the body move as a whole, blended likewise. All
+// contacts read one table: what couples them is the body's.
 #pragma once
 
 #include <array>
@@ -24,7 +27,7 @@ namespace palpate {
 
 constexpr int kPortsMax = 2;
 constexpr int kComplianceKnots = 32;  ///< at most
-constexpr int kComplianceTables = 8;  ///< of distinct radii, at most
+constexpr int kResponseTables = 8;    ///< of distinct radii, at most
 
 /// Where a port is: x = position + rotation p of a point p of its frame.
 struct PortPose {
@@ -36,12 +39,13 @@ struct ContactSphere {
   Vector3 centre_m = Vector3::Zero();  ///< [m] in the port's frame
   Real radius_m = 0.0;                 ///< [m] >= 0
   std::int8_t port = 0;                ///< [0, kPortsMax)
-  std::int8_t table = 0;               ///< [0, kComplianceTables) of its radius
+  std::int8_t table = 0;               ///< [0, kResponseTables) of its responses
 };
 
-/// One node's row, v of compliance_row.h; beyond its knots 0.
+/// One node's row and modes, v and b of compliance_row.h; beyond their numbers 0.
 struct ContactRow {
   std::array<float, kMostKnots> value{};
+  std::array<float, kMostModes> mode{};
 };
 
 /// c(r) of a row [m/N]. @param at of r.
@@ -59,8 +63,10 @@ struct CoupledSet {
   int count = 0;  ///< [1, kContactsMax]
   int ports = 1;  ///< [1, kPortsMax]
   std::array<ContactSphere, kContactsMax> sphere;
-  std::array<ComplianceKnots, kComplianceTables> knots;
-  /// (i, j) of one port: their distance among the knots of i.
+  ComplianceKnots knots;  ///< without: contacts do not couple
+  int modes = 0;          ///< [0, kMostModes]
+  int added_modes = 0;    ///< the first of them, [0, modes]
+  /// (i, j) of one port: their distance among the knots.
   std::array<std::array<ComplianceWeights, kContactsMax>, kContactsMax> apart;
   /// [m] > 0 Longest way from each port's reference point to the far side of a contact:
   /// turns a torque into a force; 1 m where there is none.

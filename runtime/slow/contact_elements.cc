@@ -1,6 +1,7 @@
 #include "runtime/slow/contact_elements.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -12,35 +13,27 @@
 namespace palpate {
 namespace {
 
-// Responses that one radius of a tool needs.
-struct RadiusTable {
-  const ResponseTable* responses = nullptr;
-  const ComplianceTable* compliance = nullptr;
-};
-
 const ResponseTable& table_of_radius(const ResponseDatabase& database,
                                      const ResponseTable& tool, std::size_t radius) {
   return radius == 0 ? tool : find_tool(database, table_name(tool.tool.name, radius));
 }
 
-std::vector<RadiusTable> radius_tables(const ResponseDatabase& database,
-                                       std::span<const ResponseTable* const> tools) {
-  std::vector<RadiusTable> tables;
+// Responses of every radius that occurs, tool by tool.
+std::vector<const ResponseTable*> radius_tables(
+    const ResponseDatabase& database, std::span<const ResponseTable* const> tools) {
+  std::vector<const ResponseTable*> tables;
   for (const ResponseTable* tool : tools) {
     const std::size_t radii =
         tool->tool.contact.empty() ? 1 : distinct_radii(tool->tool.contact).size();
     for (std::size_t i = 0; i < radii; ++i) {
-      const ResponseTable& responses = table_of_radius(database, *tool, i);
-      tables.push_back({&responses, responses.compliance.empty()
-                                        ? &tool->compliance
-                                        : &responses.compliance});
+      tables.push_back(&table_of_radius(database, *tool, i));
     }
   }
-  if (tables.size() > static_cast<std::size_t>(kComplianceTables)) {
+  if (tables.size() > static_cast<std::size_t>(kResponseTables)) {
     throw InputError(
         fmt::format("contacts have {} radii, must have {} at most: give spheres of "
                     "nearly one size the same radius",
-                    tables.size(), kComplianceTables));
+                    tables.size(), kResponseTables));
   }
   return tables;
 }
@@ -71,16 +64,16 @@ void add_spheres(const ToolShape& tool, std::size_t port, std::size_t table,
   }
 }
 
-void check_renderable(const RadiusTable& table, int contacts) {
-  const std::string& name = table.responses->tool.name;
-  if (table.compliance->empty()) {
+void check_renderable(const ResponseTable& tool, int contacts) {
+  const std::string& name = tool.tool.name;
+  if (tool.compliance.empty()) {
     throw InputError(fmt::format(
         "tool \"{}\" has no table of compliance, which {} contacts on one body need: "
         "build the database again with palpate-precompute from a scene whose [[tool]] "
         "has shape = \"spheres\" or compliance = true",
         name, contacts));
   }
-  if (table.responses->viscoelasticity.remembers()) {
+  if (tool.viscoelasticity.remembers()) {
     throw InputError(
         fmt::format("tool \"{}\" relaxes or yields, and {} contacts are rendered of "
                     "elastic responses alone: build the scene without that, or use a "
@@ -90,6 +83,20 @@ void check_renderable(const RadiusTable& table, int contacts) {
 }
 
 }  // namespace
+
+ContactRow contact_row(const ComplianceTable& table, std::int64_t node,
+                       double force_scale) {
+  ContactRow row;
+  const auto softer = static_cast<float>(1.0 / force_scale);
+  const auto root = static_cast<float>(1.0 / std::sqrt(force_scale));
+  for (Eigen::Index k = 0; k < table.value.cols(); ++k) {
+    row.value[static_cast<std::size_t>(k)] = softer * table.value(node, k);
+  }
+  for (Eigen::Index m = 0; m < table.mode.cols(); ++m) {
+    row.mode[static_cast<std::size_t>(m)] = root * table.mode(node, m);
+  }
+  return row;
+}
 
 ContactToolState contact_tool_state(const CoupledState& state,
                                     std::uint64_t ticks) noexcept {
@@ -115,16 +122,21 @@ CoupledSet coupled_set(const ResponseDatabase& database,
   }
   CoupledSet set;
   set.ports = static_cast<int>(tools.size());
-  const std::vector<RadiusTable> tables = radius_tables(database, tools);
+  (void)radius_tables(database, tools);
   std::size_t first = 0;
   for (std::size_t port = 0; port < tools.size(); ++port) {
     const ToolShape& tool = tools[port]->tool;
     add_spheres(tool, port, first, set);
     first += tool.contact.empty() ? 1 : distinct_radii(tool.contact).size();
   }
-  for (std::size_t i = 0; i < tables.size() && !is_alone(set); ++i) {
-    check_renderable(tables[i], set.count);
-    set.knots[i] = knots_of(*tables[i].compliance);
+  if (!is_alone(set)) {
+    for (const ResponseTable* tool : tools) {
+      check_renderable(*tool, set.count);
+    }
+    const ComplianceTable& body = tools.front()->compliance;
+    set.knots = knots_of(body);
+    set.modes = static_cast<int>(body.modes());
+    set.added_modes = static_cast<int>(body.added_modes);
   }
   if (const char* wrong = finish(set)) {
     throw InputError(fmt::format("contacts: {}", wrong));
@@ -137,28 +149,23 @@ ContactStream::ContactStream(const ResponseDatabase& database,
                              double force_scale)
     : database_(database),
       set_(coupled_set(database, tools)),
+      compliance_(is_alone(set_) ? nullptr : &tools.front()->compliance),
       force_scale_(force_scale) {
-  for (const RadiusTable& table : radius_tables(database, tools)) {
+  for (const ResponseTable* responses : radius_tables(database, tools)) {
     radius_.push_back(
-        {is_alone(set_) ? nullptr : table.compliance,
-         std::make_unique<ElementStream>(database, *table.responses, force_scale)});
+        std::make_unique<ElementStream>(database, *responses, force_scale));
   }
 }
 
 ContactElement ContactStream::element(int i, std::int32_t triangle) const {
   const ContactSphere& sphere = set_.sphere[static_cast<std::size_t>(i)];
-  const Radius& radius = radius_[static_cast<std::size_t>(sphere.table)];
   ContactElement message;
   message.contact = i;
-  message.element = radius.elements->element(triangle);
-  for (std::size_t a = 0; a < 3 && radius.compliance != nullptr; ++a) {
-    const std::int32_t node =
-        database_.body.triangle(triangle, static_cast<Eigen::Index>(a));
-    const auto row = radius.compliance->value.row(node);
-    for (Eigen::Index k = 0; k < row.size(); ++k) {
-      message.row[a].value[static_cast<std::size_t>(k)] = static_cast<float>(
-          static_cast<double>(row(k)) / force_scale_);  // of a body as much softer
-    }
+  message.element = radius_[static_cast<std::size_t>(sphere.table)]->element(triangle);
+  for (std::size_t a = 0; a < 3 && compliance_ != nullptr; ++a) {
+    message.row[a] = contact_row(
+        *compliance_, database_.body.triangle(triangle, static_cast<Eigen::Index>(a)),
+        force_scale_);
   }
   return message;
 }
@@ -169,8 +176,7 @@ std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_n
     return 0;
   }
   const auto self = static_cast<std::size_t>(i);
-  const Radius& radius = radius_[static_cast<std::size_t>(set_.sphere[self].table)];
-  const SurfaceSearch& search = radius.elements->search();
+  const SurfaceSearch& search = radius_.front()->search();
   const bool walk =
       at.in_contact && at.triangle >= 0 && at.triangle < database_.body.triangle.rows();
   const std::int32_t active =

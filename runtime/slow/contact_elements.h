@@ -35,9 +35,15 @@ struct ContactToolState {
 [[nodiscard]] ContactToolState contact_tool_state(const CoupledState& state,
                                                   std::uint64_t ticks) noexcept;
 
+/// The row of a node, of a body whose forces are multiplied by force_scale: as much
+/// softer. @param force_scale [-] (0, 1]
+[[nodiscard]] ContactRow contact_row(const ComplianceTable& table, std::int64_t node,
+                                     double force_scale);
+
 /// The contacts of tools that press one body together, each in a hand of its own. A
 /// tool without a contact set is one sphere of its nominal radius.
-/// @param tools (1 to kPortsMax) of the database.
+/// @param tools (1 to kPortsMax) of the database. The first one's table of compliance
+/// couples all.
 /// @throws InputError, in one sentence, where there are several contacts and a tool has
 /// no table of compliance, or relaxes or yields; or too many contacts or radii.
 [[nodiscard]] CoupledSet coupled_set(const ResponseDatabase& database,
@@ -77,18 +83,13 @@ class ContactStream {
   [[nodiscard]] ContactElement element(int i, std::int32_t triangle) const;
 
  private:
-  // Responses of one radius.
-  struct Radius {
-    const ComplianceTable* compliance = nullptr;  // null: one contact
-    std::unique_ptr<ElementStream> elements;
-  };
-
   std::size_t update(int i, const ToolState& at, std::int64_t now_ns, ContactFifo& fifo,
                      ContactSent& sent);
 
   const ResponseDatabase& database_;
   CoupledSet set_;
-  std::vector<Radius> radius_;
+  const ComplianceTable* compliance_;                   // null: one contact
+  std::vector<std::unique_ptr<ElementStream>> radius_;  // responses of each
   double force_scale_;
   std::uint64_t sequence_ = 0;
 };

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "runtime/slow/contact_elements.h"
+
 namespace palpate {
 
 ContactStiffness contact_stiffness(const ResponseTable& table, const CoupledSet& set,
@@ -13,17 +15,17 @@ ContactStiffness contact_stiffness(const ResponseTable& table, const CoupledSet&
   const Eigen::Index n = set.count;
   all.lever_m.resize(n, 3);
   Eigen::MatrixXd compliance = Eigen::MatrixXd::Identity(n, n) / stiffness_n_per_m;
-  ContactRow row;
-  for (Eigen::Index k = 0; k < table.compliance.value.cols() && node >= 0; ++k) {
-    row.value[static_cast<std::size_t>(k)] = table.compliance.value(node, k);
-  }
+  const ContactRow row =
+      n > 1 && node >= 0 ? contact_row(table.compliance, node, 1.0) : ContactRow{};
+  const double together = coupling_by_modes(row.mode, row.mode, kMostModes,
+                                            static_cast<std::size_t>(set.added_modes));
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto self = static_cast<std::size_t>(i);
     all.lever_m.row(i) = set.sphere[self].centre_m.transpose();
     for (Eigen::Index j = 0; j < n && n > 1; ++j) {
       if (i != j) {
         compliance(i, j) =
-            reach_m_per_n(row, set.apart[self][static_cast<std::size_t>(j)]);
+            reach_m_per_n(row, set.apart[self][static_cast<std::size_t>(j)]) + together;
       }
     }
   }

@@ -103,7 +103,8 @@ void expect_gradient(CoupledState& state, const PortPoses& pose,
 }
 
 TEST(CoupledStep, WrenchIsTheGradientOfThePotential) {
-  const ContactBody body = make_contact_body(rough(), kRadiusM);
+  ContactBody body = make_contact_body(rough(), kRadiusM);
+  add_modes(body, 0.3);
   for (const int contacts : {2, 4, 16}) {
     const CoupledSet set = make_plate(body, contacts, 0.006, kRadiusM);
     CoupledStorage storage(set, free_of_clamps());
@@ -127,7 +128,8 @@ TEST(CoupledStep, WrenchIsTheGradientOfThePotential) {
 }
 
 TEST(CoupledStep, TwoHandsFeelOnePotential) {
-  const ContactBody body = make_contact_body(rough(), kRadiusM);
+  ContactBody body = make_contact_body(rough(), kRadiusM);
+  add_modes(body, 0.3);
   CoupledStorage storage(make_pinch(body, kRadiusM), free_of_clamps());
   CoupledState& state = storage.state();
   PoseWalk walk(body, 2, {.reach_m = 0.004, .apart_m = 0.009, .seed = 2});
@@ -154,7 +156,8 @@ TEST(CoupledStep, PoseWalksNeverGetEnergy) {
   const char* longer = std::getenv("PALPATE_LONG_WALK");
   const std::int64_t ticks = longer != nullptr ? std::atoll(longer) : 100000;
   for (const double friction : {0.0, 0.6}) {
-    const ContactBody body = make_contact_body(rough(friction), kRadiusM);
+    ContactBody body = make_contact_body(rough(friction), kRadiusM);
+    add_modes(body, 0.3);
     CoupledStorage storage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
     CoupledState& state = storage.state();
     PoseWalk walk(body, 1, {.seed = 7});
@@ -301,6 +304,25 @@ TEST(CoupledStep, CouplingMakesThePlateSofter) {
   EXPECT_LT(delta, 0.001 - 0.1 * a * 0.001 / 0.006);
   EXPECT_NEAR(command.wrench[0].torque_n_m.norm(), 0.0, 1e-12);
   EXPECT_EQ(command.contacts, 4);
+}
+
+// Modes alone: the bulge that subtracts pulls the others' surface up, the tilt that
+// adds sinks it; C_ij = s b_i b_j to the last digits of the stored floats.
+TEST(CoupledStep, ModesCoupleWhateverTheDistance) {
+  ContactBody body = make_contact_body({}, kRadiusM);
+  add_modes(body, 0.3);
+  for (ContactRow& row : body.row) {
+    row.value.fill(0.0F);
+    row.mode = {2e-2F, 1e-2F};
+  }
+  CoupledStorage storage(make_plate(body, 2, 0.006, kRadiusM), free_of_clamps());
+  PortPoses pose;
+  pose[0].position_m = {0.03, 0.03, kRadiusM - 0.001};
+  const CoupledCommand command = press(storage.state(), body, pose);
+  const double f = 0.5 * command.wrench[0].force_n.z();
+  const auto curve = body.body.element[0].node[0].curve();
+  EXPECT_NEAR(curve.at(0.001 - (4e-4 - 1e-4) * f).force_n, f, 1e-8);
+  EXPECT_GT(f, 0.01);
 }
 
 TEST(CoupledStep, OddNumbersAreFaults) {
