@@ -28,13 +28,12 @@ TEST(SceneContacts, SpheresShareARadius) {
 }
 
 TEST(SceneContacts, SpheresOfTwoRadiiArePressedByBoth) {
-  const Scene scene = read_scene_text(scene_with(
-      kSphere, kThree + std::string("radius_m = [0.003, 0.002, 0.003]\n"
-                                    "friction = 0.2\npresliding_m = 1e-4\n")));
+  const Scene scene = read_scene_text(
+      scene_with(kSphere, kThree + std::string("radius_m = [0.003, 0.002, 0.003]\n")));
   ASSERT_EQ(scene.tool.size(), 2u);
   EXPECT_EQ(scene.tool[1].name, scene.tool[0].name + ".2");
   EXPECT_EQ(scene.tool[1].radius_m, 0.002);
-  EXPECT_EQ(scene.tool[1].friction, 0.2);
+  EXPECT_EQ(scene.tool[1].friction, 0.3);
   EXPECT_TRUE(scene.tool[1].contact.empty());
   EXPECT_EQ(scene.tool_couples, std::vector<bool>(2, true));
   EXPECT_EQ(scene.tool_yielding.size(), 2u);
@@ -42,7 +41,7 @@ TEST(SceneContacts, SpheresOfTwoRadiiArePressedByBoth) {
 }
 
 TEST(SceneContacts, ASphereCouplesIfAsked) {
-  const auto couples = [](const std::string& keys) {
+  const auto couples = [](const std::string& keys) -> bool {
     return read_scene_text(scene_with(kSphere, kSphere + keys)).tool_couples.at(0);
   };
   EXPECT_TRUE(couples("compliance = true\n"));

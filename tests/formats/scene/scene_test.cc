@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "transversely-isotropic"},
         Mistake{"\"sphere\"", "\"needle\"",
                 ":17: shape \"needle\" in [[tool]] is not available; available: "
-                "sphere, flat-punch, cone, capsule, mesh"},
+                "sphere, spheres, flat-punch, cone, capsule, mesh"},
         Mistake{"\"fixed\"", "\"sliding\"",
                 ":13: kind \"sliding\" in [[support]] is not available; available: "
                 "fixed, foundation"},
