@@ -175,13 +175,37 @@ TEST(CoupledStep, PoseWalksNeverGetEnergy) {
     EXPECT_NEAR(imbalance_j(state.ledger), 0.0,
                 1e-12 * std::sqrt(static_cast<double>(ticks) / 1e5));
     EXPECT_GT(together, ticks / 10);
-    if (friction == 0.0) {
-      EXPECT_EQ(state.ledger.interventions, 0U);
-      EXPECT_EQ(state.model.field.equilibrium.scale, 1.0);
-    } else {
+    EXPECT_EQ(state.ledger.interventions, 0U);  // friction asks nothing of it
+    EXPECT_EQ(state.model.field.equilibrium.scale, 1.0);
+    if (friction > 0.0) {
       EXPECT_GT(account.net_j, 1e-5);
     }
   }
+}
+
+// Each contact slides with mu times the force that the others leave it.
+TEST(CoupledStep, SlidingFrictionIsCoulombsOfEachContact) {
+  BenchBodyOptions options;
+  options.friction_min = options.friction_max = 0.4;
+  const ContactBody body = make_contact_body(options, kRadiusM);
+  CoupledStorage storage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
+  CoupledState& state = storage.state();
+  PortPoses pose;
+  pose[0].position_m = {0.029, 0.0303, kRadiusM - 0.001};
+  CoupledCommand command = press(state, body, pose);
+  for (int tick = 0; tick < 2000; ++tick) {
+    pose[0].position_m.x() += 1e-6;
+    if (tick % 20 == 0) {
+      send_all(state, body, pose);
+    }
+    command = step(state, {pose, 0}, kTickS);
+  }
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d f = contact_place(state, i).force_n;
+    EXPECT_NEAR(f.x(), -0.4 * f.z(), 1e-9) << i;
+    EXPECT_GT(f.z(), 0.01);
+  }
+  EXPECT_GT(command.dissipated_j, 0.0);
 }
 
 // Elements that come late, half of them not at all.
