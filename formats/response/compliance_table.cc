@@ -74,7 +74,8 @@ std::string describe(const ComplianceTable& table) {
                     "largest of their set",
                     100.0 * table.error_relative)
               : "error not known";
-  return text + (table.convex ? "; one equilibrium" : "; equilibria not checked");
+  return text + (table.convex ? "; one equilibrium"
+                              : "; several equilibria in places, or not checked");
 }
 
 ComplianceRow contact_compliance(const ComplianceTable& table,

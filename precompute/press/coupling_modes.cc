@@ -59,8 +59,9 @@ void keep(const Modes& modes, Eigen::Index count, std::span<const std::int32_t> 
 
 }  // namespace
 
-void add_modes(const Eigen::MatrixXd& C_m_per_n, std::span<const std::int32_t> node,
-               const Points& position_m, ComplianceTable& table) {
+void add_modes(const Eigen::MatrixXd& compliance_m_per_n,
+               std::span<const std::int32_t> node, const Points& position_m,
+               ComplianceTable& table) {
   const auto n = std::ssize(node);
   const Eigen::Index count = std::min<Eigen::Index>(kMostModes, n);
   const ComplianceKnots knots = knots_of(table);
@@ -75,8 +76,9 @@ void add_modes(const Eigen::MatrixXd& C_m_per_n, std::span<const std::int32_t> n
         near.emplace_back(i, j);
         continue;
       }
-      const double missed = 0.5 * (C_m_per_n(i, j) + C_m_per_n(j, i)) -
-                            node_coupling_m_per_n(table, knots, v, w, r);
+      const double missed =
+          0.5 * (compliance_m_per_n(i, j) + compliance_m_per_n(j, i)) -
+          node_coupling_m_per_n(table, knots, v, w, r);
       E(i, j) = missed;
       E(j, i) = missed;
     }

@@ -16,9 +16,11 @@ namespace palpate {
 /// eigenvectors, by size, of what the table misses. Pairs nearer than the table's first
 /// distance are not missed: they take what the modes of the others say (repeated, from
 /// zero).
-/// @param C_m_per_n (n x n) [m/N] between some nodes; not read for pairs that are near.
+/// @param compliance_m_per_n (n x n) [m/N] between some nodes; not read for pairs that
+/// are near.
 /// @param node (n) of the table.
-void add_modes(const Eigen::MatrixXd& C_m_per_n, std::span<const std::int32_t> node,
-               const Points& position_m, ComplianceTable& table);
+void add_modes(const Eigen::MatrixXd& compliance_m_per_n,
+               std::span<const std::int32_t> node, const Points& position_m,
+               ComplianceTable& table);
 
 }  // namespace palpate

@@ -161,10 +161,10 @@ void add_errors(const Eigen::VectorXd& joint_n, const Eigen::VectorXd& found_n,
 
 Eigen::VectorXd coupled_forces_n(std::span<const CurveView> curve,
                                  const Eigen::VectorXd& depth_m,
-                                 const Eigen::MatrixXd& C_m_per_n) {
+                                 const Eigen::MatrixXd& compliance_m_per_n) {
   constexpr int kSteps = 200;
   const Eigen::Index n = depth_m.size();
-  Eigen::MatrixXd C = C_m_per_n;
+  Eigen::MatrixXd C = compliance_m_per_n;
   C.diagonal().setZero();
   Eigen::VectorXd delta = depth_m;
   Eigen::VectorXd f(n);

@@ -21,9 +21,9 @@ namespace palpate {
 /// Forces f_i(delta_i) [N] of contacts with delta_i + sum_{j != i} C_ij f_j = depth_i,
 /// by Newton's method; C's diagonal is not read.
 /// @throws NumericalError where it does not converge.
-[[nodiscard]] Eigen::VectorXd coupled_forces_n(std::span<const CurveView> curve,
-                                               const Eigen::VectorXd& depth_m,
-                                               const Eigen::MatrixXd& C_m_per_n);
+[[nodiscard]] Eigen::VectorXd coupled_forces_n(
+    std::span<const CurveView> curve, const Eigen::VectorXd& depth_m,
+    const Eigen::MatrixXd& compliance_m_per_n);
 
 /// Contacts pressed at once, all on one model of the linear body.
 struct JointPress {

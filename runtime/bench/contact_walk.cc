@@ -66,8 +66,9 @@ CoupledSet make_plate(const ContactBody& body, int contacts, double apart_m,
   const int side = static_cast<int>(std::ceil(std::sqrt(contacts)));
   for (int i = 0; i < contacts; ++i) {
     ContactSphere& sphere = set.sphere[static_cast<std::size_t>(i)];
+    const int row = i / side;
     sphere.centre_m = {(i % side - 0.5 * (side - 1)) * apart_m,
-                       (i / side - 0.5 * (side - 1)) * apart_m, 0.0};
+                       (row - 0.5 * (side - 1)) * apart_m, 0.0};
     sphere.radius_m = radius_m;
   }
   (void)finish(set);

@@ -222,6 +222,24 @@ void run(const Flags& flags) {
   }
 }
 
+void add_contact_options(Command command, Flags& flags) {
+  command.add_flag("--together", flags.together,
+                   "Two tools press one body together, coupled through it (a pinch)");
+  command.add_option("--trace", flags.contacts.trace,
+                     "Of several contacts: poses, forces and torques of every tick "
+                     "(comma-separated values)");
+  command.add_option("--poses", flags.contacts.poses,
+                     "Of several contacts: replay the poses of such a file");
+  command
+      .add_option("--tilt-rad", flags.contacts.tilt_rad,
+                  "Of several contacts: how far the hand rocks its tool [rad]")
+      .show_default();
+  command
+      .add_option("--turn-rad", flags.contacts.turn_rad,
+                  "Of several contacts: how far it turns it about the normal [rad]")
+      .show_default();
+}
+
 }  // namespace
 
 void add_simulate_command(Command app) {
@@ -279,21 +297,7 @@ void add_simulate_command(Command app) {
       .show_default();
   command.add_option("--cpu", options.cpu,
                      "Keep the fast thread on this CPU (--clock real)");
-  command.add_flag("--together", flags->together,
-                   "Two tools press one body together, coupled through it (a pinch)");
-  command.add_option("--trace", flags->contacts.trace,
-                     "Of several contacts: poses, forces and torques of every tick "
-                     "(comma-separated values)");
-  command.add_option("--poses", flags->contacts.poses,
-                     "Of several contacts: replay the poses of such a file");
-  command
-      .add_option("--tilt-rad", flags->contacts.tilt_rad,
-                  "Of several contacts: how far the hand rocks its tool [rad]")
-      .show_default();
-  command
-      .add_option("--turn-rad", flags->contacts.turn_rad,
-                  "Of several contacts: how far it turns it about the normal [rad]")
-      .show_default();
+  add_contact_options(command, *flags);
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {

@@ -16,7 +16,8 @@ std::string summary(const ContactRunReport& r) {
       fmt::format("coupling: table error {}, {}\n",
                   r.table_error > 0.0 ? fmt::format("{:.2g} of force", r.table_error)
                                       : "not stated",
-                  r.convex ? "convex where it was tried" : "convexity not checked");
+                  r.convex ? "one equilibrium wherever it was tried"
+                           : "not known to have one equilibrium everywhere");
   text += fmt::format(
       "stability: contacts together {:.4g} N/m and {:.3g} N m/rad, {:.3g} of what the "
       "device can hold{}\n",

@@ -30,6 +30,16 @@ void check(const ViewSessionOptions& options) {
   }
 }
 
+const ResponseTable& one_contact(const ResponseTable& table) {
+  if (!table.tool.contact.empty()) {
+    throw InputError(fmt::format(
+        "tool {:?} has {} contacts: the page shows tools of one; palpate-run simulate "
+        "and the C interface render it",
+        table.tool.name, table.tool.contact.radius_m.size()));
+  }
+  return table;
+}
+
 // Clear of the body: above touch by the deepest curve, at least 5 mm.
 Eigen::Vector3d lifted_m(const ResponseTable& table, const Eigen::Vector3d& point_m,
                          const Eigen::Vector3d& normal) {
@@ -63,7 +73,7 @@ FastProcessConfig fast_config(const ViewSessionOptions& options,
 ViewSession::ViewSession(const ResponseDatabase& database,
                          const ViewSessionOptions& options)
     : database_(database),
-      table_(find_tool(database, options.tool)),
+      table_(one_contact(find_tool(database, options.tool))),
       options_(options),
       stream_(database, table_),
       adjusted_(stream_),

@@ -287,5 +287,18 @@ TEST_F(LiveViewTest, ATextFromAFileCannotBreakTheMessage) {
   EXPECT_TRUE(contains(body_text(body), R"(a\"b\n)"));
 }
 
+TEST_F(LiveViewTest, AToolOfSeveralContactsIsRefusedAndNotShownAsOne) {
+  ContactSet& contact = database_.tools[0].tool.contact;
+  contact.point_m.resize(2, 3);
+  contact.point_m << 0.0, 0.0, 0.0, 0.01, 0.0, 0.0;
+  contact.radius_m = {kRadius, kRadius};
+  try {
+    const ViewSession refused(database_, options());
+    FAIL() << "two contacts were shown as one";
+  } catch (const InputError& e) {
+    EXPECT_TRUE(contains(e.what(), "has 2 contacts")) << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace palpate
