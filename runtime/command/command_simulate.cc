@@ -240,6 +240,20 @@ void add_contact_options(Command command, Flags& flags) {
       .show_default();
 }
 
+void add_each_tools_files(Command command, Flags& flags) {
+  const auto add_each = [&](const char* flag, std::vector<std::string>& values,
+                            const char* what) {
+    command.add_option(flag, values, what).one_value_each();
+  };
+  add_each("--record", flags.records,
+           "Record every tick into this file, for replay; once for each tool");
+  add_each("--flight-recorder", flags.flight_recorders,
+           "On a fault, write the last seconds into this file; once for each tool");
+  add_each("--device", flags.devices,
+           "Socket of a device's driver instead of the simulated device "
+           "(runtime/device/socket_device.h); once for each tool");
+}
+
 }  // namespace
 
 void add_simulate_command(Command app) {
@@ -280,17 +294,7 @@ void add_simulate_command(Command app) {
       .add_option("--stream-budget", flags->stream_budget_mib,
                   "Memory for streamed responses [MiB]")
       .show_default();
-  const auto add_each = [&](const char* flag, std::vector<std::string>& values,
-                            const char* what) {
-    command.add_option(flag, values, what).one_value_each();
-  };
-  add_each("--record", flags->records,
-           "Record every tick into this file, for replay; once for each tool");
-  add_each("--flight-recorder", flags->flight_recorders,
-           "On a fault, write the last seconds into this file; once for each tool");
-  add_each("--device", flags->devices,
-           "Socket of a device's driver instead of the simulated device "
-           "(runtime/device/socket_device.h); once for each tool");
+  add_each_tools_files(command, *flags);
   command
       .add_option("--ramp-s", options.ramp_s,
                   "Time from the start until the largest force is allowed [s]")
