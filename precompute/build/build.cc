@@ -227,8 +227,8 @@ void add_relaxation(const Scene& scene, const BodySource& body,
 double coupling_error(const Scene& scene, const BodySource& body,
                       std::span<const std::int32_t> reachable, std::size_t tool,
                       const ComplianceTable& coupling, Progress& progress) {
-  // Of the checks of single presses; each set has up to nine forces.
-  const auto sets = static_cast<std::size_t>(scene.accuracy.verify) / 4;
+  // As many as checks of single presses; each set has up to nine forces.
+  const auto sets = static_cast<std::size_t>(scene.accuracy.verify);
   std::vector<double> found;
   if (sets > 0) {
     progress.stage("joint presses");

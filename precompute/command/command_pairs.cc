@@ -114,6 +114,10 @@ void add_pairs_command(Command app) {
       .in_range(2, 16)
       .separated_by(',')
       .show_default();
+  command
+      .add_option("--seed", flags->options.seed,
+                  "Of the places' choice; a build takes its sets from 1 on")
+      .show_default();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
     std::sort(flags->options.contacts.begin(), flags->options.contacts.end());

@@ -101,16 +101,6 @@ Eigen::VectorXd joint_forces_n(const BodyModel& model,
   return force_n.rowwise().norm();
 }
 
-std::vector<std::int32_t> joined_patches(std::span<const PressedNode> nodes) {
-  std::vector<std::int32_t> all;
-  for (const PressedNode& node : nodes) {
-    all.insert(all.end(), node.patch.begin(), node.patch.end());
-  }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
-}
-
 // Compliances between vertices by the table, and by their columns; diagonals 0.
 Eigen::MatrixXd by_table(const ComplianceTable& coupling, const Points& position_m,
                          std::span<const std::int32_t> vertices) {
@@ -211,7 +201,7 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
     nodes.push_back(placed_node(scene, body, model, tool, v));
     nodes.back().path.force_max_n = std::numeric_limits<double>::infinity();
   }
-  const std::vector<std::int32_t> all = joined_patches(nodes);
+  const std::vector<std::int32_t> all = patches_of(nodes);
   const SurfaceCompliance compliance(*model.factor, model.supports, model.contact, all,
                                      all, std::numeric_limits<double>::infinity(), {},
                                      nullptr);

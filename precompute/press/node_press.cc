@@ -24,16 +24,6 @@ namespace {
 // do not suffice.
 constexpr double kLikelyMet = 0.6;
 
-std::vector<std::int32_t> patches_of(std::span<const PressedNode> nodes) {
-  std::vector<std::int32_t> all;
-  for (const PressedNode& node : nodes) {
-    all.insert(all.end(), node.patch.begin(), node.patch.end());
-  }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
-}
-
 // Two contact nodes of one patch are at most twice its radius apart.
 double apart_m(const BodyModel& model, std::span<const PressedNode> nodes) {
   double radius_m = 0.0;
@@ -105,6 +95,16 @@ void press_all_linear(const BodyModel& model, SurfaceCompliance& compliance,
 }
 
 }  // namespace
+
+std::vector<std::int32_t> patches_of(std::span<const PressedNode> nodes) {
+  std::vector<std::int32_t> all;
+  for (const PressedNode& node : nodes) {
+    all.insert(all.end(), node.patch.begin(), node.patch.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
 
 bool touches_late(const PressedNode& node) {
   constexpr double kLate = 0.5 * kErrorCountsFrom;

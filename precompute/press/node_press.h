@@ -81,6 +81,9 @@ void drop_if_broken(PressedNode& node, const char* stage);
                                       const BodyModel& model, const SharedTool& tool,
                                       std::int32_t vertex);
 
+/// Contact nodes of the nodes' patches, ascending.
+[[nodiscard]] std::vector<std::int32_t> patches_of(std::span<const PressedNode> nodes);
+
 /// Compliance among the patches of the nodes.
 /// @param wanted by contact node: 1 where its column is needed (empty: all).
 /// @param told progress, called with columns done and in all; may be null.

@@ -52,7 +52,7 @@ Reference reference(const FastState& state, double depth_m) {
 
 Eigen::Vector3d friction_n(const FastState& state, const Eigen::Vector3d& x) {
   if (state.config.model == LocalModel::kPotential) {
-    return -state.potential.friction_n_per_m * state.potential.presliding_m;
+    return state.potential.spring.force_n();
   }
   return -state.element.friction_n_per_m *
          respond(state.element, state.cache, x).presliding_m;

@@ -74,8 +74,7 @@ std::string said_of(std::size_t tool, std::size_t tools, const char* flag,
   return values.empty() ? "" : values[tool];
 }
 
-// The options of each tool.
-std::vector<SimulationOptions> tools_of(const Flags& flags) {
+void check_places(const Flags& flags) {
   const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
   if (!flags.at_m.empty() && flags.at_m.size() != 3 * tools) {
     throw InputError(
@@ -83,6 +82,12 @@ std::vector<SimulationOptions> tools_of(const Flags& flags) {
                     "{} tools",
                     flags.at_m.size(), tools));
   }
+}
+
+// The options of each tool.
+std::vector<SimulationOptions> tools_of(const Flags& flags) {
+  const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
+  check_places(flags);
   const bool recorded = !flags.records.empty() || !flags.flight_recorders.empty();
   const RecordingRequest recording{
       .database = std::filesystem::path(flags.database).filename(),
@@ -132,6 +137,12 @@ ContactRunOptions contact_options(const Flags& flags) {
         "--model {}: several contacts are rendered by the model potential alone",
         flags.model));
   }
+  if (!flags.surface.in.empty() || !flags.surface.out.empty()) {
+    throw InputError(
+        "--surface-in and --surface-out: a body of several contacts is elastic, and "
+        "keeps nothing of them");
+  }
+  check_places(flags);
   ContactRunOptions options = flags.contacts;
   options.tools = flags.tools;
   options.duration_s = one.duration_s;

@@ -70,10 +70,7 @@ void move_contact(const CoupledTick& t, int i, const Vector3& x, Moved& move) {
   }
   const Tangent before{place.slot, place.at.height_m, place.frame.weight,
                        place.frame.normal};
-  if (contact.friction_n_per_m > 0.0) {
-    contact.presliding_m +=
-        move.moved_m - move.moved_m.dot(before.normal) * before.normal;
-  }
+  contact.spring.follow(move.moved_m, before.normal);
   const bool sound = !place.folded && !place.outside && !place.prism.flat;
   FieldPlace& on = t.scratch.at[static_cast<std::size_t>(i)].place;
   bool within = false;
@@ -175,7 +172,7 @@ bool change_element(const CoupledTick& t, int i) {
       place.outside && active >= 0 &&
       cache.stored_at[static_cast<std::size_t>(active)] > contact.received_inside;
   if (another && (here < 0 || !contact.reading.touching || lost)) {
-    release(contact);
+    contact.spring = {};
     adopt(place, cache, active, contact.centre_m);
     contact.received_inside = cache.received;
     return true;
@@ -213,8 +210,7 @@ PortWrenches wrenches(const CoupledModel& model, const CoupledSet& set,
   for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
     const CoupledContact& contact = model.contact[i];
     const auto port = static_cast<std::size_t>(set.sphere[i].port);
-    const Vector3 f =
-        contact.reading.force_n - contact.friction_n_per_m * contact.presliding_m;
+    const Vector3 f = contact.reading.force_n + contact.spring.force_n();
     sum[port].force_n += f;
     sum[port].torque_n_m += (contact.centre_m - pose[port].position_m).cross(f);
   }

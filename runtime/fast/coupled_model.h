@@ -20,6 +20,7 @@
 
 #include "runtime/fast/coupled_field.h"
 #include "runtime/fast/coupled_set.h"
+#include "runtime/fast/friction_spring.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/real.h"
 
@@ -27,9 +28,8 @@ namespace palpate {
 
 /// One contact in the latest tick.
 struct CoupledContact {
-  Vector3 centre_m = Vector3::Zero();      ///< [m] x_i
-  Real friction_n_per_m = 0.0;             ///< [N/m] k_t >= 0
-  Vector3 presliding_m = Vector3::Zero();  ///< [m] delta_t
+  Vector3 centre_m = Vector3::Zero();  ///< [m] x_i
+  FrictionSpring spring;
   ContactReading reading;
   std::uint64_t received_seen = 0;    ///< cache.received at the last tick
   std::uint64_t received_inside = 0;  ///< cache.received when last inside

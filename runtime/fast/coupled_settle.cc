@@ -12,60 +12,12 @@ namespace {
 // Two solutions of one equilibrium differ by no more than this share of U.
 constexpr Real kSameEnergy = rounding(1e-14, 1e-6);
 
-struct Friction {
-  Real coefficient = 0.0;
-  Real presliding_m = 0.0;
-};
-
-Friction friction_of(const FieldPlace& place, const ElementCache& cache) {
-  Friction friction;
-  const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
-  for (std::size_t a = 0; a < 3; ++a) {
-    const Real weight =
-        std::max(Real(0.0), place.frame.weight(static_cast<Eigen::Index>(a)));
-    friction.coefficient += weight * element.node[a].friction;
-    friction.presliding_m += weight * element.node[a].presliding_m;
-  }
-  return friction;
-}
-
 // The field at another delta_0.
 ShiftedEnergy at_shift(const CoupledTick& t, Real shift_m) {
   t.model.field.shift_m = shift_m;
   (void)settle_contacts(t.model.field, t.set, t.surfaces);
   const CoupledContacts& c = t.model.field.equilibrium;
   return {shift_m, c.energy_j, c.force_n.head(t.count()).sum()};
-}
-
-// The spring of contact i for its force, turned into its tangent plane (23).
-void set_spring(const CoupledTick& t, int i) {
-  CoupledContact& contact = t.contact(i);
-  const FieldPlace& place = t.at(i).place;
-  if (place.slot < 0 || !contact.reading.loaded) {
-    release(contact);
-    return;
-  }
-  const Friction friction = friction_of(place, t.surfaces[i].cache);
-  if (!(friction.coefficient > 0.0 && friction.presliding_m > 0.0)) {
-    release(contact);
-    return;
-  }
-  const Real normal_n = std::max(Real(0.0), t.model.field.equilibrium.force_n(i));
-  const Real before = contact.friction_n_per_m;
-  const Real now = friction.coefficient * normal_n / friction.presliding_m;
-  contact.friction_n_per_m = now;
-  Vector3& stretch = contact.presliding_m;
-  const Real length2 = stretch.squaredNorm();
-  if (!(length2 > 0.0)) {
-    return;
-  }
-  stretch -= stretch.dot(place.frame.normal) * place.frame.normal;
-  const Real in_plane2 = stretch.squaredNorm();
-  const Real kept2 = now > before ? length2 * before / now : length2;
-  const Real limit2 = friction.presliding_m * friction.presliding_m;
-  if (in_plane2 > 0.0) {
-    stretch *= std::sqrt(std::min(kept2, limit2) / in_plane2);
-  }
 }
 
 // Brings the model down to the allowance: springs first, then delta_0.
@@ -79,7 +31,7 @@ void pay(const CoupledTick& t, Real allowed_j) {
   const Real kept_j = kPaid * std::max(Real(0.0), allowed_j - energy);
   const Real part = springs > 0.0 ? std::sqrt(kept_j / springs) : Real(0.0);
   for (int i = 0; i < t.count(); ++i) {
-    t.contact(i).presliding_m *= part;
+    t.contact(i).spring.stretch_m *= part;
   }
   if (energy > allowed_j) {
     const Real force_n = field.equilibrium.force_n.head(t.count()).sum();
@@ -116,16 +68,10 @@ void recover(const CoupledTick& t, Real unspent_j, Real step_m) {
 
 }  // namespace
 
-void release(CoupledContact& contact) noexcept {
-  contact.friction_n_per_m = 0.0;
-  contact.presliding_m.setZero();
-}
-
 Real springs_j(const CoupledTick& t) noexcept {
   Real sum = 0.0;
   for (int i = 0; i < t.count(); ++i) {
-    const CoupledContact& contact = t.contact(i);
-    sum += 0.5 * contact.friction_n_per_m * contact.presliding_m.squaredNorm();
+    sum += t.contact(i).spring.energy_j();
   }
   return sum;
 }
@@ -144,7 +90,13 @@ void read_contacts(const CoupledTick& t) noexcept {
 void settle(const CoupledTick& t, PassivityLedger& ledger, Real recovery_m) noexcept {
   CoupledField& field = t.model.field;
   for (int i = 0; i < t.count(); ++i) {
-    set_spring(t, i);
+    CoupledContact& contact = t.contact(i);
+    if (contact.reading.loaded) {
+      set_spring(contact.spring, t.at(i).place, t.surfaces[i].cache,
+                 field.equilibrium.force_n(i));
+    } else {
+      contact.spring = {};
+    }
   }
   note_shortfall(ledger, field.equilibrium.energy_j + springs_j(t));
   const Real allowed = not_above(allowance_j(ledger));

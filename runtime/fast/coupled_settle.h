@@ -26,9 +26,6 @@ struct CoupledTick {
   }
 };
 
-/// Forgets a contact's spring.
-void release(CoupledContact& contact) noexcept;
-
 /// Energy of all springs [J].
 [[nodiscard]] Real springs_j(const CoupledTick& t) noexcept;
 

@@ -227,8 +227,7 @@ CoupledContactPlace contact_place(const CoupledState& state, int i) noexcept {
   const FieldPlace& place = state.model.field.at[self].place;
   const CoupledContacts& c = state.model.field.equilibrium;
   at.centre_m = contact.centre_m;
-  at.force_n =
-      contact.reading.force_n - contact.friction_n_per_m * contact.presliding_m;
+  at.force_n = contact.reading.force_n + contact.spring.force_n();
   if (place.slot < 0) {
     return at;
   }

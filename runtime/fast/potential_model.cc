@@ -17,33 +17,6 @@ namespace {
 constexpr Real kLeap = 4.0;
 constexpr Real kLeapJ = rounding(1e-15, 1e-8);
 
-// The element's Coulomb coefficient and presliding limit at the contact point.
-struct Friction {
-  Real coefficient = 0.0;
-  Real presliding_m = 0.0;
-  [[nodiscard]] bool any() const { return coefficient > 0.0 && presliding_m > 0.0; }
-};
-
-Friction friction_at(const FieldPlace& place, const ElementCache& cache) {
-  Friction friction;
-  const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
-  for (std::size_t j = 0; j < 3; ++j) {
-    const Real weight = std::max(0.0, place.frame.weight(static_cast<Eigen::Index>(j)));
-    friction.coefficient += weight * element.node[j].friction;
-    friction.presliding_m += weight * element.node[j].presliding_m;
-  }
-  return friction;
-}
-
-void release(PotentialModel& model) {
-  model.friction_n_per_m = 0.0;
-  model.presliding_m.setZero();
-}
-
-Real spring_j(const PotentialModel& model) {
-  return 0.5 * model.friction_n_per_m * model.presliding_m.squaredNorm();
-}
-
 std::int32_t triangle_in(const ElementCache& cache, int slot) {
   return cache.triangle[static_cast<std::size_t>(slot)];
 }
@@ -178,7 +151,7 @@ bool change_element(PotentialModel& model, const ElementCache& cache,
       model.place.outside && active >= 0 &&
       cache.stored_at[static_cast<std::size_t>(active)] > model.received_inside;
   if (another && (here < 0 || !model.response.touching || lost)) {
-    release(model);
+    model.spring = {};
     model.tool_m = x;
     adopt(model.place, cache, active, x);
     model.received_inside = cache.received;
@@ -195,46 +168,19 @@ bool change_element(PotentialModel& model, const ElementCache& cache,
   return true;
 }
 
-// The spring for the normal force at the new place: turned into its tangent plane, its
-// anchor shifted where k_t grows, cut at the presliding limit.
-void set_spring(PotentialModel& model, const ElementCache& cache) {
-  const Friction friction = friction_at(model.place, cache);
-  if (!model.response.loaded || !friction.any()) {
-    release(model);
-    return;
-  }
-  const Real before = model.friction_n_per_m;
-  const Real now = friction.coefficient * std::max(0.0, model.response.normal_n) /
-                   friction.presliding_m;
-  model.friction_n_per_m = now;
-  Vector3& t = model.presliding_m;
-  const Real length2 = t.squaredNorm();
-  if (!(length2 > 0.0)) {
-    return;
-  }
-  const Vector3& n = model.place.frame.normal;
-  t -= t.dot(n) * n;
-  const Real in_plane2 = t.squaredNorm();
-  const Real kept2 = now > before ? length2 * before / now : length2;  // (23)
-  const Real limit2 = friction.presliding_m * friction.presliding_m;
-  if (in_plane2 > 0.0) {
-    t *= std::sqrt(std::min(kept2, limit2) / in_plane2);
-  }
-}
-
 // Brings the changed model down to the allowance: friction spring first, then delta_0.
 void pay(PotentialModel& model, const ElementCache& cache, Real radius,
          Real allowed_j) {
-  const Real spring = spring_j(model);
+  const Real spring = model.spring.energy_j();
   if (model.response.energy_j + spring <= allowed_j) {
     return;
   }
   if (spring > 0.0) {
     const Real kept_j = kPaid * std::max(0.0, allowed_j - model.response.energy_j);
-    model.presliding_m *= std::sqrt(kept_j / spring);  // (23)
+    model.spring.stretch_m *= std::sqrt(kept_j / spring);  // (23)
   }
   if (model.response.energy_j > allowed_j) {
-    model.presliding_m.setZero();
+    model.spring.stretch_m.setZero();
     const auto at_shift = [&](Real shift_m) {
       const FieldResponse at = respond(model, cache, radius, shift_m);
       return ShiftedEnergy{shift_m, at.energy_j, at.normal_n};
@@ -268,26 +214,21 @@ void recover(PotentialModel& model, const ElementCache& cache, Real radius,
   }
 }
 
-// The tool's tangential movement stretches the spring.
-void stretch(PotentialModel& model, const Vector3& x) {
-  if (model.friction_n_per_m > 0.0) {
-    const Vector3& n = model.place.frame.normal;
-    const Vector3 moved = x - model.tool_m;
-    model.presliding_m += moved - moved.dot(n) * n;
-  }
-}
-
 // Spring and delta_0 for the present response, and what changed since the work was
 // booked: paid, and booked.
 void settle(PotentialModel& model, const ElementCache& cache, PassivityLedger& ledger,
             const ElementModelLimits& limits, Real dt_s) {
   const Real radius = limits.tool_radius_m;
-  set_spring(model, cache);
-  note_shortfall(ledger, model.response.energy_j + spring_j(model));
+  if (model.response.loaded) {
+    set_spring(model.spring, model.place, cache, model.response.normal_n);
+  } else {
+    model.spring = {};
+  }
+  note_shortfall(ledger, model.response.energy_j + model.spring.energy_j());
   const Real allowed = not_above(allowance_j(ledger));
   pay(model, cache, radius, allowed);
   if (model.shift_m > 0.0) {
-    const Real unspent = allowed - model.response.energy_j - spring_j(model);
+    const Real unspent = allowed - model.response.energy_j - model.spring.energy_j();
     recover(model, cache, radius, unspent, limits.recovery_m_per_s * dt_s);
   }
   Real keep = model.response.touching ? model.response.energy_j : 0.0;
@@ -297,7 +238,7 @@ void settle(PotentialModel& model, const ElementCache& cache, PassivityLedger& l
       (void)respond(model, cache, radius);  // the contact is where the tool is again
     }
   }
-  book_change(ledger, model.response.energy_j + spring_j(model), keep);
+  book_change(ledger, model.response.energy_j + model.spring.energy_j(), keep);
 }
 
 // The contact has changed where it is: its response is the model's, but for the part of
@@ -330,7 +271,7 @@ void yield_here(PotentialModel& model, const ElementCache& cache, SurfaceMemory&
                 PassivityLedger& ledger, Real radius) {
   if (yield(model.contact, memory, cache)) {
     take_response(model, cache, radius);
-    book_yielding(ledger, model.response.energy_j + spring_j(model));
+    book_yielding(ledger, model.response.energy_j + model.spring.energy_j());
   }
 }
 
@@ -342,8 +283,9 @@ Real moved_energy_j(PotentialModel model, const ElementCache& cache,
   if (model.place.slot < 0) {
     return 0.0;
   }
-  stretch(model, x_m);
-  return move(model, cache, memory, nullptr, tool_radius_m, x_m) + spring_j(model);
+  model.spring.follow(x_m - model.tool_m, model.place.frame.normal);
+  return move(model, cache, memory, nullptr, tool_radius_m, x_m) +
+         model.spring.energy_j();
 }
 
 void relax_before(PotentialModel& model, const ElementCache& cache,
@@ -358,9 +300,9 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
   const Real radius = limits.tool_radius_m;
   Real moved_j = 0.0;
   if (model.place.slot >= 0) {
-    stretch(model, x_m);
+    model.spring.follow(x_m - model.tool_m, model.place.frame.normal);
     moved_j = move(model, cache, memory, &memory, radius, x_m);
-    book_work(ledger, moved_j + spring_j(model));
+    book_work(ledger, moved_j + model.spring.energy_j());
   }
   const bool changed = change_element(model, cache, memory, radius, x_m);
   if (model.place.slot < 0) {
@@ -383,7 +325,7 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
     model.response.force_n =
         whole_force_n(model.place, cache, model.contact, model.response);
   }
-  return model.response.force_n - model.friction_n_per_m * model.presliding_m;
+  return model.response.force_n + model.spring.force_n();
 }
 
 }  // namespace palpate

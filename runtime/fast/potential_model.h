@@ -13,12 +13,8 @@
 // (n_j, d, n_out and the tangential force F_t of the last tick x_k), and the new field
 // is a change that the ledger balances.
 //
-// Friction: a spring k_t |delta_t|^2 / 2, k_t = mu F_n / delta_L, delta_t the movement
-// of the tool in the tangent plane of x_k since it stuck, at most delta_L. It turns
-// with the tangent plane and keeps its length, so that it stores the same; where k_t
-// grows, the anchor follows so that it stores no more, |delta_t| sqrt(k_t) constant
-// (23); where k_t falls, what it gives up is lost. So friction asks nothing of the
-// ledger.
+// Friction is a spring in the tangent plane of x_k (friction_spring.h), which asks
+// nothing of the ledger.
 //
 // Where the surface remembers (relaxing_contact.h), U is u at frozen memory, and a tick
 // relaxes for half its time before the tool moves and for half after.
@@ -30,6 +26,7 @@
 
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/element_model.h"
+#include "runtime/fast/friction_spring.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/potential_field.h"
 #include "runtime/fast/prism_walk.h"
@@ -42,11 +39,10 @@ namespace palpate {
 /// Parameters of the field and of the friction spring, and the last tick.
 struct PotentialModel {
   FieldPlace place;
-  Real shift_m = 0.0;                      ///< [m] delta_0 >= 0
-  Real friction_n_per_m = 0.0;             ///< [N/m] k_t >= 0
-  Vector3 presliding_m = Vector3::Zero();  ///< [m] delta_t
-  Vector3 tool_m = Vector3::Zero();        ///< [m] x_k
-  FieldResponse response;                  ///< at x_k
+  Real shift_m = 0.0;                ///< [m] delta_0 >= 0
+  FrictionSpring spring;             ///< stretched by the tool
+  Vector3 tool_m = Vector3::Zero();  ///< [m] x_k
+  FieldResponse response;            ///< at x_k
   CurvePieces pieces;
   RelaxingContact contact;            ///< at x_k, with the surface's memory
   std::uint64_t received_seen = 0;    ///< cache.received at the last tick

@@ -9,7 +9,8 @@
 namespace palpate {
 
 /// All contacts of port 0 on the node with the largest slope k, its row of compliance
-/// between them: (diag(1/k) + C)^-1. Where that is not positive definite, diag(k).
+/// between them: (diag(1/k) + C)^-1. Where that is not positive definite, diag(k). An
+/// estimate: elsewhere contacts couple otherwise.
 /// @param set of the table's tool. @param stiffest of the table.
 [[nodiscard]] ContactStiffness contact_stiffness(const ResponseTable& table,
                                                  const CoupledSet& set,

@@ -172,7 +172,7 @@ void walk(RandomBody& body, LocalModel model, unsigned seed) {
           std::max(most_pull_n, -state->safety.model_n.dot(state->element.direction));
       ASSERT_GE(state->element.friction_n_per_m, 0.0);
     }
-    ASSERT_GE(state->potential.friction_n_per_m, 0.0);
+    ASSERT_GE(state->potential.spring.n_per_m, 0.0);
   }
   EXPECT_GE(lowest_stored_j, 0.0) << seed << " " << name(model);
   EXPECT_GE(lowest_work_j, -1e-12) << seed << " " << name(model);

@@ -1,0 +1,67 @@
+// Plates of contact spheres on a wavy body, and the account of a walk over it.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+#include "runtime/bench/contact_walk.h"
+#include "runtime/fast/coupled_step.h"
+#include "runtime/slow/coupled_storage.h"
+
+namespace palpate {
+
+inline constexpr double kTickS = 0.0005;
+inline constexpr double kRadiusM = 0.003;
+
+inline FastConfig free_of_clamps() {
+  FastConfig config;
+  config.model = LocalModel::kPotential;
+  config.force_max_n = 1e9;
+  config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
+  return config;
+}
+
+inline BenchBodyOptions rough(double friction = 0.0) {
+  return {.wave_m = 0.002,
+          .contrast = 9.0,
+          .tilt_rad = 0.1,
+          .friction_min = friction,
+          .friction_max = friction,
+          .touch_offset_m = 1e-4};
+}
+
+inline void send_all(CoupledState& state, const ContactBody& body,
+                     const PortPoses& pose) {
+  for (int i = 0; i < state.set.count; ++i) {
+    send(state, body, pose, i);
+  }
+}
+
+// Work of a model on its way, kept by the test.
+struct CoupledAccount {
+  std::unique_ptr<CoupledModel> moved = std::make_unique<CoupledModel>();
+  double net_j = 0.0;
+  double lowest_j = 0.0;
+
+  CoupledCommand step(CoupledState& state, const PortPoses& pose) {
+    net_j += potential_j(state, *moved, pose) - state.ledger.stored_j;
+    lowest_j = std::min(lowest_j, net_j);
+    return palpate::step(state, {pose, 0}, kTickS);
+  }
+};
+
+// Comes down on the pose from free space.
+inline CoupledCommand press(CoupledState& state, const ContactBody& body,
+                            PortPoses pose) {
+  send_all(state, body, pose);
+  const double height = pose[0].position_m.z();
+  CoupledCommand command;
+  for (int tick = 200; tick >= 0; --tick) {
+    pose[0].position_m.z() = height + 2e-5 * tick;
+    command = step(state, {pose, 0}, kTickS);
+  }
+  return command;
+}
+
+}  // namespace palpate

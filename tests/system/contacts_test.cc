@@ -1,0 +1,84 @@
+// Tools of several contacts from the command line.
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+
+#include "formats/database/response_database.h"
+#include "tests/support/padded_plate.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+class Contacts : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new ScratchFolder;
+    write_database(*folder_ / "pads.h5", padded_plate(3));
+    write_database(*folder_ / "bare.h5", padded_plate(3, false));
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static std::string file(const char* name) { return (*folder_ / name).string(); }
+
+  static ToolRun simulate(const char* database, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"simulate", file(database), "--seconds", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tool_process("palpate-run", arguments);
+  }
+
+  static void expect_refused(const ToolRun& run, const std::string& why) {
+    EXPECT_EQ(run.exit_code, 2) << run.out << run.err;
+    EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
+
+  static std::string text(const char* name) {
+    std::ifstream in(*folder_ / name);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+ private:
+  static inline ScratchFolder* folder_ = nullptr;
+};
+
+TEST_F(Contacts, AreTracedAndReplayedBitForBit) {
+  const ToolRun first =
+      simulate("pads.h5", {"--tool", "pads", "--trace", file("a.csv")});
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_NE(first.out.find("3 contacts"), std::string::npos) << first.out;
+  const ToolRun again = simulate("pads.h5", {"--tool", "pads", "--poses", file("a.csv"),
+                                             "--trace", file("b.csv")});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_GT(text("a.csv").size(), 100000U);
+  EXPECT_EQ(text("a.csv"), text("b.csv"));
+}
+
+TEST_F(Contacts, TwoHandsPressTogether) {
+  const ToolRun run = simulate(
+      "pads.h5", {"--tool", "ball,ball", "--together", "--at", "-0.007,0,0,0.007,0,0"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("2 contacts"), std::string::npos) << run.out;
+}
+
+TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
+  expect_refused(simulate("pads.h5", {"--tool", "pads", "--at", "0.1,0.2"}),
+                 "--at has 2 coordinates");
+  expect_refused(simulate("pads.h5", {"--tool", "pads", "--surface-out", file("s.h5")}),
+                 "--surface-out");
+  expect_refused(simulate("pads.h5", {"--tool", "pads", "--model", "element"}),
+                 "potential");
+  expect_refused(simulate("pads.h5", {"--tool", "pads", "--record", file("r.h5")}),
+                 "--trace");
+  expect_refused(simulate("pads.h5", {"--tool", "ball", "--trace", file("t.csv")}),
+                 "--together");
+  expect_refused(simulate("bare.h5", {"--tool", "pads"}), "no table of compliance");
+  expect_refused(
+      run_tool_process("palpate-run", {"view", file("pads.h5"), "--tool", "pads"}),
+      "has 3 contacts");
+}
+
+}  // namespace
+}  // namespace palpate
