@@ -2,9 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace palpate {
+
+double covering(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const double rank =
+      std::ceil(kErrorCoverage * static_cast<double>(values.size() + 1));
+  return values[std::min(static_cast<std::size_t>(rank), values.size()) - 1];
+}
 
 double calibrate_errors(std::span<const double> estimate,
                         std::span<const double> error) {
@@ -12,13 +20,8 @@ double calibrate_errors(std::span<const double> estimate,
   for (std::size_t i = 0; i < error.size(); ++i) {
     ratio[i] = error[i] / estimate[i];
   }
-  std::sort(ratio.begin(), ratio.end());
-  if (ratio.empty()) {
-    return kLeastErrorFactor;
-  }
-  const double rank = std::ceil(kErrorCoverage * static_cast<double>(ratio.size() + 1));
-  const std::size_t at = std::min(static_cast<std::size_t>(rank), ratio.size()) - 1;
-  return std::max(kLeastErrorFactor, ratio[at]);
+  return ratio.empty() ? kLeastErrorFactor
+                       : std::max(kLeastErrorFactor, covering(std::move(ratio)));
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace palpate {
 
@@ -21,10 +22,13 @@ inline constexpr std::size_t kChecksToCalibrate = 19;
 /// ask for 2.8 (MEASURED.md): an error that was not checked is no promise.
 inline constexpr double kLeastErrorFactor = 1.5;
 
+/// What covers 95 % of new values like these: the ceil(0.95 (n + 1))-th smallest, the
+/// largest of fewer than 19, which is no guarantee. @param values (n >= 1).
+[[nodiscard]] double covering(std::vector<double> values);
+
 /// [-] The factor on estimates that covers 95 % of new nodes, whatever the distribution
-/// of errors, if checked nodes were chosen at random: the ceil(0.95 (n + 1))-th
-/// smallest of n ratios of error and estimate, and at least kLeastErrorFactor. With
-/// fewer than 19 checks the largest ratio: no guarantee.
+/// of errors, if checked nodes were chosen at random: covering() of the ratios of
+/// error and estimate, and at least kLeastErrorFactor.
 /// @param estimate (n) [-] positive. @param error (n) [-] found at the same nodes.
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,
                                       std::span<const double> error);

@@ -70,8 +70,8 @@ std::string describe(const ComplianceTable& table) {
                                  1e3 * table.distance_m.back(), table.modes());
   text += table.error_relative > 0.0
               ? fmt::format(
-                    "95 % of forces of several contacts within {:.2g} % of the "
-                    "largest of their set",
+                    "forces of several contacts within {:.2g} % of the largest of "
+                    "their set, at 95 % of sets",
                     100.0 * table.error_relative)
               : "error not known";
   return text + (table.convex ? "; one equilibrium"

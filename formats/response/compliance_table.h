@@ -18,8 +18,8 @@ struct ComplianceTable {
   RowsOf<float> value = {};             ///< (n x K) [m^2/N] c(r) r; 0: it does not move
   RowsOf<float> mode = {};       ///< (n x M) [m^1/2 N^-1/2] M at most 16; or empty
   std::int64_t added_modes = 0;  ///< the first of M, [0, M]; the others subtract
-  /// [-] Error of a contact's force, over the largest force of its set, that 95 % of
-  /// those that were solved jointly stay below; 0: not known.
+  /// [-] 95 % of sets of contacts have every force within this share of the largest of
+  /// the set, measured at sets that were solved jointly; 0: not known.
   double error_relative = 0.0;
   /// Every set of contacts that was tried at the table's distances has one equilibrium.
   bool convex = false;

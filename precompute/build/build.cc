@@ -13,8 +13,8 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
-#include "formats/base/quantile.h"
 #include "formats/base/sha256.h"
+#include "formats/database/error_calibration.h"
 #include "formats/database/precision_choice.h"
 #include "formats/database/rounded_database.h"
 #include "formats/database/table_memory.h"
@@ -222,25 +222,23 @@ void add_relaxation(const Scene& scene, const BodySource& body,
   }
 }
 
-// What the table makes of the forces of two to four contacts, against joint presses:
-// the 95th percentile [-]; 0 where none were made.
+// The error of forces of two to four contacts that follow from the table, against joint
+// presses: what 95 % of sets are within [-]; 0 where there are too few to tell.
 double coupling_error(const Scene& scene, const BodySource& body,
                       std::span<const std::int32_t> reachable, std::size_t tool,
                       const ComplianceTable& coupling, Progress& progress) {
-  // As many as checks of single presses; each set has up to nine forces.
+  // As many as checks of single presses.
   const auto sets = static_cast<std::size_t>(scene.accuracy.verify);
-  std::vector<double> found;
-  if (sets > 0) {
-    progress.stage("joint presses");
-    for (const CouplingErrors& errors :
-         coupling_errors(scene, body, body.tool[tool], reachable, coupling,
-                         {.sets = sets}, progress)) {
-      found.insert(found.end(), errors.by_table.begin(), errors.by_table.end());
-    }
-    progress.finish();
+  if (sets < kChecksToCalibrate) {
+    return 0.0;
   }
-  std::sort(found.begin(), found.end());
-  return quantile(found, 0.95);
+  progress.stage("joint presses");
+  const CouplingStudy study = coupling_errors(scene, body, body.tool[tool], reachable,
+                                              coupling, {.sets = sets}, progress);
+  progress.finish();
+  return study.worst_by_table.size() < kChecksToCalibrate
+             ? 0.0
+             : covering(study.worst_by_table);
 }
 
 // How contacts couple through the body: one table for all tools that want it.

@@ -9,6 +9,7 @@
 #include "formats/base/command_line.h"
 #include "formats/base/error.h"
 #include "formats/base/quantile.h"
+#include "formats/database/error_calibration.h"
 #include "precompute/command/commands.h"
 #include "precompute/press/contact_coupling.h"
 #include "precompute/press/joint_presses.h"
@@ -41,12 +42,16 @@ std::string percents(const std::vector<double>& errors) {
                            100 * quantile(errors, 0.5), 100 * quantile(errors, 0.95));
 }
 
-void print(const std::vector<CouplingErrors>& errors) {
-  for (const CouplingErrors& of : errors) {
+void print(const CouplingStudy& study) {
+  for (const CouplingErrors& of : study.by_count) {
     fmt::print("contacts      {} at once, {} sets\n", of.contacts, of.sets);
     fmt::print("  not coupled {}\n", percents(of.alone));
     fmt::print("  by table    {}\n", percents(of.by_table));
     fmt::print("  by columns  {}\n", percents(of.by_column));
+  }
+  if (!study.worst_by_table.empty()) {
+    fmt::print("of {} sets, 95 % have every force by table within {:.2f} %\n",
+               study.worst_by_table.size(), 100 * covering(study.worst_by_table));
   }
 }
 
@@ -79,22 +84,25 @@ void run(const Flags& flags) {
   progress.stage("coupling of contacts");
   const ComplianceTable coupling = make_coupling_table(scene, body, vertices, progress);
   progress.stage("joint presses");
-  const std::vector<CouplingErrors> errors = coupling_errors(
-      scene, body, body.tool[t], vertices, coupling, flags.options, progress);
+  const CouplingStudy study = coupling_errors(scene, body, body.tool[t], vertices,
+                                              coupling, flags.options, progress);
   progress.finish();
   if (!flags.json) {
-    print(errors);
+    print(study);
     return;
   }
   Json report = Json::array();
-  for (const CouplingErrors& of : errors) {
+  for (const CouplingErrors& of : study.by_count) {
     report.push_back({{"contacts", of.contacts},
                       {"sets", of.sets},
                       {"not_coupled", quantiles(of.alone)},
                       {"by_table", quantiles(of.by_table)},
                       {"by_columns", quantiles(of.by_column)}});
   }
-  fmt::print("{}\n", Json{{"tool", scene.tool[t].name}, {"errors", report}}.dump());
+  fmt::print("{}\n", Json{{"tool", scene.tool[t].name},
+                          {"errors", report},
+                          {"worst_of_sets", study.worst_by_table}}
+                         .dump());
 }
 
 }  // namespace

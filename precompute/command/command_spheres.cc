@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/error.h"
 #include "formats/mesh/surface_reader.h"
 #include "formats/response/tool_shape.h"
 #include "precompute/command/commands.h"
@@ -46,6 +47,11 @@ void print(const Flags& flags, const ContactSpheres& spheres) {
 }
 
 void run(const Flags& flags) {
+  if (!(flags.radius_m >= 0.0 && flags.radius_m < 1e3)) {
+    throw InputError(fmt::format(
+        "--radius-m {}: must lie in [0, 1000); 0 finds the one that fits best",
+        flags.radius_m));
+  }
   const SurfaceMesh tool = read_surface(flags.mesh, flags.length_unit);
   const ContactSpheres spheres = contact_spheres(tool, flags.count, flags.radius_m);
   if (flags.json) {

@@ -235,17 +235,16 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
   return press;
 }
 
-std::vector<CouplingErrors> coupling_errors(const Scene& scene, const BodySource& body,
-                                            const SharedTool& tool,
-                                            std::span<const std::int32_t> vertices,
-                                            const ComplianceTable& coupling,
-                                            const JointOptions& options,
-                                            Progress& progress) {
+CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
+                              const SharedTool& tool,
+                              std::span<const std::int32_t> vertices,
+                              const ComplianceTable& coupling,
+                              const JointOptions& options, Progress& progress) {
   const double radius_m = contact_radius_m(tool->shape(), scene.reach.depth_max_m);
   const ContactFocus focus = contact_focus(scene, body);
-  std::vector<CouplingErrors> errors;
+  CouplingStudy study;
   for (const std::size_t contacts : options.contacts) {
-    errors.push_back(
+    study.by_count.push_back(
         {.contacts = contacts, .alone = {}, .by_table = {}, .by_column = {}});
   }
   std::mutex adding;
@@ -265,7 +264,8 @@ std::vector<CouplingErrors> coupling_errors(const Scene& scene, const BodySource
     // What a set throws leaves it out.
     static_cast<void>(failure_of("its set", [&] {
       const BodyModel model = make_graded_model(scene, body, ascending, focus);
-      for (CouplingErrors& of : errors) {
+      std::vector<double> of_set;
+      for (CouplingErrors& of : study.by_count) {
         if (of.contacts > set.size()) {
           continue;
         }
@@ -277,17 +277,23 @@ std::vector<CouplingErrors> coupling_errors(const Scene& scene, const BodySource
         add_errors(press.joint_n, press.alone_n, of.alone);
         add_errors(press.joint_n, press.by_table_n, of.by_table);
         add_errors(press.joint_n, press.by_column_n, of.by_column);
+        add_errors(press.joint_n, press.by_table_n, of_set);
+      }
+      if (!of_set.empty()) {
+        const std::lock_guard lock(adding);
+        study.worst_by_table.push_back(*std::max_element(of_set.begin(), of_set.end()));
       }
     }));
     const std::lock_guard lock(adding);
     progress.advance(++done, options.sets, "sets");
   });
-  for (CouplingErrors& of : errors) {
+  std::sort(study.worst_by_table.begin(), study.worst_by_table.end());
+  for (CouplingErrors& of : study.by_count) {
     for (auto* values : {&of.alone, &of.by_table, &of.by_column}) {
       std::sort(values->begin(), values->end());
     }
   }
-  return errors;
+  return study;
 }
 
 }  // namespace palpate

@@ -55,6 +55,12 @@ struct CouplingErrors {
   std::vector<double> by_column;
 };
 
+struct CouplingStudy {
+  std::vector<CouplingErrors> by_count;  ///< as JointOptions::contacts
+  /// Of each set the largest error by table, of any of its forces; ascending.
+  std::vector<double> worst_by_table;
+};
+
 struct JointOptions {
   std::size_t sets = 50;                          ///< > 0
   std::vector<std::size_t> contacts = {2, 3, 4};  ///< of a set, ascending
@@ -65,9 +71,11 @@ struct JointOptions {
 /// first, at half of the largest depth or deeper, on meshes made for each set. A set
 /// that cannot be meshed or pressed is left out.
 /// @param vertices that are pressed. @param coupling of the scene.
-[[nodiscard]] std::vector<CouplingErrors> coupling_errors(
-    const Scene& scene, const BodySource& body, const SharedTool& tool,
-    std::span<const std::int32_t> vertices, const ComplianceTable& coupling,
-    const JointOptions& options, Progress& progress);
+[[nodiscard]] CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
+                                            const SharedTool& tool,
+                                            std::span<const std::int32_t> vertices,
+                                            const ComplianceTable& coupling,
+                                            const JointOptions& options,
+                                            Progress& progress);
 
 }  // namespace palpate

@@ -134,8 +134,8 @@ TEST(DatabaseCompliance, SummariesDescribeIt) {
   write_database(folder / "a.h5", coupled_sphere());
   const ChunkReader reader(folder / "a.h5");
   const std::string line =
-      "7 distances from 2 to 100 mm, 3 modes; 95 % of forces of several contacts "
-      "within 3 % of the largest of their set; one equilibrium";
+      "7 distances from 2 to 100 mm, 3 modes; forces of several contacts within 3 % "
+      "of the largest of their set, at 95 % of sets; one equilibrium";
   EXPECT_EQ(describe(summarise(reader.index().tools[0]).compliance), line);
   EXPECT_EQ(describe(summarise(coupled_sphere().tools[0]).compliance), line);
 }

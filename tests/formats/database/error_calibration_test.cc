@@ -11,6 +11,17 @@
 namespace palpate {
 namespace {
 
+TEST(ErrorCalibration, CoveringIsTheSmallestThatCoversANewValueToo) {
+  std::vector<double> values;
+  for (int i = 40; i >= 1; --i) {
+    values.push_back(i);
+  }
+  EXPECT_EQ(covering(values), 39.0);  // ceil(0.95 * 41)
+  values.resize(19);                  // 40 to 22
+  EXPECT_EQ(covering(values), 40.0);
+  EXPECT_EQ(covering({0.5, 0.25}), 0.5);
+}
+
 TEST(ErrorCalibration, TakesTheRatioThatSoManyOthersStayBelow) {
   const std::vector<double> estimate(39, 0.02);
   std::vector<double> error;
