@@ -74,9 +74,7 @@ void run(const Flags& flags) {
     throw InputError(fmt::format("tool {:?} is a {}, must be a sphere",
                                  scene.tool[t].name, scene.tool[t].kind));
   }
-  // The table and its meshes are those of this tool.
-  scene.tool_couples.assign(scene.tool.size(), false);
-  scene.tool_couples[t] = true;
+  scene.tool_couples[t] = true;  // the table is the one that a build keeps for it
   Progress progress(stderr);
   progress.stage("body");
   const BodySource body = read_body(scene);
