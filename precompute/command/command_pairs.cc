@@ -47,7 +47,7 @@ void print(const CouplingStudy& study) {
     fmt::print("contacts      {} at once, {} sets\n", of.contacts, of.sets);
     fmt::print("  not coupled {}\n", percents(of.alone));
     fmt::print("  by table    {}\n", percents(of.by_table));
-    fmt::print("  by columns  {}\n", percents(of.by_column));
+    fmt::print("  by spots    {}\n", percents(of.by_spot));
   }
   if (!study.worst_by_table.empty()) {
     fmt::print("of {} sets, 95 % have every force by table within {:.2f} %\n",
@@ -95,7 +95,7 @@ void run(const Flags& flags) {
                       {"sets", of.sets},
                       {"not_coupled", quantiles(of.alone)},
                       {"by_table", quantiles(of.by_table)},
-                      {"by_columns", quantiles(of.by_column)}});
+                      {"by_spots", quantiles(of.by_spot)}});
   }
   fmt::print("{}\n", Json{{"tool", scene.tool[t].name},
                           {"errors", report},

@@ -50,10 +50,10 @@ LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
   return loaded;
 }
 
-void add_unit_load(const ContactNode& node, const Supports& supports, SolveRows& B,
-                   Eigen::Index column) {
+void add_load(const ContactNode& node, double force_n, const Supports& supports,
+              SolveRows& B, Eigen::Index column) {
   for_each_load(node, supports, [&](std::int64_t dof, double force) {
-    B(dof, column) += force;
+    B(dof, column) += force_n * force;
   });
 }
 
@@ -68,24 +68,29 @@ void average_rows(const ContactNode& node, const Supports& supports, const Solve
 void for_each_column(
     const CholeskyFactor& factor, const Supports& supports,
     const ContactSurface& surface, std::span<const std::int32_t> rows,
-    std::span<const std::int32_t> columns,
+    std::span<const PressureForces> load,
     const std::function<void(std::size_t, const Eigen::VectorXd&)>& take,
     const std::function<void(std::size_t)>& progress) {
   std::vector<std::int32_t> nodes(rows.begin(), rows.end());
-  nodes.insert(nodes.end(), columns.begin(), columns.end());
+  for (const PressureForces& forces : load) {
+    nodes.insert(nodes.end(), forces.node.begin(), forces.node.end());
+  }
   const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
   constexpr std::size_t kBlock = SurfaceCompliance::kBlock;
   std::atomic<std::size_t> done = 0;
   std::mutex reporting;
-  in_parallel((columns.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+  in_parallel((load.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
     check_interrupted();
     const std::size_t first = block * kBlock;
-    const auto some = columns.subspan(first, std::min(kBlock, columns.size() - first));
+    const auto some = load.subspan(first, std::min(kBlock, load.size() - first));
     const auto count = static_cast<Eigen::Index>(some.size());
     SolveRows X = SolveRows::Zero(loaded.supports.free, solve_width(count));
     for (Eigen::Index k = 0; k < count; ++k) {
-      add_unit_load(node_of(surface, some[static_cast<std::size_t>(k)]),
-                    loaded.supports, X, k);
+      const PressureForces& forces = some[static_cast<std::size_t>(k)];
+      for (std::size_t j = 0; j < forces.node.size(); ++j) {
+        add_load(node_of(surface, forces.node[j]), forces.force_n[j], loaded.supports,
+                 X, k);
+      }
     }
     loaded.factor.solve(X);
     Eigen::MatrixXd u(static_cast<Eigen::Index>(rows.size()), count);

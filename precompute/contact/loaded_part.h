@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -25,24 +26,30 @@ struct LoadedPart {
                                      const ContactSurface& surface,
                                      std::span<const std::int32_t> nodes);
 
-/// Adds 1 N of pressure force over the hat of a node to a column of loads.
-void add_unit_load(const ContactNode& node, const Supports& supports, SolveRows& B,
-                   Eigen::Index column);
+/// Adds a pressure force over the hat of a node to a column of loads.
+void add_load(const ContactNode& node, double force_n, const Supports& supports,
+              SolveRows& B, Eigen::Index column);
 
 /// average_displacement() of a node, for all right-hand sides.
 void average_rows(const ContactNode& node, const Supports& supports, const SolveRows& X,
                   Eigen::Ref<Eigen::RowVectorXd> average);
 
+/// Pressure forces at some contact nodes.
+struct PressureForces {
+  std::vector<std::int32_t> node;
+  std::vector<double> force_n;  ///< (n) [N]
+};
+
 /// Calls take(k, u) with the average inward displacements u (n_rows) [m] at the rows
-/// for 1 N at columns[k]: each column once, from several threads, in no order. Of what
-/// a SurfaceCompliance keeps no more than is near, this is all.
-/// @param rows, columns contact nodes; held parts of the surface do not move.
-/// @param progress called now and then from one thread with the columns done; may be
+/// under load[k]: each once, from several threads, in no order. Of what a
+/// SurfaceCompliance keeps no more than is near, this is all.
+/// @param rows contact nodes; held parts of the surface do not move.
+/// @param progress called now and then from one thread with the loads done; may be
 /// null.
 void for_each_column(
     const CholeskyFactor& factor, const Supports& supports,
     const ContactSurface& surface, std::span<const std::int32_t> rows,
-    std::span<const std::int32_t> columns,
+    std::span<const PressureForces> load,
     const std::function<void(std::size_t, const Eigen::VectorXd&)>& take,
     const std::function<void(std::size_t)>& progress);
 

@@ -190,7 +190,7 @@ void SurfaceCompliance::solve_block(const LoadedPart& loaded,
   std::vector<char> has_entry(surface.node.size(), 0);  // in some column, by row
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
-    add_unit_load(surface.node[v], loaded.supports, X, k);
+    add_load(surface.node[v], 1.0, loaded.supports, X, k);
     next.push_back(begin_[v]);
     for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
       has_entry[static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)])] = 1;

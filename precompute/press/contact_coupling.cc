@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <Eigen/Cholesky>
 
 #include "formats/response/memory_sites.h"
 #include "precompute/contact/loaded_part.h"
+#include "precompute/press/contact_spot.h"
 #include "precompute/press/coupling_modes.h"
 #include "precompute/press/scene_solver.h"
 #include "precompute/process/parallel.h"
@@ -26,11 +26,18 @@ bool tool_couples(const Scene& scene, std::size_t tool) {
   return tool < scene.tool_couples.size() && scene.tool_couples[tool];
 }
 
-double smallest_radius_m(const Scene& scene, double depth_m) {
-  double smallest = std::numeric_limits<double>::infinity();
+double typical_radius_m(const Scene& scene, std::size_t tool) {
+  return contact_radius_m(scene.tool[tool], 0.5 * scene.reach.depth_max_m);
+}
+
+// Of those that couple, the one with the smallest contact.
+std::size_t smallest_tool(const Scene& scene) {
+  std::size_t smallest = scene.tool.size();
   for (std::size_t t = 0; t < scene.tool.size(); ++t) {
-    if (tool_couples(scene, t)) {
-      smallest = std::min(smallest, contact_radius_m(scene.tool[t], depth_m));
+    if (tool_couples(scene, t) &&
+        (smallest == scene.tool.size() ||
+         typical_radius_m(scene, t) < typical_radius_m(scene, smallest))) {
+      smallest = t;
     }
   }
   return smallest;
@@ -107,6 +114,41 @@ BinnedColumn binned(const ContactSurface& surface, std::span<const std::int32_t>
   return bins;
 }
 
+// Where the smallest of the tools presses at vertices.
+std::vector<PressureForces> spots_at(const Scene& scene, const BodySource& body,
+                                     const BodyModel& model,
+                                     std::span<const std::int32_t> vertices,
+                                     Progress& progress) {
+  const SharedTool& tool = body.tool[smallest_tool(scene)];
+  std::vector<PressedNode> placed(vertices.size());
+  in_parallel(vertices.size(), [&](std::size_t i) {
+    placed[i] = placed_node(scene, body, model, tool, vertices[i]);
+  });
+  const SurfaceCompliance compliance =
+      compliance_of(model, placed, {}, [&](std::size_t done, std::size_t total) {
+        progress.advance(done, total, "columns");
+      });
+  std::vector<PressureForces> spot(vertices.size());
+  in_parallel(vertices.size(), [&](std::size_t i) {
+    spot[i] = contact_spot(model, compliance, placed[i]);
+  });
+  return spot;
+}
+
+// What spots' forces work at displacements of their nodes, one spot after another.
+Eigen::VectorXd work_of(std::span<const PressureForces> spot,
+                        const Eigen::Ref<const Eigen::VectorXd>& u_m) {
+  Eigen::VectorXd work(std::ssize(spot));
+  Eigen::Index row = 0;
+  for (Eigen::Index i = 0; i < work.size(); ++i) {
+    const auto& force_n = spot[static_cast<std::size_t>(i)].force_n;
+    const Eigen::Map<const Eigen::VectorXd> forces(force_n.data(), std::ssize(force_n));
+    work[i] = forces.dot(u_m.segment(row, forces.size()));
+    row += forces.size();
+  }
+  return work;
+}
+
 // Rows from bins; what has too little surface takes the mean of all, and where no node
 // has any, what is nearer.
 RowsOf<float> rows_of(const std::vector<BinnedColumn>& bins, double least_m2) {
@@ -140,8 +182,7 @@ bool couples(const Scene& scene) {
 
 std::vector<double> coupling_distances(const Scene& scene, const BodySource& body,
                                        std::span<const std::int32_t> vertices) {
-  const double first_m =
-      kFirstInRadii * smallest_radius_m(scene, 0.5 * scene.reach.depth_max_m);
+  const double first_m = kFirstInRadii * typical_radius_m(scene, smallest_tool(scene));
   Eigen::AlignedBox3d box;
   for (const std::int32_t v : vertices) {
     box.extend(Eigen::Vector3d(body.surface.position_m.row(v).transpose()));
@@ -160,7 +201,8 @@ BodyModel coupling_model(const Scene& scene, const BodySource& body, double firs
   return model;
 }
 
-ComplianceTable coupling_table(const BodyModel& model, const BodySource& body,
+ComplianceTable coupling_table(const Scene& scene, const BodySource& body,
+                               const BodyModel& model,
                                std::span<const std::int32_t> vertices,
                                const std::vector<double>& distance_m,
                                Progress& progress) {
@@ -169,30 +211,30 @@ ComplianceTable coupling_table(const BodyModel& model, const BodySource& body,
   const ComplianceKnots knots = knots_of(table);
   const std::vector<std::int32_t> rows = nodes_around(model, body, vertices);
   const std::vector<std::int32_t> wanted = with_rim(body, vertices);
-  std::vector<std::int32_t> columns;
-  for (const std::int32_t v : wanted) {
-    columns.push_back(
-        model.contact.of_mesh_node[static_cast<std::size_t>(corner_of(model, v))]);
-  }
-  // Rows at which columns are averaged, then the columns' own places.
+  const std::vector<PressureForces> spot =
+      spots_at(scene, body, model, wanted, progress);
+  // Rows at which columns are averaged, then the spots' own, one after another.
   std::vector<std::int32_t> all = rows;
-  all.insert(all.end(), columns.begin(), columns.end());
+  for (const PressureForces& forces : spot) {
+    all.insert(all.end(), forces.node.begin(), forces.node.end());
+  }
   const auto averaged = std::ssize(rows);
-  const auto n = std::ssize(columns);
+  const auto n = std::ssize(spot);
   const bool with_modes = n <= kMostForModes;
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(with_modes ? n : 0, with_modes ? n : 0);
-  std::vector<BinnedColumn> bins(columns.size());
+  std::vector<BinnedColumn> bins(spot.size());
   for_each_column(
-      *model.factor, model.supports, model.contact, all, columns,
+      *model.factor, model.supports, model.contact, all, spot,
       [&](std::size_t k, const Eigen::VectorXd& u_m) {
         bins[k] = binned(model.contact, rows, u_m.head(averaged),
                          body.surface.position_m.row(wanted[k]).transpose(), knots);
         if (with_modes) {
-          C.col(static_cast<Eigen::Index>(k)) = u_m.tail(n);
+          C.col(static_cast<Eigen::Index>(k)) =
+              work_of(spot, u_m.tail(u_m.size() - averaged));
         }
       },
       [&](std::size_t done) {
-        progress.advance(done, columns.size(), "columns");
+        progress.advance(done, spot.size(), "columns");
       });
   double area_m2 = 0.0;
   for (const std::int32_t c : rows) {
@@ -219,7 +261,7 @@ ComplianceTable make_coupling_table(const Scene& scene, const BodySource& body,
                                     Progress& progress) {
   const std::vector<double> distance_m = coupling_distances(scene, body, vertices);
   const BodyModel model = coupling_model(scene, body, distance_m.front());
-  return coupling_table(model, body, vertices, distance_m, progress);
+  return coupling_table(scene, body, model, vertices, distance_m, progress);
 }
 
 std::vector<std::int32_t> set_of_contacts(std::span<const std::int32_t> nodes,

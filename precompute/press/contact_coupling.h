@@ -37,14 +37,15 @@ constexpr double kClosestInRadii = 1.8;
                                        double first_m);
 
 /// Table of a linear body for vertices that are pressed and those that share a triangle
-/// with them; rows of others are 0. One solve a row: displacements for 1 N at the
-/// vertex, times distance, are averaged by area over the surface around the pressed
-/// vertices, in bins that overlap like hats between neighbouring distances. Bins with
-/// hardly any surface have the mean of the other vertices'.
+/// with them; rows of others are 0. One solve a row: displacements for 1 N of the
+/// smallest tool's contact there (contact_spot.h), times distance, are averaged by area
+/// over the surface around the pressed vertices, in bins that overlap like hats between
+/// neighbouring distances. Bins with hardly any surface have the mean of the other
+/// vertices'.
 /// @param model of small strains: of a nonlinear body its linear one.
 /// @param vertices that are pressed, ascending.
-[[nodiscard]] ComplianceTable coupling_table(const BodyModel& model,
-                                             const BodySource& body,
+[[nodiscard]] ComplianceTable coupling_table(const Scene& scene, const BodySource& body,
+                                             const BodyModel& model,
                                              std::span<const std::int32_t> vertices,
                                              const std::vector<double>& distance_m,
                                              Progress& progress);

@@ -17,6 +17,7 @@
 #include "precompute/contact/gaps_along.h"
 #include "precompute/contact/indentation_response.h"
 #include "precompute/press/contact_coupling.h"
+#include "precompute/press/contact_spot.h"
 #include "precompute/process/failure_of.h"
 #include "precompute/process/parallel.h"
 
@@ -101,7 +102,7 @@ Eigen::VectorXd joint_forces_n(const BodyModel& model,
   return force_n.rowwise().norm();
 }
 
-// Compliances between vertices by the table, and by their columns; diagonals 0.
+// Compliances between vertices by the table; diagonal 0.
 Eigen::MatrixXd by_table(const ComplianceTable& coupling, const Points& position_m,
                          std::span<const std::int32_t> vertices) {
   const ComplianceKnots knots = knots_of(coupling);
@@ -114,26 +115,6 @@ Eigen::MatrixXd by_table(const ComplianceTable& coupling, const Points& position
       if (i != j) {
         C(i, j) = node_coupling_m_per_n(coupling, knots, v, w,
                                         (position_m.row(v) - position_m.row(w)).norm());
-      }
-    }
-  }
-  return C;
-}
-
-Eigen::MatrixXd by_column(const BodyModel& model, const SurfaceCompliance& compliance,
-                          std::span<const std::int32_t> vertices) {
-  const auto n = std::ssize(vertices);
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(n, n);
-  const auto node_of = [&](Eigen::Index i) {
-    return model.contact.of_mesh_node[static_cast<std::size_t>(
-        corner_of(model, vertices[static_cast<std::size_t>(i)]))];
-  };
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      if (i != j) {
-        const std::int32_t row = node_of(i);
-        const std::int32_t column = node_of(j);
-        C(i, j) = compliance.between({&row, 1}, {&column, 1})(0, 0);
       }
     }
   }
@@ -210,7 +191,8 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
                    .joint_n = {},
                    .alone_n = Eigen::VectorXd(n),
                    .by_table_n = {},
-                   .by_column_n = {}};
+                   .by_spot_n = {}};
+  std::vector<PressureForces> spot;
   std::vector<SingleContact> single;
   std::vector<CurveView> curve;
   Eigen::VectorXd penetration_m(n);
@@ -222,6 +204,7 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
         single.emplace_back(alone(scene, model, compliance, nodes[i]));
     curve.push_back(contact.curve.view());
     const double touch_m = nodes[i].indentation.sample.front().penetration_m;
+    spot.push_back(contact_spot(model, compliance, nodes[i]));
     penetration_m[k] = touch_m + depth_share[k] * (nodes[i].path.depth_max_m - touch_m);
     depth_m[k] = contact.depth_m(penetration_m[k]);
     press.alone_n[k] = curve.back().at(depth_m[k]).force_n;
@@ -230,8 +213,7 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
       joint_forces_n(model, all, compliance.among(all), nodes, penetration_m);
   press.by_table_n = coupled_forces_n(
       curve, depth_m, by_table(coupling, body.surface.position_m, vertices));
-  press.by_column_n =
-      coupled_forces_n(curve, depth_m, by_column(model, compliance, vertices));
+  press.by_spot_n = coupled_forces_n(curve, depth_m, between_spots(compliance, spot));
   return press;
 }
 
@@ -245,7 +227,7 @@ CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
   CouplingStudy study;
   for (const std::size_t contacts : options.contacts) {
     study.by_count.push_back(
-        {.contacts = contacts, .alone = {}, .by_table = {}, .by_column = {}});
+        {.contacts = contacts, .alone = {}, .by_table = {}, .by_spot = {}});
   }
   std::mutex adding;
   std::size_t done = 0;
@@ -276,7 +258,7 @@ CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
         ++of.sets;
         add_errors(press.joint_n, press.alone_n, of.alone);
         add_errors(press.joint_n, press.by_table_n, of.by_table);
-        add_errors(press.joint_n, press.by_column_n, of.by_column);
+        add_errors(press.joint_n, press.by_spot_n, of.by_spot);
         add_errors(press.joint_n, press.by_table_n, of_set);
       }
       if (!of_set.empty()) {
@@ -289,7 +271,7 @@ CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
   });
   std::sort(study.worst_by_table.begin(), study.worst_by_table.end());
   for (CouplingErrors& of : study.by_count) {
-    for (auto* values : {&of.alone, &of.by_table, &of.by_column}) {
+    for (auto* values : {&of.alone, &of.by_table, &of.by_spot}) {
       std::sort(values->begin(), values->end());
     }
   }

@@ -28,10 +28,10 @@ namespace palpate {
 /// Contacts pressed at once, all on one model of the linear body.
 struct JointPress {
   std::vector<std::int32_t> vertex;
-  Eigen::VectorXd joint_n;      ///< solved together
-  Eigen::VectorXd alone_n;      ///< each by its own curve: not coupled
-  Eigen::VectorXd by_table_n;   ///< curves coupled by the table
-  Eigen::VectorXd by_column_n;  ///< curves coupled by exact compliances of the vertices
+  Eigen::VectorXd joint_n;     ///< solved together
+  Eigen::VectorXd alone_n;     ///< each by its own curve: not coupled
+  Eigen::VectorXd by_table_n;  ///< curves coupled by the table
+  Eigen::VectorXd by_spot_n;   ///< curves coupled by exact compliances of contact spots
 };
 
 /// Presses vertices at once with tools alike: one complementarity problem, every
@@ -52,7 +52,7 @@ struct CouplingErrors {
   std::size_t sets = 0;
   std::vector<double> alone;
   std::vector<double> by_table;
-  std::vector<double> by_column;
+  std::vector<double> by_spot;
 };
 
 struct CouplingStudy {

@@ -1,4 +1,4 @@
-// How contacts couple through a body: against closed forms, exact columns, joint
+// How contacts couple through a body: against closed forms, exact compliances, joint
 // presses.
 #include "precompute/press/contact_coupling.h"
 
@@ -12,6 +12,7 @@
 #include "formats/base/error.h"
 #include "formats/mesh/obj_writer.h"
 #include "formats/response/response_curve.h"
+#include "precompute/press/contact_spot.h"
 #include "precompute/press/coupling_modes.h"
 #include "precompute/press/joint_presses.h"
 #include "tests/support/study_bodies.h"
@@ -63,7 +64,8 @@ std::vector<std::int32_t> ContactCoupling::vertices_;
 
 TEST_F(ContactCoupling, NearbyIsThatOfAHalfSpace) {
   // The block's bottom and sides move a place by what hardly varies nearby: it cancels
-  // between two distances. 1 / (pi E* r) of Boussinesq.
+  // between two distances. 1 / (pi E* r) of Boussinesq; spread over a spot of Hertz's
+  // pressure, by <rho^2> / (4 r^2) = a^2 / (10 r^2) more.
   const ComplianceKnots knots = knots_of(*table_);
   const auto c = [&](double r) {
     return node_coupling_m_per_n(*table_, knots, 0, 0, r);
@@ -71,9 +73,13 @@ TEST_F(ContactCoupling, NearbyIsThatOfAHalfSpace) {
   const double near_m = table_->distance_m[2];
   const double far_m = 2.0 * near_m;
   EXPECT_LT(far_m, 0.022);
+  const double a_m = std::sqrt(0.018 * 0.0015);
+  const auto spread = [&](double r) {
+    return (1.0 + a_m * a_m / (10.0 * r * r)) / r;
+  };
   const double expected =
-      (1.0 / near_m - 1.0 / far_m) / (std::numbers::pi * kStiffness_pa);
-  EXPECT_NEAR((c(near_m) - c(far_m)) / expected, 1.0, 0.03);
+      (spread(near_m) - spread(far_m)) / (std::numbers::pi * kStiffness_pa);
+  EXPECT_NEAR((c(near_m) - c(far_m)) / expected, 1.0, 0.01);
   // Of the whole it is what a bottom at depth D holds back, about 1 / D.
   EXPECT_NEAR(c(near_m) * std::numbers::pi * kStiffness_pa * near_m, 1.0,
               1.5 * near_m / 0.1);
@@ -102,9 +108,34 @@ TEST_F(ContactCoupling, TwoPadsPressAsTheyDoTogether) {
     ASSERT_EQ(of.sets, 4U);
     ASSERT_EQ(of.by_table.size(), 4 * of.contacts);
     EXPECT_LT(of.by_table.back(), 0.04);
-    EXPECT_LT(of.by_column.back(), 0.02);
+    EXPECT_LT(of.by_spot.back(), 0.02);
     EXPECT_GT(of.alone.back(), 2.0 * of.by_table.back());
   }
+}
+
+TEST_F(ContactCoupling, SpotsAreHertz) {
+  const BodyModel model =
+      coupling_model(*scene_, *body_, 0.5 * table_->distance_m.front());
+  const PressedNode placed =
+      placed_node(*scene_, *body_, model, body_->tool[0], vertices_.front());
+  const SurfaceCompliance compliance = compliance_of(model, {&placed, 1}, {}, nullptr);
+  const PressureForces spot = contact_spot(model, compliance, placed);
+  const Eigen::Vector3d centre_m =
+      body_->surface.position_m.row(vertices_.front()).transpose();
+  double force_n = 0.0;
+  double moment = 0.0;
+  for (std::size_t j = 0; j < spot.node.size(); ++j) {
+    const auto& node = model.contact.node[static_cast<std::size_t>(spot.node[j])];
+    force_n += spot.force_n[j];
+    moment += spot.force_n[j] * (node.position_m - centre_m).squaredNorm();
+  }
+  EXPECT_NEAR(force_n, 1.0, 0.02);
+  // 2 a^2 / 5; the body gives way, so that a is no larger than on a half-space.
+  const double a_m = std::sqrt(0.018 * 0.0015);
+  EXPECT_NEAR(moment / (0.4 * a_m * a_m), 1.0, 0.1);
+  // 4 delta / 5 and delta = 3 / (4 E* a), less what a bottom at depth D holds back.
+  const double self = between_spots(compliance, {&spot, 1})(0, 0);
+  EXPECT_NEAR(self * kStiffness_pa * a_m / 0.6, 1.0, 0.1);
 }
 
 TEST_F(ContactCoupling, SetsKeepTheirDistances) {
