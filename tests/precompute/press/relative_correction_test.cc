@@ -33,6 +33,23 @@ TEST(RelativeCorrection, OfAStraightLineIsTheLine) {
   }
 }
 
+TEST(RelativeCorrection, WeighsTheSecantsOfUnevenWidths) {
+  // Fritsch and Butland by hand: widths 1 and 2, secants 1 and 4 give
+  // 9 / (5 / 1 + 4 / 4) = 1.5 between them; 1/4 and 2 give 9 / (20 + 2).
+  const std::array<Knot, 2> knots{
+      Knot{1.0, Eigen::Vector3d(1.0, 0.25, -1.0)},
+      Knot{3.0, Eigen::Vector3d(9.0, 4.25, 3.0)},
+  };
+  const RelativeCorrection correction(0.0, knots);
+  // a + rise / 2 + (slope_a - slope_b) width / 8 in the middle of an interval.
+  const Eigen::Vector3d first(0.5 + (1.0 - 1.5) / 8.0,
+                              0.125 + (0.25 - 9.0 / 22.0) / 8.0, -0.5 - 1.0 / 8.0);
+  const Eigen::Vector3d second(5.0 + (1.5 - 4.0) / 4.0, 2.25 + (9.0 / 22.0 - 2.0) / 4.0,
+                               1.0 + (0.0 - 2.0) / 4.0);
+  EXPECT_LT((correction.at(0.5) - first).norm(), 1e-14);
+  EXPECT_LT((correction.at(2.0) - second).norm(), 1e-14);
+}
+
 TEST(RelativeCorrection, IsZeroBeforeTheFirstTouchAndConstantBeyondTheLastKnot) {
   const RelativeCorrection correction = through([](double x) {
     return 1e3 * (x - kFrom);
