@@ -227,13 +227,12 @@ void add_relaxation(const Scene& scene, const BodySource& body,
 double coupling_error(const Scene& scene, const BodySource& body,
                       std::span<const std::int32_t> reachable, std::size_t tool,
                       const ComplianceTable& coupling, Progress& progress) {
-  // Twice as many as checks of single presses: errors of sets have a heavier tail.
-  // Every tool has sets of its own, lest one odd draw speak for all.
-  const std::size_t sets = 2 * static_cast<std::size_t>(scene.accuracy.verify);
-  if (sets < kChecksToCalibrate) {
+  const std::size_t sets = sets_of_build(scene);
+  if (sets == 0) {
     return 0.0;
   }
   progress.stage("joint presses");
+  // Every tool has sets of its own, lest one odd draw speak for all.
   const CouplingStudy study =
       coupling_errors(scene, body, body.tool[tool], reachable, coupling,
                       {.sets = sets, .seed = 1 + tool * sets}, progress);

@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include "formats/base/quantile.h"
 #include "formats/base/stopwatch.h"
 #include "formats/database/error_calibration.h"
+#include "precompute/build/plan_coupling.h"
 #include "precompute/build/plan_cut_outs.h"
 #include "precompute/build/plan_left_out.h"
 #include "precompute/build/plan_relaxation.h"
@@ -81,6 +83,7 @@ class Planner {
     plan_relaxation(scene_, report_);
     time_good();
     time_checks();
+    plan_coupling(scene_, body_, reachable_, workers_, progress_, report_);
   }
   void time_shared_mesh();
   void time_cheap_on_own_meshes();
@@ -164,10 +167,7 @@ void Planner::describe_scene() {
   report_.outside_reach = report_.nodes - report_.reachable - report_.held;
   report_.tools = static_cast<std::int64_t>(body_.tool.size());
   report_.units = static_cast<std::int64_t>(units_.size());
-  report_.checks =
-      std::count_if(units_.begin(), units_.end(), [](const WorkUnit& unit) {
-        return unit.is_check;
-      });
+  report_.checks = std::ranges::count(units_, true, &WorkUnit::is_check);
   report_.nonlinear = strategy_.nonlinear;
   report_.shared_mesh = strategy_.shared_mesh;
   report_.cut_out = strategy_.cut_out;
@@ -247,9 +247,8 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
       cost_of_all(work, count * body_.tool.size(), timed, seconds, times));
   if (nonlinear) {
     // Half of them take less: those that fail cost a check no more than its node.
-    std::nth_element(took_s.begin(), took_s.begin() + std::ssize(took_s) / 2,
-                     took_s.end());
-    press_s_ = took_s[timed / 2] / static_cast<double>(workers_);
+    std::ranges::sort(took_s);
+    press_s_ = quantile(took_s, 0.5) / static_cast<double>(workers_);
   }
   std::vector<double> error;
   for (const auto& group : pressed) {
@@ -281,12 +280,10 @@ void Planner::time_cheap_on_own_meshes() {
       time_own_meshes("groups of linear presses on meshes of their own", groups, count,
                       strategy_.focus, false);
   if (strategy_.cheap_is_good) {
-    again_share_ = static_cast<double>(std::count_if(error.begin(), error.end(),
-                                                     [&](double e) {
-                                                       return kLeastErrorFactor * e >
-                                                              scene_.force_relative;
-                                                     })) /
-                   static_cast<double>(error.size());
+    const auto outside = std::ranges::count_if(error, [&](double e) {
+      return kLeastErrorFactor * e > scene_.force_relative;
+    });
+    again_share_ = static_cast<double>(outside) / static_cast<double>(error.size());
   }
 }
 

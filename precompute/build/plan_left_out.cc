@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "precompute/press/contact_coupling.h"
-
 namespace palpate {
 
 std::vector<std::string> left_out_of(const Scene& scene, const PressStrategy& strategy,
@@ -43,9 +41,6 @@ std::vector<std::string> left_out_of(const Scene& scene, const PressStrategy& st
   say(!strategy.shared_mesh && !strategy.cut_out,
       "fine elements away from the contact: every group of "
       "nodes has a mesh graded to it");
-  say(couples(scene),
-      "how contacts couple: a factor, a solve for each vertex and joint presses, which "
-      "the time does not count");
   say(!scene.drawing.displacement,
       "displacement fields: drawing.displacement is not set");
   return left_out;

@@ -193,9 +193,13 @@ std::vector<double> coupling_distances(const Scene& scene, const BodySource& bod
   return log_spaced(first_m, last_m, kCouplingKnots);
 }
 
+UniformSurface coupling_surface(const BodySource& body, double first_m) {
+  return uniform_surface(body, first_m / kNodesWithin);
+}
+
 BodyModel coupling_model(const Scene& scene, const BodySource& body, double first_m) {
   require_whole_body(scene, "coupling of contacts");
-  const UniformSurface uniform = uniform_surface(body, first_m / kNodesWithin);
+  const UniformSurface uniform = coupling_surface(body, first_m);
   BodyModel model = make_body_model(scene, body, uniform.surface);
   model.contact_spacing_m = uniform.node_spacing_m;
   return model;

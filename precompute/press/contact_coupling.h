@@ -30,8 +30,11 @@ constexpr double kClosestInRadii = 1.8;
 [[nodiscard]] std::vector<double> coupling_distances(
     const Scene& scene, const BodySource& body, std::span<const std::int32_t> vertices);
 
-/// The scene's body, linear, meshed as evenly as the table wants it: two and
-/// a half distances of contact nodes in its first one.
+/// The surface of the table's mesh, as even as the table wants it: two and a half
+/// distances of contact nodes in its first one.
+[[nodiscard]] UniformSurface coupling_surface(const BodySource& body, double first_m);
+
+/// The scene's body, linear, meshed within that surface.
 /// @throws InputError for scenes with [cutout], and as make_body_model().
 [[nodiscard]] BodyModel coupling_model(const Scene& scene, const BodySource& body,
                                        double first_m);

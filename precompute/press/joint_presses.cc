@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/error_calibration.h"
 #include "formats/response/memory_sites.h"
 #include "formats/response/response_curve.h"
 #include "precompute/contact/complementarity.h"
@@ -215,6 +216,11 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
       curve, depth_m, by_table(coupling, body.surface.position_m, vertices));
   press.by_spot_n = coupled_forces_n(curve, depth_m, between_spots(compliance, spot));
   return press;
+}
+
+std::size_t sets_of_build(const Scene& scene) {
+  const std::size_t sets = 2 * static_cast<std::size_t>(scene.accuracy.verify);
+  return sets < kChecksToCalibrate ? 0 : sets;
 }
 
 CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,

@@ -67,6 +67,11 @@ struct JointOptions {
   std::uint64_t seed = 1;
 };
 
+/// How many sets a build of the scene presses for each tool that couples, to tell its
+/// table's error: twice as many as checks of single presses, for errors of sets have a
+/// heavier tail; 0 where these are too few to tell.
+[[nodiscard]] std::size_t sets_of_build(const Scene& scene);
+
 /// Presses sets of vertices jointly: 1.8 contact radii apart or more, within 7 of the
 /// first, at half of the largest depth or deeper, on meshes made for each set. A set
 /// that cannot be meshed or pressed is left out.

@@ -12,6 +12,7 @@
 #include "formats/base/error.h"
 #include "formats/mesh/obj_writer.h"
 #include "formats/response/response_curve.h"
+#include "precompute/build/plan_coupling.h"
 #include "precompute/press/contact_spot.h"
 #include "precompute/press/coupling_modes.h"
 #include "precompute/press/joint_presses.h"
@@ -149,6 +150,27 @@ TEST_F(ContactCoupling, SetsKeepTheirDistances) {
     }
     EXPECT_LE((position_m.row(set[i]) - position_m.row(set[0])).norm(), 0.03);
   }
+}
+
+TEST_F(ContactCoupling, APlanCountsIt) {
+  Progress silent(nullptr);
+  Scene scene = *scene_;
+  scene.accuracy.verify = 24;
+  PlanReport report;
+  plan_coupling(scene, *body_, vertices_, 2, silent, report);
+  ASSERT_EQ(report.cost.size(), 2U);
+  EXPECT_EQ(report.cost[0].count, 1);
+  EXPECT_EQ(report.cost[1].count, 48);
+  EXPECT_EQ(report.cost[1].timed, 2);
+  EXPECT_GT(report.cost[1].seconds, 20.0 * report.cost[1].timed_seconds);
+  scene.accuracy.verify = 9;  // 18 sets cannot tell what 95 % are within
+  report = {};
+  plan_coupling(scene, *body_, vertices_, 2, silent, report);
+  EXPECT_EQ(report.cost.size(), 1U);
+  scene.tool_couples = {false};
+  report = {};
+  plan_coupling(scene, *body_, vertices_, 2, silent, report);
+  EXPECT_TRUE(report.cost.empty());
 }
 
 TEST_F(ContactCoupling, CutOutsAreRefused) {

@@ -1,0 +1,21 @@
+// What the coupling of contacts will take beside a build's presses.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "formats/scene/scene.h"
+#include "precompute/body/scene_body.h"
+#include "precompute/build/plan.h"
+
+namespace palpate {
+
+/// Adds the table of compliance, whose work is counted, and the joint presses that
+/// measure its error, of which every worker tries one set. Nothing where no tool
+/// couples.
+void plan_coupling(const Scene& scene, const BodySource& body,
+                   std::span<const std::int32_t> reachable, std::size_t workers,
+                   Progress& progress, PlanReport& report);
+
+}  // namespace palpate
