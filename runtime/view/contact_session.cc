@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -61,7 +62,7 @@ Eigen::Quaterniond turned(const Eigen::Quaterniond& now, const Eigen::Quaternion
   return now.slerp(std::min(follow, most), goal).normalized();
 }
 
-// Beside each other where two hands begin.
+// How far from each other two hands begin.
 double apart_m(const std::vector<const ResponseTable*>& tables) {
   double sum = 0.0;
   for (const ResponseTable* table : tables) {
@@ -70,7 +71,30 @@ double apart_m(const std::vector<const ResponseTable*>& tables) {
           0.75 * reach_m(table->tool, Eigen::Quaterniond::Identity(), {side, 0.0, 0.0});
     }
   }
-  return tables.size() > 1 ? sum : 0.0;
+  return sum;
+}
+
+// The node nearest to where a second hand is apart_m beside the first, on the side
+// where the body has one.
+std::int32_t node_beside(const ResponseDatabase& database, const ResponseTable& table,
+                         std::int32_t first, double apart_m) {
+  const Eigen::Vector3d at_m = database.body.position_m.row(first).transpose();
+  const Eigen::Quaterniond frame = upright(database.normal.row(first).transpose());
+  std::int32_t best = -1;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& side :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0),
+        Eigen::Vector3d(0, -1, 0)}) {
+    const Eigen::Vector3d wanted_m = at_m + apart_m * (frame * side);
+    const std::int32_t node = node_to_press(database, table, wanted_m);
+    const double off_m =
+        (database.body.position_m.row(node).transpose() - wanted_m).norm();
+    if (off_m < least_m) {
+      best = node;
+      least_m = off_m;
+    }
+  }
+  return best;
 }
 
 FastConfig fast_config(const ContactSessionOptions& options) {
@@ -97,19 +121,19 @@ ContactSession::ContactSession(const ResponseDatabase& database,
   options_.device.force_max_n = options.force_max_n;
   storage_.emplace(adjusted_.set(), fast_config(options_));
   const std::int32_t first = node_to_press(database, *tables_.front(), std::nullopt);
-  const Eigen::Vector3d at_m = database.body.position_m.row(first).transpose();
-  const Eigen::Vector3d across =
-      upright(database.normal.row(first).transpose()) * Eigen::Vector3d::UnitX();
   for (std::size_t i = 0; i < hands_.size(); ++i) {
-    Held& hand = hands_[i];
-    hand.table = tables_[i];
-    const Eigen::Vector3d wanted_m =
-        at_m + ((i == 0 ? -0.5 : 0.5) * apart_m(tables_)) * across;
-    const std::int32_t node = node_to_press(database, *hand.table, wanted_m);
-    hand.goal = upright(database.normal.row(node).transpose());
-    hand.start_m = clear_of(hand, database.body.position_m.row(node).transpose());
+    const std::int32_t node =
+        i == 0 ? first : node_beside(database, *tables_[i], first, apart_m(tables_));
+    place(hands_[i], *tables_[i], node);
   }
   start();
+}
+
+void ContactSession::place(Held& hand, const ResponseTable& table, std::int32_t node) {
+  hand.table = &table;
+  hand.upright = upright(database_.normal.row(node).transpose());
+  hand.goal = hand.upright;
+  hand.start_m = clear_of(hand, database_.body.position_m.row(node).transpose());
 }
 
 void ContactSession::start() {
@@ -145,9 +169,7 @@ void ContactSession::clear_fifo() {
 
 void ContactSession::reset() {
   for (Held& hand : hands_) {
-    const ViewContact near =
-        view_contact(database_, hand.table->tool, search_, hand.start_m, -1);
-    hand.goal = upright(near.normal);
+    hand.goal = hand.upright;
   }
   start();
 }

@@ -90,11 +90,13 @@ class ContactSession : public LiveSession {
     Eigen::Vector3d start_m = Eigen::Vector3d::Zero();
     PointerHand pointer{Eigen::Vector3d::Zero()};
     std::unique_ptr<SimulatedDevice> device;
+    Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();  // at start_m
     Eigen::Quaterniond goal = Eigen::Quaterniond::Identity();
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
     bool holding = false;
   };
 
+  void place(Held& hand, const ResponseTable& table, std::int32_t node);
   void start();
   void tick();
   void serve();

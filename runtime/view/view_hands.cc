@@ -1,6 +1,5 @@
 #include "runtime/view/view_hands.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <iterator>
 
@@ -97,12 +96,9 @@ std::string tools_text(const std::vector<const ResponseTable*>& tables) {
   Json all = Json::array();
   for (const ResponseTable* table : tables) {
     all.push_back({{"name", table->tool.name},
+                   {"description", describe(table->tool)},
                    {"spheres", spheres(table->tool)},
-                   {"coupling_error", table->compliance.error_relative},
-                   {"force_max_n", table->force_n.empty()
-                                       ? 0.0
-                                       : *std::max_element(table->force_n.begin(),
-                                                           table->force_n.end())}});
+                   {"coupling_error", table->compliance.error_relative}});
   }
   return all.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

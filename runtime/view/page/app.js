@@ -55,7 +55,8 @@ class App {
 
   showNames() {
     const { text } = this.body;
-    get("what").textContent = `${text.database} · ${text.tool.name}, ${text.tool.description} · ${this.body.stiffness.length} nodes`;
+    const tools = (text.hands ?? [text.tool]).map((tool) => `${tool.name}, ${tool.description}`).join("; ");
+    get("what").textContent = `${text.database} · ${tools} · ${this.body.stiffness.length} nodes`;
     get("what").title = `${text.source}, written by ${text.writer}. ${text.left_out}`;
     drawColourBar(text.map);
   }

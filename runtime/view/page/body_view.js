@@ -67,7 +67,7 @@ export class BodyView {
     this.metresPerNewton = (0.6 * this.size) / this.body.text.force_max_n;
     const { hands } = this.body.text;  // several contacts, or two hands
     if (hands) {
-      this.metresPerNewton *= 1 / Math.max(...hands.map(({ spheres }) => spheres.length));
+      this.metresPerNewton /= Math.sqrt(Math.max(...hands.map(({ spheres }) => spheres.length)));
     }
     this.yielding = new Yielding(this.body, 0.9 * this.size, ask);
     const pressed = bodyGeometry(this.body, this.yielding.position, this.yielding.normal);

@@ -7,14 +7,15 @@ export class ContactNumbers {
   // @param hands as body.json has them.
   constructor(hands) {
     this.hands = hands;
-    for (const id of ["contacts_legend", "torque_row", "compare_row"]) {
+    const two = hands.length > 1;
+    const turning = hands.some(({ spheres }) => spheres.length > 1);
+    for (const id of ["contacts_legend", "compare_row", ...(turning ? ["torque_row", "torque_legend", "thin_legend"] : [])]) {
       get(id).hidden = false;
     }
-    const two = hands.length > 1;
+    get("depth_name").textContent = "Deepest contact";
     get("force2_row").hidden = !two;
     get("second_legend").hidden = !two;
-    get("thin_legend").hidden = !hands.some(({ spheres }) => spheres.length > 1);
-    document.querySelectorAll(two ? ".of_contacts, .of_hands" : ".of_contacts").forEach((row) => { row.hidden = false; });
+    document.querySelectorAll([".of_contacts", ...(two ? [".of_hands"] : []), ...(turning ? [".of_turns"] : [])].join()).forEach((row) => { row.hidden = false; });
     if (two) {
       get("force_name").textContent = `Force, ${hands[0].name}`;
       get("force2_name").textContent = `Force, ${hands[1].name}`;

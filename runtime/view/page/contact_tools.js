@@ -72,7 +72,7 @@ export class ContactTools {
     this.size = size;
     this.metresPerNewton = metresPerNewton;
     const lever = Math.max(...tools.flatMap(({ spheres }) => spheres.map(({ centre_m: c, radius_m }) => Math.hypot(...c) + radius_m)));
-    this.metresPerNewtonMetre = (2 * metresPerNewton) / lever;
+    this.metresPerNewtonMetre = (5 * metresPerNewton) / lever;
     const widest = Math.max(...tools.flatMap(({ spheres }) => spheres.map((sphere) => sphere.radius_m)));
     const thin = Math.min(0.012 * size, 0.25 * widest);
     const metal = new three.MeshStandardMaterial({ color: "#dfe6ea", roughness: 0.25, metalness: 0.1, transparent: true, opacity: 0.62 });

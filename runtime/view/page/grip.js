@@ -17,9 +17,11 @@ export class Grip {
     this.chosen = 0;               // else this one
     this.axes = [[1, 0, 0], [0, 1, 0]];  // right and up of the screen
     this.spread = 0;               // of a pinch: angle between right and thumb to finger
-    const widest = Math.max(...tools.flatMap(({ spheres }) => spheres.map((sphere) => sphere.radius_m)));
-    this.openMost = 8 * widest;
-    this.opening = 3 * widest;
+    // Closed: the tools touch each other; they do not feel it.
+    const reach = tools.map(({ spheres }) => Math.max(...spheres.map(({ centre_m: c, radius_m }) => Math.hypot(c[0], c[1]) + radius_m)));
+    this.openLeast = reach.reduce((sum, r) => sum + r, 0);
+    this.openMost = 4 * this.openLeast;
+    this.opening = this.openLeast;
   }
 
   get active() { return this.both ? this.hands : [this.hands[this.chosen]]; }
@@ -35,7 +37,7 @@ export class Grip {
     this.hands.forEach((hand, i) => { hand.place = this.surface.under(state.hands[i].tool_m); });
     if (this.both) {
       const [a, b] = this.hands.map(({ place }) => place.point);
-      this.opening = Math.min(this.openMost, Math.hypot(...a.map((v, k) => v - b[k])));
+      this.open(Math.hypot(...a.map((v, k) => v - b[k])));
       return this.surface.under(a.map((v, k) => (v + b[k]) / 2));
     }
     return this.hands[this.chosen].place;
@@ -57,7 +59,7 @@ export class Grip {
   }
 
   open(opening_m) {
-    this.opening = Math.min(this.openMost, Math.max(0, opening_m));
+    this.opening = Math.min(this.openMost, Math.max(this.openLeast, opening_m));
     if (this.both && this.centre) {
       this.move(this.centre, this.axes);
     }
@@ -102,14 +104,15 @@ export class GripPanel {
     this.app = app;
     this.get = get;
     get("contacts_panel").hidden = false;
-    get("turns").hidden = false;
+    const error = Math.max(...grip.hands.map(({ tool }) => tool.coupling_error));
+    get("coupling_error").textContent = error > 0 ? `its stated error: ± ${(100 * error).toPrecision(2)} % of force` : "its error has not been measured";
     get("which_hand").hidden = grip.hands.length < 2;
     grip.hands.forEach((hand, i) => { get(`hand_${i}_name`).textContent = hand.tool.name; });
     for (const input of document.querySelectorAll("input[name=which]")) {
       input.onchange = () => app.chooseHand(input.value);
     }
     get("coupled").onchange = (event) => app.link.set({ coupled: event.target.checked });
-    get("opening").oninput = (event) => app.openPinch((event.target.value / 100) * grip.openMost);
+    get("opening").oninput = (event) => app.openPinch(grip.openLeast + (event.target.value / 100) * (grip.openMost - grip.openLeast));
     get("spin").oninput = (event) => app.turnTool(event.target.value * kDegree - this.spin(), [0, 0]);
     get("tilt_x").oninput = (event) => app.turnTool(0, [event.target.value * kDegree - grip.active[0].tilt[0], 0]);
     get("tilt_y").oninput = (event) => app.turnTool(0, [0, event.target.value * kDegree - grip.active[0].tilt[1]]);
@@ -131,7 +134,7 @@ export class GripPanel {
       input.checked = input.value === (grip.both ? "both" : String(grip.chosen));
     }
     get("opening_row").hidden = !grip.both;
-    put("opening", (100 * grip.opening) / grip.openMost, `${(1e3 * grip.opening).toFixed(0)} mm`);
+    put("opening", (100 * (grip.opening - grip.openLeast)) / (grip.openMost - grip.openLeast), `${(1e3 * grip.opening).toFixed(0)} mm`);
     const spin = this.spin();
     angle("spin", Math.atan2(Math.sin(spin), Math.cos(spin)));
     const turns = !grip.both && grip.active[0].tool.spheres.length > 1;

@@ -38,9 +38,10 @@ const kEnergy = { title: "Stored energy, tank [mJ]", keys: ["stored_j", "tank_j"
 export function handRows(hands) {
   const each = (what) => hands.map((_, i) => `${what}${i + 1}`);
   const names = hands.length > 1 ? `, ${hands.map((hand) => hand.name).join(", ")}` : "";
+  const torque = { title: `Torque [mN m]${names}`, keys: each("torque").map((key) => `${key}_n_m`), colours: ["torque", "force2"].slice(0, hands.length), scale: 1e3, least: 0.05 };
   return [
     { title: `Force [N]${names}`, keys: each("force").map((key) => `${key}_n`), colours: ["force", "force2"].slice(0, hands.length), scale: 1, least: 0.05 },
-    { title: `Torque [mN m]${names}`, keys: each("torque").map((key) => `${key}_n_m`), colours: ["torque", "force2"].slice(0, hands.length), scale: 1e3, least: 0.05 },
+    ...(hands.some(({ spheres }) => spheres.length > 1) ? [torque] : []),
     { title: "Deepest contact [mm]", keys: ["depth_m"], colours: ["depth"], scale: 1e3, least: 0.5 },
     kEnergy,
   ];
