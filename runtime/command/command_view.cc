@@ -1,8 +1,6 @@
 // palpate-run view: see and feel a database in a browser, with the mouse.
-#include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -219,12 +217,16 @@ void watch(Flags& flags, const ResponseDatabase& database) {
 
 // @throws InputError where tools and flags do not say what is shown.
 bool shows_contacts(const Flags& flags, const ResponseDatabase& database) {
-  if (flags.together != (flags.tools.size() > 1)) {
+  if (flags.together && flags.tools.size() != 2) {
+    throw InputError(fmt::format(
+        "--together: two tools press the body, must be two as --tool a,b, {} given",
+        flags.tools.size()));
+  }
+  if (!flags.together && flags.tools.size() > 1) {
     throw InputError(
-        fmt::format("{} tools {} --together: one tool is shown alone, two with "
-                    "--together press one body in two hands",
-                    std::max<std::size_t>(1, flags.tools.size()),
-                    flags.together ? "with" : "without"));
+        fmt::format("--tool names {} tools: one is shown, or two that press the body "
+                    "together (--together)",
+                    flags.tools.size()));
   }
   const bool contacts = is_contact_run(database, flags.tools, flags.together);
   if (contacts && !flags.device.request.name.empty()) {
