@@ -46,7 +46,8 @@ class AdjustedContacts {
   /// contact of one hand gets its own at the next updates.
   void renew(CoupledState& state);
 
-  /// Contact i's row of compliance at corner a of a triangle.
+  /// The message of a triangle for contact i, whether contacts couple at the moment or
+  /// not. @param coupled with the body's rows of compliance; without: of zeros.
   [[nodiscard]] ContactElement element(int i, std::int32_t triangle,
                                        bool coupled) const;
 

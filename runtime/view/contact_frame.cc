@@ -74,6 +74,7 @@ std::vector<ViewTouch> ContactSession::touches() const {
       continue;
     }
     ViewTouch touch{.hand = state.set.sphere[self].port,
+                    .radius_m = state.set.sphere[self].radius_m,
                     .centre_m = at.centre_m,
                     .point_m = at.point_m,
                     .normal = at.normal,

@@ -33,6 +33,7 @@ Json as_json(const ViewHand& hand) {
 
 Json as_json(const ViewTouch& touch) {
   return {{"hand", touch.hand},
+          {"radius_m", touch.radius_m},
           {"centre_m", list(touch.centre_m)},
           {"point_m", list(touch.point_m)},
           {"normal", list(touch.normal)},

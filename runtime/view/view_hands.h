@@ -33,6 +33,7 @@ struct ViewHand {
 /// One contact sphere that has found the body.
 struct ViewTouch {
   int hand = 0;
+  double radius_m = 0.0;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< [m] on the body at rest
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();   ///< [-] outward

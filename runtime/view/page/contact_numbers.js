@@ -41,6 +41,7 @@ export class ContactNumbers {
     const more = coupled > 1e-6 ? Math.round(100 * (added / coupled - 1)) : null;
     put("body_more", more === null ? "" : `(${more < 0 ? "−" : "+"}${Math.abs(more)} %)`);
     put("other_text", state.coupled ? "what contacts added up would give" : "what coupled contacts give");
+    put("scaled_note", state.scaled ? "some lie too close: coupled in part" : "");
     if (get("coupled") !== document.activeElement || get("coupled").checked !== state.coupled) {
       get("coupled").checked = state.coupled;
     }

@@ -104,15 +104,14 @@ export class Yielding {
   }
 
   // The surface under the tools; true if it has changed. A contact of several sinks it
-  // by what its own force does, and they add up.
+  // by what its own force does, and they add up; fields are of the first tool's sphere.
   press(state) {
     const { dents } = state;
-    const places = state.contacts
-      ? state.contacts.map(({ hand, nodes, shares, point_m: point, normal, own_m: depth }) =>
-        ({ nodes, shares, point, normal, depth, tool: { kind: "sphere", radius_m: this.radius(hand) } }))
-      : [{ nodes: state.contact_nodes, shares: state.contact_shares, point: state.contact_m, normal: state.normal,
-           depth: state.penetration_m, tool: this.body.text.tool }];
-    const pressed = state.contacts ? places.filter(({ depth }) => depth > 0) : places;
+    const { tool } = this.body.text;
+    const pressed = state.contacts
+      ? state.contacts.filter(({ own_m }) => own_m > 0).map(({ radius_m, nodes, shares, point_m: point, normal, own_m: depth }) =>
+        ({ nodes: radius_m === tool.radius_m ? nodes : [-1, -1, -1], shares, point, normal, depth, tool: { kind: "sphere", radius_m } }))
+      : [{ nodes: state.contact_nodes, shares: state.contact_shares, point: state.contact_m, normal: state.normal, depth: state.penetration_m, tool }];
     const parts = pressed.map(({ nodes, shares }) => this.parts(nodes, shares));
     const drawn = pressed.map(({ nodes, shares, point, normal, depth }) => (depth > 0 ? [nodes, shares, point, normal, depth].join() : "")).join() +
       dents.depth_m.map((d) => d.toPrecision(3)).join();
@@ -125,23 +124,20 @@ export class Yielding {
     }
     this.drawn = drawn;
     this.position.set(this.body.position);
-    pressed.forEach(({ point, normal, depth, tool }, i) => {
+    pressed.forEach(({ point, normal, depth, tool: shape }, i) => {
       if (depth > 0) {
         for (const [field, share] of parts[i]) {
           if (field) {
             this.addField(field, share * depth);
           }
         }
-        this.addTemplate(tool, point, normal, depth, 1 - stored[i]);
+        this.addTemplate(shape, point, normal, depth, 1 - stored[i]);
       }
     });
     this.addDents(dents);
     this.turnNormals();
     return true;
   }
-
-  // The size of a hand's contacts [m].
-  radius(hand) { return this.body.text.hands[hand].spheres[0].radius_m; }
 
   // What earlier presses have left: nodes that the tool does not hold deeper lie so deep.
   addDents({ node, depth_m }) {
