@@ -120,6 +120,12 @@ TEST_F(ContactSessionTest, TheSwitchIsAChangeThatTheLedgerBalances) {
   EXPECT_LE(after.stored_j + after.tank_j, before.stored_j + before.tank_j + 1e-15);
   EXPECT_GT(after.stored_j, 0.9 * before.stored_j);
   EXPECT_GT(session.state().model.field.shift_m, 1e-5);
+  // What is shown beside it is without that.
+  session.advance(1);
+  const double at = session.command().depth_m;
+  const double added_up = (*session.elastic(false))[0].force_n.z();
+  EXPECT_NEAR(added_up, 2.0 * kPress * at * at, kStored * added_up);
+  EXPECT_GT(added_up, 1.05 * session.command().wrench[0].force_n.z());
   // Nothing is left of it once the contacts have been lifted.
   session.let_go();
   session.advance(4000);
