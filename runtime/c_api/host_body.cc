@@ -1,5 +1,6 @@
 #include "runtime/c_api/host_body.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -81,22 +82,14 @@ double contacts_scale(const HostOptions& options, const ContactStiffness& contac
   return 1.0 / margin.share;
 }
 
-// The database with the stream that reads it.
-class OwnedStream : public ElementSender {
- public:
-  OwnedStream(std::unique_ptr<const ResponseDatabase> database,
-              const ResponseTable& table, double scale)
-      : database_(std::move(database)), stream_(*database_, table, scale) {}
-
-  std::size_t update(const ToolState& tool, std::int64_t now_ns,
-                     ElementFifo& fifo) override {
-    return stream_.update(tool, now_ns, fifo);
-  }
-
- private:
-  std::unique_ptr<const ResponseDatabase> database_;
-  ElementStream stream_;
-};
+// What the contacts of a tool are together, sharing the largest force.
+ContactStiffness stiffness_of(const ResponseDatabase& database,
+                              const ResponseTable& table, double force_max_n) {
+  const ResponseTable* const one[] = {&table};
+  const CoupledSet set = coupled_set(database, one);
+  return contact_stiffness(table, set,
+                           rendered_stiffness(table, force_max_n / set.count));
+}
 
 // Of the exception that is being handled.
 SlowFailure failure_in_hand() {
@@ -142,34 +135,30 @@ HostBody::~HostBody() {
 }
 
 void HostBody::open_whole(const std::filesystem::path& file) {
-  auto database = std::make_unique<const ResponseDatabase>(read_database(file));
-  const ResponseTable& table = find_tool(*database, options_.tool);
+  database_ = std::make_unique<const ResponseDatabase>(read_database(file));
+  const ResponseTable& table = find_tool(*database_, options_.tool);
   tool_name_ = table.tool.name;
   fast_ = fast_config(options_, table.tool);
   if (!table.tool.contact.empty()) {
-    open_contacts(std::move(database), table);
+    open_contacts(table);
     return;
   }
   take_stiffness(rendered_stiffness(table, fast_.force_max_n));
-  whole_ = std::make_unique<OwnedStream>(std::move(database), table, force_scale_);
+  whole_ = std::make_unique<ElementStream>(*database_, table, force_scale_);
 }
 
-void HostBody::open_contacts(std::unique_ptr<const ResponseDatabase> database,
-                             const ResponseTable& table) {
+void HostBody::open_contacts(const ResponseTable& table) {
   const ResponseTable* const tools[] = {&table};
-  const CoupledSet set = coupled_set(*database, tools);
+  const CoupledSet set = coupled_set(*database_, tools);
   if (const char* wrong = check(set, fast_)) {
     throw InputError(fmt::format("tool \"{}\": {}", table.tool.name, wrong));
   }
-  // The contacts share the largest force.
-  const ContactStiffness contacts = contact_stiffness(
-      table, set, rendered_stiffness(table, fast_.force_max_n / set.count));
+  const ContactStiffness contacts = stiffness_of(*database_, table, fast_.force_max_n);
   force_scale_ = contacts_scale(options_, contacts);
   stiffness_n_per_m_ =
       wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
           .stiffness_n_per_m;
-  contact_stream_ = std::make_unique<ContactStream>(*database, tools, force_scale_);
-  database_ = std::move(database);
+  contact_stream_ = std::make_unique<ContactStream>(*database_, tools, force_scale_);
 }
 
 void HostBody::open_streamed(const std::filesystem::path& file) {
@@ -206,22 +195,52 @@ double HostBody::needed_damping_n_s_per_m() const noexcept {
          options_.force_gain * (0.5 * options_.tick_s + options_.delay_s);
 }
 
-HostTool& HostBody::add_tool() {
-  const std::scoped_lock lock(mutex_);
+void HostBody::check_room() const {
   if (tools_.size() == kHostToolsMax) {
     throw InputError(
         fmt::format("a body takes {} tools at most, all are there", kHostToolsMax));
   }
+}
+
+HostTool& HostBody::serve_contacts(const CoupledSet& set) {
+  tools_.push_back(std::make_unique<Served>(
+      std::make_unique<HostContacts>(set, fast_, options_.tick_s, options_.stall_s),
+      fast_, options_.tick_s, options_.stall_s));
+  return tools_.back()->tool;
+}
+
+HostTool& HostBody::add_tool() {
+  const std::scoped_lock lock(mutex_);
+  check_room();
   if (contact_stream_ != nullptr) {
-    tools_.push_back(std::make_unique<Served>(
-        std::make_unique<HostContacts>(contact_stream_->set(), fast_, options_.tick_s,
-                                       options_.stall_s),
-        fast_, options_.tick_s, options_.stall_s));
-    return tools_.back()->tool;
+    return serve_contacts(contact_stream_->set());
   }
   tools_.push_back(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
                                             fast_, options_.tick_s, options_.stall_s));
   return tools_.back()->tool;
+}
+
+HostBody::Together HostBody::add_together(const std::string& second) {
+  if (database_ == nullptr) {
+    throw InputError(
+        "two hands on one body need the whole database in memory: open it without "
+        "streaming");
+  }
+  const ResponseTable* const tools[] = {
+      &find_tool(*database_, tool_name_),
+      &find_tool(*database_, second.empty() ? tool_name_ : second)};
+  const double scale = std::min(
+      force_scale_,
+      contacts_scale(options_, stiffness_of(*database_, *tools[1], fast_.force_max_n)));
+  auto stream = std::make_unique<ContactStream>(*database_, tools, scale);
+  if (const char* wrong = check(stream->set(), fast_)) {
+    throw InputError(fmt::format("two hands: {}", wrong));
+  }
+  const std::scoped_lock lock(mutex_);
+  check_room();
+  HostTool& tool = serve_contacts(stream->set());
+  tools_.back()->together = std::move(stream);
+  return {tool, scale};
 }
 
 std::size_t HostBody::slow_step() {
@@ -248,9 +267,11 @@ std::size_t HostBody::serve() {
   for (const auto& served : tools_) {
     if (HostContacts* contacts = served->tool.contacts()) {
       ContactExchange& exchange = contacts->exchange();
+      ContactStream* stream =
+          served->together ? served->together.get() : contact_stream_.get();
       if (exchange.tool.fetch()) {
-        sent += contact_stream_->update(exchange.tool.latest(), clock.now_ns(),
-                                        exchange.elements, exchange.sent);
+        sent += stream->update(exchange.tool.latest(), clock.now_ns(),
+                               exchange.elements, exchange.sent);
       }
       continue;
     }

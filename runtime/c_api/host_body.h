@@ -43,6 +43,17 @@ class HostBody {
   /// Lives as long as the body. @throws InputError past kHostToolsMax.
   HostTool& add_tool();
 
+  struct Together {
+    HostTool& tool;
+    double force_scale;  ///< [-] (0, 1] of both hands
+  };
+
+  /// A tool of two hands that press the body together, coupled through it: the body's
+  /// own, and `second` (empty: another of the same). @throws InputError as add_tool()
+  /// and coupled_set(); for a streamed body, for a model that several contacts have
+  /// not, for a second tool that the device cannot render.
+  Together add_together(const std::string& second);
+
   /// One turn of the slow process, for every tool that has moved. @returns elements
   /// sent. @throws InputError if there is a slow thread; what ended the process.
   std::size_t slow_step();
@@ -67,13 +78,15 @@ class HostBody {
     Served(std::unique_ptr<HostContacts> contacts, const FastConfig& fast,
            double tick_s, double stall_s)
         : tool(std::move(contacts), fast, tick_s, stall_s) {}
-    std::unique_ptr<ElementSender> sender;  // null: the body's
+    std::unique_ptr<ElementSender> sender;    // null: the body's
+    std::unique_ptr<ContactStream> together;  // of two hands; null: the body's
     HostTool tool;
   };
 
   void open_whole(const std::filesystem::path& file);
-  void open_contacts(std::unique_ptr<const ResponseDatabase> database,
-                     const ResponseTable& table);
+  void open_contacts(const ResponseTable& table);
+  void check_room() const;  // with mutex_ held
+  HostTool& serve_contacts(const CoupledSet& set);
   void open_streamed(const std::filesystem::path& file);
   void take_stiffness(const RenderedStiffness& stiffness);
   std::size_t serve();  // with mutex_ held
@@ -85,10 +98,10 @@ class HostBody {
   double force_scale_ = 1.0;
   double stiffness_n_per_m_ = 0.0;  // largest, at gains of 1 and scale 1
   FastConfig fast_;
+  std::unique_ptr<const ResponseDatabase> database_;             // null: streamed
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;
-  std::unique_ptr<const ResponseDatabase> database_;  // of contact_stream_
-  std::unique_ptr<ContactStream> contact_stream_;     // of a tool of several contacts
+  std::unique_ptr<ContactStream> contact_stream_;  // of a tool of several contacts
   std::mutex mutex_;  // of all below; never taken in a haptic function
   std::vector<std::unique_ptr<Served>> tools_;
   SlowFailure failure_;

@@ -1,6 +1,7 @@
 #include "runtime/c_api/host_contacts.h"
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -10,15 +11,15 @@
 namespace palpate {
 namespace {
 
-PortPoses pose_of(const HostSample& sample) {
-  PortPoses pose;
-  pose[0].position_m = sample.position_m;
+PortPose pose_of(const HostSample& sample) {
+  PortPose pose;
+  pose.position_m = sample.position_m;
   const double length = sample.quaternion.stableNorm();
   if (!sample.quaternion.allFinite()) {  // a fault of the step
-    pose[0].rotation.setConstant(std::numeric_limits<double>::quiet_NaN());
+    pose.rotation.setConstant(std::numeric_limits<double>::quiet_NaN());
   } else if (length > 0.0) {
     const Eigen::Vector4d unit = sample.quaternion / length;
-    pose[0].rotation =
+    pose.rotation =
         Eigen::Quaterniond(unit.w(), unit.x(), unit.y(), unit.z()).toRotationMatrix();
   }
   return pose;
@@ -68,9 +69,9 @@ HostContacts::HostContacts(const CoupledSet& set, const FastConfig& fast, double
       stall_s_(stall_s),
       exchange_(std::make_unique<ContactExchange>()) {}
 
-HostTick HostContacts::step(const HostSample& sample) noexcept {
+HostTick HostContacts::step(std::span<const HostSample> samples) noexcept {
   CoupledState& state = storage_.state();
-  const double dt_s = sample.dt_s == 0.0 ? tick_s_ : sample.dt_s;
+  const double dt_s = samples[0].dt_s == 0.0 ? tick_s_ : samples[0].dt_s;
   while (const ContactElement* message = exchange_->elements.front()) {
     accept(state, *message);
     exchange_->elements.pop();
@@ -83,10 +84,16 @@ HostTick HostContacts::step(const HostSample& sample) noexcept {
   if (state.in_contact && silent_s_ > stall_s_) {
     raise_fault(state, Fault::kSlowStalled);
   }
-  const CoupledCommand made = palpate::step(state, {pose_of(sample), time_ns_}, dt_s);
+  CoupledSample sample{.pose = {}, .time_ns = time_ns_};
+  for (std::size_t hand = 0; hand < samples.size(); ++hand) {
+    sample.pose[hand] = pose_of(samples[hand]);
+  }
+  const CoupledCommand made = palpate::step(state, sample, dt_s);
   HostTick tick;
   tick.command = as_one(made);
   tick.torque_n_m = made.wrench[0].torque_n_m;
+  tick.second_force_n = made.wrench[1].force_n;
+  tick.second_torque_n_m = made.wrench[1].torque_n_m;
   tick.contacts = made.contacts;
   tick.scaled = made.scaled;
   tick.contact = foremost(state);

@@ -1,7 +1,9 @@
-// The fast process of a host's tool with several contacts: what HostTool is to one.
+// The fast process of a host's tool with several contacts, or of two hands on one body:
+// what HostTool is to one contact.
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "runtime/c_api/host_tool.h"
 #include "runtime/realtime/triple_buffer.h"
@@ -20,17 +22,19 @@ struct ContactExchange {
 /// About 8 MB and 0.2 MB for each contact. Threads as of HostTool.
 class HostContacts {
  public:
-  /// @param set of several contacts, one port. @param fast, tick_s, stall_s as of
+  /// @param set of several contacts. @param fast, tick_s, stall_s as of
   /// HostTool. @throws InputError.
   HostContacts(const CoupledSet& set, const FastConfig& fast, double tick_s,
                double stall_s);
 
   /// A sample without an orientation has the tool's frame along the body's.
-  HostTick step(const HostSample& sample) noexcept;
+  /// @param samples one for each of hands(); the first one's dt_s counts.
+  HostTick step(std::span<const HostSample> samples) noexcept;
 
   /// Forgets fault, account and place.
   void reset() noexcept;
 
+  [[nodiscard]] int hands() const noexcept { return storage_.state().set.ports; }
   [[nodiscard]] ContactExchange& exchange() noexcept { return *exchange_; }
 
  private:

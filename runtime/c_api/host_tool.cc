@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -87,11 +88,15 @@ void HostTool::take_elements() noexcept {
   }
 }
 
+HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
+  const HostTick tick = contacts_->step(samples);
+  latest_.write(tick);
+  return tick;
+}
+
 HostTick HostTool::step(const HostSample& sample) noexcept {
   if (contacts_ != nullptr) {
-    const HostTick tick = contacts_->step(sample);
-    latest_.write(tick);
-    return tick;
+    return step(std::span(&sample, 1));
   }
   const double dt_s = sample.dt_s == 0.0 ? tick_s_ : sample.dt_s;
   take_elements();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ struct HostTick {
   std::int32_t contacts = 0;                             ///< that carry something
   bool scaled = false;  ///< the coupling is not whole (coupled_contacts.h)
   std::uint64_t ticks = 0;
+  // On the second of two hands, whose first has command.force_n and torque_n_m; else 0.
+  Eigen::Vector3d second_force_n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d second_torque_n_m = Eigen::Vector3d::Zero();
 };
 
 /// Position and orientation of a host's tool, and the time since the last.
@@ -77,6 +81,9 @@ class HostTool {
   HostTool& operator=(const HostTool&) = delete;
 
   HostTick step(const HostSample& sample) noexcept;
+
+  /// Of contacts(): one sample for each hand; the first one's dt_s counts.
+  HostTick step(std::span<const HostSample> samples) noexcept;
 
   /// Forgets fault, account, place and what relaxes; what has yielded stays.
   void reset() noexcept;

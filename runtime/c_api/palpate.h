@@ -134,6 +134,10 @@ typedef struct palpate_state {
   double torque[3];        /* [host force x host length] about the reference point */
   int32_t contacts;        /* that carry something */
   int32_t coupling_scaled; /* 1: some lie too close to be coupled as they are */
+  /* Of two hands: on the second one's tool; force and torque are the first one's, the
+   * energies those of both together. */
+  double second_force[3];
+  double second_torque[3];
 } palpate_state;
 
 typedef struct palpate_body palpate_body;
@@ -156,6 +160,18 @@ PALPATE_API palpate_tool* palpate_tool_add(palpate_body* body);
  * tool, a budget that does not hold a streamed neighbourhood. */
 PALPATE_API palpate_tool* palpate_tool_open(palpate_body* body, char* error,
                                             size_t error_bytes);
+
+/* Two hands on one body, a pinch: one more tool of the body, whose hands feel each
+ * other through it by the table that the database holds. The first hand has the body's
+ * tool, the second the tool of that name (NULL: another of the same kind).
+ * palpate_together() gives the forces of both, in one thread at a time. Not with
+ * PALPATE_STREAMED; model "potential". The device's bound is checked for each hand's
+ * tool by itself, and palpate_needed_damping() is the first one's: another hand that is
+ * held still makes the body somewhat stiffer than that. NULL on failure, with one line
+ * in error (may be NULL). */
+PALPATE_API palpate_tool* palpate_together_open(palpate_body* body,
+                                                const char* second_tool, char* error,
+                                                size_t error_bytes);
 
 /* Viscous damping [N s/m] that the device must have at least, at the device, so that a
  * hand cannot be given energy by the forces that are held between ticks: K (T/2 +
@@ -202,6 +218,15 @@ PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
 PALPATE_API int palpate_wrench(palpate_tool* tool, const double position[3],
                                const double quat_xyzw[4], double dt_s,
                                double force_out[3], double torque_out[3]);
+
+/* Haptic thread: palpate_wrench() of both hands in one tick, by one potential of both
+ * poses; of a tool from palpate_together_open() alone, which takes no other. positions:
+ * x y z of the first hand's tool, then of the second's; so the others: quats_xyzw (8,
+ * may be NULL; four zeros: none), forces_out (6), torques_out (6, may be NULL).
+ * Returns PALPATE_CONTACT where either touches. */
+PALPATE_API int palpate_together(palpate_tool* tool, const double positions[6],
+                                 const double quats_xyzw[8], double dt_s,
+                                 double forces_out[6], double torques_out[6]);
 
 /* The haptic thread, or one other, but always the same one: there is one reader. Fills
  * the first struct_size bytes; those of a newer header than the library's with zeros.

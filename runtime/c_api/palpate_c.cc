@@ -19,6 +19,7 @@
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_io.h"
 #include "formats/recording/recording.h"
+#include "runtime/c_api/given_options.h"
 #include "runtime/c_api/host_body.h"
 #include "runtime/c_api/palpate.h"
 
@@ -28,6 +29,7 @@ struct palpate_tool {
   double metres_per_unit;
   double newtons_per_unit;
   double force_scale;
+  bool two_hands = false;
 };
 
 struct palpate_body {
@@ -78,85 +80,6 @@ int guarded(char* error, std::size_t error_bytes, Work work) noexcept {
   return PALPATE_ERROR_INTERNAL;
 }
 
-// The caller's options, whatever the age of the header it knows. A longer struct may
-// only say what this library understands: zeros.
-palpate_options known_options(const palpate_options* given) {
-  palpate_options all{};
-  if (given == nullptr) {
-    return all;
-  }
-  if (given->struct_size < offsetof(palpate_options, tool_name)) {
-    throw InputError(
-        fmt::format("struct_size of the options is {}, must be sizeof(palpate_options)",
-                    given->struct_size));
-  }
-  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-  for (std::size_t i = sizeof(all); i < given->struct_size; ++i) {
-    if (bytes[i] != 0) {
-      throw InputError(
-          fmt::format("byte {} of the options is set, this library (ABI {}) knows {}",
-                      i, PALPATE_ABI_VERSION, sizeof(all)));
-    }
-  }
-  std::memcpy(&all, given, std::min(given->struct_size, sizeof(all)));
-  return all;
-}
-
-void take(double value, double& into) {
-  if (value != 0.0) {  // NaN is taken, and refused with the rest
-    into = value;
-  }
-}
-
-// The holds create energy: a host could not know.
-palpate::LocalModel passive_model(const char* name) {
-  const std::optional<palpate::LocalModel> model = palpate::local_model(name);
-  if (!model || !palpate::passive(*model)) {
-    std::string known;
-    for (const palpate::LocalModel each : palpate::kLocalModels) {
-      if (palpate::passive(each)) {
-        known += (known.empty() ? "" : ", ") + std::string(palpate::name(each));
-      }
-    }
-    throw InputError(
-        fmt::format("model \"{}\" is none of the passive ones: {}", name, known));
-  }
-  return *model;
-}
-
-HostOptions host_options(const palpate_options* given) {
-  const palpate_options all = known_options(given);
-  HostOptions options;
-  if (all.tool_name != nullptr) {
-    options.tool = all.tool_name;
-  }
-  if (all.model != nullptr) {
-    options.model = passive_model(all.model);
-  }
-  take(all.metres_per_unit, options.metres_per_unit);
-  take(all.newtons_per_unit, options.newtons_per_unit);
-  take(all.position_gain, options.position_gain);
-  take(all.force_gain, options.force_gain);
-  take(all.nominal_tick_s, options.tick_s);
-  take(all.slow_hz, options.slow_hz);
-  take(all.device_damping_n_s_per_m, options.damping_n_s_per_m);
-  take(all.device_angular_damping_n_m_s, options.angular_damping_n_m_s);
-  take(all.device_delay_s, options.delay_s);
-  take(all.force_max_n, options.force_max_n);
-  take(all.stall_s, options.stall_s);
-  take(all.ramp_s, options.ramp_s);
-  constexpr std::uint32_t kKnown =
-      PALPATE_OWN_SLOW_STEPS | PALPATE_LIMIT_STIFFNESS | PALPATE_STREAMED;
-  if ((all.flags & ~kKnown) != 0) {
-    throw InputError(
-        fmt::format("flags are {:#x}, known are {:#x}", all.flags, kKnown));
-  }
-  options.own_slow_steps = (all.flags & PALPATE_OWN_SLOW_STEPS) != 0;
-  options.limit_stiffness = (all.flags & PALPATE_LIMIT_STIFFNESS) != 0;
-  options.streamed = (all.flags & PALPATE_STREAMED) != 0;
-  return options;
-}
-
 int status_of(const palpate::FastCommand& command) noexcept {
   if (command.fault != 0) {
     return -static_cast<int>(command.fault);
@@ -169,28 +92,70 @@ void copy(const Eigen::Vector3d& from, double per_unit, double* to) noexcept {
   view = from / per_unit;
 }
 
-// One tick. @param torque_out may be null.
-int render(palpate_tool* tool, const double* position, const double* quat_xyzw,
-           double dt_s, double* force_out, double* torque_out) noexcept {
-  if (force_out != nullptr) {
-    std::fill_n(force_out, 3, 0.0);
+void zero(double* values, std::size_t count) noexcept {
+  if (values != nullptr) {
+    std::fill_n(values, count, 0.0);
   }
-  if (tool == nullptr || position == nullptr || force_out == nullptr) {
-    return PALPATE_ERROR_INPUT;
-  }
+}
+
+// Of one hand. @param quat_xyzw may be null.
+palpate::HostSample sample_of(const palpate_tool& tool, const double* position,
+                              const double* quat_xyzw, double dt_s) noexcept {
   palpate::HostSample sample;
   sample.position_m =
-      tool->metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position);
+      tool.metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position);
   if (quat_xyzw != nullptr) {
     sample.quaternion = Eigen::Map<const Eigen::Vector4d>(quat_xyzw);
   }
   sample.dt_s = dt_s;
-  const palpate::HostTick tick = tool->tool.step(sample);
-  copy(tick.command.force_n, tool->newtons_per_unit, force_out);
+  return sample;
+}
+
+// @param torque_out may be null.
+void copy_wrench(const palpate_tool& tool, const Eigen::Vector3d& force_n,
+                 const Eigen::Vector3d& torque_n_m, double* force_out,
+                 double* torque_out) noexcept {
+  copy(force_n, tool.newtons_per_unit, force_out);
   if (torque_out != nullptr) {
-    copy(tick.torque_n_m, tool->newtons_per_unit * tool->metres_per_unit, torque_out);
+    copy(torque_n_m, tool.newtons_per_unit * tool.metres_per_unit, torque_out);
   }
+}
+
+// One tick. @param torque_out may be null.
+int render(palpate_tool* tool, const double* position, const double* quat_xyzw,
+           double dt_s, double* force_out, double* torque_out) noexcept {
+  zero(force_out, 3);
+  if (tool == nullptr || position == nullptr || force_out == nullptr ||
+      tool->two_hands) {
+    return PALPATE_ERROR_INPUT;
+  }
+  const palpate::HostTick tick =
+      tool->tool.step(sample_of(*tool, position, quat_xyzw, dt_s));
+  copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, force_out, torque_out);
   return status_of(tick.command);
+}
+
+// Hands a new tool of the body to its host. @param add gives the tool.
+template <typename Add>
+palpate_tool* open_tool(palpate_body* body, char* error, std::size_t error_bytes,
+                        bool two_hands, Add add) noexcept {
+  copy_text("", error, error_bytes);
+  palpate_tool* tool = nullptr;
+  guarded(error, error_bytes, [&] {
+    if (body == nullptr) {
+      throw InputError("no body: the pointer is null");
+    }
+    const std::scoped_lock lock(body->mutex);
+    body->tools.reserve(palpate::kHostToolsMax);
+    const HostOptions& options = body->body.options();
+    const palpate::HostBody::Together added = add();
+    body->tools.push_back(std::unique_ptr<palpate_tool>(
+        new palpate_tool{added.tool, body->body, options.metres_per_unit,
+                         options.newtons_per_unit, added.force_scale, two_hands}));
+    tool = body->tools.back().get();
+    return 0;
+  });
+  return tool;
 }
 
 }  // namespace
@@ -207,7 +172,7 @@ palpate_body* palpate_open(const char* file, const palpate_options* options,
     if (file == nullptr) {
       throw InputError("no file is named: the pointer is null");
     }
-    body = new palpate_body(file, host_options(options));
+    body = new palpate_body(file, palpate::host_options(options));
     return 0;
   });
   return body;
@@ -218,22 +183,16 @@ palpate_tool* palpate_tool_add(palpate_body* body) {
 }
 
 palpate_tool* palpate_tool_open(palpate_body* body, char* error, size_t error_bytes) {
-  copy_text("", error, error_bytes);
-  palpate_tool* tool = nullptr;
-  guarded(error, error_bytes, [&] {
-    if (body == nullptr) {
-      throw InputError("no body: the pointer is null");
-    }
-    const std::scoped_lock lock(body->mutex);
-    body->tools.reserve(palpate::kHostToolsMax);
-    const HostOptions& options = body->body.options();
-    body->tools.push_back(std::unique_ptr<palpate_tool>(
-        new palpate_tool{body->body.add_tool(), body->body, options.metres_per_unit,
-                         options.newtons_per_unit, body->body.force_scale()}));
-    tool = body->tools.back().get();
-    return 0;
+  return open_tool(body, error, error_bytes, false, [&] {
+    return palpate::HostBody::Together{body->body.add_tool(), body->body.force_scale()};
   });
-  return tool;
+}
+
+palpate_tool* palpate_together_open(palpate_body* body, const char* second_tool,
+                                    char* error, size_t error_bytes) {
+  return open_tool(body, error, error_bytes, true, [&] {
+    return body->body.add_together(second_tool == nullptr ? "" : second_tool);
+  });
 }
 
 int palpate_slow_step(palpate_body* body) {
@@ -267,14 +226,32 @@ int palpate_force(palpate_tool* tool, const double position[3],
 int palpate_wrench(palpate_tool* tool, const double position[3],
                    const double quat_xyzw[4], double dt_s, double force_out[3],
                    double torque_out[3]) {
-  if (force_out != nullptr) {
-    std::fill_n(force_out, 3, 0.0);
-  }
+  zero(force_out, 3);
+  zero(torque_out, 3);
   if (torque_out == nullptr) {
     return PALPATE_ERROR_INPUT;
   }
-  std::fill_n(torque_out, 3, 0.0);
   return render(tool, position, quat_xyzw, dt_s, force_out, torque_out);
+}
+
+int palpate_together(palpate_tool* tool, const double positions[6],
+                     const double quats_xyzw[8], double dt_s, double forces_out[6],
+                     double torques_out[6]) {
+  zero(forces_out, 6);
+  zero(torques_out, 6);
+  if (tool == nullptr || positions == nullptr || forces_out == nullptr ||
+      !tool->two_hands) {
+    return PALPATE_ERROR_INPUT;
+  }
+  const bool turned = quats_xyzw != nullptr;
+  const std::array<palpate::HostSample, 2> samples{
+      sample_of(*tool, positions, quats_xyzw, dt_s),
+      sample_of(*tool, positions + 3, turned ? quats_xyzw + 4 : nullptr, dt_s)};
+  const palpate::HostTick tick = tool->tool.step(samples);
+  copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, forces_out, torques_out);
+  copy_wrench(*tool, tick.second_force_n, tick.second_torque_n_m, forces_out + 3,
+              torques_out == nullptr ? nullptr : torques_out + 3);
+  return status_of(tick.command);
 }
 
 double palpate_needed_damping(const palpate_body* body) {
@@ -300,7 +277,6 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.triangle = tick.contact.triangle;
   copy(tick.contact.point_m, tool->metres_per_unit, all.contact_point);
   copy(tick.contact.normal, 1.0, all.normal);
-  copy(tick.command.force_n, tool->newtons_per_unit, all.force);
   all.depth = tick.command.depth_m / tool->metres_per_unit;
   all.work_j = tick.work_j;
   all.stored_j = tick.command.stored_j;
@@ -315,7 +291,9 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.memory_j = tick.command.memory_j;
   all.relaxed_force = tick.command.carried_n / tool->newtons_per_unit;
   all.yielded_j = tick.command.yielded_j;
-  copy(tick.torque_n_m, tool->newtons_per_unit * tool->metres_per_unit, all.torque);
+  copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, all.force, all.torque);
+  copy_wrench(*tool, tick.second_force_n, tick.second_torque_n_m, all.second_force,
+              all.second_torque);
   all.contacts = tick.contacts;
   all.coupling_scaled = tick.scaled ? 1 : 0;
   all.dent = tick.command.dent_m / tool->metres_per_unit;

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/command/commands.h"
+#include "runtime/run/contact_replay.h"
 #include "runtime/run/replay.h"
 
 namespace palpate {
@@ -60,7 +61,34 @@ std::string lacking(const Recording& recording) {
                      end.ticks_dropped, end.arrivals_dropped);
 }
 
+// Several contacts, or two hands.
+void run_contacts(const Flags& flags) {
+  if (!flags.model.empty()) {
+    throw InputError(
+        fmt::format("--model {}: several contacts are rendered by potential alone: "
+                    "leave it out",
+                    flags.model));
+  }
+  const ContactRecording recording = read_contact_recording(flags.recording);
+  if (!flags.other_database) {
+    Recording of;
+    of.header.database = recording.database;
+    of.header.database_sha256 = recording.database_sha256;
+    check_same_database(of, database_sha256(flags.database), flags.database);
+  }
+  const ContactReplayReport report =
+      replay_contacts(recording, read_database(flags.database));
+  fmt::print("{}", flags.json ? to_json(report) + "\n" : summary(report));
+  if (!flags.other_database && !report.is_reproduced()) {
+    throw Difference(fmt::format("{}: not reproduced", flags.recording));
+  }
+}
+
 void run(const Flags& flags) {
+  if (is_contact_recording(flags.recording)) {
+    run_contacts(flags);
+    return;
+  }
   std::optional<LocalModel> model;
   if (!flags.model.empty()) {
     model = requested_model(flags.model);

@@ -13,6 +13,7 @@
 #include "runtime/command/commands.h"
 #include "runtime/command/device_options.h"
 #include "runtime/realtime/stop_signals.h"
+#include "runtime/run/contact_replay.h"
 #include "runtime/run/contact_run.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
@@ -125,12 +126,16 @@ bool is_streamed(const Flags& flags) {
 // @throws InputError for what runs of contacts do not have.
 ContactRunOptions contact_options(const Flags& flags) {
   const SimulationOptions one = options_of(flags);
-  if (one.real_time || !flags.devices.empty() || !flags.records.empty() ||
-      !flags.flight_recorders.empty()) {
+  if (one.real_time || !flags.devices.empty() || !flags.flight_recorders.empty()) {
     throw InputError(
-        "several contacts are simulated in simulated time on simulated devices, and "
-        "recorded by --trace: leave out --clock real, --device, --record and "
-        "--flight-recorder");
+        "several contacts are simulated in simulated time on simulated devices: leave "
+        "out --clock real, --device and --flight-recorder");
+  }
+  if (flags.records.size() > 1) {
+    throw InputError(
+        fmt::format("--record is given {} times: one file records all contacts and "
+                    "both hands",
+                    flags.records.size()));
   }
   if (one.model != LocalModel::kPotential) {
     throw InputError(fmt::format(
@@ -151,6 +156,7 @@ ContactRunOptions contact_options(const Flags& flags) {
   options.force_max_n = one.force_max_n;
   options.ramp_s = one.ramp_s;
   options.limit_stiffness = one.limit_stiffness;
+  options.keep = !flags.records.empty();
   for (std::size_t i = 0; 3 * i + 2 < flags.at_m.size(); ++i) {
     options.at_m.push_back(*place(flags, i));
   }
@@ -169,6 +175,12 @@ bool run_contacts(const Flags& flags, const ResponseDatabase& database) {
   }
   const ContactRunReport report =
       simulate_contacts(database, contact_options(flags), heed_stop_signals());
+  if (!flags.records.empty()) {
+    const std::filesystem::path file = flags.database;
+    write_contact_recording(
+        flags.records.front(),
+        contact_recording(report, file.filename().string(), database_sha256(file)));
+  }
   fmt::print("{}", flags.json ? to_json(report) + "\n" : summary(report));
   if (report.fault != Fault::kNone) {
     throw DeviceError(fmt::format("ended by a fault: {}", name(report.fault)));

@@ -7,6 +7,7 @@
 #include <future>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,8 +17,10 @@
 #include "runtime/command/device_options.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/stop_signals.h"
+#include "runtime/run/contact_run.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
+#include "runtime/view/contact_session.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/page_assets.h"
 #include "runtime/view/view_json.h"
@@ -38,6 +41,8 @@ struct Flags {
   double seconds = 3600.0;  // of a device's run
   bool limit_stiffness = false;
   bool fast_hz_given = false;
+  bool together = false;
+  std::vector<std::string> tools;
   SurfaceFiles surface;
   ViewSessionOptions options;
   DeviceFlags device;
@@ -95,6 +100,50 @@ SurfaceState begin(const Flags& flags) {
   return begin_surface(flags.surface, flags.database);
 }
 
+// The page is served until somebody ends it.
+void serve(const Flags& flags, const ViewedBody& body, LiveSession& session) {
+  MonotonicClock wall;
+  LiveView live(session, wall);
+  ViewServer server(server_options(flags, body), live);
+  live.answer_through(server);
+  const std::atomic<bool>& stop = heed_stop_signals();
+  say_where(server);
+  server.run(stop);
+}
+
+ViewedBody viewed(const Flags& flags, const LiveSession& session) {
+  return {.database = session.database(),
+          .table = session.table(),
+          .name = shown_name(flags),
+          .device = "",
+          .fast_hz = session.fast_hz(),
+          .force_max_n = flags.options.force_max_n};
+}
+
+// The page steers a tool of several contacts, or two hands, on simulated time.
+void steer_contacts(const Flags& flags, const ResponseDatabase& database) {
+  if (!flags.surface.in.empty() || !flags.surface.out.empty()) {
+    throw InputError(
+        "--surface-in and --surface-out: a body of several contacts is elastic, and "
+        "keeps nothing of them");
+  }
+  if (requested_model(flags.model) != LocalModel::kPotential) {
+    throw InputError(fmt::format(
+        "--model {}: several contacts are rendered by potential alone", flags.model));
+  }
+  check_stiffness_scale(flags.stiffness_scale);
+  const ViewSessionOptions& one = flags.options;
+  ContactSession session(database, {.tools = flags.tools,
+                                    .fast_hz = one.fast_hz,
+                                    .slow_hz = one.slow_hz,
+                                    .force_max_n = one.force_max_n,
+                                    .device = one.device});
+  session.set({.stiffness_scale = flags.stiffness_scale});
+  ViewedBody body = viewed(flags, session);
+  body.hands = session.tables();
+  serve(flags, body, session);
+}
+
 // The page steers, on simulated time.
 void steer(const Flags& flags, const ResponseDatabase& database) {
   ViewSessionOptions options = flags.options;
@@ -105,19 +154,7 @@ void steer(const Flags& flags, const ResponseDatabase& database) {
   ViewSession session(database, options);
   check_stiffness_scale(flags.stiffness_scale);
   session.set_stiffness_scale(flags.stiffness_scale);
-  MonotonicClock wall;
-  LiveView live(session, wall);
-  const ViewedBody body{.database = database,
-                        .table = session.table(),
-                        .name = shown_name(flags),
-                        .device = "",
-                        .fast_hz = options.fast_hz,
-                        .force_max_n = options.force_max_n};
-  ViewServer server(server_options(flags, body), live);
-  live.answer_through(server);
-  const std::atomic<bool>& stop = heed_stop_signals();
-  say_where(server);
-  server.run(stop);
+  serve(flags, viewed(flags, session), session);
   if (!flags.surface.out.empty()) {
     surface.tool[tool] = session.yielded();
     write_surface_state(flags.surface.out, surface);
@@ -178,9 +215,35 @@ void watch(Flags& flags, const ResponseDatabase& database) {
   throw_what_ended(report);
 }
 
+// @throws InputError where tools and flags do not say what is shown.
+bool shows_contacts(const Flags& flags, const ResponseDatabase& database) {
+  if (flags.together && flags.tools.size() != 2) {
+    throw InputError(fmt::format(
+        "--together: two tools press the body, must be two as --tool a,b, {} given",
+        flags.tools.size()));
+  }
+  if (!flags.together && flags.tools.size() > 1) {
+    throw InputError(
+        fmt::format("--tool names {} tools: one is shown, or two that press the body "
+                    "together (--together)",
+                    flags.tools.size()));
+  }
+  const bool contacts = is_contact_run(database, flags.tools, flags.together);
+  if (contacts && !flags.device.request.name.empty()) {
+    throw InputError(
+        "--device: the page alone moves a tool of several contacts or two hands; "
+        "leave --device out");
+  }
+  return contacts;
+}
+
 void run(Flags& flags) {
   const ResponseDatabase database = shown(flags);
-  if (flags.device.request.name.empty()) {
+  const bool contacts = shows_contacts(flags, database);
+  flags.options.tool = flags.tools.empty() ? "" : flags.tools.front();
+  if (contacts) {
+    steer_contacts(flags, database);
+  } else if (flags.device.request.name.empty()) {
     steer(flags, database);
   } else {
     watch(flags, database);
@@ -203,7 +266,13 @@ void add_view_command(Command app) {
       .show_default();
   command.add_option("--model", flags->model, "Local model: " + known_models())
       .show_default();
-  command.add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  command
+      .add_option("--tool", flags->tools,
+                  "Tool, or two with --together: a,b; may be left out if there is one")
+      .separated_by(',')
+      .one_value_each();
+  command.add_flag("--together", flags->together,
+                   "Two tools press one body together, coupled through it (a pinch)");
   command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
       .show_default();
   command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")

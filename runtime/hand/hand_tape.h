@@ -8,14 +8,18 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace palpate {
 
-/// A wish of the hand, made before the tick of that number.
+/// A wish of a hand, made before the tick of that number.
 struct HandWish {
   std::int64_t tick = 0;
   bool hold = false;
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  ///< [m] if hold
+  int hand = 0;                                        ///< -1: all of them
+  /// Body frame from the tool's frame, if hold; none: as it is.
+  std::optional<Eigen::Quaterniond> turn = {};
 };
 
 /// Empty, being recorded, recorded, or being played. Ticks count from the start of the

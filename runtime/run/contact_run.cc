@@ -112,10 +112,14 @@ class ContactRun {
     fast.ramp_s = options.ramp_s;
     storage_.emplace(stream_->set(), fast);
     report_.contacts = stream_->set().count;
+    for (const ResponseTable* table : tables_) {
+      report_.tools.push_back(table->tool.name);
+    }
     for (std::size_t i = 0; i < tables_.size(); ++i) {
       add_hand(i);
     }
-    if (!options.poses.empty()) {
+    poses_ = std::move(report_.options.given);
+    if (poses_.empty() && !options.poses.empty()) {
       poses_ = read_poses(options.poses, static_cast<int>(tables_.size()));
     }
   }
@@ -146,6 +150,9 @@ class ContactRun {
     if (!o.trace.empty()) {
       write_pose_trace(o.trace, static_cast<int>(tables_.size()), trace_);
     }
+    if (o.keep) {
+      report_.kept = std::move(trace_);
+    }
     return report_;
   }
 
@@ -167,6 +174,10 @@ class ContactRun {
     }
     const std::string reason =
         why_not_renderable(report_.margin, limits.damping_n_s_per_m, 0.0);
+    if (o.force_scale) {
+      report_.force_scale = *o.force_scale;
+      return;
+    }
     if (reason.empty()) {
       return;
     }
@@ -245,7 +256,7 @@ class ContactRun {
       (void)hands_[i].device->write(at.command.wrench[i].force_n);
     }
     account(at);
-    if (!report_.options.trace.empty()) {
+    if (!report_.options.trace.empty() || report_.options.keep) {
       trace_.push_back(at);
     }
     return report_.fault == Fault::kNone;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "runtime/device/wrench_margin.h"
 #include "runtime/fast/coupled_step.h"
 #include "runtime/hand/simulated_device.h"
+#include "runtime/run/pose_trace.h"
 
 namespace palpate {
 
@@ -31,10 +33,15 @@ struct ContactRunOptions {
   /// Poses of every tick instead of hands and devices; empty: none. Its times are the
   /// ticks'.
   std::filesystem::path poses;
+  std::vector<PoseTick> given;        ///< the same from memory; goes before `poses`
+  std::optional<double> force_scale;  ///< [-] (0, 1] whatever the device can render
+  bool keep = false;                  ///< the report holds every tick
 };
 
 struct ContactRunReport {
   ContactRunOptions options;
+  std::vector<std::string> tools;  ///< rendered
+  std::vector<PoseTick> kept;      ///< every tick, if options.keep
   int contacts = 0;
   std::vector<std::int32_t> node;  ///< that each hand presses
   WrenchMargin margin;             ///< of the worst hand

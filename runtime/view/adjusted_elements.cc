@@ -11,14 +11,14 @@ void multiply(std::array<double, kElementSamples>& values, double scale) {
   }
 }
 
-void adjust(ElementNode& node, double scale, std::optional<double> friction) {
+}  // namespace
+
+void adjust_node(ElementNode& node, double scale, std::optional<double> friction) {
   multiply(node.force_n, scale);
   multiply(node.stiffness_n_per_m, scale);
   multiply(node.energy_j, scale);
   node.friction = friction.value_or(node.friction);
 }
-
-}  // namespace
 
 std::size_t AdjustedStream::update(const ToolState& tool, std::int64_t now_ns,
                                    ElementFifo& fifo) {
@@ -28,7 +28,7 @@ std::size_t AdjustedStream::update(const ToolState& tool, std::int64_t now_ns,
     Element element = *front;
     unchanged_->pop();
     for (ElementNode& node : element.node) {
-      adjust(node, scale_, friction_);
+      adjust_node(node, scale_, friction_);
     }
     sent += fifo.push(element) ? 1 : 0;
   }

@@ -4,9 +4,13 @@
 #include <memory>
 #include <optional>
 
+#include "runtime/fast/element.h"
 #include "runtime/slow/element_source.h"
 
 namespace palpate {
+
+/// Multiplies what a node answers with, and replaces its friction where one is given.
+void adjust_node(ElementNode& node, double scale, std::optional<double> friction);
 
 /// Passes elements on with forces, slopes and energies multiplied and friction
 /// replaced. What the fast process has already stays as it is until the next slow

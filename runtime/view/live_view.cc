@@ -12,33 +12,6 @@
 namespace palpate {
 namespace {
 
-// What the session shows by itself.
-ViewFrame frame_of(const ViewSession& session) {
-  const RenderReport& r = session.report();
-  const ViewSessionOptions& options = session.options();
-  return {.holding = session.holding(),
-          .hand_m = session.hand().target().position_m,
-          .pointer_m = session.hand().pointer_m(),
-          .fault = name(r.fault),
-          .net_j = session.net_work_j(),
-          .now = session.latest(),
-          .contact = session.contact(),
-          .dents = session.dents(),
-          .run = {.ticks = r.ticks,
-                  .slow_updates = session.slow_updates(),
-                  .starved_ticks = r.starved_ticks,
-                  .extrapolated_ticks = r.extrapolated_ticks,
-                  .step_p50_ns = r.step_time.percentile_ns(0.5),
-                  .step_p99_ns = r.step_time.percentile_ns(0.99),
-                  .depth_max_m = r.depth_max_m,
-                  .force_max_n = r.force_max_n},
-          .settings = {.model = options.model,
-                       .slow_hz = options.slow_hz,
-                       .fast_hz = options.fast_hz,
-                       .stiffness_scale = session.stiffness_scale(),
-                       .friction = session.friction()}};
-}
-
 std::string_view tape_text(const HandTape& tape) {
   if (tape.recording()) {
     return "recording";
@@ -90,17 +63,10 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
   }
   switch (request.action) {
     case ViewAction::kPoint:
-      if (tape_.playing()) {
-        tape_.stop(0);  // the page's hand goes first
-      }
-      if (request.hold) {
-        hold({session_.report().ticks, true, request.target_m});
-      } else {
-        let_go(false);
-      }
+      point(request);
       break;
     case ViewAction::kSet:
-      set(request);
+      session_.set(request);
       break;
     case ViewAction::kPause:
     case ViewAction::kResume:
@@ -110,7 +76,7 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
       step();
       break;
     case ViewAction::kReset:
-      tape_.stop(session_.report().ticks);
+      tape_.stop(session_.ticks());
       reset();
       break;
     case ViewAction::kRecord:
@@ -125,32 +91,26 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
   }
 }
 
-void LiveView::set(const ViewRequest& request) {
-  if (request.model) {
-    session_.use(*request.model);
+void LiveView::point(const ViewRequest& request) {
+  if (tape_.playing()) {
+    tape_.stop(0);  // the page's hand goes first
   }
-  if (request.slow_hz) {
-    session_.set_slow_hz(*request.slow_hz);
+  HandWish wish{.tick = session_.ticks(), .hold = request.hold};
+  if (request.hold) {
+    wish.target_m = request.target_m;
+    wish.turn = request.turn;
   }
-  if (request.stiffness_scale) {
-    session_.set_stiffness_scale(*request.stiffness_scale);
-  }
-  if (request.friction || request.database_friction) {
-    session_.set_friction(request.friction);
-  }
-}
-
-void LiveView::hold(const HandWish& wish) {
+  wish.hand = request.hand.value_or(request.hold ? 0 : -1);
+  session_.heed(wish);
   silent_ns_ = 0;
   fell_silent_ = false;
-  session_.hold(wish.target_m);
   tape_.add(wish);
 }
 
 void LiveView::let_go(bool silent) {
   fell_silent_ = silent;
   session_.let_go();
-  tape_.add({.tick = session_.report().ticks, .hold = false});
+  tape_.add({.tick = session_.ticks(), .hold = false, .hand = -1});
 }
 
 void LiveView::reset() {
@@ -162,7 +122,7 @@ void LiveView::reset() {
 // Begins, or ends.
 void LiveView::record() {
   if (tape_.recording()) {
-    tape_.stop(session_.report().ticks);
+    tape_.stop(session_.ticks());
     return;
   }
   reset();
@@ -170,7 +130,7 @@ void LiveView::record() {
 }
 
 void LiveView::replay() {
-  tape_.stop(session_.report().ticks);
+  tape_.stop(session_.ticks());
   if (tape_.empty()) {
     throw InputError("nothing is recorded: record first");
   }
@@ -181,18 +141,17 @@ void LiveView::replay() {
 // One slow period, so that a step shows an update.
 void LiveView::step() {
   paused_ = true;
-  const ViewSessionOptions& options = session_.options();
-  advance(std::max(1L, std::lround(options.fast_hz / options.slow_hz)));
+  advance(std::max(1L, std::lround(session_.fast_hz() / session_.slow_hz())));
 }
 
 // Ticks pass; what is played takes place between them.
 void LiveView::advance(std::int64_t ticks) {
-  while (tape_.playing() && ticks > 0 && session_.report().fault == Fault::kNone) {
-    const std::int64_t now = session_.report().ticks;
+  while (tape_.playing() && ticks > 0 && session_.fault() == Fault::kNone) {
+    const std::int64_t now = session_.ticks();
     const std::optional<HandWish> wish = tape_.take(now);
-    if (wish && wish->hold) {
-      session_.hold(wish->target_m);
-    } else if (wish || !tape_.playing()) {
+    if (wish) {
+      session_.heed(*wish);
+    } else if (!tape_.playing()) {
       session_.let_go();
     } else {
       const std::int64_t part = std::min(ticks, tape_.next_tick() - now);
@@ -207,8 +166,8 @@ void LiveView::pass_time(std::int64_t wall_ns, std::int64_t passed_ns) {
   if (paused_ || wall_ns <= 0) {
     return;
   }
-  owed_ticks_ += static_cast<double>(passed_ns) / kNanosecondsPerSecond *
-                 session_.options().fast_hz;
+  owed_ticks_ +=
+      static_cast<double>(passed_ns) / kNanosecondsPerSecond * session_.fast_hz();
   const auto ticks = static_cast<std::int64_t>(owed_ticks_);
   owed_ticks_ -= static_cast<double>(ticks);
   advance(ticks);
@@ -227,7 +186,7 @@ void LiveView::frame() {
     let_go(true);
   }
   pass_time(wall_ns, passed_ns);
-  ViewFrame frame = frame_of(session_);
+  ViewFrame frame = session_.frame();
   frame.state = state();
   frame.paused = paused_;
   frame.speed = paused_ ? 0.0 : speed_;
@@ -241,14 +200,13 @@ void LiveView::frame() {
 }
 
 std::string_view LiveView::state() const {
-  if (session_.report().fault != Fault::kNone) {
+  if (session_.fault() != Fault::kNone) {
     return "fault";
   }
   if (paused_) {
     return "paused";
   }
-  const auto contact = static_cast<unsigned>(TickFlag::kContact);
-  const bool touching = (session_.latest().flags & contact) != 0U;
+  const bool touching = session_.touching();
   if (session_.holding()) {
     return touching ? "pressing" : "approaching";
   }

@@ -8,9 +8,9 @@
 
 #include "runtime/hand/hand_tape.h"
 #include "runtime/realtime/clock.h"
+#include "runtime/view/live_session.h"
 #include "runtime/view/view_message.h"
 #include "runtime/view/view_server.h"
-#include "runtime/view/view_session.h"
 
 namespace palpate {
 
@@ -26,7 +26,7 @@ class LiveView : public ViewApplication {
   static constexpr std::int64_t kLateNs = 100'000'000;
 
   /// Both must outlive the view.
-  LiveView(ViewSession& session, Clock& wall) : session_(session), wall_(wall) {}
+  LiveView(LiveSession& session, Clock& wall) : session_(session), wall_(wall) {}
 
   /// Where messages go from now on; must outlive the view, or its last call.
   void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
@@ -38,8 +38,7 @@ class LiveView : public ViewApplication {
 
  private:
   void obey(ViewClient client, const ViewRequest& request);
-  void set(const ViewRequest& request);
-  void hold(const HandWish& wish);
+  void point(const ViewRequest& request);
   void let_go(bool silent);
   void record();
   void replay();
@@ -52,7 +51,7 @@ class LiveView : public ViewApplication {
     return !clients_.empty() && clients_.front() == client;
   }
 
-  ViewSession& session_;
+  LiveSession& session_;
   Clock& wall_;
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;  // by age; the first steers

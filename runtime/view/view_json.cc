@@ -241,9 +241,11 @@ std::string body_text(const ViewedBody& body) {
   const Provenance& provenance = body.database.provenance;
   Json models = Json::array();
   for (const LocalModel model : kLocalModels) {
-    models.push_back(name(model));
+    if (body.hands.empty() || model == LocalModel::kPotential) {
+      models.push_back(name(model));
+    }
   }
-  return dumped(
+  std::string text = dumped(
       {{"database", body.name},
        {"device", body.device},
        {"writer", provenance.writer},
@@ -267,6 +269,11 @@ std::string body_text(const ViewedBody& body) {
         {{"slow_hz", {ViewRanges::kSlowHzMin, body.fast_hz}},
          {"stiffness_scale", {ViewRanges::kStiffnessMin, ViewRanges::kStiffnessMax}},
          {"friction", {0.0, ViewRanges::kFrictionMax}}}}});
+  if (!body.hands.empty()) {
+    text.back() = ',';
+    text += "\"hands\":" + tools_text(body.hands) + "}";
+  }
+  return text;
 }
 
 std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ticks) {
@@ -305,6 +312,9 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
       {"settings", as_json(frame.settings)}};
   std::string text = dumped(json);
   text.pop_back();
+  if (frame.hands) {
+    text += "," + hands_text(*frame.hands);
+  }
   return text + ",\"trace\":" + trace_text(ticks, frame.contact.over_nominal_m) + "}";
 }
 

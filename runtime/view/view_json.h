@@ -15,6 +15,7 @@
 #include "runtime/fast/local_model.h"
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_dents.h"
+#include "runtime/view/view_hands.h"
 
 namespace palpate {
 
@@ -33,6 +34,8 @@ struct ViewedBody {
   std::string device;  ///< that steers in the page's place; empty: the page does
   double fast_hz = 0.0;
   double force_max_n = 0.0;
+  /// Of a tool of several contacts or of two hands, one for each hand; else none.
+  std::vector<const ResponseTable*> hands = {};
 };
 
 /// What does not change: names, tool, models, ranges, colour range and colours.
@@ -75,6 +78,7 @@ struct ViewFrame {
   TickRecord now = {};
   ViewContact contact = {};
   std::vector<NodeDent> dents = {};
+  std::optional<ViewHands> hands = {};  ///< of several contacts or two hands
   ViewRun run = {};
   ViewSettings settings = {};
 };

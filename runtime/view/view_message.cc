@@ -51,25 +51,53 @@ double number(const Json& found, const char* what, double low, double high) {
   return x;
 }
 
+bool truth(const Json& found, const char* what) {
+  if (!found.is_boolean()) {
+    throw InputError(fmt::format("\"{}\" must be true or false", what));
+  }
+  return found.get<bool>();
+}
+
+// @param count spelled out.
+void take_numbers(const Json& found, const char* what, const char* count, double most,
+                  Eigen::Ref<Eigen::VectorXd> into) {
+  if (!found.is_array() || found.size() != static_cast<std::size_t>(into.size())) {
+    throw InputError(fmt::format("\"{}\" must be {} numbers", what, count));
+  }
+  for (Eigen::Index i = 0; i < into.size(); ++i) {
+    into(i) = number(found[static_cast<std::size_t>(i)], what, -most, most);
+  }
+}
+
+Eigen::Quaterniond turn(const Json& found) {
+  Eigen::Vector4d xyzw;
+  take_numbers(found, "turn", "four", 1.0, xyzw);
+  if (!(xyzw.norm() >= ViewRanges::kQuaternionMin)) {
+    throw InputError(fmt::format("\"turn\" must be a quaternion at least {} long",
+                                 ViewRanges::kQuaternionMin));
+  }
+  return Eigen::Quaterniond(xyzw).normalized();
+}
+
 ViewRequest point(const Json& message) {
   ViewRequest request;
-  const Json& hold = value(message, "hold");
-  if (!hold.is_boolean()) {
-    throw InputError("\"hold\" must be true or false");
+  request.hold = truth(value(message, "hold"), "hold");
+  if (message.contains("hand")) {
+    const Json& hand = message["hand"];
+    if (!hand.is_number_integer()) {
+      throw InputError("\"hand\" must be 0 or 1");
+    }
+    request.hand = static_cast<int>(number(hand, "hand", 0.0, 1.0));
   }
-  request.hold = hold.get<bool>();
   if (!request.hold) {
-    check_keys(message, {"type", "hold"});
+    check_keys(message, {"type", "hold", "hand"});
     return request;
   }
-  check_keys(message, {"type", "hold", "target_m"});
-  const Json& target = value(message, "target_m");
-  if (!target.is_array() || target.size() != 3) {
-    throw InputError("\"target_m\" must be three numbers");
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    request.target_m(static_cast<Eigen::Index>(axis)) =
-        number(target[axis], "target_m", -ViewRanges::kTargetM, ViewRanges::kTargetM);
+  check_keys(message, {"type", "hold", "hand", "target_m", "turn"});
+  take_numbers(value(message, "target_m"), "target_m", "three", ViewRanges::kTargetM,
+               request.target_m);
+  if (message.contains("turn")) {
+    request.turn = turn(message["turn"]);
   }
   return request;
 }
@@ -83,7 +111,8 @@ void set_friction(const Json& found, ViewRequest& request) {
 }
 
 ViewRequest set(const Json& message) {
-  check_keys(message, {"type", "model", "slow_hz", "stiffness_scale", "friction"});
+  check_keys(message,
+             {"type", "model", "slow_hz", "stiffness_scale", "friction", "coupled"});
   ViewRequest request{.action = ViewAction::kSet};
   if (message.contains("model")) {
     request.model = local_model(text(message, "model"));
@@ -102,6 +131,9 @@ ViewRequest set(const Json& message) {
   }
   if (message.contains("friction")) {
     set_friction(message["friction"], request);
+  }
+  if (message.contains("coupled")) {
+    request.coupled = truth(message["coupled"], "coupled");
   }
   if (message.size() == 1) {
     throw InputError("message sets nothing");

@@ -6,9 +6,11 @@
 //
 //   {"type": "point", "hold": true, "target_m": [x, y, z]}   where the hand wants the
 //                                              tool; hold false lets go (no target_m)
+//      with "hand": 1 of the second of two hands; without, of the first, and letting go
+//      is of both; with "turn": [x, y, z, w] a tool of several contacts turns
 //   {"type": "set", "model": "potential", "slow_hz": 100, "stiffness_scale": 1,
-//    "friction": 0.3}                          any of them; friction null: the
-//                                              database's
+//    "friction": 0.3, "coupled": false}        any of them; friction null: the
+//                                              database's; coupled: several contacts
 //   {"type": "run", "do": "pause"}             pause, resume, step, reset, record,
 //                                              replay
 //   {"type": "node", "node": 12}               the curve of a node
@@ -21,6 +23,7 @@
 #include <string_view>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "runtime/fast/local_model.h"
 
@@ -49,6 +52,7 @@ struct ViewRanges {
   static constexpr double kStiffnessMin = 0.05;  ///< [-] of stiffness_scale
   static constexpr double kStiffnessMax = 10.0;  ///< [-] of stiffness_scale
   static constexpr double kFrictionMax = 2.0;    ///< [-] Coulomb coefficient
+  static constexpr double kQuaternionMin = 0.5;  ///< [-] least length of turn
 };
 
 /// A decoded message; which fields count depends on the action.
@@ -56,11 +60,14 @@ struct ViewRequest {
   ViewAction action = ViewAction::kPoint;
   bool hold = false;
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  ///< [m] if hold
+  std::optional<int> hand = {};                        ///< 0 or 1
+  std::optional<Eigen::Quaterniond> turn = {};         ///< unit, if hold
   std::optional<LocalModel> model = {};
   std::optional<double> slow_hz = {};          ///< [Hz]
   std::optional<double> stiffness_scale = {};  ///< [-] forces are multiplied by it
   std::optional<double> friction = {};         ///< [-] for every node
   bool database_friction = false;              ///< friction as stored again
+  std::optional<bool> coupled = {};            ///< contacts through the body
   std::int32_t node = -1;                      ///< >= 0; the database may have fewer
 };
 

@@ -15,27 +15,11 @@ namespace {
 
 constexpr std::size_t kTicksKept = 8191;
 
-void check(const ViewSessionOptions& options) {
-  if (!(options.fast_hz >= 100.0 && options.fast_hz <= 20000.0)) {
-    throw InputError(
-        fmt::format("fast rate is {} Hz, must lie in [100, 20000]", options.fast_hz));
-  }
-  if (!(options.slow_hz >= 1.0 && options.slow_hz <= options.fast_hz)) {
-    throw InputError(fmt::format("slow rate is {} Hz, must lie in [1, {}]",
-                                 options.slow_hz, options.fast_hz));
-  }
-  if (!(options.force_max_n > 0.0) || !std::isfinite(options.force_max_n)) {
-    throw InputError(fmt::format("largest force is {} N, must be positive and finite",
-                                 options.force_max_n));
-  }
-}
-
 const ResponseTable& one_contact(const ResponseTable& table) {
   if (!table.tool.contact.empty()) {
-    throw InputError(fmt::format(
-        "tool {:?} has {} contacts: the page shows tools of one; palpate-run simulate "
-        "and the C interface render it",
-        table.tool.name, table.tool.contact.radius_m.size()));
+    throw InputError(
+        fmt::format("tool {:?} has {} contacts: a session of contacts renders it",
+                    table.tool.name, table.tool.contact.radius_m.size()));
   }
   return table;
 }
@@ -70,6 +54,21 @@ FastProcessConfig fast_config(const ViewSessionOptions& options,
 
 }  // namespace
 
+void check_rates(double fast_hz, double slow_hz, double force_max_n) {
+  if (!(fast_hz >= 100.0 && fast_hz <= 20000.0)) {
+    throw InputError(
+        fmt::format("fast rate is {} Hz, must lie in [100, 20000]", fast_hz));
+  }
+  if (!(slow_hz >= 1.0 && slow_hz <= fast_hz)) {
+    throw InputError(
+        fmt::format("slow rate is {} Hz, must lie in [1, {}]", slow_hz, fast_hz));
+  }
+  if (!(force_max_n > 0.0) || !std::isfinite(force_max_n)) {
+    throw InputError(
+        fmt::format("largest force is {} N, must be positive and finite", force_max_n));
+  }
+}
+
 ViewSession::ViewSession(const ResponseDatabase& database,
                          const ViewSessionOptions& options)
     : database_(database),
@@ -82,7 +81,7 @@ ViewSession::ViewSession(const ResponseDatabase& database,
       hand_(start_m_),
       fast_deadlines_(0, options.fast_hz),
       slow_deadlines_(0, options.slow_hz) {
-  check(options);
+  check_rates(options.fast_hz, options.slow_hz, options.force_max_n);
   options_.device.tick_s = 1.0 / options.fast_hz;
   options_.device.force_max_n = options.force_max_n;
   start(start_m_);
@@ -119,6 +118,39 @@ void ViewSession::let_go() {
   if (holding_) {
     holding_ = false;
     hand_.point_at(clear_of(hand_.target().position_m));
+  }
+}
+
+void ViewSession::heed(const HandWish& wish) {
+  if (wish.hand > 0) {
+    throw InputError(
+        fmt::format("hand {} is not there, one hand holds the tool", wish.hand));
+  }
+  if (wish.turn) {
+    throw InputError("a tool of one contact does not turn");
+  }
+  if (wish.hold) {
+    hold(wish.target_m);
+  } else {
+    let_go();
+  }
+}
+
+void ViewSession::set(const ViewRequest& request) {
+  if (request.coupled) {
+    throw InputError("one contact couples with no other");
+  }
+  if (request.model) {
+    use(*request.model);
+  }
+  if (request.slow_hz) {
+    set_slow_hz(*request.slow_hz);
+  }
+  if (request.stiffness_scale) {
+    set_stiffness_scale(*request.stiffness_scale);
+  }
+  if (request.friction || request.database_friction) {
+    set_friction(request.friction);
   }
 }
 
@@ -188,6 +220,35 @@ Eigen::Vector3d ViewSession::clear_of(const Eigen::Vector3d& from_m) const {
 ViewContact ViewSession::contact() const {
   const Eigen::Map<const Eigen::Vector3d> tool(latest_.position_m.data());
   return view_contact(database_, table_.tool, stream_.search(), tool, latest_.triangle);
+}
+
+bool ViewSession::touching() const {
+  return (latest_.flags & static_cast<unsigned>(TickFlag::kContact)) != 0U;
+}
+
+ViewFrame ViewSession::frame() {
+  const RenderReport& r = report();
+  return {.holding = holding_,
+          .hand_m = hand_.target().position_m,
+          .pointer_m = hand_.pointer_m(),
+          .fault = name(r.fault),
+          .net_j = net_work_j(),
+          .now = latest_,
+          .contact = contact(),
+          .dents = dents(),
+          .run = {.ticks = r.ticks,
+                  .slow_updates = slow_updates_,
+                  .starved_ticks = r.starved_ticks,
+                  .extrapolated_ticks = r.extrapolated_ticks,
+                  .step_p50_ns = r.step_time.percentile_ns(0.5),
+                  .step_p99_ns = r.step_time.percentile_ns(0.99),
+                  .depth_max_m = r.depth_max_m,
+                  .force_max_n = r.force_max_n},
+          .settings = {.model = options_.model,
+                       .slow_hz = options_.slow_hz,
+                       .fast_hz = options_.fast_hz,
+                       .stiffness_scale = stiffness_scale(),
+                       .friction = friction()}};
 }
 
 std::vector<TickRecord> ViewSession::take_ticks() {

@@ -1,5 +1,6 @@
-// The runtime behind a live view: slow and fast process, FIFO, ledger and safety as in
-// any run, on simulated time, with a pointer in place of a hand.
+// The runtime behind a live view of a tool with one contact: slow and fast process,
+// FIFO, ledger and safety as in any run, on simulated time, with a pointer in place of
+// a hand.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@
 #include "runtime/render/fast_process.h"
 #include "runtime/slow/memory_elements.h"
 #include "runtime/view/adjusted_elements.h"
+#include "runtime/view/live_session.h"
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_dents.h"
 
@@ -33,8 +35,11 @@ struct ViewSessionOptions {
   std::vector<YieldedRow> surface = {};  ///< what had yielded before
 };
 
-/// One thread. Time passes in advance() alone.
-class ViewSession {
+/// @throws InputError for a rate outside [100, 20000] or [1, fast_hz] Hz, or a force
+/// that is not positive.
+void check_rates(double fast_hz, double slow_hz, double force_max_n);
+
+class ViewSession : public LiveSession {
  public:
   /// `database` must outlive the session. @throws InputError for options out of range.
   ViewSession(const ResponseDatabase& database, const ViewSessionOptions& options);
@@ -43,29 +48,36 @@ class ViewSession {
   void hold(const Eigen::Vector3d& pointer_m);
 
   /// The hand lifts the tool off the body, along the normal of the nearest point.
-  void let_go();
+  void let_go() override;
 
+  void heed(const HandWish& wish) override;
+  void set(const ViewRequest& request) override;
   void use(LocalModel model);
   void set_slow_hz(double slow_hz);  ///< [Hz] above zero; the fast rate at most is used
   void set_stiffness_scale(double scale);             ///< [-] > 0
   void set_friction(std::optional<double> friction);  ///< none: the database's
 
-  /// Fast ticks pass, unless a fault has ended the run.
-  void advance(std::int64_t ticks);
+  void advance(std::int64_t ticks) override;
 
   /// A new run: clear of the body, faults and accounts gone, settings kept. The body is
   /// as it was at the start of the session: new dents are gone.
-  void reset();
+  void reset() override;
 
-  [[nodiscard]] bool holding() const noexcept { return holding_; }
+  [[nodiscard]] bool holding() const override { return holding_; }
+  [[nodiscard]] bool touching() const override;
+  [[nodiscard]] Fault fault() const override { return report().fault; }
+  [[nodiscard]] std::int64_t ticks() const override { return report().ticks; }
+  [[nodiscard]] double fast_hz() const override { return options_.fast_hz; }
+  [[nodiscard]] double slow_hz() const override { return options_.slow_hz; }
+  [[nodiscard]] ViewFrame frame() override;
   [[nodiscard]] const ViewSessionOptions& options() const noexcept { return options_; }
   [[nodiscard]] const RenderReport& report() const noexcept { return fast_->report(); }
   [[nodiscard]] const TickRecord& latest() const noexcept { return latest_; }
   [[nodiscard]] const PointerHand& hand() const noexcept { return hand_; }
   [[nodiscard]] double stiffness_scale() const { return adjusted_.stiffness_scale(); }
   [[nodiscard]] std::optional<double> friction() const { return adjusted_.friction(); }
-  [[nodiscard]] const ResponseTable& table() const noexcept { return table_; }
-  [[nodiscard]] const ResponseDatabase& database() const noexcept { return database_; }
+  [[nodiscard]] const ResponseTable& table() const override { return table_; }
+  [[nodiscard]] const ResponseDatabase& database() const override { return database_; }
   [[nodiscard]] std::int64_t slow_updates() const noexcept { return slow_updates_; }
 
   /// Net work that was put into the local model since the start [J], by its ledger;
@@ -82,8 +94,7 @@ class ViewSession {
     return dents_.at(fast_->dents(), stiffness_scale());
   }
 
-  /// All ticks since the last call, at most the 8191 latest.
-  [[nodiscard]] std::vector<TickRecord> take_ticks();
+  [[nodiscard]] std::vector<TickRecord> take_ticks() override;
 
  private:
   void start(const Eigen::Vector3d& at_m);

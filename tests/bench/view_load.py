@@ -19,15 +19,23 @@ def cpu_s(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def pressed_m(state):
+    """Where the (first) tool is pressed in by 2 mm."""
+    if "hands" not in state:
+        return [c - 0.002 * n for c, n in zip(state["contact_m"], state["normal"])]
+    touch = max((one for one in state["contacts"] if one["hand"] == 0), key=lambda one: one["depth_m"])
+    return [x - (0.002 - touch["depth_m"]) * n for x, n in zip(state["hands"][0]["tool_m"], touch["normal"])]
+
+
 def main():
     address, pid, seconds = sys.argv[1], int(sys.argv[2]), float((sys.argv[3:] or ["10"])[0])
     host, token = address.split("/")[2], address.split("#")[1]
     socket = websocket.create_connection(f"ws://{host}/live", origin=f"http://{host}",
                                          subprotocols=["palpate.1", token])
     state = {"type": ""}
-    while state["type"] != "state":
+    while state["type"] != "state" or state.get("contacts") == []:
         state = json.loads(socket.recv())
-    deep = [c - 0.002 * n for c, n in zip(state["contact_m"], state["normal"])]
+    deep = pressed_m(state)
     begin, used, frames, size, delays, touching = time.time(), cpu_s(pid), 0, 0, [], 0
     sent, target = None, None
     while time.time() < begin + seconds:

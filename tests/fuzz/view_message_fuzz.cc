@@ -19,7 +19,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool rate_ok =
         !request.slow_hz || (*request.slow_hz >= ViewRanges::kSlowHzMin &&
                              *request.slow_hz <= ViewRanges::kSlowHzMax);
-    if (!target_ok || !rate_ok || request.node < -1) {
+    const bool hand_ok =
+        (!request.hand || *request.hand == 0 || *request.hand == 1) &&
+        (!request.turn || std::abs(request.turn->norm() - 1.0) < 1e-12);
+    if (!target_ok || !rate_ok || !hand_ok || request.node < -1) {
       __builtin_trap();
     }
   } catch (const palpate::Error&) {

@@ -1,8 +1,10 @@
-// Writes a small database and, where a second file is named, a small recording: the
-// seeds of database_fuzz and recording_fuzz.
+// Writes a small database and, where a second and a third file are named, small
+// recordings of one contact and of several: the seeds of database_fuzz and
+// recording_fuzz.
 #include <array>
 
 #include "formats/hdf5/hdf5_io.h"
+#include "formats/recording/contact_recording.h"
 #include "formats/recording/recording_writer.h"
 #include "tests/support/small_database.h"
 
@@ -22,6 +24,24 @@ void write_recording(const char* file) {
   writer.finish({});
 }
 
+void write_contacts(const char* file) {
+  palpate::ContactRecording r;
+  r.tools = {"ball"};
+  r.fast_hz = 1000.0;
+  r.slow_hz = 100.0;
+  r.force_max_n = 8.0;
+  r.time_s = {0.0, 0.001};
+  r.pose = palpate::RowMajor<double>::Zero(2, 7);
+  r.pose.col(6).setOnes();
+  r.wrench = palpate::RowMajor<double>::Zero(2, 6);
+  r.contacts = {0, 0};
+  for (auto* column :
+       {&r.depth_m, &r.work_j, &r.stored_j, &r.tank_j, &r.dissipated_j}) {
+    column->resize(2);
+  }
+  palpate::write_contact_recording(file, r);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -29,6 +49,9 @@ int main(int argc, char** argv) {
   palpate::write_database(argv[1], palpate::small_database());
   if (argc > 2) {
     write_recording(argv[2]);
+  }
+  if (argc > 3) {
+    write_contacts(argv[3]);
   }
   return 0;
 }

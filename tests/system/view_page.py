@@ -1,6 +1,6 @@
 """Drives the live view's page in headless Chromium and prints what it saw, as JSON.
 
-view_page.py PALPATE-RUN DATABASE [FOLDER for pictures] [--no-3d | --dimple]
+view_page.py PALPATE-RUN DATABASE [FOLDER for pictures] [--no-3d | --dimple | --contacts | --pinch]
 """
 
 import json
@@ -187,11 +187,101 @@ def dimples(page, watcher, seen):
         page.wait(lambda: page.text("state") == "free")
 
 
+# Tools, arrows and numbers of several contacts, beside what the runtime said of them.
+HANDS = """
+const { view, state } = window.palpate;
+const end = (arrow) => arrow.heads[0].position.toArray();
+const place = (mesh) => mesh.getWorldPosition(view.centre.clone()).toArray();
+view.scene.updateMatrixWorld(true);
+const text = (id) => document.getElementById(id).textContent;
+return {
+  state,
+  metres_per_n: view.metresPerNewton, metres_per_n_m: view.contacts.metresPerNewtonMetre,
+  drawn: view.contacts.hands.map((hand) => ({
+    spheres: hand.group.children.filter((part) => part.geometry.type === "SphereGeometry").map(place),
+    force: end(hand.force), other: end(hand.other), torque: end(hand.torque),
+    thin: hand.contact.filter((arrow) => arrow.shaft.visible).map(end),
+  })),
+  force: text("force"), force2: text("force2"), torque: text("torque"),
+  coupled: text("body_coupled"), added: text("body_added"), other: text("other_text"),
+  hands: document.getElementById("which_hand").checkVisibility(), error: text("coupling_error"),
+  tool: text("what"), switched: document.getElementById("coupled").checked,
+};
+"""
+
+
+def click_in_the_middle(page):
+    ActionChains(page.driver).move_to_element(page.driver.find_element(By.ID, "canvas")).click().perform()
+
+
+def hands(page):
+    """The page's hands once the picture shows what was said last."""
+    time.sleep(1)
+    return page.driver.execute_script(HANDS)
+
+
+def contacts(page, watcher, seen):
+    """A tool of several contacts: pressed, turned by keys and by dragging, uncoupled."""
+    click_in_the_middle(page)
+    page.keys("p")
+    page.steady()
+    seen["flat"] = hands(page)
+    page.keys("eeeekkkk")
+    page.wait(lambda: page.number("torque") > 0.1)
+    canvas = page.driver.find_element(By.ID, "canvas")
+    ActionChains(page.driver).key_down(Keys.CONTROL).move_to_element(canvas).click_and_hold() \
+        .move_by_offset(20, -15).release().key_up(Keys.CONTROL).perform()
+    page.steady()
+    paused_in_contact(page, watcher)
+    seen["turned"] = hands(page)
+    page.picture("contacts_turned")
+    page.keys(Keys.SPACE)
+    page.keys("u")
+    page.steady()
+    page.keys("c")
+    page.wait(lambda: page.text("other_text") == "what coupled contacts give")
+    seen["uncoupled"] = hands(page)
+    page.keys(Keys.ESCAPE)
+    page.wait(lambda: page.text("state") == "free")
+    page.keys("p")
+    page.steady()
+    seen["again"] = hands(page)
+    page.picture("contacts_uncoupled")
+
+
+def pinch(page, watcher, seen):
+    """Two hands: both at once, closer, one alone, and one by the mouse while the other holds."""
+    click_in_the_middle(page)
+    page.keys("p")
+    page.wait(lambda: page.number("force2") > 0.01)
+    page.steady()
+    seen["both"] = hands(page)
+    page.picture("pinch_open")
+    page.keys("=" * 6)
+    page.steady()
+    seen["opened"] = hands(page)
+    page.keys("2p")  # the second lets go
+    page.wait(lambda: page.text("force2") == "0.000")
+    page.steady()
+    seen["first_alone"] = hands(page)
+    canvas = page.driver.find_element(By.ID, "canvas")
+    ActionChains(page.driver).key_down(Keys.SHIFT).move_to_element(canvas).move_by_offset(90, 10).click_and_hold().perform()
+    page.wait(lambda: page.number("force2") > 0.01)
+    page.steady()
+    seen["by_mouse"] = hands(page)
+    page.picture("pinch_by_mouse")
+    ActionChains(page.driver).release().key_up(Keys.SHIFT).perform()
+    page.wait(lambda: page.text("force2") == "0.000")
+    seen["released"] = hands(page)
+
+
 def main():
     tool, database, *more = sys.argv[1:]
     flat = "--no-3d" in more
     folder = next((one for one in more if not one.startswith("--")), None)
-    view = subprocess.Popen([tool, "view", database], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    which = {"--contacts": ["--tool", "pads"], "--pinch": ["--tool", "ball,pads", "--together"]}
+    tools = next((which[one] for one in more if one in which), [])
+    view = subprocess.Popen([tool, "view", database] + tools, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     driver = None
     seen = {}
     try:
@@ -212,6 +302,10 @@ def main():
         seen["no_webgl"] = driver.find_element(By.ID, "no_webgl").is_displayed()
         if "--dimple" in more:
             dimples(page, watcher, seen)
+        elif "--contacts" in more:
+            contacts(page, watcher, seen)
+        elif "--pinch" in more:
+            pinch(page, watcher, seen)
         else:
             if not flat:
                 poke_by_mouse(page, watcher, seen)

@@ -1,11 +1,9 @@
-// The live view's page in headless Chromium, against the real palpate-run. Debian's
-// chromium-driver, python3-selenium and python3-websocket; skipped where they are
-// absent. PALPATE_VIEW_PICTURES names a folder that gets pictures of the page.
+// The live view's page with tools of one contact (tests/support/view_page.h).
+#include "tests/support/view_page.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -14,7 +12,6 @@
 #include "formats/database/response_database.h"
 #include "formats/hdf5/hdf5_io.h"
 #include "tests/support/sample_bodies.h"
-#include "tests/support/test_data.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {
@@ -25,13 +22,6 @@ namespace {
 constexpr double kStiffness = 200.0;  // [N/m] of every node, without friction
 constexpr double kRadius = 0.008;     // [m] of the ball
 
-bool has_browser() {
-  return std::filesystem::exists("/usr/bin/chromium") &&
-         std::filesystem::exists("/usr/bin/chromedriver") &&
-         std::system("/usr/bin/python3 -c 'import selenium, websocket' 2>/dev/null") ==
-             0;
-}
-
 ResponseDatabase pressed_plate(const ToolShape& tool) {
   return sample_database(
       plate(0.1, 20), tool,
@@ -39,31 +29,6 @@ ResponseDatabase pressed_plate(const ToolShape& tool) {
         return kStiffness * d;
       },
       0.01);
-}
-
-nlohmann::json seen_on_page(const ResponseDatabase& database,
-                            const std::string& flags) {
-  const ScratchFolder folder;
-  write_database(folder / "plate.h5", database);
-  const char* pictures = std::getenv("PALPATE_VIEW_PICTURES");
-  const auto tool =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpate-run";
-  const std::string command = fmt::format(
-      "/usr/bin/python3 tests/system/view_page.py '{}' '{}' {} {}", tool.string(),
-      (folder / "plate.h5").string(), pictures != nullptr ? pictures : "", flags);
-  FILE* pipe = ::popen(command.c_str(), "r");
-  std::string text;
-  std::array<char, 4096> piece{};
-  for (std::size_t n = 0; (n = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;) {
-    text.append(piece.data(), n);
-  }
-  EXPECT_EQ(::pclose(pipe), 0) << command;
-  return nlohmann::json::parse(text, nullptr, false);
-}
-
-double norm(const nlohmann::json& v) {
-  return std::hypot(v.at(0).get<double>(), v.at(1).get<double>(),
-                    v.at(2).get<double>());
 }
 
 TEST(ViewPage, PressesByMouseAndByKeysAndShowsTheRuntimesNumbers) {

@@ -1,13 +1,15 @@
 // The page of palpate-run view: the runtime's numbers and its body, pressed by mouse or
 // keys. All physics is the runtime's; the page says where the hand is and shows the rest.
 import { BodyView } from "/body_view.js";
-import { CurvePlot, TickPlots } from "/plots.js";
+import { CurvePlot, handRows, TickPlots } from "/plots.js";
 import { drawArrowKey, drawColourBar, drawScaleBar } from "/bars.js";
 import { fetchBody, Link } from "/link.js";
+import { Grip, GripPanel } from "/grip.js";
 import { History } from "/history.js";
 import { savePicture, saveTable, toggleVideo } from "/save.js";
 import { Settings } from "/settings.js";
 import { Surface } from "/surface.js";
+import { ContactNumbers } from "/contact_numbers.js";
 import { listen } from "/hands.js";
 
 const get = (id) => document.getElementById(id);
@@ -16,8 +18,12 @@ class App {
   constructor(body) {
     this.body = body;
     this.surface = new Surface(body);
-    this.history = new History(["time_s", "force_n", "depth_m", "stored_j", "tank_j", "memory_j"]);
-    this.plots = new TickPlots(get("plots"), this.history);
+    const { hands } = body.text;  // of several contacts or two hands
+    this.grip = hands ? new Grip(this.surface, hands) : null;
+    const rows = hands ? handRows(hands) : undefined;
+    this.history = new History(rows ? ["time_s", ...rows.flatMap((row) => row.keys)]
+      : ["time_s", "force_n", "depth_m", "stored_j", "tank_j", "memory_j"]);
+    this.plots = new TickPlots(get("plots"), this.history, rows);
     this.curve = new CurvePlot(get("curve_plot"));
     this.pressMax = 2.0 * body.text.depth_max_m;
     this.press = 0.6 * body.text.depth_max_m;
@@ -36,6 +42,10 @@ class App {
     });
     this.settings = new Settings(body.text, (settings) => this.link.set(settings));
     this.setPress(this.press);
+    if (this.grip) {
+      this.contacts = new ContactNumbers(hands);
+      this.panel = new GripPanel(this, get);
+    }
     listen(this);
     requestAnimationFrame(() => this.frame());
     // Not with the frames, which may be rare: a hold that is not said again within
@@ -45,7 +55,8 @@ class App {
 
   showNames() {
     const { text } = this.body;
-    get("what").textContent = `${text.database} · ${text.tool.name}, ${text.tool.description} · ${this.body.stiffness.length} nodes`;
+    const tools = (text.hands ?? [text.tool]).map((tool) => `${tool.name}, ${tool.description}`).join("; ");
+    get("what").textContent = `${text.database} · ${tools} · ${this.body.stiffness.length} nodes`;
     get("what").title = `${text.source}, written by ${text.writer}. ${text.left_out}`;
     drawColourBar(text.map);
   }
@@ -66,10 +77,10 @@ class App {
   // From the runtime.
   take(state) {
     this.state = state;
-    this.history.add(state.trace);
+    this.history.add({ ...state.trace, ...state.loads });
     this.fresh = true;
     if (!this.place) {
-      this.setPlace(this.surface.under(state.tool_m));
+      this.setPlace(this.grip ? this.grip.start(state) : this.surface.under(state.tool_m));
     }
   }
 
@@ -87,7 +98,7 @@ class App {
   }
 
   lost() {
-    this.holding = false;
+    this.forgetHold();
     this.state = null;
     get("state").textContent = "no connection";
     get("state").dataset.kind = "warn";
@@ -115,6 +126,11 @@ class App {
   // From the user.
   setPlace(place) {
     this.place = place;
+    if (this.grip) {
+      this.grip.move(place, this.view ? this.view.screenAxes() : [[1, 0, 0], [0, 1, 0]]);
+      this.gripChanged();
+      return;
+    }
     this.view?.showCursor(this.view.vector(place.point), this.view.vector(place.normal));
   }
 
@@ -132,21 +148,111 @@ class App {
   }
 
   hold() {
-    if (!this.holding && this.place && !this.body.text.device) {
-      this.holding = true;
-      this.sendPoint();
+    if (!this.place || this.body.text.device || (this.holding && !this.grip)) {
+      return;
     }
+    this.holding = true;
+    for (const hand of this.grip?.active ?? []) {
+      hand.held = true;
+    }
+    this.sendPoint();
   }
 
   letGo() {
     if (this.holding) {
-      this.holding = false;
+      this.forgetHold();
       this.link.letGo();
     }
   }
 
+  forgetHold() {
+    this.holding = false;
+    this.grip?.hands.forEach((hand) => { hand.held = false; });
+  }
+
+  // Those that the pointer moves; the other hand stays where it is.
+  letActiveGo() {
+    if (!this.grip) {
+      this.letGo();
+      return;
+    }
+    for (const hand of this.grip.active.filter(({ held }) => held)) {
+      hand.held = false;
+      this.link.letGo({ hand: this.grip.hands.indexOf(hand) });
+    }
+    this.holding = this.grip.any;
+  }
+
+  toggleHold() {
+    const held = this.grip ? this.grip.active.every((hand) => hand.held) : this.holding;
+    if (held) {
+      this.letActiveGo();
+    } else {
+      this.hold();
+    }
+  }
+
   sendPoint() {
-    this.link.hold(this.surface.target(this.place, this.press));
+    if (!this.grip) {
+      this.link.hold(this.surface.target(this.place, this.press));
+    }
+    this.grip?.hands.forEach((hand, i) => {
+      if (hand.held) {
+        const { target_m: target, turn } = this.grip.target(hand, this.press);
+        this.link.hold(target, { hand: i, turn });
+      }
+    });
+  }
+
+  // Of several contacts and two hands.
+  gripChanged() {
+    this.view?.contacts.showCursors(this.grip);
+    this.panel?.show();
+  }
+
+  // The pointer takes a tool that it meets; a pinch keeps both.
+  reachFor(hand) {
+    if (this.grip && hand >= 0 && !this.grip.both) {
+      this.chooseHand(String(hand));
+    }
+  }
+
+  chooseHand(which) {
+    if (this.grip && (which === "0" || this.grip.hands.length > 1)) {
+      this.grip.choose(which);
+      const { place } = this.grip.active[0];
+      if (!this.grip.both && place) {
+        this.place = place;
+      }
+      this.gripChanged();
+    }
+  }
+
+  turnTool(spin, tilt) {
+    if (this.grip) {
+      this.grip.turn(spin, tilt);
+      this.gripChanged();
+    }
+  }
+
+  standTool() {
+    if (this.grip) {
+      this.grip.stand();
+      this.gripChanged();
+    }
+  }
+
+  openPinch(opening_m) {
+    if (this.grip?.both) {
+      this.grip.open(opening_m);
+      this.gripChanged();
+    }
+  }
+
+  toggleCoupled() {
+    if (this.grip && this.state) {
+      this.link.set({ coupled: !this.state.coupled });
+    }
   }
 
   slide(right_m, up_m) {
@@ -157,7 +263,7 @@ class App {
   run(what) {
     this.link.run(what);
     if (["reset", "record", "replay"].includes(what)) {
-      this.holding = false;
+      this.forgetHold();
     }
   }
 
@@ -188,7 +294,7 @@ class App {
     if (now - (this.drawn ?? 0) > 50) {
       this.drawn = now;
       this.plots.draw();
-      if (this.state) {
+      if (this.state && !this.grip) {
         this.curve.at(this.state.depth_m * 1e3, Math.hypot(...this.state.force_n));
       }
     }
@@ -204,6 +310,7 @@ class App {
     const { state } = this;
     const put = (id, text) => { if (get(id).textContent !== text) { get(id).textContent = text; } };
     put("force", Math.hypot(...state.force_n).toFixed(3));
+    this.contacts?.show(state, put);
     put("depth", Math.max(0, state.depth_m * 1e3).toFixed(2));
     put("energy", (state.stored_j * 1e3).toFixed(3));
     put("tank", (state.tank_j * 1e3).toFixed(3));

@@ -39,4 +39,17 @@ export function drawArrowKey(view) {
   if (get("arrow_text").textContent !== text) {
     get("arrow_text").textContent = text;
   }
+  if (view.contacts) {
+    drawTorqueKey(view);
+  }
+}
+
+function drawTorqueKey(view) {
+  const { metresPerNewtonMetre: scale } = view.contacts;
+  const torque = nice((0.1 * view.viewHeight()) / scale);
+  get("torque_key").style.width = `${((torque * scale) / view.viewHeight()) * view.canvas.clientHeight}px`;
+  const text = `torque on the tool, ${Number((1e3 * torque).toPrecision(1))} mN m`;
+  if (get("torque_text").textContent !== text) {
+    get("torque_text").textContent = text;
+  }
 }

@@ -1,12 +1,10 @@
 // The body, the tool and the force in three dimensions.
 import * as three from "/vendor.min.js";
+import { ContactTools } from "/contact_tools.js";
 import { colourRamp } from "/figures.js";
+import { css, lay, rod } from "/shapes.js";
 import { toolGeometries } from "/tool_shape.js";
 import { Yielding } from "/yielding.js";
-
-function css(name) {
-  return new three.Color(getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
-}
 
 // Vertex colours by stiffness; grey where there is no response.
 function vertexColours(body) {
@@ -32,24 +30,6 @@ function bodyGeometry(body, position, normal) {
   geometry.setIndex(new three.BufferAttribute(body.triangle, 1));
   geometry.computeBoundingSphere();
   return geometry;
-}
-
-// A cylinder of unit length along y from the origin.
-function rod(radius, material) {
-  const geometry = new three.CylinderGeometry(radius, radius, 1, 20).translate(0, 0.5, 0);
-  return new three.Mesh(geometry, material);
-}
-
-const kUp = new three.Vector3(0, 1, 0);
-
-// Lays a rod from one point to another.
-function lay(mesh, from, to) {
-  const along = to.clone().sub(from);
-  const length = along.length();
-  mesh.visible = length > 1e-6;
-  mesh.position.copy(from);
-  mesh.scale.set(1, Math.max(length, 1e-9), 1);
-  mesh.quaternion.setFromUnitVectors(kUp, along.normalize());
 }
 
 // Without a graphics card smooth edges and every pixel cost more than they give.
@@ -85,6 +65,10 @@ export class BodyView {
     this.size = geometry.boundingSphere.radius;
     this.centre = geometry.boundingSphere.center.clone();
     this.metresPerNewton = (0.6 * this.size) / this.body.text.force_max_n;
+    const { hands } = this.body.text;  // several contacts, or two hands
+    if (hands) {
+      this.metresPerNewton /= Math.sqrt(Math.max(...hands.map(({ spheres }) => spheres.length)));
+    }
     this.yielding = new Yielding(this.body, 0.9 * this.size, ask);
     const pressed = bodyGeometry(this.body, this.yielding.position, this.yielding.normal);
     this.surface = new three.Mesh(pressed, new three.MeshStandardMaterial({
@@ -147,6 +131,10 @@ export class BodyView {
       mesh.visible = false;
     }
     this.scene.add(this.tool, this.hand, this.band, this.arrow, this.head, this.marker, this.pick, this.cursor);
+    if (this.body.text.hands) {
+      this.contacts = new ContactTools(this.scene, this.body.text.hands, this.size, handle, this.metresPerNewton);
+      this.tool.visible = false;
+    }
   }
 
   addLights() {
@@ -187,7 +175,7 @@ export class BodyView {
   }
 
   focusTool() {
-    this.orbit.target.copy(this.tool.position);
+    this.orbit.target.copy(this.contacts ? this.contacts.hands[0].group.position : this.tool.position);
   }
 
   vector(list) { return new three.Vector3().fromArray(list); }
@@ -219,11 +207,15 @@ export class BodyView {
     return { point: hit.point, normal: hit.normal ?? hit.face.normal, node: corners[0] };
   }
 
+  // Which hand's tool the pointer is over, 0 or 1; -1: none.
   overTool(event) {
     const box = this.canvas.getBoundingClientRect();
     const at = new three.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
     this.raycaster.setFromCamera(at, this.camera);
-    return this.raycaster.intersectObject(this.tool, true).length > 0;
+    if (this.contacts) {
+      return this.contacts.over(this.raycaster);
+    }
+    return this.raycaster.intersectObject(this.tool, true).length > 0 ? 0 : -1;
   }
 
   showPick(curve) {
@@ -240,11 +232,15 @@ export class BodyView {
   }
 
   show(state) {
+    this.state = state;
+    if (this.contacts) {
+      this.contacts.show(state);
+      return;
+    }
     const tool = new three.Vector3().fromArray(state.tool_m);
     const force = new three.Vector3().fromArray(state.force_n);
     this.tool.position.copy(tool);
     this.tool.quaternion.fromArray(state.tool_turn);
-    this.state = state;
     const hand = new three.Vector3().fromArray(state.hand_m ?? state.tool_m);
     this.hand.visible = state.holding;
     this.hand.position.copy(hand);
@@ -258,6 +254,7 @@ export class BodyView {
   }
 
   recolour() {
+    this.contacts?.recolour();
     this.hand.material.color.copy(css("hand"));
     this.band.material.color.copy(css("hand"));
     this.cursor.material.color.copy(css("hand"));
@@ -271,7 +268,8 @@ export class BodyView {
     this.camera.updateMatrixWorld();
     const numbers = [this.width, this.height, ...this.camera.matrixWorld.elements, ...this.camera.projectionMatrix.elements,
                      this.presses];
-    for (const mesh of [this.wire, this.normals, this.tool, this.hand, this.band, this.arrow, this.marker, this.pick, this.cursor]) {
+    for (const mesh of [this.wire, this.normals, this.tool, this.hand, this.band, this.arrow, this.marker, this.pick, this.cursor,
+                        ...(this.contacts?.moving ?? [])]) {
       numbers.push(mesh.visible ? 1 : 0, ...mesh.position.toArray(), mesh.scale.y, mesh.quaternion.x, mesh.quaternion.y);
     }
     numbers.push(this.arrow.material.color.getHex());

@@ -1,6 +1,8 @@
 // Mouse, wheel and keys: orbit, press, slide, pick.
 
 const kClickPixels = 4;
+const kTurnPerPixel = 0.008;  // [rad]
+const kStepRad = Math.PI / 36;
 
 const get = (id) => document.getElementById(id);
 
@@ -11,8 +13,14 @@ function listenToPointer(app) {
   let down = null;
   canvas.addEventListener("pointerdown", (event) => {
     canvas.focus();
-    down = { x: event.clientX, y: event.clientY, press: event.button === 0 && (event.shiftKey || view.overTool(event)) };
-    view.orbit.enabled = !down.press;
+    const left = event.button === 0;
+    const over = view.overTool(event);
+    const turn = left && event.ctrlKey && app.grip !== null;
+    down = { x: event.clientX, y: event.clientY, turn, press: left && !turn && (event.shiftKey || over >= 0) };
+    view.orbit.enabled = !down.press && !down.turn;
+    if (down.turn || down.press) {
+      app.reachFor(over);
+    }
     if (down.press) {
       canvas.setPointerCapture(event.pointerId);
       const hit = view.hit(event);
@@ -23,6 +31,10 @@ function listenToPointer(app) {
     }
   }, { capture: true });
   canvas.addEventListener("pointermove", (event) => {
+    if (down?.turn) {
+      app.turnTool(kTurnPerPixel * (event.clientX - down.x), [kTurnPerPixel * (event.clientY - down.y), 0]);
+      Object.assign(down, { x: event.clientX, y: event.clientY });
+    }
     const hit = down?.press ? view.hit(event) : null;
     if (hit) {
       app.setPlace(app.placeOf(hit));
@@ -34,8 +46,8 @@ function listenToPointer(app) {
     }
     const moved = Math.hypot(event.clientX - down.x, event.clientY - down.y);
     if (down.press) {
-      app.letGo();
-    } else if (moved < kClickPixels && event.button === 0) {
+      app.letActiveGo();
+    } else if (!down.turn && moved < kClickPixels && event.button === 0) {
       pick(app, view.hit(event));
     }
     down = null;
@@ -44,7 +56,10 @@ function listenToPointer(app) {
   canvas.addEventListener("pointercancel", () => { down = null; view.orbit.enabled = true; app.letGo(); });
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
-    if (app.holding) {
+    if (event.altKey && app.grip?.both) {
+      app.openPinch(app.grip.opening * (1 - 0.0008 * event.deltaY) - 1e-6 * event.deltaY);
+      event.stopImmediatePropagation();
+    } else if (app.holding) {
       app.setPress(app.press * (1 - 0.0008 * event.deltaY) - 1e-7 * event.deltaY);
       event.stopImmediatePropagation();
     }
@@ -62,7 +77,7 @@ const kKeys = {
   " ": (app) => app.togglePause(),
   ".": (app) => app.run("step"),
   r: (app) => app.run("reset"),
-  p: (app) => (app.holding ? app.letGo() : app.hold()),
+  p: (app) => app.toggleHold(),
   Escape: (app) => app.letGo(),
   ArrowLeft: (app) => app.slide(-app.stepLength(), 0),
   ArrowRight: (app) => app.slide(app.stepLength(), 0),
@@ -77,6 +92,19 @@ const kKeys = {
   s: (app) => app.savePicture(),
   v: (app) => app.toggleVideo(),
   d: (app) => app.toggleTheme(),
+  q: (app) => app.turnTool(-kStepRad, [0, 0]),
+  e: (app) => app.turnTool(kStepRad, [0, 0]),
+  i: (app) => app.turnTool(0, [-0.4 * kStepRad, 0]),
+  k: (app) => app.turnTool(0, [0.4 * kStepRad, 0]),
+  j: (app) => app.turnTool(0, [0, -0.4 * kStepRad]),
+  l: (app) => app.turnTool(0, [0, 0.4 * kStepRad]),
+  u: (app) => app.standTool(),
+  c: (app) => app.toggleCoupled(),
+  1: (app) => app.chooseHand("0"),
+  2: (app) => app.chooseHand("1"),
+  3: (app) => app.chooseHand("both"),
+  "-": (app) => app.openPinch(app.grip?.opening - 0.001),
+  "=": (app) => app.openPinch(app.grip?.opening + 0.001),
   "?": () => get("keys").showModal(),
   Enter: (app) => { if (app.place) { app.link.node(app.surface.nearest(app.place.point)); } },
 };
@@ -108,7 +136,7 @@ function listenToButtons(app) {
   click("reset", () => app.run("reset"));
   click("record", () => app.run("record"));
   click("replay", () => app.run("replay"));
-  click("poke", () => kKeys.p(app));
+  click("poke", () => app.toggleHold());
   click("shot", () => app.savePicture());
   click("video", () => app.toggleVideo());
   click("csv", () => app.saveTable());

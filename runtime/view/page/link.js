@@ -78,6 +78,7 @@ export class Link {
   run(what) { this.send({ type: "run", do: what }); }
   node(node) { this.send({ type: "node", node }); }
   field(node) { this.send({ type: "field", node }); }
-  hold(target) { this.send({ type: "point", hold: true, target_m: target }); }
-  letGo() { this.send({ type: "point", hold: false }); }
+  // @param more of several contacts or hands: { hand, turn }.
+  hold(target, more = {}) { this.send({ type: "point", hold: true, target_m: target, ...more }); }
+  letGo(more = {}) { this.send({ type: "point", hold: false, ...more }); }
 }

@@ -32,6 +32,21 @@ function fromZero(least) {
   return (_, low, high) => [0, Math.max(least, 1.08 * (high ?? 0))];
 }
 
+const kEnergy = { title: "Stored energy, tank [mJ]", keys: ["stored_j", "tank_j"], colours: ["energy", "tank"], scale: 1e3, least: 0.05 };
+
+// Of several contacts or two hands.
+export function handRows(hands) {
+  const each = (what) => hands.map((_, i) => `${what}${i + 1}`);
+  const names = hands.length > 1 ? `, ${hands.map((hand) => hand.name).join(", ")}` : "";
+  const torque = { title: `Torque [mN m]${names}`, keys: each("torque").map((key) => `${key}_n_m`), colours: ["torque", "force2"].slice(0, hands.length), scale: 1e3, least: 0.05 };
+  return [
+    { title: `Force [N]${names}`, keys: each("force").map((key) => `${key}_n`), colours: ["force", "force2"].slice(0, hands.length), scale: 1, least: 0.05 },
+    ...(hands.some(({ spheres }) => spheres.length > 1) ? [torque] : []),
+    { title: "Deepest contact [mm]", keys: ["depth_m"], colours: ["depth"], scale: 1e3, least: 0.5 },
+    kEnergy,
+  ];
+}
+
 const kRows = [
   { title: "Force [N]", keys: ["force_n"], colours: ["force"], scale: 1, least: 0.05 },
   { title: "Depth [mm]", keys: ["depth_m"], colours: ["depth"], scale: 1e3, least: 0.5 },
@@ -39,20 +54,22 @@ const kRows = [
 ];
 
 export class TickPlots {
-  constructor(parent, history) {
+  constructor(parent, history, rows = kRows) {
     this.parent = parent;
     this.history = history;
+    this.rows = rows;
     this.build();
   }
 
   build() {
     this.parent.replaceChildren();
     const width = Math.max(240, this.parent.clientWidth - 2);
-    this.plots = kRows.map((row, i) => new uPlot({
-      width, height: i === kRows.length - 1 ? 106 : 82, legend: { show: false }, cursor: { show: false },
+    const last = this.rows.length - 1;
+    this.plots = this.rows.map((row, i) => new uPlot({
+      width, height: i === last ? 106 : 82, legend: { show: false }, cursor: { show: false },
       padding: [6, 6, 0, 0],
       scales: { x: { time: false }, y: { range: fromZero(row.least) } },
-      axes: [axis({ size: i === kRows.length - 1 ? 26 : 8, values: i === kRows.length - 1 ? (_, v) => v.map((s) => `${s} s`) : () => [] }),
+      axes: [axis({ size: i === last ? 26 : 8, values: i === last ? (_, v) => v.map((s) => `${s} s`) : () => [] }),
              axis({ size: 46, space: 22 })],
       series: [{}, ...row.colours.map((name) => ({ stroke: colour(name), width: 1.4, points: { show: false } }))],
     }, [[], ...row.keys.map(() => [])], titled(this.parent, row.title)));
@@ -60,7 +77,7 @@ export class TickPlots {
 
   draw() {
     this.plots.forEach((plot, i) => {
-      const row = kRows[i];
+      const row = this.rows[i];
       const [time, ...values] = this.history.recent(kWindowS, kPoints, ["time_s", ...row.keys]);
       const end = time.length > 0 ? time[time.length - 1] : 0;
       plot.batch(() => {

@@ -103,24 +103,37 @@ export class Yielding {
     });
   }
 
-  // The surface under the tool; true if it has changed.
-  press({ contact_nodes: nodes, contact_shares: shares, contact_m: point, normal, penetration_m: depth, dents }) {
-    const parts = this.parts(nodes, shares);
-    const drawn = (depth > 0 ? [nodes, shares, point, normal, depth].join() : "") + dents.depth_m.map((d) => d.toPrecision(3)).join();
-    this.stored = parts.reduce((all, [field, share]) => all + (field ? share : 0), 0);
+  // The surface under the tools; true if it has changed. A contact of several sinks it
+  // by what its own force does, and they add up; fields are of the first tool's sphere.
+  press(state) {
+    const { dents } = state;
+    const { tool } = this.body.text;
+    const pressed = state.contacts
+      ? state.contacts.filter(({ own_m }) => own_m > 0).map(({ radius_m, nodes, shares, point_m: point, normal, own_m: depth }) =>
+        ({ nodes: radius_m === tool.radius_m ? nodes : [-1, -1, -1], shares, point, normal, depth, tool: { kind: "sphere", radius_m } }))
+      : [{ nodes: state.contact_nodes, shares: state.contact_shares, point: state.contact_m, normal: state.normal, depth: state.penetration_m, tool }];
+    const parts = pressed.map(({ nodes, shares }) => this.parts(nodes, shares));
+    const drawn = pressed.map(({ nodes, shares, point, normal, depth }) => (depth > 0 ? [nodes, shares, point, normal, depth].join() : "")).join() +
+      dents.depth_m.map((d) => d.toPrecision(3)).join();
+    const stored = parts.map((each) => each.reduce((all, [field, share]) => all + (field ? share : 0), 0));
+    if (stored.length > 0) {
+      this.stored = stored.reduce((all, share) => all + share, 0) / stored.length;
+    }
     if (drawn === this.drawn) {
       return false;
     }
     this.drawn = drawn;
     this.position.set(this.body.position);
-    if (depth > 0) {
-      for (const [field, share] of parts) {
-        if (field) {
-          this.addField(field, share * depth);
+    pressed.forEach(({ point, normal, depth, tool: shape }, i) => {
+      if (depth > 0) {
+        for (const [field, share] of parts[i]) {
+          if (field) {
+            this.addField(field, share * depth);
+          }
         }
+        this.addTemplate(shape, point, normal, depth, 1 - stored[i]);
       }
-      this.addTemplate(point, normal, depth, 1 - this.stored);
-    }
+    });
     this.addDents(dents);
     this.turnNormals();
     return true;
@@ -151,12 +164,12 @@ export class Yielding {
     }
   }
 
-  addTemplate(point, normal, depth, share) {
+  addTemplate(tool, point, normal, depth, share) {
     if (!(share > 1e-6)) {
       return;
     }
-    const { position, reach, body: { position: rest, text } } = this;
-    const sink = dimple(text.tool, depth);
+    const { position, reach, body: { position: rest } } = this;
+    const sink = dimple(tool, depth);
     for (let i = 0; i < position.length; i += 3) {
       const r = Math.sqrt((rest[i] - point[0]) ** 2 + (rest[i + 1] - point[1]) ** 2 + (rest[i + 2] - point[2]) ** 2);
       const x = Math.min(1, Math.max(0, (r / reach - 0.25) / 0.75));

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "runtime/run/contact_replay.h"
 #include "runtime/run/pose_trace.h"
 #include "runtime/run/render_run.h"
 #include "tests/support/padded_plate.h"
@@ -82,6 +83,34 @@ TEST_F(ContactRuns, PosesOfATraceGiveTheSameBits) {
   const std::string header =
       read_text(first.trace).substr(0, read_text(first.trace).find('\n'));
   EXPECT_NE(header.find("tz1_n_m"), std::string::npos);
+}
+
+TEST_F(ContactRuns, ARecordingOfTwoHandsIsReproducedToTheBit) {
+  ContactRunOptions live = options({"ball", "pads"});
+  live.at_m = {{-0.015, 0.0, 0.0}, {0.015, 0.0, 0.0}};
+  live.duration_s = 2.0;
+  live.keep = true;
+  live.device.damping_n_s_per_m = 0.05;  // too little: forces are scaled
+  live.limit_stiffness = true;
+  const ContactRunReport report = run(live);
+  EXPECT_LT(report.force_scale, 1.0);
+  EXPECT_GT(report.torque_max_n_m, 1e-5);
+  ContactRecording recording =
+      contact_recording(report, "pads.h5", std::string(64, 'a'));
+  EXPECT_EQ(recording.tools, (std::vector<std::string>{"ball", "pads"}));
+  const ContactReplayReport again = replay_contacts(recording, database_);
+  EXPECT_TRUE(again.is_reproduced()) << again.different_tick;
+  EXPECT_EQ(again.ticks, 4000);
+  EXPECT_EQ(again.replayed_net_j, again.net_energy_j);
+  // Nothing of it passes unseen.
+  recording.wrench(1700, 11) += 1e-15;
+  EXPECT_EQ(replay_contacts(recording, database_).different_tick, 1700);
+  recording.wrench(1700, 11) = report.kept[1700].command.wrench[1].torque_n_m.z();
+  recording.tank_j[900] += 1e-15;
+  EXPECT_EQ(replay_contacts(recording, database_).different_tick, 900);
+  recording.tank_j[900] = report.kept[900].command.tank_j;
+  recording.force_scale = 1.0;
+  EXPECT_GT(replay_contacts(recording, database_).force_difference_n, 1e-3);
 }
 
 TEST_F(ContactRuns, PosesAreCheckedLineByLine) {

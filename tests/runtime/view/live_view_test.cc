@@ -14,6 +14,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/view/view_json.h"
+#include "runtime/view/view_session.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/sample_bodies.h"
 

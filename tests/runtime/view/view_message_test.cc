@@ -1,6 +1,8 @@
 // What the decoder of the live view's messages takes, and what it refuses.
 #include "runtime/view/view_message.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
@@ -18,6 +20,25 @@ TEST(ViewMessage, PointCarriesTheTarget) {
 
 TEST(ViewMessage, LettingGoNeedsNoTarget) {
   EXPECT_FALSE(decode_view_message(R"({"type":"point","hold":false})").hold);
+}
+
+TEST(ViewMessage, PointMayNameAHandAndTurnItsTool) {
+  const ViewRequest plain =
+      decode_view_message(R"({"type":"point","hold":true,"target_m":[0,0,0]})");
+  EXPECT_FALSE(plain.hand);
+  EXPECT_FALSE(plain.turn);
+  const ViewRequest request = decode_view_message(
+      R"({"type":"point","hold":true,"hand":1,"target_m":[0,0,0],"turn":[0,0,0.6,0.6]})");
+  EXPECT_EQ(request.hand, 1);
+  ASSERT_TRUE(request.turn);
+  EXPECT_NEAR(request.turn->norm(), 1.0, 1e-15);
+  EXPECT_NEAR(request.turn->z(), std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(decode_view_message(R"({"type":"point","hold":false,"hand":0})").hand, 0);
+}
+
+TEST(ViewMessage, ContactsAreCoupledOrNot) {
+  EXPECT_EQ(decode_view_message(R"({"type":"set","coupled":false})").coupled, false);
+  EXPECT_FALSE(decode_view_message(R"({"type":"set","slow_hz":20})").coupled);
 }
 
 TEST(ViewMessage, SetCarriesWhatIsThereAndNothingElse) {
@@ -79,7 +100,15 @@ INSTANTIATE_TEST_SUITE_P(
         R"({"type":"point","hold":true,"target_m":[0,0,1e999]})",
         R"({"type":"point","hold":true,"target_m":[0,0,NaN]})",
         R"({"type":"point","hold":true,"target_m":[0,0,"evil"]})",
-        R"({"type":"point","hold":false,"evil":0})", R"({"type":"set"})",
+        R"({"type":"point","hold":false,"evil":0})",
+        R"({"type":"point","hold":false,"hand":2})",
+        R"({"type":"point","hold":false,"hand":0.5})",
+        R"({"type":"point","hold":false,"hand":"evil"})",
+        R"({"type":"point","hold":false,"turn":[0,0,0,1]})",
+        R"({"type":"point","hold":true,"target_m":[0,0,0],"turn":[0,0,1]})",
+        R"({"type":"point","hold":true,"target_m":[0,0,0],"turn":[0,0,0,0.4]})",
+        R"({"type":"point","hold":true,"target_m":[0,0,0],"turn":[0,0,0,2]})",
+        R"({"type":"set","coupled":1})", R"({"type":"set"})",
         R"({"type":"set","slow_hz":0})", R"({"type":"set","slow_hz":2001})",
         R"({"type":"set","slow_hz":null})", R"({"type":"set","model":"evil"})",
         R"({"type":"set","friction":-0.1})", R"({"type":"set","stiffness_scale":0})",

@@ -1,0 +1,65 @@
+// The slow process of several contacts, whose body is made stiffer, softer or more
+// slippery by hand, and whose coupling is switched off to see what it does.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "runtime/fast/coupled_step.h"
+#include "runtime/slow/contact_elements.h"
+
+namespace palpate {
+
+/// As AdjustedStream; rows of compliance go with the stiffness, and are zero where
+/// contacts shall not couple: then each presses a body of its own.
+class AdjustedContacts {
+ public:
+  /// @throws as coupled_set(). The database must outlive this.
+  AdjustedContacts(const ResponseDatabase& database,
+                   std::span<const ResponseTable* const> tools)
+      : stream_(database, tools) {}
+
+  [[nodiscard]] const CoupledSet& set() const noexcept { return stream_.set(); }
+
+  void set_stiffness_scale(double scale) noexcept { scale_ = scale; }  ///< [-] > 0
+  /// [-] >= 0 at every node; none: the database's.
+  void set_friction(std::optional<double> friction) noexcept { friction_ = friction; }
+  void set_coupled(bool coupled) noexcept { coupled_ = coupled; }
+
+  [[nodiscard]] double stiffness_scale() const noexcept { return scale_; }
+  [[nodiscard]] std::optional<double> friction() const noexcept { return friction_; }
+  [[nodiscard]] bool coupled() const noexcept { return coupled_; }
+
+  /// One slow step of all contacts. @returns messages pushed.
+  std::size_t update(const ContactToolState& tool, std::int64_t now_ns,
+                     ContactFifo& fifo);
+
+  /// What has been sent is forgotten: all is sent again at the next update.
+  void forget() { sent_ = {}; }
+
+  /// Every element that a fast process holds, sent again as it is by now, and a tick
+  /// without time or movement: the body changes for all contacts at once, and the
+  /// ledger books it as a change. Nothing may be under way to the fast process. One
+  /// contact of one hand gets its own at the next updates.
+  void renew(CoupledState& state);
+
+  /// The message of a triangle for contact i, whether contacts couple at the moment or
+  /// not. @param coupled with the body's rows of compliance; without: of zeros.
+  [[nodiscard]] ContactElement element(int i, std::int32_t triangle,
+                                       bool coupled) const;
+
+ private:
+  void adjust(ContactElement& message, bool coupled) const;
+
+  ContactStream stream_;
+  std::unique_ptr<ContactFifo> unchanged_ = std::make_unique<ContactFifo>();
+  ContactSent sent_;
+  double scale_ = 1.0;
+  std::optional<double> friction_;
+  bool coupled_ = true;
+};
+
+}  // namespace palpate

@@ -1,0 +1,107 @@
+#include "runtime/view/view_hands.h"
+
+#include <cstddef>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/response/tool_shape.h"
+#include "formats/response/tool_support.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+Json list(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json as_json(const ViewHand& hand) {
+  const Eigen::Quaterniond& q = hand.turn;
+  return {{"tool_m", list(hand.tool_m)},
+          {"turn", std::array<double, 4>{q.x(), q.y(), q.z(), q.w()}},
+          {"hand_m", list(hand.hand_m)},
+          {"pointer_m", list(hand.pointer_m)},
+          {"holding", hand.holding},
+          {"force_n", list(hand.force_n)},
+          {"torque_n_m", list(hand.torque_n_m)},
+          {"coupled_n", list(hand.coupled_n)},
+          {"added_up_n", list(hand.added_up_n)}};
+}
+
+Json as_json(const ViewTouch& touch) {
+  return {{"hand", touch.hand},
+          {"radius_m", touch.radius_m},
+          {"centre_m", list(touch.centre_m)},
+          {"point_m", list(touch.point_m)},
+          {"normal", list(touch.normal)},
+          {"force_n", list(touch.force_n)},
+          {"depth_m", touch.depth_m},
+          {"own_m", touch.own_m},
+          {"nodes", touch.node},
+          {"shares", list(touch.share)}};
+}
+
+template <typename Items>
+Json as_list(const Items& items) {
+  Json all = Json::array();
+  for (const auto& item : items) {
+    all.push_back(as_json(item));
+  }
+  return all;
+}
+
+std::string column(const std::vector<ViewLoads>& loads, const char* key,
+                   std::array<double, kPortsMax> ViewLoads::*of, std::size_t hand) {
+  std::string text = fmt::format("\"{}\":[", key);
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    fmt::format_to(std::back_inserter(text), "{}{:.6g}", i == 0 ? "" : ",",
+                   (loads[i].*of)[hand]);
+  }
+  return text + "]";
+}
+
+// A tool without a contact set is one sphere of its nominal height.
+Json spheres(const ToolShape& tool) {
+  if (tool.contact.empty()) {
+    return {{{"centre_m", {0.0, 0.0, 0.0}}, {"radius_m", nominal_height_m(tool)}}};
+  }
+  Json all = Json::array();
+  for (std::size_t i = 0; i < tool.contact.radius_m.size(); ++i) {
+    const Eigen::Vector3d centre =
+        tool.contact.point_m.row(static_cast<Eigen::Index>(i)).transpose();
+    all.push_back({{"centre_m", list(centre)}, {"radius_m", tool.contact.radius_m[i]}});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string hands_text(const ViewHands& hands) {
+  const Json json{{"hands", as_list(hands.hand)},
+                  {"contacts", as_list(hands.touch)},
+                  {"coupled", hands.coupled},
+                  {"scaled", hands.scaled}};
+  std::string text = json.dump();
+  text = text.substr(1, text.size() - 2);
+  return text + ",\"loads\":{" +
+         column(hands.loads, "force1_n", &ViewLoads::force_n, 0) + "," +
+         column(hands.loads, "force2_n", &ViewLoads::force_n, 1) + "," +
+         column(hands.loads, "torque1_n_m", &ViewLoads::torque_n_m, 0) + "," +
+         column(hands.loads, "torque2_n_m", &ViewLoads::torque_n_m, 1) + "}";
+}
+
+std::string tools_text(const std::vector<const ResponseTable*>& tables) {
+  Json all = Json::array();
+  for (const ResponseTable* table : tables) {
+    all.push_back({{"name", table->tool.name},
+                   {"description", describe(table->tool)},
+                   {"spheres", spheres(table->tool)},
+                   {"coupling_error", table->compliance.error_relative}});
+  }
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace palpate

@@ -1,0 +1,146 @@
+#include "formats/recording/contact_recording.h"
+
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+// Damaged files are opened on purpose.
+[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
+
+ContactRecording two_hands() {
+  ContactRecording r;
+  r.writer = "palpate-run 0.1.0";
+  r.database = "organ.h5";
+  r.database_sha256 = std::string(64, 'a');
+  r.tools = {"thumb", "finger"};
+  r.fast_hz = 2000.0;
+  r.slow_hz = 100.0;
+  r.force_scale = 1.0 / 3.0;
+  r.force_max_n = 8.0;
+  r.fault = "energy";
+  r.time_s = {0.0, 0.0005, 0.0011};
+  r.pose = RowMajor<double>::Zero(3, 14);
+  r.pose.col(6).setOnes();
+  r.pose.col(13).setOnes();
+  r.pose(1, 7) = 1.0 / 7.0;
+  r.wrench = RowMajor<double>::Random(3, 12);
+  r.contacts = {0, 2, 1};
+  for (auto* column :
+       {&r.depth_m, &r.work_j, &r.stored_j, &r.tank_j, &r.dissipated_j}) {
+    *column = {0.1, 1.0 / 3.0, -1e-3};
+  }
+  return r;
+}
+
+template <typename Reads>
+std::string refusal(const Reads& reads) {
+  try {
+    reads();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ContactRecordingFile, ReadsWhatWasWritten) {
+  const ScratchFolder folder;
+  const ContactRecording r = two_hands();
+  write_contact_recording(folder / "r.h5", r);
+  EXPECT_TRUE(is_contact_recording(folder / "r.h5"));
+  const ContactRecording read = read_contact_recording(folder / "r.h5");
+  EXPECT_EQ(read.writer, r.writer);
+  EXPECT_EQ(read.database, r.database);
+  EXPECT_EQ(read.database_sha256, r.database_sha256);
+  EXPECT_EQ(read.tools, r.tools);
+  EXPECT_EQ(read.fault, r.fault);
+  EXPECT_EQ(read.force_scale, r.force_scale);
+  EXPECT_EQ(read.time_s, r.time_s);
+  EXPECT_EQ(read.pose, r.pose);
+  EXPECT_EQ(read.wrench, r.wrench);
+  EXPECT_EQ(read.contacts, r.contacts);
+  EXPECT_EQ(read.depth_m, r.depth_m);
+  EXPECT_EQ(read.dissipated_j, r.dissipated_j);
+}
+
+TEST(ContactRecordingFile, WhatBreaksItsRulesIsRefusedByPlace) {
+  const ScratchFolder folder;
+  const auto said = [&](auto&& change) {
+    ContactRecording r = two_hands();
+    change(r);
+    write_contact_recording(folder / "r.h5", r);
+    return refusal([&] {
+      (void)read_contact_recording(folder / "r.h5");
+    });
+  };
+  const auto expect = [](const std::string& text, const char* part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  EXPECT_EQ(said([](ContactRecording& /*r*/) {}), "");
+  expect(said([](ContactRecording& r) {
+           r.time_s[2] = r.time_s[1];
+         }),
+         "/tick/time_s, row 2: 0.0005, must rise");
+  expect(said([](ContactRecording& r) {
+           r.pose(1, 13) = 0.9;
+         }),
+         "/tick/pose, row 1: hand 2");
+  expect(said([](ContactRecording& r) {
+           r.pose(2, 0) = std::numeric_limits<double>::quiet_NaN();
+         }),
+         "/tick/pose, row 2: hand 1");
+  expect(said([](ContactRecording& r) {
+           r.tools = {"thumb"};
+         }),
+         "/tick/pose has 3 rows of 14, must have 3 of 7");
+  expect(said([](ContactRecording& r) {
+           r.tools = {"a", "b", "c"};
+         }),
+         "names 3 tools");
+  expect(said([](ContactRecording& r) {
+           r.tank_j.pop_back();
+         }),
+         "/tick/tank_j has 2 rows");
+  expect(said([](ContactRecording& r) {
+           r.force_scale = 0.0;
+         }),
+         "force_scale");
+}
+
+TEST(ContactRecordingFile, ForeignAndDamagedFilesAreRefused) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "text") << "no HDF5";
+  EXPECT_FALSE(is_contact_recording(folder / "text"));
+  EXPECT_FALSE(is_contact_recording(folder / "missing.h5"));
+  EXPECT_NE(refusal([&] {
+              (void)read_contact_recording(folder / "missing.h5");
+            }),
+            "");
+  write_contact_recording(folder / "r.h5", two_hands());
+  std::ifstream in(folder / "r.h5", std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  // One bit of a stored number.
+  const double number = 1.0 / 7.0;
+  const std::string raw(reinterpret_cast<const char*>(&number), sizeof number);
+  const std::size_t at = bytes.find(raw);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = static_cast<char>(bytes[at] ^ 1);
+  std::ofstream(folder / "r.h5", std::ios::binary) << bytes;
+  EXPECT_NE(refusal([&] {
+              (void)read_contact_recording(folder / "r.h5");
+            }).find("damaged"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,242 @@
+// Two hands on one body through palpate.h.
+#include <array>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "runtime/c_api/palpate.h"
+#include "tests/support/padded_plate.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+using Six = std::array<double, 6>;
+
+struct TogetherAnswer {
+  int status = 0;
+  Six force{};
+  Six torque{};
+};
+
+class PalpateTogether : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_database(file_, padded_plate(3));
+    write_database(without_, padded_plate(3, false));
+  }
+  void TearDown() override { palpate_close(body_); }
+
+  static palpate_options options(const char* tool) {
+    palpate_options all{};
+    all.struct_size = sizeof all;
+    all.flags = PALPATE_OWN_SLOW_STEPS;
+    all.tool_name = tool;
+    return all;
+  }
+
+  palpate_tool* open(const palpate_options& options, const char* second) {
+    palpate_close(body_);
+    body_ = palpate_open(file_.c_str(), &options, error_, sizeof error_);
+    return body_ == nullptr
+               ? nullptr
+               : palpate_together_open(body_, second, error_, sizeof error_);
+  }
+
+  std::string refusal(const std::string& file, const palpate_options& options,
+                      const char* second) {
+    palpate_body* body = palpate_open(file.c_str(), &options, error_, sizeof error_);
+    EXPECT_NE(body, nullptr) << error_;
+    EXPECT_EQ(palpate_together_open(body, second, error_, sizeof error_), nullptr);
+    palpate_close(body);
+    return error_;
+  }
+
+  // As examples/pinch.c; the second hand turned about y by `turn`; lengths in units.
+  TogetherAnswer pinch(palpate_tool* tool, double apart, double turn = 0.0,
+                       double unit = 1.0) {
+    const double quaternions[8] = {
+        0, 0, 0, 1, 0, std::sin(0.5 * turn), 0, std::cos(0.5 * turn)};
+    TogetherAnswer answer;
+    for (int tick = 0; tick <= 1000; ++tick) {
+      double at[6];
+      for (int hand = 0; hand < 2; ++hand) {
+        at[3 * hand] = (0.001 + (hand - 0.5) * apart) / unit;
+        at[3 * hand + 1] = 0.002 / unit;
+        at[3 * hand + 2] = (0.003 + 0.01 * (1000 - tick) / 1000.0) / unit;
+      }
+      answer.status =
+          palpate_together(tool, at, turn == 0.0 ? nullptr : quaternions, 0.001,
+                           answer.force.data(), answer.torque.data());
+      if (tick % 10 == 0) {
+        EXPECT_GE(palpate_slow_step(body_), 0);
+      }
+    }
+    return answer;
+  }
+
+  ScratchFolder folder_;
+  std::string file_ = (folder_ / "pads.h5").string();
+  std::string without_ = (folder_ / "without.h5").string();
+  palpate_body* body_ = nullptr;
+  char error_[512] = {};
+};
+
+// padded_plate.h: f = 2e4 d^2, c(r) = 2e-5 / r. With d = sqrt(f / k) + c f for both.
+TEST_F(PalpateTogether, EachHandSinksTheBodyUnderTheOther) {
+  constexpr double kDepth = 0.002, kApart = 0.014;
+  palpate_tool* tool = open(options("ball"), nullptr);
+  ASSERT_NE(tool, nullptr) << error_;
+  const TogetherAnswer both = pinch(tool, kApart);
+  EXPECT_EQ(both.status, PALPATE_CONTACT);
+  const double c = 2e-5 / kApart;
+  const double root =
+      (-1.0 / std::sqrt(2e4) + std::sqrt(1.0 / 2e4 + 4.0 * c * kDepth)) / (2.0 * c);
+  EXPECT_NEAR(both.force[2], root * root, 2e-3 * both.force[2]);
+  EXPECT_NEAR(both.force[5], both.force[2], 1e-3 * both.force[2]);
+  EXPECT_LT(both.force[2], 0.95 * 2e4 * kDepth * kDepth);  // alone
+  palpate_state state{};
+  state.struct_size = sizeof state;
+  palpate_state_get(tool, &state);
+  EXPECT_EQ(state.contacts, 2);
+  EXPECT_NEAR(state.work_j, state.stored_j + state.tank_j + state.dissipated_j, 1e-12);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(state.force[i], both.force[i]);
+    EXPECT_EQ(state.second_force[i], both.force[i + 3]);
+  }
+  // After a reset both are as new.
+  palpate_reset(tool);
+  const TogetherAnswer again = pinch(tool, kApart);
+  EXPECT_NEAR(again.force[2], both.force[2], 1e-9);
+}
+
+TEST_F(PalpateTogether, TheSecondHandsToolIsTurnedBack) {
+  palpate_tool* tool = open(options("ball"), "pads");
+  ASSERT_NE(tool, nullptr) << error_;
+  const TogetherAnswer turned = pinch(tool, 0.03, 0.05);
+  EXPECT_LT(turned.torque[4], -1e-4);
+  EXPECT_EQ(turned.torque[1], 0.0);
+  palpate_state state{};
+  state.struct_size = sizeof state;
+  palpate_state_get(tool, &state);
+  EXPECT_EQ(state.contacts, 4);
+  EXPECT_EQ(state.second_torque[1], turned.torque[4]);
+  palpate_options other = options("ball");
+  other.metres_per_unit = 0.001;
+  other.newtons_per_unit = 0.01;
+  const TogetherAnswer units = pinch(open(other, "pads"), 0.03, 0.05, 0.001);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(units.force[i], turned.force[i] * 100.0, 1e-8);
+    EXPECT_NEAR(units.torque[i], turned.torque[i] * 1e5, 1e-5);
+  }
+}
+
+TEST_F(PalpateTogether, ToolsOfOneHandLieBesideUnchanged) {
+  palpate_tool* pair = open(options("ball"), nullptr);
+  palpate_tool* single = palpate_tool_add(body_);
+  ASSERT_NE(single, nullptr);
+  std::array<double, 3> beside{};
+  std::array<double, 3> alone{};
+  Six forces{};
+  const auto press = [&](palpate_tool* tool, std::array<double, 3>& force) {
+    for (int tick = 0; tick <= 1000; ++tick) {
+      const double at[3] = {0.001, 0.002, 0.003 + 1e-5 * (1000 - tick)};
+      const double two[6] = {0.0, 0.0, at[2], 0.014, 0.0, at[2]};
+      if (pair != nullptr) {
+        (void)palpate_together(pair, two, nullptr, 0.001, forces.data(), nullptr);
+      }
+      (void)palpate_force(tool, at, nullptr, 0.001, force.data());
+      if (tick % 10 == 0) {
+        EXPECT_GE(palpate_slow_step(body_), 0);
+      }
+    }
+  };
+  press(single, beside);
+  EXPECT_GT(forces[2], 0.05);
+  const palpate_options ball = options("ball");
+  palpate_close(body_);
+  body_ = palpate_open(file_.c_str(), &ball, error_, sizeof error_);
+  pair = nullptr;
+  press(palpate_tool_add(body_), alone);
+  EXPECT_EQ(beside, alone);
+}
+
+TEST_F(PalpateTogether, RefusesWithASentence) {
+  const auto says = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(says(refusal(without_, options("ball"), nullptr), "no table of"))
+      << error_;
+  EXPECT_TRUE(says(refusal(file_, options("ball"), "thumb"), "thumb")) << error_;
+  palpate_options streamed = options("ball");
+  streamed.flags |= PALPATE_STREAMED;
+  EXPECT_TRUE(says(refusal(file_, streamed, nullptr), "without streaming")) << error_;
+  palpate_options element = options("ball");
+  element.model = "element";
+  EXPECT_TRUE(says(refusal(file_, element, nullptr), "potential")) << error_;
+  EXPECT_EQ(palpate_together_open(nullptr, nullptr, error_, sizeof error_), nullptr);
+  EXPECT_TRUE(says(error_, "null")) << error_;
+  // The second tool alone is too stiff for the device.
+  palpate_options weak = options("ball");
+  weak.device_damping_n_s_per_m = 0.2;
+  EXPECT_TRUE(says(refusal(file_, weak, "pads"), "contacts together")) << error_;
+  weak.flags |= PALPATE_LIMIT_STIFFNESS;
+  palpate_tool* limited = open(weak, "pads");
+  ASSERT_NE(limited, nullptr) << error_;
+  palpate_state state{};
+  state.struct_size = sizeof state;
+  palpate_state_get(limited, &state);
+  EXPECT_LT(state.force_scale, 1.0);
+  const TogetherAnswer softer = pinch(limited, 0.03);
+  const TogetherAnswer whole = pinch(open(options("ball"), "pads"), 0.03);
+  EXPECT_NEAR(softer.force[2] / whole.force[2], state.force_scale, 0.01);
+}
+
+TEST_F(PalpateTogether, CallsAreForTheirTools) {
+  palpate_tool* pair = open(options("ball"), nullptr);
+  palpate_tool* single = palpate_tool_add(body_);
+  const double at[6] = {0.0, 0.0, 0.02, 0.014, 0.0, 0.02};
+  Six forces{1, 1, 1, 1, 1, 1};
+  EXPECT_EQ(palpate_force(pair, at, nullptr, 0.001, forces.data()),
+            PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_together(single, at, nullptr, 0.001, forces.data(), nullptr),
+            PALPATE_ERROR_INPUT);
+  EXPECT_EQ(forces, Six{});
+  EXPECT_EQ(palpate_together(nullptr, at, nullptr, 0.001, forces.data(), nullptr),
+            PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_together(pair, at, nullptr, 0.001, nullptr, nullptr),
+            PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_together(pair, at, nullptr, 0.001, forces.data(), nullptr),
+            PALPATE_FREE);
+  // The second hand's number counts as much as the first's.
+  Six odd{0.0, 0.0, 0.02, 0.0, std::numeric_limits<double>::quiet_NaN(), 0.0};
+  EXPECT_EQ(palpate_together(pair, odd.data(), nullptr, 0.001, forces.data(), nullptr),
+            PALPATE_FAULT_NOT_FINITE);
+  palpate_reset(pair);
+  EXPECT_EQ(palpate_together(pair, at, nullptr, 0.001, forces.data(), nullptr),
+            PALPATE_FREE);
+}
+
+TEST_F(PalpateTogether, ACompilerOfCGetsTheSameBits) {
+  const ToolRun run = run_tool_process(
+      "c_pinch_host", {file_, "ball", "pads", "0.001", "0.002", "0.003", "0.03"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const TogetherAnswer here = pinch(open(options("ball"), "pads"), 0.03);
+  std::istringstream words(run.out);
+  std::string status;
+  Six force{};
+  words >> status;
+  for (double& value : force) {
+    words >> value;
+  }
+  EXPECT_EQ(status, "contact");
+  EXPECT_EQ(force, here.force);
+  EXPECT_GT(force[5], force[2]);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,400 @@
+// Several contacts and two hands behind the live view: their equilibria are those of
+// closed forms, and no switch creates energy.
+#include "runtime/view/contact_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "runtime/view/live_view.h"
+#include "tests/support/fake_clock.h"
+#include "tests/support/padded_plate.h"
+
+namespace palpate {
+namespace {
+
+// padded_plate.h: f = kPress d^2, c(r) = kReach / r.
+constexpr double kPress = 2e4;   // [N/m^2]
+constexpr double kReach = 2e-5;  // [m^2/N]
+constexpr double kSide = 0.012;  // [m] between pads
+// Curves of 41 samples in between, and rows stored as floats of 12 distances.
+constexpr double kStored = 2e-3;
+
+// f of two contacts that are d deep, each of which the other sinks by c f:
+// d = sqrt(f / k) + c f.
+double coupled_n(double depth_m, double c_m_per_n) {
+  const double root =
+      (-1.0 / std::sqrt(kPress) + std::sqrt(1.0 / kPress + 4.0 * c_m_per_n * depth_m)) /
+      (2.0 * c_m_per_n);
+  return root * root;
+}
+
+ContactSessionOptions options(std::vector<std::string> tools) {
+  ContactSessionOptions o;
+  o.tools = std::move(tools);
+  o.device.coulomb_n = 0.0;
+  o.device.resolution_m = 0.0;
+  return o;
+}
+
+HandWish press(double x, double z, int hand = 0) {
+  return {.hold = true, .target_m = {x, 0.0, z}, .hand = hand};
+}
+
+class ContactSessionTest : public testing::Test {
+ protected:
+  // Holds until all is at rest.
+  static void rest(ContactSession& session, const std::vector<HandWish>& wishes,
+                   double seconds = 2.0) {
+    for (const HandWish& wish : wishes) {
+      session.heed(wish);
+    }
+    session.advance(static_cast<std::int64_t>(seconds * session.fast_hz()));
+  }
+
+  static void expect_account(const ContactSession& session) {
+    EXPECT_EQ(session.fault(), Fault::kNone);
+    EXPECT_GE(session.account().work_j, -1e-12);
+    EXPECT_NEAR(imbalance_j(session.account()), 0.0, 1e-12);
+    EXPECT_LT(session.account().created_j, 1e-12);
+  }
+
+  ResponseDatabase database_ = padded_plate(2);
+};
+
+TEST_F(ContactSessionTest, TwoPadsRestWhereCoupledBodyAndGripBalance) {
+  ContactSession session(database_, options({"pads"}));
+  rest(session, {press(0.0, 0.002)});
+  const double depth = session.command().depth_m;
+  const double force = session.command().wrench[0].force_n.z();
+  EXPECT_NEAR(force, 2.0 * coupled_n(depth, kReach / kSide), kStored * force);
+  // The hand pulls to 3 mm below touch.
+  const double grip = options({}).device.hand_n_per_m;
+  EXPECT_NEAR(force, grip * (0.003 - depth), 1e-3 * force);
+  EXPECT_EQ(session.command().contacts, 2);
+  expect_account(session);
+}
+
+TEST_F(ContactSessionTest, ComparesWithContactsAddedUpAndChangesNothingByThat) {
+  ContactSession shown(database_, options({"pads"}));
+  ContactSession unseen(database_, options({"pads"}));
+  for (int i = 0; i < 60; ++i) {
+    const HandWish wish = press(2e-4 * i, 0.002);
+    rest(shown, {wish}, 0.02);
+    rest(unseen, {wish}, 0.02);
+    (void)shown.frame();
+    EXPECT_EQ(shown.command().wrench[0].force_n, unseen.command().wrench[0].force_n);
+    EXPECT_EQ(shown.account().work_j, unseen.account().work_j);
+  }
+  rest(shown, {press(0.0, 0.002)}, 1.0);
+  const double depth = shown.command().depth_m;
+  const ViewHands hands = shown.frame().hands.value();
+  EXPECT_NEAR(hands.hand[0].added_up_n.z(), 2.0 * kPress * depth * depth,
+              kStored * hands.hand[0].added_up_n.z());
+  EXPECT_NEAR(hands.hand[0].coupled_n.z(), 2.0 * coupled_n(depth, kReach / kSide),
+              kStored * hands.hand[0].coupled_n.z());
+  EXPECT_GT(hands.hand[0].added_up_n.z(), 1.1 * hands.hand[0].coupled_n.z());
+  ASSERT_EQ(hands.touch.size(), 2U);
+  EXPECT_NEAR(hands.touch[0].depth_m, depth, 1e-6);
+  EXPECT_NEAR(hands.touch[0].own_m,
+              std::sqrt(coupled_n(depth, kReach / kSide) / kPress), 1e-5);
+  EXPECT_NEAR(hands.touch[0].share.sum(), 1.0, 1e-12);
+}
+
+// The switch itself is no work of the hand: stored energy rises no further than the
+// tank, delta_0 takes the rest.
+TEST_F(ContactSessionTest, TheSwitchIsAChangeThatTheLedgerBalances) {
+  ContactSession session(database_, options({"pads"}));
+  session.set({.friction = 0.0});  // which would leave something in the tank
+  rest(session, {press(0.0, 0.002)});
+  const PassivityLedger before = session.account();
+  session.set({.coupled = false});
+  const PassivityLedger& after = session.account();
+  EXPECT_NEAR(after.work_j, before.work_j, 1e-15);
+  EXPECT_LE(after.stored_j + after.tank_j, before.stored_j + before.tank_j + 1e-15);
+  EXPECT_GT(after.stored_j, 0.9 * before.stored_j);
+  EXPECT_GT(session.state().model.field.shift_m, 1e-5);
+  // What is shown beside it is without that.
+  session.advance(1);
+  const double at = session.command().depth_m;
+  const double added_up = (*session.elastic(false))[0].force_n.z();
+  EXPECT_NEAR(added_up, 2.0 * kPress * at * at, kStored * added_up);
+  EXPECT_GT(added_up, 1.05 * session.command().wrench[0].force_n.z());
+  // Nothing is left of it once the contacts have been lifted.
+  session.let_go();
+  session.advance(4000);
+  EXPECT_FALSE(session.touching());
+  rest(session, {press(0.0, 0.002)});
+  const double depth = session.command().depth_m;
+  const double force = session.command().wrench[0].force_n.z();
+  EXPECT_NEAR(force, 2.0 * kPress * depth * depth, kStored * force);
+  EXPECT_EQ(session.state().model.field.shift_m, 0.0);
+  expect_account(session);
+  // And back: softer at once, what that frees waits in the tank.
+  session.set({.coupled = true});
+  EXPECT_GT(session.account().tank_j, 0.0);
+  session.advance(2000);
+  EXPECT_LT(session.command().wrench[0].force_n.z(), force);
+  expect_account(session);
+}
+
+TEST_F(ContactSessionTest, NoSwitchingWhileTheToolMovesAndTurnsCreatesEnergy) {
+  ContactSession session(database_, options({"pads"}));
+  double lowest_j = 0.0;
+  int changes = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double t = 0.05 * i;
+    HandWish wish = press(0.02 * std::sin(t), 0.002 + 0.002 * std::sin(2.7 * t));
+    wish.turn = Eigen::AngleAxisd(0.3 * std::sin(1.9 * t), Eigen::Vector3d::UnitY()) *
+                Eigen::AngleAxisd(t, Eigen::Vector3d::UnitZ());
+    session.heed(wish);
+    if (i % 7 == 3) {
+      session.set({.coupled = ++changes % 2 == 0});
+    }
+    if (i % 31 == 5) {
+      session.set({.stiffness_scale = 1.0 + 0.5 * std::sin(t)});
+    }
+    session.advance(37);
+    lowest_j = std::min(lowest_j, session.account().work_j);
+    EXPECT_LT(session.account().created_j, 1e-12);
+  }
+  EXPECT_GE(lowest_j, -1e-12);
+  EXPECT_GT(session.account().interventions, 0U);
+  expect_account(session);
+}
+
+// A body n times as stiff sinks by an n-th under the same force, whatever carries that.
+TEST_F(ContactSessionTest, RowsAndModesOfAStifferBodyAreSofter) {
+  ComplianceTable& table = database_.tools[1].compliance;
+  table.mode = RowsOf<float>::Constant(table.value.rows(), 2, 0.03F);
+  table.added_modes = 1;
+  const std::vector<const ResponseTable*> tools{&database_.tools[1]};
+  AdjustedContacts contacts(database_, tools);
+  const ContactElement whole = contacts.element(0, 100, true);
+  contacts.set_stiffness_scale(4.0);
+  contacts.set_friction(0.1);
+  const ContactElement stiff = contacts.element(0, 100, true);
+  const ContactElement apart = contacts.element(0, 100, false);
+  for (std::size_t a = 0; a < 3; ++a) {
+    EXPECT_EQ(stiff.element.node[a].friction, 0.1);
+    EXPECT_EQ(stiff.element.node[a].force_n[5], 4.0 * whole.element.node[a].force_n[5]);
+    for (std::size_t k = 0; k < 12; ++k) {
+      EXPECT_GT(whole.row[a].value[k], 0.0F);
+      EXPECT_EQ(stiff.row[a].value[k], 0.25F * whole.row[a].value[k]);
+      EXPECT_EQ(apart.row[a].value[k], 0.0F);
+    }
+    for (std::size_t m = 0; m < 2; ++m) {
+      EXPECT_EQ(whole.row[a].mode[m], 0.03F);
+      EXPECT_EQ(stiff.row[a].mode[m], 0.5F * whole.row[a].mode[m]);
+      EXPECT_EQ(apart.row[a].mode[m], 0.0F);
+    }
+  }
+}
+
+TEST_F(ContactSessionTest, StiffnessGoesForCurvesAndCompliance) {
+  ContactSession session(database_, options({"pads"}));
+  session.set({.stiffness_scale = 0.5});
+  rest(session, {press(0.0, 0.002)});
+  // n times the forces, an n-th of the compliance: the same depths under the contacts.
+  const double depth = session.command().depth_m;
+  const double force = session.command().wrench[0].force_n.z();
+  EXPECT_NEAR(force, coupled_n(depth, kReach / kSide), kStored * force);
+}
+
+TEST_F(ContactSessionTest, ATiltedToolIsTurnedBackAndTurnsNoFasterThanAWrist) {
+  ContactSession session(database_, options({"pads"}));
+  rest(session, {press(0.0, 0.002)});
+  EXPECT_NEAR(session.command().wrench[0].torque_n_m.y(), 0.0, 1e-6);
+  HandWish wish = press(0.0, 0.002);
+  wish.turn = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
+  session.heed(wish);
+  Eigen::Quaterniond last = session.frame().hands->hand[0].turn;
+  double fastest = 0.0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    session.advance(1);
+    const Eigen::Quaterniond now = session.frame().hands->hand[0].turn;
+    fastest = std::max(fastest, last.angularDistance(now) * session.fast_hz());
+    last = now;
+  }
+  EXPECT_NEAR(last.angularDistance(*wish.turn), 0.0, 1e-5);
+  EXPECT_GT(fastest, 1.0);
+  EXPECT_LE(fastest, ContactSession::kTurnRadPerS * (1.0 + 1e-6));
+  // About y, +x goes down, and is pressed up there.
+  EXPECT_LT(session.command().wrench[0].torque_n_m.y(), -1e-4);
+}
+
+TEST_F(ContactSessionTest, TwoHandsSinkTheBodyUnderEachOther) {
+  constexpr double kApart = 0.014;
+  ContactSession session(database_, options({"ball", "ball"}));
+  const double half = 0.5 * kApart;
+  rest(session, {press(-half, 0.002, 0), press(half, 0.002, 1)});
+  const double depth = session.command().depth_m;
+  const Eigen::Vector3d first = session.command().wrench[0].force_n;
+  const Eigen::Vector3d second = session.command().wrench[1].force_n;
+  // Where the places are: friction holds them apart.
+  const ViewHands hands = session.frame().hands.value();
+  const double apart = (hands.touch[0].point_m - hands.touch[1].point_m).norm();
+  EXPECT_NEAR(hands.hand[0].coupled_n.z(), coupled_n(depth, kReach / apart),
+              kStored * first.z());
+  EXPECT_NEAR(first.z(), second.z(), 1e-3 * first.z());
+  // Nearer to each other they would have it softer: drawn together, by equal forces.
+  EXPECT_GT(hands.hand[0].coupled_n.x(), 0.01 * first.z());
+  EXPECT_NEAR(hands.hand[0].coupled_n.x(), -hands.hand[1].coupled_n.x(),
+              1e-3 * first.z());
+  // One lifts: the other has more of the body.
+  session.heed({.hold = false, .hand = 1});
+  session.advance(4000);
+  EXPECT_EQ(session.command().wrench[1].force_n.norm(), 0.0);
+  const double alone = session.command().depth_m;
+  EXPECT_NEAR(session.command().wrench[0].force_n.z(), kPress * alone * alone,
+              kStored * first.z());
+  EXPECT_GT(session.command().wrench[0].force_n.z(), 1.02 * first.z());
+  EXPECT_TRUE(session.holding());
+  session.let_go();
+  EXPECT_FALSE(session.holding());
+  session.advance(4000);
+  EXPECT_FALSE(session.touching());
+  expect_account(session);
+}
+
+TEST_F(ContactSessionTest, TwoHandsBeginClearOfTheBodyAndOfEachOther) {
+  ContactSession session(database_, options({"ball", "pads"}));
+  const ViewHands hands = session.frame().hands.value();
+  ASSERT_EQ(hands.hand.size(), 2U);
+  EXPECT_GT((hands.hand[0].tool_m - hands.hand[1].tool_m).norm(),
+            2.0 * kPadRadius + 0.5 * kSide);
+  EXPECT_GT(hands.hand[0].tool_m.z(), kPadRadius);
+  session.advance(200);
+  EXPECT_FALSE(session.touching());
+}
+
+class Outbox : public ViewOutbox {
+ public:
+  void send(ViewClient /*client*/, std::string text) override {
+    sent.push_back(std::move(text));
+  }
+  void send_latest(ViewClient /*client*/,
+                   const std::shared_ptr<const std::string>& text) override {
+    frame = *text;
+  }
+  std::vector<std::string> sent;
+  std::string frame;
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_F(ContactSessionTest, APageSteersBothHandsAndARecordingDoesItAgain) {
+  ContactSession session(database_, options({"ball", "pads"}));
+  FakeClock wall(1);
+  LiveView view(session, wall);
+  Outbox outbox;
+  view.answer_through(outbox);
+  view.opened(1);
+  const auto pass = [&](const std::vector<std::string>& says) {
+    for (const std::string& one : says) {
+      view.received(1, one);
+    }
+    wall.sleep_until_ns(wall.now_ns() + 16'666'667);
+    view.frame();
+  };
+  pass({});
+  const std::vector<std::string> pinch = {
+      R"({"type":"point","hold":true,"hand":0,"target_m":[-0.01,0,0.002]})",
+      R"({"type":"point","hold":true,"hand":1,"target_m":[0.012,0,0.003],)"
+      R"("turn":[0,0.05,0.1,1]})"};
+  const auto poke = [&](const std::vector<std::string>& says) {
+    std::vector<Wrench> wrench;
+    for (int i = 0; i < 120; ++i) {
+      pass(i >= 20 && i < 80 ? says : std::vector<std::string>{});
+      if (i == 60 && !says.empty()) {
+        pass({R"({"type":"point","hold":false,"hand":0})"});
+      } else if (i == 60) {
+        pass({});
+      }
+      wrench.push_back(session.command().wrench[0]);
+      wrench.push_back(session.command().wrench[1]);
+    }
+    return wrench;
+  };
+  view.received(1, R"({"type":"run","do":"record"})");
+  const std::vector<Wrench> first = poke(pinch);
+  view.received(1, R"({"type":"run","do":"record"})");
+  for (int i = 0; i < 30; ++i) {
+    pass({});
+  }
+  view.received(1, R"({"type":"run","do":"replay"})");
+  const std::vector<Wrench> second = poke({});
+  double most_n_m = 0.0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].force_n, second[i].force_n) << i;
+    EXPECT_EQ(first[i].torque_n_m, second[i].torque_n_m) << i;
+    most_n_m = std::max(most_n_m, first[i].torque_n_m.norm());
+  }
+  EXPECT_GT(most_n_m, 1e-4);
+  EXPECT_TRUE(contains(outbox.frame, R"("contacts":[)"));
+  EXPECT_TRUE(contains(outbox.frame, R"("torque2_n_m":[)"));
+  EXPECT_EQ(outbox.sent.size(), 1U) << outbox.sent.back();
+}
+
+TEST_F(ContactSessionTest, RefusesInASentence) {
+  const auto refusal = [](auto&& what) {
+    try {
+      what();
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  ContactSession session(database_, options({"pads"}));
+  EXPECT_TRUE(contains(refusal([&] {
+                         session.heed(press(0.0, 0.0, 1));
+                       }),
+                       "hand 1 is not there"));
+  EXPECT_TRUE(contains(refusal([&] {
+                         session.set({.model = LocalModel::kElement, .coupled = false});
+                       }),
+                       "\"potential\" alone"));
+  EXPECT_TRUE(session.frame().hands->coupled);
+  EXPECT_TRUE(contains(
+      refusal([&] {
+        const ContactSession none(database_, options({"ball", "ball", "ball"}));
+      }),
+      "must be 1 to 2"));
+  ContactSessionOptions slow = options({"pads"});
+  slow.slow_hz = 0.5;
+  EXPECT_TRUE(contains(refusal([&] {
+                         const ContactSession none(database_, slow);
+                       }),
+                       "slow rate is 0.5 Hz"));
+  const ResponseDatabase without = padded_plate(2, false);
+  EXPECT_TRUE(contains(refusal([&] {
+                         const ContactSession none(without, options({"pads"}));
+                       }),
+                       "has no table of compliance"));
+}
+
+// One sphere in a set of its own is rendered as one contact.
+TEST_F(ContactSessionTest, ASetOfOneContactIsRenderedToo) {
+  const ResponseDatabase one = padded_plate(1);
+  ContactSession session(one, options({"pads"}));
+  rest(session, {press(0.0, 0.002)});
+  const double depth = session.command().depth_m;
+  const double force = session.command().wrench[0].force_n.z();
+  EXPECT_NEAR(force, kPress * depth * depth, kStored * force);
+  session.set({.stiffness_scale = 0.5, .coupled = false});
+  session.advance(2000);
+  EXPECT_LT(session.command().wrench[0].force_n.z(), 0.9 * force);
+  EXPECT_EQ(session.frame().hands->touch.size(), 1U);
+  expect_account(session);
+}
+
+}  // namespace
+}  // namespace palpate

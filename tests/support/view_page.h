@@ -1,0 +1,56 @@
+// The live view's page in headless Chromium, against the real palpate-run, driven by
+// tests/system/view_page.py. Debian's chromium-driver, python3-selenium and
+// python3-websocket; skip where they are absent. PALPATE_VIEW_PICTURES names a folder
+// that gets pictures of the page.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/database/response_database.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+
+inline bool has_browser() {
+  return std::filesystem::exists("/usr/bin/chromium") &&
+         std::filesystem::exists("/usr/bin/chromedriver") &&
+         std::system("/usr/bin/python3 -c 'import selenium, websocket' 2>/dev/null") ==
+             0;
+}
+
+/// What the script saw of a database. @param flags of the script.
+inline nlohmann::json seen_on_page(const ResponseDatabase& database,
+                                   const std::string& flags) {
+  const ScratchFolder folder;
+  write_database(folder / "plate.h5", database);
+  const char* pictures = std::getenv("PALPATE_VIEW_PICTURES");
+  const auto tool =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpate-run";
+  const std::string command = fmt::format(
+      "/usr/bin/python3 tests/system/view_page.py '{}' '{}' {} {}", tool.string(),
+      (folder / "plate.h5").string(), pictures != nullptr ? pictures : "", flags);
+  FILE* pipe = ::popen(command.c_str(), "r");
+  std::string text;
+  std::array<char, 4096> piece{};
+  for (std::size_t n = 0; (n = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;) {
+    text.append(piece.data(), n);
+  }
+  EXPECT_EQ(::pclose(pipe), 0) << command;
+  return nlohmann::json::parse(text, nullptr, false);
+}
+
+inline double norm(const nlohmann::json& v) {
+  return std::hypot(v.at(0).get<double>(), v.at(1).get<double>(),
+                    v.at(2).get<double>());
+}
+
+}  // namespace palpate
