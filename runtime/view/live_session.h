@@ -44,7 +44,7 @@ class LiveSession {
   [[nodiscard]] virtual const ResponseDatabase& database() const = 0;
   [[nodiscard]] virtual const ResponseTable& table() const = 0;  ///< of the first tool
 
-  /// All that the session shows by itself.
+  /// All that the session shows by itself, with what passed since the last frame.
   [[nodiscard]] virtual ViewFrame frame() = 0;
 
   /// All ticks since the last call, at most the 8191 latest.

@@ -56,11 +56,23 @@ TEST_F(Contacts, AreTracedAndReplayedBitForBit) {
   EXPECT_EQ(text("a.csv"), text("b.csv"));
 }
 
-TEST_F(Contacts, TwoHandsPressTogether) {
-  const ToolRun run = simulate(
-      "pads.h5", {"--tool", "ball,ball", "--together", "--at", "-0.007,0,0,0.007,0,0"});
+TEST_F(Contacts, TwoHandsPressTogetherAndAreRecordedAndReplayed) {
+  const ToolRun run =
+      simulate("pads.h5", {"--tool", "ball,ball", "--together", "--at",
+                           "-0.007,0,0,0.007,0,0", "--record", file("r.h5")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("2 contacts"), std::string::npos) << run.out;
+  const auto replay = [](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"replay", file("r.h5")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tool_process("palpate-run", arguments);
+  };
+  const ToolRun again = replay({file("pads.h5")});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("2000 of 2000 ticks are identical"), std::string::npos)
+      << again.out;
+  expect_refused(replay({file("bare.h5")}), "is not the database of the recording");
+  expect_refused(replay({file("pads.h5"), "--model", "element"}), "potential");
 }
 
 TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
@@ -70,14 +82,31 @@ TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
                  "--surface-out");
   expect_refused(simulate("pads.h5", {"--tool", "pads", "--model", "element"}),
                  "potential");
-  expect_refused(simulate("pads.h5", {"--tool", "pads", "--record", file("r.h5")}),
-                 "--trace");
+  expect_refused(simulate("pads.h5", {"--tool", "ball,ball", "--together", "--record",
+                                      file("a.h5"), "--record", file("b.h5")}),
+                 "--record is given 2 times");
   expect_refused(simulate("pads.h5", {"--tool", "ball", "--trace", file("t.csv")}),
                  "--together");
   expect_refused(simulate("bare.h5", {"--tool", "pads"}), "no table of compliance");
-  expect_refused(
-      run_tool_process("palpate-run", {"view", file("pads.h5"), "--tool", "pads"}),
-      "has 3 contacts");
+}
+
+// The page itself: view_hands_page_test.cc.
+TEST_F(Contacts, TheViewRefusesWhatItCannotShow) {
+  const auto view = [](const char* database, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"view", file(database)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tool_process("palpate-run", arguments);
+  };
+  expect_refused(view("bare.h5", {"--tool", "pads"}), "no table of compliance");
+  expect_refused(view("pads.h5", {"--tool", "ball", "--together"}),
+                 "must be two as --tool a,b");
+  expect_refused(view("pads.h5", {"--tool", "ball,pads"}), "--together");
+  expect_refused(view("pads.h5", {"--tool", "pads", "--model", "element"}),
+                 "potential");
+  expect_refused(view("pads.h5", {"--tool", "pads", "--device", "emulated-falcon"}),
+                 "--device");
+  expect_refused(view("pads.h5", {"--tool", "pads", "--surface-out", file("s.h5")}),
+                 "--surface-out");
 }
 
 }  // namespace

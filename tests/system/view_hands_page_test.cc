@@ -1,5 +1,7 @@
 // The live view's page with several contacts and two hands (tests/support/view_page.h).
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -82,11 +84,43 @@ void expect_numbers(const Json& seen) {
   }
 }
 
+// Pressing any node by kFieldM lowers the whole plate by half of that.
+constexpr double kFieldM = 0.004;
+
+ResponseDatabase padded_plate_with_fields() {
+  ResponseDatabase database = padded_plate(3);
+  const Eigen::Index nodes = database.body.position_m.rows();
+  DisplacementField& field = database.tools[1].displacement;
+  field.basis = RowsOf<float>::Zero(3 * nodes, 1);
+  for (Eigen::Index i = 0; i < nodes; ++i) {
+    field.basis(3 * i + 2, 0) = -1.0F;
+    field.node.push_back(static_cast<std::int32_t>(i));
+  }
+  field.depth_m.assign(static_cast<std::size_t>(nodes), kFieldM);
+  field.error_relative.assign(static_cast<std::size_t>(nodes), 0.0);
+  field.coefficient =
+      RowsOf<float>::Constant(nodes, 1, static_cast<float>(0.5 * kFieldM));
+  return database;
+}
+
+// The fields of all contacts, each by what its own force sinks the body.
+void expect_lowered(const Json& seen) {
+  double own_m = 0.0;
+  for (const Json& contact : seen["state"]["contacts"]) {
+    own_m += std::max(0.0, contact["own_m"].get<double>());
+  }
+  EXPECT_GT(own_m, 0.003);
+  EXPECT_NEAR(seen["lowered_m"].get<double>(), 0.5 * own_m, kDrawnM);
+  EXPECT_NE(seen["label"].get<std::string>().find("computed displacement"),
+            std::string::npos)
+      << seen["label"];
+}
+
 TEST(ViewHandsPage, DrawsAToolOfSeveralContactsInItsPoseAndUncouplesIt) {
   if (!has_browser()) {
     GTEST_SKIP() << "no chromium, chromium-driver, python3-selenium, python3-websocket";
   }
-  const Json seen = seen_on_page(padded_plate(3), "--contacts");
+  const Json seen = seen_on_page(padded_plate_with_fields(), "--contacts");
   ASSERT_TRUE(seen.is_object());
   EXPECT_EQ(seen["errors"], Json::array());
   EXPECT_EQ(seen["exit_code"], 0);
@@ -96,6 +130,7 @@ TEST(ViewHandsPage, DrawsAToolOfSeveralContactsInItsPoseAndUncouplesIt) {
     expect_numbers(seen[when]);
     EXPECT_EQ(seen[when]["state"]["fault"], "none");
     EXPECT_FALSE(seen[when]["hands"]);
+    expect_lowered(seen[when]);
     EXPECT_GE(seen[when]["state"]["net_j"].get<double>(), -1e-12);
   }
   // Keys and dragging have turned and tilted it.

@@ -205,6 +205,7 @@ return {
   force: text("force"), force2: text("force2"), torque: text("torque"),
   coupled: text("body_coupled"), added: text("body_added"), other: text("other_text"),
   hands: document.getElementById("which_hand").checkVisibility(), error: text("coupling_error"),
+  lowered_m: view.body.position[2] - view.surface.geometry.attributes.position.array[2], label: text("template"),
   tool: text("what"), switched: document.getElementById("coupled").checked,
 };
 """
