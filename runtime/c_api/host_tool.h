@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "runtime/realtime/triple_buffer.h"
-#include "runtime/render/fast_process.h"
+#include "runtime/render/one_contact.h"
 #include "runtime/slow/element_source.h"
 #include "runtime/slow/tool_state.h"
 

@@ -7,21 +7,11 @@
 
 #include "runtime/device/device.h"
 #include "runtime/fast/fast_step.h"
-#include "runtime/fast/switch_model.h"
-#include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/render_report.h"
-#include "runtime/render/surface_dents.h"
+#include "runtime/render/rendered_body.h"
 #include "runtime/render/telemetry.h"
-#include "runtime/slow/element_source.h"
-#include "runtime/slow/tool_state.h"
 
 namespace palpate {
-
-/// What the two processes share.
-struct RenderExchange {
-  ElementFifo elements;          ///< slow to fast
-  TripleBuffer<ToolState> tool;  ///< fast to slow
-};
 
 struct FastProcessConfig {
   FastConfig fast;
@@ -43,48 +33,36 @@ struct TickOutputs {
   TickQueue* watch = nullptr;
 };
 
-/// One thread; tick() does not allocate or throw. About 80 kB: lives on the heap.
+/// One thread; tick() does not allocate or throw.
 class FastProcess {
  public:
   /// All must outlive the process. The device is open.
-  /// @throws InputError if the fast configuration is not valid.
-  FastProcess(const FastProcessConfig& config, Device& device, RenderExchange& exchange,
-              const TickOutputs& outputs);
+  FastProcess(const FastProcessConfig& config, Device& device, RenderedBody& body,
+              const TickOutputs& outputs)
+      : config_(config), device_(device), body_(body), outputs_(outputs) {}
 
   /// read, accept, step, write, publish. False when the run is over: fault or device
   /// lost, after which the force is zero.
   /// @param skipped deadlines that passed without a tick.
   [[nodiscard]] bool tick(std::int64_t skipped) noexcept;
 
-  /// Another local model from the next tick on (switch_model.h).
-  void use(LocalModel model) noexcept { switch_model(state_, model); }
-
   /// The account so far.
   [[nodiscard]] const RenderReport& report() const noexcept { return report_; }
-  /// Begins with what had yielded; before the first tick. @throws as begin_yielded().
-  void begin_with(const std::vector<YieldedRow>& rows) { begin_yielded(rows, state_); }
-  /// What has yielded. Not in a tick.
-  [[nodiscard]] std::vector<YieldedRow> yielded() const { return yielded_rows(state_); }
-  /// Memory sites of the surface that have not recovered yet. Not in a tick.
-  [[nodiscard]] std::vector<SurfaceDent> dents() const { return surface_dents(state_); }
 
  private:
   void watch(const DeviceReading& reading, DeviceStatus status,
              std::int64_t skipped) noexcept;
   [[nodiscard]] bool jumped(const DeviceReading& reading) const noexcept;
-  void take_in(const Element& element) noexcept;
+  void take_in_arrivals(const DeviceReading& reading) noexcept;
   [[nodiscard]] FastCommand timed_step(const DeviceReading& reading) noexcept;
   void account(const DeviceReading& reading, const FastCommand& command) noexcept;
-  void account_memory(const FastCommand& command) noexcept;
   void record(const DeviceReading& reading, const FastCommand& command,
               std::uint8_t raised) noexcept;
-  void publish(const DeviceReading& reading) noexcept;
 
   FastProcessConfig config_;
   Device& device_;
-  RenderExchange& exchange_;
+  RenderedBody& body_;
   TickOutputs outputs_;
-  FastState state_;
   RenderReport report_;
   DeviceReading last_;
   Eigen::Vector3d held_n_ = Eigen::Vector3d::Zero();  // force since last_

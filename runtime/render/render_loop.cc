@@ -27,18 +27,16 @@ void check_positive(const char* what, double value) {
 // The slow process without its clock.
 class SlowProcess {
  public:
-  SlowProcess(ElementSender& stream, RenderExchange& exchange)
-      : stream_(stream), exchange_(exchange) {}
+  explicit SlowProcess(RenderedBody& body) : body_(body) {}
 
   // Nothing more after a failure: the fast process goes on with what it has.
   void update(std::int64_t now_ns, std::int64_t skipped) noexcept {
     missed_deadlines += skipped;
-    if (failure != nullptr || !exchange_.tool.fetch()) {
+    if (failure != nullptr) {
       return;
     }
     try {
-      stream_.update(exchange_.tool.latest(), now_ns, exchange_.elements);
-      ++updates;
+      updates += body_.serve(now_ns) ? 1 : 0;
     } catch (...) {
       failure = std::current_exception();
     }
@@ -49,8 +47,7 @@ class SlowProcess {
   std::exception_ptr failure;
 
  private:
-  ElementSender& stream_;
-  RenderExchange& exchange_;
+  RenderedBody& body_;
 };
 
 std::int64_t end_ns(std::int64_t start_ns, double duration_s) {
@@ -110,13 +107,16 @@ class ToolRun {
  public:
   explicit ToolRun(const RenderedTool& tool)
       : tool_(tool),
-        exchange_(std::make_unique<RenderExchange>()),
-        fast_(std::make_unique<FastProcess>(tool.config.fast, tool.setup.device,
-                                            *exchange_, outputs(tool.setup))),
-        slow_(tool.setup.stream, *exchange_),
+        one_(tool.setup.several != nullptr
+                 ? nullptr
+                 : std::make_unique<OneContact>(tool.config.fast.fast,
+                                                *tool.setup.stream)),
+        body_(tool.setup.several != nullptr ? *tool.setup.several : *one_),
+        fast_(tool.config.fast, tool.setup.device, body_, outputs(tool.setup)),
+        slow_(body_),
         session_(tool.setup.device),
         deadlines_(0, tool.config.fast.rate_hz) {
-    fast_->begin_with(tool.setup.surface);
+    body_.begin_with(tool.setup.surface);
   }
 
   void begin(std::int64_t start_ns) {
@@ -142,10 +142,10 @@ class ToolRun {
     slow_.update(now_ns, skipped);
   }
 
-  void turn(std::int64_t skipped) noexcept { over_ = !fast_->tick(skipped); }
+  void turn(std::int64_t skipped) noexcept { over_ = !fast_.tick(skipped); }
 
   void drain() {
-    if (tool_.setup.recorder != nullptr && fast_->report().ticks % kDrainTicks == 0) {
+    if (tool_.setup.recorder != nullptr && fast_.report().ticks % kDrainTicks == 0) {
       tool_.setup.recorder->drain();
     }
   }
@@ -164,13 +164,13 @@ class ToolRun {
   }
 
   [[nodiscard]] RenderReport report() const {
-    RenderReport report = fast_->report();
-    const std::vector<SurfaceDent> dents = fast_->dents();
+    RenderReport report = fast_.report();
+    const std::vector<SurfaceDent> dents = body_.dents();
     report.dents =
         std::count_if(dents.begin(), dents.end(), [](const SurfaceDent& dent) {
           return dent.carried_n > 0.0;
         });
-    report.surface = fast_->yielded();
+    report.surface = body_.yielded();
     report.slow_updates = slow_.updates;
     report.slow_missed_deadlines = slow_.missed_deadlines;
     report.slow_error = slow_.failure;
@@ -182,8 +182,9 @@ class ToolRun {
 
  private:
   const RenderedTool& tool_;
-  std::unique_ptr<RenderExchange> exchange_;
-  std::unique_ptr<FastProcess> fast_;
+  std::unique_ptr<OneContact> one_;  // null: several contacts
+  RenderedBody& body_;
+  FastProcess fast_;
   SlowProcess slow_;
   DeviceSession session_;
   Deadlines deadlines_;

@@ -8,9 +8,9 @@
 #include "runtime/device/device.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/render/fast_process.h"
+#include "runtime/render/one_contact.h"
 #include "runtime/render/recorder.h"
 #include "runtime/render/render_report.h"
-#include "runtime/slow/element_source.h"
 
 namespace palpate {
 
@@ -26,14 +26,16 @@ void check(const RenderConfig& config);
 
 /// What a run works on; all must outlive it.
 struct RenderSetup {
-  Device& device;  ///< opened and closed by the run
-  ElementSender& stream;
+  Device& device;                            ///< opened and closed by the run
+  ElementSender* stream = nullptr;           ///< of a tool that touches at one place
   const std::atomic<bool>& stop;             ///< set: the run ends at the next tick
   std::vector<RenderTick>* trace = nullptr;  ///< filled up to its capacity
   Recorder* recorder = nullptr;              ///< records the run
   FlightLog* flight = nullptr;               ///< keeps the last ticks
   TickQueue* watch = nullptr;                ///< shows every tick
   std::vector<YieldedRow> surface = {};      ///< what had yielded before
+  RenderedBody* several =
+      nullptr;  ///< instead of the stream: a tool of several contacts
 };
 
 /// One of several tools in a scene.

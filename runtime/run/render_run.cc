@@ -16,7 +16,9 @@
 #include "runtime/hand/press_site.h"
 #include "runtime/render/recorder.h"
 #include "runtime/render/render_loop.h"
+#include "runtime/render/several_contacts.h"
 #include "runtime/run/replay.h"
+#include "runtime/slow/contact_stiffness.h"
 #include "runtime/slow/file_press_site.h"
 
 namespace palpate {
@@ -78,6 +80,10 @@ struct PressedBody {
   ToolShape tool;
   std::int32_t node = -1;
   RenderedStiffness stiffness;
+  // Of a tool of several contacts, instead of the stream.
+  std::function<std::unique_ptr<RenderedBody>(const FastConfig& config,
+                                              double force_scale)>
+      several = nullptr;
   std::function<HandScript(double force_scale, double hand_n_per_m)> script;
   std::function<std::unique_ptr<ElementSender>(double force_scale,
                                                const Eigen::Vector3d& start_m)>
@@ -90,6 +96,7 @@ struct PreparedRun {
   SimulationReport report;
   std::unique_ptr<Device> device;
   std::unique_ptr<ElementSender> sender;
+  std::unique_ptr<RenderedBody> several;  // instead of a sender
   RecordingHeader header;
   std::unique_ptr<Recorder> recorder;
   std::unique_ptr<FlightLog> flight;
@@ -106,14 +113,28 @@ void prepare_records(PreparedRun& run, const DeviceLimits& limits) {
   }
 }
 
+// What a run of several contacts cannot do.
+void check_several(const PressedBody& body, const SimulationOptions& options) {
+  const auto refuse = [&](const char* why) {
+    throw InputError(fmt::format("tool \"{}\" has {} contacts: {}", body.tool.name,
+                                 body.tool.contact.radius_m.size(), why));
+  };
+  if (!body.several) {
+    refuse("the database must fit in memory, leave out --stream");
+  }
+  if (options.model != LocalModel::kPotential) {
+    refuse("the local model must be potential");
+  }
+  if (!options.recording.file.empty()) {
+    refuse("a device's run of it is not recorded, leave out --record");
+  }
+}
+
 // Checks the margin. @param clock of all tools.
 PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
                     Clock& clock) {
   if (!body.tool.contact.empty()) {
-    throw InputError(
-        fmt::format("tool \"{}\" has {} contacts: it is rendered by simulate without "
-                    "streaming, or by the C interface (palpate_wrench)",
-                    body.tool.name, body.tool.contact.radius_m.size()));
+    check_several(body, options);
   }
   PreparedRun run;
   run.config = render_config(options, body.tool);
@@ -150,7 +171,12 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
         device_config, script, clock, SimulatedMotion{.position_m = start_m});
   }
   report.device = run.device->name();
-  run.sender = body.stream(report.force_scale, start_m);
+  if (body.several) {
+    report.contacts = static_cast<int>(body.tool.contact.radius_m.size());
+    run.several = body.several(run.config.fast.fast, report.force_scale);
+  } else {
+    run.sender = body.stream(report.force_scale, start_m);
+  }
   prepare_records(run, limits);
   return run;
 }
@@ -183,12 +209,13 @@ void render(std::vector<PreparedRun>& runs, const std::atomic<bool>& stop,
   for (PreparedRun& run : runs) {
     tools.push_back({run.config,
                      {.device = *run.device,
-                      .stream = *run.sender,
+                      .stream = run.sender.get(),
                       .stop = stop,
                       .recorder = run.recorder.get(),
                       .flight = run.flight.get(),
                       .watch = run.report.options.watch,
-                      .surface = run.header.surface}});
+                      .surface = run.header.surface,
+                      .several = run.several.get()}});
   }
   const std::vector<RenderReport> rendered = runs.front().report.options.real_time
                                                  ? render_in_real_time(tools)
@@ -234,6 +261,27 @@ std::vector<SimulationReport> reports(const std::vector<PreparedRun>& runs) {
   return all;
 }
 
+// A tool of several contacts whose axes stay along the body's.
+PressedBody pressed_by_several(const ResponseDatabase& database,
+                               const ResponseTable& table, PressedBody body,
+                               double force_max_n) {
+  body.stiffness = stiffness_of_contacts(database, table, force_max_n);
+  body.several = [&database, &table](const FastConfig& config, double scale) {
+    return std::make_unique<SeveralContacts>(database, table, config, scale);
+  };
+  body.script = [script = std::move(body.script), &table](double scale,
+                                                          double hand_n_per_m) {
+    HandScript pressed = script(scale, hand_n_per_m);
+    const ContactSet& contact = table.tool.contact;
+    pressed.touch_m = (Eigen::Map<const Eigen::VectorXd>(contact.radius_m.data(),
+                                                         std::ssize(contact.radius_m)) -
+                       contact.point_m * pressed.normal)
+                          .maxCoeff();
+    return pressed;
+  };
+  return body;
+}
+
 // @param loss of the curves that had to be thinned.
 PressedBody pressed_body(const ResponseDatabase& database,
                          const SimulationOptions& options, ResampleLoss& loss) {
@@ -241,7 +289,7 @@ PressedBody pressed_body(const ResponseDatabase& database,
   check(options);
   const std::int32_t node = node_to_press(database, table, options.at_m);
   const double force_max_n = options.force_max_n;
-  return {
+  PressedBody body{
       .tool = table.tool,
       .node = node,
       .stiffness = rendered_stiffness(table, force_max_n),
@@ -255,6 +303,9 @@ PressedBody pressed_body(const ResponseDatabase& database,
         loss = stream->resample_loss();
         return stream;
       }};
+  return table.tool.contact.empty()
+             ? body
+             : pressed_by_several(database, table, std::move(body), force_max_n);
 }
 
 }  // namespace

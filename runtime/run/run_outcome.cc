@@ -57,6 +57,7 @@ nlohmann::json as_json(const SimulationReport& report) {
   nlohmann::json json{
       {"model", name(report.options.model)},
       {"tool", report.tool},
+      {"contacts", report.contacts},
       {"node", report.node},
       {"fast_hz", report.options.fast_hz},
       {"slow_hz", report.options.slow_hz},

@@ -178,6 +178,12 @@ std::string summary(const SimulationReport& report) {
                                 name(o.model), report.tool, o.fast_hz, o.slow_hz,
                                 o.real_time ? "real time" : "simulated time")) +
       margin_lines(report);
+  if (report.contacts > 1) {
+    text +=
+        line("contacts", fmt::format("{}, coupled; the tool does not turn, its torque "
+                                     "is not felt",
+                                     report.contacts));
+  }
   if (report.resample_loss.nodes > 0) {
     text += line("thinned curves",
                  fmt::format("{} nodes, largest loss {:.3g} N ({:.3g} %)",

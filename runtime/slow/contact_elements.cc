@@ -13,11 +13,6 @@
 namespace palpate {
 namespace {
 
-const ResponseTable& table_of_radius(const ResponseDatabase& database,
-                                     const ResponseTable& tool, std::size_t radius) {
-  return radius == 0 ? tool : find_tool(database, table_name(tool.tool.name, radius));
-}
-
 // Responses of every radius that occurs, tool by tool.
 std::vector<const ResponseTable*> radius_tables(
     const ResponseDatabase& database, std::span<const ResponseTable* const> tools) {
@@ -83,6 +78,11 @@ void check_renderable(const ResponseTable& tool, int contacts) {
 }
 
 }  // namespace
+
+const ResponseTable& table_of_radius(const ResponseDatabase& database,
+                                     const ResponseTable& tool, std::size_t radius) {
+  return radius == 0 ? tool : find_tool(database, table_name(tool.tool.name, radius));
+}
 
 ContactRow contact_row(const ComplianceTable& table, std::int64_t node,
                        double force_scale) {

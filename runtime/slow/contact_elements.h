@@ -40,6 +40,11 @@ struct ContactToolState {
 [[nodiscard]] ContactRow contact_row(const ComplianceTable& table, std::int64_t node,
                                      double force_scale);
 
+/// Responses of a tool's radius number r (radius_of_contacts()).
+[[nodiscard]] const ResponseTable& table_of_radius(const ResponseDatabase& database,
+                                                   const ResponseTable& tool,
+                                                   std::size_t radius);
+
 /// The contacts of tools that press one body together, each in a hand of its own. A
 /// tool without a contact set is one sphere of its nominal radius.
 /// @param tools (1 to kPortsMax) of the database. The first one's table of compliance

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "formats/response/contact_set.h"
 #include "runtime/slow/contact_elements.h"
 
 namespace palpate {
@@ -35,6 +36,21 @@ ContactStiffness contact_stiffness(const ResponseTable& table, const CoupledSet&
           ? Eigen::MatrixXd(factor.solve(Eigen::MatrixXd::Identity(n, n)))
           : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n) * stiffness_n_per_m);
   return all;
+}
+
+RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
+                                        const ResponseTable& tool, double force_max_n) {
+  const std::vector<std::size_t> radius = radius_of_contacts(tool.tool.contact);
+  RenderedStiffness sum;
+  for (const std::size_t r : radius) {
+    const RenderedStiffness one =
+        rendered_stiffness(table_of_radius(database, tool, r),
+                           force_max_n / static_cast<double>(radius.size()));
+    sum.node = one.node;
+    sum.normal_n_per_m += one.normal_n_per_m;
+    sum.friction_n_per_m += one.friction_n_per_m;
+  }
+  return sum;
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // How stiff the contacts of a tool are together, where its body is stiffest.
 #pragma once
 
+#include "formats/database/response_database.h"
 #include "formats/response/response_table.h"
 #include "runtime/device/stability_margin.h"
 #include "runtime/device/wrench_margin.h"
@@ -15,5 +16,11 @@ namespace palpate {
 [[nodiscard]] ContactStiffness contact_stiffness(const ResponseTable& table,
                                                  const CoupledSet& set,
                                                  const RenderedStiffness& stiffest);
+
+/// Sums over all contacts of a tool, as if each pressed a body of its own: more than
+/// they have together. @param force_max_n [N] > 0 that they share.
+[[nodiscard]] RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
+                                                      const ResponseTable& tool,
+                                                      double force_max_n);
 
 }  // namespace palpate

@@ -93,13 +93,13 @@ void ViewSession::start(const Eigen::Vector3d& at_m) {
   hand_ = PointerHand(at_m);
   device_ = std::make_unique<SimulatedDevice>(options_.device, hand_.target(), clock_,
                                               SimulatedMotion{.position_m = at_m});
-  exchange_ = std::make_unique<RenderExchange>();
   telemetry_ = std::make_unique<Telemetry>();
   device_->open();
-  fast_ = std::make_unique<FastProcess>(fast_config(options_, table_.tool), *device_,
-                                        *exchange_,
+  const FastProcessConfig config = fast_config(options_, table_.tool);
+  body_ = std::make_unique<OneContact>(config.fast, adjusted_);
+  body_->begin_with(options_.surface);
+  fast_ = std::make_unique<FastProcess>(config, *device_, *body_,
                                         TickOutputs{.telemetry = telemetry_.get()});
-  fast_->begin_with(options_.surface);
   fast_deadlines_ = Deadlines(clock_.now_ns(), options_.fast_hz);
   slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
   latest_ = {};
@@ -156,7 +156,7 @@ void ViewSession::set(const ViewRequest& request) {
 
 void ViewSession::use(LocalModel model) {
   options_.model = model;
-  fast_->use(model);
+  body_->use(model);
 }
 
 void ViewSession::set_slow_hz(double slow_hz) {
@@ -192,10 +192,7 @@ void ViewSession::tick() {
   }
   if (clock_.now_ns() >= slow_deadlines_.next_ns()) {
     static_cast<void>(slow_deadlines_.begin(clock_.now_ns()));
-    if (exchange_->tool.fetch()) {
-      adjusted_.update(exchange_->tool.latest(), clock_.now_ns(), exchange_->elements);
-      ++slow_updates_;
-    }
+    slow_updates_ += body_->serve(clock_.now_ns()) ? 1 : 0;
   }
   while (const TickRecord* record = telemetry_->ticks.front()) {
     latest_ = *record;

@@ -17,6 +17,7 @@
 #include "runtime/hand/simulated_device.h"
 #include "runtime/realtime/deadlines.h"
 #include "runtime/render/fast_process.h"
+#include "runtime/render/one_contact.h"
 #include "runtime/slow/memory_elements.h"
 #include "runtime/view/adjusted_elements.h"
 #include "runtime/view/live_session.h"
@@ -87,11 +88,11 @@ class ViewSession : public LiveSession {
   [[nodiscard]] ViewContact contact() const;
 
   /// What has yielded until now.
-  [[nodiscard]] std::vector<YieldedRow> yielded() const { return fast_->yielded(); }
+  [[nodiscard]] std::vector<YieldedRow> yielded() const { return body_->yielded(); }
 
   /// What of earlier presses has not recovered, or never will.
   [[nodiscard]] std::vector<NodeDent> dents() const {
-    return dents_.at(fast_->dents(), stiffness_scale());
+    return dents_.at(body_->dents(), stiffness_scale());
   }
 
   [[nodiscard]] std::vector<TickRecord> take_ticks() override;
@@ -111,8 +112,8 @@ class ViewSession : public LiveSession {
   PointerHand hand_;
   SimulatedClock clock_;
   std::unique_ptr<SimulatedDevice> device_;
-  std::unique_ptr<RenderExchange> exchange_;
   std::unique_ptr<Telemetry> telemetry_;
+  std::unique_ptr<OneContact> body_;
   std::unique_ptr<FastProcess> fast_;
   Deadlines fast_deadlines_;
   Deadlines slow_deadlines_;

@@ -47,7 +47,7 @@ class PressedPlate : public testing::Test {
     ElementStream stream(database_, database_.tools[0]);
     trace_.reserve(10'000);
     return render_in_turns(
-        c, {.device = device, .stream = stream, .stop = stop_, .trace = &trace_},
+        c, {.device = device, .stream = &stream, .stop = stop_, .trace = &trace_},
         clock_);
   }
 

@@ -150,7 +150,7 @@ class GuardedRenderer : public testing::Test {
     c.duration_s = duration_s;
     c.fast.late_fault_s = c.fast.stall_fault_s = c.fast.silent_fault_s = 600.0;
     const RenderReport report = render_in_real_time(
-        c, {.device = socket, .stream = stream, .stop = stop_requested});
+        c, {.device = socket, .stream = &stream, .stop = stop_requested});
     return 10 + static_cast<int>(report.fault);
   }
 

@@ -150,7 +150,7 @@ TEST_F(RenderLoopFault, TakesAStepOfOneSecondButNoLongerOne) {
     c.duration_s = 3.0;
     c.fast.late_fault_s = c.fast.stall_fault_s = 10.0;
     const RenderReport report =
-        render_in_turns(c, {.device = device, .stream = stream, .stop = stop_}, clock);
+        render_in_turns(c, {.device = device, .stream = &stream, .stop = stop_}, clock);
     const bool longer = late_ns > 1'000'000'000;
     EXPECT_EQ(report.fault, longer ? Fault::kTimeStep : Fault::kNone) << late_ns;
     EXPECT_GE(report.model_work_j, -1e-15);
@@ -258,7 +258,7 @@ TEST_F(RenderLoopFault, GoesOnWithTheElementItHasWhenTheSlowProcessThrows) {
   c.fast.stall_fault_s = 10.0;
   trace_.reserve(10'000);
   const RenderReport report = render_in_turns(
-      c, {.device = device, .stream = failing, .stop = stop_, .trace = &trace_},
+      c, {.device = device, .stream = &failing, .stop = stop_, .trace = &trace_},
       clock_);
   EXPECT_EQ(report.fault, Fault::kNone);
   EXPECT_EQ(report.slow_failure, "chunk 7 is damaged");
@@ -278,7 +278,7 @@ TEST_F(RenderLoopFault, IsStoppedByItsWatchWhenTheSlowProcessThrewInContact) {
   FailingSender failing(stream, 70);
   const RenderReport report =
       render_in_turns(config(LocalModel::kElement),
-                      {.device = device, .stream = failing, .stop = stop_}, clock_);
+                      {.device = device, .stream = &failing, .stop = stop_}, clock_);
   EXPECT_EQ(report.fault, Fault::kSlowStalled);
   EXPECT_EQ(report.slow_failure, "chunk 7 is damaged");
 }
@@ -290,7 +290,7 @@ TEST_F(RenderLoopFault, RecordsTheTicksBeforeAFaultForTheFlight) {
   FlightLog flight;
   const RenderReport report = render_in_turns(
       config(LocalModel::kElement),
-      {.device = device, .stream = stream, .stop = stop_, .flight = &flight}, clock_);
+      {.device = device, .stream = &stream, .stop = stop_, .flight = &flight}, clock_);
   EXPECT_EQ(report.fault, Fault::kDeviceLost);
   const std::vector<TickRecord> ticks = flight.ticks.values();
   ASSERT_EQ(ticks.size(), 3001U);
@@ -341,7 +341,7 @@ TEST_F(RenderLoopFault, GoesOnInRealTimeWhileTheSlowThreadIsLateOrGone) {
     c.duration_s = 0.6;
     c.fast.late_fault_s = c.fast.stall_fault_s = 10.0;
     const RenderReport report =
-        render_in_real_time(c, {.device = device, .stream = *sender, .stop = stop_});
+        render_in_real_time(c, {.device = device, .stream = sender, .stop = stop_});
     EXPECT_EQ(report.fault, Fault::kNone);
     EXPECT_LE(report.ticks + report.missed_deadlines, 1201);
     EXPECT_EQ(report.slow_failure, sender == &late ? "" : "chunk 7 is damaged");

@@ -131,7 +131,7 @@ TEST_F(RenderLoop, RunsOnTwoRealThreads) {
   c.fast.late_fault_s = 10.0;  // a test machine may pause
   c.fast.stall_fault_s = 10.0;
   const RenderReport report = render_in_real_time(
-      c, {.device = device, .stream = stream, .stop = stop_, .trace = nullptr});
+      c, {.device = device, .stream = &stream, .stop = stop_, .trace = nullptr});
   EXPECT_EQ(report.fault, Fault::kNone);
   EXPECT_GT(report.ticks, 0);
   EXPECT_LE(report.ticks + report.missed_deadlines, 801);

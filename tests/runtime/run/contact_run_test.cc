@@ -157,9 +157,31 @@ TEST_F(ContactRuns, RefuseWhatCannotBeRendered) {
   EXPECT_FALSE(is_contact_run(database_, {"ball", "ball"}, false));
   EXPECT_TRUE(is_contact_run(database_, {"ball", "ball"}, true));
   EXPECT_THROW((void)is_contact_run(database_, {"pads", "ball"}, false), InputError);
-  SimulationOptions single;
-  single.tool = "pads";
-  EXPECT_THROW((void)simulate(database_, single, stop_), InputError);
+}
+
+TEST_F(ContactRuns, OnADeviceKeepTheirAxes) {
+  SimulationOptions device;
+  device.tool = "pads";
+  device.duration_s = 4.0;
+  device.limit_stiffness = true;
+  const SimulationReport report = simulate(database_, device, stop_);
+  EXPECT_EQ(report.contacts, 3);
+  EXPECT_EQ(report.render.fault, Fault::kNone);
+  EXPECT_GT(report.render.contact_ticks, 1000);
+  EXPECT_GE(report.render.model_work_j, -1e-12);
+  // As if the three pressed bodies of their own.
+  SimulationOptions ball = device;
+  ball.tool = "ball";
+  ball.force_max_n = device.force_max_n / 3.0;
+  EXPECT_NEAR(report.stiffness.normal_n_per_m,
+              3.0 * simulate(database_, ball, stop_).stiffness.normal_n_per_m, 1e-9);
+  EXPECT_NE(summary(report).find("3, coupled"), std::string::npos);
+
+  device.model = LocalModel::kElement;
+  EXPECT_THROW((void)simulate(database_, device, stop_), InputError);
+  device.model = LocalModel::kPotential;
+  device.recording.file = "never.h5";
+  EXPECT_THROW((void)simulate(database_, device, stop_), InputError);
 }
 
 }  // namespace

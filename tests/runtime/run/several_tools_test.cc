@@ -100,8 +100,8 @@ TEST_F(SeveralTools, FaultAlone) {
   ElementStream second(database_, database_.tools[0]);
   const RenderConfig c = config(LocalModel::kPotential);
   const std::vector<RenderedTool> tools{
-      {c, {.device = lost, .stream = first, .stop = stop_}},
-      {c, {.device = sound, .stream = second, .stop = stop_}}};
+      {c, {.device = lost, .stream = &first, .stop = stop_}},
+      {c, {.device = sound, .stream = &second, .stop = stop_}}};
   const std::vector<RenderReport> reports = render_in_turns(tools, clock);
   EXPECT_EQ(reports[0].fault, Fault::kDeviceLost);
   EXPECT_EQ(reports[1].fault, Fault::kNone);

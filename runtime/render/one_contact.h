@@ -1,0 +1,69 @@
+// A tool that touches at one place, as the two processes render it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "runtime/fast/fast_step.h"
+#include "runtime/fast/switch_model.h"
+#include "runtime/realtime/triple_buffer.h"
+#include "runtime/render/rendered_body.h"
+#include "runtime/slow/element_source.h"
+#include "runtime/slow/tool_state.h"
+
+namespace palpate {
+
+/// What the two processes share.
+struct RenderExchange {
+  ElementFifo elements;          ///< slow to fast
+  TripleBuffer<ToolState> tool;  ///< fast to slow
+};
+
+/// About 80 kB: lives on the heap.
+class OneContact : public RenderedBody {
+ public:
+  /// The stream must outlive it. @throws InputError if the configuration is not valid.
+  OneContact(const FastConfig& config, ElementSender& stream);
+
+  bool take_in(ArrivalRecord& arrival) noexcept override;
+  FastCommand step(const DeviceReading& reading, double dt_s) noexcept override;
+  void delivered(const Eigen::Vector3d& force_n) noexcept override {
+    palpate::delivered(state_, force_n);
+  }
+  void raise(Fault fault) noexcept override { raise_fault(state_, fault); }
+  void publish(const DeviceReading& reading, std::int64_t ticks) noexcept override;
+
+  [[nodiscard]] Fault fault() const noexcept override { return state_.safety.fault; }
+  [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
+  [[nodiscard]] double work_j() const noexcept override { return state_.ledger.work_j; }
+  [[nodiscard]] std::int32_t triangle() const noexcept override {
+    return contact(state_).triangle;
+  }
+  [[nodiscard]] std::uint64_t dropped() const noexcept override {
+    return exchange_->elements.dropped();
+  }
+  void account(const FastCommand& command,
+               RenderReport& report) const noexcept override;
+
+  bool serve(std::int64_t now_ns) override;
+
+  void begin_with(const std::vector<YieldedRow>& rows) override {
+    begin_yielded(rows, state_);
+  }
+  [[nodiscard]] std::vector<YieldedRow> yielded() const override {
+    return yielded_rows(state_);
+  }
+  [[nodiscard]] std::vector<SurfaceDent> dents() const override {
+    return surface_dents(state_);
+  }
+
+  /// Another local model from the next tick on (switch_model.h).
+  void use(LocalModel model) noexcept { switch_model(state_, model); }
+
+ private:
+  FastState state_;
+  std::unique_ptr<RenderExchange> exchange_ = std::make_unique<RenderExchange>();
+  ElementSender& stream_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+// What a fast and a slow process render together: a seam, because a tool may touch its
+// body at one place or at several.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/recording/recording.h"
+#include "formats/recording/surface_state.h"
+#include "runtime/device/device.h"
+#include "runtime/fast/fast_step.h"
+#include "runtime/fast/safety.h"
+#include "runtime/render/render_report.h"
+#include "runtime/render/surface_dents.h"
+
+namespace palpate {
+
+/// The fast thread calls what is noexcept, once it has begun; none of that allocates or
+/// waits. The slow thread calls serve().
+class RenderedBody {
+ public:
+  RenderedBody() = default;
+  virtual ~RenderedBody() = default;
+  RenderedBody(const RenderedBody&) = delete;
+  RenderedBody& operator=(const RenderedBody&) = delete;
+
+  /// Takes in the next element that has arrived, and says which. False: there is none.
+  virtual bool take_in(ArrivalRecord& arrival) noexcept = 0;
+  /// One tick at the reading. @param dt_s [s] since the last one, [0, 1].
+  virtual FastCommand step(const DeviceReading& reading, double dt_s) noexcept = 0;
+  /// What the device made of the latest force [N].
+  virtual void delivered(const Eigen::Vector3d& force_n) noexcept = 0;
+  virtual void raise(Fault fault) noexcept = 0;
+  /// Says where the tool is, for serve(). @param ticks that are done.
+  virtual void publish(const DeviceReading& reading, std::int64_t ticks) noexcept = 0;
+
+  [[nodiscard]] virtual Fault fault() const noexcept = 0;  ///< latched
+  [[nodiscard]] virtual bool in_contact() const noexcept = 0;
+  [[nodiscard]] virtual double work_j() const noexcept = 0;  ///< [J] by the ledger
+  [[nodiscard]] virtual std::int32_t triangle() const noexcept = 0;  ///< -1: none
+  [[nodiscard]] virtual std::uint64_t dropped() const noexcept = 0;  ///< elements
+  /// What of the account is this body's alone.
+  virtual void account(const FastCommand& command,
+                       RenderReport& report) const noexcept {
+    static_cast<void>(command);
+    static_cast<void>(report);
+  }
+
+  /// One turn of the slow process. @returns whether the fast one had said anything new.
+  virtual bool serve(std::int64_t now_ns) = 0;
+
+  /// Begins with what had yielded; before the first tick. @throws InputError where this
+  /// body does not yield.
+  virtual void begin_with(const std::vector<YieldedRow>& rows) = 0;
+  /// What has yielded, and memory sites that have not recovered yet. Not in a tick.
+  [[nodiscard]] virtual std::vector<YieldedRow> yielded() const { return {}; }
+  [[nodiscard]] virtual std::vector<SurfaceDent> dents() const { return {}; }
+};
+
+}  // namespace palpate
