@@ -19,10 +19,10 @@
 #include "formats/database/rounded_database.h"
 #include "formats/database/table_memory.h"
 #include "formats/response/memory_sites.h"
+#include "precompute/build/build_coupling.h"
 #include "precompute/build/checkpoint.h"
 #include "precompute/material/material_spectrum.h"
 #include "precompute/press/contact_coupling.h"
-#include "precompute/press/joint_presses.h"
 #include "precompute/press/node_yielding.h"
 #include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
@@ -219,48 +219,6 @@ void add_relaxation(const Scene& scene, const BodySource& body,
     shares[t].yielding = database.tools[t].viscoelasticity.yielding;
     give_memory(database.body, database.normal, shares[t], scene.accuracy.bundles,
                 database.tools[t]);
-  }
-}
-
-// The error of forces of two to four contacts that follow from the table, against joint
-// presses: what 95 % of sets are within [-]; 0 where there are too few to tell.
-double coupling_error(const Scene& scene, const BodySource& body,
-                      std::span<const std::int32_t> reachable, std::size_t tool,
-                      const ComplianceTable& coupling, Progress& progress) {
-  const std::size_t sets = sets_of_build(scene);
-  if (sets == 0) {
-    return 0.0;
-  }
-  progress.stage("joint presses");
-  // Every tool has sets of its own, lest one odd draw speak for all.
-  const CouplingStudy study =
-      coupling_errors(scene, body, body.tool[tool], reachable, coupling,
-                      {.sets = sets, .seed = 1 + tool * sets}, progress);
-  progress.finish();
-  return study.worst_by_table.size() < kChecksToCalibrate
-             ? 0.0
-             : covering(study.worst_by_table);
-}
-
-// How contacts couple through the body: one table for all tools that want it.
-void add_coupling(const Scene& scene, const BodySource& body,
-                  std::span<const std::int32_t> reachable, ResponseDatabase& database,
-                  Progress& progress) {
-  progress.stage("coupling of contacts");
-  const ComplianceTable coupling =
-      make_coupling_table(scene, body, reachable, progress);
-  progress.finish();
-  for (std::size_t t = 0; t < database.tools.size(); ++t) {
-    if (!scene.tool_couples[t]) {
-      continue;
-    }
-    ResponseTable& table = database.tools[t];
-    table.compliance = coupling;
-    table.compliance.error_relative =
-        coupling_error(scene, body, reachable, t, coupling, progress);
-    table.compliance.convex = one_equilibrium(
-        coupling, table, body.surface.position_m,
-        kClosestInRadii * contact_radius_m(table.tool, scene.reach.depth_max_m));
   }
 }
 
