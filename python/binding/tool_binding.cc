@@ -155,6 +155,7 @@ void bind_tool(py::module_& module) {
   });
   add_node_arrays(type);
   add_sample_arrays(type);
+  bind_optional(type);
   type.def("curve", &curve, py::arg("node"),
            "The stored curve of a node, four arrays.");
   type.def(

@@ -81,3 +81,12 @@ def test_wrong_parts_of_a_database_are_refused(change):
     palpate.from_curves(**parts)
     with pytest.raises(palpate.Error):
         palpate.from_curves(**{**parts, **change})
+
+
+def test_optional_parts_are_empty_where_nobody_filled_them(flat):
+    tool = flat.tool()
+    assert tool.accuracy["budget_relative"] == 0.0
+    assert tool.displacement["node"].size == 0
+    assert tool.relaxation["g_1"].size == 0
+    assert tool.viscoelasticity["tau_s"].size == 0
+    assert flat.measurement["depth_m"].size == 0
