@@ -3,7 +3,6 @@
 #include "python/binding/held_database.h"
 
 #include <filesystem>
-#include <mutex>
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -28,21 +27,13 @@ namespace {
 
 using Held = std::shared_ptr<HeldDatabase>;
 
-// The HDF5 library of Debian serves one thread at a time.
-std::mutex& one_at_a_time() {
-  static std::mutex mutex;
-  return mutex;
-}
-
 Held open(const std::filesystem::path& file) {
   const py::gil_scoped_release released;
-  const std::scoped_lock lock(one_at_a_time());
   return std::make_shared<HeldDatabase>(HeldDatabase{read_database(file)});
 }
 
 void save(const Held& held, const std::filesystem::path& file) {
   const py::gil_scoped_release released;
-  const std::scoped_lock lock(one_at_a_time());
   write_database(file, held->database);
 }
 

@@ -1,5 +1,6 @@
 #include "python/binding/bind.h"
 #include "python/binding/held_database.h"
+#include "python/binding/number_array.h"
 
 #include <string>
 #include <vector>
@@ -16,7 +17,6 @@ namespace py = pybind11;
 namespace palpate {
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Integers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 
 py::array numbers(const py::object& values, const char* kinds,

@@ -1,4 +1,5 @@
 #include "python/binding/bind.h"
+#include "python/binding/held_renderer.h"
 
 #include "formats/base/error.h"
 
@@ -10,6 +11,7 @@ void bind_errors(pybind11::module_& module) {
   pybind11::register_exception<InputError>(module, "InputError", error);
   pybind11::register_exception<FormatError>(module, "FormatError", error);
   pybind11::register_exception<NumericalError>(module, "NumericalError", error);
+  pybind11::register_exception<RenderingFault>(module, "RenderingFault", error);
 }
 
 }  // namespace palpate
@@ -21,4 +23,5 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::bind_tool(module);
   palpate::bind_database(module);
   palpate::bind_make(module);
+  palpate::bind_renderer(module);
 }

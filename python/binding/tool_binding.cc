@@ -1,6 +1,7 @@
 #include "python/binding/array_view.h"
 #include "python/binding/bind.h"
 #include "python/binding/held_database.h"
+#include "python/binding/number_array.h"
 
 #include <cmath>
 #include <limits>
@@ -20,18 +21,8 @@ namespace py = pybind11;
 namespace palpate {
 namespace {
 
-// Numbers of any kind, as contiguous doubles: without a copy where they are so already.
-py::array_t<double, py::array::c_style> doubles(const py::object& values) {
-  const py::array array = py::array::ensure(values);
-  if (!array || std::string("fiu").find(array.dtype().kind()) == std::string::npos) {
-    PyErr_Clear();
-    throw InputError("positions are not numbers, must be an array of shape (n, 3)");
-  }
-  return py::array_t<double, py::array::c_style | py::array::forcecast>(array);
-}
-
 py::array force(const HeldTool& tool, const py::object& values) {
-  const auto array = doubles(values);
+  const Doubles array = doubles(values, "positions");
   const bool one = array.ndim() == 1 && array.shape(0) == 3;
   if (!one && (array.ndim() != 2 || array.shape(1) != 3)) {
     throw InputError(

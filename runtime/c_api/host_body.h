@@ -36,12 +36,23 @@ class HostBody {
   /// @throws InputError, FormatError; InputError for a body that is stiffer than the
   /// device can render, unless options.limit_stiffness.
   HostBody(const std::filesystem::path& file, const HostOptions& options);
+
+  /// Of a database in memory, which file() does not name.
+  /// @throws InputError as above, and for options.streamed.
+  HostBody(std::shared_ptr<const ResponseDatabase> database,
+           const HostOptions& options);
   ~HostBody();
   HostBody(const HostBody&) = delete;
   HostBody& operator=(const HostBody&) = delete;
 
   /// Lives as long as the body. @throws InputError past kHostToolsMax.
   HostTool& add_tool();
+
+  /// Starts and ends the slow thread, by one thread at a time; nothing where it is so
+  /// already.
+  void start_slow();
+  void stop_slow();
+  [[nodiscard]] bool slow_runs() const noexcept { return thread_.joinable(); }
 
   /// One turn of the slow process, for every tool that has moved. @returns elements
   /// sent. @throws InputError if there is a slow thread; what ended the process.
@@ -71,10 +82,11 @@ class HostBody {
     HostTool tool;
   };
 
-  void open_whole(const std::filesystem::path& file);
-  void open_contacts(std::unique_ptr<const ResponseDatabase> database,
+  void open_whole(std::shared_ptr<const ResponseDatabase> database);
+  void open_contacts(std::shared_ptr<const ResponseDatabase> database,
                      const ResponseTable& table);
   void open_streamed(const std::filesystem::path& file);
+  void begin();
   void take_stiffness(const RenderedStiffness& stiffness);
   std::size_t serve();  // with mutex_ held
   void run() noexcept;
@@ -87,7 +99,7 @@ class HostBody {
   FastConfig fast_;
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;
-  std::unique_ptr<const ResponseDatabase> database_;  // of contact_stream_
+  std::shared_ptr<const ResponseDatabase> database_;  // of contact_stream_
   std::unique_ptr<ContactStream> contact_stream_;     // of a tool of several contacts
   std::mutex mutex_;  // of all below; never taken in a haptic function
   std::vector<std::unique_ptr<Served>> tools_;

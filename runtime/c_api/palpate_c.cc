@@ -9,7 +9,6 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -108,22 +107,6 @@ void take(double value, double& into) {
   }
 }
 
-// The holds create energy: a host could not know.
-palpate::LocalModel passive_model(const char* name) {
-  const std::optional<palpate::LocalModel> model = palpate::local_model(name);
-  if (!model || !palpate::passive(*model)) {
-    std::string known;
-    for (const palpate::LocalModel each : palpate::kLocalModels) {
-      if (palpate::passive(each)) {
-        known += (known.empty() ? "" : ", ") + std::string(palpate::name(each));
-      }
-    }
-    throw InputError(
-        fmt::format("model \"{}\" is none of the passive ones: {}", name, known));
-  }
-  return *model;
-}
-
 HostOptions host_options(const palpate_options* given) {
   const palpate_options all = known_options(given);
   HostOptions options;
@@ -131,7 +114,7 @@ HostOptions host_options(const palpate_options* given) {
     options.tool = all.tool_name;
   }
   if (all.model != nullptr) {
-    options.model = passive_model(all.model);
+    options.model = palpate::passive_model(all.model);
   }
   take(all.metres_per_unit, options.metres_per_unit);
   take(all.newtons_per_unit, options.newtons_per_unit);
