@@ -22,15 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-MeasurementFile read(const Session& session, const SessionRun& run) {
-  if (session.layout != SessionLayout::kAfmHdf5) {
-    return read_run(session, run);
-  }
-  static std::mutex hdf5;  // the serial library has one state
-  const std::lock_guard<std::mutex> lock(hdf5);
-  return read_run(session, run);
-}
-
 void collect_flags(RunResult& result) {
   result.flags = result.contact.flags;
   take_misfit(result.choice, result.flags);
@@ -141,7 +132,7 @@ std::vector<RunResult> fit_run(const Session& session, const SessionRun& run,
   std::string unreadable;
   const auto begin = Clock::now();
   try {
-    presses = split_presses(read(session, run).samples);
+    presses = split_presses(read_run(session, run).samples);
     chosen = chosen_cycles(session.fit.cycle.value_or(CycleChoice{}), presses.size());
   } catch (const std::exception& error) {
     unreadable = error.what();

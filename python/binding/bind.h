@@ -12,6 +12,8 @@ void bind_optional(pybind11::class_<HeldTool>& type);
 void bind_tool(pybind11::module_& module);
 void bind_database(pybind11::module_& module);
 void bind_make(pybind11::module_& module);
+void bind_measurement(pybind11::module_& module);
+void bind_fit(pybind11::module_& module);
 void bind_renderer(pybind11::module_& module);
 
 }  // namespace palpate

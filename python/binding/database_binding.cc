@@ -75,7 +75,9 @@ py::dict measurement(const Held& held) {
 
 void bind_database(py::module_& module) {
   py::class_<HeldDatabase, Held> type(
-      module, "Database", "A body's responses, as read-only arrays in SI units.");
+      module, "Database", py::dynamic_attr(),
+      "A body's responses, as read-only arrays in SI units.\n\nreport: of one that "
+      "build() or precompute() made, what palpate-precompute said.");
   type.def_property_readonly(
       "vertices",
       [](const Held& h) {

@@ -23,5 +23,7 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::bind_tool(module);
   palpate::bind_database(module);
   palpate::bind_make(module);
+  palpate::bind_measurement(module);
+  palpate::bind_fit(module);
   palpate::bind_renderer(module);
 }

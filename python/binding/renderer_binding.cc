@@ -3,13 +3,12 @@
 #include "python/binding/bind.h"
 #include "python/binding/held_renderer.h"
 #include "python/binding/number_array.h"
+#include "python/binding/option.h"
 
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 
-#include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -50,17 +49,6 @@ py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
   return py::make_tuple(array_of(tick.command.force_n), array_of(tick.torque_n_m));
 }
 
-template <typename Value>
-void take_option(const py::object& given, const char* name, Value& into) {
-  try {
-    into = py::cast<Value>(given);
-  } catch (const py::cast_error&) {
-    throw py::type_error(fmt::format("{} is {}, must be a {}", name,
-                                     std::string(py::repr(given)),
-                                     std::is_same_v<Value, bool> ? "bool" : "number"));
-  }
-}
-
 // None of the options has a meaning of its own here: those of the C interface.
 template <typename Source>
 std::unique_ptr<HeldRenderer> make(const Source& source, const std::string& tool,
@@ -68,27 +56,19 @@ std::unique_ptr<HeldRenderer> make(const Source& source, const std::string& tool
   HostOptions options;
   options.tool = tool;
   options.model = passive_model(model);
-  const auto take = [&given](const char* name, auto& into) {
-    if (given.contains(name)) {
-      take_option(given.attr("pop")(name), name, into);
-    }
-  };
-  take("tick_s", options.tick_s);
-  take("slow_hz", options.slow_hz);
-  take("force_max_n", options.force_max_n);
-  take("stall_s", options.stall_s);
-  take("ramp_s", options.ramp_s);
-  take("position_gain", options.position_gain);
-  take("force_gain", options.force_gain);
-  take("damping_n_s_per_m", options.damping_n_s_per_m);
-  take("angular_damping_n_m_s", options.angular_damping_n_m_s);
-  take("delay_s", options.delay_s);
-  take("limit_stiffness", options.limit_stiffness);
-  take("streamed", options.streamed);
-  if (!given.empty()) {
-    throw py::type_error("Renderer has no option " +
-                         std::string(py::str(*given.attr("keys")().begin())));
-  }
+  take_option(given, "tick_s", options.tick_s);
+  take_option(given, "slow_hz", options.slow_hz);
+  take_option(given, "force_max_n", options.force_max_n);
+  take_option(given, "stall_s", options.stall_s);
+  take_option(given, "ramp_s", options.ramp_s);
+  take_option(given, "position_gain", options.position_gain);
+  take_option(given, "force_gain", options.force_gain);
+  take_option(given, "damping_n_s_per_m", options.damping_n_s_per_m);
+  take_option(given, "angular_damping_n_m_s", options.angular_damping_n_m_s);
+  take_option(given, "delay_s", options.delay_s);
+  take_option(given, "limit_stiffness", options.limit_stiffness);
+  take_option(given, "streamed", options.streamed);
+  refuse_rest(given, "Renderer");
   return std::make_unique<HeldRenderer>(source, std::move(options));
 }
 
