@@ -61,7 +61,7 @@ def load(file, *, depth_column="", depth_unit="", force_column="", force_unit=""
             continue
         metadata = {"file": os.fspath(file), "layout": layout, "left_out": left_out, **press["metadata"]}
         times = press["time_s"]
-        curves.append(Curve(press["depth_m"], press["force_n"], times if times.size else None, metadata))
+        curves.append(Curve(press["depth_m"], press["force_n"], times if time and times.size else None, metadata))
     if not curves:
         raise _palpate.InputError(f"{os.fspath(file)}: no press can be read: {presses[0]['broken']}")
     return curves

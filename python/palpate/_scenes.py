@@ -105,9 +105,13 @@ def check(vertices, faces=None):
 
 def _surface(command, mesh, options):
     with _folder() as folder:
-        write_obj(folder / "surface.obj", *mesh)
-        made = folder / "made.obj"
-        report = must_run(_TOOL, [command, folder / "surface.obj", "--length-unit", "m", "-o", made, *options])
+        file, made = folder / "surface.obj", folder / "made.obj"
+        write_obj(file, *mesh)
+        try:
+            report = must_run(_TOOL, [command, file, "--length-unit", "m", "-o", made, *options])
+        except _palpate.Error as error:  # told of files and flags that the caller never saw
+            said = str(error).replace(f"{file}: ", "").split(": palpate-precompute ")[0].replace("--repair=", "mode ")
+            raise type(error)(said) from None
         vertices, triangles = _palpate.read_mesh(made, "m")
     return vertices, triangles, report
 

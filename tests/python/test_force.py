@@ -1,11 +1,10 @@
 import concurrent.futures
-import ctypes
 import os
-import resource
 
 import numpy
 import pytest
 
+import c_interface
 import palpate
 
 RADIUS_M = 0.005
@@ -42,34 +41,19 @@ def test_a_force_does_not_depend_on_the_other_positions(uneven):
     assert numpy.array_equal(together[::-1], uneven.force(x[::-1]))
 
 
-class Options(ctypes.Structure):
-    _fields_ = [("struct_size", ctypes.c_size_t), ("tool_name", ctypes.c_char_p)] + [
-        (name, ctypes.c_double) for name in
-        "metres newtons position_gain force_gain tick slow_hz damping delay force_max stall ramp"
-        .split()] + [("flags", ctypes.c_uint32), ("model", ctypes.c_char_p)]
-
-
 def test_the_runtime_renders_the_same_field(uneven, tmp_path):
     """Down from free space and on along the surface, by the C interface's potential model."""
     uneven.save(tmp_path / "body.h5")
-    c = ctypes.CDLL(os.environ["PALPATE_LIBRARY"])
-    c.palpate_open.restype = c.palpate_tool_add.restype = ctypes.c_void_p
-    options = Options(struct_size=ctypes.sizeof(Options), force_max=1e6, ramp=1e-9, flags=1)
-    error = ctypes.create_string_buffer(500)
-    body = c.palpate_open(os.fsencode(tmp_path / "body.h5"), ctypes.byref(options), error, 500)
-    assert body, error.value
-    tool = ctypes.c_void_p(c.palpate_tool_add(ctypes.c_void_p(body)))
+    host = c_interface.Host(tmp_path / "body.h5", force_max=1e6, ramp=1e-9)
     down = numpy.linspace([0.012, 0.013, RADIUS_M + 0.001], [0.013, 0.014, RADIUS_M - 0.002], 400)
     along = numpy.linspace(down[-1], [0.029, 0.025, RADIUS_M - 0.001], 2000)
     x = numpy.vstack([down, along])
     rendered = numpy.empty_like(x)
     for i, p in enumerate(x):
-        c.palpate_slow_step(ctypes.c_void_p(body))
-        status = c.palpate_force(tool, p.ctypes.data_as(ctypes.c_void_p), None,
-                                 ctypes.c_double(0.001),
-                                 rendered[i].ctypes.data_as(ctypes.c_void_p))
+        host.slow_step()
+        status, rendered[i], _ = host.wrench(p, None, 0.001)
         assert status >= 0, (i, status)
-    c.palpate_close(ctypes.c_void_p(body))
+    host.close()
     force = uneven.force(x)
     assert numpy.abs(force).max() > 0.1
     # The account's reserve may shift a contact by rounding.
@@ -121,19 +105,12 @@ def test_a_forked_child_gets_the_same(uneven):
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
-def test_memory_is_steady(uneven):
-    def kilobytes():
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * resource.getpagesize() // 1024
+def test_memory_is_steady(uneven, grown_kilobytes):
+    x = positions(1)[0]
+    tool = uneven.tool()
 
-    def call(times):
-        x = positions(1)[0]
-        tool = uneven.tool()
-        for _ in range(times):
-            tool.force(x)
-            tool.stiffness(0.001)
-            _ = tool.depth_m, uneven.vertices
-    call(1000)
-    before = kilobytes()
-    call(100000)
-    assert kilobytes() - before < 1024  # a leak of 16 bytes a call would show
+    def call():
+        tool.force(x)
+        tool.stiffness(0.001)
+        _ = tool.depth_m, uneven.vertices
+    assert grown_kilobytes(call, 100000) < 1024  # a leak of 16 bytes a call would show
