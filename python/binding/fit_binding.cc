@@ -164,8 +164,8 @@ py::array_t<double> force(const HeldFit& held, const py::handle& depths) {
   return result;
 }
 
-std::shared_ptr<HeldDatabase> database(const HeldFit& held,
-                                       const std::filesystem::path& source) {
+std::shared_ptr<HeldDatabase> database(
+    const HeldFit& held, const std::optional<std::filesystem::path>& source) {
   const std::optional<ToolShape> tool = rendered_tool(held.indenter);
   if (!tool) {
     throw InputError(fmt::format(
@@ -174,7 +174,8 @@ std::shared_ptr<HeldDatabase> database(const HeldFit& held,
                                        : "none is told"));
   }
   return std::make_shared<HeldDatabase>(
-      HeldDatabase{sample_patch(best_of(held.fit), held.samples, *tool, source)});
+      HeldDatabase{sample_patch(best_of(held.fit), held.samples, *tool,
+                                source.value_or(std::filesystem::path()))});
 }
 
 Session session_of(const std::filesystem::path& file, const std::string& cycle) {
@@ -239,7 +240,7 @@ void bind_press(py::module_& module) {
       "force", &force, py::arg("depth_m"),
       "Force [N] of the family that follows best, at depths [m] of any shape beyond "
       "the\ncontact point.");
-  type.def("database", &database, py::arg("source") = std::filesystem::path(),
+  type.def("database", &database, py::arg("source") = py::none(),
            "A Database of a flat sample with this response; source: the file that was "
            "measured.");
 }
