@@ -28,11 +28,12 @@ def sheet(cells=8, cell_m=0.01, radius_m=0.005):
 
 
 class Hand:
-    """Is drawn to a path over the middle of the body, 2 mm under its top."""
+    """Is drawn to a path over the top of the body, 2 mm deep."""
 
     def __init__(self, db):
-        self._top = db.vertices[:, 2].max() + db.tool(db.tools[0]).radius_m
-        self._middle = db.vertices[:, :2].mean(axis=0)
+        height = db.vertices[:, 2]
+        self._top = height.max() + db.tool(db.tools[0]).radius_m
+        self._middle = db.vertices[height > height.max() - 0.001, :2].mean(axis=0)
         self.position = numpy.array([*self._middle, self._top + 0.005])
         self._speed = numpy.zeros(3)
 
