@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <iterator>
 #include <map>
 #include <mutex>
@@ -168,12 +169,18 @@ BatchReport fit_session(const Session& session, unsigned threads,
   std::vector<std::vector<RunResult>> results(session.run.size());
   std::atomic<std::size_t> next{0}, done{0};
   std::mutex telling;
+  std::exception_ptr stopped;  // by progress
   const auto work = [&] {
     for (std::size_t i = next++; i < session.run.size(); i = next++) {
       results[i] = fit_run(session, session.run[i], frame);
       const std::size_t count = ++done;
       const std::lock_guard<std::mutex> lock(telling);
-      progress(count);
+      try {
+        progress(count);
+      } catch (...) {
+        stopped = std::current_exception();
+        next = session.run.size();
+      }
     }
   };
   {
@@ -182,6 +189,9 @@ BatchReport fit_session(const Session& session, unsigned threads,
       workers.emplace_back(work);
     }
     work();
+  }
+  if (stopped) {
+    std::rethrow_exception(stopped);
   }
   for (std::vector<RunResult>& presses : results) {
     std::move(presses.begin(), presses.end(), std::back_inserter(report.runs));

@@ -200,14 +200,23 @@ py::tuple fit_surface_of(const std::filesystem::path& file, const std::string& c
 }
 
 py::object fit_all(const std::filesystem::path& file, const std::string& cycle,
-                   unsigned threads) {
+                   unsigned threads, const py::object& progress) {
   std::string report;
   {
     const py::gil_scoped_release released;
     const Session session = session_of(file, cycle);
     const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-    report = batch_json(session, fit_session(session, threads == 0 ? cores : threads,
-                                             [](std::size_t /*done*/) {}));
+    const auto tell = [&](std::size_t done) {
+      const py::gil_scoped_acquire acquired;
+      if (PyErr_CheckSignals() != 0) {  // in the main thread, which fits too
+        throw py::error_already_set();
+      }
+      if (!progress.is_none()) {
+        progress(done, session.run.size());
+      }
+    };
+    report =
+        batch_json(session, fit_session(session, threads == 0 ? cores : threads, tell));
   }
   return loads(report);
 }
@@ -253,10 +262,11 @@ void bind_fit(py::module_& module) {
   module.def("_fit_surface", &fit_surface_of, py::arg("session"), py::arg("cycle"));
   module.def(
       "fit_session", &fit_all, py::arg("session"), py::kw_only(), py::arg("cycle") = "",
-      py::arg("threads") = 0,
+      py::arg("threads") = 0, py::arg("progress") = py::none(),
       "All presses of a session file (TOML, fitting/session/SESSION.md), a dict: "
       "what\n`palpate-fit batch` writes as results.json. A bad file is listed, "
-      "not fatal.");
+      "not fatal.\nprogress(done, files): called from any thread; what it raises "
+      "ends the work, as Ctrl-C does.");
 }
 
 }  // namespace palpate

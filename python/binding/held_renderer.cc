@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "runtime/c_api/host_surface.h"
+
 namespace palpate {
 namespace {
 
@@ -68,6 +70,23 @@ const HostTick& HeldRenderer::step(const Eigen::Vector3d& position_m,
 
 void HeldRenderer::reset() {
   tool_->reset();
+  latest_ = HostTick{};
+}
+
+void HeldRenderer::refuse_running() const {
+  if (runs()) {
+    throw InputError("the slow thread runs: stop() it first");
+  }
+}
+
+void HeldRenderer::save_surface(const std::filesystem::path& file) const {
+  refuse_running();
+  palpate::save_surface(*body_, *tool_, file);
+}
+
+void HeldRenderer::load_surface(const std::optional<std::filesystem::path>& file) {
+  refuse_running();
+  palpate::load_surface(*body_, *tool_, file);
   latest_ = HostTick{};
 }
 

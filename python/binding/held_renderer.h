@@ -46,6 +46,10 @@ class HeldRenderer {
 
   void reset();
 
+  /// As save_surface(), load_surface(), while no slow thread runs.
+  void save_surface(const std::filesystem::path& file) const;
+  void load_surface(const std::optional<std::filesystem::path>& file);
+
   /// @returns elements sent. @throws InputError while the thread runs.
   std::size_t slow_step();
 
@@ -58,6 +62,7 @@ class HeldRenderer {
 
  private:
   void refuse_other_process() const;
+  void refuse_running() const;
   [[nodiscard]] std::string why_faulted(std::uint8_t fault) const;
 
   std::unique_ptr<HostBody> body_;

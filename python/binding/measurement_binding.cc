@@ -38,7 +38,8 @@ struct ReadPresses {
 
 void append_presses(const InstrumentCurve& curve, MeasurementFile whole,
                     ReadPresses& all) {
-  std::vector<Measurement> presses = split_presses(whole.samples);
+  std::vector<Measurement> presses =
+      split_presses(std::exchange(whole.samples, Measurement{}));
   for (std::size_t k = 0; k < presses.size(); ++k) {
     ReadPress& press = all.press.emplace_back();
     press.curve = curve;

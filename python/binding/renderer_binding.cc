@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 namespace py = pybind11;
@@ -233,6 +234,9 @@ void bind_state(Type& type) {
         return t.ticks;
       },
       "since the start or reset()");
+}
+
+void bind_body(Type& type) {
   type.def_property_readonly(
       "force_scale",
       [](const HeldRenderer& r) {
@@ -300,12 +304,20 @@ void bind_renderer(py::module_& module) {
   type.def("step", &force_after, py::arg("position"), py::arg("dt") = 0.0, kStep);
   type.def("wrench", &wrench_after, py::arg("position"), py::arg("orientation"),
            py::arg("dt") = 0.0, kWrench);
-  type.def("reset", &HeldRenderer::reset,
-           "Clears a fault, the account and the tool's place, as after a jump.");
+  type.def(
+      "reset", &HeldRenderer::reset,
+      "Clears a fault, the account and the tool's place, as after a jump. Dents stay.");
+  type.def("save_surface", &HeldRenderer::save_surface, py::arg("file"),
+           "Writes what the body keeps of the presses for good: dents, softening. Of a "
+           "renderer\nof a file, while no thread runs.");
+  type.def("load_surface", &HeldRenderer::load_surface, py::arg("file") = py::none(),
+           "reset(), on a body that has yielded as the file says; without: a fresh "
+           "one.\nInputError: of another body; nothing changes then.");
   bind_slow(type);
   bind_account(type);
   bind_place(type);
   bind_state(type);
+  bind_body(type);
 }
 
 }  // namespace palpate

@@ -1,4 +1,5 @@
 import json
+import signal
 import subprocess
 
 import numpy
@@ -227,6 +228,29 @@ def test_all_runs_of_a_session_are_those_of_batch(session, tmp_path):
     assert strip(palpate.fit_session(session)) == strip(json.loads((tmp_path / "results.json").read_text()))
     with pytest.raises(palpate.InputError):
         palpate.fit_session(tmp_path / "nothing.toml")
+
+
+@pytest.mark.parametrize("threads", [1, 4])
+def test_a_session_tells_its_progress_and_ends_when_told(session, threads):
+    told = []
+    palpate.fit_session(session, threads=threads, progress=lambda *of: told.append(of))
+    assert sorted(told) == [(i, 30) for i in range(1, 31)]
+
+    def stop(done, files):
+        told.append(done)
+        raise KeyError(done)
+    told.clear()
+    with pytest.raises(KeyError):
+        palpate.fit_session(session, threads=threads, progress=stop)
+    assert len(told) <= threads  # those that were under way
+    before = signal.signal(signal.SIGALRM, lambda *_: stop(0, 0))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
+        with pytest.raises(KeyError):
+            while True:
+                palpate.fit_session(session, threads=threads)
+    finally:
+        signal.signal(signal.SIGALRM, before)
 
 
 def test_memory_is_steady(tmp_path, grown_kilobytes):

@@ -7,6 +7,7 @@ import pytest
 
 import c_interface
 import palpate
+from conftest import block
 
 MODELS = ["potential", "element", "energy-tank", "equal-energy"]
 TOP_M = 0.02 + 0.01  # height at which the ball touches the block
@@ -211,6 +212,44 @@ def test_a_streamed_file_gives_the_same_bits(built, file):
     for x in path(600):
         assert whole.step(x, 0.001).tobytes() == streamed.step(x, 0.001).tobytes()
         whole.slow_step(), streamed.slow_step()
+
+
+def test_a_body_that_yields_keeps_its_dents_in_a_file(tmp_path):
+    soft = {"region": "body", "law": "linear", "youngs_modulus_pa": 5000.0, "poissons_ratio": 0.4,
+            "plastic": {"yield_depth_m": 0.0003, "share": 0.5}}
+    file, kept = tmp_path / "soft.h5", tmp_path / "kept.h5"
+    db = palpate.build(
+        {"body": {"mesh": block()}, "material": [soft], "support": [{"box_m": [[-1, -1, -1], [1, 1, 0.001]]}],
+         "tool": [{"name": "ball", "shape": "sphere", "radius_m": 0.01}],
+         "reach": {"box_m": [[0.009, 0.009, 0.019], [0.031, 0.031, 1]], "depth_max_m": 0.003},
+         "accuracy": {"force_relative": 0.5, "verify": 0, "depths": 3}}, output=file)
+
+    def pressed(renderer):
+        total = 0.0
+        for depth in [*numpy.linspace(-0.001, 0.001, 300), *numpy.linspace(0.001, 0.0006, 100)]:
+            total += renderer.step([0.02, 0.02, TOP_M - depth], 0.001)[2]
+            renderer.slow_step()
+        return total
+    renderer = palpate.Renderer(file)
+    first = pressed(renderer)
+    assert renderer.yielded_j > 0.0 and renderer.dent_m > 0.0
+    renderer.save_surface(kept)
+    renderer.reset()
+    again = pressed(renderer)
+    other = palpate.Renderer(file)
+    other.load_surface(kept)
+    assert pressed(other) == again < first
+    other.load_surface()
+    assert pressed(other) == first
+    with pytest.raises(palpate.InputError, match="force depends"):
+        db.force([0.02, 0.02, TOP_M])
+    in_memory = palpate.Renderer(db)
+    for wrong in (lambda: in_memory.save_surface(kept), lambda: in_memory.load_surface(kept),
+                  lambda: other.load_surface(tmp_path / "nothing.h5")):
+        with pytest.raises(palpate.InputError):
+            wrong()
+    with other, pytest.raises(palpate.InputError, match="stop"):
+        other.save_surface(kept)
 
 
 def test_a_renderer_outlives_its_database(flat):

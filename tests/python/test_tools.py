@@ -10,6 +10,7 @@ import pytest
 
 import palpate
 from conftest import block
+from palpate._mesh import write_obj
 
 SCENE = {
     "material": [{"region": "body", "law": "linear", "youngs_modulus_pa": 5000.0, "poissons_ratio": 0.45}],
@@ -58,6 +59,74 @@ def test_a_scene_gives_what_the_tool_gives(tmp_path):
         assert numpy.array_equal(other.vertices, vertices)
         for name in ("force_n", "depth_m", "direction", "error_relative", "sample_begin"):
             assert numpy.array_equal(getattr(other.tool(), name), getattr(db.tool(), name)), name
+
+
+BODY = """
+[body]
+mesh = "{mesh}"
+length_unit = "m"
+[[support]]
+plane = {{ point_m = [0, 0, 1e-4], normal = [0, 0, 1] }}
+[reach]
+box_m = [[0.019, 0.019, 0.019], [0.021, 0.021, 1]]
+depth_max_m = 0.002
+[accuracy]
+force_relative = 0.5
+verify = 0
+depths = 3
+"""
+SOFT = """
+[[material]]
+region = "body"
+law = "{law}"
+youngs_modulus_pa = 5000.0
+poissons_ratio = 0.4
+"""
+BALL = """
+[[tool]]
+name = "ball"
+shape = "sphere"
+radius_m = 0.01
+"""
+SCENES = {
+    "neo-hookean": SOFT.format(law="neo-hookean") + BALL,
+    "relaxing": SOFT.format(law="linear") + "relaxation = { g = [0.3, 0.2], tau_s = [0.1, 1.0] }" + BALL,
+    "yielding": SOFT.format(law="linear") + "plastic = { yield_depth_m = 0.0005, share = 0.4 }" + BALL,
+    "ogden": '[[material]]\nregion = "body"\nlaw = "ogden"\nmu_pa = [1500.0]\nalpha = [2.5]\npoissons_ratio = 0.4' + BALL,
+    "punch": SOFT.format(law="linear")
+             + '[[tool]]\nname = "punch"\nshape = "flat-punch"\nradius_m = 0.006\nedge_radius_m = 0.002',
+    "cone": SOFT.format(law="linear")
+            + '[[tool]]\nname = "cone"\nshape = "cone"\nhalf_angle_deg = 60\ntip_radius_m = 0.005\nfriction = 0.2\npresliding_m = 1e-4',
+    "capsule": SOFT.format(law="linear")
+               + '[[tool]]\nname = "rod"\nshape = "capsule"\nradius_m = 0.01\nlength_m = 0.01\naxis = [1, 0, 1]',
+    "drawn": SOFT.format(law="linear") + BALL + "[drawing]\ndisplacement = true"}
+
+
+def arrays_in(part):
+    """Every array of a tool, and what its dicts hold."""
+    found = {}
+    for name in dir(part):
+        value = getattr(part, name)
+        found.update({f"{name}/{k}": v for k, v in value.items()} if isinstance(value, dict) else {name: value})
+    return {name: value for name, value in found.items() if isinstance(value, (numpy.ndarray, float, int, str, list))
+            and not name.startswith("__")}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_databases_of_dicts_are_those_of_files(name, tmp_path):
+    import tomllib
+    write_obj(tmp_path / "block.obj", *block())
+    text = BODY.format(mesh=tmp_path / "block.obj") + SCENES[name]
+    (tmp_path / "scene.toml").write_text(text)
+    subprocess.run([palpate.find_tool("palpate-precompute"), "build", tmp_path / "scene.toml", "-o", tmp_path / "tool.h5"],
+                   check=True, capture_output=True)
+    by_tool = palpate.open(tmp_path / "tool.h5").tool()
+    by_dict = palpate.build(tomllib.loads(text)).tool()
+    wanted, got = arrays_in(by_tool), arrays_in(by_dict)
+    assert wanted.keys() == got.keys() and len(wanted) > 40 and by_tool.force_n.max() > 0.0
+    for key, value in wanted.items():
+        assert numpy.array_equal(got[key], value, equal_nan=isinstance(value, (numpy.ndarray, float))
+                                 and numpy.asarray(value).dtype.kind == "f"), key
 
 
 @pytest.mark.parametrize("change, says", [
@@ -186,7 +255,6 @@ def test_meshes_of_others_are_taken_by_their_arrays():
 
 
 def test_coordinates_keep_all_of_their_digits(tmp_path):
-    from palpate._mesh import write_obj
     vertices, triangles = block()
     vertices = vertices * (1.0 + numpy.random.default_rng(1).uniform(0, 1, vertices.shape)) + 1e-17
     write_obj(tmp_path / "odd.obj", vertices, triangles)
