@@ -128,7 +128,9 @@ def test_a_thread_does_the_slow_steps(built):
     renderer.stop()
     renderer.start()
     assert press(renderer)[2] > 0.005
-    del renderer  # ends the thread
+    with_thread = len(os.listdir("/proc/self/task"))
+    del renderer
+    assert len(os.listdir("/proc/self/task")) == with_thread - 1
 
 
 def test_starting_and_ending_from_many_threads_is_one_at_a_time(built):
@@ -171,7 +173,7 @@ def test_without_slow_steps_a_contact_stalls_and_says_what_to_do(built):
             renderer.step(path(300)[40], 0.001)
 
 
-@pytest.mark.parametrize("wrong", [None, "abc", 1.0, [1, 2], [1, 2, 3, 4], [[1, 2, 3]], [1, 2, None],
+@pytest.mark.parametrize("wrong", [None, "abc", 1.0, [1, 2], [1, 2, 3, 4], [[1, 2, 3]], [1, 2, None], numpy.zeros(2),
                                    numpy.zeros(3, complex)])
 def test_wrong_positions_are_refused_and_move_nothing(built, wrong):
     renderer = palpate.Renderer(built, "ball")
