@@ -103,6 +103,12 @@ def test_wrong_curves_are_refused(wrong):
         palpate.fit(wrong)
 
 
+@pytest.mark.parametrize("forces, times", [(19, 20), (21, 20), (20, 19), (20, 21)])
+def test_as_many_depths_forces_and_times_are_needed(forces, times):
+    with pytest.raises(palpate.InputError, match=f"^20 depths, {forces} forces and {times} times"):
+        palpate.fit((range(20), range(forces), range(times)))
+
+
 @pytest.mark.parametrize("options, kind, says", [
     ({"tool": "needle"}, palpate.InputError, "needle"), ({"tool": "sphere"}, palpate.InputError, "radius_m"),
     ({"tool": "sphere", "radius_m": -1.0}, palpate.InputError, "radius_m is -1"),

@@ -130,7 +130,11 @@ def test_a_thread_does_the_slow_steps(built):
     assert press(renderer)[2] > 0.005
     with_thread = len(os.listdir("/proc/self/task"))
     del renderer
-    assert len(os.listdir("/proc/self/task")) == with_thread - 1
+    for _ in range(100):  # the kernel strikes it off a little later
+        if len(os.listdir("/proc/self/task")) < with_thread:
+            return
+        time.sleep(0.05)
+    pytest.fail("the thread goes on")
 
 
 def test_starting_and_ending_from_many_threads_is_one_at_a_time(built):

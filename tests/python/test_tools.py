@@ -164,6 +164,19 @@ def test_an_exception_of_the_progress_ends_the_tool():
     assert len(children()) == before
 
 
+def test_the_tool_may_clean_up_before_it_ends(monkeypatch, tmp_path):
+    def stop(line):
+        raise Interrupted(line)
+    own = tmp_path / "palpate-precompute"
+    own.write_text(f"#!/bin/sh\ntrap 'echo cleaned > {tmp_path}/left; exit 130' INT\necho at work >&2\n"
+                   "while true; do sleep 0.05; done\n")
+    own.chmod(0o755)
+    monkeypatch.setenv("PALPATE_TOOLS", str(tmp_path))
+    with pytest.raises(Interrupted, match="at work"):
+        palpate.build({"body": {"mesh": block()}, **SCENE}, progress=stop)
+    assert (tmp_path / "left").read_text() == "cleaned\n"
+
+
 def test_ctrl_c_ends_the_tool_and_leaves_nothing_behind(tmp_path):
     env = {**os.environ, "TMPDIR": str(tmp_path)}
     program = ("import palpate, test_tools, sys\n"
