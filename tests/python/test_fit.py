@@ -169,11 +169,11 @@ def test_presses_that_cannot_be_read_are_left_out_with_a_warning(tmp_path):
         palpate.load(3)
 
 
-def places(n=30):
+def places(n=12):
     """Points of the flat sheet, their curves: stiffer towards +x."""
     random = numpy.random.default_rng(3)
     at = numpy.column_stack([random.uniform(0.002, 0.038, (n, 2)), numpy.zeros(n)])
-    return at, [layouts.curve(i, 120, 1.0 + 20.0 * p[0])[:2] for i, p in enumerate(at)]
+    return at, [layouts.curve(i, 60, 1.0 + 20.0 * p[0])[:2] for i, p in enumerate(at)]
 
 
 @pytest.fixture(scope="module")
@@ -194,14 +194,19 @@ def session(tmp_path_factory):
     return folder / "session.toml"
 
 
+@pytest.fixture(scope="module")
+def surface(session):
+    return palpate.fit_surface(session)
+
+
 def without_time(report):
     return {name: value for name, value in report.items() if name != "seconds"}
 
 
-def test_a_surface_is_fitted_as_the_tool_does(session, tmp_path):
+def test_a_surface_is_fitted_as_the_tool_does(session, surface, tmp_path):
     done = subprocess.run([palpate.find_tool("palpate-fit"), "surface", session, "-o", tmp_path / "tool.h5", "--json"],
                           capture_output=True, text=True, check=True)
-    fit = palpate.fit_surface(session)
+    fit = surface
     assert without_time(fit.to_dict()) == without_time(json.loads(done.stdout))
     fit.database.save(tmp_path / "own.h5")
     assert (tmp_path / "own.h5").read_bytes() == (tmp_path / "tool.h5").read_bytes()
@@ -209,10 +214,10 @@ def test_a_surface_is_fitted_as_the_tool_does(session, tmp_path):
     assert table["depth_m"].size == len(fit.to_dict()["left_one_out"]) > 0
 
 
-def test_a_surface_of_arrays_is_that_of_the_files(session):
+def test_a_surface_of_arrays_is_that_of_the_files(surface):
     import conftest
     at, curves = places()
-    by_files = palpate.fit_surface(session)
+    by_files = surface
     by_arrays = palpate.fit_surface(curves, positions=at, mesh=conftest.sheet(), radius_m=0.002)
     assert without_time(by_arrays.to_dict()) == without_time(by_files.to_dict())
     one, other = by_arrays.database.tool(), by_files.database.tool()
@@ -240,7 +245,7 @@ def test_all_runs_of_a_session_are_those_of_batch(session, tmp_path):
 def test_a_session_tells_its_progress_and_ends_when_told(session, threads):
     told = []
     palpate.fit_session(session, threads=threads, progress=lambda *of: told.append(of))
-    assert sorted(told) == [(i, 30) for i in range(1, 31)]
+    assert sorted(told) == [(i, 12) for i in range(1, 13)]
 
     def stop(done, files):
         told.append(done)
