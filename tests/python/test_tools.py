@@ -1,7 +1,9 @@
 import os
+import pathlib
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import types
 
@@ -149,19 +151,27 @@ class Interrupted(Exception):
     pass
 
 
-def children():
-    """Processes that work on a scene of ours."""
-    found = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout
-    return [line for line in found.splitlines() if "palpate-precompute build" in line and "/palpate-" in line]
+def children(folder):
+    """Tools that work on a scene in the folder."""
+    found = []
+    for process in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            arguments = process.read_bytes().decode(errors="replace").split("\0")
+        except OSError:  # it has ended
+            continue
+        if arguments[0].endswith("palpate-precompute") and any(str(folder) in part for part in arguments[1:]):
+            found.append(" ".join(arguments))
+    return found
 
 
-def test_an_exception_of_the_progress_ends_the_tool():
+def test_an_exception_of_the_progress_ends_the_tool(monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+
     def stop(line):
         raise Interrupted(line)
-    before = len(children())
     with pytest.raises(Interrupted):
         palpate.build({"body": {"mesh": block()}, **LONG}, progress=stop)
-    assert len(children()) == before
+    assert not children(tmp_path) and not list(tmp_path.iterdir())
 
 
 def test_the_tool_may_clean_up_before_it_ends(monkeypatch, tmp_path):
@@ -190,7 +200,7 @@ def test_ctrl_c_ends_the_tool_and_leaves_nothing_behind(tmp_path):
         assert process.stdout.readline()  # at work
         process.send_signal(signal.SIGINT)
         assert process.wait(30) == 7
-    assert not [line for line in children() if str(tmp_path) in line] and not list(tmp_path.iterdir())
+    assert not children(tmp_path) and not list(tmp_path.iterdir())
 
 
 def test_threads_wait_for_tools_of_their_own():
@@ -280,7 +290,6 @@ def test_coordinates_keep_all_of_their_digits(tmp_path):
 
 
 def test_dicts_become_toml_that_says_the_same():
-    import pathlib
     import tomllib
 
     from palpate._toml import toml
