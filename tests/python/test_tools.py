@@ -275,6 +275,8 @@ def test_meshes_of_others_are_taken_by_their_arrays():
                   types.SimpleNamespace(points=vertices, faces=numpy.arange(7))):
         with pytest.raises(palpate.InputError):
             palpate.check(wrong)
+    with pytest.raises(palpate.InputError, match=r"nodes from 1 to 50, must lie in \[0, 49\]"):
+        palpate.check(vertices, triangles + 1)
 
 
 def test_coordinates_keep_all_of_their_digits(tmp_path):
