@@ -1,5 +1,6 @@
-# What an installation holds, as three components and three Debian packages: the tools,
-# the shared library of the C interface, and what a program needs to be built with it.
+# What an installation holds, as components and Debian packages: the tools, the shared
+# library of the C interface, what a program needs to be built with it, and, where there
+# is pybind11, the Python package.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -35,7 +36,17 @@ configure_file(cmake/palpate.pc.in palpate.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/palpate.pc
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 install(DIRECTORY runtime/c_api/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
-foreach(part tools:palpate runtime:libpalpate-runtime dev:libpalpate-dev)
+set(parts tools:palpate runtime:libpalpate-runtime dev:libpalpate-dev)
+if(TARGET python)
+  list(APPEND parts python:python3-palpate)
+  set(packages lib/python3/dist-packages/palpate)  # Debian's
+  install(TARGETS python LIBRARY DESTINATION ${packages} COMPONENT python)
+  install(DIRECTORY python/palpate/ DESTINATION ${packages} COMPONENT python
+          FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed")
+  install(DIRECTORY python/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-palpate
+          COMPONENT python)
+endif()
+foreach(part ${parts})
   string(REPLACE ":" ";" part ${part})
   list(GET part 0 component)
   list(GET part 1 package)
@@ -46,7 +57,7 @@ foreach(part tools:palpate runtime:libpalpate-runtime dev:libpalpate-dev)
 endforeach()
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_COMPONENTS_ALL tools runtime dev)
+list(TRANSFORM parts REPLACE ":.*" "" OUTPUT_VARIABLE CPACK_COMPONENTS_ALL)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_CONTACT "palpate")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -56,6 +67,14 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libpalpate-runtime (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
+if(TARGET python)
+  execute_process(COMMAND ${PYTHON_EXECUTABLE} -c
+    "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}), python3 (<< {a}.{b + 1})', end='')"
+    OUTPUT_VARIABLE python_versions COMMAND_ERROR_IS_FATAL ANY)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${python_versions}, python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS palpate)  # build(), check(), ... run its tools
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+endif()
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
@@ -65,4 +84,6 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
     "passive haptic rendering of response databases: shared library")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
     "passive haptic rendering of response databases: C header and build files")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+    "force-deflection responses of soft bodies: Python package")
 include(CPack)

@@ -1,5 +1,4 @@
 // palpate-fit curve: one measured curve in, its contact point, law and response out.
-#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -11,17 +10,11 @@
 
 #include "fitting/command/commands.h"
 #include "fitting/command/curve_file.h"
-#include "fitting/command/indenter_options.h"
+#include "fitting/command/indenter_flags.h"
 #include "fitting/command/machine_options.h"
-#include "fitting/curve/corrected_press.h"
-#include "fitting/curve/fit_rating.h"
 #include "fitting/curve/fitted_response.h"
-#include "fitting/curve/measured_approach.h"
-#include "fitting/curve/parameter_json.h"
-#include "fitting/curve/power_law_fit.h"
-#include "fitting/material/moduli.h"
-#include "fitting/session/batch.h"
 #include "fitting/session/corrections_report.h"
+#include "fitting/session/press_fit.h"
 #include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
 
@@ -41,18 +34,13 @@ struct CurveOptions {
 struct CurveResult {
   CurveRead read;
   std::string tip;  // what was taken of the file's tip
-  std::optional<FrameRun> frame;
-  PressCorrections corrections;
-  Approach approach;
-  ContactFit fit;
-  FamilyChoice choice;
-  Modulus modulus;
-  std::vector<FitFlag> flags;  // the fit's, then the modulus' own
+  PressFit press;
 };
 
-// What the machine adds is taken off; what is left is fitted.
-CorrectedPress corrected(const CurveOptions& options, CurveResult& result) {
-  result.frame = frame_of(options.machine, [&](const std::string& file) {
+void compute(const CurveOptions& options, const Indenter& indenter,
+             CurveResult& result) {
+  PressFitOptions wanted{.range = options.range, .indenter = indenter, .frame = {}};
+  wanted.frame = frame_of(options.machine, [&](const std::string& file) {
     CurveFile plate = options.file;
     plate.file = file;
     plate.press = CurveFile::kNoPress;
@@ -61,55 +49,15 @@ CorrectedPress corrected(const CurveOptions& options, CurveResult& result) {
   Measurement& samples = result.read.measurement.samples;
   try {
     samples = press_of(options.machine, samples);
-    return correct_press(samples, result.frame ? &result.frame->frame : nullptr,
-                         options.range);
+    result.press = fit_press(samples, wanted);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", options.file.file, error.what()));
+  } catch (const NumericalError& error) {
+    throw NumericalError(fmt::format("{}: {}", options.file.file, error.what()));
   }
 }
 
-void compute(const CurveOptions& options, const Indenter& indenter,
-             CurveResult& result) {
-  CorrectedPress press = corrected(options, result);
-  model_adhesion(indenter, press);
-  result.corrections = press.corrections;
-  result.approach = press.approach;
-  result.fit = press.contact;
-  if (!result.fit.converged) {
-    throw NumericalError(fmt::format("{}: the fit did not converge in {} iterations",
-                                     options.file.file, result.fit.iterations));
-  }
-  const std::vector<std::string> all(kFamilyNames.begin(), kFamilyNames.end());
-  result.choice =
-      fit_families(result.approach, result.fit, all, "aicc", {.cross_validate = false});
-  result.flags = result.fit.flags;
-  take_misfit(result.choice, result.flags);
-  result.modulus = corrected_modulus(press, indenter);
-  for (const FitFlag flag : result.modulus.flags) {
-    if (std::find(result.flags.begin(), result.flags.end(), flag) ==
-        result.flags.end()) {
-      result.flags.push_back(flag);
-    }
-  }
-}
-
-nlohmann::ordered_json curve_json(const FamilyChoice& choice) {
-  if (choice.fits.empty()) {
-    return nullptr;
-  }
-  const FamilyFit& best = choice.fits.front();
-  nlohmann::ordered_json json{
-      {"family", best.family}, {"parameters", to_json(best.parameters)},
-      {"rms_n", best.rms_n},   {"missed_rms_n", best.misfit.missed_rms},
-      {"misses", best.misses}, {"features", nlohmann::json::array()}};
-  for (const CurveFeature& feature : choice.features) {
-    json["features"].push_back(to_json(feature));
-  }
-  return json;
-}
-
-void print_json(const CurveResult& r, const CurveOptions& options,
-                const Indenter& indenter) {
+void print_json(const CurveResult& r, const Indenter& indenter) {
   nlohmann::ordered_json json;
   json["layout"] = r.read.layout;
   json["press"] = r.read.press;
@@ -117,36 +65,7 @@ void print_json(const CurveResult& r, const CurveOptions& options,
   json["force_column"] = r.read.measurement.force_column;
   json["notes"] = r.read.measurement.notes;
   json["tip"] = r.tip;
-  json["family"] = r.fit.family;
-  json["parameters"] = to_json(r.fit.parameters);
-  json["contact_point_m"] = r.fit.contact.m;
-  json["contact_point_sd_m"] = r.fit.contact.sd_m;
-  json["rms_n"] = r.fit.rms_n;
-  json["curve"] = curve_json(r.choice);
-  json["flags"] = to_json(r.flags);
-  json["youngs_modulus_pa"] = r.modulus.youngs_modulus_pa;
-  json["youngs_modulus_sd_pa"] = r.modulus.sd_pa;
-  json["youngs_modulus_refused"] = r.modulus.refused;
-  json["poissons_ratio"] = options.indenter.poissons_ratio;
-  json["mean_stiffness_n_per_m"] = r.fit.mean_stiffness_n_per_m;
-  json["depth_max_m"] = r.fit.depth_max_m;
-  json["noise_sd_n"] = r.choice.noise_sd_n;
-  json["press_work_j"] = r.approach.press_work_j;
-  json["release_work_j"] = r.approach.release_work_j;
-  json["samples"] = r.read.measurement.samples.force_n.size();
-  json["samples_used"] = r.fit.samples_used;
-  json["outliers"] = r.fit.outliers;
-  json["spikes"] = r.approach.spikes;
-  json["hold_samples"] = r.approach.hold_samples;
-  json["retract_samples"] = r.approach.retract_samples;
-  json["frame"] = nullptr;
-  if (r.frame) {
-    json["frame"] = {{"stiffness_n_per_m", r.frame->frame.stiffness_n_per_m},
-                     {"stiffness_sd_n_per_m", r.frame->frame.stiffness_sd_n_per_m},
-                     {"linear", r.frame->frame.linear}};
-  }
-  json["corrections"] = corrections_json(r.corrections, indenter);
-  json["seconds"] = r.fit.seconds;
+  json.update(to_json(r.press, indenter));
   fmt::print("{}\n", json.dump());
 }
 
@@ -188,10 +107,10 @@ void print_curve(const FamilyChoice& choice) {
 }
 
 void print_corrections(const CurveResult& r, const Indenter& indenter) {
-  if (r.frame) {
-    fmt::print("{:<24} {}\n", "frame", describe_frame(r.frame));
+  if (r.press.frame) {
+    fmt::print("{:<24} {}\n", "frame", describe_frame(r.press.frame));
   }
-  const std::string text = corrections_text(r.corrections, indenter);
+  const std::string text = corrections_text(r.press.corrections, indenter);
   if (!text.empty()) {
     fmt::print("{:<24} {}\n", "machine", text);
   }
@@ -199,47 +118,45 @@ void print_corrections(const CurveResult& r, const Indenter& indenter) {
 
 void print_report(const CurveResult& r, const CurveOptions& options,
                   const Indenter& indenter) {
-  const auto& approach = r.approach;
+  const auto& approach = r.press.approach;
   print_columns(r, options);
   fmt::print(
       "{:<24} {} of {} samples ({} held, {} retracting, {} spikes, {} outliers)\n",
-      "approach", r.fit.samples_used, r.read.measurement.samples.force_n.size(),
-      approach.hold_samples, approach.retract_samples, approach.spikes, r.fit.outliers);
-  if (r.fit.family == "power_law") {
+      "approach", r.press.contact.samples_used,
+      r.read.measurement.samples.force_n.size(), approach.hold_samples,
+      approach.retract_samples, approach.spikes, r.press.contact.outliers);
+  if (r.press.contact.family == "power_law") {
     fmt::print("{:<24} b0 + b1 x + K max(x - x0, 0)^p\n", "law");
-    for (const FitParameter& p : r.fit.parameters) {
+    for (const FitParameter& p : r.press.contact.parameters) {
       print_line(p.name, p.value, p.sd,
                  p.held.empty() ? p.unit : fmt::format("{} ({})", p.unit, p.held));
     }
     const double nothing = std::numeric_limits<double>::quiet_NaN();
-    if (r.fit.contact.m != r.fit.contact_point_m) {
-      print_line("contact point", r.fit.contact.m, r.fit.contact.sd_m,
+    if (r.press.contact.contact.m != r.press.contact.contact_point_m) {
+      print_line("contact point", r.press.contact.contact.m,
+                 r.press.contact.contact.sd_m,
                  "m, of the curve's beginning: the law misses the whole");
     }
-    print_line("depth", r.fit.depth_max_m, nothing, "m beyond the law's contact point");
-    print_line("residual", r.fit.rms_n, nothing,
-               fmt::format("N rms (noise {:.3g} N)", r.choice.noise_sd_n));
-    print_line("mean stiffness", r.fit.mean_stiffness_n_per_m, nothing, "N/m");
-    print_curve(r.choice);
+    print_line("depth", r.press.contact.depth_max_m, nothing,
+               "m beyond the law's contact point");
+    print_line("residual", r.press.contact.rms_n, nothing,
+               fmt::format("N rms (noise {:.3g} N)", r.press.choice.noise_sd_n));
+    print_line("mean stiffness", r.press.contact.mean_stiffness_n_per_m, nothing,
+               "N/m");
+    print_curve(r.press.choice);
   }
-  if (r.modulus.refused.empty()) {
-    print_line("Young's modulus", r.modulus.youngs_modulus_pa, r.modulus.sd_pa,
-               fmt::format("Pa ({}, Poisson's ratio {})", r.modulus.law,
+  if (r.press.modulus.refused.empty()) {
+    print_line("Young's modulus", r.press.modulus.youngs_modulus_pa,
+               r.press.modulus.sd_pa,
+               fmt::format("Pa ({}, Poisson's ratio {})", r.press.modulus.law,
                            options.indenter.poissons_ratio));
   } else {
-    fmt::print("{:<24} none: {}\n", "Young's modulus", r.modulus.refused);
+    fmt::print("{:<24} none: {}\n", "Young's modulus", r.press.modulus.refused);
   }
   print_corrections(r, indenter);
-  for (const FitFlag flag : r.flags) {
+  for (const FitFlag flag : r.press.flags) {
     fmt::print("flag {:<28} {}\n", flag_name(flag), flag_meaning(flag));
   }
-}
-
-const FamilyFit& best_of(const FamilyChoice& choice) {
-  if (choice.fits.empty()) {
-    throw NumericalError("empty run: the force never leaves the noise, no response");
-  }
-  return choice.fits.front();
 }
 
 void run(CurveOptions& options) {
@@ -260,11 +177,10 @@ void run(CurveOptions& options) {
   compute(options, indenter, result);
   if (!options.output.empty()) {
     write_database(options.output,
-                   sample_patch(best_of(result.choice), result.read.measurement.samples,
+                   sample_patch(best_of(result.press), result.read.measurement.samples,
                                 *tool, options.file.file));
   }
-  options.json ? print_json(result, options, indenter)
-               : print_report(result, options, indenter);
+  options.json ? print_json(result, indenter) : print_report(result, options, indenter);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "fitting/command/indenter_options.h"
+#include "fitting/material/indenter_options.h"
 #include "formats/measurement/instrument_file.h"
 
 namespace palpate {

@@ -82,8 +82,10 @@ ResponseDatabase sample_patch(const FamilyFit& fit, const Measurement& measureme
   database.tools.push_back(make_table(tool, std::vector<NodeResponse>(4, response)));
   database.measurement = measurement;
   database.provenance.writer = "palpate-fit " PALPATE_VERSION;
-  database.provenance.source_file = source.filename().string();
-  database.provenance.source_sha256 = sha256_of_file(source);
+  if (!source.empty()) {
+    database.provenance.source_file = source.filename().string();
+    database.provenance.source_sha256 = sha256_of_file(source);
+  }
   database.provenance.left_out =
       "nothing between the measured point and the rest of the sample: every node has "
       "the measured response";

@@ -22,7 +22,8 @@ namespace palpate {
 
 /// A flat square sample, 0.1 m wide, in the plane z = 0 with normal +z: 4 nodes, 2
 /// triangles, the same fitted response at every node, and the raw measurement.
-/// @param source the file that was measured; its name and digest are kept.
+/// @param source the file that was measured; its name and digest are kept; empty:
+/// none.
 /// @throws InputError for a tool out of range.
 [[nodiscard]] ResponseDatabase sample_patch(const FamilyFit& fit,
                                             const Measurement& measurement,

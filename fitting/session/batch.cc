@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <iterator>
 #include <map>
 #include <mutex>
@@ -21,15 +22,6 @@ namespace palpate {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-MeasurementFile read(const Session& session, const SessionRun& run) {
-  if (session.layout != SessionLayout::kAfmHdf5) {
-    return read_run(session, run);
-  }
-  static std::mutex hdf5;  // the serial library has one state
-  const std::lock_guard<std::mutex> lock(hdf5);
-  return read_run(session, run);
-}
 
 void collect_flags(RunResult& result) {
   result.flags = result.contact.flags;
@@ -141,7 +133,7 @@ std::vector<RunResult> fit_run(const Session& session, const SessionRun& run,
   std::string unreadable;
   const auto begin = Clock::now();
   try {
-    presses = split_presses(read(session, run).samples);
+    presses = split_presses(read_run(session, run).samples);
     chosen = chosen_cycles(session.fit.cycle.value_or(CycleChoice{}), presses.size());
   } catch (const std::exception& error) {
     unreadable = error.what();
@@ -177,12 +169,18 @@ BatchReport fit_session(const Session& session, unsigned threads,
   std::vector<std::vector<RunResult>> results(session.run.size());
   std::atomic<std::size_t> next{0}, done{0};
   std::mutex telling;
+  std::exception_ptr stopped;  // by progress
   const auto work = [&] {
     for (std::size_t i = next++; i < session.run.size(); i = next++) {
       results[i] = fit_run(session, session.run[i], frame);
       const std::size_t count = ++done;
       const std::lock_guard<std::mutex> lock(telling);
-      progress(count);
+      try {
+        progress(count);
+      } catch (...) {
+        stopped = std::current_exception();
+        next = session.run.size();
+      }
     }
   };
   {
@@ -191,6 +189,9 @@ BatchReport fit_session(const Session& session, unsigned threads,
       workers.emplace_back(work);
     }
     work();
+  }
+  if (stopped) {
+    std::rethrow_exception(stopped);
   }
   for (std::vector<RunResult>& presses : results) {
     std::move(presses.begin(), presses.end(), std::back_inserter(report.runs));

@@ -69,7 +69,8 @@ struct BatchReport {
 };
 
 /// @param threads at least 1. @param progress called now and then, from one thread at a
-/// time, with the number of files done. @throws InputError as session_frame().
+/// time, with the number of files done; what it throws ends the work, and comes out.
+/// @throws InputError as session_frame().
 [[nodiscard]] BatchReport fit_session(const Session& session, unsigned threads,
                                       const std::function<void(std::size_t)>& progress);
 

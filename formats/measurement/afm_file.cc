@@ -10,6 +10,7 @@
 
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_handle.h"
+#include "formats/hdf5/hdf5_io.h"
 #include "formats/measurement/column_name.h"
 
 namespace palpate {
@@ -152,6 +153,7 @@ herr_t collect_number(hid_t, const char* name, const H5L_info_t*, void* numbers)
 }  // namespace
 
 std::vector<int> afm_curves(const std::filesystem::path& file) {
+  const Hdf5Lock lock;
   const AfmFile afm(file);
   std::vector<int> numbers;
   (void)H5Literate(afm.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, &collect_number,
@@ -164,6 +166,7 @@ std::vector<int> afm_curves(const std::filesystem::path& file) {
 }
 
 MeasurementFile read_afm_curve(const std::filesystem::path& file, int number) {
+  const Hdf5Lock lock;
   const AfmFile afm(file);
   const std::string group = std::to_string(number);
   MeasurementFile result;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <mutex>
 
 #include <fmt/format.h>
 
@@ -27,14 +26,7 @@ bool is_hdf5(const fs::path&, std::string_view head) {
   return head.starts_with("\x89HDF\r\n\x1a\n");
 }
 
-// The serial HDF5 library has one state.
-std::mutex& hdf5_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
-
 InstrumentFile list_afm(const fs::path& file) {
-  const std::lock_guard<std::mutex> lock(hdf5_mutex());
   InstrumentFile result;
   for (const int number : afm_curves(file)) {
     result.curve.push_back({.number = number});
@@ -44,7 +36,6 @@ InstrumentFile list_afm(const fs::path& file) {
 
 MeasurementFile read_afm(const fs::path& file, const InstrumentCurve& curve,
                          const InstrumentRequest&) {
-  const std::lock_guard<std::mutex> lock(hdf5_mutex());
   return read_afm_curve(file, curve.number);
 }
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -42,22 +41,6 @@ void take(double value, double& into) {
   if (value != 0.0) {  // NaN is taken, and refused with the rest
     into = value;
   }
-}
-
-// The holds create energy: a host could not know.
-LocalModel passive_model(const char* name) {
-  const std::optional<LocalModel> model = local_model(name);
-  if (!model || !passive(*model)) {
-    std::string known;
-    for (const LocalModel each : kLocalModels) {
-      if (passive(each)) {
-        known += (known.empty() ? "" : ", ") + std::string(palpate::name(each));
-      }
-    }
-    throw InputError(
-        fmt::format("model \"{}\" is none of the passive ones: {}", name, known));
-  }
-  return *model;
 }
 
 }  // namespace

@@ -115,27 +115,53 @@ HostBody::HostBody(const std::filesystem::path& file, const HostOptions& options
   if (options_.streamed) {
     open_streamed(file);
   } else {
-    open_whole(file);
+    open_whole(std::make_shared<const ResponseDatabase>(read_database(file)));
   }
+  begin();
+}
+
+HostBody::HostBody(std::shared_ptr<const ResponseDatabase> database,
+                   const HostOptions& options)
+    : options_(options) {
+  check(options_);
+  if (options_.streamed) {
+    throw InputError("a database in memory is not streamed: name its file instead");
+  }
+  open_whole(std::move(database));
+  begin();
+}
+
+HostBody::~HostBody() {
+  stop_slow();
+}
+
+void HostBody::begin() {
   if (const char* wrong = check(fast_)) {
     throw InputError(fmt::format("fast step: {}", wrong));
   }
   if (!options_.own_slow_steps) {
+    start_slow();
+  }
+}
+
+void HostBody::start_slow() {
+  if (!thread_.joinable()) {
+    stop_.store(false);
     thread_ = std::thread([this] {
       run();
     });
   }
 }
 
-HostBody::~HostBody() {
+void HostBody::stop_slow() {
   stop_.store(true);
   if (thread_.joinable()) {
     thread_.join();
   }
 }
 
-void HostBody::open_whole(const std::filesystem::path& file) {
-  database_ = std::make_unique<const ResponseDatabase>(read_database(file));
+void HostBody::open_whole(std::shared_ptr<const ResponseDatabase> database) {
+  database_ = std::move(database);
   const ResponseTable& table = find_tool(*database_, options_.tool);
   tool_name_ = table.tool.name;
   fast_ = fast_config(options_, table.tool);

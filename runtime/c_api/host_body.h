@@ -36,6 +36,11 @@ class HostBody {
   /// @throws InputError, FormatError; InputError for a body that is stiffer than the
   /// device can render, unless options.limit_stiffness.
   HostBody(const std::filesystem::path& file, const HostOptions& options);
+
+  /// Of a database in memory, which file() does not name.
+  /// @throws InputError as above, and for options.streamed.
+  HostBody(std::shared_ptr<const ResponseDatabase> database,
+           const HostOptions& options);
   ~HostBody();
   HostBody(const HostBody&) = delete;
   HostBody& operator=(const HostBody&) = delete;
@@ -53,6 +58,12 @@ class HostBody {
   /// and coupled_set(); for a streamed body, for a model that several contacts have
   /// not, for a second tool that the device cannot render.
   Together add_together(const std::string& second);
+
+  /// Starts and ends the slow thread, by one thread at a time; nothing where it is so
+  /// already.
+  void start_slow();
+  void stop_slow();
+  [[nodiscard]] bool slow_runs() const noexcept { return thread_.joinable(); }
 
   /// One turn of the slow process, for every tool that has moved. @returns elements
   /// sent. @throws InputError if there is a slow thread; what ended the process.
@@ -83,11 +94,12 @@ class HostBody {
     HostTool tool;
   };
 
-  void open_whole(const std::filesystem::path& file);
+  void open_whole(std::shared_ptr<const ResponseDatabase> database);
   void open_contacts(const ResponseTable& table);
   void check_room() const;  // with mutex_ held
   HostTool& serve_contacts(const CoupledSet& set);
   void open_streamed(const std::filesystem::path& file);
+  void begin();
   void take_stiffness(const RenderedStiffness& stiffness);
   std::size_t serve();  // with mutex_ held
   void run() noexcept;
@@ -98,7 +110,7 @@ class HostBody {
   double force_scale_ = 1.0;
   double stiffness_n_per_m_ = 0.0;  // largest, at gains of 1 and scale 1
   FastConfig fast_;
-  std::unique_ptr<const ResponseDatabase> database_;             // null: streamed
+  std::shared_ptr<const ResponseDatabase> database_;             // null: streamed
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;
   std::unique_ptr<ContactStream> contact_stream_;  // of a tool of several contacts

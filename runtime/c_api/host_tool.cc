@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -65,6 +67,21 @@ void check(const HostOptions& options) {
   check_range("largest force [N]", options.force_max_n, 0.0, kEndless);
   check_range("stall limit [s]", options.stall_s, 0.0, kEndless);
   check_range("start-up ramp [s]", options.ramp_s, 0.0, kEndless);
+}
+
+LocalModel passive_model(std::string_view name) {
+  const std::optional<LocalModel> model = local_model(name);
+  if (!model || !passive(*model)) {
+    std::string known;
+    for (const LocalModel each : kLocalModels) {
+      if (passive(each)) {
+        known += (known.empty() ? "" : ", ") + std::string(palpate::name(each));
+      }
+    }
+    throw InputError(
+        fmt::format("model \"{}\" is none of the passive ones: {}", name, known));
+  }
+  return *model;
 }
 
 HostTool::HostTool(const FastConfig& fast, double tick_s, double stall_s)

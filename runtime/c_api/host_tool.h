@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -39,6 +40,10 @@ struct HostOptions {
 
 /// @throws InputError for the first value out of range.
 void check(const HostOptions& options);
+
+/// The model of that name, of those that create no energy: a host could not know of
+/// the others'. @throws InputError naming the passive ones.
+[[nodiscard]] LocalModel passive_model(std::string_view name);
 
 /// One tick of a host's tool.
 struct HostTick {

@@ -18,9 +18,9 @@
 
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_io.h"
-#include "formats/recording/recording.h"
 #include "runtime/c_api/given_options.h"
 #include "runtime/c_api/host_body.h"
+#include "runtime/c_api/host_surface.h"
 #include "runtime/c_api/palpate.h"
 
 struct palpate_tool {
@@ -318,17 +318,7 @@ int palpate_surface_save(palpate_tool* tool, const char* file, char* error,
     if (tool == nullptr || file == nullptr) {
       throw InputError("no tool or no file: a pointer is null");
     }
-    const std::filesystem::path& database = tool->body.file();
-    const std::string sha256 = palpate::database_sha256(database);
-    palpate::SurfaceState surface;
-    if (std::filesystem::exists(file)) {
-      surface = palpate::read_surface_state(file, sha256, database);
-    }
-    surface.writer = "libpalpate " PALPATE_VERSION;
-    surface.database = database.filename();
-    surface.database_sha256 = sha256;
-    surface.tool[tool->body.tool_name()] = tool->tool.yielded();
-    palpate::write_surface_state(file, surface);
+    palpate::save_surface(tool->body, tool->tool, file);
     return 0;
   });
 }
@@ -340,13 +330,9 @@ int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
     if (tool == nullptr) {
       throw InputError("no tool: the pointer is null");
     }
-    palpate::SurfaceState surface;
-    if (file != nullptr) {
-      const std::filesystem::path& database = tool->body.file();
-      surface = palpate::read_surface_state(file, palpate::database_sha256(database),
-                                            database);
-    }
-    tool->tool.begin_with(surface.tool[tool->body.tool_name()]);
+    palpate::load_surface(tool->body, tool->tool,
+                          file == nullptr ? std::optional<std::filesystem::path>()
+                                          : std::filesystem::path(file));
     return 0;
   });
 }

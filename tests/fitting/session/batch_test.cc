@@ -309,6 +309,24 @@ TEST_F(BatchTest, ABadFileIsListedAndStopsNothing) {
   EXPECT_EQ(page.find("http"), page.find("http-equiv"));  // nothing from elsewhere
 }
 
+TEST_F(BatchTest, WhatProgressThrowsEndsTheWorkAndComesOut) {
+  for (const char* name : {"a.csv", "b.csv", "c.csv", "d.csv", "e.csv"}) {
+    write(name, synthetic({}, 1));
+  }
+  const Session s = session(kRead);
+  for (const unsigned threads : {1U, 2U}) {
+    std::size_t told = 0;
+    EXPECT_THROW(static_cast<void>(fit_session(s, threads,
+                                               [&](std::size_t) {
+                                                 ++told;
+                                                 throw InputError("enough");
+                                               })),
+                 InputError);
+    EXPECT_LE(told, threads);  // those that were under way
+    EXPECT_GE(told, 1U);
+  }
+}
+
 TEST_F(BatchTest, ThePageShowsWhereOnTheBodyItWasMeasured) {
   write("a.csv", synthetic({}, 1));
   write("b.csv", synthetic({}, 2));

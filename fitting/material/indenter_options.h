@@ -1,11 +1,10 @@
-// The flags by which a tool is told what pressed.
+// An indenter as flags and arguments tell it: only what its shape has.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "fitting/material/indenter.h"
-#include "formats/base/command_line.h"
 
 namespace palpate {
 
@@ -18,13 +17,9 @@ struct IndenterOptions {
   std::optional<double> poissons_ratio_sd;
 };
 
-/// --tool, --radius-m, --half-angle-deg, --height-m, --thickness-m, --poissons-ratio,
-/// and of each but the first its standard deviation, --radius-sd-m and so on.
-void add_indenter_options(Command command, IndenterOptions& options);
-
 /// "unknown" where no shape is told.
 /// @throws InputError for a flag that the shape needs and misses, or does not have, and
-/// for a value out of range.
+/// for a value out of range; it names flags, "--radius-m".
 [[nodiscard]] Indenter indenter_of(const IndenterOptions& options);
 
 }  // namespace palpate

@@ -1,0 +1,19 @@
+// What each file of this folder adds to the module.
+#pragma once
+
+#include "python/binding/held_database.h"
+
+#include <pybind11/pybind11.h>
+
+namespace palpate {
+
+void bind_errors(pybind11::module_& module);
+void bind_optional(pybind11::class_<HeldTool>& type);
+void bind_tool(pybind11::module_& module);
+void bind_database(pybind11::module_& module);
+void bind_make(pybind11::module_& module);
+void bind_measurement(pybind11::module_& module);
+void bind_fit(pybind11::module_& module);
+void bind_renderer(pybind11::module_& module);
+
+}  // namespace palpate

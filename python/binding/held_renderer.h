@@ -1,0 +1,75 @@
+// The fast and the slow process of one tool, as Python holds them.
+#pragma once
+
+#include "python/binding/held_database.h"
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+#include <sys/types.h>
+
+#include "formats/base/error.h"
+#include "runtime/c_api/host_body.h"
+
+namespace palpate {
+
+/// The force is zero for good, until reset().
+class RenderingFault : public Error {
+ public:
+  explicit RenderingFault(const std::string& what) : Error(what, 4) {}
+};
+
+/// Steps, resets and what they tell are called under Python's lock, one at a time; slow
+/// steps and the slow thread go on without it.
+class HeldRenderer {
+ public:
+  /// Lives with the database. @throws as HostBody.
+  HeldRenderer(const std::shared_ptr<HeldDatabase>& held, HostOptions options);
+
+  /// Of a file, which may be streamed.
+  HeldRenderer(const std::filesystem::path& file, HostOptions options);
+
+  /// A forked child has no slow thread to wait for, so it leaves the body where it is.
+  ~HeldRenderer();
+  HeldRenderer(const HeldRenderer&) = delete;
+  HeldRenderer& operator=(const HeldRenderer&) = delete;
+
+  /// The C interface's tick (palpate_wrench()).
+  /// @param quaternion (4) x y z w; zero: none. @returns the latest tick.
+  /// @throws RenderingFault, at this tick and all that follow until reset().
+  const HostTick& step(const Eigen::Vector3d& position_m,
+                       const Eigen::Vector4d& quaternion, double dt_s);
+
+  void reset();
+
+  /// As save_surface(), load_surface(), while no slow thread runs.
+  void save_surface(const std::filesystem::path& file) const;
+  void load_surface(const std::optional<std::filesystem::path>& file);
+
+  /// @returns elements sent. @throws InputError while the thread runs.
+  std::size_t slow_step();
+
+  void start();
+  void stop();
+  [[nodiscard]] bool runs() const;
+
+  [[nodiscard]] const HostTick& latest() const noexcept { return latest_; }
+  [[nodiscard]] const HostBody& body() const noexcept { return *body_; }
+
+ private:
+  void refuse_other_process() const;
+  void refuse_running() const;
+  [[nodiscard]] std::string why_faulted(std::uint8_t fault) const;
+
+  std::unique_ptr<HostBody> body_;
+  HostTool* tool_;
+  HostTick latest_;
+  mutable std::mutex slow_;  // starting, ending, stepping: one at a time
+  pid_t process_;
+};
+
+}  // namespace palpate

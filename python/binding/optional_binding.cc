@@ -1,0 +1,94 @@
+// The parts of a tool that a database may leave out, as dicts of read-only arrays.
+#include "python/binding/array_view.h"
+#include "python/binding/bind.h"
+#include "python/binding/held_database.h"
+
+#include <pybind11/stl.h>
+
+namespace py = pybind11;
+
+namespace palpate {
+namespace {
+
+py::dict accuracy(const HeldTool& tool) {
+  const AccuracyRecord& from = tool.table->accuracy;
+  const py::object owner = py::cast(tool.held);
+  py::dict parts;
+  parts["budget_relative"] = from.budget_relative;
+  parts["error_factor"] = from.error_factor;
+  parts["hard_error_factor"] = from.hard_error_factor;
+  parts["verified"] = from.verified;
+  parts["quantile_level"] = looking_at(from.quantile_level, owner);
+  parts["error_relative"] = looking_at(from.error_relative, owner);
+  return parts;
+}
+
+py::dict displacement(const HeldTool& tool) {
+  const DisplacementField& from = tool.table->displacement;
+  const py::object owner = py::cast(tool.held);
+  py::dict parts;
+  parts["basis"] = rows_of(from.basis, owner);
+  parts["coefficient"] = rows_of(from.coefficient, owner);
+  parts["node"] = looking_at(from.node, owner);
+  parts["depth_m"] = looking_at(from.depth_m, owner);
+  parts["error_relative"] = looking_at(from.error_relative, owner);
+  return parts;
+}
+
+py::dict relaxation(const HeldTool& tool) {
+  const ResponseRelaxation& from = tool.table->relaxation;
+  const py::object owner = py::cast(tool.held);
+  py::dict parts;
+  parts["rule"] = from.rule;
+  parts["probes"] = from.probes;
+  parts["speed_m_per_s"] = from.speed_m_per_s;
+  parts["seconds"] = from.seconds;
+  parts["g_1"] = looking_at(from.terms.g_1, owner);
+  parts["g_2"] = looking_at(from.terms.g_2, owner);
+  parts["tau_1_s"] = looking_at(from.terms.tau_1_s, owner);
+  parts["tau_2_s"] = looking_at(from.terms.tau_2_s, owner);
+  return parts;
+}
+
+py::dict viscoelasticity(const HeldTool& tool) {
+  const Viscoelasticity& from = tool.table->viscoelasticity;
+  const py::object owner = py::cast(tool.held);
+  py::dict parts;
+  parts["rule"] = from.rule;
+  parts["probes"] = from.probes;
+  parts["instantaneous"] = from.instantaneous;
+  parts["speed_m_per_s"] = from.speed_m_per_s;
+  parts["tau_s"] = looking_at(from.tau_s, owner);
+  parts["g"] = rows_of(from.g, owner);
+  parts["error_relative"] = looking_at(from.error_relative, owner);
+  parts["site_spacing_m"] = from.sites.spacing_m;
+  parts["site_node"] = looking_at(from.sites.node, owner);
+  parts["site"] = rows_of(from.sites.site, owner);
+  parts["site_weight"] = rows_of(from.sites.weight, owner);
+  parts["bundle_depth_m"] = looking_at(from.bundle_depth_m, owner);
+  for_each_dataset(from.yielding, [&](const std::string& name, const char* /*units*/,
+                                      const std::vector<double>& rows) {
+    parts[py::str(name.substr(1))] = looking_at(rows, owner);  // "plastic/share"
+  });
+  return parts;
+}
+
+}  // namespace
+
+void bind_optional(py::class_<HeldTool>& type) {
+  type.def_property_readonly(
+      "accuracy", &accuracy,
+      "how well the budget was kept; budget_relative 0: no record");
+  type.def_property_readonly("displacement", &displacement,
+                             "surface under the tool: basis (3 n, m) [-], coefficient "
+                             "(k, m) [m], node (k,), depth_m (k,)");
+  type.def_property_readonly(
+      "relaxation", &relaxation,
+      "what holds showed: g_1, g_2 [-], tau_1_s, tau_2_s [s], one "
+      "row or (n,); empty if unknown");
+  type.def_property_readonly("viscoelasticity", &viscoelasticity,
+                             "as it is rendered: tau_s (K,) [s], g (1 or n, K) [-], "
+                             "memory sites, yielding; empty if nothing relaxes");
+}
+
+}  // namespace palpate

@@ -1,0 +1,323 @@
+// Passive rendering for loops that are written in Python.
+#include "python/binding/array_view.h"
+#include "python/binding/bind.h"
+#include "python/binding/held_renderer.h"
+#include "python/binding/number_array.h"
+#include "python/binding/option.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+namespace py = pybind11;
+
+namespace palpate {
+namespace {
+
+py::array_t<double> array_of(const Eigen::Vector3d& vector) {
+  return py::array_t<double>(py::ssize_t{3}, vector.data());
+}
+
+// The three numbers of an array that holds them as they are, else of anything.
+Eigen::Vector3d position_of(const py::handle& values) {
+  if (py::isinstance<py::array_t<double, py::array::c_style>>(values)) {
+    const auto array = py::reinterpret_borrow<py::array>(values);
+    if (array.ndim() == 1 && array.shape(0) == 3) {
+      return Eigen::Map<const Eigen::Vector3d>(
+          static_cast<const double*>(array.data()));
+    }
+  }
+  Eigen::Vector3d position;
+  take_row(values, "position", 3, position.data());
+  return position;
+}
+
+py::array_t<double> force_after(HeldRenderer& renderer, const py::handle& position,
+                                double dt_s) {
+  return array_of(renderer.step(position_of(position), Eigen::Vector4d::Zero(), dt_s)
+                      .command.force_n);
+}
+
+py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
+                       const py::handle& orientation, double dt_s) {
+  Eigen::Vector4d quaternion;
+  take_row(orientation, "orientation", 4, quaternion.data());
+  const HostTick& tick = renderer.step(position_of(position), quaternion, dt_s);
+  return py::make_tuple(array_of(tick.command.force_n), array_of(tick.torque_n_m));
+}
+
+// None of the options has a meaning of its own here: those of the C interface.
+template <typename Source>
+std::unique_ptr<HeldRenderer> make(const Source& source, const std::string& tool,
+                                   const std::string& model, const py::kwargs& given) {
+  HostOptions options;
+  options.tool = tool;
+  options.model = passive_model(model);
+  take_option(given, "tick_s", options.tick_s);
+  take_option(given, "slow_hz", options.slow_hz);
+  take_option(given, "force_max_n", options.force_max_n);
+  take_option(given, "stall_s", options.stall_s);
+  take_option(given, "ramp_s", options.ramp_s);
+  take_option(given, "position_gain", options.position_gain);
+  take_option(given, "force_gain", options.force_gain);
+  take_option(given, "damping_n_s_per_m", options.damping_n_s_per_m);
+  take_option(given, "angular_damping_n_m_s", options.angular_damping_n_m_s);
+  take_option(given, "delay_s", options.delay_s);
+  take_option(given, "limit_stiffness", options.limit_stiffness);
+  take_option(given, "streamed", options.streamed);
+  refuse_rest(given, "Renderer");
+  return std::make_unique<HeldRenderer>(source, std::move(options));
+}
+
+using Type = py::class_<HeldRenderer>;
+
+// Of the latest tick.
+template <typename Read>
+void tell(Type& type, const char* name, Read read, const char* text) {
+  type.def_property_readonly(
+      name,
+      [read](const HeldRenderer& renderer) {
+        return read(renderer.latest());
+      },
+      text);
+}
+
+void bind_account(Type& type) {
+  using Tick = const HostTick&;
+  tell(
+      type, "work_j",
+      [](Tick t) {
+        return t.work_j;
+      },
+      "[J] put in by the tool since the start = stored + tank + dissipated + memory");
+  tell(
+      type, "stored_j",
+      [](Tick t) {
+        return t.command.stored_j;
+      },
+      "[J] in the local model");
+  tell(
+      type, "tank_j",
+      [](Tick t) {
+        return t.command.tank_j;
+      },
+      "[J] >= 0 that changes of the model freed");
+  tell(
+      type, "dissipated_j",
+      [](Tick t) {
+        return t.command.dissipated_j;
+      },
+      "[J] >= 0 by friction, relaxing and discarded surplus");
+  tell(
+      type, "memory_j",
+      [](Tick t) {
+        return t.command.memory_j;
+      },
+      "[J] >= 0 in dents that have not recovered");
+  tell(
+      type, "yielded_j",
+      [](Tick t) {
+        return t.command.yielded_j;
+      },
+      "[J] >= 0 dissipated by dents that stay and by softening");
+}
+
+void bind_place(Type& type) {
+  using Tick = const HostTick&;
+  tell(
+      type, "force",
+      [](Tick t) {
+        return array_of(t.command.force_n);
+      },
+      "(3,) [N] on the tool");
+  tell(
+      type, "torque",
+      [](Tick t) {
+        return array_of(t.torque_n_m);
+      },
+      "(3,) [N m] about the reference point; 0 of a tool of one contact");
+  tell(
+      type, "contact_point",
+      [](Tick t) {
+        return array_of(t.contact.point_m);
+      },
+      "(3,) [m] on the surface at rest");
+  tell(
+      type, "normal",
+      [](Tick t) {
+        return array_of(t.contact.normal);
+      },
+      "(3,) [-] there, outward; 0: no element yet");
+  tell(
+      type, "depth_m",
+      [](Tick t) {
+        return t.command.depth_m;
+      },
+      "[m] penetration");
+  tell(
+      type, "dent_m",
+      [](Tick t) {
+        return t.command.dent_m;
+      },
+      "[m] >= 0 that stays under the tool");
+  tell(
+      type, "tilt_rad",
+      [](Tick t) {
+        return t.tilt_rad;
+      },
+      "[rad] between the tool's orientation and that of the responses");
+  tell(
+      type, "triangle",
+      [](Tick t) {
+        return t.contact.triangle;
+      },
+      "of the database, in use; -1: none");
+}
+
+void bind_state(Type& type) {
+  using Tick = const HostTick&;
+  tell(
+      type, "in_contact",
+      [](Tick t) {
+        return t.command.in_contact;
+      },
+      "");
+  tell(
+      type, "contacts",
+      [](Tick t) {
+        return t.contacts;
+      },
+      "that carry something, of a tool of several");
+  tell(
+      type, "coupling_scaled",
+      [](Tick t) {
+        return t.scaled;
+      },
+      "whether some contacts lie too close to be coupled as they are");
+  tell(
+      type, "starved",
+      [](Tick t) {
+        return t.command.starved;
+      },
+      "whether the element under the tool had not arrived");
+  tell(
+      type, "extrapolated",
+      [](Tick t) {
+        return t.command.extrapolated;
+      },
+      "whether the tool is deeper than the response was computed");
+  tell(
+      type, "fault",
+      [](Tick t) {
+        return std::string(palpate::name(static_cast<Fault>(t.command.fault)));
+      },
+      "'none', 'not-finite', 'time-step', 'energy' or 'slow-stalled'");
+  tell(
+      type, "relaxed_n",
+      [](Tick t) {
+        return t.command.carried_n;
+      },
+      "[N] >= 0 what has relaxed of the normal force");
+  tell(
+      type, "relaxed_shift_m",
+      [](Tick t) {
+        return t.command.relaxed_shift_m;
+      },
+      "[m] >= 0 that the energy account had to take");
+  tell(
+      type, "ticks",
+      [](Tick t) {
+        return t.ticks;
+      },
+      "since the start or reset()");
+}
+
+void bind_body(Type& type) {
+  type.def_property_readonly(
+      "force_scale",
+      [](const HeldRenderer& r) {
+        return r.body().force_scale();
+      },
+      "[-] (0, 1], below 1 by limit_stiffness");
+  type.def_property_readonly(
+      "needed_damping_n_s_per_m",
+      [](const HeldRenderer& r) {
+        return r.body().needed_damping_n_s_per_m();
+      },
+      "viscous damping that the device must have at least");
+  type.def_property_readonly("running", &HeldRenderer::runs,
+                             "whether the slow thread runs");
+}
+
+void bind_slow(Type& type) {
+  using Released = py::call_guard<py::gil_scoped_release>;
+  type.def(
+      "slow_step", &HeldRenderer::slow_step, Released(),
+      "One turn of the slow process, about 100 times a second.\n\nReturns how many "
+      "elements it sent. InputError while the thread runs; FormatError: a\n"
+      "damaged file.");
+  type.def("start", &HeldRenderer::start, "Starts the slow process in a thread.");
+  type.def("stop", &HeldRenderer::stop, Released(), "Ends the thread.");
+  type.def("__enter__", [](const py::object& self) {
+    self.attr("start")();
+    return self;
+  });
+  type.def("__exit__", [](HeldRenderer& renderer, const py::args& /*why*/) {
+    const py::gil_scoped_release released;
+    renderer.stop();
+  });
+}
+
+constexpr const char* kStep =
+    "Force (3,) [N] on the tool after dt [s] at position (3,) [m] of its reference "
+    "point;\ndt 0: the nominal tick.\n\nThe tick of the C interface: passive, whatever "
+    "the tool does and when elements come.\nRenderingFault: the force is zero until "
+    "reset(). InputError: not three numbers.";
+
+constexpr const char* kWrench =
+    "Force (3,) [N] and torque (3,) [N m] about the reference point, of a tool that "
+    "touches\nat several places and turns. orientation (4,): quaternion x, y, z, w of "
+    "any length.";
+
+constexpr const char* kMake =
+    "Renders a Database, or the file of one. Options: model ('potential', 'element', "
+    "'energy-tank',\n'equal-energy'), tick_s [s] 0.001, slow_hz 100 of the thread, "
+    "force_max_n [N] 8, stall_s [s] 0.5,\nramp_s [s] 0.1, position_gain, force_gain, "
+    "and of a device damping_n_s_per_m, angular_damping_n_m_s,\ndelay_s, "
+    "limit_stiffness; of a file streamed. Meanings: palpate_options in palpate.h.";
+
+}  // namespace
+
+void bind_renderer(py::module_& module) {
+  Type type(module, "Renderer",
+            "Position in, force out, at the haptic rate.\n\nWithout start() (or 'with "
+            "Renderer(db) as r:') the caller calls slow_step() about 100 times\na "
+            "second. One thread steps at a time.");
+  type.def(py::init(&make<std::shared_ptr<HeldDatabase>>), py::arg("database"),
+           py::arg("tool") = "", py::arg("model") = "potential", kMake);
+  type.def(py::init(&make<std::filesystem::path>), py::arg("database"),
+           py::arg("tool") = "", py::arg("model") = "potential", kMake);
+  type.def("step", &force_after, py::arg("position"), py::arg("dt") = 0.0, kStep);
+  type.def("wrench", &wrench_after, py::arg("position"), py::arg("orientation"),
+           py::arg("dt") = 0.0, kWrench);
+  type.def(
+      "reset", &HeldRenderer::reset,
+      "Clears a fault, the account and the tool's place, as after a jump. Dents stay.");
+  type.def("save_surface", &HeldRenderer::save_surface, py::arg("file"),
+           "Writes what the body keeps of the presses for good: dents, softening. Of a "
+           "renderer\nof a file, while no thread runs.");
+  type.def("load_surface", &HeldRenderer::load_surface, py::arg("file") = py::none(),
+           "reset(), on a body that has yielded as the file says; without: a fresh "
+           "one.\nInputError: of another body; nothing changes then.");
+  bind_slow(type);
+  bind_account(type);
+  bind_place(type);
+  bind_state(type);
+  bind_body(type);
+}
+
+}  // namespace palpate

@@ -1,0 +1,36 @@
+// The force of a body's stored potential field at places without history: what the
+// local model "potential" (runtime/fast/potential_field.h) gives at a place that the
+// tool has just reached, without friction, dents and relaxed state.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/database/response_database.h"
+#include "runtime/slow/memory_elements.h"
+
+namespace palpate {
+
+class StaticField {
+ public:
+  /// Both must outlive the field; `table` belongs to the database.
+  /// @throws InputError for a body that yields: its force depends on what was pressed.
+  StaticField(const ResponseDatabase& database, const ResponseTable& table);
+
+  /// Forces on the tool [N], (n x 3). May run in several threads. A position's force
+  /// does not depend on the others.
+  /// @param position_m (n x 3) [m] of the tool's reference point, in the body's frame.
+  /// @throws InputError naming the first position that is not finite.
+  [[nodiscard]] Points force_n(const Eigen::Ref<const Points>& position_m) const;
+
+ private:
+  [[nodiscard]] std::vector<std::int32_t> nearest_triangles(
+      const Eigen::Ref<const Points>& position_m) const;
+
+  ElementStream stream_;
+  double radius_m_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+// static_field_study DATABASE POSITIONS: forces of the stored field in a loop of C++,
+// as Python's Tool.force has them. POSITIONS: n x 3 doubles [m]. Prints nanoseconds per
+// position, the least of some runs, and the sum of the forces' lengths.
+#include "python/binding/static_field.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "formats/base/stopwatch.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kRuns = 5;
+
+Points read_positions(const char* file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const auto rows = static_cast<Eigen::Index>(bytes.size() / (3 * sizeof(double)));
+  Points positions(rows, 3);
+  std::copy_n(bytes.data(), static_cast<std::size_t>(rows) * 3 * sizeof(double),
+              reinterpret_cast<char*>(positions.data()));
+  return positions;
+}
+
+void measure(const char* file, const char* positions_file) {
+  const ResponseDatabase database = read_database(file);
+  const StaticField field(database, database.tools.front());
+  const Points positions = read_positions(positions_file);
+  double seconds = std::numeric_limits<double>::infinity();
+  Points force;
+  for (int run = 0; run < kRuns; ++run) {
+    const auto begin = std::chrono::steady_clock::now();
+    force = field.force_n(positions);
+    seconds = std::min(seconds, seconds_since(begin));
+  }
+  fmt::print("{} {}\n", 1e9 * seconds / static_cast<double>(positions.rows()),
+             force.rowwise().norm().sum());
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    fmt::print(stderr, "static_field_study DATABASE POSITIONS\n");
+    return 2;
+  }
+  palpate::measure(argv[1], argv[2]);
+  return 0;
+}

@@ -1,0 +1,56 @@
+"""The examples run as their first lines say."""
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy
+import pytest
+
+import layouts
+import palpate
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "python" / "examples"
+
+
+def run(name, *arguments):
+    done = subprocess.run([sys.executable, EXAMPLES / name, *map(str, arguments)], capture_output=True, text=True,
+                          env={**os.environ, "MPLBACKEND": "Agg"}, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def is_picture(file):
+    return file.read_bytes().startswith(b"\x89PNG") and file.stat().st_size > 5000
+
+
+def test_stiffness_map(tmp_path):
+    pytest.importorskip("matplotlib")
+    said = run("stiffness_map.py", tmp_path / "map.png")
+    assert is_picture(tmp_path / "map.png") and "N/m" in said.splitlines()[-1]
+
+
+def test_lab_curves(tmp_path):
+    files = [layout(tmp_path)[0] for layout in (layouts.plain, layouts.bluehill)]
+    said = run("lab_curves.py", tmp_path / "lab.h5", 0.002, *files)
+    assert said.count("E = ") == 3
+    assert palpate.open(tmp_path / "lab.h5").tool().radius_m == 0.002
+
+
+def test_haptic_loop(tmp_path):
+    pytest.importorskip("matplotlib")
+    said = run("haptic_loop.py", tmp_path / "energy.png")
+    assert is_picture(tmp_path / "energy.png") and said.startswith("2000 ticks")
+    assert float(said.split("at most ")[1].split()[0]) > 0.01
+
+
+def test_palpation_env():
+    said = run("palpation_env.py")
+    assert float(said.split()[1].rstrip(",")) > 0.0
+    sys.path.insert(0, str(EXAMPLES))
+    import haptic_loop
+    import palpation_env
+    env = palpation_env.PalpationEnv(haptic_loop.sheet(), limit=3)
+    first, _ = env.reset(seed=2)
+    assert numpy.array_equal(first, env.reset(seed=2)[0]) and first.shape == (6,)
+    assert [env.step([0, 0, -0.001])[3] for _ in range(3)] == [False, False, True]
