@@ -90,3 +90,15 @@ def test_optional_parts_are_empty_where_nobody_filled_them(flat):
     assert tool.relaxation["g_1"].size == 0
     assert tool.viscoelasticity["tau_s"].size == 0
     assert flat.measurement["depth_m"].size == 0
+
+
+def test_memory_is_steady(uneven, tmp_path, grown_kilobytes):
+    file = tmp_path / "body.h5"
+    depth = numpy.linspace(0.0, 0.004, 9)
+
+    def call():
+        uneven.save(file)
+        opened = palpate.open(file)
+        palpate.from_curves(opened.vertices, opened.triangles, [(depth, 200.0 * depth)] * len(opened.vertices),
+                            radius_m=0.005)
+    assert grown_kilobytes(call, 1000) < 1024  # a leak of a kilobyte a call would show
