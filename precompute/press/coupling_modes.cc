@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr int kRounds = 12;         // of filling in what is near
+constexpr int kRounds = 40;         // of filling in what is near
 constexpr int kPowers = 4;          // of subspace iteration in a round
 constexpr Eigen::Index kSpare = 8;  // columns more than modes
 
