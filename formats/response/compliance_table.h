@@ -40,7 +40,7 @@ struct ComplianceTable {
 [[nodiscard]] ComplianceKnots knots_of(const ComplianceTable& table);
 
 /// Largest difference of two tables at the first's distances, over the first's largest
-/// number [-]; 1 where one of them is empty or has other nodes or modes.or modes.
+/// number [-]; 1 where one of them is empty or has other nodes or modes.
 [[nodiscard]] double relative_difference(const ComplianceTable& a,
                                          const ComplianceTable& b);
 

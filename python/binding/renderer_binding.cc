@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <pybind11/numpy.h>
@@ -75,165 +76,93 @@ std::unique_ptr<HeldRenderer> make(const Source& source, const std::string& tool
 
 using Type = py::class_<HeldRenderer>;
 
-// Of the latest tick.
-template <typename Read>
-void tell(Type& type, const char* name, Read read, const char* text) {
+// What Python sees of a number of the latest tick.
+template <typename T>
+auto told(const T& value) {
+  if constexpr (std::is_same_v<T, Eigen::Vector3d>) {
+    return array_of(value);
+  } else {
+    return value;
+  }
+}
+
+// A member of the latest tick, or of one of its parts.
+template <typename T>
+void tell(Type& type, const char* name, T HostTick::*member, const char* text) {
   type.def_property_readonly(
       name,
-      [read](const HeldRenderer& renderer) {
-        return read(renderer.latest());
+      [member](const HeldRenderer& renderer) {
+        return told(renderer.latest().*member);
+      },
+      text);
+}
+
+template <typename Part, typename T>
+void tell(Type& type, const char* name, Part HostTick::*part, T Part::*member,
+          const char* text) {
+  type.def_property_readonly(
+      name,
+      [part, member](const HeldRenderer& renderer) {
+        return told(renderer.latest().*part.*member);
       },
       text);
 }
 
 void bind_account(Type& type) {
-  using Tick = const HostTick&;
-  tell(
-      type, "work_j",
-      [](Tick t) {
-        return t.work_j;
-      },
-      "[J] put in by the tool since the start = stored + tank + dissipated + memory");
-  tell(
-      type, "stored_j",
-      [](Tick t) {
-        return t.command.stored_j;
-      },
-      "[J] in the local model");
-  tell(
-      type, "tank_j",
-      [](Tick t) {
-        return t.command.tank_j;
-      },
-      "[J] >= 0 that changes of the model freed");
-  tell(
-      type, "dissipated_j",
-      [](Tick t) {
-        return t.command.dissipated_j;
-      },
-      "[J] >= 0 by friction, relaxing and discarded surplus");
-  tell(
-      type, "memory_j",
-      [](Tick t) {
-        return t.command.memory_j;
-      },
-      "[J] >= 0 in dents that have not recovered");
-  tell(
-      type, "yielded_j",
-      [](Tick t) {
-        return t.command.yielded_j;
-      },
-      "[J] >= 0 dissipated by dents that stay and by softening");
+  tell(type, "work_j", &HostTick::work_j,
+       "[J] put in by the tool since the start = stored + tank + dissipated + memory");
+  tell(type, "stored_j", &HostTick::command, &FastCommand::stored_j,
+       "[J] in the local model");
+  tell(type, "tank_j", &HostTick::command, &FastCommand::tank_j,
+       "[J] >= 0 that changes of the model freed");
+  tell(type, "dissipated_j", &HostTick::command, &FastCommand::dissipated_j,
+       "[J] >= 0 by friction, relaxing and discarded surplus");
+  tell(type, "memory_j", &HostTick::command, &FastCommand::memory_j,
+       "[J] >= 0 in dents that have not recovered");
+  tell(type, "yielded_j", &HostTick::command, &FastCommand::yielded_j,
+       "[J] >= 0 dissipated by dents that stay and by softening");
 }
 
 void bind_place(Type& type) {
-  using Tick = const HostTick&;
-  tell(
-      type, "force",
-      [](Tick t) {
-        return array_of(t.command.force_n);
-      },
-      "(3,) [N] on the tool");
-  tell(
-      type, "torque",
-      [](Tick t) {
-        return array_of(t.torque_n_m);
-      },
-      "(3,) [N m] about the reference point; 0 of a tool of one contact");
-  tell(
-      type, "contact_point",
-      [](Tick t) {
-        return array_of(t.contact.point_m);
-      },
-      "(3,) [m] on the surface at rest");
-  tell(
-      type, "normal",
-      [](Tick t) {
-        return array_of(t.contact.normal);
-      },
-      "(3,) [-] there, outward; 0: no element yet");
-  tell(
-      type, "depth_m",
-      [](Tick t) {
-        return t.command.depth_m;
-      },
-      "[m] penetration");
-  tell(
-      type, "dent_m",
-      [](Tick t) {
-        return t.command.dent_m;
-      },
-      "[m] >= 0 that stays under the tool");
-  tell(
-      type, "tilt_rad",
-      [](Tick t) {
-        return t.tilt_rad;
-      },
-      "[rad] between the tool's orientation and that of the responses");
-  tell(
-      type, "triangle",
-      [](Tick t) {
-        return t.contact.triangle;
-      },
-      "of the database, in use; -1: none");
+  tell(type, "force", &HostTick::command, &FastCommand::force_n,
+       "(3,) [N] on the tool");
+  tell(type, "torque", &HostTick::torque_n_m,
+       "(3,) [N m] about the reference point; 0 of a tool of one contact");
+  tell(type, "contact_point", &HostTick::contact, &FastContact::point_m,
+       "(3,) [m] on the surface at rest");
+  tell(type, "normal", &HostTick::contact, &FastContact::normal,
+       "(3,) [-] there, outward; 0: no element yet");
+  tell(type, "depth_m", &HostTick::command, &FastCommand::depth_m, "[m] penetration");
+  tell(type, "dent_m", &HostTick::command, &FastCommand::dent_m,
+       "[m] >= 0 that stays under the tool");
+  tell(type, "tilt_rad", &HostTick::tilt_rad,
+       "[rad] between the tool's orientation and that of the responses");
+  tell(type, "triangle", &HostTick::contact, &FastContact::triangle,
+       "of the database, in use; -1: none");
 }
 
 void bind_state(Type& type) {
-  using Tick = const HostTick&;
-  tell(
-      type, "in_contact",
-      [](Tick t) {
-        return t.command.in_contact;
-      },
-      "");
-  tell(
-      type, "contacts",
-      [](Tick t) {
-        return t.contacts;
-      },
-      "that carry something, of a tool of several");
-  tell(
-      type, "coupling_scaled",
-      [](Tick t) {
-        return t.scaled;
-      },
-      "whether some contacts lie too close to be coupled as they are");
-  tell(
-      type, "starved",
-      [](Tick t) {
-        return t.command.starved;
-      },
-      "whether the element under the tool had not arrived");
-  tell(
-      type, "extrapolated",
-      [](Tick t) {
-        return t.command.extrapolated;
-      },
-      "whether the tool is deeper than the response was computed");
-  tell(
-      type, "fault",
-      [](Tick t) {
+  tell(type, "in_contact", &HostTick::command, &FastCommand::in_contact, "");
+  tell(type, "contacts", &HostTick::contacts,
+       "that carry something, of a tool of several");
+  tell(type, "coupling_scaled", &HostTick::scaled,
+       "whether some contacts lie too close to be coupled as they are");
+  tell(type, "starved", &HostTick::command, &FastCommand::starved,
+       "whether the element under the tool had not arrived");
+  tell(type, "extrapolated", &HostTick::command, &FastCommand::extrapolated,
+       "whether the tool is deeper than the response was computed");
+  type.def_property_readonly(
+      "fault",
+      [](const HeldRenderer& renderer) {
+        const HostTick& t = renderer.latest();
         return std::string(palpate::name(static_cast<Fault>(t.command.fault)));
       },
       "'none', 'not-finite', 'time-step', 'energy' or 'slow-stalled'");
-  tell(
-      type, "relaxed_n",
-      [](Tick t) {
-        return t.command.carried_n;
-      },
-      "[N] >= 0 what has relaxed of the normal force");
-  tell(
-      type, "relaxed_shift_m",
-      [](Tick t) {
-        return t.command.relaxed_shift_m;
-      },
-      "[m] >= 0 that the energy account had to take");
-  tell(
-      type, "ticks",
-      [](Tick t) {
-        return t.ticks;
-      },
-      "since the start or reset()");
+  tell(type, "relaxed_n", &HostTick::command, &FastCommand::carried_n,
+       "[N] >= 0 what has relaxed of the normal force");
+  tell(type, "relaxed_shift_m", &HostTick::command, &FastCommand::relaxed_shift_m,
+       "[m] >= 0 that the energy account had to take");
+  tell(type, "ticks", &HostTick::ticks, "since the start or reset()");
 }
 
 void bind_body(Type& type) {

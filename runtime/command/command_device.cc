@@ -10,6 +10,7 @@
 #include "runtime/command/commands.h"
 #include "runtime/command/device_options.h"
 #include "runtime/realtime/stop_signals.h"
+#include "runtime/run/contact_run.h"
 #include "runtime/run/reconnect.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
@@ -63,6 +64,9 @@ void run(Flags& flags) {
   flags.options.surface = begin_surface(flags.surface, flags.database);
   attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
+  if (is_contact_run(database, {flags.options.tool}, false)) {
+    refuse_surface(flags.surface);
+  }
   const std::vector<SimulationReport> reports = render(flags, database);
   print(flags, reports);
   leave_surface(flags.surface, flags.options.surface, std::span(&reports.back(), 1));

@@ -142,11 +142,7 @@ ContactRunOptions contact_options(const Flags& flags) {
         "--model {}: several contacts are rendered by the model potential alone",
         flags.model));
   }
-  if (!flags.surface.in.empty() || !flags.surface.out.empty()) {
-    throw InputError(
-        "--surface-in and --surface-out: a body of several contacts is elastic, and "
-        "keeps nothing of them");
-  }
+  refuse_surface(flags.surface);
   check_places(flags);
   ContactRunOptions options = flags.contacts;
   options.tools = flags.tools;

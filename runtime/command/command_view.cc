@@ -122,11 +122,7 @@ ViewedBody viewed(const Flags& flags, const LiveSession& session) {
 
 // The page steers a tool of several contacts, or two hands, on simulated time.
 void steer_contacts(const Flags& flags, const ResponseDatabase& database) {
-  if (!flags.surface.in.empty() || !flags.surface.out.empty()) {
-    throw InputError(
-        "--surface-in and --surface-out: a body of several contacts is elastic, and "
-        "keeps nothing of them");
-  }
+  refuse_surface(flags.surface);
   if (requested_model(flags.model) != LocalModel::kPotential) {
     throw InputError(fmt::format(
         "--model {}: several contacts are rendered by potential alone", flags.model));

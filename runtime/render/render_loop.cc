@@ -252,6 +252,9 @@ void check(std::span<const RenderedTool> tools) {
   const RenderConfig& first = tools.front().config;
   for (const RenderedTool& tool : tools) {
     check(tool.config);
+    if (tool.setup.stream == nullptr && tool.setup.several == nullptr) {
+      throw InputError("a tool needs elements, or contacts, to be rendered");
+    }
     if (tool.config.slow_hz != first.slow_hz ||
         tool.config.duration_s != first.duration_s) {
       throw InputError(fmt::format(

@@ -34,8 +34,8 @@ struct RenderSetup {
   FlightLog* flight = nullptr;               ///< keeps the last ticks
   TickQueue* watch = nullptr;                ///< shows every tick
   std::vector<YieldedRow> surface = {};      ///< what had yielded before
-  RenderedBody* several =
-      nullptr;  ///< instead of the stream: a tool of several contacts
+  /// Instead of the stream: a tool that touches at several places.
+  RenderedBody* several = nullptr;
 };
 
 /// One of several tools in a scene.

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "formats/base/atomic_file.h"
+#include "formats/base/error.h"
 #include "formats/recording/recording.h"
 
 namespace palpate {
@@ -23,6 +24,14 @@ SurfaceState begin_surface(const SurfaceFiles& files, const std::string& databas
   surface.database = std::filesystem::path(database).filename().string();
   surface.database_sha256 = sha256;
   return surface;
+}
+
+void refuse_surface(const SurfaceFiles& files) {
+  if (!files.in.empty() || !files.out.empty()) {
+    throw InputError(
+        "--surface-in and --surface-out: a body of several contacts is elastic, and "
+        "keeps nothing of them");
+  }
 }
 
 void leave_surface(const SurfaceFiles& files, SurfaceState surface,

@@ -21,6 +21,10 @@ struct SurfaceFiles {
 [[nodiscard]] SurfaceState begin_surface(const SurfaceFiles& files,
                                          const std::string& database);
 
+/// For a body of several contacts, which keeps nothing of them.
+/// @throws InputError where a file is named.
+void refuse_surface(const SurfaceFiles& files);
+
 /// Writes what the body has when the runs are over: of tools that took part theirs, of
 /// others what was there. Nothing without a file for it.
 void leave_surface(const SurfaceFiles& files, SurfaceState surface,

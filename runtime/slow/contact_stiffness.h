@@ -18,7 +18,8 @@ namespace palpate {
                                                  const RenderedStiffness& stiffest);
 
 /// Sums over all contacts of a tool, as if each pressed a body of its own: more than
-/// they have together. @param force_max_n [N] > 0 that they share.
+/// they have together where they sink one another, as contacts on one side of a body
+/// do; no bound where one lifts another. @param force_max_n [N] > 0 that they share.
 [[nodiscard]] RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
                                                       const ResponseTable& tool,
                                                       double force_max_n);

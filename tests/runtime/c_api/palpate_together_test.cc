@@ -7,10 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/c_api/palpate.h"
-#include "tests/support/padded_plate.h"
+#include "tests/support/padded_host.h"
 #include "tests/support/run_tool.h"
-#include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
@@ -23,22 +21,8 @@ struct TogetherAnswer {
   Six torque{};
 };
 
-class PalpateTogether : public testing::Test {
+class PalpateTogether : public PaddedHost {
  protected:
-  void SetUp() override {
-    write_database(file_, padded_plate(3));
-    write_database(without_, padded_plate(3, false));
-  }
-  void TearDown() override { palpate_close(body_); }
-
-  static palpate_options options(const char* tool) {
-    palpate_options all{};
-    all.struct_size = sizeof all;
-    all.flags = PALPATE_OWN_SLOW_STEPS;
-    all.tool_name = tool;
-    return all;
-  }
-
   palpate_tool* open(const palpate_options& options, const char* second) {
     palpate_close(body_);
     body_ = palpate_open(file_.c_str(), &options, error_, sizeof error_);
@@ -78,12 +62,6 @@ class PalpateTogether : public testing::Test {
     }
     return answer;
   }
-
-  ScratchFolder folder_;
-  std::string file_ = (folder_ / "pads.h5").string();
-  std::string without_ = (folder_ / "without.h5").string();
-  palpate_body* body_ = nullptr;
-  char error_[512] = {};
 };
 
 // padded_plate.h: f = 2e4 d^2, c(r) = 2e-5 / r. With d = sqrt(f / k) + c f for both.

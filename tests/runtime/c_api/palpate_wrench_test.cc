@@ -8,10 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/c_api/palpate.h"
-#include "tests/support/padded_plate.h"
+#include "tests/support/padded_host.h"
 #include "tests/support/run_tool.h"
-#include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
@@ -24,22 +22,8 @@ struct WrenchAnswer {
   Triple torque{};
 };
 
-class PalpateWrench : public testing::Test {
+class PalpateWrench : public PaddedHost {
  protected:
-  void SetUp() override {
-    write_database(file_, padded_plate(3));
-    write_database(without_, padded_plate(3, false));
-  }
-  void TearDown() override { palpate_close(body_); }
-
-  static palpate_options options(const char* tool) {
-    palpate_options all{};
-    all.struct_size = sizeof all;
-    all.flags = PALPATE_OWN_SLOW_STEPS;
-    all.tool_name = tool;
-    return all;
-  }
-
   palpate_tool* open(const palpate_options& options) {
     palpate_close(body_);
     body_ = palpate_open(file_.c_str(), &options, error_, sizeof error_);
@@ -69,12 +53,6 @@ class PalpateWrench : public testing::Test {
     }
     return answer;
   }
-
-  ScratchFolder folder_;
-  std::string file_ = (folder_ / "pads.h5").string();
-  std::string without_ = (folder_ / "without.h5").string();
-  palpate_body* body_ = nullptr;
-  char error_[512] = {};
 };
 
 TEST_F(PalpateWrench, ATurnedToolIsTurnedBack) {

@@ -95,6 +95,35 @@ TEST_F(SeveralContactsRun, FaultsAsOneContactDoes) {
   EXPECT_EQ(jumps.force.back().norm(), 0.0);
 }
 
+TEST_F(SeveralContactsRun, AForceThatTheDeviceWithheldIsNotGivenBack) {
+  // Pressed in against nothing, the hand has put no work in: pushed out by the whole
+  // force it would get what nobody paid.
+  FastConfig config = potential().fast.fast;
+  config.energy_floor_j = 1e-4;
+  for (const bool withheld : {false, true}) {
+    SeveralContacts body(database_, find_tool(database_, "pads"), config, 1.0);
+    ArrivalRecord arrival;
+    bool touched = false;
+    for (std::int64_t tick = 0; tick < 1000; ++tick) {
+      const auto steps = static_cast<double>(tick < 500 ? tick : 1000 - tick);
+      DeviceReading reading;
+      reading.time_ns = tick * 1'000'000;
+      reading.position_m = {0.0031, 0.0017, kPadRadius + 0.001 - 1e-5 * steps};
+      while (body.take_in(arrival)) {
+      }
+      (void)body.step(reading, 1e-3);
+      touched = touched || (body.in_contact() && body.triangle() >= 0);
+      if (withheld && tick < 500) {
+        body.delivered(Eigen::Vector3d::Zero());
+      }
+      body.publish(reading, tick + 1);
+      (void)body.serve(reading.time_ns);
+    }
+    EXPECT_TRUE(touched);
+    EXPECT_EQ(body.fault(), withheld ? Fault::kEnergy : Fault::kNone);
+  }
+}
+
 TEST_F(SeveralContactsRun, RefuseABodyThatHasYielded) {
   SeveralContacts body(database_, find_tool(database_, "pads"), potential().fast.fast,
                        1.0);
