@@ -133,6 +133,31 @@ HandPlace hand_of(const json& j) {
   return hand;
 }
 
+// Refuses what is nested so deeply that reading it would end the stack.
+struct DepthCheck : nlohmann::json_sax<json> {
+  static constexpr int kDeepest = 16;
+  int depth = 0;
+
+  bool null() override { return true; }
+  bool boolean(bool /*value*/) override { return true; }
+  bool number_integer(number_integer_t /*value*/) override { return true; }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return true; }
+  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override {
+    return true;
+  }
+  bool string(string_t& /*value*/) override { return true; }
+  bool binary(binary_t& /*value*/) override { return true; }
+  bool start_object(std::size_t /*elements*/) override { return ++depth <= kDeepest; }
+  bool key(string_t& /*value*/) override { return true; }
+  bool end_object() override { return --depth >= 0; }
+  bool start_array(std::size_t /*elements*/) override { return ++depth <= kDeepest; }
+  bool end_array() override { return --depth >= 0; }
+  bool parse_error(std::size_t /*position*/, const std::string& /*token*/,
+                   const nlohmann::detail::exception& error) override {
+    throw FormatError(error.what());
+  }
+};
+
 ServiceMessage message_of(const json& j) {
   const int version = j.at("version");
   if (version != kServiceVersion) {
@@ -184,6 +209,11 @@ std::vector<std::byte> to_frame(const ServiceMessage& message) {
 ServiceMessage message_from_bytes(std::span<const std::byte> body) {
   const auto* first = reinterpret_cast<const std::uint8_t*>(body.data());
   try {
+    DepthCheck shallow;
+    if (!json::sax_parse(first, first + body.size(), &shallow,
+                         json::input_format_t::cbor)) {
+      throw FormatError("nested too deeply");
+    }
     return message_of(json::from_cbor(first, first + body.size()));
   } catch (const json::exception& error) {
     throw FormatError(fmt::format("a message of the service: {}", error.what()));

@@ -20,6 +20,7 @@
 #include "formats/database/table_memory.h"
 #include "formats/response/memory_sites.h"
 #include "precompute/build/build_coupling.h"
+#include "precompute/build/build_job.h"
 #include "precompute/build/checkpoint.h"
 #include "precompute/material/material_spectrum.h"
 #include "precompute/press/contact_coupling.h"
@@ -35,72 +36,8 @@
 namespace palpate {
 namespace {
 
-// Everything that outcomes depend on; not where or by how many they are computed.
-std::string digest_of(const Scene& scene, const BodySource& body,
-                      const BuildOptions& options) {
-  Sha256 sum;
-  const auto add = [&](const std::string& text) {
-    sum.update(std::as_bytes(std::span(text)));
-  };
-  add(PALPATE_VERSION);
-  add(scene.text);
-  add(options.solve_all ? "all" : "budget");
-  if (options.repair != RepairMode::kOff) {
-    add(fmt::format("repair {}", static_cast<int>(options.repair)));
-  }
-  for (const std::filesystem::path& file : body.files) {
-    add(sha256_of_file(file));
-  }
-  return sum.hex();
-}
-
-// Where all materials relax alike, so do all responses.
-Viscoelasticity uniform_relaxation(const Scene& scene, const PressStrategy& strategy) {
-  const SceneSpectrum spectrum = spectrum_of(scene);
-  Viscoelasticity relaxation;
-  if (spectrum.uniform()) {
-    relaxation.rule = strategy.nonlinear
-                          ? "one spectrum for all materials: quasi-linear"
-                          : "one spectrum for all materials: correspondence principle";
-    relaxation.instantaneous = true;
-    relaxation.tau_s = spectrum.tau_s;
-    relaxation.g =
-        Eigen::Map<const Eigen::RowVectorXd>(spectrum.g.data(), std::ssize(spectrum.g))
-            .cast<float>();
-  }
-  return relaxation;
-}
-
 bool relaxes_by_node(const SceneSpectrum& spectrum) {
   return !spectrum.empty() && !spectrum.uniform();
-}
-
-JobDescription plan_of(const Scene& scene, const BodySource& body,
-                       const BuildOptions& options, const PressStrategy& strategy,
-                       std::size_t reachable, std::size_t units) {
-  std::vector<ToolShape> tools;
-  for (const SharedTool& tool : body.tool) {
-    tools.push_back(tool->shape());
-  }
-  return {
-      .digest = digest_of(scene, body, options),
-      .units = static_cast<std::int64_t>(units),
-      .body = body.surface,
-      .normal = body.normal,
-      .tool = std::move(tools),
-      .force_relative = scene.force_relative,
-      .reachable = static_cast<std::int64_t>(reachable),
-      .depth_max_m = scene.reach.depth_max_m,
-      .force_max_n = scene.reach.force_max_n,
-      .relaxation = uniform_relaxation(scene, strategy),
-      .yielding = node_yielding(scene, body),
-      .bundles = scene.accuracy.bundles,
-      .left_out = cut_out_text(scene),
-      .provenance = {.writer = fmt::format("palpate-precompute {}", PALPATE_VERSION),
-                     .scene_toml = scene.text,
-                     .source_file = scene.mesh.filename().string(),
-                     .source_sha256 = sha256_of_file(scene.mesh),
-                     .left_out = {}}};
 }
 
 std::vector<std::int32_t> vertices_of(std::span<const WorkUnit> units) {
@@ -303,12 +240,9 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   }
   BuildReport report;
   progress.stage("body");
-  const BodySource body = read_body(scene, options.repair);
-  const std::vector<std::int32_t> reachable = reachable_vertices(scene, body);
-  const PressStrategy strategy = choose_strategy(scene, body, reachable);
-  const std::vector<WorkUnit> units = units_of(scene, body, reachable);
-  const JobDescription plan =
-      plan_of(scene, body, options, strategy, reachable.size(), units.size());
+  const BuildJob job =
+      build_job(scene, {.repair = options.repair, .solve_all = options.solve_all});
+  const auto& [body, reachable, strategy, units, plan] = job;
   const std::vector<WorkUnit> mine = units_of_shard(units, options);
   const Checkpoint checkpoint(options.output, plan, options.resume);
   report.nodes = body.surface.position_m.rows();

@@ -12,6 +12,7 @@ void add_indent_command(Command app);
 void add_pairs_command(Command app);
 void add_plan_command(Command app);
 void add_remesh_command(Command app);
+void add_serve_command(Command app);
 void add_spheres_command(Command app);
 void add_submit_command(Command app);
 void add_sweep_command(Command app);

@@ -248,10 +248,16 @@ std::vector<PressedNode> SceneSolver::on_cut_outs(
 std::vector<PressedNode> SceneSolver::on_own_meshes(
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const ContactFocus& focus, const PressMode& mode) const {
-  return in_groups(group_presses(body_.surface, vertices, focus, mode.nonlinear),
-                   [&](const Group& group) {
-                     return press_on_own_mesh(scene_, body_, tool, group, focus, mode);
-                   });
+  return in_groups(
+      group_presses(body_.surface, vertices, focus, mode.nonlinear),
+      [&](const Group& group) {
+        auto nodes = press_on_own_mesh(scene_, body_, tool, group, focus, mode);
+        const bool good = mode.nonlinear == strategy_.nonlinear && !mode.every_depth;
+        if (watch_ && good) {
+          watch_(tool, nodes);
+        }
+        return nodes;
+      });
 }
 
 std::vector<PressedNode> SceneSolver::good(

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "formats/scene/scene.h"
@@ -91,6 +93,12 @@ class SceneSolver {
                                                 std::span<const std::int32_t> vertices,
                                                 double times_finer) const;
 
+  /// Called with presses on meshes of their own as they come, if they are as good as
+  /// the strategy's good ones, though they may be done again, better; from several
+  /// threads. Before any press.
+  using Watch = std::function<void(const SharedTool&, std::span<const PressedNode>)>;
+  void watch(Watch watch) { watch_ = std::move(watch); }
+
   /// None where no mesh is shared.
   [[nodiscard]] const BodyModel* shared() const { return model_ ? &*model_ : nullptr; }
 
@@ -109,6 +117,7 @@ class SceneSolver {
       const SharedTool& tool, std::span<const std::int32_t> vertices,
       double times_wider) const;
 
+  Watch watch_;
   std::unique_ptr<const CutOutSolver> cut_out_;
   std::optional<BodyModel> model_;
   std::optional<SurfaceCompliance> compliance_;

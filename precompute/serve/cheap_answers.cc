@@ -1,0 +1,55 @@
+#include "precompute/serve/cheap_answers.h"
+
+#include <algorithm>
+
+#include "precompute/body/mesh_grading.h"
+#include "precompute/contact/indentation_response.h"
+#include "precompute/press/own_mesh_press.h"
+#include "precompute/process/failure_of.h"
+
+namespace palpate {
+namespace {
+
+ContactFocus cheap_focus(const BuildJob& job) {
+  return finer(job.strategy.focus, 1.0 / kCheapTimesCoarser);
+}
+
+}  // namespace
+
+std::vector<CheapGroup> cheap_groups(const Scene& scene, const BuildJob& job) {
+  if (scene.cutout) {
+    return {};
+  }
+  return group_presses(job.body.surface, job.reachable, cheap_focus(job), false);
+}
+
+WorkUnitNode answer_of(const Scene& scene, const BuildJob& job, const SharedTool& tool,
+                       const PressedNode& node) {
+  const auto which = std::find(job.body.tool.begin(), job.body.tool.end(), tool);
+  WorkUnitNode answer{
+      .tool = static_cast<std::int32_t>(which - job.body.tool.begin()),
+      .vertex = node.vertex,
+      .response = to_response(node.indentation, node.path, scene.force_relative),
+      .failure = node.failure};
+  fail_if_broken(answer);
+  return answer;
+}
+
+std::vector<WorkUnitNode> cheap_answers(const Scene& scene, const BuildJob& job,
+                                        std::span<const std::int32_t> vertices) {
+  std::vector<WorkUnitNode> answers;
+  for (const SharedTool& tool : job.body.tool) {
+    (void)failure_of("a cheap press", [&] {
+      for (const PressedNode& node :
+           press_on_own_mesh(scene, job.body, tool, vertices, cheap_focus(job), {})) {
+        answers.push_back(answer_of(scene, job, tool, node));
+        if (job.strategy.nonlinear) {
+          answers.back().response.error_relative = 1.0;
+        }
+      }
+    });
+  }
+  return answers;
+}
+
+}  // namespace palpate

@@ -1,0 +1,340 @@
+#include "precompute/serve/serve.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include "formats/base/error.h"
+#include "formats/base/sha256.h"
+#include "formats/database/database_index.h"
+#include "precompute/build/build.h"
+#include "precompute/build/build_job.h"
+#include "precompute/build/checkpoint.h"
+#include "precompute/process/failure_of.h"
+#include "precompute/process/interrupt.h"
+#include "precompute/serve/answer_log.h"
+#include "precompute/serve/cheap_answers.h"
+#include "precompute/serve/service_sessions.h"
+#include "precompute/serve/unit_claims.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLookAround{200};        // for what other services have solved
+constexpr std::int64_t kTheWholeFile = 999999;  // claimed by who puts it together
+
+bool has_curve(const WorkUnitNode& node) {
+  return node.failure.empty() && node.response.origin != ResponseOrigin::kNone;
+}
+
+// How many nodes have which answers.
+class Tally {
+ public:
+  explicit Tally(const BuildJob& job)
+      : vertices_(job.body.surface.position_m.rows()),
+        best_(static_cast<std::size_t>(vertices_) * job.body.tool.size(), 0),
+        nodes_(std::ssize(job.reachable) * std::ssize(job.body.tool)) {}
+
+  void take(const ServedResponses& responses) {
+    const std::lock_guard lock(mutex_);
+    for (const WorkUnitNode& node : responses.node) {
+      char& best = best_[static_cast<std::size_t>(node.tool * vertices_ + node.vertex)];
+      best =
+          std::max(best, responses.quality == AnswerQuality::kGood ? char{2} : char{1});
+    }
+  }
+
+  [[nodiscard]] ServedProgress progress(const std::string& stage) const {
+    const std::lock_guard lock(mutex_);
+    const auto good = std::count(best_.begin(), best_.end(), char{2});
+    const auto cheap = std::count(best_.begin(), best_.end(), char{1});
+    return {.stage = stage, .nodes = nodes_, .cheap = cheap + good, .good = good};
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::int64_t vertices_;
+  std::vector<char> best_;  // (tools x vertices) 0 none, 1 cheap, 2 good
+  std::int64_t nodes_;
+};
+
+// One run over all the work that is left.
+class Service {
+ public:
+  Service(const Scene& scene, const BuildJob& job, const Checkpoint& checkpoint,
+          const ServeOptions& options, AnswerLog& log, const HandPlaces& hands)
+      : scene_(scene),
+        job_(job),
+        checkpoint_(checkpoint),
+        log_(log),
+        hands_(hands),
+        tally_(job),
+        board_(job.body.surface.position_m, cheap_groups(scene, job), job.units),
+        claims_(options.output.string() + ".partial", options.stale) {}
+
+  // @throws what a worker threw, Interrupted.
+  void run(int workers, Progress& progress) {
+    take_what_others_solved();
+    std::vector<std::thread> threads;
+    for (int i = 0; i < workers; ++i) {
+      threads.emplace_back([this] {
+        until_done([this] {
+          work_once();
+        });
+      });
+    }
+    until_done([&] {
+      std::this_thread::sleep_for(kLookAround);
+      claims_.touch_all();
+      take_what_others_solved();
+      const std::size_t done = job_.units.size() - board_.unfinished();
+      progress.advance(done, job_.units.size(), "units");
+    });
+    for (std::thread& thread : threads) {
+      thread.join();
+    }
+    if (failure_) {
+      std::rethrow_exception(failure_);
+    }
+  }
+
+  // Whether this service is the one to put the file together.
+  [[nodiscard]] bool claims_the_file() { return claims_.claim(kTheWholeFile); }
+
+  void say(const std::string& stage) { log_.say(tally_.progress(stage)); }
+
+ private:
+  // What one thread throws ends all.
+  void until_done(const std::function<void()>& step) {
+    try {
+      while (!stop_ && board_.unfinished() > 0) {
+        check_interrupted();
+        step();
+      }
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex_);
+      failure_ = failure_ ? failure_ : std::current_exception();
+      stop_ = true;
+    }
+  }
+
+  void work_once() {
+    const std::vector<HandPlace> hands = hands_.all();
+    const NextWork work = board_.next(hands, [&](std::size_t unit) {
+      return claims_.claim(job_.units[unit].index);
+    });
+    if (work.group) {
+      say_cheap(*work.group);
+    } else if (work.unit) {
+      solve(*work.unit);
+    } else {
+      std::this_thread::sleep_for(kLookAround);
+    }
+  }
+
+  void say_cheap(std::size_t group) {
+    publish({.quality = AnswerQuality::kCheap,
+             .node = cheap_answers(scene_, job_, board_.group(group))},
+            "cheap answers");
+    board_.finish_group(group);
+  }
+
+  // The bits of a unit do not depend on who solves it, or beside what.
+  void solve(std::size_t i) {
+    const WorkUnit& unit = job_.units[i];
+    if (auto kept = checkpoint_.load(unit.index)) {  // by somebody else meanwhile
+      finish(i, *kept);
+      return;
+    }
+    WorkUnitOutcome outcome;
+    const std::string reason = failure_of("its unit", [&] {
+      outcome = solve_unit(scene_, job_.body, job_.strategy, solver(), unit,
+                           scene_.accuracy.solve == "all");
+      checkpoint_.keep(outcome);
+    });
+    finish(i,
+           reason.empty() ? outcome : failed_unit(unit, job_.body.tool.size(), reason));
+  }
+
+  void finish(std::size_t i, const WorkUnitOutcome& outcome) {
+    claims_.give_back(job_.units[i].index);
+    board_.finish_unit(i);
+    if (!outcome.is_check) {
+      publish({.quality = AnswerQuality::kGood, .node = outcome.node}, "good answers");
+    } else {
+      say("checks");
+    }
+  }
+
+  void publish(const ServedResponses& responses, const std::string& stage) {
+    tally_.take(responses);
+    log_.say(responses);
+    say(stage);
+  }
+
+  void take_what_others_solved() {
+    for (const std::size_t unit : board_.open_units()) {
+      if (const auto kept = checkpoint_.load(job_.units[unit].index)) {
+        finish(unit, *kept);
+      }
+    }
+  }
+
+  // Made when the first unit is solved: cheap answers do not wait for it.
+  const SceneSolver& solver() {
+    std::call_once(solver_made_, [&] {
+      Progress quiet(nullptr);
+      solver_.emplace(scene_, job_.body, job_.strategy, job_.reachable, job_.reachable,
+                      quiet);
+      solver_->watch(
+          [this](const SharedTool& tool, std::span<const PressedNode> nodes) {
+            say_early(tool, nodes);
+          });
+    });
+    return *solver_;
+  }
+
+  // Good presses of a unit that is still under way.
+  void say_early(const SharedTool& tool, std::span<const PressedNode> nodes) {
+    ServedResponses responses{.quality = AnswerQuality::kGood, .node = {}};
+    for (const PressedNode& node : nodes) {
+      WorkUnitNode answer = answer_of(scene_, job_, tool, node);
+      if (has_curve(answer)) {
+        responses.node.push_back(std::move(answer));
+      }
+    }
+    if (!responses.node.empty()) {
+      publish(responses, "good answers");
+    }
+  }
+
+  const Scene& scene_;
+  const BuildJob& job_;
+  const Checkpoint& checkpoint_;
+  AnswerLog& log_;
+  const HandPlaces& hands_;
+  Tally tally_;
+  WorkBoard board_;
+  UnitClaims claims_;
+  std::once_flag solver_made_;
+  std::optional<SceneSolver> solver_;
+  std::atomic<bool> stop_ = false;
+  std::mutex failure_mutex_;
+  std::exception_ptr failure_;
+};
+
+ServedScene served(const BuildJob& job, const ServeOptions& options) {
+  return {.plan = job.plan,
+          .reachable = job.reachable,
+          .output = fs::absolute(options.output).string(),
+          .nonlinear = job.strategy.nonlinear};
+}
+
+// Whether the output is there and of this scene.
+// @throws InputError if it is of another one.
+bool is_computed_already(const BuildJob& job, const ServeOptions& options) {
+  if (!fs::exists(options.output)) {
+    return false;
+  }
+  const Provenance there = read_database(options.output).provenance;
+  const Provenance& wanted = job.plan.provenance;
+  const bool same = there.scene_toml == wanted.scene_toml &&
+                    there.source_sha256 == wanted.source_sha256 &&
+                    there.writer == wanted.writer;
+  if (!same && !options.anew) {
+    throw InputError(fmt::format(
+        "{} is of another scene, mesh or version: --anew computes it again, -o writes "
+        "another file",
+        options.output.string()));
+  }
+  return same;
+}
+
+// Drops units of another scene where that was asked for.
+void prepare_folder(const JobDescription& plan, const ServeOptions& options) {
+  if (!options.anew) {
+    return;
+  }
+  try {
+    (void)Checkpoint(options.output, plan, true);
+  } catch (const InputError&) {
+    std::error_code ignored;
+    fs::remove_all(options.output.string() + ".partial", ignored);
+  }
+}
+
+// Another service puts the file together; if it dies over that, this one does.
+void wait_for_the_file(const ServeOptions& options, Service& service,
+                       const std::function<void()>& write) {
+  while (fs::exists(options.output.string() + ".partial")) {
+    check_interrupted();
+    if (service.claims_the_file()) {
+      write();
+      return;
+    }
+    std::this_thread::sleep_for(kLookAround);
+  }
+}
+
+void compute(const Scene& scene, const BuildJob& job, const ServeOptions& options,
+             AnswerLog& log, const HandPlaces& hands, Progress& progress) {
+  const Checkpoint checkpoint(options.output, job.plan, true);
+  Service service(scene, job, checkpoint, options, log, hands);
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  service.run(options.workers > 0 ? options.workers : static_cast<int>(cores),
+              progress);
+  service.say("database");
+  wait_for_the_file(options, service, [&] {
+    build(scene,
+          {.output = options.output,
+           .resume = true,
+           .repair = options.repair,
+           .precision = options.precision,
+           .workers = options.workers},
+          progress);
+  });
+}
+
+}  // namespace
+
+void serve(const Scene& scene, const ServeOptions& options, Progress& progress) {
+  std::optional<tbb::global_control> limit;
+  if (options.workers > 0) {
+    limit.emplace(tbb::global_control::max_allowed_parallelism,
+                  static_cast<std::size_t>(options.workers));
+  }
+  progress.stage("body");
+  const BuildJob job = build_job(scene, {.repair = options.repair});
+  const bool computed = is_computed_already(job, options);
+  prepare_folder(job.plan, options);
+  AnswerLog log(served(job, options));
+  HandPlaces hands;
+  const ServiceSessions sessions(options.socket, log, hands);
+  progress.stage("answers");
+  try {
+    if (!computed) {
+      compute(scene, job, options, log, hands, progress);
+    }
+    log.say(ServedEnd{.file = fs::absolute(options.output).string(), .failure = {}});
+    progress.finish();
+  } catch (const Interrupted&) {
+    throw;  // who has joined may join again
+  } catch (const std::exception& error) {
+    log.say(ServedEnd{.file = {}, .failure = error.what()});
+    throw;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,36 @@
+// Computes a scene's responses in the order in which hands need them, and hands them
+// out while it does (formats/service/SERVICE.md).
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+
+#include "formats/hdf5/storage_options.h"
+#include "formats/scene/scene.h"
+#include "precompute/process/progress.h"
+#include "precompute/surface/repair.h"
+
+namespace palpate {
+
+struct ServeOptions {
+  std::filesystem::path output;  ///< the database; "OUTPUT.partial" is beside it
+  std::filesystem::path socket;  ///< where others join
+  RepairMode repair = RepairMode::kOff;
+  std::optional<Precision> precision = {};
+  int workers = 0;  ///< [0, inf) threads; 0: one for each core
+  /// Units of another scene in OUTPUT.partial, and a database of another scene, are
+  /// dropped instead of refused.
+  bool anew = false;
+  std::chrono::milliseconds stale = std::chrono::seconds(30);  ///< as UnitClaims
+};
+
+/// Returns when the database is whole and those who joined have been told. It has the
+/// bytes that build() gives. What is done is kept in OUTPUT.partial; a kill loses what
+/// is under way. Several services may share one output, each with a socket of its own:
+/// each unit is computed by one of them.
+/// @throws InputError if somebody listens at the socket, or what is there belongs to
+/// another scene; and as build(). Who has joined is told why.
+void serve(const Scene& scene, const ServeOptions& options, Progress& progress);
+
+}  // namespace palpate

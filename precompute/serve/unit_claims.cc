@@ -1,0 +1,120 @@
+#include "precompute/serve/unit_claims.h"
+
+#include <array>
+#include <atomic>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "formats/base/error.h"
+#include "formats/base/input_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string name_of_this_claimant() {
+  static std::atomic<int> instance = 0;
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  return fmt::format("{} {} {}\n", host.data(), getpid(), instance++);
+}
+
+// False if the file is there already.
+bool write_new(const fs::path& file, const std::string& text) {
+  const int descriptor = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC,
+                                S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
+  if (descriptor < 0) {
+    return false;
+  }
+  const bool written =
+      ::write(descriptor, text.data(), text.size()) == std::ssize(text);
+  ::close(descriptor);
+  return written;
+}
+
+std::string content_of(const fs::path& file) {
+  try {
+    return read_file(file);
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+UnitClaims::UnitClaims(fs::path folder, std::chrono::milliseconds stale)
+    : folder_(std::move(folder)), stale_(stale), me_(name_of_this_claimant()) {}
+
+UnitClaims::~UnitClaims() {
+  for (const auto& [unit, file] : mine_) {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
+}
+
+fs::path UnitClaims::file_of(std::int64_t unit) const {
+  return folder_ / fmt::format("claim-{:06}", unit);
+}
+
+// By the clock of the file system, which machines share.
+bool UnitClaims::is_stale(const fs::path& file) const {
+  std::error_code gone;
+  const fs::path now = folder_ / fmt::format("now-{}", getpid());
+  if (!write_new(now, me_)) {
+    utimensat(AT_FDCWD, now.c_str(), nullptr, 0);
+  }
+  const auto touched = fs::last_write_time(file, gone);
+  if (gone) {
+    return true;
+  }
+  const auto time = fs::last_write_time(now, gone);
+  fs::remove(now, gone);
+  return time - touched > stale_;
+}
+
+bool UnitClaims::claim(std::int64_t unit) {
+  const std::lock_guard lock(mutex_);
+  const fs::path file = file_of(unit);
+  if (!write_new(file, me_)) {
+    if (mine_.contains(unit) || !is_stale(file)) {
+      return mine_.contains(unit);
+    }
+    // Two that find it stale at once both write; the one that reads its own name has
+    // it.
+    const fs::path taken = folder_ / fmt::format("taken-{}-{:06}", getpid(), unit);
+    std::error_code failed;
+    fs::remove(taken, failed);
+    if (!write_new(taken, me_)) {
+      return false;
+    }
+    fs::rename(taken, file, failed);
+    if (failed || content_of(file) != me_) {
+      return false;
+    }
+  }
+  mine_[unit] = file;
+  return true;
+}
+
+void UnitClaims::give_back(std::int64_t unit) {
+  const std::lock_guard lock(mutex_);
+  if (const auto mine = mine_.find(unit); mine != mine_.end()) {
+    std::error_code ignored;
+    fs::remove(mine->second, ignored);
+    mine_.erase(mine);
+  }
+}
+
+void UnitClaims::touch_all() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [unit, file] : mine_) {
+    utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
+  }
+}
+
+}  // namespace palpate
