@@ -21,7 +21,7 @@ constexpr std::size_t kServiceFrameMax = std::size_t{1} << 30;
 
 /// How far a response can be relied on.
 enum class AnswerQuality : std::uint8_t {
-  kCheap = 0,  ///< linear, on one coarse mesh of the whole body; error stated, if known
+  kCheap = 0,  ///< linear, on a mesh half as fine; error estimated, 1: not known
   kGood = 1,   ///< as it will stand in the finished database, but for its stated error
 };
 
@@ -42,7 +42,8 @@ struct ServedResponses {
 
 /// How far the service is; whenever something changed, and at least once a second.
 struct ServedProgress {
-  std::string stage;  ///< one or two words: "mesh", "cheap answers", "good answers"
+  std::string stage =
+      {};  ///< one or two words: "mesh", "cheap answers", "good answers"
   std::int64_t nodes = 0;  ///< reachable vertices times tools
   std::int64_t cheap = 0;  ///< of them with a cheap answer or a good one
   std::int64_t good = 0;   ///< of them with a good one
@@ -50,8 +51,8 @@ struct ServedProgress {
 
 /// The service's last message.
 struct ServedEnd {
-  std::string file;     ///< the database, complete; empty if there is none
-  std::string failure;  ///< why there is none, one line; else empty
+  std::string file = {};     ///< the database, complete; empty if there is none
+  std::string failure = {};  ///< why there is none, one line; else empty
 };
 
 /// The runtime's only message: where its hand is. The service answers what is nearest

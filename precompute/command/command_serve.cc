@@ -79,12 +79,13 @@ void add_serve_command(Command app) {
                    "Drop what was computed for another scene in OUTPUT.partial");
   command.callback([flags] {
     (void)nice(kNicer);
-    const int code = run_supervised([&](bool after_crash) {
+    const auto work = [&](bool after_crash) {
       return run_reporting("palpate-precompute", [&] {
         run(*flags, after_crash);
         return 0;
       });
-    });
+    };
+    const int code = run_supervised(work, "the same command");
     if (code != 0) {  // said by the child
       std::_Exit(code);
     }

@@ -129,7 +129,8 @@ int signal_of_crash_at(std::int32_t vertex) {
   return 0;
 }
 
-int run_supervised(const std::function<int(bool)>& work) {
+int run_supervised(const std::function<int(bool)>& work,
+                   const std::string& how_to_go_on) {
   void* shared = mmap(nullptr, sizeof(Crashes), PROT_READ | PROT_WRITE,
                       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) {
@@ -169,12 +170,12 @@ int run_supervised(const std::function<int(bool)>& work) {
         });
     if (after == before || again || after >= kMostCrashes) {
       throw NumericalError(fmt::format(
-          "the build died of signal {} ({}){}; what it had solved is kept: --resume "
-          "goes "
-          "on with it",
+          "the build died of signal {} ({}){}; what it had solved is kept: {} goes on "
+          "with it",
           signal, strsignal(signal),
           signal == SIGKILL ? ", perhaps for want of memory: fewer --workers take less"
-                            : ""));
+                            : "",
+          how_to_go_on));
     }
     fmt::print(stderr,
                "palpate-precompute: warning: vertex {} crashed its press (signal {}, "

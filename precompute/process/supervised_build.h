@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 namespace palpate {
 
@@ -20,7 +21,9 @@ void note_pressed_vertex(std::int32_t vertex);
 /// that leaves that vertex out (signal_of_crash_at), up to 100 times. SIGINT and
 /// SIGTERM are handed on to the child; it dies with its parent. To be called before
 /// this process has threads of its own.
+/// @param how_to_go_on what the user may do after a kill, for the message.
 /// @throws NumericalError where the child was killed, or crashed elsewhere.
-[[nodiscard]] int run_supervised(const std::function<int(bool resume)>& work);
+[[nodiscard]] int run_supervised(const std::function<int(bool resume)>& work,
+                                 const std::string& how_to_go_on = "--resume");
 
 }  // namespace palpate

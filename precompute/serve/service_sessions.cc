@@ -16,6 +16,7 @@ constexpr milliseconds kPatience{10000};
 constexpr milliseconds kTurn{20};     // between looks at what a hand says
 constexpr milliseconds kAlive{1000};  // progress is said at least as often
 constexpr milliseconds kFarewell{5000};
+constexpr milliseconds kLastCall{1000};  // for who is about to join at the end
 
 // What one who joined has heard so far.
 struct Heard {
@@ -61,7 +62,11 @@ ServiceSessions::~ServiceSessions() {
 }
 
 void ServiceSessions::let_join() {
-  for (int who = 0; !closing_; ++who) {
+  auto last_call = Clock::time_point::max();
+  for (int who = 0; Clock::now() < last_call; ++who) {
+    if (closing_ && last_call == Clock::time_point::max()) {
+      last_call = Clock::now() + kLastCall;
+    }
     if (auto connection = listener_.accept(milliseconds(100))) {
       Session& session = session_.emplace_back();
       session.thread =

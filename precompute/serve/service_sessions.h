@@ -20,7 +20,8 @@ class ServiceSessions {
   /// Both must outlive this. @throws InputError as ServiceListener.
   ServiceSessions(const std::filesystem::path& socket, const AnswerLog& log,
                   HandPlaces& hands);
-  /// Who has joined still hears what has been said, for five seconds at most.
+  /// Who has joined, or joins within a second, still hears what has been said, for five
+  /// seconds at most.
   ~ServiceSessions();
   ServiceSessions(const ServiceSessions&) = delete;
   ServiceSessions& operator=(const ServiceSessions&) = delete;

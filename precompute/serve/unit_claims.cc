@@ -1,5 +1,6 @@
 #include "precompute/serve/unit_claims.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <utility>
@@ -61,20 +62,30 @@ fs::path UnitClaims::file_of(std::int64_t unit) const {
   return folder_ / fmt::format("claim-{:06}", unit);
 }
 
+// A name in the folder that nobody else uses.
+fs::path UnitClaims::unique(const std::string& what) const {
+  std::string name = what + " " + me_;
+  std::replace(name.begin(), name.end(), ' ', '-');
+  name.pop_back();  // the line's end
+  return folder_ / name;
+}
+
 // By the clock of the file system, which machines share.
 bool UnitClaims::is_stale(const fs::path& file) const {
   std::error_code gone;
-  const fs::path now = folder_ / fmt::format("now-{}", getpid());
-  if (!write_new(now, me_)) {
-    utimensat(AT_FDCWD, now.c_str(), nullptr, 0);
-  }
   const auto touched = fs::last_write_time(file, gone);
   if (gone) {
     return true;
   }
-  const auto time = fs::last_write_time(now, gone);
+  const fs::path now = unique("now");
+  std::error_code failed;
+  fs::remove(now, failed);
+  if (!write_new(now, me_)) {
+    return false;
+  }
+  const auto time = fs::last_write_time(now, failed);
   fs::remove(now, gone);
-  return time - touched > stale_;
+  return !failed && time - touched > stale_;
 }
 
 bool UnitClaims::claim(std::int64_t unit) {
@@ -86,7 +97,7 @@ bool UnitClaims::claim(std::int64_t unit) {
     }
     // Two that find it stale at once both write; the one that reads its own name has
     // it.
-    const fs::path taken = folder_ / fmt::format("taken-{}-{:06}", getpid(), unit);
+    const fs::path taken = unique("taken");
     std::error_code failed;
     fs::remove(taken, failed);
     if (!write_new(taken, me_)) {

@@ -33,11 +33,12 @@ class UnitClaims {
 
  private:
   [[nodiscard]] std::filesystem::path file_of(std::int64_t unit) const;
+  [[nodiscard]] std::filesystem::path unique(const std::string& what) const;
   [[nodiscard]] bool is_stale(const std::filesystem::path& file) const;
 
   std::filesystem::path folder_;
   std::chrono::milliseconds stale_;
-  std::string me_;
+  std::string me_;  // a line
   mutable std::mutex mutex_;
   std::map<std::int64_t, std::filesystem::path> mine_;
 };

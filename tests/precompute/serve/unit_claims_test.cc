@@ -1,0 +1,85 @@
+#include "precompute/serve/unit_claims.h"
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+using std::chrono::milliseconds;
+
+class UnitClaimsTest : public testing::Test {
+ protected:
+  bool is_claimed(int unit) const {
+    return std::filesystem::exists(folder_ / ("claim-00000" + std::to_string(unit)));
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(UnitClaimsTest, OneOfTwoHasAUnit) {
+  UnitClaims a(folder_.path());
+  UnitClaims b(folder_.path());
+  EXPECT_TRUE(a.claim(1));
+  EXPECT_TRUE(a.claim(1));
+  EXPECT_FALSE(b.claim(1));
+  EXPECT_TRUE(b.claim(2));
+  a.give_back(1);
+  EXPECT_TRUE(b.claim(1));
+}
+
+TEST_F(UnitClaimsTest, ManyAtOnceShareThemOut) {
+  constexpr int kClaimants = 4;
+  constexpr int kUnits = 9;
+  std::array<std::optional<UnitClaims>, kClaimants> claims;
+  std::array<std::atomic<int>, kUnits> owners{};
+  std::vector<std::thread> threads;
+  for (auto& mine : claims) {
+    mine.emplace(folder_.path());
+    threads.emplace_back([&] {
+      for (int unit = 0; unit < kUnits; ++unit) {
+        owners[static_cast<std::size_t>(unit)] += mine->claim(unit) ? 1 : 0;
+      }
+    });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  for (int unit = 0; unit < kUnits; ++unit) {
+    EXPECT_EQ(owners[static_cast<std::size_t>(unit)], 1) << unit;
+  }
+}
+
+TEST_F(UnitClaimsTest, AClaimThatNobodyTouchesIsAnybodys) {
+  UnitClaims gone(folder_.path());
+  EXPECT_TRUE(gone.claim(1));
+  EXPECT_TRUE(gone.claim(2));
+  UnitClaims patient(folder_.path(), milliseconds(60000));
+  UnitClaims next(folder_.path(), milliseconds(100));
+  EXPECT_FALSE(next.claim(1));
+  std::this_thread::sleep_for(milliseconds(250));
+  EXPECT_FALSE(patient.claim(1));
+  EXPECT_TRUE(next.claim(1));
+  gone.touch_all();  // also of unit 2, whose claim is alive again
+  EXPECT_FALSE(next.claim(2));
+}
+
+TEST_F(UnitClaimsTest, AreGivenBackInTheEnd) {
+  {
+    UnitClaims claims(folder_.path());
+    EXPECT_TRUE(claims.claim(3));
+    EXPECT_TRUE(is_claimed(3));
+  }
+  EXPECT_FALSE(is_claimed(3));
+}
+
+}  // namespace
+}  // namespace palpate

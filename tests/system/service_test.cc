@@ -1,0 +1,235 @@
+// A scene's service: what it hands out, what it leaves, and what it survives.
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "formats/database/response_database.h"
+#include "formats/service/service_socket.h"
+#include "tests/support/organ_scene.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+// One territory and three checks.
+constexpr const char* kAccuracy = R"([[tool]]
+name = "fingertip"
+shape = "sphere"
+radius_m = 0.03
+[reach]
+box_m = [[-1.0, -1.0, 0.041], [1.0, 1.0, 1.0]]
+depth_max_m = 0.004
+[accuracy]
+force_relative = 0.3
+contact_resolution = 1.0
+depths = 4
+verify = 3
+)";
+
+std::string read(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Everything that a service says, as one who joined hears it.
+struct Heard {
+  std::optional<ServedScene> scene;
+  std::map<std::int32_t, WorkUnitNode> cheap;
+  std::map<std::int32_t, WorkUnitNode> good;
+  std::optional<ServedEnd> end;
+
+  void take(const ServiceMessage& message) {
+    if (const auto* first = std::get_if<ServedScene>(&message)) {
+      scene = *first;
+    } else if (const auto* responses = std::get_if<ServedResponses>(&message)) {
+      for (const WorkUnitNode& node : responses->node) {
+        auto& answers = responses->quality == AnswerQuality::kGood ? good : cheap;
+        answers[node.vertex] = node;
+      }
+    } else if (const auto* last = std::get_if<ServedEnd>(&message)) {
+      end = *last;
+    }
+  }
+};
+
+std::optional<ServiceConnection> join(const fs::path& socket) {
+  for (int i = 0; i < 1000; ++i) {
+    if (auto connection = ServiceConnection::join(socket)) {
+      return connection;
+    }
+    std::this_thread::sleep_for(milliseconds(20));
+  }
+  return std::nullopt;
+}
+
+Heard listen_to_the_end(ServiceConnection& connection) {
+  Heard heard;
+  while (connection.is_open() && !heard.end) {
+    if (const auto message = connection.receive(milliseconds(60000))) {
+      heard.take(*message);
+    }
+  }
+  return heard;
+}
+
+class ServiceTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<ScratchFolder>();
+    std::ofstream(path("scene.toml")) << organ_on_table("linear") << kAccuracy;
+    std::ofstream(path("other.toml")) << organ_on_table("neo-hookean") << kAccuracy;
+    const ToolRun body =
+        run_tool_process("palpate-precompute",
+                         {"body", "organ", "--levels", "2", "-o", path("organ.obj")});
+    ASSERT_EQ(body.exit_code, 0) << body.err;
+    const ToolRun whole = run_tool_process(
+        "palpate-precompute", {"build", path("scene.toml"), "-o", path("whole.h5"),
+                               "--precision", "float64"});
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::string path(const std::string& name) {
+    return (*folder_ / name).string();
+  }
+
+  static std::vector<std::string> arguments(const std::string& output,
+                                            const std::string& socket,
+                                            const std::string& scene = "scene.toml") {
+    return {"serve",    path(scene),  "-o",          path(output),
+            "--socket", path(socket), "--precision", "float64"};
+  }
+
+  static std::unique_ptr<ScratchFolder> folder_;
+};
+
+std::unique_ptr<ScratchFolder> ServiceTest::folder_;
+
+TEST_F(ServiceTest, AnswersAllAndLeavesTheBytesOfABuild) {
+  std::thread service([] {
+    const ToolRun run = run_tool_process("palpate-precompute", arguments("a.h5", "a"));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+  });
+  auto foreign = join(path("a"));
+  ASSERT_TRUE(foreign);
+  const std::string nonsense = "GET / HTTP/1.1\r\n\r\n";
+  EXPECT_TRUE(foreign->send(std::as_bytes(std::span(nonsense)), milliseconds(1000)));
+  auto connection = join(path("a"));
+  ASSERT_TRUE(connection);
+  EXPECT_TRUE(
+      connection->send(HandPlace{.position_m = {0.0, 0.0, 0.05}}, milliseconds(1000)));
+  const Heard heard = listen_to_the_end(*connection);
+  connection->close();
+  service.join();
+
+  ASSERT_TRUE(heard.scene && heard.end);
+  EXPECT_EQ(heard.end->failure, "");
+  EXPECT_EQ(heard.end->file, heard.scene->output);
+  EXPECT_EQ(read(path("a.h5")), read(path("whole.h5")));
+  EXPECT_FALSE(fs::exists(path("a.h5.partial")));
+  EXPECT_FALSE(fs::exists(path("a")));
+
+  const ResponseDatabase whole = read_database(path("whole.h5"));
+  const ResponseTable& table = whole.tools.front();
+  ASSERT_GT(heard.scene->reachable.size(), 5U);
+  EXPECT_FALSE(heard.cheap.empty());
+  for (const std::int32_t v : heard.scene->reachable) {
+    ASSERT_TRUE(heard.good.contains(v)) << v;
+    const NodeResponse& good = heard.good.at(v).response;
+    const CurveView stored = table.curve(v);
+    EXPECT_TRUE(std::equal(stored.force_n.begin(), stored.force_n.end(),
+                           good.force_n.begin(), good.force_n.end()))
+        << v;
+    // Cheap answers are the same press on a mesh that is half as fine.
+    if (heard.cheap.contains(v)) {
+      const NodeResponse& cheap = heard.cheap.at(v).response;
+      EXPECT_NEAR(cheap.force_n.back(), good.force_n.back(), 0.3 * good.force_n.back())
+          << v;
+    }
+  }
+}
+
+TEST_F(ServiceTest, WhoComesLateHearsEverything) {
+  ASSERT_EQ(
+      run_tool_process("palpate-precompute", arguments("late.h5", "late")).exit_code,
+      0);
+  // The database is there: the service says so and ends.
+  std::thread again([] {
+    EXPECT_EQ(
+        run_tool_process("palpate-precompute", arguments("late.h5", "late")).exit_code,
+        0);
+  });
+  auto connection = join(path("late"));
+  ASSERT_TRUE(connection);
+  const Heard heard = listen_to_the_end(*connection);
+  connection->close();
+  again.join();
+  ASSERT_TRUE(heard.scene && heard.end);
+  EXPECT_EQ(heard.end->file, path("late.h5"));
+}
+
+TEST_F(ServiceTest, KilledAtTwentyMomentsGoesOn) {
+  int cut_short = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto at = std::chrono::steady_clock::now() + milliseconds(40 + 20 * i);
+    const ToolRun run =
+        kill_tool_process("palpate-precompute", arguments("killed.h5", "k"), [&] {
+          return std::chrono::steady_clock::now() > at;
+        });
+    cut_short += run.exit_code == 128 + SIGKILL ? 1 : 0;
+  }
+  EXPECT_GT(cut_short, 0);
+  const ToolRun run =
+      run_tool_process("palpate-precompute", arguments("killed.h5", "k"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(read(path("killed.h5")), read(path("whole.h5")));
+}
+
+TEST_F(ServiceTest, TwoShareOneScene) {
+  std::thread other([] {
+    const ToolRun run =
+        run_tool_process("palpate-precompute", arguments("shared.h5", "one"));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+  });
+  const ToolRun run =
+      run_tool_process("palpate-precompute", arguments("shared.h5", "two"));
+  other.join();
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(read(path("shared.h5")), read(path("whole.h5")));
+}
+
+TEST_F(ServiceTest, AnotherScenesWorkIsRefusedUnlessWantedAnew) {
+  fs::copy_file(path("whole.h5"), path("other.h5"));
+  auto wanted = arguments("other.h5", "o", "other.toml");
+  const ToolRun refused = run_tool_process("palpate-precompute", wanted);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("--anew"), std::string::npos) << refused.err;
+  EXPECT_EQ(read(path("other.h5")), read(path("whole.h5")));
+  wanted.push_back("--anew");
+  const ToolRun anew = run_tool_process("palpate-precompute", wanted);
+  EXPECT_EQ(anew.exit_code, 0) << anew.err;
+  EXPECT_NE(read(path("other.h5")), read(path("whole.h5")));
+}
+
+TEST_F(ServiceTest, WhoListensAlreadyIsNamed) {
+  const ServiceListener listener(path("taken"));
+  const ToolRun run =
+      run_tool_process("palpate-precompute", arguments("t.h5", "taken"));
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("listens"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace palpate
