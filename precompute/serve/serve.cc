@@ -97,7 +97,6 @@ class Service {
     }
     until_done([&] {
       std::this_thread::sleep_for(kLookAround);
-      claims_.touch_all();
       take_what_others_solved();
       const std::size_t done = job_.units.size() - board_.unfinished();
       progress.advance(done, job_.units.size(), "units");

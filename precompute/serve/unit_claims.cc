@@ -49,9 +49,16 @@ std::string content_of(const fs::path& file) {
 }  // namespace
 
 UnitClaims::UnitClaims(fs::path folder, std::chrono::milliseconds stale)
-    : folder_(std::move(folder)), stale_(stale), me_(name_of_this_claimant()) {}
+    : folder_(std::move(folder)),
+      stale_(stale),
+      me_(name_of_this_claimant()),
+      touching_([this](const std::stop_token& end) {
+        touch_until_the_end(end);
+      }) {}
 
 UnitClaims::~UnitClaims() {
+  touching_.request_stop();
+  touching_.join();
   for (const auto& [unit, file] : mine_) {
     std::error_code ignored;
     fs::remove(file, ignored);
@@ -121,10 +128,15 @@ void UnitClaims::give_back(std::int64_t unit) {
   }
 }
 
-void UnitClaims::touch_all() const {
-  const std::lock_guard lock(mutex_);
-  for (const auto& [unit, file] : mine_) {
-    utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
+void UnitClaims::touch_until_the_end(const std::stop_token& end) const {
+  std::unique_lock lock(mutex_);
+  while (!end.stop_requested()) {
+    for (const auto& [unit, file] : mine_) {
+      utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
+    }
+    ending_.wait_for(lock, end, stale_ / 4, [] {
+      return false;
+    });
   }
 }
 

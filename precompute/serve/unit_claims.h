@@ -3,11 +3,14 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 namespace palpate {
 
@@ -28,10 +31,8 @@ class UnitClaims {
   [[nodiscard]] bool claim(std::int64_t unit);
   void give_back(std::int64_t unit);
 
-  /// To be called more often than `stale` passes.
-  void touch_all() const;
-
  private:
+  void touch_until_the_end(const std::stop_token& end) const;
   [[nodiscard]] std::filesystem::path file_of(std::int64_t unit) const;
   [[nodiscard]] std::filesystem::path unique(const std::string& what) const;
   [[nodiscard]] bool is_stale(const std::filesystem::path& file) const;
@@ -40,7 +41,9 @@ class UnitClaims {
   std::chrono::milliseconds stale_;
   std::string me_;  // a line
   mutable std::mutex mutex_;
+  mutable std::condition_variable_any ending_;
   std::map<std::int64_t, std::filesystem::path> mine_;
+  std::jthread touching_;
 };
 
 }  // namespace palpate

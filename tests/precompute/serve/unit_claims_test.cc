@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <fstream>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -59,17 +60,21 @@ TEST_F(UnitClaimsTest, ManyAtOnceShareThemOut) {
 }
 
 TEST_F(UnitClaimsTest, AClaimThatNobodyTouchesIsAnybodys) {
-  UnitClaims gone(folder_.path());
-  EXPECT_TRUE(gone.claim(1));
-  EXPECT_TRUE(gone.claim(2));
+  std::ofstream(folder_ / "claim-000001") << "of one that was killed";
   UnitClaims patient(folder_.path(), milliseconds(60000));
-  UnitClaims next(folder_.path(), milliseconds(100));
+  UnitClaims next(folder_.path(), milliseconds(200));
   EXPECT_FALSE(next.claim(1));
-  std::this_thread::sleep_for(milliseconds(250));
+  std::this_thread::sleep_for(milliseconds(400));
   EXPECT_FALSE(patient.claim(1));
   EXPECT_TRUE(next.claim(1));
-  gone.touch_all();  // also of unit 2, whose claim is alive again
-  EXPECT_FALSE(next.claim(2));
+}
+
+TEST_F(UnitClaimsTest, AnOwnerKeepsItsClaimAlive) {
+  UnitClaims owner(folder_.path(), milliseconds(200));
+  UnitClaims other(folder_.path(), milliseconds(2000));
+  EXPECT_TRUE(owner.claim(1));
+  std::this_thread::sleep_for(milliseconds(2500));
+  EXPECT_FALSE(other.claim(1));
 }
 
 TEST_F(UnitClaimsTest, AreGivenBackInTheEnd) {
