@@ -30,6 +30,8 @@ function(palpate_tool tool)
   list(TRANSFORM ARG_LIBRARIES PREPEND palpate::)
   target_link_libraries(${tool} PRIVATE ${ARG_LIBRARIES} palpate_warnings
                                         nlohmann_json::nlohmann_json)
+  target_precompile_headers(${tool} PRIVATE <Eigen/Core> <fmt/format.h> <nlohmann/json.hpp>
+                                            <filesystem> <string> <vector>)
 endfunction()
 
 # palpate_test_program(<folder> [LIBRARIES ...]): one program from tests/<folder>/*_test.cc

@@ -43,9 +43,8 @@ std::vector<WorkUnitNode> cheap_answers(const Scene& scene, const BuildJob& job,
       for (const PressedNode& node :
            press_on_own_mesh(scene, job.body, tool, vertices, cheap_focus(job), {})) {
         answers.push_back(answer_of(scene, job, tool, node));
-        if (job.strategy.nonlinear) {
-          answers.back().response.error_relative = 1.0;
-        }
+        double& error = answers.back().response.error_relative;
+        error = job.strategy.nonlinear ? 1.0 : kCheapErrorFactor * error;
       }
     });
   }

@@ -1,0 +1,93 @@
+// How far cheap answers of a service are from its good ones, and what they cost.
+//   cheap_answers_study SCENE.toml [GROUPS, default 40]
+// So many groups of the scene's nodes, spread over the body, are answered cheaply and
+// pressed well (linear scenes). Prints for each way CPU seconds a node, and for cheap
+// ones the difference of force, and the share of nodes where it is within what is
+// stated.
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "formats/base/quantile.h"
+#include "precompute/press/own_mesh_press.h"
+#include "precompute/serve/cheap_answers.h"
+
+namespace palpate {
+namespace {
+
+double cpu_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+// The groups at equal distances in their order, which is that of the surface.
+std::vector<CheapGroup> spread(const std::vector<CheapGroup>& groups,
+                               std::size_t count) {
+  std::vector<CheapGroup> some;
+  for (std::size_t i = 0; i < std::min(count, groups.size()); ++i) {
+    some.push_back(groups[i * groups.size() / std::min(count, groups.size())]);
+  }
+  return some;
+}
+
+void study(const Scene& scene, std::size_t count) {
+  const BuildJob job = build_job(scene, {});
+  const SharedTool& tool = job.body.tool.front();
+  double cheap_s = 0.0;
+  double good_s = 0.0;
+  std::vector<double> found;
+  std::vector<double> stated;
+  std::int64_t within = 0;
+  std::int64_t nodes = 0;
+  for (const CheapGroup& group : spread(cheap_groups(scene, job), count)) {
+    nodes += std::ssize(group);
+    double began = cpu_s();
+    std::map<std::int32_t, NodeResponse> cheap;
+    for (const WorkUnitNode& node : cheap_answers(scene, job, group)) {
+      if (node.tool == 0 && !node.response.depth_m.empty()) {
+        cheap[node.vertex] = node.response;
+      }
+    }
+    cheap_s += cpu_s() - began;
+    began = cpu_s();
+    const auto good =
+        press_on_own_mesh(scene, job.body, tool, group, job.strategy.focus, {});
+    good_s += cpu_s() - began;
+    for (const PressedNode& node : good) {
+      const WorkUnitNode answer = answer_of(scene, job, tool, node);
+      if (answer.response.depth_m.empty() || !cheap.contains(node.vertex)) {
+        continue;
+      }
+      const NodeResponse& rough = cheap.at(node.vertex);
+      found.push_back(response_difference(
+          rough, answer.response, job.body.normal.row(node.vertex).transpose()));
+      stated.push_back(rough.error_relative);
+      within += found.back() <= stated.back() ? 1 : 0;
+    }
+  }
+  std::sort(found.begin(), found.end());
+  std::sort(stated.begin(), stated.end());
+  fmt::print(
+      "nodes {}: cheap {:.3f} s, good {:.3f} s a node; off by {:.1f} % in the median, "
+      "{:.1f} % at the 95th percentile; stated {:.1f} % in the median, holds at {:.3f} "
+      "of {}\n",
+      nodes, cheap_s / static_cast<double>(nodes), good_s / static_cast<double>(nodes),
+      100 * quantile(found, 0.5), 100 * quantile(found, 0.95),
+      100 * quantile(stated, 0.5),
+      static_cast<double>(within) / static_cast<double>(found.size()), found.size());
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    fmt::print(stderr, "usage: cheap_answers_study SCENE.toml [GROUPS]\n");
+    return 2;
+  }
+  palpate::study(palpate::read_scene(argv[1]),
+                 argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 40);
+  return 0;
+}
