@@ -230,6 +230,14 @@ PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSe
   return wrenches(model, set, pose);
 }
 
+void carry(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
+           CoupledSurfaces surfaces, PassivityLedger& ledger,
+           const PortPoses& pose) noexcept {
+  const CoupledTick t{model, scratch, set, surfaces};
+  (void)move(t, pose);
+  settle(t, ledger, 0.0);
+}
+
 Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
                     CoupledField& scratch, const CoupledSet& set,
                     CoupledSurfaces surfaces, const PortPoses& pose) noexcept {
