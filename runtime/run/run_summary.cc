@@ -180,9 +180,13 @@ std::string summary(const SimulationReport& report) {
       margin_lines(report);
   if (report.contacts > 1) {
     text +=
-        line("contacts", fmt::format("{}, coupled; the tool does not turn, its torque "
+        line("contacts", fmt::format("{}, coupled; the device does not turn{}, torque "
                                      "is not felt",
-                                     report.contacts));
+                                     report.contacts,
+                                     report.coupling ? "" : " the tool"));
+  }
+  if (report.coupling) {
+    text += line("coupling", coupling_text(*report.coupling));
   }
   if (report.resample_loss.nodes > 0) {
     text += line("thinned curves",
@@ -199,7 +203,11 @@ std::string summary(const SimulationReport& report) {
                                        ? ""
                                        : fmt::format(", beyond the curves in {} ticks",
                                                      r.extrapolated_ticks)));
-  text += energy_lines(r) + memory_lines(r) + yielding_lines(report) + timing_lines(r);
+  text += energy_lines(r);
+  if (report.coupling) {
+    text += line("  of the coupling", coupling_energy_text(*report.coupling));
+  }
+  text += memory_lines(r) + yielding_lines(report) + timing_lines(r);
   if (report.wire) {
     text += wire_lines(*report.wire);
   }

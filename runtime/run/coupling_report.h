@@ -1,0 +1,24 @@
+// What a run says of the virtual coupling that held its tool.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "runtime/fast/hung_tool.h"
+
+namespace palpate {
+
+struct CouplingReport {
+  VirtualCoupling coupling;  ///< as rendered, softened where stiffness was limited
+  double every_hand_n_s_per_m = 0.0;  ///< contact_stiffness.h
+  HungAccount account;                ///< at the end
+};
+
+/// Two sentences for people: what it is and holds, and where its energy is.
+[[nodiscard]] std::string coupling_text(const CouplingReport& report);
+[[nodiscard]] std::string coupling_energy_text(const CouplingReport& report);
+
+[[nodiscard]] nlohmann::json as_json(const CouplingReport& report);
+
+}  // namespace palpate
