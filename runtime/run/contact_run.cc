@@ -84,18 +84,6 @@ WrenchMargin margin_of(const ResponseDatabase& database, const ResponseTable& ta
                        limits.delay_s);
 }
 
-// Work of the hands from one pose to the next against the wrenches between.
-double work_of_hands_j(const PoseTick& from, const PoseTick& to, std::size_t hands) {
-  double work = 0.0;
-  for (std::size_t i = 0; i < hands; ++i) {
-    const Wrench& held = from.command.wrench[i];
-    const Eigen::AngleAxisd turn(to.pose[i].turn * from.pose[i].turn.conjugate());
-    work -= held.force_n.dot(to.pose[i].position_m - from.pose[i].position_m) +
-            turn.angle() * held.torque_n_m.dot(turn.axis());
-  }
-  return work;
-}
-
 // A hand with its device.
 struct Hand {
   HandScript script;
@@ -159,6 +147,7 @@ class ContactRun {
     }
     for (auto& hand : hands_) {
       hand.device->close();
+      report_.hand_net_j -= hand.device->rendered_work_j();
     }
     report_.interventions = account_of(storage_->state()).interventions;
     if (hung_ != nullptr) {
@@ -234,7 +223,7 @@ class ContactRun {
     if (softened.share < report_.margin.share) {
       report_.margin = softened;
     }
-    report_.coupling = {c, every_hand_n_s_per_m(c, hold_s, limits.delay_s), {}};
+    report_.coupling = coupling_on(c, limits, hold_s);
   }
 
   void hang_tools() {
@@ -338,7 +327,9 @@ class ContactRun {
   void account(const PoseTick& at) {
     ContactRunReport& r = report_;
     const CoupledCommand& c = at.command;
-    r.hand_net_j += r.ticks > 0 ? work_of_hands_j(last_, at, hands_.size()) : 0.0;
+    if (r.ticks > 0) {
+      r.hand_net_j += work_of_hands_j(last_, at, hands_.size(), !poses_.empty());
+    }
     ++r.ticks;
     r.contact_ticks += c.in_contact ? 1 : 0;
     r.starved_ticks += c.starved ? 1 : 0;

@@ -50,9 +50,9 @@ struct ContactRunReport {
   std::vector<std::int32_t> node;  ///< that each hand presses
   /// Of the worst hand; with a coupling the spring's, where that is less.
   WrenchMargin margin;
-  double force_scale = 1.0;        ///< [-] below 1 where stiffness was limited
-  bool convex = false;             ///< as the tables say
-  double table_error = 0.0;        ///< [-] as the tables say; 0: not known
+  double force_scale = 1.0;  ///< [-] below 1 where stiffness was limited
+  bool convex = false;       ///< as the tables say
+  double table_error = 0.0;  ///< [-] as the tables say; 0: not known
   std::int64_t ticks = 0;
   std::int64_t contact_ticks = 0;
   std::int64_t starved_ticks = 0;
@@ -61,7 +61,9 @@ struct ContactRunReport {
   double depth_max_m = 0.0;
   double force_max_n = 0.0;
   double torque_max_n_m = 0.0;
-  double hand_net_j = 0.0;     ///< [J] by the hands against wrenches as they were held
+  /// [J] by hands and devices against wrenches as they were held, as the tools really
+  /// moved; of poses, as they were measured.
+  double hand_net_j = 0.0;
   double model_work_j = 0.0;   ///< [J] by the ledger, at the end
   double lowest_work_j = 0.0;  ///< [J] least that it ever was
   double stored_j = 0.0;

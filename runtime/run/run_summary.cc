@@ -179,11 +179,10 @@ std::string summary(const SimulationReport& report) {
                                 o.real_time ? "real time" : "simulated time")) +
       margin_lines(report);
   if (report.contacts > 1) {
-    text +=
-        line("contacts", fmt::format("{}, coupled; the device does not turn{}, torque "
-                                     "is not felt",
-                                     report.contacts,
-                                     report.coupling ? "" : " the tool"));
+    text += line("contacts",
+                 fmt::format("{}, coupled; the device does not turn{}, torque "
+                             "is not felt",
+                             report.contacts, report.coupling ? "" : " the tool"));
   }
   if (report.coupling) {
     text += line("coupling", coupling_text(*report.coupling));

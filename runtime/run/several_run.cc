@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "runtime/slow/contact_stiffness.h"
 
 namespace palpate {
 
@@ -45,7 +44,7 @@ void soften_coupling(SimulationReport& report, const DeviceLimits& limits) {
   RenderedStiffness& felt = report.stiffness;
   felt.normal_n_per_m = std::min(felt.normal_n_per_m, c.spring_n_per_m);
   felt.friction_n_per_m = std::min(felt.friction_n_per_m, c.spring_n_per_m);
-  report.coupling = {c, every_hand_n_s_per_m(c, report.hold_s, limits.delay_s), {}};
+  report.coupling = coupling_on(c, limits, report.hold_s);
 }
 
 }  // namespace palpate
