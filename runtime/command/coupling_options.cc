@@ -1,7 +1,5 @@
 #include "runtime/command/coupling_options.h"
 
-#include <initializer_list>
-
 #include <fmt/format.h>
 
 #include "formats/base/error.h"

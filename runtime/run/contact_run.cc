@@ -212,9 +212,8 @@ class ContactRun {
       if (!report_.options.limit_stiffness) {
         throw InputError(
             fmt::format("the device cannot render this coupling: its spring of {:.4g} "
-                        "N/m is {:.3g} "
-                        "times what the device can hold; --limit-stiffness softens it "
-                        "to {:.4g} N/m",
+                        "N/m is {:.3g} times what the device can hold; "
+                        "--limit-stiffness softens it to {:.4g} N/m",
                         c.spring_n_per_m, spring.share, softer_n_per_m));
       }
       c.spring_n_per_m = softer_n_per_m;
