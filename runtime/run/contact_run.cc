@@ -201,13 +201,12 @@ class ContactRun {
     }
   }
 
-  // The coupling's spring is at most what the device feels: what counts, where it is
-  // less than the contacts.
+  // With a coupling its spring is what counts (coupling_margin()).
   void soften_coupling(const DeviceLimits& limits) {
     VirtualCoupling c = *report_.options.coupling;
     const double hold_s = 1.0 / report_.options.fast_hz;
     const WrenchMargin spring = coupling_margin(c, limits, hold_s);
-    if (report_.margin.share > 1.0 && spring.share > 1.0) {
+    if (spring.share > 1.0) {
       const double softer_n_per_m = c.spring_n_per_m / spring.share;
       if (!report_.options.limit_stiffness) {
         throw InputError(
@@ -218,10 +217,7 @@ class ContactRun {
       }
       c.spring_n_per_m = softer_n_per_m;
     }
-    const WrenchMargin softened = coupling_margin(c, limits, hold_s);
-    if (softened.share < report_.margin.share) {
-      report_.margin = softened;
-    }
+    report_.margin = coupling_margin(c, limits, hold_s);
     report_.coupling = coupling_on(c, limits, hold_s);
   }
 

@@ -48,7 +48,7 @@ struct ContactRunReport {
   std::vector<PoseTick> kept;      ///< every tick, if options.keep
   int contacts = 0;
   std::vector<std::int32_t> node;  ///< that each hand presses
-  /// Of the worst hand; with a coupling the spring's, where that is less.
+  /// Of the worst hand; with a coupling its spring's.
   WrenchMargin margin;
   double force_scale = 1.0;  ///< [-] below 1 where stiffness was limited
   bool convex = false;       ///< as the tables say

@@ -64,12 +64,6 @@ double force_scale(const SimulationReport& report, const DeviceLimits& limits) {
   }
   const double scale =
       report.bounds.renderable_n_per_m() / report.stiffness.largest_n_per_m();
-  if (!report.options.limit_stiffness && report.coupling) {
-    throw InputError(
-        fmt::format("the device cannot render this: {}; --limit-stiffness softens the "
-                    "coupling's spring to {:.4g} N/m",
-                    reason, report.bounds.renderable_n_per_m()));
-  }
   if (!report.options.limit_stiffness) {
     throw InputError(
         fmt::format("the device cannot render this: {}; --limit-stiffness scales "

@@ -12,10 +12,13 @@ std::string line(const char* label, const std::string& text) {
 std::string margin_lines(const SimulationReport& report) {
   const double k = report.stiffness.largest_n_per_m() * report.force_scale;
   std::string text =
-      line("stiffness",
-           fmt::format("{:.4g} N/m at node {}, friction before sliding {:.4g} N/m",
-                       report.stiffness.normal_n_per_m, report.stiffness.node,
-                       report.stiffness.friction_n_per_m));
+      report.coupling
+          ? line("stiffness", fmt::format("{:.4g} N/m of the coupling's spring", k))
+          : line(
+                "stiffness",
+                fmt::format("{:.4g} N/m at node {}, friction before sliding {:.4g} N/m",
+                            report.stiffness.normal_n_per_m, report.stiffness.node,
+                            report.stiffness.friction_n_per_m));
   if (report.force_scale < 1.0) {
     text +=
         line("limited", fmt::format("forces scaled by {:.4g} to what the device can "

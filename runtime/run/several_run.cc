@@ -1,7 +1,5 @@
 #include "runtime/run/several_run.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
@@ -37,13 +35,17 @@ void check_several(const ToolShape& tool, const SimulationOptions& options,
 void soften_coupling(SimulationReport& report, const DeviceLimits& limits) {
   VirtualCoupling c = *report.options.coupling;
   const double renderable = report.bounds.renderable_n_per_m();
-  if (report.options.limit_stiffness &&
-      report.stiffness.largest_n_per_m() > renderable) {
-    c.spring_n_per_m = std::min(c.spring_n_per_m, renderable);
+  if (c.spring_n_per_m > renderable) {
+    if (!report.options.limit_stiffness) {
+      throw InputError(fmt::format(
+          "the device cannot render this coupling: its spring of {:.4g} N/m "
+          "exceeds {:.4g} N/m; --limit-stiffness softens it to that",
+          c.spring_n_per_m, renderable));
+    }
+    c.spring_n_per_m = renderable;
   }
-  RenderedStiffness& felt = report.stiffness;
-  felt.normal_n_per_m = std::min(felt.normal_n_per_m, c.spring_n_per_m);
-  felt.friction_n_per_m = std::min(felt.friction_n_per_m, c.spring_n_per_m);
+  report.stiffness.normal_n_per_m = c.spring_n_per_m;
+  report.stiffness.friction_n_per_m = c.spring_n_per_m;
   report.coupling = coupling_on(c, limits, report.hold_s);
 }
 

@@ -13,9 +13,10 @@ namespace palpate {
 void check_several(const ToolShape& tool, const SimulationOptions& options,
                    bool in_memory);
 
-/// A coupling's spring is at most what the device feels: softens it where it must be,
-/// and puts it into report.stiffness where it is less than the contacts.
-/// @param report its options, stiffness, bounds and hold_s are set.
+/// With a coupling its spring is what counts (coupling_margin()): softens it where it
+/// must and may be, and puts it into report.stiffness.
+/// @param report its options, bounds and hold_s are set. @throws InputError where it
+/// must be softened and may not.
 void soften_coupling(SimulationReport& report, const DeviceLimits& limits);
 
 }  // namespace palpate

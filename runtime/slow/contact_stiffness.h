@@ -18,9 +18,10 @@ namespace palpate {
                                                  const CoupledSet& set,
                                                  const RenderedStiffness& stiffest);
 
-/// Of a virtual coupling's spring, as a device feels it where the tool is stuck: alike
-/// in every direction. A tool on a body is softer, as both give way: what a device
-/// feels is at most this, and at most the contacts. Turns are not checked.
+/// Of a virtual coupling's spring, alike in every direction: the most that a device
+/// feels, however stiff or soft the contacts are. The tool's mass hardly moves within a
+/// tick, so that what is held from one to the next is this spring even in free air.
+/// Turns are not checked.
 [[nodiscard]] WrenchMargin coupling_margin(const VirtualCoupling& coupling,
                                            const DeviceLimits& device, double hold_s);
 
