@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "runtime/device/device.h"
 #include "runtime/hand/hand_script.h"
@@ -63,12 +64,16 @@ class PlacedDevice : public Device {
   [[nodiscard]] DeviceLimits limits() const override { return device_->limits(); }
   void open() override { device_->open(); }
   [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override {
+    const Eigen::Quaterniond to_device =
+        Eigen::Quaterniond(placement_.rotation).conjugate();
     DeviceReading inner{.position_m = placement_.to_device(reading.position_m),
-                        .time_ns = reading.time_ns};
+                        .time_ns = reading.time_ns,
+                        .turn = turned(reading.turn, to_device)};
     const DeviceStatus status = device_->read(inner);
     reading = {.position_m = placement_.to_body(inner.position_m),
                .time_ns = inner.time_ns,
-               .withheld_n = placement_.rotation * inner.withheld_n};
+               .withheld_n = placement_.rotation * inner.withheld_n,
+               .turn = turned(inner.turn, to_device.conjugate())};
     return status;
   }
   [[nodiscard]] DeviceStatus write(const Eigen::Vector3d& force_n) noexcept override {
@@ -79,6 +84,15 @@ class PlacedDevice : public Device {
   [[nodiscard]] const LinkReport* wire() const override { return device_->wire(); }
 
  private:
+  // A turn in the axes that `axes` leads to.
+  [[nodiscard]] static Eigen::Quaterniond turned(
+      const Eigen::Quaterniond& turn, const Eigen::Quaterniond& axes) noexcept {
+    Eigen::Quaterniond there;
+    there.w() = turn.w();
+    there.vec() = axes * turn.vec();
+    return there;
+  }
+
   std::unique_ptr<Device> device_;
   Placement placement_;
 };

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/command/commands.h"
+#include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/contact_run.h"
@@ -25,6 +26,7 @@ struct Flags {
   bool reconnect = false;
   SurfaceFiles surface;
   DeviceFlags device;
+  CouplingFlags coupling;
   SimulationOptions options;
 };
 
@@ -61,6 +63,7 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
 
 void run(Flags& flags) {
   flags.options.model = requested_model(flags.model);
+  flags.options.coupling = wanted_coupling(flags.coupling);
   flags.options.surface = begin_surface(flags.surface, flags.database);
   attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
@@ -99,6 +102,7 @@ void add_device_command(Command app) {
       .show_default();
   command.add_flag("--limit-stiffness", options.limit_stiffness,
                    "Scale forces to what the device can render");
+  add_coupling_options(command, flags->coupling);
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {

@@ -11,6 +11,7 @@
 #include "formats/base/error.h"
 #include "formats/recording/recording.h"
 #include "runtime/command/commands.h"
+#include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/contact_replay.h"
@@ -36,6 +37,7 @@ struct Flags {
   bool json = false;
   bool together = false;
   ContactRunOptions contacts;
+  CouplingFlags coupling;
   SurfaceFiles surface;
   SimulationOptions options;
 };
@@ -46,6 +48,7 @@ SimulationOptions options_of(const Flags& flags) {
     throw InputError(fmt::format("--clock {}: must be simulated or real", flags.clock));
   }
   options.model = requested_model(flags.model);
+  options.coupling = wanted_coupling(flags.coupling);
   options.real_time = flags.clock == "real";
   return options;
 }
@@ -145,6 +148,12 @@ ContactRunOptions contact_options(const Flags& flags) {
   refuse_surface(flags.surface);
   check_places(flags);
   ContactRunOptions options = flags.contacts;
+  options.coupling = wanted_coupling(flags.coupling);
+  if (options.coupling && !flags.records.empty()) {
+    throw InputError(
+        "--record with --coupling: a recording of several contacts holds no coupling "
+        "that a replay could go by; --trace writes every tick");
+  }
   options.tools = flags.tools;
   options.duration_s = one.duration_s;
   options.fast_hz = one.fast_hz;
@@ -249,6 +258,7 @@ void add_contact_options(Command command, Flags& flags) {
                      "(comma-separated values)");
   command.add_option("--poses", flags.contacts.poses,
                      "Of several contacts: replay the poses of such a file");
+  add_coupling_options(command, flags.coupling);
   command
       .add_option("--tilt-rad", flags.contacts.tilt_rad,
                   "Of several contacts: how far the hand rocks its tool [rad]")

@@ -14,6 +14,7 @@
 #include "formats/base/error.h"
 #include "runtime/bench/cylinder_body.h"
 #include "runtime/command/commands.h"
+#include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/stop_signals.h"
@@ -46,6 +47,7 @@ struct Flags {
   SurfaceFiles surface;
   ViewSessionOptions options;
   DeviceFlags device;
+  CouplingFlags coupling;
 };
 
 ResponseDatabase shown(const Flags& flags) {
@@ -167,6 +169,7 @@ SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
   options.slow_hz = flags.options.slow_hz;
   options.force_max_n = flags.options.force_max_n;
   options.limit_stiffness = flags.limit_stiffness;
+  options.coupling = wanted_coupling(flags.coupling);
   options.watch = &ticks;
   options.surface = begin(flags);
   attach_device(flags.device, options);
@@ -176,14 +179,21 @@ SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
 // A device steers, in real time; the pages watch until its run is over.
 void watch(Flags& flags, const ResponseDatabase& database) {
   const auto ticks = std::make_unique<TickQueue>();
-  const SimulationOptions options = watched_options(flags, *ticks);
-  const ViewedBody body{.database = database,
-                        .table = find_tool(database, options.tool),
-                        .name = shown_name(flags),
-                        .device = flags.device.request.name,
-                        .fast_hz = options.fast_hz,
-                        .force_max_n = options.force_max_n};
-  WatchView view(body, options, *ticks);
+  const auto contacts = std::make_unique<ContactsWatch>();
+  SimulationOptions options = watched_options(flags, *ticks);
+  ViewedBody body{.database = database,
+                  .table = find_tool(database, options.tool),
+                  .name = shown_name(flags),
+                  .device = flags.device.request.name,
+                  .fast_hz = options.fast_hz,
+                  .force_max_n = options.force_max_n};
+  const bool several = !body.table.tool.contact.empty();
+  if (several) {
+    refuse_surface(flags.surface);
+    options.watch_contacts = contacts.get();
+    body.hands = {&body.table};
+  }
+  WatchView view(body, options, *ticks, several ? contacts.get() : nullptr);
   ViewServer server(server_options(flags, body), view);
   view.answer_through(server);
   const std::atomic<bool>& stop = heed_stop_signals();
@@ -224,25 +234,26 @@ bool shows_contacts(const Flags& flags, const ResponseDatabase& database) {
                     "together (--together)",
                     flags.tools.size()));
   }
-  const bool contacts = is_contact_run(database, flags.tools, flags.together);
-  if (contacts && !flags.device.request.name.empty()) {
+  if (flags.together && !flags.device.request.name.empty()) {
     throw InputError(
-        "--device: the page alone moves a tool of several contacts or two hands; "
-        "leave --device out");
+        "--device with --together: one device holds one tool; leave one of them out");
   }
-  return contacts;
+  return is_contact_run(database, flags.tools, flags.together);
 }
 
 void run(Flags& flags) {
   const ResponseDatabase database = shown(flags);
   const bool contacts = shows_contacts(flags, database);
+  if (flags.device.request.name.empty() && wanted_coupling(flags.coupling)) {
+    throw InputError("--coupling: is of a device's run; give --device");
+  }
   flags.options.tool = flags.tools.empty() ? "" : flags.tools.front();
-  if (contacts) {
-    steer_contacts(flags, database);
-  } else if (flags.device.request.name.empty()) {
-    steer(flags, database);
-  } else {
+  if (!flags.device.request.name.empty()) {
     watch(flags, database);
+  } else if (contacts) {
+    steer_contacts(flags, database);
+  } else {
+    steer(flags, database);
   }
 }
 
@@ -281,6 +292,7 @@ void add_view_command(Command app) {
       .show_default();
   add_surface_options(command, flags->surface);
   add_device_options(command, flags->device);
+  add_coupling_options(command, flags->coupling);
   command.add_option("--seconds", flags->seconds, "Duration of a device's run [s]")
       .show_default();
   command.add_flag("--limit-stiffness", flags->limit_stiffness,

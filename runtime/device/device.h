@@ -26,6 +26,7 @@
 #include <string>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace palpate {
 
@@ -49,6 +50,9 @@ struct DeviceReading {
   /// written
   /// - withheld.
   Eigen::Vector3d withheld_n = Eigen::Vector3d::Zero();
+  /// The tool from its orientation when upright, where the device measures it; a device
+  /// that does not leaves it.
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
 };
 
 enum class DeviceStatus : std::uint8_t {

@@ -202,6 +202,29 @@ bool change_elements(const CoupledTick& t) {
   return changed;
 }
 
+// An equilibrium as the start of another, whose places will give C: without what lies
+// beyond its contacts, for all of it is 70 kB.
+void begin_at(const CoupledContacts& from, CoupledContacts& to) {
+  to.count = from.count;
+  to.depth_m = from.depth_m;
+  to.scale = from.scale;
+  to.dimple_m = from.dimple_m;
+  to.delta_m = from.delta_m;
+  to.force_n = from.force_n;
+  to.stiffness_n_per_m = from.stiffness_n_per_m;
+  to.own_energy_j = from.own_energy_j;
+  to.energy_j = from.energy_j;
+  to.solved = from.solved;
+  to.solved_depth_m = from.solved_depth_m;
+  const Eigen::Index n = from.factor.count;
+  to.factor.count = from.factor.count;
+  to.factor.sound = from.factor.sound;
+  to.factor.contact = from.factor.contact;
+  to.factor.root = from.factor.root;
+  to.factor.lower.topLeftCorner(n, n) = from.factor.lower.topLeftCorner(n, n);
+  to.factor.inverse = from.factor.inverse;
+}
+
 }  // namespace
 
 PortWrenches wrenches(const CoupledModel& model, const CoupledSet& set,
@@ -230,6 +253,14 @@ PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSe
   return wrenches(model, set, pose);
 }
 
+void carry(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
+           CoupledSurfaces surfaces, PassivityLedger& ledger,
+           const PortPoses& pose) noexcept {
+  const CoupledTick t{model, scratch, set, surfaces};
+  (void)move(t, pose);
+  settle(t, ledger, 0.0);
+}
+
 Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
                     CoupledField& scratch, const CoupledSet& set,
                     CoupledSurfaces surfaces, const PortPoses& pose) noexcept {
@@ -237,7 +268,7 @@ Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
     moved.field.at[i] = model.field.at[i];
     moved.contact[i] = model.contact[i];
   }
-  moved.field.equilibrium = model.field.equilibrium;
+  begin_at(model.field.equilibrium, moved.field.equilibrium);
   moved.field.shift_m = model.field.shift_m;
   const CoupledTick t{moved, scratch, set, surfaces};
   return move(t, pose) + springs_j(t);

@@ -60,6 +60,12 @@ PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSe
                      CoupledSurfaces surfaces, PassivityLedger& ledger,
                      const PortPoses& pose, Real recovery_m) noexcept;
 
+/// Puts the ports there as a change of the model, which the ledger balances: no work is
+/// booked (coupled_step.h). @param scratch as above.
+void carry(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
+           CoupledSurfaces surfaces, PassivityLedger& ledger,
+           const PortPoses& pose) noexcept;
+
 /// Energy of the model with the ports moved there [J], before anything changes.
 /// @param moved overwritten.
 [[nodiscard]] Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,

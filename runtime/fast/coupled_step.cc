@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <memory>
 
-#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "runtime/fast/wrench_vector.h"
 
 namespace palpate {
 namespace {
@@ -13,14 +15,6 @@ namespace {
 constexpr Real kLongestStepS = 1.0;
 // Distance of R^T R from 1 that still makes a rotation.
 constexpr Real kTurnedAway = rounding(1e-6, 1e-4);
-
-bool is_sound(const PortPose& pose) {
-  return pose.position_m.allFinite() && pose.rotation.allFinite() &&
-         (pose.rotation.transpose() * pose.rotation - Matrix3::Identity())
-                 .cwiseAbs()
-                 .maxCoeff() <= kTurnedAway &&
-         pose.rotation.determinant() > 0.0;
-}
 
 void check_input(CoupledState& state, const CoupledSample& sample, Real dt_s) {
   for (int port = 0; port < state.set.ports; ++port) {
@@ -31,43 +25,6 @@ void check_input(CoupledState& state, const CoupledSample& sample, Real dt_s) {
   if (!(dt_s >= 0.0 && dt_s <= kLongestStepS)) {
     raise_fault(state, Fault::kTimeStep);
   }
-}
-
-WrenchSafety::Vector flattened(const CoupledSet& set, const PortWrenches& wrench) {
-  WrenchSafety::Vector v = WrenchSafety::Vector::Zero();
-  for (int port = 0; port < set.ports; ++port) {
-    const Wrench& w = wrench[static_cast<std::size_t>(port)];
-    v.segment<3>(6 * port) = w.force_n;
-    v.segment<3>(6 * port + 3) =
-        w.torque_n_m / set.lever_m[static_cast<std::size_t>(port)];
-  }
-  return v;
-}
-
-PortWrenches unflattened(const CoupledSet& set, const WrenchSafety::Vector& v) {
-  PortWrenches wrench;
-  for (int port = 0; port < set.ports; ++port) {
-    Wrench& w = wrench[static_cast<std::size_t>(port)];
-    w.force_n = v.segment<3>(6 * port);
-    w.torque_n_m =
-        v.segment<3>(6 * port + 3) * set.lever_m[static_cast<std::size_t>(port)];
-  }
-  return wrench;
-}
-
-// Movement of each port, turns as rotation vectors times the lever [m].
-WrenchSafety::Vector movement(const CoupledState& state, const PortPoses& to) {
-  WrenchSafety::Vector v = WrenchSafety::Vector::Zero();
-  for (int port = 0; port < state.set.ports && state.sampled; ++port) {
-    const PortPose& a = state.latest.pose[static_cast<std::size_t>(port)];
-    const PortPose& b = to[static_cast<std::size_t>(port)];
-    const Eigen::AngleAxis<Real> turn(Matrix3(b.rotation * a.rotation.transpose()));
-    v.segment<3>(6 * port) = b.position_m - a.position_m;
-    v.segment<3>(6 * port + 3) =
-        (state.set.lever_m[static_cast<std::size_t>(port)] * turn.angle()) *
-        turn.axis();
-  }
-  return v;
 }
 
 CoupledCommand step_alone(CoupledState& state, const CoupledSample& sample, Real dt_s) {
@@ -112,6 +69,14 @@ void describe(const CoupledState& state, CoupledCommand& command) {
 }
 
 }  // namespace
+
+bool is_sound(const PortPose& pose) noexcept {
+  return pose.position_m.allFinite() && pose.rotation.allFinite() &&
+         (pose.rotation.transpose() * pose.rotation - Matrix3::Identity())
+                 .cwiseAbs()
+                 .maxCoeff() <= kTurnedAway &&
+         pose.rotation.determinant() > 0.0;
+}
 
 const char* check(const CoupledSet& set, const FastConfig& config) noexcept {
   if (set.count < 1 || set.count > kContactsMax) {
@@ -169,7 +134,8 @@ CoupledCommand step(CoupledState& state, const CoupledSample& sample,
   }
   CoupledCommand command;
   if (state.safety.fault == Fault::kNone) {
-    const WrenchSafety::Vector moved = movement(state, sample.pose);
+    const PortPoses& from = state.sampled ? state.latest.pose : sample.pose;
+    const WrenchSafety::Vector moved = movement(state.set, from, sample.pose);
     const PassivityLedger before = state.ledger;
     const PortWrenches wanted =
         advance(state.model, state.scratch, state.set, state.surfaces, state.ledger,
@@ -196,6 +162,19 @@ CoupledCommand step(CoupledState& state, const CoupledSample& sample,
   command.dissipated_j = state.ledger.dissipated_j;
   command.fault = static_cast<std::uint8_t>(state.safety.fault);
   return command;
+}
+
+void carry(CoupledState& state, const PortPoses& pose) noexcept {
+  for (int port = 0; port < state.set.ports; ++port) {
+    if (!is_sound(pose[static_cast<std::size_t>(port)])) {
+      raise_fault(state, Fault::kNotFinite);
+    }
+  }
+  if (is_alone(state.set) || state.safety.fault != Fault::kNone || !state.sampled) {
+    return;
+  }
+  carry(state.model, state.scratch, state.set, state.surfaces, state.ledger, pose);
+  state.latest.pose = pose;
 }
 
 void delivered(CoupledState& state, const PortWrenches& wrench) noexcept {
@@ -235,6 +214,7 @@ CoupledContactPlace contact_place(const CoupledState& state, int i) noexcept {
   at.dimple_m = c.dimple_m(i);
   at.point_m = place.prism.corner_m * place.frame.weight;
   at.normal = place.frame.normal;
+  at.share = place.frame.weight;
   at.triangle = state.surfaces[i].cache.triangle[static_cast<std::size_t>(place.slot)];
   at.touching = contact.reading.touching;
   at.starved = place.starved;

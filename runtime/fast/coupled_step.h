@@ -54,6 +54,7 @@ struct CoupledContactPlace {
   Real depth_m = 0.0;                  ///< [m] d_i
   Real dimple_m = 0.0;                 ///< [m] of it what the others sink
   std::int32_t triangle = -1;
+  Vector3 share = Vector3::Zero();  ///< [-] area coordinates of point_m; 0: not known
   bool touching = false;
   bool starved = false;
 };
@@ -72,6 +73,9 @@ struct CoupledState {
   bool sampled = false;
   bool in_contact = false;
 };
+
+/// Finite, and its rotation is one (to 1e-6).
+[[nodiscard]] bool is_sound(const PortPose& pose) noexcept;
 
 /// Null if a state may begin with them, else what is wrong, one line.
 [[nodiscard]] const char* check(const CoupledSet& set,
@@ -102,6 +106,13 @@ void accept(CoupledState& state, const ContactElement& message) noexcept;
 /// finite. @param dt_s [s] since the last step, [0, 1].
 CoupledCommand step(CoupledState& state, const CoupledSample& sample,
                     Real dt_s) noexcept;
+
+/// Puts the tools there before a step as a change of the model, not as work: turns that
+/// a device measures and cannot push against. What they would store beyond the
+/// allowance is taken by delta_0, so that a hand gets nothing out of the axes that it
+/// feels by turning in those that it does not. Nothing happens to a state with one
+/// contact, or before the first step.
+void carry(CoupledState& state, const PortPoses& pose) noexcept;
 
 /// What the devices made of the latest command. @param wrench on the ports until the
 /// next step.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "formats/recording/surface_state.h"
 #include "runtime/fast/fast_step.h"
+#include "runtime/fast/hung_tool.h"
 #include "runtime/realtime/step_histogram.h"
 
 namespace palpate {
@@ -51,6 +53,7 @@ struct RenderReport {
   std::uint64_t not_yielded = 0;  ///< times that a site had no room to yield
   std::vector<YieldedRow> surface;   ///< what has yielded, at the end
   double relaxed_shift_max_m = 0.0;  ///< [m] most that the ledger had to take
+  std::optional<HungAccount> coupling = {};  ///< of a tool that hangs by one
 
   StepHistogram step_time;  ///< taking in elements and one step, wall time
   Fault fault = Fault::kNone;

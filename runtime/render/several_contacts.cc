@@ -1,5 +1,7 @@
 #include "runtime/render/several_contacts.h"
 
+#include <fmt/format.h>
+
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -15,9 +17,21 @@ ContactStream stream_of(const ResponseDatabase& database, const ResponseTable& t
 
 SeveralContacts::SeveralContacts(const ResponseDatabase& database,
                                  const ResponseTable& tool, const FastConfig& config,
-                                 double force_scale)
+                                 double force_scale,
+                                 const std::optional<VirtualCoupling>& coupling,
+                                 ContactsWatch* watch)
     : stream_(stream_of(database, tool, force_scale)),
-      storage_(stream_.set(), config) {}
+      storage_(stream_.set(), config),
+      watch_(watch) {
+  if (!coupling) {
+    return;
+  }
+  hung_ = std::make_unique<HungTool>();
+  hung_->torque_felt = false;
+  if (const char* wrong = hang(*hung_, state(), *coupling)) {
+    throw InputError(fmt::format("coupling: {}", wrong));
+  }
+}
 
 bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
   const ContactElement* message = fifo_->front();
@@ -38,8 +52,14 @@ FastCommand SeveralContacts::step(const DeviceReading& reading, double dt_s) noe
   CoupledSample sample;
   sample.pose[0].position_m = reading.position_m;
   sample.time_ns = reading.time_ns;
-  const CoupledCommand all = palpate::step(state(), sample, dt_s);
+  if (!is_alone(state().set)) {
+    sample.pose[0].rotation = reading.turn.toRotationMatrix();
+  }
+  const CoupledCommand all = hung_ != nullptr
+                                 ? palpate::step(*hung_, state(), sample, dt_s)
+                                 : step_held(sample, dt_s);
   wrench_ = all.wrench;
+  scaled_ = all.scaled;
   FastCommand command;
   command.force_n = all.wrench[0].force_n;
   command.in_contact = all.in_contact;
@@ -54,14 +74,53 @@ FastCommand SeveralContacts::step(const DeviceReading& reading, double dt_s) noe
   return command;
 }
 
+CoupledCommand SeveralContacts::step_held(const CoupledSample& sample,
+                                          double dt_s) noexcept {
+  const PortPose& before = state().latest.pose[0];
+  if (sample.pose[0].rotation != before.rotation) {
+    PortPoses turned = sample.pose;
+    turned[0].position_m = before.position_m;
+    carry(state(), turned);
+  }
+  return palpate::step(state(), sample, dt_s);
+}
+
+void SeveralContacts::account(const FastCommand& /*command*/,
+                              RenderReport& report) const noexcept {
+  if (hung_ != nullptr) {
+    report.coupling = hung_->account;
+  }
+}
+
 void SeveralContacts::delivered(const Eigen::Vector3d& force_n) noexcept {
   PortWrenches made = wrench_;
   made[0].force_n = force_n;
-  palpate::delivered(state(), made);
+  if (hung_ != nullptr) {
+    palpate::delivered(*hung_, state(), made);
+  } else {
+    palpate::delivered(state(), made);
+  }
 }
 
-void SeveralContacts::publish(const DeviceReading& /*reading*/,
+void SeveralContacts::show(const DeviceReading& reading) noexcept {
+  const CoupledState& s = storage_.state();
+  seen_.count = s.set.count;
+  seen_.tool = s.latest.pose[0];
+  seen_.device = {reading.position_m, reading.turn.toRotationMatrix()};
+  seen_.wrench = wrench_[0];
+  seen_.hung = hung_ != nullptr;
+  seen_.scaled = scaled_;
+  for (int i = 0; i < s.set.count; ++i) {
+    seen_.contact[static_cast<std::size_t>(i)] = contact_place(s, i);
+  }
+  watch_->write(seen_);
+}
+
+void SeveralContacts::publish(const DeviceReading& reading,
                               std::int64_t ticks) noexcept {
+  if (watch_ != nullptr) {
+    show(reading);
+  }
   tool_->write(contact_tool_state(storage_.state(), static_cast<std::uint64_t>(ticks)));
 }
 

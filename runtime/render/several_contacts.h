@@ -1,27 +1,37 @@
-// A tool that touches at several places at once, on a device that measures its place
-// and pushes it, but does not turn it.
+// A tool that touches at several places at once, on a device that pushes it, but does
+// not turn it.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "formats/response/response_table.h"
+#include "runtime/fast/hung_tool.h"
 #include "runtime/realtime/triple_buffer.h"
+#include "runtime/render/contacts_seen.h"
 #include "runtime/render/rendered_body.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/coupled_storage.h"
 
 namespace palpate {
 
-/// Contacts coupled through the body (coupled_step.h), their axes along the body's.
-/// The torque on the tool is not felt: it does no work where nothing turns.
+/// Contacts coupled through the body (coupled_step.h). Held by the device itself, the
+/// tool is as the device measures it: its axes along the body's where turns are not
+/// measured. Held by a virtual coupling (hung_tool.h), it turns under its contacts. The
+/// torque on the device is not felt: it does no work where nothing turns, and turns
+/// that are measured are a change of the model (carry() of coupled_step.h).
 class SeveralContacts : public RenderedBody {
  public:
   /// @param database outlives it. @param config model: kPotential. @param force_scale
-  /// [-] (0, 1]. @throws InputError as coupled_set() and CoupledStorage.
+  /// [-] (0, 1]. @param coupling that holds the tool; none: the device does. @throws
+  /// InputError as coupled_set(), CoupledStorage and hang(). @param watch sees every
+  /// tick; null: nobody looks on; else it outlives this.
   SeveralContacts(const ResponseDatabase& database, const ResponseTable& tool,
-                  const FastConfig& config, double force_scale);
+                  const FastConfig& config, double force_scale,
+                  const std::optional<VirtualCoupling>& coupling = {},
+                  ContactsWatch* watch = nullptr);
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
   FastCommand step(const DeviceReading& reading, double dt_s) noexcept override;
@@ -34,8 +44,10 @@ class SeveralContacts : public RenderedBody {
     return storage_.state().in_contact;
   }
   [[nodiscard]] double work_j() const noexcept override {
-    return account_of(storage_.state()).work_j;
+    return hung_ != nullptr ? hung_->total.work_j : account_of(storage_.state()).work_j;
   }
+  void account(const FastCommand& command,
+               RenderReport& report) const noexcept override;
   /// Of the first contact that touches.
   [[nodiscard]] std::int32_t triangle() const noexcept override;
   [[nodiscard]] std::uint64_t dropped() const noexcept override {
@@ -47,15 +59,21 @@ class SeveralContacts : public RenderedBody {
   void begin_with(const std::vector<YieldedRow>& rows) override;
 
  private:
+  void show(const DeviceReading& reading) noexcept;
+  CoupledCommand step_held(const CoupledSample& sample, double dt_s) noexcept;
   [[nodiscard]] CoupledState& state() noexcept { return storage_.state(); }
 
   ContactStream stream_;
   CoupledStorage storage_;
+  std::unique_ptr<HungTool> hung_;  // null: the device holds the tool
   std::unique_ptr<ContactFifo> fifo_ = std::make_unique<ContactFifo>();
   std::unique_ptr<TripleBuffer<ContactToolState>> tool_ =
       std::make_unique<TripleBuffer<ContactToolState>>();
   ContactSent sent_;
   PortWrenches wrench_;  // of the latest step
+  bool scaled_ = false;  // likewise
+  ContactsWatch* watch_;
+  ContactsSeen seen_;
 };
 
 }  // namespace palpate

@@ -111,6 +111,9 @@ class ContactRun {
     fast.force_max_n = options.force_max_n;
     fast.ramp_s = options.ramp_s;
     storage_.emplace(stream_->set(), fast);
+    if (report_.coupling) {
+      hang_tools();
+    }
     report_.contacts = stream_->set().count;
     for (const ResponseTable* table : tables_) {
       report_.tools.push_back(table->tool.name);
@@ -144,8 +147,12 @@ class ContactRun {
     }
     for (auto& hand : hands_) {
       hand.device->close();
+      report_.hand_net_j -= hand.device->rendered_work_j();
     }
     report_.interventions = account_of(storage_->state()).interventions;
+    if (hung_ != nullptr) {
+      report_.coupling->account = hung_->account;
+    }
     report_.elements_dropped = fifo_->dropped();
     if (!o.trace.empty()) {
       write_pose_trace(o.trace, static_cast<int>(tables_.size()), trace_);
@@ -172,6 +179,10 @@ class ContactRun {
       report_.table_error =
           std::max(report_.table_error, table->compliance.error_relative);
     }
+    if (o.coupling) {
+      soften_coupling(limits);
+      return;
+    }
     const std::string reason =
         why_not_renderable(report_.margin, limits.damping_n_s_per_m, 0.0);
     if (o.force_scale) {
@@ -187,6 +198,34 @@ class ContactRun {
           fmt::format("the device cannot render this: {}; --limit-stiffness scales "
                       "forces by {:.3g}",
                       reason, report_.force_scale));
+    }
+  }
+
+  // With a coupling its spring is what counts (coupling_margin()).
+  void soften_coupling(const DeviceLimits& limits) {
+    VirtualCoupling c = *report_.options.coupling;
+    const double hold_s = 1.0 / report_.options.fast_hz;
+    const WrenchMargin spring = coupling_margin(c, limits, hold_s);
+    if (spring.share > 1.0) {
+      const double softer_n_per_m = c.spring_n_per_m / spring.share;
+      if (!report_.options.limit_stiffness) {
+        throw InputError(
+            fmt::format("the device cannot render this coupling: its spring of {:.4g} "
+                        "N/m is {:.3g} times what the device can hold; "
+                        "--limit-stiffness softens it to {:.4g} N/m",
+                        c.spring_n_per_m, spring.share, softer_n_per_m));
+      }
+      c.spring_n_per_m = softer_n_per_m;
+    }
+    report_.margin = coupling_margin(c, limits, hold_s);
+    report_.coupling = coupling_on(c, limits, hold_s);
+  }
+
+  void hang_tools() {
+    hung_ = std::make_unique<HungTool>();
+    if (const char* wrong =
+            hang(*hung_, storage_->state(), report_.coupling->coupling)) {
+      throw InputError(fmt::format("coupling: {}", wrong));
     }
   }
 
@@ -248,14 +287,16 @@ class ContactRun {
       sample.pose[i] = {at.pose[i].position_m, at.pose[i].turn.toRotationMatrix()};
     }
     const double dt_s =
-        report_.ticks == 0 ? 1.0 / report_.options.fast_hz : at.time_s - last_s_;
-    last_s_ = at.time_s;
-    at.command = step(storage_->state(), sample, dt_s);
-    at.work_j = account_of(storage_->state()).work_j;
+        report_.ticks == 0 ? 1.0 / report_.options.fast_hz : at.time_s - last_.time_s;
+    CoupledState& state = storage_->state();
+    at.command = hung_ != nullptr ? step(*hung_, state, sample, dt_s)
+                                  : step(state, sample, dt_s);
+    at.work_j = hung_ != nullptr ? hung_->total.work_j : account_of(state).work_j;
     for (std::size_t i = 0; i < hands_.size() && poses_.empty(); ++i) {
       (void)hands_[i].device->write(at.command.wrench[i].force_n);
     }
     account(at);
+    last_ = at;
     if (!report_.options.trace.empty() || report_.options.keep) {
       trace_.push_back(at);
     }
@@ -281,6 +322,9 @@ class ContactRun {
   void account(const PoseTick& at) {
     ContactRunReport& r = report_;
     const CoupledCommand& c = at.command;
+    if (r.ticks > 0) {
+      r.hand_net_j += work_of_hands_j(last_, at, hands_.size(), !poses_.empty());
+    }
     ++r.ticks;
     r.contact_ticks += c.in_contact ? 1 : 0;
     r.starved_ticks += c.starved ? 1 : 0;
@@ -311,7 +355,8 @@ class ContactRun {
   std::vector<Hand> hands_;
   std::vector<PoseTick> poses_;
   std::vector<PoseTick> trace_;
-  double last_s_ = 0.0;
+  PoseTick last_;
+  std::unique_ptr<HungTool> hung_;  // null: devices hold the tools
 };
 
 }  // namespace

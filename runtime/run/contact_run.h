@@ -13,6 +13,7 @@
 #include "runtime/device/wrench_margin.h"
 #include "runtime/fast/coupled_step.h"
 #include "runtime/hand/simulated_device.h"
+#include "runtime/run/coupling_report.h"
 #include "runtime/run/pose_trace.h"
 
 namespace palpate {
@@ -28,6 +29,8 @@ struct ContactRunOptions {
   double tilt_rad = 0.1;              ///< [rad] that each hand rocks its tool
   double turn_rad = 0.5;              ///< [rad] that each turns it about the normal
   bool limit_stiffness = false;
+  /// Hangs each tool on its device; none: the device holds it.
+  std::optional<VirtualCoupling> coupling;
   SimulatedDeviceConfig device;
   std::filesystem::path trace;  ///< of every tick (pose_trace.h); empty: none
   /// Poses of every tick instead of hands and devices; empty: none. Its times are the
@@ -40,14 +43,16 @@ struct ContactRunOptions {
 
 struct ContactRunReport {
   ContactRunOptions options;
+  std::optional<CouplingReport> coupling;
   std::vector<std::string> tools;  ///< rendered
   std::vector<PoseTick> kept;      ///< every tick, if options.keep
   int contacts = 0;
   std::vector<std::int32_t> node;  ///< that each hand presses
-  WrenchMargin margin;             ///< of the worst hand
-  double force_scale = 1.0;        ///< [-] below 1 where stiffness was limited
-  bool convex = false;             ///< as the tables say
-  double table_error = 0.0;        ///< [-] as the tables say; 0: not known
+  /// Of the worst hand; with a coupling its spring's.
+  WrenchMargin margin;
+  double force_scale = 1.0;  ///< [-] below 1 where stiffness was limited
+  bool convex = false;       ///< as the tables say
+  double table_error = 0.0;  ///< [-] as the tables say; 0: not known
   std::int64_t ticks = 0;
   std::int64_t contact_ticks = 0;
   std::int64_t starved_ticks = 0;
@@ -56,6 +61,9 @@ struct ContactRunReport {
   double depth_max_m = 0.0;
   double force_max_n = 0.0;
   double torque_max_n_m = 0.0;
+  /// [J] by hands and devices against wrenches as they were held, as the tools really
+  /// moved; of poses, as they were measured.
+  double hand_net_j = 0.0;
   double model_work_j = 0.0;   ///< [J] by the ledger, at the end
   double lowest_work_j = 0.0;  ///< [J] least that it ever was
   double stored_j = 0.0;
@@ -69,7 +77,7 @@ struct ContactRunReport {
 
 /// @throws InputError as coupled_set(), script_at() and read_poses() do, for options
 /// out of range, and, without limit_stiffness, for a tool that the device cannot render
-/// (wrench_margin.h).
+/// (wrench_margin.h). Limited is the coupling's spring where there is one, else forces.
 [[nodiscard]] ContactRunReport simulate_contacts(const ResponseDatabase& database,
                                                  const ContactRunOptions& options,
                                                  const std::atomic<bool>& stop);

@@ -18,9 +18,13 @@ std::string summary(const ContactRunReport& r) {
                                       : "not stated",
                   r.convex ? "one equilibrium wherever it was tried"
                            : "not known to have one equilibrium everywhere");
+  if (r.coupling) {
+    text += fmt::format("coupling to the device: {}\n", coupling_text(*r.coupling));
+  }
   text += fmt::format(
-      "stability: contacts together {:.4g} N/m and {:.3g} N m/rad, {:.3g} of what the "
+      "stability: {} at most {:.4g} N/m and {:.3g} N m/rad, {:.3g} of what the "
       "device can hold{}\n",
+      r.coupling ? "the coupling's spring" : "contacts together",
       r.margin.stiffness_n_per_m, r.margin.stiffness_n_m_per_rad, r.margin.share,
       r.force_scale < 1.0 ? fmt::format("; forces scaled by {:.3g}", r.force_scale)
                           : "");
@@ -35,37 +39,45 @@ std::string summary(const ContactRunReport& r) {
       "work {:.2g} J; relaxed {:.3g} mm, {} changes cut\n",
       1e3 * r.model_work_j, 1e3 * r.stored_j, 1e3 * r.tank_j, 1e3 * r.dissipated_j,
       r.lowest_work_j, 1e3 * r.relaxed_shift_max_m, r.interventions);
+  if (r.coupling) {
+    text += fmt::format("  {}\n", coupling_energy_text(*r.coupling));
+  }
+  text += fmt::format("work of hands and devices against held wrenches: {:.6g} mJ\n",
+                      1e3 * r.hand_net_j);
   text += fmt::format("fault: {}\n", name(r.fault));
   return text;
 }
 
 std::string to_json(const ContactRunReport& r) {
-  return nlohmann::json{{"tools", r.options.tools},
-                        {"contacts", r.contacts},
-                        {"nodes", r.node},
-                        {"table_error", r.table_error},
-                        {"convex", r.convex},
-                        {"stability_share", r.margin.share},
-                        {"stiffness_n_per_m", r.margin.stiffness_n_per_m},
-                        {"stiffness_n_m_per_rad", r.margin.stiffness_n_m_per_rad},
-                        {"force_scale", r.force_scale},
-                        {"ticks", r.ticks},
-                        {"contact_ticks", r.contact_ticks},
-                        {"starved_ticks", r.starved_ticks},
-                        {"scaled_ticks", r.scaled_ticks},
-                        {"contacts_max", r.contacts_max},
-                        {"depth_max_m", r.depth_max_m},
-                        {"force_max_n", r.force_max_n},
-                        {"torque_max_n_m", r.torque_max_n_m},
-                        {"model_work_j", r.model_work_j},
-                        {"lowest_work_j", r.lowest_work_j},
-                        {"stored_j", r.stored_j},
-                        {"tank_j", r.tank_j},
-                        {"dissipated_j", r.dissipated_j},
-                        {"relaxed_shift_max_m", r.relaxed_shift_max_m},
-                        {"interventions", r.interventions},
-                        {"elements_dropped", r.elements_dropped},
-                        {"fault", name(r.fault)}}
+  return nlohmann::json{
+      {"tools", r.options.tools},
+      {"contacts", r.contacts},
+      {"nodes", r.node},
+      {"table_error", r.table_error},
+      {"convex", r.convex},
+      {"stability_share", r.margin.share},
+      {"stiffness_n_per_m", r.margin.stiffness_n_per_m},
+      {"stiffness_n_m_per_rad", r.margin.stiffness_n_m_per_rad},
+      {"force_scale", r.force_scale},
+      {"ticks", r.ticks},
+      {"contact_ticks", r.contact_ticks},
+      {"starved_ticks", r.starved_ticks},
+      {"scaled_ticks", r.scaled_ticks},
+      {"contacts_max", r.contacts_max},
+      {"depth_max_m", r.depth_max_m},
+      {"force_max_n", r.force_max_n},
+      {"torque_max_n_m", r.torque_max_n_m},
+      {"coupling", r.coupling ? as_json(*r.coupling) : nlohmann::json()},
+      {"hand_net_j", r.hand_net_j},
+      {"model_work_j", r.model_work_j},
+      {"lowest_work_j", r.lowest_work_j},
+      {"stored_j", r.stored_j},
+      {"tank_j", r.tank_j},
+      {"dissipated_j", r.dissipated_j},
+      {"relaxed_shift_max_m", r.relaxed_shift_max_m},
+      {"interventions", r.interventions},
+      {"elements_dropped", r.elements_dropped},
+      {"fault", name(r.fault)}}
       .dump(2);
 }
 

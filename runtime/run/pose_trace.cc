@@ -122,6 +122,20 @@ Eigen::Quaterniond unit(const double* xyzw) {
 
 }  // namespace
 
+double work_of_hands_j(const PoseTick& from, const PoseTick& to, std::size_t hands,
+                       bool moved) {
+  double work = 0.0;
+  for (std::size_t i = 0; i < hands; ++i) {
+    const Wrench& held = from.command.wrench[i];
+    const Eigen::AngleAxisd turn(to.pose[i].turn * from.pose[i].turn.conjugate());
+    work -= turn.angle() * held.torque_n_m.dot(turn.axis());
+    if (moved) {
+      work -= held.force_n.dot(to.pose[i].position_m - from.pose[i].position_m);
+    }
+  }
+  return work;
+}
+
 void write_pose_trace(const std::filesystem::path& file, int ports,
                       const std::vector<PoseTick>& ticks) {
   std::string text = header(ports);

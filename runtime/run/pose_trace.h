@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -31,6 +32,11 @@ struct PoseTick {
   CoupledCommand command;  ///< of the tick; not read
   double work_j = 0.0;     ///< likewise
 };
+
+/// Work of hands from one pose to the next against the wrenches between [J]. @param
+/// moved whether it counts what moved, or turns alone.
+[[nodiscard]] double work_of_hands_j(const PoseTick& from, const PoseTick& to,
+                                     std::size_t hands, bool moved);
 
 /// @throws InputError if the place cannot be written.
 void write_pose_trace(const std::filesystem::path& file, int ports,

@@ -18,6 +18,7 @@
 #include "runtime/render/render_loop.h"
 #include "runtime/render/several_contacts.h"
 #include "runtime/run/replay.h"
+#include "runtime/run/several_run.h"
 #include "runtime/slow/contact_stiffness.h"
 #include "runtime/slow/file_press_site.h"
 
@@ -81,8 +82,9 @@ struct PressedBody {
   std::int32_t node = -1;
   RenderedStiffness stiffness;
   // Of a tool of several contacts, instead of the stream.
-  std::function<std::unique_ptr<RenderedBody>(const FastConfig& config,
-                                              double force_scale)>
+  std::function<std::unique_ptr<RenderedBody>(
+      const FastConfig& config, double force_scale,
+      const std::optional<CouplingReport>& coupling)>
       several = nullptr;
   std::function<HandScript(double force_scale, double hand_n_per_m)> script;
   std::function<std::unique_ptr<ElementSender>(double force_scale,
@@ -113,29 +115,10 @@ void prepare_records(PreparedRun& run, const DeviceLimits& limits) {
   }
 }
 
-// What a run of several contacts cannot do.
-void check_several(const PressedBody& body, const SimulationOptions& options) {
-  const auto refuse = [&](const char* why) {
-    throw InputError(fmt::format("tool \"{}\" has {} contacts: {}", body.tool.name,
-                                 body.tool.contact.radius_m.size(), why));
-  };
-  if (!body.several) {
-    refuse("the database must fit in memory, leave out --stream");
-  }
-  if (options.model != LocalModel::kPotential) {
-    refuse("the local model must be potential");
-  }
-  if (!options.recording.file.empty()) {
-    refuse("a device's run of it is not recorded, leave out --record");
-  }
-}
-
 // Checks the margin. @param clock of all tools.
 PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
                     Clock& clock) {
-  if (!body.tool.contact.empty()) {
-    check_several(body, options);
-  }
+  check_several(body.tool, options, body.several != nullptr);
   PreparedRun run;
   run.config = render_config(options, body.tool);
   SimulationReport& report = run.report;
@@ -160,6 +143,9 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
     report.stiffness.friction_n_per_m = 0.0;  // the scalar models render none
   }
   report.bounds = stability_bounds(limits, report.hold_s);
+  if (options.coupling) {
+    soften_coupling(report, limits);
+  }
   report.force_scale = force_scale(report, limits);
 
   const HandScript script = body.script(report.force_scale, device_config.hand_n_per_m);
@@ -173,7 +159,8 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
   report.device = run.device->name();
   if (body.several) {
     report.contacts = static_cast<int>(body.tool.contact.radius_m.size());
-    run.several = body.several(run.config.fast.fast, report.force_scale);
+    run.several =
+        body.several(run.config.fast.fast, report.force_scale, report.coupling);
   } else {
     run.sender = body.stream(report.force_scale, start_m);
   }
@@ -185,6 +172,9 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
 void finish(PreparedRun& run, const RenderReport& rendered) {
   SimulationReport& report = run.report;
   report.render = rendered;
+  if (report.coupling && rendered.coupling) {
+    report.coupling->account = *rendered.coupling;
+  }
   report.device_failure = run.device->failure();
   if (const LinkReport* wire = run.device->wire()) {
     report.wire = *wire;
@@ -261,13 +251,17 @@ std::vector<SimulationReport> reports(const std::vector<PreparedRun>& runs) {
   return all;
 }
 
-// A tool of several contacts whose axes stay along the body's.
+// A tool of several contacts.
 PressedBody pressed_by_several(const ResponseDatabase& database,
                                const ResponseTable& table, PressedBody body,
-                               double force_max_n) {
-  body.stiffness = stiffness_of_contacts(database, table, force_max_n);
-  body.several = [&database, &table](const FastConfig& config, double scale) {
-    return std::make_unique<SeveralContacts>(database, table, config, scale);
+                               const SimulationOptions& options) {
+  body.stiffness = stiffness_of_contacts(database, table, options.force_max_n);
+  body.several = [&database, &table, watch = options.watch_contacts](
+                     const FastConfig& config, double scale,
+                     const std::optional<CouplingReport>& coupling) {
+    return std::make_unique<SeveralContacts>(
+        database, table, config, scale,
+        coupling ? std::optional(coupling->coupling) : std::nullopt, watch);
   };
   body.script = [script = std::move(body.script), &table](double scale,
                                                           double hand_n_per_m) {
@@ -305,7 +299,7 @@ PressedBody pressed_body(const ResponseDatabase& database,
       }};
   return table.tool.contact.empty()
              ? body
-             : pressed_by_several(database, table, std::move(body), force_max_n);
+             : pressed_by_several(database, table, std::move(body), options);
 }
 
 }  // namespace

@@ -15,8 +15,10 @@
 #include "runtime/device/stability_margin.h"
 #include "runtime/fast/local_model.h"
 #include "runtime/hand/simulated_device.h"
+#include "runtime/render/contacts_seen.h"
 #include "runtime/render/render_report.h"
 #include "runtime/render/telemetry.h"
+#include "runtime/run/coupling_report.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/memory_elements.h"
 
@@ -43,11 +45,15 @@ struct SimulationOptions {
   std::optional<Eigen::Vector3d> at_m;  ///< [m] where to press
   bool real_time = false;
   bool limit_stiffness = false;  ///< scale forces to what the device can render
+  /// Hangs a tool of several contacts on the device; none: the device holds it.
+  std::optional<VirtualCoupling> coupling = {};
   SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run
   std::filesystem::path socket;  ///< a driver's instead of the simulated device
   std::optional<AttachedDevice> attached;  ///< instead of the simulated device
   RecordingRequest recording;
   TickQueue* watch = nullptr;  ///< every tick goes there, too; outlives the run
+  /// Of a tool of several contacts, the latest one with all of them; likewise.
+  ContactsWatch* watch_contacts = nullptr;
   /// What each tool of the body had left on it before; no tool: a fresh body.
   SurfaceState surface = {};
 };
@@ -63,6 +69,7 @@ struct SimulationReport {
   StabilityBounds bounds;
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
   double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
+  std::optional<CouplingReport> coupling;  ///< of a hung tool
   ResampleLoss resample_loss;
   std::optional<LinkReport> wire;      ///< of a device that has one
   std::optional<StreamReport> stream;  ///< of a body that was streamed

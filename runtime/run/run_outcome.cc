@@ -58,6 +58,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"model", name(report.options.model)},
       {"tool", report.tool},
       {"contacts", report.contacts},
+      {"coupling", report.coupling ? as_json(*report.coupling) : nlohmann::json()},
       {"node", report.node},
       {"fast_hz", report.options.fast_hz},
       {"slow_hz", report.options.slow_hz},

@@ -12,10 +12,13 @@ std::string line(const char* label, const std::string& text) {
 std::string margin_lines(const SimulationReport& report) {
   const double k = report.stiffness.largest_n_per_m() * report.force_scale;
   std::string text =
-      line("stiffness",
-           fmt::format("{:.4g} N/m at node {}, friction before sliding {:.4g} N/m",
-                       report.stiffness.normal_n_per_m, report.stiffness.node,
-                       report.stiffness.friction_n_per_m));
+      report.coupling
+          ? line("stiffness", fmt::format("{:.4g} N/m of the coupling's spring", k))
+          : line(
+                "stiffness",
+                fmt::format("{:.4g} N/m at node {}, friction before sliding {:.4g} N/m",
+                            report.stiffness.normal_n_per_m, report.stiffness.node,
+                            report.stiffness.friction_n_per_m));
   if (report.force_scale < 1.0) {
     text +=
         line("limited", fmt::format("forces scaled by {:.4g} to what the device can "
@@ -179,10 +182,13 @@ std::string summary(const SimulationReport& report) {
                                 o.real_time ? "real time" : "simulated time")) +
       margin_lines(report);
   if (report.contacts > 1) {
-    text +=
-        line("contacts", fmt::format("{}, coupled; the tool does not turn, its torque "
-                                     "is not felt",
-                                     report.contacts));
+    text += line("contacts",
+                 fmt::format("{}, coupled; the device does not turn{}, torque "
+                             "is not felt",
+                             report.contacts, report.coupling ? "" : " the tool"));
+  }
+  if (report.coupling) {
+    text += line("coupling", coupling_text(*report.coupling));
   }
   if (report.resample_loss.nodes > 0) {
     text += line("thinned curves",
@@ -199,7 +205,11 @@ std::string summary(const SimulationReport& report) {
                                        ? ""
                                        : fmt::format(", beyond the curves in {} ticks",
                                                      r.extrapolated_ticks)));
-  text += energy_lines(r) + memory_lines(r) + yielding_lines(report) + timing_lines(r);
+  text += energy_lines(r);
+  if (report.coupling) {
+    text += line("  of the coupling", coupling_energy_text(*report.coupling));
+  }
+  text += memory_lines(r) + yielding_lines(report) + timing_lines(r);
   if (report.wire) {
     text += wire_lines(*report.wire);
   }

@@ -38,6 +38,21 @@ ContactStiffness contact_stiffness(const ResponseTable& table, const CoupledSet&
   return all;
 }
 
+WrenchMargin coupling_margin(const VirtualCoupling& coupling,
+                             const DeviceLimits& device, double hold_s) {
+  const double k = coupling.spring_n_per_m;
+  WrenchMargin margin = wrench_margin(
+      {Eigen::MatrixX3d::Zero(1, 3), Eigen::MatrixXd::Constant(1, 1, k), k},
+      device.damping_n_s_per_m, 0.0, hold_s, device.delay_s);
+  margin.stiffness_n_m_per_rad = coupling.spring_n_m_per_rad;
+  return margin;
+}
+
+double every_hand_n_s_per_m(const VirtualCoupling& coupling, double hold_s,
+                            double delay_s) {
+  return coupling.spring_n_per_m * (0.5 * hold_s + delay_s) + coupling.damper_n_s_per_m;
+}
+
 RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
                                         const ResponseTable& tool, double force_max_n) {
   const std::vector<std::size_t> radius = radius_of_contacts(tool.tool.contact);

@@ -6,6 +6,7 @@
 #include "runtime/device/stability_margin.h"
 #include "runtime/device/wrench_margin.h"
 #include "runtime/fast/coupled_set.h"
+#include "runtime/fast/virtual_coupling.h"
 
 namespace palpate {
 
@@ -16,6 +17,21 @@ namespace palpate {
 [[nodiscard]] ContactStiffness contact_stiffness(const ResponseTable& table,
                                                  const CoupledSet& set,
                                                  const RenderedStiffness& stiffest);
+
+/// Of a virtual coupling's spring, alike in every direction: the most that a device
+/// feels, however stiff or soft the contacts are. The tool's mass hardly moves within a
+/// tick, so that what is held from one to the next is this spring even in free air.
+/// Turns are not checked.
+[[nodiscard]] WrenchMargin coupling_margin(const VirtualCoupling& coupling,
+                                           const DeviceLimits& device, double hold_s);
+
+/// [N s/m] Damping of a device with which no passive hand gets energy out of a stuck
+/// tool's held spring and damper: b > k_t (T/2 + delay) + b_t (Colgate & Schenkel 1997,
+/// b > K T / 2 + |B|). A damper needs far more than its spring; short of it a device's
+/// mass and a hand's own damping must do, as they do where T b_t is well below the
+/// mass.
+[[nodiscard]] double every_hand_n_s_per_m(const VirtualCoupling& coupling,
+                                          double hold_s, double delay_s);
 
 /// Sums over all contacts of a tool, as if each pressed a body of its own: more than
 /// they have together where they sink one another, as contacts on one side of a body

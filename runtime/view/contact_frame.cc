@@ -80,12 +80,10 @@ std::vector<ViewTouch> ContactSession::touches() const {
                     .normal = at.normal,
                     .force_n = at.force_n,
                     .depth_m = at.depth_m,
-                    .own_m = at.depth_m - at.dimple_m};
+                    .own_m = at.depth_m - at.dimple_m,
+                    .share = at.share};
     for (Eigen::Index j = 0; j < 3; ++j) {
       touch.node[static_cast<std::size_t>(j)] = database_.body.triangle(at.triangle, j);
-    }
-    if (!is_alone(state.set)) {
-      touch.share = state.model.field.at[self].place.frame.weight;
     }
     all.push_back(touch);
   }

@@ -83,6 +83,7 @@ std::string hands_text(const ViewHands& hands) {
   const Json json{{"hands", as_list(hands.hand)},
                   {"contacts", as_list(hands.touch)},
                   {"coupled", hands.coupled},
+                  {"compared", hands.compared},
                   {"scaled", hands.scaled}};
   std::string text = json.dump();
   text = text.substr(1, text.size() - 2);

@@ -56,6 +56,7 @@ struct ViewHands {
   std::vector<ViewLoads> loads;  ///< of the ticks that the frame holds
   bool coupled = true;           ///< as it is rendered
   bool scaled = false;           ///< the coupling is not whole (coupled_contacts.h)
+  bool compared = true;          ///< coupled_n and added_up_n are known
 };
 
 /// Members of a frame's object, without braces.

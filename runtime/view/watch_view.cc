@@ -30,8 +30,8 @@ void count(ViewRun& run, const TickRecord& tick) {
 }  // namespace
 
 WatchView::WatchView(const ViewedBody& body, const SimulationOptions& options,
-                     TickQueue& ticks)
-    : body_(body), search_(body.database.body), ticks_(ticks) {
+                     TickQueue& ticks, ContactsWatch* contacts)
+    : body_(body), search_(body.database.body), ticks_(ticks), contacts_(contacts) {
   frame_.settings = {
       .model = options.model, .slow_hz = options.slow_hz, .fast_hz = options.fast_hz};
 }
@@ -81,10 +81,56 @@ void WatchView::frame() {
   frame_.fault = name(static_cast<Fault>(frame_.now.fault));
   frame_.net_j = frame_.now.work_j;
   frame_.clients = clients_.size();
+  if (contacts_ != nullptr) {
+    frame_.hands = hands(passed);
+  }
   const auto text = std::make_shared<const std::string>(frame_text(frame_, passed));
   for (const ViewClient client : clients_) {
     outbox_->send_latest(client, text);
   }
+}
+
+// The device is the hand. Of torque the latest is known, not that of every tick.
+ViewHands WatchView::hands(const std::vector<TickRecord>& passed) {
+  static_cast<void>(contacts_->fetch());
+  const ContactsSeen& seen = contacts_->latest();
+  const ContactSet& spheres = body_.table.tool.contact;
+  ViewHands all;
+  all.scaled = seen.scaled;
+  all.compared = false;
+  all.hand.push_back({.tool_m = seen.tool.position_m,
+                      .turn = Eigen::Quaterniond(seen.tool.rotation),
+                      .hand_m = seen.device.position_m,
+                      .pointer_m = seen.device.position_m,
+                      .holding = seen.hung,
+                      .force_n = seen.wrench.force_n,
+                      .torque_n_m = seen.wrench.torque_n_m});
+  for (std::size_t i = 0; i < static_cast<std::size_t>(seen.count); ++i) {
+    const CoupledContactPlace& at = seen.contact[i];
+    if (at.triangle < 0) {
+      continue;
+    }
+    ViewTouch& touch =
+        all.touch.emplace_back(ViewTouch{.radius_m = spheres.radius_m[i],
+                                         .centre_m = at.centre_m,
+                                         .point_m = at.point_m,
+                                         .normal = at.normal,
+                                         .force_n = at.force_n,
+                                         .depth_m = at.depth_m,
+                                         .own_m = at.depth_m - at.dimple_m,
+                                         .share = at.share});
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      touch.node[static_cast<std::size_t>(j)] =
+          body_.database.body.triangle(at.triangle, j);
+    }
+  }
+  for (const TickRecord& tick : passed) {
+    const Eigen::Map<const Eigen::Vector3d> force_n(tick.force_n.data());
+    ViewLoads& loads = all.loads.emplace_back();
+    loads.force_n[0] = force_n.norm();
+    loads.torque_n_m[0] = seen.wrench.torque_n_m.norm();
+  }
+  return all;
 }
 
 std::string_view WatchView::state() const {

@@ -18,7 +18,9 @@ namespace palpate {
 class WatchView : public ViewApplication {
  public:
   /// All must outlive the view. @param ticks filled by the run, read here alone.
-  WatchView(const ViewedBody& body, const SimulationOptions& options, TickQueue& ticks);
+  /// @param contacts likewise, of a tool of several contacts; else null.
+  WatchView(const ViewedBody& body, const SimulationOptions& options, TickQueue& ticks,
+            ContactsWatch* contacts = nullptr);
 
   /// Where messages go from now on; must outlive the view, or its last call.
   void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
@@ -30,10 +32,12 @@ class WatchView : public ViewApplication {
 
  private:
   [[nodiscard]] std::string_view state() const;
+  [[nodiscard]] ViewHands hands(const std::vector<TickRecord>& passed);
 
   const ViewedBody& body_;
   SurfaceSearch search_;
   TickQueue& ticks_;
+  ContactsWatch* contacts_;
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;
   ViewFrame frame_;

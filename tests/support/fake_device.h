@@ -26,7 +26,9 @@ class FakeDevice : public Device {
   std::size_t lost_read = kNever;    ///< from this read on the device is gone
   std::size_t lost_write = kNever;   ///< from this write on the device is gone
   bool absent = false;               ///< cannot be opened
-  std::function<void()> on_write;    ///< called at every write
+  /// Orientation by time [s] since open(); null: not measured.
+  std::function<Eigen::Quaterniond(double)> turned;
+  std::function<void()> on_write;  ///< called at every write
   /// Called at every read with its number, may change its time [ns].
   std::function<void(std::size_t, std::int64_t&)> on_read;
 
@@ -55,8 +57,12 @@ class FakeDevice : public Device {
     if (number == late_read || number >= silent_from) {
       return DeviceStatus::kLate;
     }
-    reading.position_m = script_(static_cast<double>(reading.time_ns - opened_ns_) /
-                                 kNanosecondsPerSecond);
+    const double time_s =
+        static_cast<double>(reading.time_ns - opened_ns_) / kNanosecondsPerSecond;
+    reading.position_m = script_(time_s);
+    if (turned) {
+      reading.turn = turned(time_s);
+    }
     return DeviceStatus::kOk;
   }
 

@@ -90,6 +90,40 @@ TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
   expect_refused(simulate("bare.h5", {"--tool", "pads"}), "no table of compliance");
 }
 
+TEST_F(Contacts, HangByACoupling) {
+  const ToolRun run =
+      simulate("pads.h5", {"--tool", "pads", "--coupling", "--coupling-spring-n-per-m",
+                           "200", "--coupling-mass-kg", "0.05"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("tool of 0.05 kg on springs of 200 N/m"), std::string::npos)
+      << run.out;
+  expect_refused(simulate("pads.h5", {"--tool", "pads", "--coupling-mass-kg", "0.05"}),
+                 "without --coupling");
+  expect_refused(
+      simulate("pads.h5", {"--tool", "pads", "--coupling", "--coupling-mass-kg", "0"}),
+      "must be above zero");
+  expect_refused(simulate("pads.h5", {"--tool", "ball", "--coupling"}),
+                 "touches at one place");
+  expect_refused(
+      simulate("pads.h5", {"--tool", "pads", "--coupling", "--record", file("c.h5")}),
+      "--trace");
+}
+
+// On a device in real time, and watched by whatever page there is.
+TEST_F(Contacts, AreWatchedOnADevice) {
+  for (const bool watched : {false, true}) {
+    std::vector<std::string> arguments{watched ? "view" : "device", file("pads.h5")};
+    for (const char* more : {"--tool", "pads", "--device", "emulated-falcon",
+                             "--seconds", "1", "--limit-stiffness", "--coupling"}) {
+      arguments.emplace_back(more);
+    }
+    const ToolRun run = run_tool_process("palpate-run", arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+    EXPECT_NE(run.out.find("3, coupled"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("of the coupling"), std::string::npos) << run.out;
+  }
+}
+
 // The page itself: view_hands_page_test.cc.
 TEST_F(Contacts, TheViewRefusesWhatItCannotShow) {
   const auto view = [](const char* database, std::vector<std::string> more) {
@@ -103,8 +137,10 @@ TEST_F(Contacts, TheViewRefusesWhatItCannotShow) {
   expect_refused(view("pads.h5", {"--tool", "ball,pads"}), "--together");
   expect_refused(view("pads.h5", {"--tool", "pads", "--model", "element"}),
                  "potential");
-  expect_refused(view("pads.h5", {"--tool", "pads", "--device", "emulated-falcon"}),
-                 "--device");
+  expect_refused(view("pads.h5", {"--tool", "ball,ball", "--together", "--device",
+                                  "emulated-falcon"}),
+                 "--together");
+  expect_refused(view("pads.h5", {"--tool", "pads", "--coupling"}), "give --device");
   expect_refused(view("pads.h5", {"--tool", "pads", "--surface-out", file("s.h5")}),
                  "--surface-out");
 }

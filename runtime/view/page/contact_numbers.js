@@ -36,9 +36,9 @@ export class ContactNumbers {
     }
     const sum = (key) => state.hands.reduce((all, hand) => all + length(hand[key]), 0);
     const [coupled, added] = [sum("coupled_n"), sum("added_up_n")];
-    put("body_coupled", coupled.toFixed(3));
-    put("body_added", added.toFixed(3));
-    const more = coupled > 1e-6 ? Math.round(100 * (added / coupled - 1)) : null;
+    put("body_coupled", state.compared ? coupled.toFixed(3) : "–");
+    put("body_added", state.compared ? added.toFixed(3) : "–");
+    const more = state.compared && coupled > 1e-6 ? Math.round(100 * (added / coupled - 1)) : null;
     put("body_more", more === null ? "" : `(${more < 0 ? "−" : "+"}${Math.abs(more)} %)`);
     put("other_text", state.coupled ? "what contacts added up would give" : "what coupled contacts give");
     put("scaled_note", state.scaled ? "some lie too close: coupled in part" : "");

@@ -14,6 +14,8 @@
 #include "formats/mesh/obj_writer.h"
 #include "formats/response/response_curve.h"
 #include "precompute/build/plan_coupling.h"
+#include "precompute/process/machine_memory.h"
+#include "precompute/process/peak_memory.h"
 #include "precompute/press/contact_spot.h"
 #include "precompute/press/coupling_modes.h"
 #include "precompute/press/joint_presses.h"
@@ -164,6 +166,13 @@ TEST_F(ContactCoupling, APlanCountsIt) {
   EXPECT_EQ(report.cost[1].count, 48);
   EXPECT_EQ(report.cost[1].timed, 2);
   EXPECT_GT(report.cost[1].seconds, 20.0 * report.cost[1].timed_seconds);
+  // The factor of the table's mesh comes on top of what is there.
+  const double first_m = coupling_distances(scene, *body_, vertices_).front();
+  const double factor_bytes = expected_memory_bytes(
+      coupling_surface(*body_, first_m).surface.triangle.rows());
+  EXPECT_GT(static_cast<double>(report.peak_memory_bytes), factor_bytes + 1e7);
+  EXPECT_LT(static_cast<double>(report.peak_memory_bytes - peak_memory_bytes()),
+            factor_bytes + 1e7);
   scene.accuracy.verify = 9;  // 18 sets cannot tell what 95 % are within
   report = {};
   plan_coupling(scene, *body_, vertices_, 2, silent, report);
@@ -172,6 +181,7 @@ TEST_F(ContactCoupling, APlanCountsIt) {
   report = {};
   plan_coupling(scene, *body_, vertices_, 2, silent, report);
   EXPECT_TRUE(report.cost.empty());
+  EXPECT_EQ(report.peak_memory_bytes, 0);
 }
 
 TEST_F(ContactCoupling, CutOutsAreRefused) {

@@ -265,6 +265,57 @@ TEST(CoupledStep, ElementsThatRememberAreNotTaken) {
 }
 
 // The limits hold for force and torque together.
+// Turned while it presses, turned back while it is lifted, by a device that cannot push
+// against turns: as work of a potential that gives the hand energy in the axes that it
+// feels; carried along, nothing.
+TEST(CoupledStep, TurnsThatAreCarriedGiveNothing) {
+  const ContactBody body = make_contact_body(rough(), kRadiusM);
+  for (const bool carried : {false, true}) {
+    CoupledStorage storage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
+    CoupledState& state = storage.state();
+    const double middle = 0.5 * body.body.side_m();
+    PortPoses pose;
+    Vector3 force = Vector3::Zero();
+    double felt_j = 0.0;
+    double most_j = 0.0;
+    double lowest_j = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+      const double phase = 2.0 * std::numbers::pi * i / 1000.0;
+      PortPoses next = pose;
+      next[0].rotation =
+          Eigen::AngleAxisd(0.3 * std::sin(phase), Vector3::UnitY()).toRotationMatrix();
+      if (i % 20 == 0) {
+        send_all(state, body, next);
+      }
+      if (carried) {
+        carry(state, next);
+      }
+      next[0].position_m = {middle, middle, kRadiusM + 0.002 * std::cos(phase)};
+      const CoupledCommand c = step(state, {next, 0}, kTickS);
+      ASSERT_EQ(c.fault, 0);
+      felt_j -=
+          0.5 *
+          (force + c.wrench[0].force_n).dot(next[0].position_m - pose[0].position_m) *
+          (i > 0 ? 1.0 : 0.0);
+      force = c.wrench[0].force_n;
+      pose = next;
+      most_j = std::max(most_j, felt_j);
+      lowest_j = std::min(lowest_j, felt_j);
+    }
+    EXPECT_GT(most_j, 1e-5);
+    EXPECT_NEAR(state.ledger.work_j,
+                state.ledger.stored_j + state.ledger.tank_j + state.ledger.dissipated_j,
+                1e-12);
+    if (carried) {
+      // The mean of two forces misses the steps that a turn makes in them.
+      EXPECT_NEAR(felt_j, state.ledger.work_j, 0.05 * most_j);
+      EXPECT_GT(lowest_j, -0.02 * most_j);
+    } else {
+      EXPECT_LT(lowest_j, -0.2 * most_j);
+    }
+  }
+}
+
 TEST(CoupledStep, WrenchesAreClampedWhole) {
   const ContactBody body = make_contact_body(rough(), kRadiusM);
   const CoupledSet set = make_plate(body, 4, 0.006, kRadiusM);

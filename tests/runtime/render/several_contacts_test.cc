@@ -22,8 +22,11 @@ class SeveralContactsRun : public testing::Test {
     return c;
   }
 
-  RenderReport render(FakeDevice& device, const RenderConfig& c) {
-    SeveralContacts body(database_, find_tool(database_, "pads"), c.fast.fast, 1.0);
+  RenderReport render(FakeDevice& device, const RenderConfig& c,
+                      const std::optional<VirtualCoupling>& coupling = {}) {
+    SeveralContacts body(database_, find_tool(database_, "pads"), c.fast.fast, 1.0,
+                         coupling, &watch_);
+    trace_.clear();
     trace_.reserve(10'000);
     return render_in_turns(
         c, {.device = device, .stop = stop_, .trace = &trace_, .several = &body},
@@ -34,6 +37,7 @@ class SeveralContactsRun : public testing::Test {
   FakeClock clock_{1'000'000};
   std::atomic<bool> stop_ = false;
   std::vector<RenderTick> trace_;
+  ContactsWatch watch_;
 };
 
 TEST_F(SeveralContactsRun, PushesAsTheirEquilibriumDoes) {
@@ -122,6 +126,70 @@ TEST_F(SeveralContactsRun, AForceThatTheDeviceWithheldIsNotGivenBack) {
     EXPECT_TRUE(touched);
     EXPECT_EQ(body.fault(), withheld ? Fault::kEnergy : Fault::kNone);
   }
+}
+
+// The account of a run of 4 s whose forces are those of springs at most.
+TEST_F(SeveralContactsRun, HungByACouplingAreSofter) {
+  VirtualCoupling soft;
+  soft.spring_n_per_m = 150.0;
+  FakeDevice stiff(clock_, press(0.005, 2.0));
+  const RenderReport held = render(stiff, potential());
+  EXPECT_FALSE(held.coupling);
+  FakeDevice device(clock_, press(0.005, 2.0));
+  const RenderReport hung = render(device, potential(), soft);
+  EXPECT_EQ(hung.fault, Fault::kNone);
+  ASSERT_TRUE(hung.coupling);
+  // 3 mm deep: a spring in series, and dampers that the tool drags along.
+  const double damper_n = soft.damper_n_s_per_m * 0.005 * std::numbers::pi / 2.0;
+  EXPECT_LT(hung.force_max_n, 0.003 * soft.spring_n_per_m + damper_n);
+  EXPECT_GT(hung.force_max_n, 0.3 * 0.003 * soft.spring_n_per_m);
+  EXPECT_LT(hung.force_max_n, 0.9 * held.force_max_n);
+  EXPECT_NEAR(hung.model_work_j, hung.stored_j + hung.dissipated_j + hung.tank_j,
+              1e-12);
+  EXPECT_GT(hung.coupling->dissipated_j, 0.0);
+  EXPECT_LT(hung.coupling->residual_j, 1e-12);
+  EXPECT_GE(hung.net_energy_j(), 0.0);
+  // Who looks on sees where tool and device are.
+  ASSERT_TRUE(watch_.fetch());
+  EXPECT_TRUE(watch_.latest().hung);
+  EXPECT_EQ(watch_.latest().count, 3);
+  EXPECT_EQ(watch_.latest().wrench.force_n, trace_.back().command.force_n);
+}
+
+// A device that measures its turns and cannot push against them: the pads press as they
+// stand, and nobody gains by turning them back and forth while they press.
+TEST_F(SeveralContactsRun, TurnWithADeviceThatMeasuresIt) {
+  const auto tilt = [](double t) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(
+        0.08 * std::sin(2.0 * std::numbers::pi * t), Eigen::Vector3d::UnitY()));
+  };
+  FakeDevice flat(clock_, press(0.005, 2.0));
+  const RenderReport upright = render(flat, potential());
+  for (const bool hung : {false, true}) {
+    FakeDevice device(clock_, press(0.005, 2.0));
+    device.turned = tilt;
+    const RenderReport report = render(
+        device, potential(), hung ? std::optional(VirtualCoupling{}) : std::nullopt);
+    EXPECT_EQ(report.fault, Fault::kNone);
+    ASSERT_TRUE(watch_.fetch());
+    EXPECT_LT(watch_.latest().device.rotation(0, 0), 1.0);
+    EXPECT_NEAR(report.model_work_j,
+                report.stored_j + report.dissipated_j + report.tank_j, 1e-12);
+    EXPECT_GE(report.model_work_j, -1e-12);
+    // A held spring leaks k dx^2 / 2 a tick, of a sine of 2.5 mm in two seconds.
+    const double dx_m = 0.0025 * std::numbers::pi / 2000.0;
+    const double leaked_j =
+        0.5 * VirtualCoupling{}.spring_n_per_m * 0.5 * dx_m * dx_m * 4000.0;
+    EXPECT_GE(report.net_energy_j(), hung ? -1.1 * leaked_j : -1e-6);
+    EXPECT_GT(std::abs(report.force_max_n / upright.force_max_n - 1.0), 1e-3);
+  }
+}
+
+TEST_F(SeveralContactsRun, RefuseACouplingThatIsNotValid) {
+  VirtualCoupling bad;
+  bad.mass_kg = -1.0;
+  FakeDevice device(clock_, press(0.005, 2.0));
+  EXPECT_THROW((void)render(device, potential(), bad), InputError);
 }
 
 TEST_F(SeveralContactsRun, RefuseABodyThatHasYielded) {

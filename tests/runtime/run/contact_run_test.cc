@@ -159,6 +159,82 @@ TEST_F(ContactRuns, RefuseWhatCannotBeRendered) {
   EXPECT_THROW((void)is_contact_run(database_, {"pads", "ball"}, false), InputError);
 }
 
+// Hung by a coupling: its account closes, its spring counts for stability, and a pinch
+// has it, too.
+TEST_F(ContactRuns, HangByACoupling) {
+  for (const bool pinch : {false, true}) {
+    ContactRunOptions o = pinch ? options({"ball", "ball"}) : options({"pads"});
+    if (pinch) {
+      o.at_m = {{-0.007, 0.0, 0.0}, {0.007, 0.0, 0.0}};
+    }
+    o.coupling = VirtualCoupling{.spring_n_per_m = 200.0};
+    o.duration_s = 2.5;
+    const ContactRunReport r = run(o);
+    EXPECT_EQ(r.fault, Fault::kNone);
+    EXPECT_GT(r.contact_ticks, 1000);
+    EXPECT_GE(r.lowest_work_j, -1e-12);
+    EXPECT_NEAR(r.model_work_j, r.stored_j + r.tank_j + r.dissipated_j, 1e-12);
+    ASSERT_TRUE(r.coupling);
+    const HungAccount& a = r.coupling->account;
+    EXPECT_LE(a.kinetic_j + a.spring_j, r.stored_j);
+    EXPECT_GT(a.dissipated_j, 1e-5);
+    EXPECT_LT(a.residual_j, 1e-12);
+    // 200 N/m held for half a millisecond by 0.5 N s/m.
+    EXPECT_NEAR(r.margin.share, 200.0 * 0.00025 / 0.5, 1e-12);
+    EXPECT_NEAR(r.coupling->every_hand_n_s_per_m, 200.0 * 0.00025 + 6.0, 1e-12);
+    EXPECT_NE(summary(r).find("springs of 200 N/m"), std::string::npos);
+    EXPECT_NE(to_json(r).find("\"kinetic_j\""), std::string::npos);
+  }
+}
+
+// What the device can hold is a matter of the spring alone.
+TEST_F(ContactRuns, ACouplingIsSoftenedToWhatTheDeviceHolds) {
+  ContactRunOptions o = options({"pads"});
+  o.duration_s = 0.1;
+  o.device.damping_n_s_per_m = 0.01;  // 40 N/m at 2 kHz
+  EXPECT_THROW((void)run(o), InputError);
+  o.coupling = VirtualCoupling{};
+  EXPECT_THROW((void)run(o), InputError);
+  o.limit_stiffness = true;
+  const ContactRunReport r = run(o);
+  EXPECT_EQ(r.force_scale, 1.0);
+  EXPECT_NEAR(r.coupling->coupling.spring_n_per_m, 40.0, 1e-9);
+  EXPECT_NEAR(r.margin.share, 1.0, 1e-12);
+  o.limit_stiffness = false;
+  o.coupling->spring_n_per_m = 39.0;
+  EXPECT_NEAR(run(o).coupling->coupling.spring_n_per_m, 39.0, 0.0);
+  // Contacts that the device could hold do not help.
+  ContactRunOptions stiff = options({"pads"});
+  stiff.duration_s = 0.1;
+  EXPECT_LT(run(stiff).margin.share, 1.0);
+  stiff.coupling = VirtualCoupling{.spring_n_per_m = 2100.0};  // 2000 N/m at 0.5 N s/m
+  EXPECT_THROW((void)run(stiff), InputError);
+  // One contact has nothing to hang.
+  ContactRunOptions ball = options({"ball"});
+  ball.coupling = VirtualCoupling{};
+  EXPECT_THROW((void)run(ball), InputError);
+}
+
+TEST_F(ContactRuns, OnADeviceHangByACoupling) {
+  SimulationOptions device;
+  device.tool = "pads";
+  device.duration_s = 2.5;
+  device.coupling = VirtualCoupling{.spring_n_per_m = 200.0};
+  const SimulationReport report = simulate(database_, device, stop_);
+  EXPECT_EQ(report.render.fault, Fault::kNone);
+  EXPECT_GT(report.render.contact_ticks, 1000);
+  EXPECT_EQ(report.stiffness.normal_n_per_m, 200.0);
+  ASSERT_TRUE(report.coupling);
+  EXPECT_GT(report.coupling->account.dissipated_j, 0.0);
+  EXPECT_NEAR(
+      report.render.model_work_j,
+      report.render.stored_j + report.render.tank_j + report.render.dissipated_j,
+      1e-12);
+  EXPECT_NE(summary(report).find("of the coupling"), std::string::npos);
+  device.tool = "ball";
+  EXPECT_THROW((void)simulate(database_, device, stop_), InputError);
+}
+
 TEST_F(ContactRuns, OnADeviceKeepTheirAxes) {
   SimulationOptions device;
   device.tool = "pads";

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/response/tool_support.h"
+#include "tests/support/padded_plate.h"
 #include "tests/support/sample_bodies.h"
 
 namespace palpate {
@@ -112,6 +114,55 @@ TEST_F(WatchViewTest, ForgetsAPageThatIsGone) {
   view_.frame();
   EXPECT_EQ(outbox_.frame.count(1), 0U);
   EXPECT_EQ(outbox_.frame[2]["clients"], 1);
+}
+
+// A tool of several contacts: each of them where the fast thread has it.
+TEST_F(WatchViewTest, ShowsSeveralContacts) {
+  const ResponseDatabase padded = padded_plate(2);
+  const ResponseTable& pads = find_tool(padded, "pads");
+  const ViewedBody body{.database = padded,
+                        .table = pads,
+                        .name = "plate",
+                        .device = "falcon",
+                        .fast_hz = 1000.0,
+                        .force_max_n = 8.0,
+                        .hands = {&pads}};
+  const auto contacts = std::make_unique<ContactsWatch>();
+  WatchView view(body, options(), *ticks_, contacts.get());
+  view.answer_through(outbox_);
+  view.opened(1);
+  ContactsSeen seen;
+  seen.count = 2;
+  seen.tool.position_m = {0.0, 0.0, 0.004};
+  seen.device.position_m = {0.0, 0.0, 0.003};
+  seen.hung = true;
+  seen.wrench = {{0.0, 0.0, 0.3}, {0.0, 0.002, 0.0}};
+  seen.contact[1] = {.centre_m = {0.006, 0.0, 0.004},
+                     .point_m = {0.006, 0.0, 0.0},
+                     .normal = {0.0, 0.0, 1.0},
+                     .force_n = {0.0, 0.0, 0.3},
+                     .depth_m = 0.001,
+                     .dimple_m = 0.0002,
+                     .triangle = 7,
+                     .share = {0.2, 0.3, 0.5},
+                     .touching = true};
+  contacts->write(seen);
+  ASSERT_TRUE(ticks_->push({.tick = 0, .force_n = {0.0, 0.0, 0.3}}));
+  view.frame();
+  const nlohmann::json& frame = outbox_.frame[1];
+  ASSERT_EQ(frame["hands"].size(), 1U);
+  EXPECT_EQ(frame["hands"][0]["tool_m"][2], 0.004);
+  EXPECT_EQ(frame["hands"][0]["hand_m"][2], 0.003);
+  EXPECT_EQ(frame["hands"][0]["holding"], true);
+  EXPECT_EQ(frame["hands"][0]["torque_n_m"][1], 0.002);
+  ASSERT_EQ(frame["contacts"].size(), 1U);  // the first has found no body yet
+  EXPECT_EQ(frame["contacts"][0]["force_n"][2], 0.3);
+  EXPECT_NEAR(frame["contacts"][0]["own_m"], 0.0008, 1e-15);
+  EXPECT_EQ(frame["contacts"][0]["nodes"][0], padded.body.triangle(7, 0));
+  EXPECT_EQ(frame["contacts"][0]["shares"][2], 0.5);
+  EXPECT_EQ(frame["compared"], false);
+  EXPECT_EQ(frame["loads"]["force1_n"][0], 0.3);
+  EXPECT_EQ(frame["loads"]["torque1_n_m"][0], 0.002);
 }
 
 TEST_F(WatchViewTest, ShowsAFault) {
