@@ -7,6 +7,7 @@
 #include "precompute/press/joint_presses.h"
 #include "precompute/press/press_cost.h"
 #include "precompute/process/machine_memory.h"
+#include "precompute/process/peak_memory.h"
 
 namespace palpate {
 namespace {

@@ -12,6 +12,9 @@
 namespace palpate {
 namespace {
 
+// Most that a step of the coupling's fixed point may leave of its error, without the
+// body: that has as much again.
+constexpr Real kContraction = 0.5;
 // Turns below this are rounding: |q_v|^2.
 constexpr Real kNoTurn = rounding(1e-30, 1e-13);
 
@@ -31,6 +34,12 @@ Real energy_j(void* of, const PortPose& pose, Wrench* wrench) {
     *wrench = wrenches(self.hung.moved, self.state.set, self.pose)[self.port];
   }
   return energy;
+}
+
+// Whether the longest tick of a mass on a spring and a damper can be solved.
+bool is_heavy_enough(Real mass, Real spring, Real damper) {
+  const Real h = kHungTickMaxS;
+  return h * (Real(0.25) * h * spring + Real(0.5) * damper) <= kContraction * mass;
 }
 
 std::size_t ports(const CoupledState& state) {
@@ -98,7 +107,7 @@ void settle_residual(HungTool& hung, VirtualBody& tool, double residual_j) {
 
 // One port's device and tool in a tick.
 void move_port(HungTool& hung, CoupledState& state, std::size_t port,
-                 const DevicePose& before, const DevicePose& now, Real dt_s) {
+               const DevicePose& before, const DevicePose& now, Real dt_s) {
   VirtualBody& tool = hung.tool[port];
   OnePort one{hung, state, tools_of(hung), port};
   const Real h = std::min(dt_s, kHungTickMaxS);
@@ -153,8 +162,8 @@ void sum_up(HungTool& hung, const CoupledState& state) {
   a.spring_j = 0.0;
   for (std::size_t port = 0; port < ports(state); ++port) {
     a.kinetic_j += static_cast<double>(kinetic_j(hung.coupling, hung.tool[port]));
-    a.spring_j +=
-        static_cast<double>(spring_j(hung.coupling, hung.tool[port], hung.device[port]));
+    a.spring_j += static_cast<double>(
+        spring_j(hung.coupling, hung.tool[port], hung.device[port]));
   }
   const PassivityLedger& body = state.ledger;
   hung.total.stored_j = a.kinetic_j + a.spring_j + body.stored_j;
@@ -192,6 +201,13 @@ const char* hang(HungTool& hung, CoupledState& state,
   }
   if (const char* wrong = check(coupling)) {
     return wrong;
+  }
+  if (!is_heavy_enough(coupling.mass_kg, coupling.spring_n_per_m,
+                       coupling.damper_n_s_per_m) ||
+      !is_heavy_enough(coupling.inertia_kg_m2.minCoeff(), coupling.spring_n_m_per_rad,
+                       coupling.damper_n_m_s)) {
+    return "the tool is too light for its springs and dampers: mass and inertia must "
+           "be at least h^2 k / 2 + h b with ticks h of 2 ms";
   }
   hung.coupling = coupling;
   hung.limits = {state.config.force_max_n, state.config.slew_max_n_per_s,

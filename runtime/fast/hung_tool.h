@@ -1,7 +1,8 @@
 // A tool of several contacts, or two hands with one each, that hang on their devices by
-// virtual couplings (virtual_coupling.h): the devices' poses in, the wrenches of springs
-// and dampers out. A device then feels at most the coupling's spring, however stiff the
-// body is, and a tool turns under its contacts where the device cannot turn it.
+// virtual couplings (virtual_coupling.h): the devices' poses in, the wrenches of
+// springs and dampers out. A device then feels at most the coupling's spring, however
+// stiff the body is, and a tool turns under its contacts where the device cannot turn
+// it.
 //
 //   CoupledState state{...};  hang(hung, state, coupling);       // set-up
 //   command = step(hung, state, sample, dt);  delivered(hung, state, wrench)
@@ -13,8 +14,10 @@
 // The ports' tools move one after the other, so that each tick of each is one step of
 // advance() in one potential. What the solver leaves of a tick's identity is never
 // given to the hand: energy that is missing counts as dissipated, energy that is too
-// much is taken from the motion. A tick longer than kHungTickMaxS is lived through that
-// far: time that passes without a step needs no energy.
+// much is taken from the motion; where the body is too stiff for the tool's mass, so
+// that more is left than the tool has, the account ends the run (fault "energy"). A
+// tick longer than kHungTickMaxS is lived through that far: time that passes without a
+// step needs no energy.
 //
 // Turns that a device cannot push against (torque_felt = false) take tool and spring
 // with them, and are a change of the body's model (carry() of coupled_step.h).
@@ -59,8 +62,8 @@ struct HungTool {
 };
 
 /// Takes over the limits of a state that is set up, whose own become none. Null if that
-/// could be done, else what is wrong, one line: a coupling that is not valid, a set
-/// with one contact of one port.
+/// could be done, else what is wrong, one line: a coupling that is not valid or whose
+/// tool is too light for ticks of kHungTickMaxS, a set with one contact of one port.
 [[nodiscard]] const char* hang(HungTool& hung, CoupledState& state,
                                const VirtualCoupling& coupling) noexcept;
 

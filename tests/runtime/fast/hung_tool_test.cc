@@ -87,6 +87,29 @@ TEST_F(HungTools, MakeNoEnergy) {
   }
 }
 
+// A body so stiff that the solver does not end: nobody gets what it leaves.
+TEST_F(HungTools, WhatIsNotSolvedEndsInZeroForce) {
+  BenchBodyOptions stiff = rough();
+  stiff.force_n = 2e5;
+  body_ = make_contact_body(stiff, kRadiusM);
+  hold(make_plate(body_, 4, 0.006, kRadiusM));
+  PortPoses pose;
+  int stopped = 0;
+  for (int i = 0; i < 1000; ++i) {
+    pose[0].position_m = over(0.001 - 5e-6 * i);
+    const CoupledCommand c = tick(pose, 0.002);
+    if (c.fault != 0) {
+      EXPECT_EQ(c.fault, static_cast<std::uint8_t>(Fault::kEnergy));
+      EXPECT_EQ(c.wrench[0].force_n, Vector3::Zero());
+      ++stopped;
+    } else {
+      expect_account(1e-8);
+    }
+  }
+  EXPECT_GT(hung_->account.residual_j, 1e-9);
+  EXPECT_GT(stopped, 0);
+}
+
 // A coupling without springs and dampers, clear of the body: thrown, it stays thrown.
 TEST_F(HungTools, AFreeToolKeepsItsMomentum) {
   VirtualCoupling free;
@@ -215,6 +238,10 @@ TEST_F(HungTools, RefuseOneContactAndWhatIsNotValid) {
   const char* const why = hang(*hung, four.state(), light);
   ASSERT_NE(why, nullptr);
   EXPECT_NE(std::strstr(why, "mass"), nullptr);
+  light.mass_kg = 0.01;  // 3 g for 1500 N/m at 2 ms, 12 g more for 6 N s/m
+  const char* const too_light = hang(*hung, four.state(), light);
+  ASSERT_NE(too_light, nullptr);
+  EXPECT_NE(std::strstr(too_light, "too light"), nullptr);
   EXPECT_LT(four.state().config.force_max_n, 1e300);
 }
 
