@@ -73,7 +73,7 @@ void probe_device(Flags& flags) {
   if (!is_emulated(request.name)) {
     request.ask(fmt::format(
         "{}: let its tool stand free in the middle, where it stays by itself, and let "
-        "go: it is pushed to and fro with at most 0.3 N for about a minute",
+        "go: it is pushed to and fro with at most 0.3 N for half a minute",
         request.name));
   }
   link->open();

@@ -72,8 +72,9 @@ TEST(InverseMessage, HostileTextIsRefusedByName) {
            R"(,"y":0,"z":0}}}]})";
   };
   ASSERT_EQ(refusal(at("0")), "");
-  for (const char* number : {"nan", "NaN", "inf", "1e999", "01", "+1", ".5", "1.", "0x1",
-                             "1e", "-", "\"1\"", "null", "[1]", "true", "1 2", ""}) {
+  for (const char* number :
+       {"nan", "NaN", "inf", "1e999", "01", "+1", ".5", "1.", "0x1", "1e", "-", "\"1\"",
+        "null", "[1]", "true", "1 2", ""}) {
     EXPECT_NE(refusal(at(number)), "") << number;
   }
   EXPECT_EQ(refusal(at("2.5")), "a position that cannot be");
@@ -83,8 +84,7 @@ TEST(InverseMessage, HostileTextIsRefusedByName) {
   EXPECT_EQ(refusal(R"({"inverse3":[{"device_id":"A"},{"device_id":"A"}]})", "A"),
             "two devices of one name");
   EXPECT_EQ(refusal(R"({"inverse3":[{}]})"), "a device without a name");
-  EXPECT_EQ(refusal(R"({"inverse3":{}})"),
-            "something else where a list should be");
+  EXPECT_EQ(refusal(R"({"inverse3":{}})"), "something else where a list should be");
   EXPECT_EQ(refusal("[]"), "something else where an object should be");
   EXPECT_EQ(refusal("{\"a\":\"\x01\"}"), "a control character in a string");
   EXPECT_EQ(refusal(R"({"a":"\x"})"), "an escape that does not exist");
@@ -158,8 +158,8 @@ TEST(InverseMessage, TheForcesKeyFollowsTheVersion) {
 
 TEST(InverseMessage, CommandsAreAsDocumented) {
   std::array<char, kInverseCommandBytes> into{};
-  const std::size_t size =
-      write_inverse_command(into, "049D", "vector", {0.5, 0.0, -1.25}, "palpate:device");
+  const std::size_t size = write_inverse_command(into, "049D", "vector",
+                                                 {0.5, 0.0, -1.25}, "palpate:device");
   EXPECT_EQ(std::string(into.data(), size),
             R"({"session":{"configure":{"profile":{"name":"palpate:device"}}},)"
             R"("inverse3":[{"device_id":"049D","commands":{"set_cursor_force":)"
