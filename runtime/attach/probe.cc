@@ -42,6 +42,39 @@ Mean mean_of(const std::vector<double>& values) {
   return result;
 }
 
+struct Motion {
+  double acceleration_m_per_s2 = 0.0;
+  double delay_s = 0.0;
+};
+
+// The delay by trial, all else linear; where each push began is averaged away.
+Motion fitted(const std::vector<std::vector<Sample>>& pushes, double push_s) {
+  constexpr double kTrialS = 5e-5;
+  Motion best;
+  double least = std::numeric_limits<double>::infinity();
+  for (double delay_s = 0.0; delay_s < 0.5 * push_s; delay_s += kTrialS) {
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  // of t^2 / 2, t^3 and the way
+    for (const std::vector<Sample>& samples : pushes) {
+      Eigen::MatrixX3d rows(static_cast<Eigen::Index>(samples.size()), 3);
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const double t = std::max(samples[i].time_s - delay_s, 0.0);
+        rows.row(static_cast<Eigen::Index>(i)) << 0.5 * t * t, t * t * t,
+            samples[i].way_m;
+      }
+      rows.rowwise() -= rows.colwise().mean().eval();
+      products += rows.transpose() * rows;
+    }
+    const Eigen::Vector2d found =
+        products.topLeftCorner<2, 2>().ldlt().solve(products.topRightCorner<2, 1>());
+    const double error = products(2, 2) - found.dot(products.topRightCorner<2, 1>());
+    if (error < least) {
+      least = error;
+      best = {.acceleration_m_per_s2 = found[0], .delay_s = delay_s};
+    }
+  }
+  return best;
+}
+
 class Prober {
  public:
   Prober(DeviceLink& link, const ProbeOptions& options,
@@ -86,12 +119,8 @@ class Prober {
     return options_.rise_n_per_s * zero_of_cube_root(samples, far_m);
   }
 
-  struct Push {
-    double acceleration_m_per_s2 = 0.0;
-    double delay_s = 0.0;
-  };
-
-  Push push(double sign, double friction_n) {
+  // What the tool does while it is pushed.
+  std::vector<Sample> push(double sign, double friction_n) {
     rest();
     std::vector<Sample> samples;
     begin_motion();
@@ -108,7 +137,7 @@ class Prober {
       static_cast<void>(paced(-sign * options_.force_n));
     }
     static_cast<void>(exchange(0.0));
-    return fitted(samples);
+    return samples;
   }
 
  private:
@@ -215,32 +244,6 @@ class Prober {
                                                : samples.back().time_s;
   }
 
-  // The delay by trial, all else linear.
-  [[nodiscard]] Push fitted(const std::vector<Sample>& samples) const {
-    constexpr double kTrialS = 5e-5;
-    const auto n = static_cast<Eigen::Index>(samples.size());
-    Eigen::MatrixXd basis(n, 3);
-    Eigen::VectorXd way(n);
-    Push best;
-    double least = std::numeric_limits<double>::infinity();
-    for (double delay_s = 0.0; delay_s < 0.5 * options_.push_s; delay_s += kTrialS) {
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const Sample& sample = samples[static_cast<std::size_t>(i)];
-        const double t = std::max(sample.time_s - delay_s, 0.0);
-        basis.row(i) << 1.0, 0.5 * t * t, t * t * t;
-        way[i] = sample.way_m;
-      }
-      const Eigen::Vector3d found =
-          (basis.transpose() * basis).ldlt().solve(basis.transpose() * way);
-      const double error = (basis * found - way).squaredNorm();
-      if (error < least) {
-        least = error;
-        best = {.acceleration_m_per_s2 = found[1], .delay_s = delay_s};
-      }
-    }
-    return best;
-  }
-
   DeviceLink& link_;
   const ProbeOptions& options_;
   const std::function<bool()>& stopped_;
@@ -266,22 +269,18 @@ ProbeReport probe(DeviceLink& link, const ProbeOptions& options,
   static_cast<void>(prober.rise(1.0));  // learns the step
   static_cast<void>(prober.rise(-1.0));
   std::vector<double> friction;
-  std::vector<double> mass;
-  std::vector<double> delay;
   for (int i = 0; i < 2 * options.rounds; ++i) {
     friction.push_back(prober.rise(i % 2 == 0 ? 1.0 : -1.0));
   }
   report.friction_n = mean_of(friction).mean;
   report.friction_sd_n = mean_of(friction).sd;
-  for (int i = 0; i < 2 * options.rounds; ++i) {
-    const auto push = prober.push(i % 2 == 0 ? 1.0 : -1.0, report.friction_n);
-    mass.push_back((options.force_n - report.friction_n) / push.acceleration_m_per_s2);
-    delay.push_back(push.delay_s);
+  std::vector<std::vector<Sample>> pushes;
+  for (int i = 0; i < options.pushes; ++i) {
+    pushes.push_back(prober.push(i % 2 == 0 ? 1.0 : -1.0, report.friction_n));
   }
-  report.mass_kg = mean_of(mass).mean;
-  report.mass_sd_kg = mean_of(mass).sd;
-  report.delay_s = mean_of(delay).mean;
-  report.delay_sd_s = mean_of(delay).sd;
+  const Motion motion = fitted(pushes, options.push_s);
+  report.mass_kg = (options.force_n - report.friction_n) / motion.acceleration_m_per_s2;
+  report.delay_s = motion.delay_s;
   return report;
 }
 
@@ -290,12 +289,11 @@ std::string probe_text(const ProbeReport& r) {
       "{}: {:.5g} exchanges a second, {} of {} missed, p50 {:.3f} ms, p99 {:.3f} ms\n"
       "step of positions   {:.3g} mm\n"
       "dry friction        {:.3g} N, +- {:.1g}\n"
-      "mass                {:.3g} kg, +- {:.1g}\n"
-      "delay of forces     {:.3g} ms, +- {:.1g}\n",
+      "mass                {:.3g} kg\n"
+      "delay of forces     {:.3g} ms\n",
       r.device, r.free_rate_hz, r.missed, r.exchanges,
       r.exchange.percentile_ns(0.5) / 1e6, r.exchange.percentile_ns(0.99) / 1e6,
-      1e3 * r.resolution_m, r.friction_n, r.friction_sd_n, r.mass_kg, r.mass_sd_kg,
-      1e3 * r.delay_s, 1e3 * r.delay_sd_s);
+      1e3 * r.resolution_m, r.friction_n, r.friction_sd_n, r.mass_kg, 1e3 * r.delay_s);
 }
 
 std::string probe_json(const ProbeReport& r) {
@@ -311,9 +309,7 @@ std::string probe_json(const ProbeReport& r) {
                                        {"friction_n", r.friction_n},
                                        {"friction_sd_n", r.friction_sd_n},
                                        {"mass_kg", r.mass_kg},
-                                       {"mass_sd_kg", r.mass_sd_kg},
-                                       {"delay_s", r.delay_s},
-                                       {"delay_sd_s", r.delay_sd_s}};
+                                       {"delay_s", r.delay_s}};
   return json.dump(2) + "\n";
 }
 

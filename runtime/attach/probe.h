@@ -5,7 +5,9 @@
 // second moves it at friction f; from then on, for a short way, m x'' = r (t - t_f), so
 // that the cube root of the way is linear in time and zero at t_f = f / r. A force F
 // that is switched on gives x = a/2 (t - d)^2 + c (t - d)^3 from the delay d on, with
-// a = (F - f) / m and a c < 0 of whatever damps.
+// a = (F - f) / m and a c < 0 of whatever damps: one a, c and d for all pushes, each
+// from a place of its own within the step of the positions, so that the step averages
+// out.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +24,9 @@ struct ProbeOptions {
   double rise_n_per_s = 0.1;  ///< [N/s] > 0
   double rate_hz = 1000.0;    ///< [Hz] > 0 of exchanges
   double wire_s = 2.0;        ///< [s] > 0 of looking at the wire
-  double push_s = 0.06;       ///< [s] > 0 of a push
-  int rounds = 4;             ///< >= 1 of there and back
+  double push_s = 0.08;       ///< [s] > 0 of a push
+  int rounds = 2;             ///< >= 1 of rising forces, there and back
+  int pushes = 10;            ///< >= 2
   int axis = 0;               ///< [0, 2]
   double runaway_m = 0.04;    ///< [m] > 0 from where it began: stop
 };
@@ -38,9 +41,7 @@ struct ProbeReport {
   double friction_n = 0.0;     ///< [N] at which it begins to move
   double friction_sd_n = 0.0;  ///< [N] of one ramp
   double mass_kg = 0.0;        ///< [kg]
-  double mass_sd_kg = 0.0;     ///< [kg] of one push
   double delay_s = 0.0;        ///< [s] from the begin of an exchange to its force
-  double delay_sd_s = 0.0;     ///< [s] of one push
 };
 
 /// On an open link, which it leaves at zero force. Takes 25 s and less.

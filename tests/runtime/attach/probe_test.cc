@@ -40,7 +40,7 @@ TEST(Probe, FindsMassFrictionStepAndDelayOfAnEmulatedDevice) {
     model.dynamics.resolution_m = made.resolution_m;
     model.dynamics.delay_ticks = made.delay_ticks;
     const ProbeReport found =
-        probed(model, {.rise_n_per_s = 0.15, .wire_s = 0.1, .rounds = 1});
+        probed(model, {.rise_n_per_s = 0.15, .wire_s = 0.1, .rounds = 1, .pushes = 10});
     EXPECT_NEAR(found.mass_kg, made.mass_kg, 0.1 * made.mass_kg) << probe_text(found);
     EXPECT_NEAR(found.friction_n, made.coulomb_n, 0.1 * made.coulomb_n)
         << probe_text(found);
