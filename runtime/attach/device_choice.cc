@@ -14,10 +14,11 @@
 
 #include "formats/base/error.h"
 #include "formats/base/sha256.h"
-#include "runtime/attach/sign_test.h"
+#include "runtime/attach/driven_devices.h"
 #include "runtime/attach/usb_choice.h"
 #include "runtime/emulation/emulated_falcon.h"
 #include "runtime/emulation/emulated_haply.h"
+#include "runtime/inverse/inverse_link.h"
 
 namespace palpate {
 namespace {
@@ -101,20 +102,11 @@ std::unique_ptr<FalconLink> falcon_link(const DeviceRequest& request,
       close_usb);
 }
 
-std::unique_ptr<DeviceLink> tested(const DeviceRequest& request, int axes,
-                                   std::unique_ptr<DeviceLink> link) {
-  if (!request.sign_test) {
-    return link;
-  }
-  return std::make_unique<SignTestedLink>(
-      std::move(link), SignTestOptions{.axes = axes}, request.tell, request.stopped);
-}
-
 AttachedDevice falcon(const DeviceRequest& request) {
   const FalconConfig config = guarded_falcon_config(request);
   return attach(FalconLink(config, nullptr, nullptr).limits(), falcon_centre_m(),
                 [config, request](const HandScript&) {
-                  return tested(request, 3, falcon_link(request, config));
+                  return sign_tested(request, 3, falcon_link(request, config));
                 });
 }
 
@@ -208,37 +200,77 @@ AttachedDevice haply(const DeviceRequest& request) {
               });
             },
             close_usb);
-        return tested(request, 2, std::move(link));
+        return sign_tested(request, 2, std::move(link));
       },
       plane_of(request));
 }
 
 AttachedDevice emulated_haply(const DeviceRequest& request) {
-  const HaplyConfig config = haply_config(request);
-  return attach(
-      HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
-      [config](const HandScript& hand) {
-        HaplyModelConfig emulated;
-        emulated.hand = hand;
-        emulated.hand.surface_m.z() = 0.0;  // it cannot leave the plane
-        emulated.hand.normal.z() = 0.0;
-        emulated.hand.normal.normalize();
-        emulated.start_m = emulated.hand.at(0.0).position_m;
-        emulated.dynamics.resolution_m = 0.0;
-        return EmulatedHaply::link(
-            std::make_shared<EmulatedHaply>(emulated, UsbFaults{}), config);
-      },
-      plane_of(request));
+  return attach_emulated_haply(request, 0, nullptr);
+}
+
+Inverse3Config inverse3_config(const DeviceRequest& request) {
+  if (!request.firmware.empty() || !request.plane.empty()) {
+    throw InputError(
+        fmt::format("--device {}: takes no --firmware or --plane", request.name));
+  }
+  Inverse3Config config;
+  config.what = request.name;
+  config.stopped = request.stopped;
+  return config;
+}
+
+std::unique_ptr<DeviceLink> inverse3_link(const DeviceRequest& request) {
+  Inverse3Config config = inverse3_config(request);
+  config.guarded = true;
+  if (request.usb.empty()) {
+    throw InputError(fmt::format(
+        "--device {}: name it by --usb: other boards have the same numbers and would "
+        "get its forces (palpate-run devices lists what is attached)",
+        request.name));
+  }
+  return sign_tested(request, 3,
+                     std::make_unique<Inverse3Link>(
+                         config,
+                         [request] {
+                           return open_usb(request, [](const UsbDevice& device) {
+                             return device.serial && device.vendor == kInverse3Vendor &&
+                                    device.product == kInverse3Product;
+                           });
+                         },
+                         close_usb));
+}
+
+AttachedDevice inverse3(const DeviceRequest& request) {
+  return attach(inverse3_link(request)->limits(), inverse_rest_m(),
+                [request](const HandScript&) {
+                  return inverse3_link(request);
+                });
+}
+
+AttachedDevice emulated_inverse(const DeviceRequest& request) {
+  return attach_emulated_inverse(request, 0, nullptr);
+}
+
+AttachedDevice emulated_inverse3(const DeviceRequest& request) {
+  return attach_emulated_inverse3(request, 0, nullptr);
 }
 
 struct KnownDevice {
   const char* name;
   AttachedDevice (*attach)(const DeviceRequest&);
 };
-constexpr std::array<KnownDevice, 4> kKnown{{{"falcon", falcon},
-                                             {"haply-2diy", haply},
-                                             {"emulated-falcon", emulated_falcon},
-                                             {"emulated-haply", emulated_haply}}};
+constexpr std::array<KnownDevice, 10> kKnown{
+    {{"falcon", falcon},
+     {"haply-2diy", haply},
+     {"haply-inverse", attach_haply_inverse},
+     {"dhd", attach_dhd},
+     {"openhaptics", attach_openhaptics},
+     {"inverse3", inverse3},
+     {"emulated-falcon", emulated_falcon},
+     {"emulated-haply", emulated_haply},
+     {"emulated-inverse", emulated_inverse},
+     {"emulated-inverse3", emulated_inverse3}}};
 
 }  // namespace
 
@@ -268,14 +300,93 @@ std::unique_ptr<DeviceLink> calibration_link(const DeviceRequest& request,
                   request.name));
 }
 
+AttachedDevice attach_emulated_haply(const DeviceRequest& request,
+                                     std::size_t trace_max,
+                                     std::shared_ptr<EmulatedHaply>* haply) {
+  const HaplyConfig config = haply_config(request);
+  return attach(
+      HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
+      [=](const HandScript& hand) {
+        HaplyModelConfig emulated;
+        emulated.hand = hand;
+        emulated.hand.surface_m.z() = 0.0;  // it cannot leave the plane
+        emulated.hand.normal.z() = 0.0;
+        emulated.hand.normal.normalize();
+        emulated.start_m = emulated.hand.at(0.0).position_m;
+        emulated.dynamics.resolution_m = 0.0;
+        emulated.trace_max = trace_max;
+        const auto made = std::make_shared<EmulatedHaply>(emulated, UsbFaults{});
+        if (haply != nullptr) {
+          *haply = made;
+        }
+        return EmulatedHaply::link(made, config);
+      },
+      plane_of(request));
+}
+
+AttachedDevice attach_emulated_inverse3(const DeviceRequest& request,
+                                        std::size_t trace_max,
+                                        std::shared_ptr<EmulatedInverse3>* board) {
+  Inverse3Config config = inverse3_config(request);
+  config.answer_s = kEmulatedAnswerS;
+  return attach(Inverse3Link(config, nullptr, nullptr).limits(), inverse_rest_m(),
+                [=](const HandScript& hand) {
+                  Inverse3ModelConfig emulated;
+                  emulated.hand = hand;
+                  emulated.start_m = hand.at(0.0).position_m;
+                  emulated.dynamics.resolution_m = config.resolution_m;
+                  emulated.trace_max = trace_max;
+                  const auto made =
+                      std::make_shared<EmulatedInverse3>(emulated, UsbFaults{});
+                  if (board != nullptr) {
+                    *board = made;
+                  }
+                  return EmulatedInverse3::link(made, config);
+                });
+}
+
 AttachedDevice choose_device(const DeviceRequest& request) {
   for (const KnownDevice& known : kKnown) {
-    if (request.name == known.name) {
+    if (device_kind(request.name) == known.name) {
       return known.attach(request);
     }
   }
   throw InputError(fmt::format("--device {}: unknown device; known: {}", request.name,
                                known_device_names()));
+}
+
+std::unique_ptr<DeviceLink> probe_link(const DeviceRequest& request) {
+  SimulatedDeviceConfig nobody;
+  nobody.hand_n_per_m = 0.0;
+  nobody.hand_n_s_per_m = 0.0;
+  const std::string kind = device_kind(request.name);
+  if (kind == "falcon") {
+    return sign_tested(request, 3,
+                       falcon_link(request, guarded_falcon_config(request)));
+  }
+  if (kind == "emulated-falcon") {
+    return emulated_falcon_link({}, falcon_centre_m(), nobody,
+                                for_emulation(falcon_config(request)));
+  }
+  if (kind == "inverse3") {
+    return inverse3_link(request);
+  }
+  if (kind == "emulated-inverse3") {
+    Inverse3Config config = inverse3_config(request);
+    config.answer_s = kEmulatedAnswerS;
+    nobody.resolution_m = config.resolution_m;
+    return EmulatedInverse3::link(
+        std::make_shared<EmulatedInverse3>(Inverse3ModelConfig{.dynamics = nobody},
+                                           UsbFaults{}),
+        config);
+  }
+  if (kind == "haply-inverse" || kind == "dhd" || kind == "openhaptics") {
+    return driver_link(request);
+  }
+  throw InputError(
+      fmt::format("--device {}: is not probed; falcon, inverse3, haply-inverse, dhd, "
+                  "openhaptics, emulated-falcon and emulated-inverse3 are",
+                  request.name));
 }
 
 }  // namespace palpate

@@ -19,4 +19,16 @@ AttachedDevice attach(const DeviceLimits& limits, const Eigen::Vector3d& rest_m,
           }};
 }
 
+AttachedDevice attach_driven(const DeviceLimits& limits, const Eigen::Vector3d& rest_m,
+                             const MakeDriver& driver) {
+  return {
+      .limits = limits,
+      .make = [driver, rest_m](const HandScript& script) -> std::unique_ptr<Device> {
+        const Placement placement = placement_over(script, rest_m);
+        return std::make_unique<PlacedDevice>(
+            std::make_unique<DrivenDevice>(driver(in_device_frame(script, placement))),
+            placement);
+      }};
+}
+
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include "runtime/attach/placed_device.h"
 #include "runtime/device/device.h"
 #include "runtime/device/device_link.h"
+#include "runtime/device/driven_device.h"
 #include "runtime/hand/hand_script.h"
 
 namespace palpate {
@@ -28,5 +29,13 @@ using MakeLink = std::function<std::unique_ptr<DeviceLink>(const HandScript&)>;
 [[nodiscard]] AttachedDevice attach(const DeviceLimits& limits,
                                     const Eigen::Vector3d& rest_m, const MakeLink& link,
                                     const std::optional<SectionPlane>& plane = {});
+
+/// Its driver program; for an emulated device the script is in the device's frame.
+using MakeDriver = std::function<DriverProgram(const HandScript&)>;
+
+/// The same with a driver in a process of its own.
+[[nodiscard]] AttachedDevice attach_driven(const DeviceLimits& limits,
+                                           const Eigen::Vector3d& rest_m,
+                                           const MakeDriver& driver);
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
-// `palpate-run bench device`: the whole renderer on the emulated Falcon, with its
-// line's byte times and latency timer, libusb between them: what the wire costs, what
-// it keeps of the rate, and whether the motors give more than they may.
+// `palpate-run bench device`: the whole renderer on an emulated device with the wire of
+// the real one: byte times, latency timer and libusb, or driver process, socket and
+// service. What the wire costs, what it keeps of the rate, and whether the motors give
+// more than they may.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +13,17 @@
 namespace palpate {
 
 struct DeviceBenchOptions {
-  double duration_s = 60.0;          ///< [s] (0, 3600]
-  double fast_hz = 1000.0;           ///< [Hz] of the fast step
-  double stiffness_n_per_m = 170.0;  ///< [N/m] of the cylinder
-  double friction = 0.0;             ///< [-] [0, 10]; without it nothing is dissipated
-  bool event_character = false;      ///< FalconConfig's
+  std::string device = "emulated-falcon";  ///< or -haply, -inverse, -inverse3
+  double duration_s = 60.0;                ///< [s] (0, 3600]
+  double fast_hz = 1000.0;                 ///< [Hz] of the fast step
+  double stiffness_n_per_m = 170.0;        ///< [N/m] of the cylinder
+  double friction = 0.0;         ///< [-] [0, 10]; without it nothing is dissipated
+  bool event_character = false;  ///< FalconConfig's
+  std::string driver_program = "/proc/self/exe";  ///< DeviceRequest's
 };
 
 struct DeviceBenchReport {
+  std::string device;
   LinkReport wire;
   std::int64_t ticks = 0;
   std::int64_t contact_ticks = 0;

@@ -180,8 +180,12 @@ void add_device(Command bench) {
   };
   Command command = bench.add_subcommand(
       "device",
-      "the renderer on the emulated Falcon: transactions, and energy by its motors");
+      "the renderer on an emulated device: transactions, and energy by its motors");
   auto flags = std::make_shared<Flags>();
+  command
+      .add_option("--device", flags->device,
+                  "emulated-falcon, -haply, -inverse or -inverse3")
+      .show_default();
   command.add_option("--seconds", flags->duration_s, "of the run [s]").show_default();
   command.add_option("--fast-hz", flags->fast_hz, "rate of the fast step [Hz]")
       .show_default();

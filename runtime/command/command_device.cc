@@ -1,12 +1,16 @@
 // `palpate-run device`: renders a database on a haptic device.
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "runtime/attach/probe.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
@@ -24,6 +28,7 @@ struct Flags {
   std::string model = "potential";
   bool json = false;
   bool reconnect = false;
+  std::string probe_file;
   SurfaceFiles surface;
   DeviceFlags device;
   CouplingFlags coupling;
@@ -61,7 +66,42 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
   fmt::print("{}\n", json.dump(2));
 }
 
+// Writes what the device is like, for whoever wrote its driver.
+void probe_device(Flags& flags) {
+  DeviceRequest& request = flags.device.request;
+  prepare_request(flags.device);
+  request.sign_test = false;  // somebody would have to hold the tool
+  const std::unique_ptr<DeviceLink> link = probe_link(request);
+  if (!is_emulated(request.name)) {
+    request.ask(fmt::format(
+        "{}: let its tool stand free in the middle, where it stays by itself, and let "
+        "go: it is pushed to and fro with at most 0.3 N for half a minute",
+        request.name));
+  }
+  link->open();
+  ProbeReport report;
+  try {
+    report = probe(*link, {}, request.stopped);
+  } catch (...) {
+    link->close();
+    throw;
+  }
+  link->close();
+  const std::string json = probe_json(report);
+  AtomicFile file(flags.probe_file);
+  file.write(std::as_bytes(std::span(json)));
+  file.commit();
+  fmt::print("{}", flags.json ? json : probe_text(report));
+}
+
 void run(Flags& flags) {
+  if (!flags.probe_file.empty()) {
+    probe_device(flags);
+    return;
+  }
+  if (flags.database.empty()) {
+    throw InputError("database: one is needed, unless a device is probed (--probe)");
+  }
   flags.options.model = requested_model(flags.model);
   flags.options.coupling = wanted_coupling(flags.coupling);
   flags.options.surface = begin_surface(flags.surface, flags.database);
@@ -84,12 +124,14 @@ void add_device_command(Command app) {
   const auto flags = std::make_shared<Flags>();
   SimulationOptions& options = flags->options;
   options.fast_hz = 1000.0;
-  command.add_option("database", flags->database, "Response database (HDF5)")
-      .required();
+  command.add_option("database", flags->database, "Response database (HDF5)");
   add_device_options(command, flags->device);
   command.option("--device").required();
   command.add_flag("--reconnect", flags->reconnect,
                    "After an unplug wait for the device, then go on");
+  command.add_option("--probe", flags->probe_file,
+                     "Render nothing: find what the device is like, and write it there "
+                     "(JSON)");
   command.add_option("--model", flags->model, "Local model: " + known_models())
       .show_default();
   command.add_option("--seconds", options.duration_s, "Duration [s]").show_default();

@@ -8,6 +8,7 @@ namespace palpate {
 void add_bench_command(Command app);
 void add_calibrate_command(Command app);
 void add_device_command(Command app);
+void add_driver_command(Command app);
 void add_devices_command(Command app);
 void add_replay_command(Command app);
 void add_simulate_command(Command app);

@@ -40,7 +40,19 @@ void ask_person(const std::string& text) {
 
 void add_device_options(Command command, DeviceFlags& flags) {
   DeviceRequest& request = flags.request;
-  command.add_option("--device", request.name, "One of: " + known_device_names());
+  command.add_option("--device", request.name,
+                     "One of: " + known_device_names() +
+                         "; haply-inverse:PORT; or a driver's socket, a path with a /");
+  command.add_option(
+      "--device-id", request.device_id,
+      "Which device of a service or a vendor's library, where it has several");
+  command
+      .add_option("--events-port", request.events_port,
+                  "Where the Inverse service tells events")
+      .show_default();
+  command
+      .add_option("--profile", request.profile, "Name of the Inverse service's session")
+      .show_default();
   command.add_option("--firmware", request.firmware,
                      "The vendor's firmware image, for a falcon that has none yet");
   command.add_option("--usb", request.usb,
@@ -71,7 +83,7 @@ void add_surface_options(Command command, SurfaceFiles& files) {
                      "Write the dents and the softening there when the run is over");
 }
 
-void attach_device(DeviceFlags& flags, SimulationOptions& options) {
+void prepare_request(DeviceFlags& flags) {
   flags.request.tell = tell_person;
   flags.request.ask = ask_person;
   flags.request.stopped = [] {
@@ -79,8 +91,16 @@ void attach_device(DeviceFlags& flags, SimulationOptions& options) {
   };
   flags.request.sign_test = !flags.no_sign_test;
   flags.request.calibration = motor_factor(flags.calibration, flags.request.name);
+}
+
+void attach_device(DeviceFlags& flags, SimulationOptions& options) {
+  prepare_request(flags);
   options.real_time = true;
-  options.attached = choose_device(flags.request);
+  if (flags.request.name.find('/') != std::string::npos) {
+    options.socket = flags.request.name;
+  } else {
+    options.attached = choose_device(flags.request);
+  }
   if (!flags.at_m.empty()) {
     if (flags.at_m.size() != 3) {
       throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",

@@ -29,6 +29,10 @@ void add_surface_options(Command command, SurfaceFiles& files);
 /// InputError where standard input ends.
 void ask_person(const std::string& text);
 
+/// Completes the request by what a terminal can do: telling, asking, stopping.
+/// @throws as motor_factor().
+void prepare_request(DeviceFlags& flags);
+
 /// Chooses the device, for a run in real time. @throws as choose_device().
 void attach_device(DeviceFlags& flags, SimulationOptions& options);
 

@@ -12,11 +12,26 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 namespace {
 
-constexpr int kHelloMs = 2000;
+constexpr int kFirstStateMs = 2000;
+
+// What a driver may say.
+union Datagram {
+  SocketHello hello;
+  SocketState state;
+  SocketFarewell farewell;
+  constexpr Datagram() : farewell() {}
+};
+static_assert(sizeof(SocketHello) != sizeof(SocketState) &&
+              sizeof(SocketFarewell) != sizeof(SocketState));
+
+std::int64_t nanoseconds(double duration_s) noexcept {
+  return std::llround(duration_s * kNanosecondsPerSecond);
+}
 
 // Whoever listens gets positions and is told forces: this user, or root.
 void check_peer(int descriptor, const std::string& name) {
@@ -76,11 +91,12 @@ bool is_limit(double value) {
 
 }  // namespace
 
-SocketDevice::SocketDevice(const std::filesystem::path& socket, double silent_s)
-    : SocketDevice(connected(socket), silent_s) {}
+SocketDevice::SocketDevice(const std::filesystem::path& socket,
+                           const SocketPatience& patience)
+    : SocketDevice(connected(socket), patience) {}
 
-SocketDevice::SocketDevice(int descriptor, double silent_s)
-    : descriptor_(descriptor), silent_s_(silent_s) {
+SocketDevice::SocketDevice(int descriptor, const SocketPatience& patience)
+    : descriptor_(descriptor), patience_(patience) {
   try {
     greet();
   } catch (...) {
@@ -95,12 +111,27 @@ SocketDevice::~SocketDevice() {
 }
 
 void SocketDevice::greet() {
+  constexpr int kLookMs = 50;
+  MonotonicClock clock;
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds(patience_.hello_s);
   pollfd end{.fd = descriptor_, .events = POLLIN, .revents = 0};
-  SocketHello hello{};
-  if (::poll(&end, 1, kHelloMs) != 1 ||
-      ::recv(descriptor_, &hello, sizeof hello, MSG_TRUNC) != sizeof hello) {
-    throw DeviceError("socket device: no hello of the device within 2 s");
+  while (::poll(&end, 1, kLookMs) != 1 && clock.now_ns() < until_ns) {
+    if (patience_.stopped && patience_.stopped()) {
+      throw Interrupted();
+    }
   }
+  Datagram heard{};
+  const ssize_t size =
+      ::recv(descriptor_, &heard, sizeof heard, MSG_TRUNC | MSG_DONTWAIT);
+  if (size == sizeof heard.farewell && heard.farewell.magic == SocketFarewell{}.magic) {
+    farewell_ = heard.farewell;
+    throw DeviceError(failure());
+  }
+  if (size != sizeof heard.hello) {
+    throw DeviceError(fmt::format("socket device: no hello of the device within {:g} s",
+                                  patience_.hello_s));
+  }
+  const SocketHello& hello = heard.hello;
   if (hello.magic != SocketHello{}.magic) {
     throw DeviceError("socket device: what answers is not a device of this protocol");
   }
@@ -117,35 +148,78 @@ void SocketDevice::greet() {
 }
 
 void SocketDevice::open() {
-  guardian_ = std::make_unique<Guardian>(descriptor_, send_zero, silent_s_);
+  guardian_ = std::make_unique<Guardian>(descriptor_, send_zero, patience_.silent_s);
   // Until the first state there is no position to start from.
   pollfd end{.fd = descriptor_, .events = POLLIN, .revents = 0};
-  if (::poll(&end, 1, kHelloMs) != 1) {
+  DeviceReading first;
+  const bool heard = ::poll(&end, 1, kFirstStateMs) == 1;
+  if (!heard || read(first) != DeviceStatus::kOk) {
     guardian_.reset();
-    throw DeviceError("socket device: no position of the device within 2 s");
+    throw DeviceError(heard && *failure_ != '\0'
+                          ? failure()
+                          : "socket device: no position of the device within 2 s");
   }
+  opened_ns_ = heard_ns_;
+}
+
+std::string SocketDevice::failure() const {
+  const auto end = std::find(farewell_.why.begin(), farewell_.why.end(), '\0');
+  const std::string why(farewell_.why.begin(), end);
+  return why.empty() ? failure_ : why;
+}
+
+// How old a force was when the next took its place: by then the driver knew the next.
+void SocketDevice::take(const SocketState& state) noexcept {
+  MonotonicClock clock;
+  heard_ns_ = clock.now_ns();
+  latest_.time_ns = state.time_ns;
+  latest_.position_m = Eigen::Vector3d(state.position_m.data());
+  latest_.withheld_n = Eigen::Vector3d(state.withheld_n.data());
+  const std::int64_t taken_ns = state.done_ns - state.time_ns;
+  if (taken_ns >= 0) {
+    report_.time.add(taken_ns);
+  }
+  report_.missed = static_cast<std::int64_t>(state.missed);
+  ++report_.transactions;
+  if (state.sequence == acting_ || state.sequence > sequence_) {
+    return;
+  }
+  const Written& held = written_[acting_ % kWrittenMax];
+  if (held.sequence == acting_ && !held.zero && state.done_ns > held.measured_ns) {
+    report_.force_age.add(state.done_ns - held.measured_ns);
+  }
+  acting_ = state.sequence;
 }
 
 DeviceStatus SocketDevice::read(DeviceReading& reading) noexcept {
-  // A driver that floods keeps nobody from the time of a tick.
+  // A driver that floods keeps nobody from the time of a tick. One that ended with
+  // commands unread makes the system say so once, before what it said last.
   constexpr int kStatesMax = 64;
-  DeviceStatus status = DeviceStatus::kLate;
   for (int taken = 0; taken < kStatesMax; ++taken) {
-    SocketState state;
+    Datagram heard;
     const ssize_t bytes =
-        ::recv(descriptor_, &state, sizeof state, MSG_DONTWAIT | MSG_TRUNC);
-    if (bytes == sizeof state) {
-      reading.time_ns = state.time_ns;
-      reading.position_m = {state.position_m[0], state.position_m[1],
-                            state.position_m[2]};
-      status = DeviceStatus::kOk;
+        ::recv(descriptor_, &heard, sizeof heard, MSG_DONTWAIT | MSG_TRUNC);
+    if (bytes == sizeof heard.state) {
+      take(heard.state);
     } else if (bytes < 0 && errno == EAGAIN) {
-      return status;
-    } else if (bytes >= 0 || errno != EINTR) {
-      return DeviceStatus::kLost;  // the other end is gone, or talks nonsense
+      break;
+    } else if (bytes == sizeof heard.farewell) {
+      farewell_ = heard.farewell;
+      failure_ = "its driver has ended";
+      return DeviceStatus::kLost;
+    } else if (bytes >= 0 || (errno != EINTR && errno != ECONNRESET)) {
+      failure_ = bytes > 0 ? "its driver says what is not of the protocol"
+                           : "its driver has ended without a word";
+      return DeviceStatus::kLost;
     }
   }
-  return status;
+  MonotonicClock clock;
+  if (heard_ns_ == 0) {
+    return DeviceStatus::kLate;
+  }
+  reading = latest_;
+  const bool stale = clock.now_ns() - heard_ns_ > nanoseconds(patience_.stale_s);
+  return stale ? DeviceStatus::kLate : DeviceStatus::kOk;
 }
 
 DeviceStatus SocketDevice::write(const Eigen::Vector3d& force_n) noexcept {
@@ -154,9 +228,21 @@ DeviceStatus SocketDevice::write(const Eigen::Vector3d& force_n) noexcept {
       .sequence = ++sequence_,
       .force_n = guarded ? std::array{force_n.x(), force_n.y(), force_n.z()}
                          : std::array<double, 3>{}};
+  written_[sequence_ % kWrittenMax] = {.sequence = sequence_,
+                                       .measured_ns = latest_.time_ns,
+                                       .zero = force_n == Eigen::Vector3d::Zero()};
   const ssize_t sent =
       ::send(descriptor_, &command, sizeof command, MSG_DONTWAIT | MSG_NOSIGNAL);
-  if (!guarded || (sent < 0 && errno != EAGAIN && errno != EINTR)) {
+  if (!guarded) {
+    failure_ = "its guardian process is gone or had to step in";
+    return DeviceStatus::kLost;
+  }
+  if (sent < 0 && errno != EAGAIN && errno != EINTR) {
+    // What the driver said before it ended is still to be read.
+    DeviceReading ignored;
+    if (read(ignored) != DeviceStatus::kLost) {
+      failure_ = "its driver has ended without a word";
+    }
     return DeviceStatus::kLost;
   }
   return sent < 0 ? DeviceStatus::kLate : DeviceStatus::kOk;
@@ -164,6 +250,8 @@ DeviceStatus SocketDevice::write(const Eigen::Vector3d& force_n) noexcept {
 
 void SocketDevice::close() noexcept {
   if (guardian_ != nullptr) {
+    report_.duration_s =
+        static_cast<double>(heard_ns_ - opened_ns_) / kNanosecondsPerSecond;
     send_zero(descriptor_, false);
     guardian_.reset();  // sends it, too
     send_zero(descriptor_, true);

@@ -62,6 +62,16 @@ struct MotorRecord {
   double squared_speed_m2_per_s = 0.0;
 };
 
+/// Of a tool that now has its command.
+[[nodiscard]] inline MotorRecord motor_record(const SimulatedDevice& tool,
+                                              std::int64_t now_ns) {
+  return {.time_ns = now_ns,
+          .force_n = tool.acting_force_n().norm(),
+          .work_j = tool.rendered_work_j(),
+          .path_m = tool.path_m(),
+          .squared_speed_m2_per_s = tool.squared_speed_m2_per_s()};
+}
+
 /// A clock that stands where it is put.
 class SetClock : public Clock {
  public:

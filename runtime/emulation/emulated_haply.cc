@@ -14,7 +14,9 @@ constexpr double kRadian = 180.0 / std::numbers::pi;  // [degrees]
 
 HaplyModel::HaplyModel(const HaplyModelConfig& config)
     : config_(config),
-      tool_(config.dynamics, config.hand, clock_, {.position_m = config.start_m}) {}
+      tool_(config.dynamics, config.hand, clock_, {.position_m = config.start_m}) {
+  trace_.reserve(config.trace_max);
+}
 
 // Line coding and control lines are of no consequence.
 int HaplyModel::control(const UsbSetup& setup, std::int64_t /*now_ns*/) {
@@ -65,6 +67,9 @@ void HaplyModel::obey(std::int64_t now_ns) {
     force.head<2>() = force_of(pose_, {torque_nm_[0], torque_nm_[1]});
   }
   static_cast<void>(tool_.write(force));
+  if (trace_.size() < config_.trace_max) {
+    trace_.push_back(motor_record(tool_, now_ns));
+  }
   const auto reply =
       encode_angles(id_, {kRadian * pose_.theta[0], kRadian * pose_.theta[1]});
   ready_ns_ = now_ns + config_.answer_ns;

@@ -28,6 +28,7 @@ struct HaplyModelConfig {
   PantographLinks links{};
   std::int64_t answer_ns = 100'000;  ///< [ns] from command to reply
   std::size_t split_bytes = 64;      ///< [1, 64] most of a reply in one packet
+  std::size_t trace_max = 0;         ///< commands that trace() keeps
 };
 
 class HaplyModel : public UsbModel {
@@ -48,6 +49,10 @@ class HaplyModel : public UsbModel {
     return torque_nm_;
   }
   [[nodiscard]] const SimulatedDevice& tool() const noexcept { return tool_; }
+  /// The motors' account at every command.
+  [[nodiscard]] const std::vector<MotorRecord>& trace() const noexcept {
+    return trace_;
+  }
 
  private:
   void obey(std::int64_t now_ns);
@@ -63,6 +68,7 @@ class HaplyModel : public UsbModel {
   PantographPose pose_;
   std::int64_t ready_ns_ = 0;
   std::deque<std::uint8_t> waiting_;
+  std::vector<MotorRecord> trace_;
 };
 
 /// The model behind a bad bus and libusb.

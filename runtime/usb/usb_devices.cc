@@ -154,7 +154,10 @@ std::string udev_rules() {
       "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{:04x}\", "
       "ATTR{{idProduct}}==\"{:04x}\", "
       "TAG+=\"uaccess\"\n"
-      "# A Haply's board has the numbers of its maker: palpate-run devices shows "
+      "# Haply Inverse3, and any other Teensy board; ModemManager must leave it alone\n"
+      "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"16c0\", ATTR{{idProduct}}==\"0483\", "
+      "TAG+=\"uaccess\", ENV{{ID_MM_DEVICE_IGNORE}}=\"1\"\n"
+      "# A Haply 2diy's board has the numbers of its maker: palpate-run devices shows "
       "them\n",
       kNovintVendor, kFalconProduct);
 }

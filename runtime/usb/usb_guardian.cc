@@ -9,6 +9,7 @@
 
 #include "runtime/usb/falcon_link.h"
 #include "runtime/usb/haply_link.h"
+#include "runtime/usb/inverse3_link.h"
 
 namespace palpate {
 namespace {
@@ -51,6 +52,14 @@ void zero_haply(int descriptor, bool last) noexcept {
   write_bulk(descriptor, kHaplyPair.out, command);
   if (last) {
     give_back(descriptor, kHaplyPair.interface);
+  }
+}
+
+void zero_inverse3(int descriptor, bool last) noexcept {
+  auto command = encode_inverse3_force(Eigen::Vector3d::Zero());
+  write_bulk(descriptor, kInverse3Pair.out, command);
+  if (last) {
+    give_back(descriptor, kInverse3Pair.interface);
   }
 }
 

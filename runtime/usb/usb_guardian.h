@@ -17,4 +17,7 @@ void zero_falcon(int descriptor, bool last) noexcept;
 /// As Guardian::ZeroForce: async-signal-safe. Zero torques.
 void zero_haply(int descriptor, bool last) noexcept;
 
+/// As Guardian::ZeroForce: async-signal-safe.
+void zero_inverse3(int descriptor, bool last) noexcept;
+
 }  // namespace palpate

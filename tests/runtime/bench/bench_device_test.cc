@@ -1,6 +1,7 @@
 // The closed loop of renderer, driver, libusb, emulated chip and mechanism.
 #include "runtime/bench/bench_device.h"
 
+#include <filesystem>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -24,6 +25,23 @@ TEST(DeviceBench, MotorsGiveNoMoreThanTheAgeOfForcesExplains) {
   }
 }
 
+// Through driver process, socket and WebSocket; and the buses of the other two.
+TEST(DeviceBench, HoldsForTheOtherEmulationsToo) {
+  const auto bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  for (const char* device :
+       {"emulated-haply", "emulated-inverse", "emulated-inverse3"}) {
+    const DeviceBenchReport report =
+        run_device_bench({.device = device,
+                          .duration_s = 2.0,
+                          .driver_program = (bin / "palpate-run").string()});
+    EXPECT_GT(report.contact_ticks, 100) << device;
+    EXPECT_GE(report.energy.margin_min_j, 0.0) << device;
+    EXPECT_GT(report.energy.bound_end_j, 0.0) << device;
+    EXPECT_GT(report.wire.transactions, 1000) << device;
+    EXPECT_GT(report.wire.force_age.count(), 100U) << device;
+  }
+}
+
 TEST(DeviceBench, FrictionTakesEnergyOutOfTheLoop) {
   const DeviceBenchReport report =
       run_device_bench({.duration_s = 4.0, .friction = 0.5});
@@ -37,6 +55,7 @@ TEST(DeviceBench, OptionsOutOfRangeAreRefused) {
   }
   EXPECT_THROW((void)run_device_bench({.stiffness_n_per_m = kNan}), InputError);
   EXPECT_THROW((void)run_device_bench({.friction = -0.1}), InputError);
+  EXPECT_THROW((void)run_device_bench({.device = "falcon"}), InputError);
 }
 
 }  // namespace

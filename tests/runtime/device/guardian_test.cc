@@ -141,7 +141,7 @@ class GuardedRenderer : public testing::Test {
   }
 
   int render(int descriptor, double silent_s, double duration_s = 600.0) {
-    SocketDevice socket(descriptor, silent_s);
+    SocketDevice socket(descriptor, {.silent_s = silent_s});
     ElementStream stream(database_, database_.tools[0]);
     RenderConfig c;
     c.fast.fast.tool_radius_m = kRadius;
@@ -326,14 +326,14 @@ TEST(SocketDevice, RefusesWhatIsNoDevice) {
     std::array<int, 2> ends{};
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends.data()), 0);
     (void)::send(ends[1], hello, std::string(hello).size(), 0);
-    EXPECT_THROW(SocketDevice(ends[0], 0.1), DeviceError);
+    EXPECT_THROW(SocketDevice(ends[0], SocketPatience{}), DeviceError);
     ::close(ends[1]);
   }
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends.data()), 0);
   const SocketHello weak{.force_max_n = 0.0};
   (void)::send(ends[1], &weak, sizeof weak, 0);
-  EXPECT_THROW(SocketDevice(ends[0], 0.1), DeviceError);
+  EXPECT_THROW(SocketDevice(ends[0], SocketPatience{}), DeviceError);
   ::close(ends[1]);
 }
 

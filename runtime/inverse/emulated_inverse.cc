@@ -1,0 +1,229 @@
+#include "runtime/inverse/emulated_inverse.h"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/base/error.h"
+#include "runtime/inverse/emulated_inverse_parts.h"
+#include "runtime/realtime/real_time.h"
+#include "runtime/usb/haply_axes.h"
+
+namespace palpate {
+namespace {
+
+Json as_json(const Eigen::Vector3d& v) {
+  return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}};
+}
+
+}  // namespace
+
+void EmulatedInverse::Parts::listen(tcp::acceptor& acceptor, std::uint16_t port) {
+  try {
+    const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
+    acceptor.open(endpoint.protocol());
+    acceptor.set_option(tcp::acceptor::reuse_address(true));
+    acceptor.bind(endpoint);
+    acceptor.listen();
+  } catch (const boost::system::system_error& error) {
+    throw DeviceError(fmt::format("emulated Inverse service: port {}: {}", port,
+                                  error.code().message()));
+  }
+}
+
+void EmulatedInverse::Parts::accept(tcp::acceptor& acceptor, bool of_events) {
+  acceptor.async_accept(
+      [this, &acceptor, of_events](Failure failure, tcp::socket socket) {
+        if (!failure) {
+          Failure ignored;
+          socket.set_option(tcp::no_delay(true), ignored);
+          std::make_shared<Session>(*this, std::move(socket), of_events)->start();
+        }
+        if (acceptor.is_open()) {
+          accept(acceptor, of_events);
+        }
+      });
+}
+
+std::string EmulatedInverse::Parts::first_message() {
+  const std::lock_guard lock(mutex);
+  Json all = state(true);
+  all["session_id"] = 7;
+  return all.dump();
+}
+
+// @param whole with what is said once.
+Json EmulatedInverse::Parts::state(bool whole) {
+  DeviceReading at;
+  static_cast<void>(tool.read(at));
+  Json devices = Json::array();
+  for (int i = 0; i < config.devices; ++i) {
+    Json device = {
+        {"device_id", i == 0 ? config.device_id : fmt::format("{:04X}", i)},
+        {"state",
+         {{"cursor_velocity", as_json(to_haply(tool.motion().velocity_m_per_s))},
+          {"angular_position", {{"a0", 0.0}, {"a1", 0.0}, {"a2", 0.0}}},
+          {"body_orientation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
+          {"current_cursor_force", as_json(to_haply(tool.acting_force_n()))},
+          {"control_domain", "cartesian"},
+          {"control_mode", "force"}}},
+        {"status",
+         {{"calibrated", !is_faulty(InverseFault::kNotCalibrated)},
+          {"in_use", config.in_use},
+          {"power_supply", !is_faulty(InverseFault::kNoPower)},
+          {"ready", !is_faulty(InverseFault::kNotReady)},
+          {"started", true}}}};
+    if (!is_faulty(InverseFault::kNoPosition)) {
+      device["state"]["cursor_position"] = as_json(to_haply(at.position_m));
+    }
+    if (whole) {
+      device["config"] = {
+          {"type", "inverse3"},
+          {"gravity_compensation",
+           {{"enabled", config.gravity_compensated}, {"scaling_factor", 1.0}}},
+          {"handedness", "right"},
+          {"filters",
+           {{"force_gate", {{"gain", config.force_gate}}},
+            {"damping", {{"scalar", 0.0}}}}}};
+    }
+    devices.push_back(std::move(device));
+  }
+  if (is_faulty(InverseFault::kUnplugged) || is_faulty(InverseFault::kSilentUnplug)) {
+    devices.clear();
+  }
+  return {{"inverse3", devices},
+          {"wireless_verse_grip",
+           {{{"device_id", "61576"},
+             {"state",
+              {{"orientation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
+               {"buttons", {{"a", false}, {"b", false}, {"c", false}}}}}}}}};
+}
+
+// A command of another spelling is no command; the force ends where none comes.
+void EmulatedInverse::Parts::obey(const std::string& text) {
+  const std::lock_guard lock(mutex);
+  if (++message == 1) {
+    tool.open();  // the hand begins
+  }
+  std::optional<Eigen::Vector3d> force_n;
+  try {
+    const Json said = Json::parse(text);
+    if (said.contains("session")) {
+      profile = said["session"]["configure"]["profile"]["name"].get<std::string>();
+    }
+    const Json& device = said.at("inverse3").at(0);
+    const Json& command = device.at("commands").at("set_cursor_force");
+    if (device.at("device_id") == config.device_id && command.contains(key)) {
+      const Json& vector = command[key];
+      force_n = from_haply({vector.at("x").get<double>(), vector.at("y").get<double>(),
+                            vector.at("z").get<double>()});
+    } else {
+      refused = text;
+    }
+  } catch (const Json::exception&) {
+    refused = text;
+  }
+  const bool gone =
+      is_faulty(InverseFault::kUnplugged) || is_faulty(InverseFault::kSilentUnplug);
+  if (gone || !force_n) {
+    force_n = Eigen::Vector3d::Zero();
+  }
+  push(*force_n);
+  if (!std::exchange(told, told || gone || is_faulty(InverseFault::kEvent))) {
+    if (is_faulty(InverseFault::kUnplugged)) {
+      tell(R"({"name":"device-disconnected","category":"device","level":"warning",)"
+           R"("data":{"device_family":"inverse","device_id":")" +
+           config.device_id + R"("},"message":"gone"})");
+    } else if (is_faulty(InverseFault::kEvent)) {
+      tell(config.faults.text);
+    }
+  }
+}
+
+void EmulatedInverse::Parts::tell(const std::string& event) {
+  for (const std::shared_ptr<Session>& listener : listeners) {
+    listener->send(event);
+  }
+}
+
+void EmulatedInverse::Parts::push(const Eigen::Vector3d& force_n) {
+  const bool was_pushed = tool.acting_force_n() != Eigen::Vector3d::Zero();
+  static_cast<void>(tool.write(force_n));
+  const std::int64_t now_ns = clock.now_ns();
+  if (was_pushed && tool.acting_force_n() == Eigen::Vector3d::Zero()) {
+    released_ns = now_ns;
+  }
+  if (trace.size() < config.trace_max) {
+    trace.push_back(motor_record(tool, now_ns));
+  }
+  idle.cancel();
+  if (force_n != Eigen::Vector3d::Zero()) {
+    idle.expires_after(std::chrono::nanoseconds(config.idle_ns));
+    idle.async_wait([this](Failure failure) {
+      if (!failure) {
+        release();
+      }
+    });
+  }
+}
+
+EmulatedInverse::EmulatedInverse(const EmulatedInverseConfig& config)
+    : parts_(std::make_unique<Parts>(config)) {
+  parts_->trace.reserve(config.trace_max);
+  parts_->listen(parts_->states, config.port);
+  parts_->listen(parts_->events, config.events_port);
+  parts_->accept(parts_->states, false);
+  parts_->accept(parts_->events, true);
+  parts_->thread = std::thread([parts = parts_.get()] {
+    static_cast<void>(request_real_time(-1));  // as punctual as a device, if permitted
+    parts->io.run();
+  });
+}
+
+EmulatedInverse::~EmulatedInverse() {
+  parts_->io.stop();
+  parts_->thread.join();
+  parts_->listeners.clear();  // they must not outlive what they wait in
+}
+
+std::uint16_t EmulatedInverse::port() const {
+  return parts_->states.local_endpoint().port();
+}
+
+std::uint16_t EmulatedInverse::events_port() const {
+  return parts_->events.local_endpoint().port();
+}
+
+Eigen::Vector3d EmulatedInverse::force_n() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->tool.acting_force_n();
+}
+
+std::int64_t EmulatedInverse::messages() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->message;
+}
+
+std::string EmulatedInverse::profile() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->profile;
+}
+
+std::string EmulatedInverse::refused() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->refused;
+}
+
+std::int64_t EmulatedInverse::released_ns() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->released_ns;
+}
+
+std::vector<MotorRecord> EmulatedInverse::trace() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->trace;
+}
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#include "runtime/vendor/hd_link.h"
+
+#include <gtest/gtest.h>
+
+#include "formats/base/error.h"
+#include "runtime/realtime/clock.h"
+#include "tests/runtime/vendor/vendor_library.h"
+
+namespace palpate {
+namespace {
+
+const Eigen::Vector3d kPush(0.1, 0.2, -0.3);
+
+class HdDevice : public testing::Test {
+ protected:
+  void SetUp() override { config_.library = library_.path(); }
+
+  void push_error(unsigned code) {
+    library_.function<void(unsigned)>("stand_in_push_error")(code);
+  }
+
+  // Exchanges until the motors give kPush, which is the tick after the next at most.
+  void push(HdLink& link) {
+    Eigen::Vector3d position_m;
+    for (int i = 0; i < 5; ++i) {
+      ASSERT_NE(link.transact(kPush, position_m), LinkStatus::kLost);
+    }
+    ASSERT_EQ(library_.force_n(), kPush);
+  }
+
+  void sleep_ms(int milliseconds) {
+    MonotonicClock clock;
+    clock.sleep_until_ns(clock.now_ns() + std::int64_t{1'000'000} * milliseconds);
+  }
+
+  test::VendorLibrary library_{"libHD.so"};
+  HdConfig config_;
+};
+
+TEST_F(HdDevice, IsPushedFromTheLibrarysThreadAndLetGo) {
+  for (int session = 0; session < 2; ++session) {
+    HdLink link(config_);
+    link.open();
+    EXPECT_EQ(link.limits().force_max_n, 0.88);  // the library's nominal force
+    Eigen::Vector3d first_m;
+    Eigen::Vector3d then_m;
+    ASSERT_EQ(link.transact(kPush, first_m), LinkStatus::kOk);
+    push(link);
+    ASSERT_EQ(link.transact(kPush, then_m), LinkStatus::kOk);
+    EXPECT_GT((then_m - first_m).dot(kPush), 0.0);
+    EXPECT_LT((then_m - first_m).norm(), 1e-3);  // millimetres there, metres here
+    link.close();
+    EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+    EXPECT_EQ(library_.variable<int>("stand_in_running"), 0);
+  }
+}
+
+TEST_F(HdDevice, LetsGoWhenNobodyRenewsTheForce) {
+  HdLink link(config_);
+  link.open();
+  push(link);
+  sleep_ms(60);
+  EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+}
+
+TEST_F(HdDevice, AnythingOnTheStackOfErrorsEndsIt) {
+  HdLink link(config_);
+  link.open();
+  push(link);
+  push_error(0x0301);
+  Eigen::Vector3d position_m;
+  LinkStatus status = LinkStatus::kOk;
+  for (int i = 0; i < 5 && status != LinkStatus::kLost; ++i) {
+    status = link.transact(kPush, position_m);
+  }
+  EXPECT_EQ(status, LinkStatus::kLost);
+  EXPECT_EQ(link.failure(), "Warm motors");
+  sleep_ms(10);
+  EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+}
+
+TEST_F(HdDevice, ASchedulerThatStandsStillIsLost) {
+  HdLink link(config_);
+  link.open();
+  library_.variable<int>("stand_in_stalls") = 1;
+  sleep_ms(5);
+  Eigen::Vector3d position_m;
+  EXPECT_EQ(link.transact(kPush, position_m), LinkStatus::kMissed);
+  EXPECT_EQ(link.sent_n(), Eigen::Vector3d::Zero());
+  int more = 0;
+  while (link.transact(kPush, position_m) == LinkStatus::kMissed && more < 100) {
+    ++more;
+  }
+  EXPECT_EQ(more, 9);
+  EXPECT_EQ(link.failure(), "its scheduler has stopped");
+  library_.variable<int>("stand_in_stalls") = 0;
+}
+
+TEST_F(HdDevice, OpensByNameOrSaysWhyNot) {
+  config_.device = "Left";
+  HdLink(config_).open();
+  config_.device = "Right";
+  try {
+    HdLink(config_).open();
+    FAIL() << "opened";
+  } catch (const DeviceError& error) {
+    EXPECT_STREQ(error.what(), "openhaptics: no device: Device fault (error 0x0201)");
+  }
+  config_.library = "libHD.so-that-nobody-has";
+  EXPECT_THROW(HdLink(config_).open(), DeviceError);
+}
+
+}  // namespace
+}  // namespace palpate

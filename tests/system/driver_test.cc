@@ -1,0 +1,122 @@
+// Devices behind drivers, by the tool that a user runs: the examples for drivers of
+// other programs, Haply's service in emulation, and what is said where none answers.
+#include <cstdio>
+#include <memory>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <poll.h>
+
+#include "formats/database/response_database.h"
+#include "formats/hdf5/hdf5_io.h"
+#include "runtime/device/socket_device.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/sample_bodies.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
+
+class DeviceTool : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_database(body(), sample_database(
+                               icosphere(0.04, 2), ball(0.005, 0.3, 5e-4),
+                               [](Eigen::Index, double d) {
+                                 return 100.0 * d * (0.5 + 50.0 * d);
+                               },
+                               0.005));
+  }
+
+  [[nodiscard]] std::string body() const { return (folder_ / "body.h5").string(); }
+
+  [[nodiscard]] ToolRun render(const std::string& device,
+                               std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"device", "--device", device, "--limit-stiffness",
+                               "--seconds", "2", "--json", body()});
+    return run_tool_process("palpate-run", more);
+  }
+
+  // A driver that listens on a socket, and what it prints at its end. An ordinary
+  // process may wait for longer than a device may be silent: then once more.
+  std::string served(const std::string& driver) {
+    const std::string socket = (folder_ / "device").string();
+    ToolRun run;
+    std::array<char, 200> text{};
+    std::size_t size = 0;
+    for (int i = 0; i < 4 && run.exit_code != 0; ++i) {
+      fs::remove(socket);  // of the driver before
+      FILE* pipe = ::popen((driver + " " + socket + " 0 0 0.047").c_str(), "r");
+      for (int k = 0; k < 1000 && !fs::exists(socket); ++k) {
+        ::poll(nullptr, 0, 5);
+      }
+      ::poll(nullptr, 0, 50);  // it listens after the file is there
+      run = render(socket);
+      size = std::fread(text.data(), 1, text.size(), pipe);
+      EXPECT_EQ(::pclose(pipe), 0);
+    }
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const auto report = nlohmann::json::parse(run.out, nullptr, false);
+    EXPECT_TRUE(report.is_object() && report.value("contact_ticks", 0) > 100)
+        << run.out;
+    return {text.data(), size};
+  }
+
+  ScratchFolder folder_;
+};
+
+double first_number(const std::string& text) {
+  double number = 0.0;
+  EXPECT_EQ(std::sscanf(text.c_str(), "largest force %lf N", &number), 1) << text;
+  return number;
+}
+
+TEST_F(DeviceTool, RendersOnTheExampleDriversOfOtherPrograms) {
+  const fs::path bin = fs::read_symlink("/proc/self/exe").parent_path();
+  for (const std::string& driver :
+       {(bin / "c_driver").string(),
+        std::string("python3 runtime/device/examples/driver.py")}) {
+    const std::string said = served(driver);
+    EXPECT_GT(first_number(said), 0.05) << driver;
+    EXPECT_NE(said.find("last 0.000 N"), std::string::npos) << said;
+  }
+}
+
+TEST_F(DeviceTool, RendersOnTheEmulatedInverseService) {
+  const ToolRun run = render("emulated-inverse");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("force gate with gain 0.3"), std::string::npos) << run.err;
+  const auto report = nlohmann::json::parse(run.out, nullptr, false);
+  EXPECT_GT(report.value("contact_ticks", 0), 100) << run.out;
+}
+
+TEST_F(DeviceTool, WritesWhatAProbeFinds) {
+  const std::string file = (folder_ / "device.json").string();
+  const ToolRun run = run_tool_process(
+      "palpate-run", {"device", "--device", "emulated-inverse3", "--probe", file});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto found = nlohmann::json::parse(std::ifstream(file), nullptr, false);
+  EXPECT_NEAR(found.value("mass_kg", 0.0), 0.12, 0.012);
+  EXPECT_EQ(found.value("device", ""), "emulated-inverse3");
+  EXPECT_EQ(run_tool_process("palpate-run", {"device", "--device", "emulated-inverse3"})
+                .exit_code,
+            2);
+}
+
+TEST_F(DeviceTool, SaysWhereNoneAnswers) {
+  const ToolRun closed = render("haply-inverse:1");
+  EXPECT_EQ(closed.exit_code, 5);
+  EXPECT_NE(closed.err.find("no Inverse service at 127.0.0.1:1"), std::string::npos)
+      << closed.err;
+  EXPECT_EQ(render("haply-inverse:99999").exit_code, 2);
+  EXPECT_EQ(render("haply-inverse", {"--profile", "a b"}).exit_code, 2);
+  EXPECT_EQ(render("haply-inverse", {"--usb", "1:2"}).exit_code, 2);
+  EXPECT_EQ(render("/nowhere/at/all").exit_code, 5);
+}
+
+}  // namespace
+}  // namespace palpate
