@@ -16,6 +16,7 @@
 #include "runtime/bench/bench_stream.h"
 #include "runtime/bench/bench_table1.h"
 #include "runtime/bench/bench_walk.h"
+#include "runtime/bench/growing_walk.h"
 #include "runtime/bench/rate_trade_page.h"
 #include "runtime/command/command_bench_allocations.h"
 #include "runtime/command/commands.h"
@@ -300,6 +301,33 @@ void add_walk(Command bench) {
   });
 }
 
+void add_grow(Command bench) {
+  struct Flags : GrowingWalkOptions {
+    std::string model_name = "potential";
+    bool json = false;
+  };
+  Command command = bench.add_subcommand(
+      "grow", "a random walk over a database whose curves are exchanged on the way");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  command.add_option("--tool", flags->tool,
+                     "of the database; may be left out if there is one");
+  command.add_option("--ticks", flags->ticks, "at 2 kHz").show_default();
+  command.add_option("--contrast", flags->contrast, "of forces between versions [-]")
+      .show_default();
+  command.add_option("--model", flags->model_name, "element or potential")
+      .show_default();
+  command.add_option("--seed", flags->seed, "of the walk").show_default();
+  command.add_flag("--json", flags->json, "one JSON object on stdout");
+  command.callback([flags] {
+    flags->model = requested_model(flags->model_name);
+    flags->stop = &heed_stop_signals();
+    const GrowingWalkReport report = run_growing_walk(*flags);
+    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+  });
+}
+
 }  // namespace
 
 void add_bench_command(Command app) {
@@ -312,6 +340,7 @@ void add_bench_command(Command app) {
   add_potential(command);
   add_trade(command);
   add_walk(command);
+  add_grow(command);
   add_slide(command);
   add_search(command);
   add_stream(command);

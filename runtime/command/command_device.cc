@@ -14,6 +14,7 @@
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
+#include "runtime/command/scene_options.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/contact_run.h"
 #include "runtime/run/reconnect.h"
@@ -32,6 +33,7 @@ struct Flags {
   SurfaceFiles surface;
   DeviceFlags device;
   CouplingFlags coupling;
+  SceneFlags scene;
   SimulationOptions options;
 };
 
@@ -94,6 +96,20 @@ void probe_device(Flags& flags) {
   fmt::print("{}", flags.json ? json : probe_text(report));
 }
 
+// A scene, while it is computed.
+void run_scene(Flags& flags) {
+  refuse_surface(flags.surface);
+  if (flags.reconnect) {
+    throw InputError("--reconnect: not of a scene, build its database first");
+  }
+  attach_device(flags.device, flags.options);
+  const std::atomic<bool>& stop = heed_stop_signals();
+  const auto client = join_scene(flags.database, flags.scene, flags.options.tool);
+  const SimulationReport report = simulate_served(*client, flags.options, stop);
+  print(flags, {report});
+  throw_what_ended(report);
+}
+
 void run(Flags& flags) {
   if (!flags.probe_file.empty()) {
     probe_device(flags);
@@ -104,6 +120,10 @@ void run(Flags& flags) {
   }
   flags.options.model = requested_model(flags.model);
   flags.options.coupling = wanted_coupling(flags.coupling);
+  if (is_scene(flags.database)) {
+    run_scene(flags);
+    return;
+  }
   flags.options.surface = begin_surface(flags.surface, flags.database);
   attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
@@ -124,7 +144,10 @@ void add_device_command(Command app) {
   const auto flags = std::make_shared<Flags>();
   SimulationOptions& options = flags->options;
   options.fast_hz = 1000.0;
-  command.add_option("database", flags->database, "Response database (HDF5)");
+  command.add_option("database", flags->database,
+                     "Response database (HDF5), or a scene (SCENE.toml) to be rendered "
+                     "while it is computed");
+  add_scene_options(command, flags->scene);
   add_device_options(command, flags->device);
   command.option("--device").required();
   command.add_flag("--reconnect", flags->reconnect,

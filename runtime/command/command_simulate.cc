@@ -2,17 +2,20 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/recording/recording.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
+#include "runtime/command/scene_options.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/contact_replay.h"
 #include "runtime/run/contact_run.h"
@@ -39,6 +42,9 @@ struct Flags {
   ContactRunOptions contacts;
   CouplingFlags coupling;
   SurfaceFiles surface;
+  SceneFlags scene;
+  std::string quality_csv;
+  double wander_mm_per_s = 0.0;
   SimulationOptions options;
 };
 
@@ -49,7 +55,12 @@ SimulationOptions options_of(const Flags& flags) {
   }
   options.model = requested_model(flags.model);
   options.coupling = wanted_coupling(flags.coupling);
-  options.real_time = flags.clock == "real";
+  options.real_time = flags.clock == "real" || is_scene(flags.database);
+  if (!(flags.wander_mm_per_s >= 0.0 && flags.wander_mm_per_s <= 1000.0)) {
+    throw InputError(
+        fmt::format("--wander {}: must lie in [0, 1000] mm/s", flags.wander_mm_per_s));
+  }
+  options.wander_m_per_s = 1e-3 * flags.wander_mm_per_s;
   return options;
 }
 
@@ -231,7 +242,37 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
   }
 }
 
+// A scene, while it is computed.
+void run_scene(const Flags& flags) {
+  refuse_surface(flags.surface);
+  if (flags.together || flags.tools.size() > 1 || !flags.records.empty() ||
+      !flags.flight_recorders.empty()) {
+    throw InputError(
+        "a scene is rendered with one tool, and not recorded: leave out --together, "
+        "--record and --flight-recorder, or build its database first");
+  }
+  const SimulationOptions options = tools_of(flags).front();
+  const std::atomic<bool>& stop = heed_stop_signals();
+  const auto client = join_scene(flags.database, flags.scene, options.tool);
+  const SimulationReport report = simulate_served(*client, options, stop);
+  print(flags, {report});
+  if (!flags.quality_csv.empty()) {
+    const std::string text = quality_csv(*report.served);
+    AtomicFile file(flags.quality_csv);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+  }
+  throw_what_ended(report);
+}
+
 void run(const Flags& flags) {
+  if (is_scene(flags.database)) {
+    run_scene(flags);
+    return;
+  }
+  if (!flags.quality_csv.empty()) {
+    throw InputError("--quality-csv is of a scene that is computed meanwhile");
+  }
   const SurfaceState surface = begin_surface(flags.surface, flags.database);
   std::vector<SimulationReport> reports;
   if (is_streamed(flags)) {
@@ -290,7 +331,10 @@ void add_simulate_command(Command app) {
       "simulate", "Render a database on a simulated device held by a simulated hand.");
   const auto flags = std::make_shared<Flags>();
   SimulationOptions& options = flags->options;
-  command.add_option("database", flags->database, "Response database (HDF5)")
+  command
+      .add_option("database", flags->database,
+                  "Response database (HDF5), or a scene (SCENE.toml) to be rendered in "
+                  "real time while it is computed")
       .required();
   command.add_option("--model", flags->model, "Local model: " + known_models())
       .show_default();
@@ -330,6 +374,15 @@ void add_simulate_command(Command app) {
       .show_default();
   command.add_option("--cpu", options.cpu,
                      "Keep the fast thread on this CPU (--clock real)");
+  command
+      .add_option("--wander", flags->wander_mm_per_s,
+                  "The hand wanders over the body at this speed [mm/s], pressing; 0: "
+                  "it presses one place")
+      .show_default();
+  command.add_option("--quality-csv", flags->quality_csv,
+                     "Of a scene: shares of the ticks in the body without an answer, "
+                     "with a cheap and with a good one, by second");
+  add_scene_options(command, flags->scene);
   add_contact_options(command, *flags);
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");

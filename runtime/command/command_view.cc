@@ -16,6 +16,7 @@
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
+#include "runtime/command/scene_options.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/contact_run.h"
@@ -24,6 +25,7 @@
 #include "runtime/view/contact_session.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/page_assets.h"
+#include "runtime/view/served_news.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_policy.h"
 #include "runtime/view/view_server.h"
@@ -48,6 +50,7 @@ struct Flags {
   ViewSessionOptions options;
   DeviceFlags device;
   CouplingFlags coupling;
+  SceneFlags scene;
 };
 
 ResponseDatabase shown(const Flags& flags) {
@@ -103,9 +106,10 @@ SurfaceState begin(const Flags& flags) {
 }
 
 // The page is served until somebody ends it.
-void serve(const Flags& flags, const ViewedBody& body, LiveSession& session) {
+void serve(const Flags& flags, const ViewedBody& body, LiveSession& session,
+           ServedNews* news = nullptr) {
   MonotonicClock wall;
-  LiveView live(session, wall);
+  LiveView live(session, wall, news);
   ViewServer server(server_options(flags, body), live);
   live.answer_through(server);
   const std::atomic<bool>& stop = heed_stop_signals();
@@ -157,6 +161,36 @@ void steer(const Flags& flags, const ResponseDatabase& database) {
     surface.tool[tool] = session.yielded();
     write_surface_state(flags.surface.out, surface);
   }
+}
+
+// A scene, while it is computed: the page steers, on simulated time that follows the
+// clock.
+void steer_scene(const Flags& flags) {
+  refuse_surface(flags.surface);
+  if (flags.together || flags.tools.size() > 1 || !flags.device.request.name.empty() ||
+      !flags.demo.empty()) {
+    throw InputError(
+        "a scene is shown with one tool that the page moves: leave out --together, "
+        "--device and --demo, or build its database first");
+  }
+  const std::atomic<bool>& stop = heed_stop_signals();
+  const auto client = join_scene(flags.database, flags.scene,
+                                 flags.tools.empty() ? "" : flags.tools.front());
+  const ServedScene& scene = client->scene(stop);
+  const ResponseDatabase body = body_of(scene, client->tool());
+  GrowingElements elements(body.body, body.normal, body.tools.front().tool);
+  const Feeding feeding(*client, elements);
+  ViewSessionOptions options = flags.options;
+  options.tool = "";
+  options.model = requested_model(flags.model);
+  options.growing = &elements;
+  ViewSession session(body, options);
+  check_stiffness_scale(flags.stiffness_scale);
+  session.set_stiffness_scale(flags.stiffness_scale);
+  ViewedBody shown_body = viewed(flags, session);
+  shown_body.coming_to_m = scene.plan.depth_max_m;
+  ServedNews news(*client, elements, scene, SceneWatch(flags.database));
+  serve(flags, shown_body, session, &news);
 }
 
 SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
@@ -242,6 +276,10 @@ bool shows_contacts(const Flags& flags, const ResponseDatabase& database) {
 }
 
 void run(Flags& flags) {
+  if (is_scene(flags.database)) {
+    steer_scene(flags);
+    return;
+  }
   const ResponseDatabase database = shown(flags);
   const bool contacts = shows_contacts(flags, database);
   if (flags.device.request.name.empty() && wanted_coupling(flags.coupling)) {
@@ -266,7 +304,10 @@ void add_view_command(Command app) {
       "watch a device that presses it.");
   const auto flags = std::make_shared<Flags>();
   ViewSessionOptions& options = flags->options;
-  command.add_option("database", flags->database, "Response database (HDF5)");
+  command.add_option("database", flags->database,
+                     "Response database (HDF5), or a scene (SCENE.toml) that is "
+                     "computed while it is shown");
+  add_scene_options(command, flags->scene);
   command.add_option("--demo", flags->demo,
                      "A body without a file: cylinder, the paper's (section 5.2.4)");
   command.add_option("--port", flags->port, "On 127.0.0.1; 0: any free one")

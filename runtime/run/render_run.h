@@ -19,6 +19,7 @@
 #include "runtime/render/render_report.h"
 #include "runtime/render/telemetry.h"
 #include "runtime/run/coupling_report.h"
+#include "runtime/served/served_client.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/memory_elements.h"
 
@@ -50,6 +51,9 @@ struct SimulationOptions {
   SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run
   std::filesystem::path socket;  ///< a driver's instead of the simulated device
   std::optional<AttachedDevice> attached;  ///< instead of the simulated device
+  /// [m/s] 0 or more: the simulated hand wanders over the body at this speed, pressing,
+  /// instead of pressing one place.
+  double wander_m_per_s = 0.0;
   RecordingRequest recording;
   TickQueue* watch = nullptr;  ///< every tick goes there, too; outlives the run
   /// Of a tool of several contacts, the latest one with all of them; likewise.
@@ -73,6 +77,7 @@ struct SimulationReport {
   ResampleLoss resample_loss;
   std::optional<LinkReport> wire;      ///< of a device that has one
   std::optional<StreamReport> stream;  ///< of a body that was streamed
+  std::optional<ServedReport> served;  ///< of a scene that is computed meanwhile
   std::uint64_t records_dropped = 0;   ///< by the recorder
   std::string recording_failure;       ///< why the recording ended early
   RenderReport render;
@@ -111,6 +116,14 @@ struct SimulationReport {
 [[nodiscard]] std::vector<SimulationReport> simulate_streamed(
     const std::filesystem::path& file, std::span<const SimulationOptions> tools,
     std::size_t budget_bytes, const std::atomic<bool>& stop);
+
+/// A scene whose responses come while it is rendered, in real time. The margin is kept
+/// answer by answer: one that is stiffer than what the device renders is softened.
+/// Presses the reachable vertex nearest to at_m, or the highest one.
+/// @throws as simulate(), and as ServedClient::scene().
+[[nodiscard]] SimulationReport simulate_served(ServedClient& client,
+                                               const SimulationOptions& options,
+                                               const std::atomic<bool>& stop);
 
 /// The report for people, aligned lines.
 [[nodiscard]] std::string summary(const SimulationReport& report);

@@ -34,6 +34,28 @@ nlohmann::json as_json(const LinkReport& wire) {
           {"force_age_max_ns", wire.force_age.max_ns()}};
 }
 
+nlohmann::json as_json(const ServedReport& served) {
+  const auto ticks = [](const QualityTicks& at) {
+    return nlohmann::json{{"none", at[0]}, {"cheap", at[1]}, {"good", at[2]}};
+  };
+  nlohmann::json seconds = nlohmann::json::array();
+  for (const QualityTicks& second : served.by_second) {
+    seconds.push_back(ticks(second));
+  }
+  const ServiceStatus& status = served.status;
+  return {{"state", name(status.state)},
+          {"detail", status.detail},
+          {"stage", status.progress.stage},
+          {"nodes", status.progress.nodes},
+          {"cheap", status.progress.cheap},
+          {"good", status.progress.good},
+          {"joins", status.joins},
+          {"answers", status.answers},
+          {"softened", served.softened},
+          {"ticks", ticks(served.ticks)},
+          {"by_second", seconds}};
+}
+
 // What the surface remembers, for a while and for good.
 nlohmann::json memory_json(const RenderReport& r) {
   const YieldedRow largest = largest_of(r.surface);
@@ -107,6 +129,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"records_dropped", report.records_dropped},
       {"recording_failure", report.recording_failure},
       {"stream", report.stream ? as_json(*report.stream) : nlohmann::json()},
+      {"service", report.served ? as_json(*report.served) : nlohmann::json()},
       {"fault", name(r.fault)},
       {"interrupted", r.interrupted}};
   json.update(memory_json(r));

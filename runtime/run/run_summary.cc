@@ -153,6 +153,27 @@ std::string stream_lines(const StreamReport& s) {
   return text;
 }
 
+std::string served_lines(const ServedReport& s) {
+  const std::int64_t all = s.ticks[0] + s.ticks[1] + s.ticks[2];
+  const ServiceStatus& status = s.status;
+  std::string text =
+      line("service", fmt::format("{}{}{}, {} of {} nodes with an answer, {} good",
+                                  name(status.state), status.detail.empty() ? "" : ": ",
+                                  status.detail, status.progress.cheap,
+                                  status.progress.nodes, status.progress.good)) +
+      line(
+          "in the body",
+          fmt::format("{:.3g} % of ticks without an answer, {:.3g} % with a cheap one, "
+                      "{:.3g} % with a good one",
+                      percent(s.ticks[0], all), percent(s.ticks[1], all),
+                      percent(s.ticks[2], all)));
+  if (s.softened > 0) {
+    text += line("softened",
+                 fmt::format("{} answers, too stiff for the device", s.softened));
+  }
+  return text;
+}
+
 std::string trouble_lines(const SimulationReport& report) {
   std::string text;
   if (!report.render.slow_failure.empty()) {
@@ -180,7 +201,10 @@ std::string summary(const SimulationReport& report) {
       line("model", fmt::format("{}, tool \"{}\", fast {:.4g} Hz, slow {:.4g} Hz, {}",
                                 name(o.model), report.tool, o.fast_hz, o.slow_hz,
                                 o.real_time ? "real time" : "simulated time")) +
-      margin_lines(report);
+      (report.served
+           ? line("margin", fmt::format("kept answer by answer: at most {:.4g} N/m",
+                                        report.bounds.renderable_n_per_m()))
+           : margin_lines(report));
   if (report.contacts > 1) {
     text += line("contacts",
                  fmt::format("{}, coupled; the device does not turn{}, torque "
@@ -215,6 +239,9 @@ std::string summary(const SimulationReport& report) {
   }
   if (report.stream) {
     text += stream_lines(*report.stream);
+  }
+  if (report.served) {
+    text += served_lines(*report.served);
   }
   text += trouble_lines(report);
   if (r.fault != Fault::kNone) {

@@ -31,6 +31,9 @@ void LiveView::opened(ViewClient client) {
 
 void LiveView::closed(ViewClient client) {
   const bool steered = steers(client);
+  if (news_ != nullptr) {
+    news_->forget(client);
+  }
   clients_.erase(std::remove(clients_.begin(), clients_.end(), client), clients_.end());
   if (steered) {
     let_go(false);
@@ -50,8 +53,10 @@ void LiveView::received(ViewClient client, std::string_view text) {
 
 void LiveView::obey(ViewClient client, const ViewRequest& request) {
   if (request.action == ViewAction::kNode) {
-    outbox_->send(client,
-                  curve_text(session_.database(), session_.table(), request.node));
+    outbox_->send(
+        client, news_ != nullptr
+                    ? news_->curve(request.node)
+                    : curve_text(session_.database(), session_.table(), request.node));
     return;
   }
   if (request.action == ViewAction::kField) {
@@ -84,6 +89,9 @@ void LiveView::obey(ViewClient client, const ViewRequest& request) {
       break;
     case ViewAction::kReplay:
       replay();
+      break;
+    case ViewAction::kAnew:
+      start_anew();
       break;
     case ViewAction::kNode:
     case ViewAction::kField:
@@ -136,6 +144,13 @@ void LiveView::replay() {
   }
   reset();
   tape_.play();
+}
+
+void LiveView::start_anew() {
+  if (news_ == nullptr) {
+    throw InputError("the body is whole, nothing computes it");
+  }
+  news_->start_anew();
 }
 
 // One slow period, so that a step shows an update.
@@ -192,10 +207,22 @@ void LiveView::frame() {
   frame.speed = paused_ ? 0.0 : speed_;
   frame.clients = clients_.size();
   frame.tape = tape_text(tape_);
+  if (news_ != nullptr) {
+    frame.service = news_->service();
+    tell_news(now_ns);
+  }
   const auto text =
       std::make_shared<const std::string>(frame_text(frame, session_.take_ticks()));
   for (const ViewClient client : clients_) {
     outbox_->send_latest(client, text);
+  }
+}
+
+void LiveView::tell_news(std::int64_t now_ns) {
+  for (const ViewClient client : clients_) {
+    if (std::optional<std::string> text = news_->answers(client, now_ns)) {
+      outbox_->send(client, std::move(*text));
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 #include "runtime/hand/hand_tape.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/view/live_session.h"
+#include "runtime/view/served_news.h"
 #include "runtime/view/view_message.h"
 #include "runtime/view/view_server.h"
 
@@ -25,8 +26,10 @@ class LiveView : public ViewApplication {
   static constexpr std::int64_t kSilentNs = 250'000'000;
   static constexpr std::int64_t kLateNs = 100'000'000;
 
-  /// Both must outlive the view.
-  LiveView(LiveSession& session, Clock& wall) : session_(session), wall_(wall) {}
+  /// All must outlive the view. @param news of a body whose responses are still to
+  /// come; null: it is whole.
+  LiveView(LiveSession& session, Clock& wall, ServedNews* news = nullptr)
+      : session_(session), wall_(wall), news_(news) {}
 
   /// Where messages go from now on; must outlive the view, or its last call.
   void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
@@ -46,6 +49,8 @@ class LiveView : public ViewApplication {
   void advance(std::int64_t ticks);
   void pass_time(std::int64_t wall_ns, std::int64_t passed_ns);
   void step();
+  void start_anew();
+  void tell_news(std::int64_t now_ns);
   [[nodiscard]] std::string_view state() const;
   [[nodiscard]] bool steers(ViewClient client) const {
     return !clients_.empty() && clients_.front() == client;
@@ -53,6 +58,7 @@ class LiveView : public ViewApplication {
 
   LiveSession& session_;
   Clock& wall_;
+  ServedNews* news_ = nullptr;
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;  // by age; the first steers
   std::int64_t before_ns_ = -1;      // wall time up to which was simulated

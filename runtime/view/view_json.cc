@@ -14,6 +14,7 @@
 #include "formats/report/surface_map.h"
 #include "formats/response/tool_outline.h"
 #include "runtime/realtime/clock.h"
+#include "runtime/view/served_news.h"
 #include "runtime/view/view_message.h"
 
 namespace palpate {
@@ -155,6 +156,14 @@ Json as_json(const ViewSettings& settings) {
           {"friction", or_null(settings.friction)}};
 }
 
+Json as_json(const ViewService& service) {
+  return {{"state", service.state},    {"detail", service.detail},
+          {"stage", service.stage},    {"nodes", service.nodes},
+          {"cheap", service.cheap},    {"good", service.good},
+          {"here", service.here},      {"ticks", service.ticks},
+          {"changed", service.changed}};
+}
+
 template <typename Derived>
 Json flat_list(const Eigen::MatrixBase<Derived>& rows) {
   Json values = Json::array();
@@ -237,7 +246,10 @@ std::string body_bytes(const ResponseDatabase& database, const ResponseTable& ta
 }
 
 std::string body_text(const ViewedBody& body) {
-  const SurfaceMap map = stiffness_map(body.table);
+  SurfaceMap map = stiffness_map(body.table);
+  if (body.coming_to_m > 0.0) {
+    map.depth_m = served_map_depth_m(body.coming_to_m);
+  }
   const Provenance& provenance = body.database.provenance;
   Json models = Json::array();
   for (const LocalModel model : kLocalModels) {
@@ -256,7 +268,8 @@ std::string body_text(const ViewedBody& body) {
        {"yields", !body.table.viscoelasticity.yielding.empty()},
        {"displacement_fields", body.table.displacement.node.size()},
        {"models", models},
-       {"depth_max_m", body.table.depth_max_m()},
+       {"served", body.coming_to_m > 0.0},
+       {"depth_max_m", std::max(body.table.depth_max_m(), body.coming_to_m)},
        {"force_max_n", largest_force_n(body)},
        {"map",
         {{"depth_m", map.depth_m},
@@ -312,6 +325,9 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
       {"settings", as_json(frame.settings)}};
   std::string text = dumped(json);
   text.pop_back();
+  if (frame.service) {
+    text += ",\"service\":" + dumped(as_json(*frame.service));
+  }
   if (frame.hands) {
     text += "," + hands_text(*frame.hands);
   }

@@ -1,6 +1,7 @@
 // What the live view tells its pages, as JSON: numbers of the runtime, in SI units.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -36,6 +37,9 @@ struct ViewedBody {
   double force_max_n = 0.0;
   /// Of a tool of several contacts or of two hands, one for each hand; else none.
   std::vector<const ResponseTable*> hands = {};
+  /// [m] > 0 that the scene presses to, where responses are still to come; 0: they are
+  /// there.
+  double coming_to_m = 0.0;
 };
 
 /// What does not change: names, tool, models, ranges, colour range and colours.
@@ -63,6 +67,19 @@ struct ViewRun {
   double force_max_n = 0.0;
 };
 
+/// The service that computes the body's responses meanwhile.
+struct ViewService {
+  std::string state;   ///< "serving", "lost", ... (served_client.h)
+  std::string detail;  ///< why
+  std::string stage;
+  std::int64_t nodes = 0;               ///< that get an answer
+  std::int64_t cheap = 0;               ///< of them with one
+  std::int64_t good = 0;                ///< of them with a good one
+  std::string here;                     ///< what the place under the tool answers with
+  std::array<std::int64_t, 3> ticks{};  ///< in the body: with none, cheap, good answers
+  bool changed = false;                 ///< the scene's file, since it is served
+};
+
 /// One frame: the state now.
 struct ViewFrame {
   std::string_view state = "";  ///< "free", "pressing", "paused", ...
@@ -78,7 +95,8 @@ struct ViewFrame {
   TickRecord now = {};
   ViewContact contact = {};
   std::vector<NodeDent> dents = {};
-  std::optional<ViewHands> hands = {};  ///< of several contacts or two hands
+  std::optional<ViewHands> hands = {};      ///< of several contacts or two hands
+  std::optional<ViewService> service = {};  ///< of a body that is not whole yet
   ViewRun run = {};
   ViewSettings settings = {};
 };

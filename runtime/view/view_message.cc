@@ -157,8 +157,11 @@ ViewRequest run(const Json& message) {
     request.action = ViewAction::kRecord;
   } else if (what == "replay") {
     request.action = ViewAction::kReplay;
+  } else if (what == "anew") {
+    request.action = ViewAction::kAnew;
   } else {
-    throw InputError("\"do\" must be pause, resume, step, reset, record or replay");
+    throw InputError(
+        "\"do\" must be pause, resume, step, reset, record, replay or anew");
   }
   return request;
 }

@@ -12,7 +12,8 @@
 //    "friction": 0.3, "coupled": false}        any of them; friction null: the
 //                                              database's; coupled: several contacts
 //   {"type": "run", "do": "pause"}             pause, resume, step, reset, record,
-//                                              replay
+//                                              replay; anew: the scene that computes
+//                                              the body has changed
 //   {"type": "node", "node": 12}               the curve of a node
 //   {"type": "field", "node": 12}              how the surface moves under it
 #pragma once
@@ -40,6 +41,7 @@ enum class ViewAction : std::uint8_t {
   kReset,
   kRecord,
   kReplay,
+  kAnew,
   kNode,
   kField
 };

@@ -32,9 +32,14 @@ Eigen::Vector3d lifted_m(const ResponseTable& table, const Eigen::Vector3d& poin
              normal;
 }
 
+// Over a node to press; without responses yet over the highest one.
 Eigen::Vector3d above_start(const ResponseDatabase& database,
                             const ResponseTable& table) {
-  const std::int32_t node = node_to_press(database, table, std::nullopt);
+  Eigen::Index highest = 0;
+  database.body.position_m.col(2).maxCoeff(&highest);
+  const std::int32_t node = table.depth_m.empty()
+                                ? static_cast<std::int32_t>(highest)
+                                : node_to_press(database, table, std::nullopt);
   return lifted_m(table, database.body.position_m.row(node).transpose(),
                   database.normal.row(node).transpose());
 }
@@ -75,7 +80,7 @@ ViewSession::ViewSession(const ResponseDatabase& database,
       table_(one_contact(find_tool(database, options.tool))),
       options_(options),
       stream_(database, table_),
-      adjusted_(stream_),
+      adjusted_(options.growing != nullptr ? *options.growing : stream_),
       dents_(table_),
       start_m_(above_start(database, table_)),
       hand_(start_m_),

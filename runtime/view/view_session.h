@@ -34,6 +34,8 @@ struct ViewSessionOptions {
   double force_max_n = 8.0;  ///< [N] > 0
   SimulatedDeviceConfig device = {};
   std::vector<YieldedRow> surface = {};  ///< what had yielded before
+  /// Elements of a body whose responses are not in the database; outlives the session.
+  ElementSender* growing = nullptr;
 };
 
 /// @throws InputError for a rate outside [100, 20000] or [1, fast_hz] Hz, or a force

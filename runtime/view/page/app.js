@@ -7,6 +7,7 @@ import { fetchBody, Link } from "/link.js";
 import { Grip, GripPanel } from "/grip.js";
 import { History } from "/history.js";
 import { savePicture, saveTable, toggleVideo } from "/save.js";
+import { Served } from "/served.js";
 import { Settings } from "/settings.js";
 import { Surface } from "/surface.js";
 import { ContactNumbers } from "/contact_numbers.js";
@@ -32,10 +33,12 @@ class App {
     this.state = null;
     this.showNames();
     this.view = this.makeView();
+    this.served = body.text.served ? new Served(this) : null;
     this.link = new Link({
       state: (message) => this.take(message),
       curve: (message) => this.showCurve(message),
       field: (message) => this.view?.yielding.take(message),
+      answers: (message) => this.served?.answers(message),
       role: (message) => this.showRole(message.role),
       refused: (message) => this.complain(message.why),
       gone: () => this.lost(),
@@ -311,6 +314,9 @@ class App {
     const put = (id, text) => { if (get(id).textContent !== text) { get(id).textContent = text; } };
     put("force", Math.hypot(...state.force_n).toFixed(3));
     this.contacts?.show(state, put);
+    if (state.service) {
+      this.served?.show(state);
+    }
     put("depth", Math.max(0, state.depth_m * 1e3).toFixed(2));
     put("energy", (state.stored_j * 1e3).toFixed(3));
     put("tank", (state.tank_j * 1e3).toFixed(3));

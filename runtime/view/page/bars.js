@@ -12,6 +12,7 @@ export function drawColourBar(map) {
   pen.fillStyle = gradient;
   pen.fillRect(0, 0, canvas.width, canvas.height);
   const range = map.high_n_per_m - map.low_n_per_m;
+  get("colour_ticks").replaceChildren();
   for (const value of ticks(map.low_n_per_m, map.high_n_per_m, 5)) {
     const tick = document.createElement("li");
     tick.textContent = tell(value, 4);

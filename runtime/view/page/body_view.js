@@ -6,7 +6,8 @@ import { css, lay, rod } from "/shapes.js";
 import { toolGeometries } from "/tool_shape.js";
 import { Yielding } from "/yielding.js";
 
-// Vertex colours by stiffness; grey where there is no response.
+// Vertex colours by stiffness; grey where there is no response, half grey where it is a
+// cheap one.
 function vertexColours(body) {
   const { low_n_per_m: low, high_n_per_m: high, colours } = body.text.map;
   const ramp = colourRamp(colours);
@@ -16,6 +17,7 @@ function vertexColours(body) {
     const c = none.clone();
     if (Number.isFinite(stiffness)) {
       c.setRGB(...ramp((stiffness - low) / (high - low)).map((v) => v / 255), three.SRGBColorSpace);
+      c.lerp(none, body.quality?.[i] === 1 ? 0.5 : 0);
     }
     c.toArray(values, 3 * i);
   });
@@ -260,6 +262,15 @@ export class BodyView {
     this.cursor.material.color.copy(css("hand"));
     this.arrow.material.color.copy(css("force"));
     this.head.material.color.copy(css("force"));
+  }
+
+  // The body's responses have changed.
+  recolourBody() {
+    this.metresPerNewton = (0.6 * this.size) / this.body.text.force_max_n;
+    const { color } = this.surface.geometry.attributes;
+    color.array.set(vertexColours(this.body));
+    color.needsUpdate = true;
+    ++this.presses;
   }
 
   // Whether the picture would differ from the last one: without a graphics card drawing

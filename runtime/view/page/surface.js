@@ -14,14 +14,14 @@ export class Surface {
   vertex(i) { return Array.from(this.body.position.subarray(3 * i, 3 * i + 3)); }
   normal(i) { return Array.from(this.body.normal.subarray(3 * i, 3 * i + 3)); }
 
-  // The nearest vertex with a response.
+  // The nearest vertex with a response, or that may get one.
   nearest(p) {
     let best = -1;
     let least = Infinity;
-    const { position, stiffness } = this.body;
+    const { position, stiffness, text } = this.body;
     for (let i = 0; i < stiffness.length; ++i) {
       const d = (position[3 * i] - p[0]) ** 2 + (position[3 * i + 1] - p[1]) ** 2 + (position[3 * i + 2] - p[2]) ** 2;
-      if (d < least && Number.isFinite(stiffness[i])) {
+      if (d < least && (text.served || Number.isFinite(stiffness[i]))) {
         least = d;
         best = i;
       }

@@ -1,0 +1,70 @@
+// Runs of render_run.h on their way: what is pressed, and what stands ready to be
+// rendered. For the sources of this folder.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "runtime/render/recorder.h"
+#include "runtime/render/render_loop.h"
+#include "runtime/run/render_run.h"
+
+namespace palpate {
+
+/// @throws InputError for options out of range.
+void check(const SimulationOptions& options);
+
+/// What a run presses, wherever its responses lie.
+struct PressedBody {
+  ToolShape tool;
+  std::int32_t node = -1;
+  RenderedStiffness stiffness;
+  // Of a tool of several contacts, instead of the stream.
+  std::function<std::unique_ptr<RenderedBody>(
+      const FastConfig& config, double force_scale,
+      const std::optional<CouplingReport>& coupling)>
+      several = nullptr;
+  std::function<HandScript(double force_scale, double hand_n_per_m)> script;
+  std::function<std::unique_ptr<ElementSender>(double force_scale,
+                                               const Eigen::Vector3d& start_m)>
+      stream;
+  // Of a body whose responses are still to come, instead of the stream.
+  std::function<std::unique_ptr<ElementSender>(double renderable_n_per_m)> growing =
+      nullptr;
+  // Where a hand may wander; null: not in memory.
+  const ResponseDatabase* database = nullptr;
+  std::vector<bool> open = {};
+  double depth_max_m = 0.0;
+};
+
+/// A run of one tool, ready to be rendered.
+struct PreparedRun {
+  RenderConfig config;
+  SimulationReport report;
+  std::unique_ptr<Device> device;
+  std::unique_ptr<ElementSender> sender;
+  std::unique_ptr<RenderedBody> several;  // instead of a sender
+  RecordingHeader header;
+  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<FlightLog> flight;
+};
+
+/// Prepares the run of one tool. @param clock of all tools.
+using PrepareOne =
+    std::function<PreparedRun(const SimulationOptions& options, Clock& clock)>;
+
+/// Checks the margin, and makes device, elements and records.
+[[nodiscard]] PreparedRun prepare(const PressedBody& body,
+                                  const SimulationOptions& options, Clock& clock);
+
+/// Prepares a run for each tool, and renders all of them at once.
+[[nodiscard]] std::vector<PreparedRun> run_all(std::span<const SimulationOptions> tools,
+                                               const std::atomic<bool>& stop,
+                                               const PrepareOne& prepare_one);
+
+}  // namespace palpate

@@ -1,0 +1,42 @@
+// An answer of a service as what the slow process sends of a node.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "formats/response/tool_shape.h"
+#include "formats/service/service_message.h"
+#include "runtime/fast/element.h"
+
+namespace palpate {
+
+/// What a place of the body answers with.
+enum class GrownQuality : std::uint8_t { kNone = 0, kCheap = 1, kGood = 2 };
+constexpr std::size_t kGrownQualities = 3;
+
+[[nodiscard]] constexpr GrownQuality grown(AnswerQuality quality) noexcept {
+  return quality == AnswerQuality::kGood ? GrownQuality::kGood : GrownQuality::kCheap;
+}
+
+/// A node's answer, ready to be sent.
+struct GrownNode {
+  std::int32_t node = -1;
+  GrownQuality quality = GrownQuality::kNone;
+  ElementNode message;  ///< without samples: the answer is that there is no response
+};
+
+/// The answer of a node as a message. A response whose direction does not point out of
+/// the body (n . u < 0.05) is none, and so is one that breaks a rule.
+/// @param normal [-] outward, of the node.
+[[nodiscard]] GrownNode grown_node(const ToolShape& tool, const WorkUnitNode& answer,
+                                   AnswerQuality quality,
+                                   const Eigen::Vector3d& position_m,
+                                   const Eigen::Vector3d& normal);
+
+/// Makes a node's forces as much softer as its steepest slope needs, and lets friction
+/// slide in later where its spring would be too stiff. @returns the factor [-] (0, 1]
+double soften(ElementNode& node, double stiffness_max_n_per_m);
+
+}  // namespace palpate

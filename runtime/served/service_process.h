@@ -1,0 +1,51 @@
+// `palpate-precompute serve` as a process of its own: nothing of it is linked here.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+
+#include <sys/types.h>
+
+namespace palpate {
+
+/// Where the database of a served scene goes unless told otherwise: "NAME.h5" in the
+/// present folder, as `palpate-precompute serve` has it.
+[[nodiscard]] std::filesystem::path served_output(const std::filesystem::path& scene);
+
+/// The program: what is given, else `palpate-precompute` beside this executable, else
+/// in PATH. @throws InputError if there is none.
+[[nodiscard]] std::filesystem::path find_server(const std::filesystem::path& given);
+
+struct ServiceCommand {
+  std::filesystem::path program;
+  std::filesystem::path scene;
+  std::filesystem::path output;
+  bool anew = false;  ///< what was computed for another scene is dropped
+};
+
+/// A service that this process started and that ends with it: by SIGTERM, on which it
+/// keeps its checkpoint. It stands in a process group of its own, so that Ctrl-C is
+/// this process' to handle; what it says on either stream goes to this one's stderr.
+class ServiceProcess {
+ public:
+  /// Longest time that a service has to end in before it is killed.
+  static constexpr std::chrono::milliseconds kPatience{5000};
+
+  /// @throws InputError if the program cannot be started.
+  explicit ServiceProcess(const ServiceCommand& command);
+  ~ServiceProcess();
+  ServiceProcess(const ServiceProcess&) = delete;
+  ServiceProcess& operator=(const ServiceProcess&) = delete;
+
+  /// Its exit code once it has ended, 128 + n by signal n; none while it runs.
+  [[nodiscard]] std::optional<int> exit_code() noexcept;
+
+  [[nodiscard]] pid_t id() const noexcept { return id_; }
+
+ private:
+  pid_t id_ = -1;
+  std::optional<int> exit_code_;
+};
+
+}  // namespace palpate

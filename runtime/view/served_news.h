@@ -1,0 +1,77 @@
+// What pages are told of a body whose responses come while they look at it: answers in
+// batches, and how the service is.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "runtime/served/growing_elements.h"
+#include "runtime/served/scene_watch.h"
+#include "runtime/served/served_client.h"
+#include "runtime/view/view_json.h"
+#include "runtime/view/view_server.h"
+
+namespace palpate {
+
+/// One thread, the server's.
+class ServedNews {
+ public:
+  static constexpr std::int64_t kBatchNs = 100'000'000;  ///< between two of one page
+  static constexpr std::size_t kBatch = 4000;            ///< nodes of one, at most
+
+  /// Client and elements must outlive it; the client has its scene.
+  ServedNews(ServedClient& client, const GrowingElements& elements,
+             const ServedScene& scene, SceneWatch watch);
+
+  /// How the service is, for a frame.
+  [[nodiscard]] ViewService service();
+
+  /// The next answers that the page has not been told, if it is time for them:
+  ///
+  ///   {"type": "answers", "node": [..], "stiffness": [..], "good": [0 or 1, ..],
+  ///    "low_n_per_m": .., "high_n_per_m": .., "force_max_n": ..}
+  ///
+  /// stiffness [N/m] as the map's (surface_map.h), null for an answer of no response;
+  /// the range is that of all answers so far, and the largest force.
+  [[nodiscard]] std::optional<std::string> answers(ViewClient page,
+                                                   std::int64_t now_ns);
+  void forget(ViewClient page) { page_.erase(page); }
+
+  /// As curve_text(), of a node's answer so far. @throws InputError for a node that is
+  /// not there.
+  [[nodiscard]] std::string curve(std::int32_t node) const;
+
+  void start_anew() { client_.start_anew(); }
+
+  /// [m] depth that stiffness is of.
+  [[nodiscard]] double map_depth_m() const noexcept { return map_depth_m_; }
+
+ private:
+  struct Page {
+    std::size_t changes = 0;
+    std::vector<std::int32_t> waiting = {};  // nodes, the last one first
+    std::int64_t told_ns = -kBatchNs;
+  };
+
+  [[nodiscard]] double stiffness_n_per_m(std::int32_t node) const;
+  void measure();
+
+  ServedClient& client_;
+  const GrowingElements& elements_;
+  const ServedScene& scene_;
+  SceneWatch watch_;
+  double map_depth_m_;
+  std::map<ViewClient, Page> page_;
+  std::size_t measured_ = 0;       // changes
+  std::vector<double> stiffness_;  // (n) NaN: none
+  double low_n_per_m_ = 0.0;
+  double high_n_per_m_ = 1.0;
+  double force_max_n_ = 0.0;
+};
+
+/// The depth of the map before there are curves. @param depth_max_m of the scene.
+[[nodiscard]] double served_map_depth_m(double depth_max_m);
+
+}  // namespace palpate

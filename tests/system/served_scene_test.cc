@@ -1,0 +1,117 @@
+// A scene rendered while it is computed: the two programs, each a process of its own.
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/organ_scene.h"
+#include "tests/support/run_tool.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+class SceneWhileComputed : public testing::Test {
+ protected:
+  SceneWhileComputed() {
+    std::filesystem::copy_file("data/organ.obj", folder_ / "organ.obj");
+    std::ofstream(folder_ / "scene.toml")
+        << organ_on_table("linear") << kBallOnTop << "verify = 0\n";
+  }
+
+  [[nodiscard]] std::vector<std::string> simulate(
+      const std::vector<std::string>& more) const {
+    std::vector<std::string> words = {"simulate", (folder_ / "scene.toml").string(),
+                                      "-o",       (folder_ / "out.h5").string(),
+                                      "--wander", "50",
+                                      "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  const ScratchFolder folder_;
+};
+
+TEST_F(SceneWhileComputed, WhatWasComputedBeforeIsFeltAtOnce) {
+  const ToolRun build = run_tool_process(
+      "palpate-precompute", {"build", (folder_ / "scene.toml").string(), "-o",
+                             (folder_ / "out.h5").string()});
+  ASSERT_EQ(build.exit_code, 0) << build.err;
+  const ToolRun run = run_tool_process(
+      "palpate-run",
+      simulate({"--seconds", "3", "--quality-csv", (folder_ / "q.csv").string()}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  const auto& service = json["service"];
+  EXPECT_EQ(service["state"], "done") << service;
+  EXPECT_EQ(service["detail"], (folder_ / "out.h5").string());
+  EXPECT_GT(service["answers"], 10);
+  EXPECT_GT(service["ticks"]["good"], 1000) << service;
+  EXPECT_GT(json["force_max_n"], 0.0);
+  EXPECT_EQ(json["fault"], "none");
+  std::ifstream csv(folder_ / "q.csv");
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "second,none,cheap,good");
+  EXPECT_TRUE(std::getline(csv, line));
+}
+
+TEST_F(SceneWhileComputed, GoesOnWhenItsServerIsKilled) {
+  // A server that says who it is.
+  const auto real = std::filesystem::read_symlink("/proc/self/exe").parent_path() /
+                    "palpate-precompute";
+  const auto server = folder_ / "server";
+  const auto id = folder_ / "id";
+  std::ofstream(server) << "#!/bin/sh\necho $$ > '" << id.string() << "'\nexec '"
+                        << real.string() << "' \"$@\"\n";
+  std::filesystem::permissions(server, std::filesystem::perms::owner_all);
+  bool killed = false;
+  const ToolRun run = kill_tool_process(
+      "palpate-run", simulate({"--seconds", "3", "--server", server.string()}),
+      [&] {
+        pid_t process = 0;
+        if (!killed && std::filesystem::exists(folder_ / "out.h5.socket") &&
+            std::ifstream(id) >> process) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+          ::kill(-process, SIGKILL);  // and those that it has started
+          killed = true;
+        }
+        return false;
+      });
+  ASSERT_TRUE(killed);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["service"]["state"], "lost") << json["service"];
+  EXPECT_EQ(json["fault"], "none");
+  EXPECT_GT(json["ticks"], 3000);
+}
+
+TEST_F(SceneWhileComputed, SaysWhatIsWrong) {
+  const auto view = [](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"view"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_tool_process("palpate-run", words);
+  };
+  const ToolRun missing = view({(folder_ / "none.toml").string()});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_NE(missing.err.find("no such scene"), std::string::npos) << missing.err;
+  std::ofstream(folder_ / "broken.toml") << "[body]\nmesh = 3\n";
+  const ToolRun broken = view({(folder_ / "broken.toml").string(), "-o",
+                               (folder_ / "broken.h5").string()});
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_NE(broken.err.find("exit code 2 before it told its scene"), std::string::npos)
+      << broken.err;
+  const ToolRun server =
+      view({(folder_ / "scene.toml").string(), "--server", "/nowhere"});
+  EXPECT_EQ(server.exit_code, 2);
+  EXPECT_NE(server.err.find("no program is there"), std::string::npos) << server.err;
+}
+
+}  // namespace
+}  // namespace palpate
