@@ -1,6 +1,9 @@
 #include "precompute/process/interrupt.h"
 
+#include <atomic>
 #include <csignal>
+#include <mutex>
+#include <thread>
 
 #include <unistd.h>
 
@@ -9,26 +12,36 @@
 namespace palpate {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+std::atomic<bool> interrupted = false;
 
-void note(int /*signal*/) {
-  if (interrupted != 0) {
-    _exit(130);  // Interrupted's exit code; nothing else is safe in a signal handler
+void wait_for_signals(sigset_t wanted) {
+  while (true) {
+    int signal = 0;
+    if (sigwait(&wanted, &signal) == 0 && interrupted.exchange(true)) {
+      _exit(130);  // Interrupted's exit code; other threads are in the middle of work
+    }
   }
-  interrupted = 1;
 }
 
 }  // namespace
 
+// METIS has handlers of its own while it orders a matrix, for all threads, and jumps out
+// of them: a signal that another thread gets meanwhile ends the process. So all threads
+// block these signals, and one waits for them.
 void note_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = note;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  sigset_t wanted;
+  sigemptyset(&wanted);
+  sigaddset(&wanted, SIGINT);
+  sigaddset(&wanted, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &wanted, nullptr);
+  static std::once_flag waiting;
+  std::call_once(waiting, [&] {
+    std::thread(wait_for_signals, wanted).detach();
+  });
 }
 
 void check_interrupted() {
-  if (interrupted != 0) {
+  if (interrupted) {
     throw Interrupted();
   }
 }

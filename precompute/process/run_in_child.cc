@@ -69,6 +69,9 @@ bool write_all(int pipe, const std::vector<char>& bytes) {
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGABRT, SIGSEGV, SIGFPE}) {
     std::signal(signal, SIG_DFL);
   }
+  sigset_t none;  // blocked, where the parent notes interrupts
+  sigemptyset(&none);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
   silence_output();
   limit_resource(RLIMIT_CORE, 0);
   if (kLimitMemory) {
