@@ -86,6 +86,7 @@ class Service {
 
   // @throws what a worker threw, Interrupted.
   void run(int workers, Progress& progress) {
+    say("cheap answers");
     take_what_others_solved();
     std::vector<std::thread> threads;
     for (int i = 0; i < workers; ++i) {
