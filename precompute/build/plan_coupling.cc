@@ -47,10 +47,9 @@ void plan_coupling(const Scene& scene, const BodySource& body,
   report.cost.push_back(
       cost_once("table of compliance, counted",
                 table_seconds(scene, body, reachable, surface, workers)));
-  report.peak_memory_bytes =
-      std::max(report.peak_memory_bytes,
-               peak_memory_bytes() +
-                   static_cast<std::int64_t>(table_bytes(reachable, surface)));
+  report.peak_memory_bytes = std::max(
+      report.peak_memory_bytes,
+      peak_memory_bytes() + static_cast<std::int64_t>(table_bytes(reachable, surface)));
   const std::size_t sets = sets_of_build(scene);
   if (sets == 0) {
     return;

@@ -10,8 +10,8 @@ int main(int argc, char** argv) {
                            {&palpate::add_body_command, &palpate::add_build_command,
                             &palpate::add_check_command, &palpate::add_indent_command,
                             &palpate::add_pairs_command, &palpate::add_plan_command,
-                            &palpate::add_remesh_command, &palpate::add_serve_command, &palpate::add_spheres_command,
-                            &palpate::add_submit_command, &palpate::add_sweep_command,
-                            &palpate::add_trade_command},
+                            &palpate::add_remesh_command, &palpate::add_serve_command,
+                            &palpate::add_spheres_command, &palpate::add_submit_command,
+                            &palpate::add_sweep_command, &palpate::add_trade_command},
                            argc, argv);
 }

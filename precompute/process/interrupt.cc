@@ -25,9 +25,9 @@ void wait_for_signals(sigset_t wanted) {
 
 }  // namespace
 
-// METIS has handlers of its own while it orders a matrix, for all threads, and jumps out
-// of them: a signal that another thread gets meanwhile ends the process. So all threads
-// block these signals, and one waits for them.
+// METIS has handlers of its own while it orders a matrix, for all threads, and jumps
+// out of them: a signal that another thread gets meanwhile ends the process. So all
+// threads block these signals, and one waits for them.
 void note_interrupts() {
   sigset_t wanted;
   sigemptyset(&wanted);

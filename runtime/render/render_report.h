@@ -51,8 +51,8 @@ struct RenderReport {
   bool yields = false;            ///< the body leaves dents or softens
   double yielded_j = 0.0;         ///< [J] dissipated by it
   std::uint64_t not_yielded = 0;  ///< times that a site had no room to yield
-  std::vector<YieldedRow> surface;   ///< what has yielded, at the end
-  double relaxed_shift_max_m = 0.0;  ///< [m] most that the ledger had to take
+  std::vector<YieldedRow> surface;           ///< what has yielded, at the end
+  double relaxed_shift_max_m = 0.0;          ///< [m] most that the ledger had to take
   std::optional<HungAccount> coupling = {};  ///< of a tool that hangs by one
 
   StepHistogram step_time;  ///< taking in elements and one step, wall time

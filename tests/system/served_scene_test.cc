@@ -73,8 +73,7 @@ TEST_F(SceneWhileComputed, GoesOnWhenItsServerIsKilled) {
   std::filesystem::permissions(server, std::filesystem::perms::owner_all);
   bool killed = false;
   const ToolRun run = kill_tool_process(
-      "palpate-run", simulate({"--seconds", "3", "--server", server.string()}),
-      [&] {
+      "palpate-run", simulate({"--seconds", "3", "--server", server.string()}), [&] {
         pid_t process = 0;
         if (!killed && std::filesystem::exists(folder_ / "out.h5.socket") &&
             std::ifstream(id) >> process) {
@@ -102,8 +101,8 @@ TEST_F(SceneWhileComputed, SaysWhatIsWrong) {
   EXPECT_EQ(missing.exit_code, 2);
   EXPECT_NE(missing.err.find("no such scene"), std::string::npos) << missing.err;
   std::ofstream(folder_ / "broken.toml") << "[body]\nmesh = 3\n";
-  const ToolRun broken = view({(folder_ / "broken.toml").string(), "-o",
-                               (folder_ / "broken.h5").string()});
+  const ToolRun broken = view(
+      {(folder_ / "broken.toml").string(), "-o", (folder_ / "broken.h5").string()});
   EXPECT_EQ(broken.exit_code, 2);
   EXPECT_NE(broken.err.find("exit code 2 before it told its scene"), std::string::npos)
       << broken.err;

@@ -14,11 +14,11 @@
 #include "formats/mesh/obj_writer.h"
 #include "formats/response/response_curve.h"
 #include "precompute/build/plan_coupling.h"
-#include "precompute/process/machine_memory.h"
-#include "precompute/process/peak_memory.h"
 #include "precompute/press/contact_spot.h"
 #include "precompute/press/coupling_modes.h"
 #include "precompute/press/joint_presses.h"
+#include "precompute/process/machine_memory.h"
+#include "precompute/process/peak_memory.h"
 #include "tests/support/study_bodies.h"
 #include "tests/support/test_data.h"
 
@@ -168,8 +168,8 @@ TEST_F(ContactCoupling, APlanCountsIt) {
   EXPECT_GT(report.cost[1].seconds, 20.0 * report.cost[1].timed_seconds);
   // The factor of the table's mesh comes on top of what is there.
   const double first_m = coupling_distances(scene, *body_, vertices_).front();
-  const double factor_bytes = expected_memory_bytes(
-      coupling_surface(*body_, first_m).surface.triangle.rows());
+  const double factor_bytes =
+      expected_memory_bytes(coupling_surface(*body_, first_m).surface.triangle.rows());
   EXPECT_GT(static_cast<double>(report.peak_memory_bytes), factor_bytes + 1e7);
   EXPECT_LT(static_cast<double>(report.peak_memory_bytes - peak_memory_bytes()),
             factor_bytes + 1e7);
