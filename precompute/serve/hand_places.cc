@@ -6,7 +6,7 @@ namespace palpate {
 
 double distance_to_way_m(const HandPlace& hand,
                          const Eigen::Vector3d& point_m) noexcept {
-  const Eigen::Vector3d way_m = kLookAhead_s * hand.velocity_m_per_s;
+  const Eigen::Vector3d way_m = kLookAheadS * hand.velocity_m_per_s;
   const Eigen::Vector3d from_hand_m = point_m - hand.position_m;
   const double squared = way_m.squaredNorm();
   const double along =

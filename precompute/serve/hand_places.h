@@ -13,7 +13,7 @@ namespace palpate {
 
 /// [s] How far ahead a hand's way is looked at: a hand at 50 mm/s is 15 mm further
 /// then, and a cheap answer for its neighbourhood takes about as long.
-inline constexpr double kLookAhead_s = 0.3;
+inline constexpr double kLookAheadS = 0.3;
 
 /// Distance [m] of a point to the way that a hand will go if it keeps its velocity.
 [[nodiscard]] double distance_to_way_m(const HandPlace& hand,

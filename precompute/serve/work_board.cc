@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 // What a hand can reach while a cheap group is computed.
-constexpr double kAround_m = 0.02;
+constexpr double kAroundM = 0.02;
 
 }  // namespace
 
@@ -72,7 +72,7 @@ bool WorkBoard::groups_come_first(std::size_t nearest,
                                   std::span<const HandPlace> hands) const {
   const bool somebody_takes_them = std::find(group_state_.begin(), group_state_.end(),
                                              State::kTaken) != group_state_.end();
-  return !somebody_takes_them || need(groups_[nearest], hands) < kAround_m;
+  return !somebody_takes_them || need(groups_[nearest], hands) < kAroundM;
 }
 
 NextWork WorkBoard::next(std::span<const HandPlace> hands,

@@ -17,7 +17,7 @@ HandPlace hand_at(double x_m, double speed_m_per_s = 0.0) {
 
 TEST(DistanceToWay, IsToTheLineThatTheHandWillGo) {
   const HandPlace hand = hand_at(0.0, 0.1);
-  const double end_m = 0.1 * kLookAhead_s;
+  const double end_m = 0.1 * kLookAheadS;
   EXPECT_DOUBLE_EQ(distance_to_way_m(hand, {0.5 * end_m, 0.02, 0.0}), 0.02);
   EXPECT_DOUBLE_EQ(distance_to_way_m(hand, {-0.01, 0.0, 0.0}), 0.01);
   EXPECT_NEAR(distance_to_way_m(hand, {end_m + 0.01, 0.0, 0.0}), 0.01, 1e-15);
