@@ -1,17 +1,25 @@
 #include "precompute/serve/hand_places.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
 
-double distance_to_way_m(const HandPlace& hand,
-                         const Eigen::Vector3d& point_m) noexcept {
-  const Eigen::Vector3d way_m = kLookAheadS * hand.velocity_m_per_s;
+// With a the distance from the way's line and x along it, the least of
+// sqrt(a^2 + (x - s)^2) + c s over s lies where (x - s) = c a / sqrt(1 - c^2).
+double remoteness_m(const HandPlace& hand, const Eigen::Vector3d& point_m) noexcept {
   const Eigen::Vector3d from_hand_m = point_m - hand.position_m;
-  const double squared = way_m.squaredNorm();
-  const double along =
-      squared > 0.0 ? std::clamp(from_hand_m.dot(way_m) / squared, 0.0, 1.0) : 0.0;
-  return (from_hand_m - along * way_m).norm();
+  const double way_m = kLookAheadS * hand.velocity_m_per_s.norm();
+  if (!(way_m > 0.0)) {
+    return from_hand_m.norm();
+  }
+  const Eigen::Vector3d ahead = hand.velocity_m_per_s.normalized();
+  const double along_m = from_hand_m.dot(ahead);
+  const double aside_m = (from_hand_m - along_m * ahead).norm();
+  const double back_m =
+      kAheadCounts * aside_m / std::sqrt(1.0 - kAheadCounts * kAheadCounts);
+  const double s_m = std::clamp(along_m - back_m, 0.0, way_m);
+  return std::hypot(aside_m, along_m - s_m) + kAheadCounts * s_m;
 }
 
 void HandPlaces::put(int who, const HandPlace& place) {

@@ -11,13 +11,18 @@
 
 namespace palpate {
 
-/// [s] How far ahead a hand's way is looked at: a hand at 50 mm/s is 15 mm further
-/// then, and a cheap answer for its neighbourhood takes about as long.
-inline constexpr double kLookAheadS = 0.3;
+/// [s] How far ahead a hand's way is looked at: 50 mm at 50 mm/s.
+inline constexpr double kLookAheadS = 1.0;
+/// [-] What a length of the way ahead counts against the same length aside or behind.
+inline constexpr double kAheadCounts = 0.2;
+/// [m/s] A hand that is slower rests: it waits for good answers where it is.
+inline constexpr double kRestingMPerS = 0.01;
 
-/// Distance [m] of a point to the way that a hand will go if it keeps its velocity.
-[[nodiscard]] double distance_to_way_m(const HandPlace& hand,
-                                       const Eigen::Vector3d& point_m) noexcept;
+/// How little a point matters to a hand that keeps its velocity [m]: the least, over
+/// the way that it will go, of the point's distance to a place there plus kAheadCounts
+/// times the way to that place.
+[[nodiscard]] double remoteness_m(const HandPlace& hand,
+                                  const Eigen::Vector3d& point_m) noexcept;
 
 /// The latest place of every hand. Safe from several threads.
 class HandPlaces {

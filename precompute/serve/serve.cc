@@ -32,7 +32,8 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLookAround{200};        // for what other services have solved
+constexpr milliseconds kLookAround{200};  // for what other services have solved
+constexpr milliseconds kFirstHand{3000};  // a runtime that starts a service joins it
 constexpr std::int64_t kTheWholeFile = 999999;  // claimed by who puts it together
 
 bool has_curve(const WorkUnitNode& node) {
@@ -132,9 +133,13 @@ class Service {
 
   void work_once() {
     const std::vector<HandPlace> hands = hands_.all();
-    const NextWork work = board_.next(hands, [&](std::size_t unit) {
-      return claims_.claim(job_.units[unit].index);
-    });
+    const bool expected = std::chrono::steady_clock::now() - began_ < kFirstHand;
+    const NextWork work = board_.next(
+        hands,
+        [&](std::size_t unit) {
+          return claims_.claim(job_.units[unit].index);
+        },
+        expected);
     if (work.group) {
       say_cheap(*work.group);
     } else if (work.unit) {
@@ -228,6 +233,7 @@ class Service {
   Tally tally_;
   WorkBoard board_;
   UnitClaims claims_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::once_flag solver_made_;
   std::optional<SceneSolver> solver_;
   std::atomic<bool> stop_ = false;

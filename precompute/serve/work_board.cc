@@ -21,14 +21,13 @@ WorkBoard::WorkBoard(const Points& position_m, std::vector<CheapGroup> groups,
       unit_state_(units.size(), State::kOpen),
       answered_(static_cast<std::size_t>(position_m.rows()), 0) {}
 
-// [m] from the nearest hand's way to the nearest of the vertices.
+// [m] remoteness of the nearest of the vertices to the hand that it is nearest to.
 double WorkBoard::need(std::span<const std::int32_t> vertices,
                        std::span<const HandPlace> hands) const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const HandPlace& hand : hands) {
     for (const std::int32_t v : vertices) {
-      nearest =
-          std::min(nearest, distance_to_way_m(hand, position_m_.row(v).transpose()));
+      nearest = std::min(nearest, remoteness_m(hand, position_m_.row(v).transpose()));
     }
   }
   return nearest;
@@ -68,18 +67,26 @@ std::vector<std::size_t> WorkBoard::units_by_need(
   return units;
 }
 
-bool WorkBoard::groups_come_first(std::size_t nearest,
-                                  std::span<const HandPlace> hands) const {
+bool WorkBoard::groups_come_first(std::size_t nearest, std::span<const HandPlace> hands,
+                                  bool expected) const {
+  if (hands.empty()) {
+    return expected;
+  }
+  const bool all_rest =
+      std::all_of(hands.begin(), hands.end(), [](const HandPlace& hand) {
+        return hand.velocity_m_per_s.norm() < kRestingMPerS;
+      });
   const bool somebody_takes_them = std::find(group_state_.begin(), group_state_.end(),
                                              State::kTaken) != group_state_.end();
-  return !somebody_takes_them || need(groups_[nearest], hands) < kAroundM;
+  return !all_rest || !somebody_takes_them || need(groups_[nearest], hands) < kAroundM;
 }
 
 NextWork WorkBoard::next(std::span<const HandPlace> hands,
-                         const std::function<bool(std::size_t)>& may_take) {
+                         const std::function<bool(std::size_t)>& may_take,
+                         bool expected) {
   const std::lock_guard lock(mutex_);
   const std::optional<std::size_t> group = nearest_group(hands);
-  if (group && groups_come_first(*group, hands)) {
+  if (group && groups_come_first(*group, hands, expected)) {
     group_state_[*group] = State::kTaken;
     return {.group = group, .unit = {}};
   }
@@ -89,10 +96,7 @@ NextWork WorkBoard::next(std::span<const HandPlace> hands,
       return {.group = {}, .unit = unit};
     }
   }
-  if (group) {
-    group_state_[*group] = State::kTaken;
-  }
-  return {.group = group, .unit = {}};
+  return {};
 }
 
 void WorkBoard::finish_group(std::size_t group) {

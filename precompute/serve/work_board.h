@@ -31,14 +31,17 @@ class WorkBoard {
   WorkBoard(const Points& position_m, std::vector<CheapGroup> groups,
             std::span<const WorkUnit> units);
 
-  /// Cheap answers around the hands come before units; elsewhere both go on side by
-  /// side: as long as groups are left, one worker in two takes them. Checks come last.
-  /// Without hands the order is that of the vertices.
+  /// While a hand moves, all workers give cheap answers, along its way first; a unit
+  /// keeps a worker for long. Where all hands rest, and what is around them is answered
+  /// cheaply, one worker goes on with that and others take units, the nearest first.
+  /// Without hands, and once no groups are left, units alone are taken. Checks come
+  /// last.
   /// @param may_take whether this process may compute the unit; asked in the order of
   /// need, for units that nobody works on. @returns neither if there is nothing to
   /// take.
   [[nodiscard]] NextWork next(std::span<const HandPlace> hands,
-                              const std::function<bool(std::size_t)>& may_take);
+                              const std::function<bool(std::size_t)>& may_take,
+                              bool expected = false);
 
   void finish_group(std::size_t group);
   /// Also one that another process has solved. Groups that it answers whole are done.
@@ -58,7 +61,8 @@ class WorkBoard {
   [[nodiscard]] std::vector<std::size_t> units_by_need(
       std::span<const HandPlace> hands) const;
   [[nodiscard]] bool groups_come_first(std::size_t nearest,
-                                       std::span<const HandPlace> hands) const;
+                                       std::span<const HandPlace> hands,
+                                       bool expected) const;
 
   const Points& position_m_;
   std::vector<CheapGroup> groups_;

@@ -324,6 +324,18 @@ void add_each_tools_files(Command command, Flags& flags) {
            "(runtime/device/socket_device.h); once for each tool");
 }
 
+void add_wander_options(Command command, Flags& flags) {
+  command
+      .add_option("--wander", flags.wander_mm_per_s,
+                  "The hand wanders over the body at this speed [mm/s], pressing; 0: "
+                  "it presses one place")
+      .show_default();
+  command.add_option("--quality-csv", flags.quality_csv,
+                     "Of a scene: shares of the ticks in the body without an answer, "
+                     "with a cheap and with a good one, by second");
+  add_scene_options(command, flags.scene);
+}
+
 }  // namespace
 
 void add_simulate_command(Command app) {
@@ -374,15 +386,7 @@ void add_simulate_command(Command app) {
       .show_default();
   command.add_option("--cpu", options.cpu,
                      "Keep the fast thread on this CPU (--clock real)");
-  command
-      .add_option("--wander", flags->wander_mm_per_s,
-                  "The hand wanders over the body at this speed [mm/s], pressing; 0: "
-                  "it presses one place")
-      .show_default();
-  command.add_option("--quality-csv", flags->quality_csv,
-                     "Of a scene: shares of the ticks in the body without an answer, "
-                     "with a cheap and with a good one, by second");
-  add_scene_options(command, flags->scene);
+  add_wander_options(command, *flags);
   add_contact_options(command, *flags);
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");

@@ -81,13 +81,13 @@ void GrowingElements::take_in() {
     taken_.swap(waiting_);
     mutex_.unlock();
   }
-  for (GrownNode& answer : taken_) {
-    take_in(std::move(answer));
+  for (const GrownNode& answer : taken_) {
+    take_in(answer);
   }
   taken_.clear();
 }
 
-void GrowingElements::take_in(GrownNode answer) {
+void GrowingElements::take_in(const GrownNode& answer) {
   if (answer.node < 0 || answer.node >= std::ssize(node_)) {
     return;
   }

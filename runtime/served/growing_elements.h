@@ -103,7 +103,7 @@ class GrowingElements : public ElementSender {
   };
 
   void take_in();
-  void take_in(GrownNode answer);
+  void take_in(const GrownNode& answer);
   [[nodiscard]] ElementNode message(std::int32_t node) const;
   [[nodiscard]] Element element(std::int32_t triangle) const;
   [[nodiscard]] double reach_m(std::int32_t node) const;
