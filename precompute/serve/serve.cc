@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <functional>
 #include <mutex>
@@ -83,7 +84,7 @@ class Service {
         hands_(hands),
         tally_(job),
         board_(job.body.surface.position_m, cheap_groups(scene, job), job.units),
-        claims_(options.output.string() + ".partial", options.stale) {}
+        claims_(options.output.string() + ".partial") {}
 
   // @throws what a worker threw, Interrupted.
   void run(int workers, Progress& progress) {

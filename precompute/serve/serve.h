@@ -2,7 +2,6 @@
 // out while it does (formats/service/SERVICE.md).
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <optional>
 
@@ -22,7 +21,6 @@ struct ServeOptions {
   /// Units of another scene in OUTPUT.partial, and a database of another scene, are
   /// dropped instead of refused.
   bool anew = false;
-  std::chrono::milliseconds stale = std::chrono::seconds(30);  ///< as UnitClaims
 };
 
 /// Returns when the database is whole and those who joined have been told. It has the

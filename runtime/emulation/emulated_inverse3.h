@@ -3,13 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
-#include <memory>
 #include <vector>
 
-#include "runtime/emulation/emulated_falcon_board.h"
-#include "runtime/emulation/emulated_usb.h"
-#include "runtime/emulation/emulated_usb_device.h"
+#include "runtime/emulation/emulated_serial_board.h"
 #include "runtime/usb/inverse3_link.h"
 
 namespace palpate {
@@ -34,63 +30,27 @@ struct Inverse3ModelConfig {
   std::size_t trace_max = 0;     ///< commands that trace() keeps
 };
 
-class Inverse3Model : public UsbModel {
+class Inverse3Model : public SerialBoard {
  public:
   explicit Inverse3Model(const Inverse3ModelConfig& config);
 
   [[nodiscard]] std::vector<std::uint8_t> descriptors() const override {
     return descriptors_of(kInverse3Identity);
   }
-  [[nodiscard]] int control(const UsbSetup& setup, std::int64_t now_ns) override;
   [[nodiscard]] int send(std::span<const std::uint8_t> bytes,
                          std::int64_t now_ns) override;
-  [[nodiscard]] int receive(std::span<std::uint8_t> packet,
-                            std::int64_t now_ns) override;
-  [[nodiscard]] std::int64_t next_ns(std::int64_t now_ns) override;
 
   [[nodiscard]] Eigen::Vector3d force_n() const { return tool_.acting_force_n(); }
-  [[nodiscard]] const SimulatedDevice& tool() const noexcept { return tool_; }
-  /// The motors' account at every command.
-  [[nodiscard]] const std::vector<MotorRecord>& trace() const noexcept {
-    return trace_;
-  }
 
  private:
   void wake();
   void obey(std::int64_t now_ns);
 
   Inverse3ModelConfig config_;
-  SetClock clock_;
-  SimulatedDevice tool_;
-  bool opened_ = false;
   int wakes_ = 0;
   std::int64_t replies_ = 0;
-  std::vector<std::uint8_t> heard_;
-  std::int64_t ready_ns_ = 0;
-  std::deque<std::uint8_t> waiting_;
-  std::vector<MotorRecord> trace_;
 };
 
-/// The model behind a bad bus and libusb.
-class EmulatedInverse3 {
- public:
-  EmulatedInverse3(const Inverse3ModelConfig& model, const UsbFaults& bus)
-      : model_(model), bus_(model_, bus) {}
-
-  /// A driver for it, which keeps `device`.
-  [[nodiscard]] static std::unique_ptr<Inverse3Link> link(
-      const std::shared_ptr<EmulatedInverse3>& device, const Inverse3Config& config);
-
-  /// Only while no driver is open, or inside usb().locked().
-  [[nodiscard]] const Inverse3Model& model() const noexcept { return model_; }
-  [[nodiscard]] const EmulatedUsb& usb() const noexcept { return *usb_; }
-  [[nodiscard]] bool kernel_driver_back() const noexcept { return kernel_driver_; }
-
- private:
-  Inverse3Model model_;
-  FaultyUsb bus_;
-  std::unique_ptr<EmulatedUsb> usb_;
-  bool kernel_driver_ = true;
-};
+using EmulatedInverse3 = EmulatedBoard<Inverse3Model, Inverse3Link>;
 
 }  // namespace palpate

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/base/input_file.h"
 #include "formats/database/response_database.h"
 #include "formats/service/service_socket.h"
 #include "tests/support/organ_scene.h"
@@ -24,24 +25,7 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 // One territory and three checks.
-constexpr const char* kAccuracy = R"([[tool]]
-name = "fingertip"
-shape = "sphere"
-radius_m = 0.03
-[reach]
-box_m = [[-1.0, -1.0, 0.041], [1.0, 1.0, 1.0]]
-depth_max_m = 0.004
-[accuracy]
-force_relative = 0.3
-contact_resolution = 1.0
-depths = 4
-verify = 3
-)";
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+const std::string kScene = organ_on_table("linear") + kBallOnTop + "verify = 3\n";
 
 // Everything that a service says, as one who joined hears it.
 struct Heard {
@@ -88,8 +72,8 @@ class ServiceTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
-    std::ofstream(path("scene.toml")) << organ_on_table("linear") << kAccuracy;
-    std::ofstream(path("other.toml")) << organ_on_table("neo-hookean") << kAccuracy;
+    std::ofstream(path("scene.toml")) << kScene;
+    std::ofstream(path("other.toml")) << kScene << "# another text\n";
     const ToolRun body =
         run_tool_process("palpate-precompute",
                          {"body", "organ", "--levels", "2", "-o", path("organ.obj")});
@@ -137,7 +121,7 @@ TEST_F(ServiceTest, AnswersAllAndLeavesTheBytesOfABuild) {
   ASSERT_TRUE(heard.scene && heard.end);
   EXPECT_EQ(heard.end->failure, "");
   EXPECT_EQ(heard.end->file, heard.scene->output);
-  EXPECT_EQ(read(path("a.h5")), read(path("whole.h5")));
+  EXPECT_EQ(read_file(path("a.h5")), read_file(path("whole.h5")));
   EXPECT_FALSE(fs::exists(path("a.h5.partial")));
   EXPECT_FALSE(fs::exists(path("a")));
 
@@ -194,7 +178,7 @@ TEST_F(ServiceTest, KilledAtTwentyMomentsGoesOn) {
   const ToolRun run =
       run_tool_process("palpate-precompute", arguments("killed.h5", "k"));
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(read(path("killed.h5")), read(path("whole.h5")));
+  EXPECT_EQ(read_file(path("killed.h5")), read_file(path("whole.h5")));
 }
 
 TEST_F(ServiceTest, TwoShareOneScene) {
@@ -207,7 +191,7 @@ TEST_F(ServiceTest, TwoShareOneScene) {
       run_tool_process("palpate-precompute", arguments("shared.h5", "two"));
   other.join();
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(read(path("shared.h5")), read(path("whole.h5")));
+  EXPECT_EQ(read_file(path("shared.h5")), read_file(path("whole.h5")));
 }
 
 TEST_F(ServiceTest, AnotherScenesWorkIsRefusedUnlessWantedAnew) {
@@ -216,11 +200,11 @@ TEST_F(ServiceTest, AnotherScenesWorkIsRefusedUnlessWantedAnew) {
   const ToolRun refused = run_tool_process("palpate-precompute", wanted);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("--anew"), std::string::npos) << refused.err;
-  EXPECT_EQ(read(path("other.h5")), read(path("whole.h5")));
+  EXPECT_EQ(read_file(path("other.h5")), read_file(path("whole.h5")));
   wanted.push_back("--anew");
   const ToolRun anew = run_tool_process("palpate-precompute", wanted);
   EXPECT_EQ(anew.exit_code, 0) << anew.err;
-  EXPECT_NE(read(path("other.h5")), read(path("whole.h5")));
+  EXPECT_NE(read_file(path("other.h5")), read_file(path("whole.h5")));
 }
 
 TEST_F(ServiceTest, WhoListensAlreadyIsNamed) {

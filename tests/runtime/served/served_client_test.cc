@@ -1,7 +1,6 @@
 #include "runtime/served/served_client.h"
 
 #include <chrono>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -10,7 +9,7 @@
 #include <sys/socket.h>
 
 #include "formats/base/error.h"
-#include "runtime/served/scene_watch.h"
+#include "tests/support/comes_true.h"
 #include "tests/support/fake_service.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
@@ -20,17 +19,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using GoesOn = std::function<bool()>;
-
-bool comes_true(const std::function<bool()>& fact, milliseconds within) {
-  const auto deadline = std::chrono::steady_clock::now() + within;
-  while (!fact()) {
-    if (std::chrono::steady_clock::now() > deadline) {
-      return false;
-    }
-    std::this_thread::sleep_for(milliseconds(2));
-  }
-  return true;
-}
 
 const std::atomic<bool> kNever = false;
 
@@ -380,42 +368,6 @@ TEST_F(ServedClientOfPlate, KilledAtTwentyMomentsItNeverStopsTheSlowProcess) {
   client.feed(nullptr);
 }
 
-TEST(ServiceProcess, IsFoundStartedAndEndedByATerm) {
-  const ScratchFolder folder;
-  const auto program = folder / "server";
-  std::ofstream(program) << "#!/bin/sh\ntrap 'echo ended > '"
-                         << (folder / "said").string()
-                         << "'; exit 0' TERM\necho \"$@\" > "
-                         << (folder / "asked").string()
-                         << "\nwhile :; do sleep 0.01; done\n";
-  EXPECT_THROW((void)find_server(program), InputError);
-  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-  EXPECT_EQ(find_server(program), program);
-  EXPECT_EQ(find_server("").filename(), "palpate-precompute");
-  {
-    ServiceProcess process({.program = program,
-                            .scene = "a.toml",
-                            .output = served_output("x/a.toml"),
-                            .anew = true});
-    ASSERT_TRUE(comes_true(
-        [&] {
-          return std::filesystem::exists(folder / "asked");
-        },
-        milliseconds(5000)));
-    EXPECT_FALSE(process.exit_code());
-  }
-  std::string asked;
-  std::getline(std::ifstream(folder / "asked") >> std::ws, asked);
-  EXPECT_EQ(asked, "serve a.toml -o a.h5 --anew");
-  EXPECT_TRUE(std::filesystem::exists(folder / "said"));
-  ServiceProcess fails({.program = "/bin/false", .scene = "a", .output = "b"});
-  EXPECT_TRUE(comes_true(
-      [&] {
-        return fails.exit_code() == 1;
-      },
-      milliseconds(5000)));
-}
-
 TEST_F(ServedClientOfPlate, AServiceThatEndsBeforeItsSceneIsSaid) {
   ServedClient client({.socket = socket_, .start = [](bool) {
                          return std::make_unique<ServiceProcess>(ServiceCommand{
@@ -427,15 +379,6 @@ TEST_F(ServedClientOfPlate, AServiceThatEndsBeforeItsSceneIsSaid) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("exit code 1"), std::string::npos);
   }
-}
-
-TEST(SceneWatch, SeesAChangeThatIsSaved) {
-  const ScratchFolder folder;
-  const auto file = folder / "scene.toml";
-  std::ofstream(file) << "depth = 1\n";
-  EXPECT_FALSE(SceneWatch(file).changed_from("depth = 1\n"));
-  EXPECT_TRUE(SceneWatch(file).changed_from("depth = 2\n"));
-  EXPECT_FALSE(SceneWatch(folder / "gone").changed_from("depth = 2\n"));
 }
 
 }  // namespace
