@@ -16,30 +16,31 @@ HaplyModel::HaplyModel(const HaplyModelConfig& config)
       config_(config) {}
 
 int HaplyModel::send(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
-  clock_.set(now_ns);
-  heard_.insert(heard_.end(), bytes.begin(), bytes.end());
+  port.clock.set(now_ns);
+  port.heard.insert(port.heard.end(), bytes.begin(), bytes.end());
   for (;;) {
-    const std::uint8_t order = heard_.empty() ? 0xFF : heard_[0];
+    const std::uint8_t order = port.heard.empty() ? 0xFF : port.heard[0];
     const std::size_t length = order == 0   ? kHaplyResetBytes
                                : order == 1 ? kHaplySetupBytes
                                             : kHaplyTorqueBytes;
-    if (heard_.size() < length) {
+    if (port.heard.size() < length) {
       return static_cast<int>(bytes.size());
     }
     if (order == 1) {
       set_up_ = true;
-      id_ = heard_[1];
+      id_ = port.heard[1];
     } else if (order == 2 && set_up_) {
       std::array<std::uint8_t, kHaplyTorqueBytes> command{};
-      std::copy_n(heard_.begin(), command.size(), command.begin());
+      std::copy_n(port.heard.begin(), command.size(), command.begin());
       torque_nm_ = decode_torques(command);
       obey(now_ns);
     } else if (order == 0) {
       torque_nm_ = {};
     }
     const bool known = order <= 2;
-    heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(
-                                                      known ? length : std::size_t{1}));
+    port.heard.erase(port.heard.begin(),
+                     port.heard.begin() +
+                         static_cast<std::ptrdiff_t>(known ? length : std::size_t{1}));
   }
 }
 
@@ -47,7 +48,7 @@ void HaplyModel::obey(std::int64_t now_ns) {
   static_cast<void>(look());
   Eigen::Vector2d theta;
   const bool reached =
-      inverse(config_.links, tool_.motion().position_m.head<2>(), theta) &&
+      inverse(config_.links, tool().motion().position_m.head<2>(), theta) &&
       forward(config_.links, theta, pose_);
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   if (reached) {
@@ -56,8 +57,8 @@ void HaplyModel::obey(std::int64_t now_ns) {
   push(force, now_ns);
   const auto reply =
       encode_angles(id_, {kRadian * pose_.theta[0], kRadian * pose_.theta[1]});
-  ready_ns_ = now_ns + config_.answer_ns;
-  waiting_.insert(waiting_.end(), reply.begin(), reply.end());
+  port.ready_ns = now_ns + config_.answer_ns;
+  port.waiting.insert(port.waiting.end(), reply.begin(), reply.end());
 }
 
 }  // namespace palpate

@@ -12,29 +12,31 @@ Inverse3Model::Inverse3Model(const Inverse3ModelConfig& config)
       config_(config) {}
 
 int Inverse3Model::send(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
-  clock_.set(now_ns);
-  ready_ns_ = now_ns + config_.answer_ns;
-  heard_.insert(heard_.end(), bytes.begin(), bytes.end());
-  while (!heard_.empty()) {
-    const bool force = heard_[0] == kInverse3Force;
+  port.clock.set(now_ns);
+  port.ready_ns = now_ns + config_.answer_ns;
+  port.heard.insert(port.heard.end(), bytes.begin(), bytes.end());
+  while (!port.heard.empty()) {
+    const bool force = port.heard[0] == kInverse3Force;
     const std::size_t length = force ? kInverse3ForceBytes : 1;
-    if (heard_.size() < length) {
+    if (port.heard.size() < length) {
       break;
     }
     if (force) {
       obey(now_ns);
-    } else if (heard_[0] == kInverse3Wake) {
+    } else if (port.heard[0] == kInverse3Wake) {
       wake();
     }
-    heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(length));
+    port.heard.erase(port.heard.begin(),
+                     port.heard.begin() + static_cast<std::ptrdiff_t>(length));
   }
   return static_cast<int>(bytes.size());
 }
 
 void Inverse3Model::wake() {
   if (wakes_++ >= config_.deaf) {
-    waiting_.push_back(kInverse3Wake);
-    waiting_.insert(waiting_.end(), config_.newer ? 16 : kInverse3WakeBytes - 1, 7);
+    port.waiting.push_back(kInverse3Wake);
+    port.waiting.insert(port.waiting.end(), config_.newer ? 16 : kInverse3WakeBytes - 1,
+                        7);
   }
 }
 
@@ -43,22 +45,22 @@ void Inverse3Model::obey(std::int64_t now_ns) {
     return;
   }
   std::array<std::uint8_t, kInverse3ForceBytes> command{};
-  std::copy_n(heard_.begin(), command.size(), command.begin());
+  std::copy_n(port.heard.begin(), command.size(), command.begin());
   const DeviceReading at = look();
   const Inverse3State state = encode_inverse3_state(
-      to_haply(at.position_m), to_haply(tool_.motion().velocity_m_per_s));
+      to_haply(at.position_m), to_haply(tool().motion().velocity_m_per_s));
   push(from_haply(decode_inverse3_force(command)), now_ns);
   ++replies_;
   if (replies_ == config_.garbage_at) {
-    waiting_.insert(waiting_.end(), 30, 0x55);
+    port.waiting.insert(port.waiting.end(), 30, 0x55);
     return;
   }
   if (config_.newer && replies_ % config_.heartbeat_every == 0) {
-    waiting_.insert(waiting_.end(), kInverse3Heartbeat.begin(),
-                    kInverse3Heartbeat.end());
-    waiting_.insert(waiting_.end(), {0x12, 0x34});
+    port.waiting.insert(port.waiting.end(), kInverse3Heartbeat.begin(),
+                        kInverse3Heartbeat.end());
+    port.waiting.insert(port.waiting.end(), {0x12, 0x34});
   }
-  waiting_.insert(waiting_.end(), state.begin(), state.end());
+  port.waiting.insert(port.waiting.end(), state.begin(), state.end());
 }
 
 }  // namespace palpate

@@ -40,7 +40,7 @@ class Inverse3Model : public SerialBoard {
   [[nodiscard]] int send(std::span<const std::uint8_t> bytes,
                          std::int64_t now_ns) override;
 
-  [[nodiscard]] Eigen::Vector3d force_n() const { return tool_.acting_force_n(); }
+  [[nodiscard]] Eigen::Vector3d force_n() const { return tool().acting_force_n(); }
 
  private:
   void wake();

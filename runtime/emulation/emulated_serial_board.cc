@@ -13,7 +13,7 @@ constexpr std::int64_t kMillisecond = 1'000'000;
 SerialBoard::SerialBoard(const SimulatedDeviceConfig& dynamics, const HandScript& hand,
                          const Eigen::Vector3d& start_m, std::size_t split_bytes,
                          std::size_t trace_max)
-    : tool_(dynamics, hand, clock_, {.position_m = start_m}),
+    : tool_(dynamics, hand, port.clock, {.position_m = start_m}),
       split_bytes_(split_bytes),
       trace_max_(trace_max) {
   trace_.reserve(trace_max);
@@ -41,18 +41,19 @@ void SerialBoard::push(const Eigen::Vector3d& force_n, std::int64_t now_ns) {
 }
 
 int SerialBoard::receive(std::span<std::uint8_t> packet, std::int64_t now_ns) {
-  if (waiting_.empty() || now_ns < ready_ns_) {
+  if (port.waiting.empty() || now_ns < port.ready_ns) {
     return -EAGAIN;
   }
-  const std::size_t count = std::min({packet.size(), split_bytes_, waiting_.size()});
-  const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count);
-  std::copy(waiting_.begin(), end, packet.begin());
-  waiting_.erase(waiting_.begin(), end);
+  const std::size_t count =
+      std::min({packet.size(), split_bytes_, port.waiting.size()});
+  const auto end = port.waiting.begin() + static_cast<std::ptrdiff_t>(count);
+  std::copy(port.waiting.begin(), end, packet.begin());
+  port.waiting.erase(port.waiting.begin(), end);
   return static_cast<int>(count);
 }
 
 std::int64_t SerialBoard::next_ns(std::int64_t now_ns) {
-  return waiting_.empty() ? now_ns + kMillisecond : ready_ns_;
+  return port.waiting.empty() ? now_ns + kMillisecond : port.ready_ns;
 }
 
 }  // namespace palpate

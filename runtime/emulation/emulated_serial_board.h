@@ -42,13 +42,16 @@ class SerialBoard : public UsbModel {
   /// The tool feels that from now on, and the account is written.
   void push(const Eigen::Vector3d& force_n, std::int64_t now_ns);
 
-  SetClock clock_;
-  SimulatedDevice tool_;
-  std::vector<std::uint8_t> heard_;   // not obeyed yet
-  std::deque<std::uint8_t> waiting_;  // to be fetched ...
-  std::int64_t ready_ns_ = 0;         // ... from then on
+  struct Port {
+    SetClock clock;
+    std::vector<std::uint8_t> heard;   ///< not obeyed yet
+    std::deque<std::uint8_t> waiting;  ///< to be fetched ...
+    std::int64_t ready_ns = 0;         ///< ... from then on
+  };
+  Port port;
 
  private:
+  SimulatedDevice tool_;
   bool opened_ = false;
   std::size_t split_bytes_;
   std::size_t trace_max_;
