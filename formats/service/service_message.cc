@@ -38,7 +38,8 @@ void write(json& j, const ServedScene& scene) {
        {"plan", scene.plan},
        {"reachable", scene.reachable},
        {"output", scene.output},
-       {"nonlinear", scene.nonlinear}};
+       {"nonlinear", scene.nonlinear},
+       {"modulus_pa", scene.modulus_pa}};
 }
 
 void write(json& j, const ServedResponses& responses) {
@@ -85,7 +86,12 @@ ServedScene scene_of(const json& j) {
   ServedScene scene{.plan = {},
                     .reachable = j.at("reachable"),
                     .output = j.at("output"),
-                    .nonlinear = j.at("nonlinear")};
+                    .nonlinear = j.at("nonlinear"),
+                    .modulus_pa = j.value("modulus_pa", 0.0)};
+  if (!(scene.modulus_pa >= 0.0) || !std::isfinite(scene.modulus_pa)) {
+    throw FormatError(fmt::format("modulus_pa is {}, must be finite and not negative",
+                                  scene.modulus_pa));
+  }
   from_json(j.at("plan"), scene.plan);
   check_plan(scene.plan);
   const auto n = scene.plan.body.position_m.rows();

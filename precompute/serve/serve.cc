@@ -20,6 +20,7 @@
 #include "precompute/build/build.h"
 #include "precompute/build/build_job.h"
 #include "precompute/build/checkpoint.h"
+#include "precompute/material/material_of_scene.h"
 #include "precompute/process/failure_of.h"
 #include "precompute/process/interrupt.h"
 #include "precompute/serve/answer_log.h"
@@ -242,11 +243,28 @@ class Service {
   std::exception_ptr failure_;
 };
 
-ServedScene served(const BuildJob& job, const ServeOptions& options) {
+// E / (1 - nu^2) [Pa] of the body's own material at small strain.
+double modulus_pa(const Scene& scene) {
+  const auto own = std::find_if(scene.material.begin(), scene.material.end(),
+                                [](const SceneMaterial& material) {
+                                  return material.region == kBodyRegion;
+                                });
+  if (own == scene.material.end()) {
+    return 0.0;
+  }
+  const Material material = make_material(*own);
+  const double youngs_pa = small_youngs_modulus_pa(material);
+  const double nu = 0.5 * youngs_pa / small_shear_modulus_pa(material) - 1.0;
+  return youngs_pa / (1.0 - nu * nu);
+}
+
+ServedScene served(const Scene& scene, const BuildJob& job,
+                   const ServeOptions& options) {
   return {.plan = job.plan,
           .reachable = job.reachable,
           .output = fs::absolute(options.output).string(),
-          .nonlinear = job.strategy.nonlinear};
+          .nonlinear = job.strategy.nonlinear,
+          .modulus_pa = modulus_pa(scene)};
 }
 
 // Whether the output is there and of this scene.
@@ -326,7 +344,7 @@ void serve(const Scene& scene, const ServeOptions& options, Progress& progress) 
   const BuildJob job = build_job(scene, {.repair = options.repair});
   const bool computed = is_computed_already(job, options);
   prepare_folder(job.plan, options);
-  AnswerLog log(served(job, options));
+  AnswerLog log(served(scene, job, options));
   HandPlaces hands;
   const ServiceSessions sessions(options.socket, log, hands);
   progress.stage("answers");

@@ -66,8 +66,8 @@ HostOptions host_options(const palpate_options* given) {
   take(all.force_max_n, options.force_max_n);
   take(all.stall_s, options.stall_s);
   take(all.ramp_s, options.ramp_s);
-  constexpr std::uint32_t kKnown =
-      PALPATE_OWN_SLOW_STEPS | PALPATE_LIMIT_STIFFNESS | PALPATE_STREAMED;
+  constexpr std::uint32_t kKnown = PALPATE_OWN_SLOW_STEPS | PALPATE_LIMIT_STIFFNESS |
+                                   PALPATE_STREAMED | PALPATE_SCENE | PALPATE_ESTIMATE;
   if ((all.flags & ~kKnown) != 0) {
     throw InputError(
         fmt::format("flags are {:#x}, known are {:#x}", all.flags, kKnown));
@@ -75,6 +75,10 @@ HostOptions host_options(const palpate_options* given) {
   options.own_slow_steps = (all.flags & PALPATE_OWN_SLOW_STEPS) != 0;
   options.limit_stiffness = (all.flags & PALPATE_LIMIT_STIFFNESS) != 0;
   options.streamed = (all.flags & PALPATE_STREAMED) != 0;
+  options.scene = (all.flags & PALPATE_SCENE) != 0;
+  options.estimate = (all.flags & PALPATE_ESTIMATE) != 0;
+  options.server = all.server == nullptr ? "" : all.server;
+  options.output = all.output == nullptr ? "" : all.output;
   return options;
 }
 

@@ -12,6 +12,8 @@
 #include "runtime/device/stability_margin.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/deadlines.h"
+#include "runtime/served/fed_elements.h"
+#include "runtime/served/join_scene.h"
 #include "runtime/slow/contact_stiffness.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/file_press_site.h"
@@ -31,14 +33,18 @@ FastConfig fast_config(const HostOptions& options, const ToolShape& tool) {
   return fast;
 }
 
+DeviceLimits device_limits(const HostOptions& options) {
+  return {.damping_n_s_per_m = options.damping_n_s_per_m,
+          .delay_s = options.delay_s,
+          .force_max_n = options.force_max_n};
+}
+
 // Scale of forces [-] that the device can render; 1 where its damping is not known.
 double renderable_scale(const HostOptions& options, RenderedStiffness stiffness) {
   if (options.damping_n_s_per_m == 0.0) {
     return 1.0;
   }
-  const DeviceLimits device{.damping_n_s_per_m = options.damping_n_s_per_m,
-                            .delay_s = options.delay_s,
-                            .force_max_n = options.force_max_n};
+  const DeviceLimits device = device_limits(options);
   const double felt = options.position_gain * options.force_gain;
   stiffness.normal_n_per_m *= felt;
   stiffness.friction_n_per_m *= felt;
@@ -110,9 +116,11 @@ std::string damage_of(const ElementSender* sender) {
 }  // namespace
 
 HostBody::HostBody(const std::filesystem::path& file, const HostOptions& options)
-    : options_(options), file_(file) {
+    : options_(options), file_(options.scene ? std::filesystem::path() : file) {
   check(options_);
-  if (options_.streamed) {
+  if (options_.scene) {
+    open_scene(file);
+  } else if (options_.streamed) {
     open_streamed(file);
   } else {
     open_whole(std::make_shared<const ResponseDatabase>(read_database(file)));
@@ -216,9 +224,74 @@ void HostBody::take_stiffness(const RenderedStiffness& stiffness) {
   force_scale_ = renderable_scale(options_, stiffness);
 }
 
-double HostBody::needed_damping_n_s_per_m() const noexcept {
-  return force_scale_ * stiffness_n_per_m_ * options_.position_gain *
-         options_.force_gain * (0.5 * options_.tick_s + options_.delay_s);
+void HostBody::open_scene(const std::filesystem::path& scene) {
+  if (options_.damping_n_s_per_m > 0.0 && !options_.limit_stiffness) {
+    throw InputError(
+        "nobody knows yet how stiff a scene is: with the device's damping given, the "
+        "flag to limit stiffness must be set, or the damping left out");
+  }
+  client_ = join_scene({.scene = scene,
+                        .server = options_.server,
+                        .output = options_.output,
+                        .tool = options_.tool,
+                        .estimate = options_.estimate});
+  const std::atomic<bool> never = false;
+  const ServedScene& served = client_->scene(never);
+  database_ =
+      std::make_shared<const ResponseDatabase>(body_of(served, client_->tool()));
+  const ToolShape& tool = database_->tools.front().tool;
+  tool_name_ = tool.name;
+  fast_ = fast_config(options_, tool);
+}
+
+double HostBody::renderable_n_per_m() const {
+  if (options_.damping_n_s_per_m == 0.0) {
+    return GrowingElements::kAnyStiffness;
+  }
+  return stability_bounds(device_limits(options_), options_.tick_s)
+             .renderable_n_per_m() /
+         (options_.position_gain * options_.force_gain);
+}
+
+HostTool& HostBody::serve_scene() {
+  auto elements =
+      std::make_unique<FedElements>(*client_, *database_, renderable_n_per_m());
+  const GrowingElements& grown = elements->elements();
+  tools_.push_back(std::make_unique<Served>(std::move(elements), fast_, options_.tick_s,
+                                            options_.stall_s));
+  tools_.back()->grown = &grown;
+  return tools_.back()->tool;
+}
+
+const GrowingElements* HostBody::grown(const HostTool& tool) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found =
+      std::find_if(tools_.begin(), tools_.end(), [&](const auto& served) {
+        return &served->tool == &tool;
+      });
+  return found == tools_.end() ? nullptr : (*found)->grown;
+}
+
+std::int64_t HostBody::softened() const {
+  const std::scoped_lock lock(mutex_);
+  std::int64_t most = 0;  // every tool gets the same answers
+  for (const auto& served : tools_) {
+    most = std::max(most, served->grown == nullptr ? 0 : served->grown->softened());
+  }
+  return most;
+}
+
+double HostBody::needed_damping_n_s_per_m() const {
+  double stiffness_n_per_m = force_scale_ * stiffness_n_per_m_;
+  if (client_ != nullptr) {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& served : tools_) {
+      stiffness_n_per_m =
+          std::max(stiffness_n_per_m, served->grown->stiffest_n_per_m());
+    }
+  }
+  return stiffness_n_per_m * options_.position_gain * options_.force_gain *
+         (0.5 * options_.tick_s + options_.delay_s);
 }
 
 void HostBody::check_room() const {
@@ -241,16 +314,19 @@ HostTool& HostBody::add_tool() {
   if (contact_stream_ != nullptr) {
     return serve_contacts(contact_stream_->set());
   }
+  if (client_ != nullptr) {
+    return serve_scene();
+  }
   tools_.push_back(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
                                             fast_, options_.tick_s, options_.stall_s));
   return tools_.back()->tool;
 }
 
 HostBody::Together HostBody::add_together(const std::string& second) {
-  if (database_ == nullptr) {
+  if (database_ == nullptr || client_ != nullptr) {
     throw InputError(
-        "two hands on one body need the whole database in memory: open it without "
-        "streaming");
+        "two hands on one body need the whole database in memory: build it first, and "
+        "open it without streaming");
   }
   const ResponseTable* const tools[] = {
       &find_tool(*database_, tool_name_),

@@ -16,6 +16,7 @@
 #include "runtime/c_api/host_contacts.h"
 #include "runtime/c_api/host_tool.h"
 #include "runtime/device/stability_margin.h"
+#include "runtime/served/served_client.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/element_source.h"
 
@@ -33,8 +34,9 @@ struct SlowFailure {
 class HostBody {
  public:
   /// Opens the database and, unless options.own_slow_steps, starts the slow thread.
-  /// @throws InputError, FormatError; InputError for a body that is stiffer than the
-  /// device can render, unless options.limit_stiffness.
+  /// Of a scene: waits for its service's first message. @throws InputError,
+  /// FormatError; InputError for a body that is stiffer than the device can render,
+  /// unless options.limit_stiffness.
   HostBody(const std::filesystem::path& file, const HostOptions& options);
 
   /// Of a database in memory, which file() does not name.
@@ -79,7 +81,14 @@ class HostBody {
 
   /// [N s/m] b = K (T/2 + delay), K the largest stiffness as the device feels it
   /// (Colgate & Schenkel 1997; Diolaiti et al. 2006).
-  [[nodiscard]] double needed_damping_n_s_per_m() const noexcept;
+  [[nodiscard]] double needed_damping_n_s_per_m() const;
+
+  /// Of a scene; null: of a database.
+  [[nodiscard]] const ServedClient* service() const noexcept { return client_.get(); }
+  /// Answers of a scene that were softened for the device.
+  [[nodiscard]] std::int64_t softened() const;
+  /// What a scene's tool has got so far; null: of a database. Lives with the tool.
+  [[nodiscard]] const GrowingElements* grown(const HostTool& tool) const;
 
  private:
   struct Served {
@@ -90,6 +99,7 @@ class HostBody {
            double tick_s, double stall_s)
         : tool(std::move(contacts), fast, tick_s, stall_s) {}
     std::unique_ptr<ElementSender> sender;    // null: the body's
+    const GrowingElements* grown = nullptr;   // the sender's, of a scene
     std::unique_ptr<ContactStream> together;  // of two hands; null: the body's
     HostTool tool;
   };
@@ -99,6 +109,9 @@ class HostBody {
   void check_room() const;  // with mutex_ held
   HostTool& serve_contacts(const CoupledSet& set);
   void open_streamed(const std::filesystem::path& file);
+  void open_scene(const std::filesystem::path& scene);
+  [[nodiscard]] double renderable_n_per_m() const;  // here, of a scene
+  HostTool& serve_scene();
   void begin();
   void take_stiffness(const RenderedStiffness& stiffness);
   std::size_t serve();  // with mutex_ held
@@ -110,11 +123,12 @@ class HostBody {
   double force_scale_ = 1.0;
   double stiffness_n_per_m_ = 0.0;  // largest, at gains of 1 and scale 1
   FastConfig fast_;
-  std::shared_ptr<const ResponseDatabase> database_;             // null: streamed
+  std::shared_ptr<const ResponseDatabase> database_;  // null: streamed; scene: empty
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;
   std::unique_ptr<ContactStream> contact_stream_;  // of a tool of several contacts
-  std::mutex mutex_;  // of all below; never taken in a haptic function
+  std::unique_ptr<ServedClient> client_;           // of a scene
+  mutable std::mutex mutex_;  // of all below; never taken in a haptic function
   std::vector<std::unique_ptr<Served>> tools_;
   SlowFailure failure_;
   std::atomic<bool> stop_ = false;

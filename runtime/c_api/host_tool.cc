@@ -67,6 +67,16 @@ void check(const HostOptions& options) {
   check_range("largest force [N]", options.force_max_n, 0.0, kEndless);
   check_range("stall limit [s]", options.stall_s, 0.0, kEndless);
   check_range("start-up ramp [s]", options.ramp_s, 0.0, kEndless);
+  const bool of_scene =
+      options.estimate || !options.server.empty() || !options.output.empty();
+  if (of_scene && !options.scene) {
+    throw InputError(
+        "server, output and estimate are of a scene that is computed "
+        "meanwhile: its flag is not set");
+  }
+  if (options.scene && options.streamed) {
+    throw InputError("a scene that is computed meanwhile is not streamed");
+  }
 }
 
 LocalModel passive_model(std::string_view name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,6 +37,11 @@ struct HostOptions {
   bool own_slow_steps = false;         ///< no slow thread
   bool limit_stiffness = false;        ///< scale forces instead of refusing
   bool streamed = false;               ///< the database stays in its file
+  // Of a scene that is computed meanwhile (served/join_scene.h).
+  bool scene = false;     ///< the file is one
+  bool estimate = false;  ///< where nothing is known: as of a half space
+  std::filesystem::path server = {};
+  std::filesystem::path output = {};
 };
 
 /// @throws InputError for the first value out of range.

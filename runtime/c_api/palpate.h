@@ -73,7 +73,40 @@ enum palpate_flags {
    * refusing to open. */
   PALPATE_LIMIT_STIFFNESS = 2,
   /* The database stays in its file; what is near the tool is in memory. */
-  PALPATE_STREAMED = 4
+  PALPATE_STREAMED = 4,
+  /* The file is a scene (TOML), rendered while its responses are computed: by
+   * palpate-precompute serve, which is joined where it listens, else started and ended
+   * with the body. palpate_open() waits for its first message, a minute at most. Where
+   * nothing is known yet there is no force; answers are taken in under the tool by
+   * steps of at most a twentieth of a place's largest force in 10 ms, by the account.
+   * Not for tools of several contacts, nor for bodies that relax or yield. With the
+   * device's damping given, PALPATE_LIMIT_STIFFNESS must be set: what turns out too
+   * stiff is softened, place by place. */
+  PALPATE_SCENE = 8,
+  /* Of a scene: where nothing is known yet, the force of a half space of the body's own
+   * material (no form, supports or large strains: off by a factor). */
+  PALPATE_ESTIMATE = 16
+};
+
+/* What the place under the tool answers with. */
+enum palpate_answer {
+  PALPATE_ANSWER_NONE = 0,      /* nothing is known yet, or nobody reaches there */
+  PALPATE_ANSWER_ESTIMATED = 1, /* as of a half space: PALPATE_ESTIMATE */
+  PALPATE_ANSWER_CHEAP = 2,     /* linear, on a coarse mesh */
+  PALPATE_ANSWER_GOOD = 3       /* as the finished database has it */
+};
+
+/* How the service of a scene is. Whatever it is, what was answered is rendered. */
+enum palpate_service_state {
+  PALPATE_SERVICE_NONE = 0,     /* the body is a database */
+  PALPATE_SERVICE_JOINING = 1,  /* another one starts */
+  PALPATE_SERVICE_SERVING = 2,  /* messages come */
+  PALPATE_SERVICE_SILENT = 3,   /* none for three seconds */
+  PALPATE_SERVICE_LOST = 4,     /* gone; joined again as soon as one listens */
+  PALPATE_SERVICE_NONSENSE = 5, /* what came was no message; joined again */
+  PALPATE_SERVICE_OTHER = 6,    /* who listens there computes another scene */
+  PALPATE_SERVICE_DONE = 7,     /* the database is whole */
+  PALPATE_SERVICE_FAILED = 8    /* there will be none */
 };
 
 /* Zero in any member means its default. */
@@ -100,6 +133,11 @@ typedef struct palpate_options {
   const char* model;
   double device_angular_damping_n_m_s; /* [N m s] > 0, viscous, of turns; 0: unknown,
                                           turning of several contacts is not checked */
+  /* Of a scene alone. */
+  const char* server; /* the program palpate-precompute; NULL: beside the host's own
+                         program, or in PATH */
+  const char* output; /* the database that is computed; NULL: the scene's name with .h5,
+                         in the present folder */
 } palpate_options;
 
 /* The latest tick. Energies are those of the body, not of a scaled device. */
@@ -138,7 +176,20 @@ typedef struct palpate_state {
    * energies those of both together. */
   double second_force[3];
   double second_torque[3];
+  int32_t answer; /* of enum palpate_answer; of a database always good */
 } palpate_state;
+
+/* Of the service of a scene. */
+typedef struct palpate_service {
+  size_t struct_size; /* sizeof(palpate_service), set by the caller */
+  int32_t state;      /* of enum palpate_service_state */
+  int32_t started;    /* 1: it is this process' child, and ends with the body */
+  int64_t nodes;      /* that get an answer, */
+  int64_t cheap;      /* have one, */
+  int64_t good;       /* have the one that the database will have */
+  int64_t softened;   /* answers that were too stiff for the device */
+  char detail[256];   /* why, or the finished database's path; one line */
+} palpate_service;
 
 typedef struct palpate_body palpate_body;
 typedef struct palpate_tool palpate_tool;
@@ -177,15 +228,21 @@ PALPATE_API palpate_tool* palpate_together_open(palpate_body* body,
  * hand cannot be given energy by the forces that are held between ticks: K (T/2 +
  * delay), K the largest stiffness of the body as it is felt, T the nominal tick. With
  * device_damping_n_s_per_m unknown (0) nobody has checked it: a device with less may
- * vibrate on a stiff spot, however exact the account of the forces is. */
+ * vibrate on a stiff spot, however exact the account of the forces is. Of a scene: by
+ * the answers that its tools have got so far. */
 PALPATE_API double palpate_needed_damping(const palpate_body* body);
 
 /* HDF5 is not thread-safe, and this library uses the process's: in palpate_open(), and
- * with PALPATE_STREAMED in threads of its own until palpate_close(). A host that calls
- * HDF5 itself, in any thread, does so between these two; they nest in one thread and
- * may wait for the reading of a chunk (milliseconds). Never in the haptic thread. */
+ * with PALPATE_STREAMED or PALPATE_SCENE in threads of its own until palpate_close(). A
+ * host that calls HDF5 itself, in any thread, does so between these two; they nest in
+ * one thread and may wait for the reading of a chunk (milliseconds). Never in the
+ * haptic thread. */
 PALPATE_API void palpate_hdf5_lock(void);
 PALPATE_API void palpate_hdf5_unlock(void);
+
+/* How the service of a scene is; for a body of a database all zero. 0, or an error
+ * below zero. Not in the haptic thread. */
+PALPATE_API int palpate_service_get(palpate_body* body, palpate_service* service);
 
 /* One turn of the slow process for all tools; only with PALPATE_OWN_SLOW_STEPS.
  * Elements sent, or an error below zero. */

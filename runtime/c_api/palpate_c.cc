@@ -30,6 +30,7 @@ struct palpate_tool {
   double newtons_per_unit;
   double force_scale;
   bool two_hands = false;
+  const palpate::GrowingElements* grown = nullptr;  // of a scene
 };
 
 struct palpate_body {
@@ -98,6 +99,34 @@ void zero(double* values, std::size_t count) noexcept {
   }
 }
 
+// As much of a struct as its caller knows; what it knows beyond is zero.
+template <typename Struct>
+void copy_known(const Struct& all, Struct* to) noexcept {
+  const std::size_t bytes = all.struct_size;
+  std::memcpy(to, &all, std::min(bytes, sizeof(all)));
+  if (bytes > sizeof(all)) {
+    std::memset(reinterpret_cast<unsigned char*>(to) + sizeof(all), 0,
+                bytes - sizeof(all));
+  }
+}
+
+palpate_service service_of(const palpate::HostBody& body) {
+  palpate_service all{};
+  const palpate::ServedClient* client = body.service();
+  if (client == nullptr) {
+    return all;
+  }
+  const palpate::ServiceStatus status = client->status();
+  all.state = 1 + static_cast<std::int32_t>(status.state);
+  all.started = status.started ? 1 : 0;
+  all.nodes = status.progress.nodes;
+  all.cheap = status.progress.cheap;
+  all.good = status.progress.good;
+  all.softened = body.softened();
+  copy_text(status.detail, all.detail, sizeof all.detail);
+  return all;
+}
+
 // Of one hand. @param quat_xyzw may be null.
 palpate::HostSample sample_of(const palpate_tool& tool, const double* position,
                               const double* quat_xyzw, double dt_s) noexcept {
@@ -149,9 +178,9 @@ palpate_tool* open_tool(palpate_body* body, char* error, std::size_t error_bytes
     body->tools.reserve(palpate::kHostToolsMax);
     const HostOptions& options = body->body.options();
     const palpate::HostBody::Together added = add();
-    body->tools.push_back(std::unique_ptr<palpate_tool>(
-        new palpate_tool{added.tool, body->body, options.metres_per_unit,
-                         options.newtons_per_unit, added.force_scale, two_hands}));
+    body->tools.push_back(std::unique_ptr<palpate_tool>(new palpate_tool{
+        added.tool, body->body, options.metres_per_unit, options.newtons_per_unit,
+        added.force_scale, two_hands, body->body.grown(added.tool)}));
     tool = body->tools.back().get();
     return 0;
   });
@@ -192,6 +221,21 @@ palpate_tool* palpate_together_open(palpate_body* body, const char* second_tool,
                                     char* error, size_t error_bytes) {
   return open_tool(body, error, error_bytes, true, [&] {
     return body->body.add_together(second_tool == nullptr ? "" : second_tool);
+  });
+}
+
+int palpate_service_get(palpate_body* body, palpate_service* service) {
+  if (service == nullptr || service->struct_size < sizeof(size_t)) {
+    return PALPATE_ERROR_INPUT;
+  }
+  return guarded(nullptr, 0, [&] {
+    if (body == nullptr) {
+      throw InputError("no body");
+    }
+    palpate_service all = service_of(body->body);
+    all.struct_size = service->struct_size;
+    copy_known(all, service);
+    return 0;
   });
 }
 
@@ -297,12 +341,9 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.contacts = tick.contacts;
   all.coupling_scaled = tick.scaled ? 1 : 0;
   all.dent = tick.command.dent_m / tool->metres_per_unit;
-  const std::size_t bytes = all.struct_size;
-  std::memcpy(state, &all, std::min(bytes, sizeof(all)));
-  if (bytes > sizeof(all)) {
-    std::memset(reinterpret_cast<unsigned char*>(state) + sizeof(all), 0,
-                bytes - sizeof(all));
-  }
+  all.answer = tool->grown == nullptr ? PALPATE_ANSWER_GOOD
+                                      : static_cast<std::int32_t>(tool->grown->here());
+  copy_known(all, state);
 }
 
 void palpate_reset(palpate_tool* tool) {

@@ -2,11 +2,7 @@
 
 #include <filesystem>
 
-#include <fmt/format.h>
-
-#include "formats/base/error.h"
-#include "formats/service/service_socket.h"
-#include "runtime/served/service_process.h"
+#include "runtime/served/join_scene.h"
 
 namespace palpate {
 
@@ -18,6 +14,11 @@ void add_scene_options(Command command, SceneFlags& flags) {
                      "Of a scene: the database that is computed; by default the "
                      "scene's name with .h5, in this folder. A service that is at it "
                      "already is joined");
+  command.add_flag(
+      "--estimate", flags.estimate,
+      "Of a scene: where nothing is known yet, a force as if the body were "
+      "a half space of its material, instead of none; off by a factor "
+      "where it is thin, narrow or held");
 }
 
 bool is_scene(const std::string& file) {
@@ -27,21 +28,11 @@ bool is_scene(const std::string& file) {
 std::unique_ptr<ServedClient> join_scene(const std::string& scene,
                                          const SceneFlags& flags,
                                          const std::string& tool) {
-  if (!std::filesystem::is_regular_file(scene)) {
-    throw InputError(fmt::format("{}: no such scene", scene));
-  }
-  const std::filesystem::path output =
-      flags.output.empty() ? served_output(scene) : std::filesystem::path(flags.output);
-  return std::make_unique<ServedClient>(
-      ServedClientOptions{.socket = service_socket(output),
-                          .tool = tool,
-                          .start = [scene, output, server = flags.server](bool anew) {
-                            return std::make_unique<ServiceProcess>(
-                                ServiceCommand{.program = find_server(server),
-                                               .scene = scene,
-                                               .output = output,
-                                               .anew = anew});
-                          }});
+  return join_scene({.scene = scene,
+                     .server = flags.server,
+                     .output = flags.output,
+                     .tool = tool,
+                     .estimate = flags.estimate});
 }
 
 }  // namespace palpate

@@ -12,9 +12,10 @@ namespace palpate {
 struct SceneFlags {
   std::string server;
   std::string output;
+  bool estimate = false;
 };
 
-/// --server and --output. @param flags must outlive the command.
+/// --server, --output and --estimate. @param flags must outlive the command.
 void add_scene_options(Command command, SceneFlags& flags);
 
 /// Whether what a command is given is a scene, no database: it ends in ".toml".

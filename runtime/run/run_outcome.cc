@@ -36,7 +36,11 @@ nlohmann::json as_json(const LinkReport& wire) {
 
 nlohmann::json as_json(const ServedReport& served) {
   const auto ticks = [](const QualityTicks& at) {
-    return nlohmann::json{{"none", at[0]}, {"cheap", at[1]}, {"good", at[2]}};
+    nlohmann::json row;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      row[std::string(name(static_cast<GrownQuality>(i)))] = at[i];
+    }
+    return row;
   };
   nlohmann::json seconds = nlohmann::json::array();
   for (const QualityTicks& second : served.by_second) {

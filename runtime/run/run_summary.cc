@@ -1,3 +1,5 @@
+#include <numeric>
+
 #include <fmt/format.h>
 
 #include "runtime/run/render_run.h"
@@ -154,7 +156,11 @@ std::string stream_lines(const StreamReport& s) {
 }
 
 std::string served_lines(const ServedReport& s) {
-  const std::int64_t all = s.ticks[0] + s.ticks[1] + s.ticks[2];
+  const std::int64_t all =
+      std::accumulate(s.ticks.begin(), s.ticks.end(), std::int64_t{0});
+  const auto share = [&](GrownQuality quality) {
+    return percent(s.ticks[static_cast<std::size_t>(quality)], all);
+  };
   const ServiceStatus& status = s.status;
   std::string text =
       line("service", fmt::format("{}{}{}, {} of {} nodes with an answer, {} good",
@@ -165,8 +171,12 @@ std::string served_lines(const ServedReport& s) {
           "in the body",
           fmt::format("{:.3g} % of ticks without an answer, {:.3g} % with a cheap one, "
                       "{:.3g} % with a good one",
-                      percent(s.ticks[0], all), percent(s.ticks[1], all),
-                      percent(s.ticks[2], all)));
+                      share(GrownQuality::kNone), share(GrownQuality::kCheap),
+                      share(GrownQuality::kGood)));
+  if (share(GrownQuality::kEstimated) > 0.0) {
+    text += line("", fmt::format("{:.3g} % estimated from the material alone",
+                                 share(GrownQuality::kEstimated)));
+  }
   if (s.softened > 0) {
     text += line("softened",
                  fmt::format("{} answers, too stiff for the device", s.softened));

@@ -64,6 +64,7 @@ GrowingElements::GrowingElements(const SurfaceMesh& body, const Points& normal,
 void GrowingElements::hand_over(std::vector<GrownNode> answers) {
   for (GrownNode& answer : answers) {
     softened_ += soften(answer.message, stiffness_max_n_per_m_) < 1.0 ? 1 : 0;
+    stiffest_ = std::max(stiffest_.load(), stiffness_n_per_m(answer.message));
   }
   const std::lock_guard lock(mutex_);
   waiting_.insert(waiting_.end(), std::make_move_iterator(answers.begin()),

@@ -64,6 +64,8 @@ class GrowingElements : public ElementSender {
   /// Any thread.
   [[nodiscard]] QualityTicks ticks() const noexcept;
   [[nodiscard]] std::int64_t softened() const noexcept { return softened_.load(); }
+  /// [N/m] of the stiffest answer so far.
+  [[nodiscard]] double stiffest_n_per_m() const noexcept { return stiffest_.load(); }
   [[nodiscard]] GrownQuality here() const noexcept { return here_.load(); }
 
   // The slow thread, or after it has ended.
@@ -151,6 +153,7 @@ class GrowingElements : public ElementSender {
   TripleBuffer<HandPlace> hand_;
   std::array<std::atomic<std::int64_t>, kGrownQualities> ticks_{};
   std::atomic<std::int64_t> softened_ = 0;
+  std::atomic<double> stiffest_ = 0.0;
   std::atomic<GrownQuality> here_ = GrownQuality::kNone;
 };
 

@@ -1,6 +1,7 @@
 #include "runtime/served/grown_node.h"
 
 #include <algorithm>
+#include <array>
 
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
@@ -15,11 +16,25 @@ constexpr double kLeanLeast = 0.05;
 
 }  // namespace
 
+std::string_view name(GrownQuality quality) noexcept {
+  constexpr std::array<std::string_view, kGrownQualities> kNames{"none", "estimated",
+                                                                 "cheap", "good"};
+  return kNames[static_cast<std::size_t>(quality)];
+}
+
+double stiffness_n_per_m(const ElementNode& node) {
+  if (node.samples == 0) {
+    return 0.0;
+  }
+  const double rubs_n = node.friction * largest_normal_force_n(node);
+  const double friction = rubs_n > 0.0 ? rubs_n / node.presliding_m : 0.0;
+  return std::max(stiffness_max_n_per_m(node.curve()), friction);
+}
+
 GrownNode grown_node(const ToolShape& tool, const WorkUnitNode& answer,
-                     AnswerQuality quality, const Eigen::Vector3d& position_m,
+                     GrownQuality quality, const Eigen::Vector3d& position_m,
                      const Eigen::Vector3d& normal) {
-  GrownNode grown{
-      .node = answer.vertex, .quality = palpate::grown(quality), .message = {}};
+  GrownNode grown{.node = answer.vertex, .quality = quality, .message = {}};
   NodeResponse response = answer.response;
   if (response.depth_m.empty() || !(response.direction.dot(normal) >= kLeanLeast)) {
     response = {};

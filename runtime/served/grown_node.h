@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include <Eigen/Core>
 
@@ -13,8 +14,16 @@
 namespace palpate {
 
 /// What a place of the body answers with.
-enum class GrownQuality : std::uint8_t { kNone = 0, kCheap = 1, kGood = 2 };
-constexpr std::size_t kGrownQualities = 3;
+enum class GrownQuality : std::uint8_t {
+  kNone = 0,
+  kEstimated = 1,  ///< stiffness_estimate.h
+  kCheap = 2,
+  kGood = 3,
+};
+constexpr std::size_t kGrownQualities = 4;
+
+/// "none", "estimated", "cheap", "good".
+[[nodiscard]] std::string_view name(GrownQuality quality) noexcept;
 
 [[nodiscard]] constexpr GrownQuality grown(AnswerQuality quality) noexcept {
   return quality == AnswerQuality::kGood ? GrownQuality::kGood : GrownQuality::kCheap;
@@ -27,11 +36,15 @@ struct GrownNode {
   ElementNode message;  ///< without samples: the answer is that there is no response
 };
 
+/// [N/m] the most that the message can make a tool feel: its steepest slope, or its
+/// friction's spring at its largest force; 0 without samples.
+[[nodiscard]] double stiffness_n_per_m(const ElementNode& node);
+
 /// The answer of a node as a message. A response whose direction does not point out of
 /// the body (n . u < 0.05) is none, and so is one that breaks a rule.
 /// @param normal [-] outward, of the node.
 [[nodiscard]] GrownNode grown_node(const ToolShape& tool, const WorkUnitNode& answer,
-                                   AnswerQuality quality,
+                                   GrownQuality quality,
                                    const Eigen::Vector3d& position_m,
                                    const Eigen::Vector3d& normal);
 

@@ -1,12 +1,14 @@
 #include "runtime/served/served_client.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/served/stiffness_estimate.h"
 
 namespace palpate {
 namespace {
@@ -75,17 +77,24 @@ const ServedScene& ServedClient::scene(const std::atomic<bool>& stop) {
   return *scene_;
 }
 
-void ServedClient::feed(GrowingElements* elements) {
+void ServedClient::feed(GrowingElements& elements) {
   const std::lock_guard lock(feed_mutex_);
-  elements_ = elements;
-  if (elements_ == nullptr) {
-    return;
-  }
+  fed_.push_back(&elements);
   std::vector<GrownNode> ready_nodes;
-  for (const ServedAnswer& answer : answers_->all()) {
-    ready_nodes.push_back(ready(*answer.node, answer.quality));
+  if (options_.estimate) {
+    for (const WorkUnitNode& answer : estimated_answers(*scene_, tool_)) {
+      ready_nodes.push_back(ready(answer, GrownQuality::kEstimated));
+    }
   }
-  elements_->hand_over(std::move(ready_nodes));
+  for (const ServedAnswer& answer : answers_->all()) {
+    ready_nodes.push_back(ready(*answer.node, grown(answer.quality)));
+  }
+  elements.hand_over(std::move(ready_nodes));
+}
+
+void ServedClient::forget(const GrowingElements& elements) {
+  const std::lock_guard lock(feed_mutex_);
+  fed_.erase(std::remove(fed_.begin(), fed_.end(), &elements), fed_.end());
 }
 
 ServiceStatus ServedClient::status() const {
@@ -213,9 +222,14 @@ void ServedClient::tell_hand() {
   HandPlace hand;
   {
     const std::lock_guard lock(feed_mutex_);
-    if (elements_ == nullptr || !elements_->fetch_hand(hand)) {
+    const auto moved =
+        std::find_if(fed_.begin(), fed_.end(), [&](GrowingElements* one) {
+          return one->fetch_hand(hand);
+        });
+    if (moved == fed_.end()) {
       return;
     }
+    std::rotate(fed_.begin(), moved + 1, fed_.end());  // its turn comes last now
   }
   hand.tool = tool_;
   hand_sent_ = Clock::now();
@@ -293,8 +307,8 @@ void ServedClient::take_scene(const ServedScene& scene) {
     digest_ = scene.plan.digest;
     answers_->outdate();
     const std::lock_guard lock(feed_mutex_);
-    if (elements_ != nullptr) {
-      elements_->outdate();
+    for (GrowingElements* elements : fed_) {
+      elements->outdate();
     }
   }
   renewing_ = false;
@@ -322,7 +336,7 @@ void ServedClient::take_first(const ServedScene& scene) {
   refusal_ = refusal;
 }
 
-GrownNode ServedClient::ready(const WorkUnitNode& answer, AnswerQuality quality) const {
+GrownNode ServedClient::ready(const WorkUnitNode& answer, GrownQuality quality) const {
   const JobDescription& plan = scene_->plan;
   return grown_node(plan.tool[static_cast<std::size_t>(tool_)], answer, quality,
                     plan.body.position_m.row(answer.vertex).transpose(),
@@ -363,7 +377,7 @@ void ServedClient::take_known(const ServedResponses& responses) {
   for (const WorkUnitNode& node : responses.node) {
     if (node.tool == tool_ &&
         answers_->take(std::make_shared<const WorkUnitNode>(node), responses.quality)) {
-      ready_nodes.push_back(ready(node, responses.quality));
+      ready_nodes.push_back(ready(node, grown(responses.quality)));
     }
   }
   {
@@ -371,21 +385,25 @@ void ServedClient::take_known(const ServedResponses& responses) {
     status_.answers += std::ssize(ready_nodes);
   }
   const std::lock_guard lock(feed_mutex_);
-  if (elements_ != nullptr) {
-    elements_->hand_over(std::move(ready_nodes));
+  for (GrowingElements* elements : fed_) {
+    elements->hand_over(ready_nodes);
   }
 }
 
 std::string quality_csv(const ServedReport& report) {
-  std::string text = "second,none,cheap,good\n";
+  std::string text = "second,none,estimated,cheap,good\n";
   for (std::size_t i = 0; i < report.by_second.size(); ++i) {
     const QualityTicks& at = report.by_second[i];
-    const auto all = static_cast<double>(at[0] + at[1] + at[2]);
-    if (all > 0.0) {
-      text += fmt::format(
-          "{},{:.4f},{:.4f},{:.4f}\n", i, static_cast<double>(at[0]) / all,
-          static_cast<double>(at[1]) / all, static_cast<double>(at[2]) / all);
+    const auto all =
+        static_cast<double>(std::accumulate(at.begin(), at.end(), std::int64_t{0}));
+    if (all == 0.0) {
+      continue;
     }
+    text += fmt::format("{}", i);
+    for (const std::int64_t ticks : at) {
+      text += fmt::format(",{:.4f}", static_cast<double>(ticks) / all);
+    }
+    text += "\n";
   }
   return text;
 }

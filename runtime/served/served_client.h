@@ -58,6 +58,7 @@ struct ServedClientOptions {
   std::function<std::unique_ptr<ServiceProcess>(bool anew)> start = nullptr;
   std::chrono::milliseconds silent{3000};  ///< without a message: kSilent
   std::chrono::milliseconds again{1000};   ///< between attempts to join
+  bool estimate = false;  ///< places without an answer: as stiffness_estimate.h
 };
 
 /// Scene and answers may be read from any thread.
@@ -80,10 +81,11 @@ class ServedClient {
   /// of several contacts, responses that relax or yield. Interrupted if `stop` was set.
   [[nodiscard]] const ServedScene& scene(const std::atomic<bool>& stop);
 
-  /// After scene(): hands this body all answers of the tool so far, and all to come;
-  /// tells the service where its hand is. Null: nobody. It must outlive the client or
-  /// the next call.
-  void feed(GrowingElements* elements);
+  /// After scene(): hands this body all answers of the tool so far, and all to come,
+  /// and tells the service where its hand is; those of several take turns. Until
+  /// forget(), which must come before its end.
+  void feed(GrowingElements& elements);
+  void forget(const GrowingElements& elements);
 
   /// After scene().
   [[nodiscard]] const ServedAnswers& answers() const noexcept { return *answers_; }
@@ -116,8 +118,7 @@ class ServedClient {
   void take_responses(const ServedResponses& responses);
   void take_known(const ServedResponses& responses);
   void take_end(const ServedEnd& end);
-  [[nodiscard]] GrownNode ready(const WorkUnitNode& answer,
-                                AnswerQuality quality) const;
+  [[nodiscard]] GrownNode ready(const WorkUnitNode& answer, GrownQuality quality) const;
   void leave(ServiceState state, const std::string& why);
   void set(ServiceState state, const std::string& why);
   void pause(std::chrono::milliseconds time);
@@ -145,7 +146,7 @@ class ServedClient {
   std::string text_;
 
   std::mutex feed_mutex_;
-  GrowingElements* elements_ = nullptr;
+  std::vector<GrowingElements*> fed_;
   std::atomic<bool> anew_ = false;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
@@ -154,15 +155,17 @@ class ServedClient {
 /// Feeds a body as long as it lives.
 class Feeding {
  public:
-  Feeding(ServedClient& client, GrowingElements& elements) : client_(client) {
-    client_.feed(&elements);
+  Feeding(ServedClient& client, GrowingElements& elements)
+      : client_(client), elements_(elements) {
+    client_.feed(elements);
   }
-  ~Feeding() { client_.feed(nullptr); }
+  ~Feeding() { client_.forget(elements_); }
   Feeding(const Feeding&) = delete;
   Feeding& operator=(const Feeding&) = delete;
 
  private:
   ServedClient& client_;
+  GrowingElements& elements_;
 };
 
 /// What a run saw of its service.
@@ -173,8 +176,8 @@ struct ServedReport {
   std::int64_t softened = 0;            ///< answers that were too stiff for the device
 };
 
-/// By second, as comma-separated values: "second,none,cheap,good", shares of the ticks
-/// in the body [-]; none for a second without any.
+/// By second, as comma-separated values: "second,none,estimated,cheap,good", shares of
+/// the ticks in the body [-]; none for a second without any.
 [[nodiscard]] std::string quality_csv(const ServedReport& report);
 
 }  // namespace palpate

@@ -66,7 +66,7 @@ std::filesystem::path served_output(const std::filesystem::path& scene) {
 std::filesystem::path find_server(const std::filesystem::path& given) {
   if (!given.empty()) {
     if (!is_program(given)) {
-      throw InputError(fmt::format("--server {}: no program is there", given.string()));
+      throw InputError(fmt::format("server {}: no program is there", given.string()));
     }
     return given;
   }
@@ -85,7 +85,7 @@ std::filesystem::path find_server(const std::filesystem::path& given) {
   }
   throw InputError(
       fmt::format("{} is neither beside this program nor in PATH: it computes a "
-                  "scene's responses; name it with --server, or build the database "
+                  "scene's responses; name it as the server, or build the database "
                   "elsewhere",
                   kProgram));
 }

@@ -17,12 +17,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::string_view name_of(GrownQuality quality) {
-  constexpr std::array<std::string_view, kGrownQualities> kNames{"none", "cheap",
-                                                                 "good"};
-  return kNames[static_cast<std::size_t>(quality)];
-}
-
 }  // namespace
 
 double served_map_depth_m(double depth_max_m) {
@@ -47,7 +41,7 @@ ViewService ServedNews::service() {
           .nodes = status.progress.nodes,
           .cheap = status.progress.cheap,
           .good = status.progress.good,
-          .here = std::string(name_of(elements_.here())),
+          .here = std::string(name(elements_.here())),
           .ticks = elements_.ticks(),
           .changed = watch_.changed_from(served)};
 }

@@ -14,6 +14,7 @@
 #include "formats/database/response_database.h"
 #include "formats/recording/recording.h"
 #include "runtime/fast/local_model.h"
+#include "runtime/served/growing_elements.h"
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_dents.h"
 #include "runtime/view/view_hands.h"
@@ -72,12 +73,12 @@ struct ViewService {
   std::string state;   ///< "serving", "lost", ... (served_client.h)
   std::string detail;  ///< why
   std::string stage;
-  std::int64_t nodes = 0;               ///< that get an answer
-  std::int64_t cheap = 0;               ///< of them with one
-  std::int64_t good = 0;                ///< of them with a good one
-  std::string here;                     ///< what the place under the tool answers with
-  std::array<std::int64_t, 3> ticks{};  ///< in the body: with none, cheap, good answers
-  bool changed = false;                 ///< the scene's file, since it is served
+  std::int64_t nodes = 0;  ///< that get an answer
+  std::int64_t cheap = 0;  ///< of them with one
+  std::int64_t good = 0;   ///< of them with a good one
+  std::string here;        ///< what the place under the tool answers with
+  QualityTicks ticks{};    ///< in the body
+  bool changed = false;    ///< the scene's file, since it is served
 };
 
 /// One frame: the state now.

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -10,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/input_file.h"
+#include "tests/support/comes_true.h"
 #include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
@@ -19,10 +22,28 @@ namespace {
 
 class SceneWhileComputed : public testing::Test {
  protected:
+  // A body, and what a build makes of it, for all tests.
+  static void SetUpTestSuite() {
+    made_ = std::make_unique<ScratchFolder>();
+    const ToolRun body = run_tool_process(
+        "palpate-precompute",
+        {"body", "organ", "--levels", "2", "-o", (*made_ / "organ.obj").string()});
+    ASSERT_EQ(body.exit_code, 0) << body.err;
+    write_scene(*made_ / "scene.toml");
+    const ToolRun build = run_tool_process(
+        "palpate-precompute", {"build", (*made_ / "scene.toml").string(), "-o",
+                               (*made_ / "whole.h5").string()});
+    ASSERT_EQ(build.exit_code, 0) << build.err;
+  }
+  static void TearDownTestSuite() { made_.reset(); }
+
+  static void write_scene(const std::filesystem::path& file) {
+    std::ofstream(file) << organ_on_table("linear") << kBallOnTop << "verify = 0\n";
+  }
+
   SceneWhileComputed() {
-    std::filesystem::copy_file("data/organ.obj", folder_ / "organ.obj");
-    std::ofstream(folder_ / "scene.toml")
-        << organ_on_table("linear") << kBallOnTop << "verify = 0\n";
+    std::filesystem::copy_file(*made_ / "organ.obj", folder_ / "organ.obj");
+    write_scene(folder_ / "scene.toml");
   }
 
   [[nodiscard]] std::vector<std::string> simulate(
@@ -35,14 +56,14 @@ class SceneWhileComputed : public testing::Test {
     return words;
   }
 
+  static std::unique_ptr<ScratchFolder> made_;
   const ScratchFolder folder_;
 };
 
+std::unique_ptr<ScratchFolder> SceneWhileComputed::made_;
+
 TEST_F(SceneWhileComputed, WhatWasComputedBeforeIsFeltAtOnce) {
-  const ToolRun build = run_tool_process(
-      "palpate-precompute", {"build", (folder_ / "scene.toml").string(), "-o",
-                             (folder_ / "out.h5").string()});
-  ASSERT_EQ(build.exit_code, 0) << build.err;
+  std::filesystem::copy_file(*made_ / "whole.h5", folder_ / "out.h5");
   const ToolRun run = run_tool_process(
       "palpate-run",
       simulate({"--seconds", "3", "--quality-csv", (folder_ / "q.csv").string()}));
@@ -58,7 +79,7 @@ TEST_F(SceneWhileComputed, WhatWasComputedBeforeIsFeltAtOnce) {
   std::ifstream csv(folder_ / "q.csv");
   std::string line;
   std::getline(csv, line);
-  EXPECT_EQ(line, "second,none,cheap,good");
+  EXPECT_EQ(line, "second,none,estimated,cheap,good");
   EXPECT_TRUE(std::getline(csv, line));
 }
 
@@ -89,6 +110,39 @@ TEST_F(SceneWhileComputed, GoesOnWhenItsServerIsKilled) {
   EXPECT_EQ(json["service"]["state"], "lost") << json["service"];
   EXPECT_EQ(json["fault"], "none");
   EXPECT_GT(json["ticks"], 3000);
+}
+
+TEST_F(SceneWhileComputed, KilledAtTwentyMomentsTheServiceGoesOn) {
+  int killed = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto at =
+        std::chrono::steady_clock::now() + std::chrono::milliseconds(30 + 20 * i);
+    const ToolRun run =
+        kill_tool_process("palpate-run", simulate({"--seconds", "60"}), [&] {
+          return std::chrono::steady_clock::now() > at;
+        });
+    killed += run.exit_code == 128 + SIGKILL ? 1 : 0;
+  }
+  EXPECT_EQ(killed, 20);
+  const ToolRun last = run_tool_process("palpate-run", simulate({"--seconds", "2"}));
+  EXPECT_EQ(last.exit_code, 0) << last.err;
+  EXPECT_TRUE(comes_true(
+      [&] {
+        return std::filesystem::exists(folder_ / "out.h5") &&
+               !std::filesystem::exists(folder_ / "out.h5.socket");
+      },
+      std::chrono::minutes(2)));
+  EXPECT_EQ(read_file(folder_ / "out.h5"), read_file(*made_ / "whole.h5"));
+}
+
+TEST_F(SceneWhileComputed, AHostInCFeelsItComeIn) {
+  const auto server = std::filesystem::read_symlink("/proc/self/exe").parent_path() /
+                      "palpate-precompute";
+  const ToolRun run = run_tool_process(
+      "c_scene_host", {(folder_ / "scene.toml").string(), (folder_ / "out.h5").string(),
+                       server.string(), "0", "0", "0.0467", "0.03", "0.003"});
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("good"), std::string::npos) << run.out;
 }
 
 TEST_F(SceneWhileComputed, SaysWhatIsWrong) {

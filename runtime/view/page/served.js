@@ -45,10 +45,12 @@ export class Served {
     const ticks = service.ticks.reduce((sum, value) => sum + value, 0);
     put("service_shares", ticks > 0
       ? `pressed so far: ${(100 * service.ticks[0] / ticks).toFixed(1)} % without an answer, ` +
-        `${(100 * service.ticks[1] / ticks).toFixed(1)} % with a cheap one`
+        (service.ticks[1] > 0 ? `${(100 * service.ticks[1] / ticks).toFixed(1)} % estimated from the material, ` : "") +
+        `${(100 * service.ticks[2] / ticks).toFixed(1)} % with a cheap one`
       : "");
     const pressed = state.holding && state.penetration_m > 0;
     put("service_here", pressed && service.here === "none" ? "no answer here yet: no force"
+      : pressed && service.here === "estimated" ? "no answer here yet: a force as of a half space of its material"
       : pressed && state.shift_m > 2e-4 ? "answered while it was pressed: lift the tool to feel all of it" : "");
     put("service_changed", service.changed ? "The scene's file has changed." : "");
     get("anew").hidden = !service.changed && !trouble;

@@ -21,7 +21,8 @@ ServedScene sample_scene() {
   return {.plan = sample_plan(),
           .reachable = {0, 1, 2, 3, 4},
           .output = "/tmp/organ.h5",
-          .nonlinear = true};
+          .nonlinear = true,
+          .modulus_pa = 7500.0};
 }
 
 ServedResponses sample_responses() {
@@ -40,6 +41,15 @@ TEST(ServiceMessage, SceneComesThroughWhole) {
   EXPECT_EQ(got.reachable, sent.reachable);
   EXPECT_EQ(got.output, sent.output);
   EXPECT_EQ(got.nonlinear, sent.nonlinear);
+  EXPECT_EQ(got.modulus_pa, sent.modulus_pa);
+}
+
+TEST(ServiceMessage, AModulusThatIsNoneIsRefused) {
+  ServedScene scene = sample_scene();
+  for (const double modulus_pa : {-1.0, std::numeric_limits<double>::infinity()}) {
+    scene.modulus_pa = modulus_pa;
+    EXPECT_THROW(through_the_wire(scene), FormatError);
+  }
 }
 
 TEST(ServiceMessage, ResponsesComeThroughWhole) {

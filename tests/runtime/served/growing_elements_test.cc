@@ -27,7 +27,7 @@ ToolState over(const Eigen::Vector3d& at_m, std::uint64_t tick, std::int32_t tri
 
 class GrowingPlate : public testing::Test {
  protected:
-  GrownNode answer(std::int32_t node, AnswerQuality quality, double slope,
+  GrownNode answer(std::int32_t node, GrownQuality quality, double slope,
                    const Eigen::Vector3d& direction = Eigen::Vector3d::UnitZ()) {
     WorkUnitNode answer{.tool = 0, .vertex = node};
     if (slope > 0.0) {
@@ -40,7 +40,7 @@ class GrowingPlate : public testing::Test {
                       normal_.row(node).transpose());
   }
 
-  void answer_all(AnswerQuality quality, double slope) {
+  void answer_all(GrownQuality quality, double slope) {
     std::vector<GrownNode> answers;
     for (std::int32_t i = 0; i < body_.position_m.rows(); ++i) {
       answers.push_back(answer(i, quality, slope));
@@ -84,7 +84,7 @@ class GrowingPlate : public testing::Test {
 TEST_F(GrowingPlate, HasNoForceAtFirstAndTakesAnswersElsewhereAtOnce) {
   EXPECT_EQ(slope_of(turn()), 0.0);
   EXPECT_EQ(elements_.here(), GrownQuality::kNone);
-  answer_all(AnswerQuality::kCheap, kSlope);
+  answer_all(GrownQuality::kCheap, kSlope);
   (void)turn();
   EXPECT_EQ(elements_.quality(0), GrownQuality::kCheap);  // a corner, far away
   EXPECT_EQ(elements_.quality(body_.triangle(triangle_, 0)), GrownQuality::kNone);
@@ -92,7 +92,7 @@ TEST_F(GrowingPlate, HasNoForceAtFirstAndTakesAnswersElsewhereAtOnce) {
 
 TEST_F(GrowingPlate, UnderTheToolForceRisesAndFallsInSteps) {
   (void)turn();
-  answer_all(AnswerQuality::kCheap, kSlope);
+  answer_all(GrownQuality::kCheap, kSlope);
   double before = 0.0;
   int turns = 0;
   for (; before < kSlope && turns < 200; ++turns) {
@@ -109,52 +109,51 @@ TEST_F(GrowingPlate, UnderTheToolForceRisesAndFallsInSteps) {
   EXPECT_EQ(elements_.here(), GrownQuality::kCheap);
   EXPECT_EQ(elements_.waiting(), 0);
 
-  answer_all(AnswerQuality::kGood, kSlope / 4.0);
+  answer_all(GrownQuality::kGood, kSlope / 4.0);
   const double next = slope_of(turn());
   EXPECT_LT(next, kSlope);
   EXPECT_GE(next, kSlope * (1.0 - 1.01 * GrowingElements::kStepShare));
 }
 
 TEST_F(GrowingPlate, ACheapAnswerAfterAGoodOneIsOldNews) {
-  answer_all(AnswerQuality::kGood, kSlope);
+  answer_all(GrownQuality::kGood, kSlope);
   EXPECT_NEAR(slope_of(turn()), kSlope, 1e-9);
-  answer_all(AnswerQuality::kCheap, 3.0 * kSlope);
+  answer_all(GrownQuality::kCheap, 3.0 * kSlope);
   EXPECT_NEAR(slope_of(turn()), kSlope, 1e-9);
   EXPECT_EQ(elements_.waiting(), 0);
   // Of another scene it is news.
   elements_.outdate();
   (void)turn();
   EXPECT_EQ(elements_.quality(0), GrownQuality::kCheap);
-  answer_all(AnswerQuality::kCheap, 3.0 * kSlope);
+  answer_all(GrownQuality::kCheap, 3.0 * kSlope);
   EXPECT_GT(slope_of(turn()), kSlope);
 }
 
 TEST_F(GrowingPlate, CountsTicksInTheBodyByWhatItAnswers) {
   (void)turn();  // the first counts from tick 0: 21
   (void)turn();
-  EXPECT_EQ(elements_.ticks(), (QualityTicks{41, 0, 0}));
-  answer_all(AnswerQuality::kGood, kSlope);
+  EXPECT_EQ(elements_.ticks(), (QualityTicks{41, 0, 0, 0}));
+  answer_all(GrownQuality::kGood, kSlope);
   for (int i = 0; i < 95; ++i) {
     (void)turn();
   }
   const QualityTicks ticks = elements_.ticks();
-  EXPECT_EQ(ticks[0] + ticks[1] + ticks[2], 41 + 95 * 20);
-  EXPECT_EQ(ticks[1], 0);
+  EXPECT_EQ(ticks[0] + ticks[3], 41 + 95 * 20);
   EXPECT_GE(ticks[0], 41 + 78 * 20);  // rising is not there yet
-  EXPECT_GE(ticks[2], 10 * 20);
+  EXPECT_GE(ticks[3], 10 * 20);
   ASSERT_EQ(elements_.by_second().size(), 1U);
   EXPECT_EQ(elements_.by_second()[0], ticks);
   tick_ = 0;  // of a new run: 20 are done at its first turn
   (void)turn();
-  EXPECT_EQ(elements_.ticks()[2], ticks[2] + 20);
+  EXPECT_EQ(elements_.ticks()[3], ticks[3] + 20);
 }
 
 TEST_F(GrowingPlate, SoftensWhatTheDeviceCannotRenderAndCountsIt) {
   GrowingElements soft(body_, normal_, tool_, kSlope / 2.0);
-  soft.hand_over({answer(7, AnswerQuality::kGood, kSlope),
-                  answer(8, AnswerQuality::kGood, kSlope / 4.0)});
+  soft.hand_over({answer(7, GrownQuality::kGood, kSlope),
+                  answer(8, GrownQuality::kGood, kSlope / 4.0)});
   EXPECT_EQ(soft.softened(), 1);
-  ElementNode node = answer(7, AnswerQuality::kGood, kSlope).message;
+  ElementNode node = answer(7, GrownQuality::kGood, kSlope).message;
   EXPECT_NEAR(soften(node, kSlope / 2.0), 0.5, 1e-12);
   EXPECT_NEAR(node.curve().at(0.005).force_n, 0.0025 * kSlope, 1e-12);
   EXPECT_NEAR(node.curve().at(0.005).energy_j, 0.25 * kSlope * 2.5e-5, 1e-12);
@@ -163,10 +162,10 @@ TEST_F(GrowingPlate, SoftensWhatTheDeviceCannotRenderAndCountsIt) {
 }
 
 TEST_F(GrowingPlate, NonsenseGivesNoForce) {
-  const auto into = answer(7, AnswerQuality::kGood, kSlope, -Eigen::Vector3d::UnitZ());
+  const auto into = answer(7, GrownQuality::kGood, kSlope, -Eigen::Vector3d::UnitZ());
   EXPECT_EQ(into.message.samples, 0);
-  EXPECT_EQ(answer(7, AnswerQuality::kGood, -1.0).message.samples, 0);
-  GrownNode nowhere = answer(7, AnswerQuality::kGood, kSlope);
+  EXPECT_EQ(answer(7, GrownQuality::kGood, -1.0).message.samples, 0);
+  GrownNode nowhere = answer(7, GrownQuality::kGood, kSlope);
   nowhere.node = 100'000;
   elements_.hand_over({nowhere});
   EXPECT_EQ(slope_of(turn()), 0.0);

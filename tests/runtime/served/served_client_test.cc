@@ -65,7 +65,7 @@ TEST_F(ServedClientOfPlate, TakesSceneAndAnswersAndTellsWhereTheHandIs) {
   const ResponseDatabase body = body_of(scene, client.tool());
   EXPECT_EQ(body.tools[0].depth_max_m(), 0.0);
   GrowingElements elements(body.body, body.normal, body.tools[0].tool);
-  client.feed(&elements);
+  client.feed(elements);
   ASSERT_TRUE(comes_true(
       [&] {
         return client.answers().all().size() == 49;
@@ -100,7 +100,7 @@ TEST_F(ServedClientOfPlate, TakesSceneAndAnswersAndTellsWhereTheHandIs) {
   EXPECT_LE(hands.size(), 12U);  // 20 a second, however slow this machine: 0.6 s
   EXPECT_EQ(hands.back().position_m.z(), 0.01);
   EXPECT_EQ(elements.quality(0), GrownQuality::kCheap);
-  client.feed(nullptr);
+  client.forget(elements);
 }
 
 TEST_F(ServedClientOfPlate, GoesOnWhenTheServiceDiesAndJoinsTheNextOne) {
@@ -333,7 +333,7 @@ TEST_F(ServedClientOfPlate, KilledAtTwentyMomentsItNeverStopsTheSlowProcess) {
   begin(20);
   ServedClient client(options());
   (void)client.scene(kNever);
-  client.feed(&elements);
+  client.feed(elements);
   auto fifo = std::make_unique<ElementFifo>();
   std::uint64_t tick = 0;
   std::chrono::nanoseconds longest{0};
@@ -365,7 +365,7 @@ TEST_F(ServedClientOfPlate, KilledAtTwentyMomentsItNeverStopsTheSlowProcess) {
         return state(client) == ServiceState::kServing;
       },
       milliseconds(4000)));
-  client.feed(nullptr);
+  client.forget(elements);
 }
 
 TEST_F(ServedClientOfPlate, AServiceThatEndsBeforeItsSceneIsSaid) {

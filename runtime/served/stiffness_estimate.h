@@ -1,0 +1,28 @@
+// What a place would answer if the body were a half space of its own material: for
+// places that nobody has computed yet, where a user asked for some force rather than
+// none. Form, supports, inclusions and large strains are not in it: a thin or narrow
+// part, or one that lies on a table, is off by a factor.
+#pragma once
+
+#include <optional>
+
+#include "formats/response/tool_shape.h"
+#include "formats/service/service_message.h"
+
+namespace palpate {
+
+/// Force [N] of a rigid tool pressed by depth_m [m] >= 0 into a half space, without
+/// friction: sphere and capsule's end 4/3 E* sqrt(R) d^1.5 (Hertz 1881), flat punch 2
+/// E* a d and cone 2/pi E* tan(half angle) d^2 (Sneddon 1965). No value for a mesh.
+/// @param modulus_pa [Pa] > 0 E* = E / (1 - nu^2).
+[[nodiscard]] std::optional<double> half_space_force_n(const ToolShape& tool,
+                                                       double modulus_pa,
+                                                       double depth_m);
+
+/// For all reachable vertices of the scene, straight out of the surface, up to the
+/// scene's depth or force; error_relative 1: not known. Empty where the service did not
+/// tell the material's modulus, or for a mesh.
+[[nodiscard]] std::vector<WorkUnitNode> estimated_answers(const ServedScene& scene,
+                                                          std::int32_t tool);
+
+}  // namespace palpate
