@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include <fcntl.h>
@@ -55,8 +56,24 @@ bool wait_for(int descriptor, short what, milliseconds within) {
   }
 }
 
+bool connects(int descriptor, const sockaddr_un& address) {
+  return ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address),
+                   sizeof(address)) == 0;
+}
+
 bool would_block() {
   return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+}
+
+// Also one who hangs, with a queue full of those who would join.
+bool somebody_listens(const sockaddr_un& address) {
+  const int descriptor = new_socket();
+  const bool listens =
+      descriptor >= 0 && (connects(descriptor, address) || would_block());
+  if (descriptor >= 0) {
+    ::close(descriptor);
+  }
+  return listens;
 }
 
 }  // namespace
@@ -88,9 +105,7 @@ std::optional<ServiceConnection> ServiceConnection::join(
     const std::filesystem::path& socket) {
   const sockaddr_un address = address_of(socket);
   ServiceConnection connection(new_socket());
-  if (!connection.is_open() ||
-      ::connect(connection.descriptor_, reinterpret_cast<const sockaddr*>(&address),
-                sizeof(address)) != 0) {
+  if (!connection.is_open() || !connects(connection.descriptor_, address)) {
     return std::nullopt;
   }
   return connection;
@@ -140,11 +155,15 @@ std::optional<ServiceMessage> ServiceConnection::receive(milliseconds within) {
 ServiceListener::ServiceListener(std::filesystem::path socket)
     : socket_(std::move(socket)) {
   const sockaddr_un address = address_of(socket_);
-  if (ServiceConnection::join(socket_)) {
-    throw InputError(
-        fmt::format("a service listens at {} already: join it, or give another "
-                    "--socket",
-                    socket_.string()));
+  const auto deadline = std::chrono::steady_clock::now() + kGoing;
+  while (somebody_listens(address)) {
+    if (std::chrono::steady_clock::now() > deadline) {
+      throw InputError(
+          fmt::format("a service listens at {} already: join it, or give another "
+                      "--socket",
+                      socket_.string()));
+    }
+    std::this_thread::sleep_for(milliseconds(50));
   }
   std::error_code ignored;
   if (std::filesystem::is_socket(socket_, ignored)) {

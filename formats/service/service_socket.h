@@ -48,8 +48,11 @@ class ServiceConnection {
 /// away with it.
 class ServiceListener {
  public:
-  /// A file of a service that is gone is replaced. @throws InputError if somebody
-  /// listens there already, the path is too long, or the place cannot be written.
+  /// One that was killed may take a moment to go.
+  static constexpr std::chrono::milliseconds kGoing{1000};
+
+  /// A file of a service that is gone is replaced. @throws InputError if somebody still
+  /// listens there after kGoing, the path is too long, or the place cannot be written.
   explicit ServiceListener(std::filesystem::path socket);
   ~ServiceListener();
   ServiceListener(const ServiceListener&) = delete;

@@ -56,6 +56,37 @@ std::string slurm_start(const Job& job) {
       job.minutes, job.memory_mb, cores, job.at_once, job.minutes, job.memory_mb);
 }
 
+// What a shard runs; a shard that is done leaves a file of its name.
+std::string work_line(const Job& job) {
+  const std::string workers = job.workers > 0 ? fmt::format("{}", job.workers)
+                                              : std::string("${SLURM_CPUS_ON_NODE:-0}");
+  const std::string program = shell_word((job.tools / "palpate-precompute").string());
+  const std::string scene = shell_word(job.scene.string());
+  if (job.serve) {  // a socket cannot be shared among machines: everybody has their own
+    return fmt::format(
+        "{} serve {} -o {} \\\n"
+        "  --socket \"$(mktemp -d)/palpate.socket\" --workers \"{}\"{} \\\n"
+        "  && touch \"shard-$shard\"\n",
+        program, scene, shell_word(job.output.string()), workers,
+        words(job.build_flags));
+  }
+  return fmt::format(
+      "{} build {} -o \"shard-$shard\" \\\n"
+      "  --shard \"$shard/$shards\" --resume --workers \"{}\"{}\n",
+      program, scene, workers, words(job.build_flags));
+}
+
+// What follows when all shards are there. Services have put the output together.
+std::string merge_line(const Job& job) {
+  const std::string output = shell_word(job.output.string());
+  if (job.serve) {
+    return "[ -e \"$output\" ] || exit 75\n";
+  }
+  return fmt::format("exec {} merge \"${{files[@]}}\" -o {}{}\n",
+                     shell_word((job.tools / "palpate-db").string()), output,
+                     words(job.merge_flags));
+}
+
 std::string local_start(const Job& job) {
   return fmt::format(
       "for shard in ${{list//,/ }}; do\n"
@@ -98,6 +129,7 @@ std::string job_digest(const Job& job) {
     all += "\n" + sha256;
   }
   all += fmt::format("\n{}\n{}", fmt::join(job.build_flags, "\n"), job.shards);
+  all += job.serve ? "\nserve" : "";
   Sha256 digest;
   digest.update(std::as_bytes(std::span(all)));
   return digest.hex().substr(0, 12);
@@ -106,19 +138,16 @@ std::string job_digest(const Job& job) {
 // The codes are those of formats/base/error.h: 1 to 5 come again however often it is
 // tried.
 std::string shard_script(const Job& job) {
-  const std::string workers = job.workers > 0 ? fmt::format("{}", job.workers)
-                                              : std::string("${SLURM_CPUS_ON_NODE:-0}");
   return head(job, "One shard, by its number. Exit 75: try again.") +
          fmt::format(
              "shard=${{SLURM_ARRAY_TASK_ID:-${{1:?which shard}}}}\n"
-             "[ -e \"shard-$shard\" ] && exit 0\n"
+             "{}\n"
              "if ! sha256sum --quiet --check inputs.sha256; then\n"
              "  echo 'palpate: the inputs are not those that were submitted' >&2\n"
              "  echo 2 > \"shard-$shard.failed\"\n"
              "  exit 2\n"
              "fi\n"
-             "{} build {} -o \"shard-$shard\" \\\n"
-             "  --shard \"$shard/$shards\" --resume --workers \"{}\"{}\n"
+             "{}"
              "code=$?\n"
              "[ -e \"shard-$shard\" ] && exit 0\n"
              "if ((code >= 1 && code <= 5)); then\n"
@@ -126,8 +155,9 @@ std::string shard_script(const Job& job) {
              "  exit $code\n"
              "fi\n"
              "exit 75\n",
-             shell_word((job.tools / "palpate-precompute").string()),
-             shell_word(job.scene.string()), workers, words(job.build_flags));
+             // A service finds out by itself that all is done.
+             job.serve ? "rm -f \"shard-$shard\"" : "[ -e \"shard-$shard\" ] && exit 0",
+             work_line(job));
 }
 
 std::string merge_script(const Job& job) {
@@ -144,7 +174,8 @@ std::string merge_script(const Job& job) {
              "    exit \"$(cat \"shard-$i.failed\")\"\n"
              "  fi\n"
              "done\n"
-             "if ((${{#missing[@]}} > 0)); then\n"
+             "output={}\n"
+             "if ((${{#missing[@]}} > 0)) && [ ! -e \"$output\" ]; then\n"
              "  if ((round < {})); then\n"
              "    exec bash start.sh \"$(IFS=,; echo \"${{missing[*]}}\")\" $((round + "
              "1))\n"
@@ -152,9 +183,9 @@ std::string merge_script(const Job& job) {
              "  echo \"palpate: shards ${{missing[*]}} are missing, see $PWD\" >&2\n"
              "  exit 75\n"
              "fi\n"
-             "exec {} merge \"${{files[@]}}\" -o {}{}\n",
-             kRounds, shell_word((job.tools / "palpate-db").string()),
-             shell_word(job.output.string()), words(job.merge_flags));
+             "{}",
+             job.serve ? shell_word(job.output.string()) : "", kRounds,
+             merge_line(job));
 }
 
 std::string start_script(const Job& job) {

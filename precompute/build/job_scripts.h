@@ -24,15 +24,18 @@ enum class JobEngine : std::uint8_t {
 
 struct Job {
   JobEngine engine = JobEngine::kLocal;
+  /// Its tasks are services of the scene (precompute/serve), which share its units and
+  /// its output between them and with any other service; nothing is merged.
+  bool serve = false;
   std::filesystem::path scene;   ///< absolute
   std::filesystem::path output;  ///< absolute
   std::filesystem::path folder;  ///< absolute
   std::filesystem::path tools;   ///< folder of palpate-precompute and palpate-db
   /// Files that the build reads, absolute, and their SHA-256.
   std::vector<std::pair<std::filesystem::path, std::string>> input;
-  std::vector<std::string> build_flags;  ///< of every shard
+  std::vector<std::string> build_flags;  ///< of every shard, or service
   std::vector<std::string> merge_flags;
-  int shards = 2;        ///< >= 2
+  int shards = 2;        ///< >= 2; of services >= 1
   int at_once = 1;       ///< >= 1 shards under way at a time
   int workers = 0;       ///< threads of a shard; 0: all that the machine gives
   int minutes = 10;      ///< >= 1 time limit of a shard

@@ -34,6 +34,7 @@ struct Flags {
   std::string repair = "off";
   std::string precision;
   bool solve_all = false;
+  bool serve = false;
   bool run = false;
   bool json = false;
 };
@@ -62,6 +63,7 @@ std::vector<std::pair<fs::path, std::string>> inputs_of(const fs::path& file,
 Job job_of(const Flags& flags, const Scene& scene, const PlanReport& plan) {
   Job job;
   job.engine = job_engine(flags.engine);
+  job.serve = flags.serve;
   job.scene = fs::absolute(flags.scene);
   job.output = fs::absolute(flags.output);
   job.tools = fs::read_symlink("/proc/self/exe").parent_path();
@@ -74,9 +76,11 @@ Job job_of(const Flags& flags, const Scene& scene, const PlanReport& plan) {
   }
   if (!flags.precision.empty()) {
     static_cast<void>(precision_of(flags.precision));
-    job.merge_flags = {"--precision", flags.precision};
+    auto& of = job.serve ? job.build_flags : job.merge_flags;
+    of.insert(of.end(), {"--precision", flags.precision});
   }
-  job.shards = std::max(2, flags.shards > 0 ? flags.shards : flags.nodes);
+  job.shards = flags.serve ? flags.nodes
+                           : std::max(2, flags.shards > 0 ? flags.shards : flags.nodes);
   job.at_once = flags.nodes;
   job.workers = flags.workers;
   job.minutes = time_limit_minutes(plan.seconds, job.shards);
@@ -101,7 +105,7 @@ void print(const Job& job, const PlanReport& plan, const Flags& flags) {
                nlohmann::ordered_json{{"folder", job.folder.string()},
                                       {"start", (job.folder / "start.sh").string()},
                                       {"engine", flags.engine},
-                                      {"shards", job.shards},
+                                      {job.serve ? "services" : "shards", job.shards},
                                       {"at_once", job.at_once},
                                       {"seconds", plan.seconds},
                                       {"shard_minutes_limit", job.minutes},
@@ -109,8 +113,12 @@ void print(const Job& job, const PlanReport& plan, const Flags& flags) {
                    .dump());
     return;
   }
-  fmt::print("shards        {} of {} units, {} at once\n", job.shards, plan.units,
-             job.at_once);
+  if (job.serve) {
+    fmt::print("services      {} that share {} units\n", job.shards, plan.units);
+  } else {
+    fmt::print("shards        {} of {} units, {} at once\n", job.shards, plan.units,
+               job.at_once);
+  }
   fmt::print("time          {:.3g} s of one machine; limit of a shard {} min, {} MB\n",
              plan.seconds, job.minutes, job.memory_mb);
   fmt::print("scripts       {}\n", job.folder.string());
@@ -123,6 +131,11 @@ void print(const Job& job, const PlanReport& plan, const Flags& flags) {
 void run(const Flags& flags) {
   note_interrupts();
   static_cast<void>(job_engine(flags.engine));
+  if (flags.serve && (flags.solve_all || flags.shards > 0)) {
+    throw InputError(
+        "--serve: services take units as they come, and solve what a build does: "
+        "leave out --shards and --solve-all");
+  }
   const Scene scene = read_scene(flags.scene);
   Progress progress(stderr);
   const PlanReport report = plan(scene,
@@ -174,6 +187,11 @@ void add_submit_command(Command app) {
                      "float64, float32 or int16, as of build");
   command.add_flag("--solve-all", flags->solve_all,
                    "Solve every node, interpolate none");
+  command.add_flag(
+      "--serve", flags->serve,
+      "Services of the scene instead of shards, --nodes of them: they share "
+      "its units with each other and with one that is started by palpate-run "
+      "view SCENE.toml -o OUTPUT, which has all that they compute");
   command.add_flag("--run", flags->run, "Start it: submit the jobs, or run them here");
   command.add_flag("--json", flags->json, "Print what was written as one JSON object");
   command.callback([flags] {

@@ -194,6 +194,25 @@ TEST_F(ServiceTest, TwoShareOneScene) {
   EXPECT_EQ(read_file(path("shared.h5")), read_file(path("whole.h5")));
 }
 
+TEST_F(ServiceTest, SubmitStartsServicesThatShareTheScene) {
+  const std::vector<std::string> wanted = {"submit",   path("scene.toml"),
+                                           "-o",       path("many.h5"),
+                                           "--engine", "local",
+                                           "--serve",  "--nodes",
+                                           "2",        "--workers",
+                                           "1",        "--precision",
+                                           "float64",  "--run"};
+  const ToolRun run = run_tool_process("palpate-precompute", wanted);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("services"), std::string::npos) << run.out;
+  EXPECT_EQ(read_file(path("many.h5")), read_file(path("whole.h5")));
+  std::vector<std::string> shards = wanted;
+  shards.insert(shards.end(), {"--shards", "3"});
+  const ToolRun refused = run_tool_process("palpate-precompute", shards);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("leave out --shards"), std::string::npos) << refused.err;
+}
+
 TEST_F(ServiceTest, AnotherScenesWorkIsRefusedUnlessWantedAnew) {
   fs::copy_file(path("whole.h5"), path("other.h5"));
   auto wanted = arguments("other.h5", "o", "other.toml");

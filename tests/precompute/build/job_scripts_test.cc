@@ -128,6 +128,49 @@ TEST_F(JobScripts, AnotherCopyOfATaskThatWasFasterIsNoFailure) {
   EXPECT_EQ(start(), 0) << read(place_ / "log");
 }
 
+// serve SCENE -o OUTPUT --socket SOCKET ...: the last service writes the output.
+class JobServices : public JobScripts {
+ protected:
+  void SetUp() override {
+    JobScripts::SetUp();
+    job_.serve = true;
+    job_.shards = 2;
+    serve_does(":");
+  }
+  void serve_does(const std::string& trouble) {
+    tool("palpate-precompute", "echo \"$6\" >> \"$4.sockets\"; " + trouble +
+                                   "\n[ \"$1\" = serve ] && echo whole > \"$4\"");
+  }
+  std::string sockets() const { return read(job_.output.string() + ".sockets"); }
+};
+
+TEST_F(JobServices, EachHasASocketOfItsOwn) {
+  EXPECT_EQ(start(), 0) << read(place_ / "log");
+  EXPECT_EQ(read(job_.output), "whole\n");
+  const std::string all = sockets();
+  const std::string first = all.substr(0, all.find('\n'));
+  EXPECT_NE(first.find("palpate.socket"), std::string::npos) << all;
+  EXPECT_NE(all, first + "\n" + first + "\n");
+  EXPECT_EQ(start(), 0);  // they find out themselves that all is done
+  EXPECT_NE(sockets(), all);
+}
+
+TEST_F(JobServices, AreStartedAgainUntilTheOutputIsThere) {
+  serve_does("if (($(wc -l < \"$4.sockets\") < 4)); then kill -9 $$; fi");
+  EXPECT_EQ(start(), 0) << read(place_ / "log");
+  EXPECT_EQ(read(job_.output), "whole\n");
+}
+
+TEST_F(JobServices, OutputOfAnotherSceneIsNoSuccess) {
+  write(job_.output, "of another scene");
+  serve_does("exit 2");
+  EXPECT_EQ(start(), 2);
+  EXPECT_EQ(read(job_.output), "of another scene");
+  serve_does("kill -9 $$");
+  fs::remove(job_.output);
+  EXPECT_EQ(start(), 75);
+}
+
 TEST(JobScriptsDigest, TellsInputsFlagsAndShardsApart) {
   Job job;
   job.input = {{"/a", "1"}, {"/b", "2"}};
@@ -144,6 +187,9 @@ TEST(JobScriptsDigest, TellsInputsFlagsAndShardsApart) {
   EXPECT_NE(job_digest(other), same);
   other = job;
   other.build_flags = {"--solve-all"};
+  EXPECT_NE(job_digest(other), same);
+  other = job;
+  other.serve = true;
   EXPECT_NE(job_digest(other), same);
 }
 
