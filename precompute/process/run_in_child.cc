@@ -12,12 +12,12 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "precompute/process/die_with_parent.h"
 
 namespace palpate {
 namespace {
@@ -63,9 +63,10 @@ bool write_all(int pipe, const std::vector<char>& bytes) {
   return true;
 }
 
-[[noreturn]] void child(int pipe, const std::function<std::vector<char>()>& work,
+[[noreturn]] void child(pid_t parent, int pipe,
+                        const std::function<std::vector<char>()>& work,
                         std::size_t memory_bytes) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  die_with_parent(parent);
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGABRT, SIGSEGV, SIGFPE}) {
     std::signal(signal, SIG_DFL);
   }
@@ -148,6 +149,7 @@ ChildResult run_in_child(const std::function<std::vector<char>()>& work,
     throw NumericalError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
   }
   const std::size_t memory_bytes = address_space_bytes() + limits.memory_bytes;
+  const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) {
     const int reason = errno;
@@ -158,7 +160,7 @@ ChildResult run_in_child(const std::function<std::vector<char>()>& work,
   }
   if (pid == 0) {
     close(ends[0]);
-    child(ends[1], work, memory_bytes);
+    child(parent, ends[1], work, memory_bytes);
   }
   close(ends[1]);
   ChildResult result;

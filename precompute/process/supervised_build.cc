@@ -11,11 +11,11 @@
 
 #include <fmt/format.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "precompute/process/die_with_parent.h"
 #include "precompute/process/interrupt.h"
 
 namespace palpate {
@@ -92,8 +92,9 @@ void hold_interrupts(bool held) {
   sigprocmask(held ? SIG_BLOCK : SIG_UNBLOCK, &interrupts, nullptr);
 }
 
-[[noreturn]] void child(const std::function<int(bool)>& work, bool resume) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+[[noreturn]] void child(pid_t parent, const std::function<int(bool)>& work,
+                        bool resume) {
+  die_with_parent(parent);
   std::signal(SIGINT, SIG_DFL);  // until the work has its own handler
   std::signal(SIGTERM, SIG_DFL);
   hold_interrupts(false);
@@ -142,13 +143,14 @@ int run_supervised(const std::function<int(bool)>& work,
     const int before = g_crashes->count.load();
     hold_interrupts(true);
     set_handlers();
+    const pid_t parent = getpid();
     const pid_t pid = fork();
     if (pid < 0) {
       hold_interrupts(false);
       return work(resume);
     }
     if (pid == 0) {
-      child(work, resume);
+      child(parent, work, resume);
     }
     g_child = pid;
     hand_on_unsent();
