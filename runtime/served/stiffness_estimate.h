@@ -1,7 +1,8 @@
 // What a place would answer if the body were a half space of its own material: for
 // places that nobody has computed yet, where a user asked for some force rather than
-// none. Form, supports, inclusions and large strains are not in it: a thin or narrow
-// part, or one that lies on a table, is off by a factor.
+// none. Form, supports, inclusions and large strains are not in it: a body
+// gives way as a whole, too, so that this is too stiff, by a factor at its rim and its
+// thin parts (tests/bench/half_space).
 #pragma once
 
 #include <optional>
