@@ -17,8 +17,8 @@ void add_scene_options(Command command, SceneFlags& flags) {
   command.add_flag(
       "--estimate", flags.estimate,
       "Of a scene: where nothing is known yet, a force as if the body were "
-      "a half space of its material, instead of none; off by a factor "
-      "where it is thin, narrow or held");
+      "a half space of its material, instead of none; too stiff, by a factor at thin "
+      "parts");
 }
 
 bool is_scene(const std::string& file) {
