@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "formats/base/command_line.h"
+#include "formats/base/error.h"
 #include "formats/service/service_socket.h"
 #include "precompute/command/commands.h"
 #include "precompute/process/interrupt.h"
@@ -29,7 +30,8 @@ struct Flags {
   bool anew = false;
 };
 
-void run(const Flags& flags, bool after_crash) {
+// @returns an exit code.
+int run(const Flags& flags, bool after_crash) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   ServeOptions options{.output = flags.output,
@@ -48,8 +50,15 @@ void run(const Flags& flags, bool after_crash) {
   }
   fmt::print(stderr, "answers at {}\n", options.socket.string());
   Progress progress(stderr);
-  serve(scene, options, progress);
+  try {
+    serve(scene, options, progress);
+  } catch (const Interrupted& ended) {  // as services usually end: no error
+    fmt::print(stderr, "ended; what is done so far is kept in {}.partial\n",
+               options.output.string());
+    return ended.exit_code();
+  }
   fmt::print("wrote {}\n", options.output.string());
+  return 0;
 }
 
 }  // namespace
@@ -81,8 +90,7 @@ void add_serve_command(Command app) {
     (void)nice(kNicer);
     const auto work = [&](bool after_crash) {
       return run_reporting("palpate-precompute", [&] {
-        run(*flags, after_crash);
-        return 0;
+        return run(*flags, after_crash);
       });
     };
     const int code = run_supervised(work, "the same command");
