@@ -46,6 +46,9 @@ void add_device_options(Command command, DeviceFlags& flags) {
   command.add_option(
       "--device-id", request.device_id,
       "Which device of a service or a vendor's library, where it has several");
+  command.add_option("--grip-id", request.grip_id,
+                     "Which grip of the Inverse service turns the tool, where it has "
+                     "several");
   command
       .add_option("--events-port", request.events_port,
                   "Where the Inverse service tells events")

@@ -66,6 +66,7 @@ struct SimulationReport {
   SimulationOptions options;
   std::string tool;
   std::string device;          ///< name
+  bool device_turns = false;   ///< it measures how it is turned
   std::string device_failure;  ///< why it was lost; empty if it was not
   std::int32_t node = -1;      ///< pressed
   int contacts = 1;            ///< of the tool, whose axes stay along the body's

@@ -63,6 +63,7 @@ class DeviceTool : public testing::Test {
     const auto report = nlohmann::json::parse(run.out, nullptr, false);
     EXPECT_TRUE(report.is_object() && report.value("contact_ticks", 0) > 100)
         << run.out;
+    EXPECT_TRUE(report.value("device_turns", false));
     return {text.data(), size};
   }
 
