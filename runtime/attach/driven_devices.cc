@@ -190,6 +190,19 @@ AttachedDevice attach_emulated_inverse(const DeviceRequest& request,
   });
 }
 
+std::unique_ptr<DeviceLink> free_inverse_link(const DeviceRequest& request,
+                                              SimulatedDeviceConfig dynamics) {
+  InverseConfig config = inverse_config(request);
+  dynamics.resolution_m = config.resolution_m;
+  const auto service =
+      std::make_shared<EmulatedInverse>(EmulatedInverseConfig{.dynamics = dynamics});
+  config.port = service->port();
+  config.events_port = service->events_port();
+  config.what = request.name;
+  config.kept = service;
+  return std::make_unique<InverseLink>(config);
+}
+
 AttachedDevice attach_dhd(const DeviceRequest& request) {
   return vendors(request, DhdLink(dhd_config(request)).limits());
 }

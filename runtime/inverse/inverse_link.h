@@ -34,6 +34,7 @@ struct InverseConfig {
   double resolution_m = 5e-5;              ///< [m] assumed, not measured
   std::string what = "haply-inverse";
   std::function<void(const std::string&)> tell{};  ///< what alters what is felt
+  std::shared_ptr<const void> kept{};              ///< lives as long as the link
 };
 
 /// Watches the service's events beside its states. Whatever ends the exchange, the

@@ -22,8 +22,9 @@ constexpr double kTiltRad = 0.08;
 // While the tool is on its way, and well after the driver began: about an axis of the
 // device, and the body's y axis, which is its -z.
 Eigen::Quaterniond tilted(double time_s) {
-  return Eigen::Quaterniond(Eigen::AngleAxisd(kTiltRad * std::clamp((time_s - 0.2) / 0.3, 0.0, 1.0),
-                                              -Eigen::Vector3d::UnitZ()));
+  return Eigen::Quaterniond(
+      Eigen::AngleAxisd(kTiltRad * std::clamp((time_s - 0.2) / 0.3, 0.0, 1.0),
+                        -Eigen::Vector3d::UnitZ()));
 }
 
 AttachedDevice grip_that_tilts() {
