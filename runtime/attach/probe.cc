@@ -19,6 +19,11 @@ constexpr double kAxisS = 14.0;      // about, of an axis that is pushed
 constexpr double kSpeedS = 0.01;     // over which a speed is taken
 constexpr double kProgressS = 0.5;
 
+constexpr const char* kNoMass =
+    "its motion is not that of a mass with friction: somebody holds it, or it lies at "
+    "a "
+    "stop";
+
 struct Mean {
   double mean = 0.0;
   double sd = 0.0;  // of one
@@ -164,9 +169,13 @@ class Prober {
     }
     const Mean broken = mean_of(force_n);
     for (int i = 0; i < options_.pushes; ++i) {
-      found.push.push_back(push(i % 2 == 0 ? 1.0 : -1.0, broken.mean));
+      // Braked for longer and longer, so that each begins elsewhere in a step of the
+      // positions: alike, they would all be off alike.
+      const double brake = 0.9 + 0.2 * i / options_.pushes;
+      found.push.push_back(push(i % 2 == 0 ? 1.0 : -1.0, broken.mean, brake));
     }
     const PushFit fit = fit_pushes(found.push, options_.push_s);
+    check_fit(fit, found);
     found.delay_s = std::max(0.0, fit.delay_s);
     found.delay_resolution_s =
         2.0 * fit.delay_sd + exchange_.percentile_ns(0.5) / kNanosecondsPerSecond;
@@ -177,7 +186,20 @@ class Prober {
     found.damping_n_s_per_m = fit.decay_per_s * found.mass_kg;
     found.damping_sd_n_s_per_m = fit.decay_sd * found.mass_kg;
     if (!(found.mass_kg > 0.0) || !std::isfinite(found.damping_sd_n_s_per_m)) {
-      throw AxisFailure{"its motion is not that of a mass with friction"};
+      throw AxisFailure{kNoMass};
+    }
+  }
+
+  void check_fit(const PushFit& fit, const ProbedAxis& found) const {
+    constexpr double kMisfit = 0.02;  // of the way, and a step
+    double far_m = 0.0;
+    for (const std::vector<ProbeSample>& push : found.push) {
+      for (const ProbeSample& sample : push) {
+        far_m = std::max(far_m, sample.way_m);
+      }
+    }
+    if (!(fit.rms_m <= kMisfit * far_m + step())) {
+      throw AxisFailure{kNoMass};
     }
   }
 
@@ -207,7 +229,7 @@ class Prober {
   }
 
   // What the tool does while it is pushed.
-  std::vector<ProbeSample> push(double sign, double friction_n) {
+  std::vector<ProbeSample> push(double sign, double friction_n, double brake) {
     await_rest();
     std::vector<ProbeSample> samples;
     begin_motion();
@@ -217,8 +239,8 @@ class Prober {
       }
     }
     // As long against it, less what friction does.
-    const double brake_s =
-        motion_s() * (options_.force_n - friction_n) / (options_.force_n + friction_n);
+    const double brake_s = brake * motion_s() * (options_.force_n - friction_n) /
+                           (options_.force_n + friction_n);
     begin_motion();
     while (motion_s() < brake_s) {
       static_cast<void>(paced(along(-sign * options_.force_n)));

@@ -27,7 +27,7 @@ struct ProbeOptions {
   double rise_n_per_s = 0.1;         ///< [N/s] > 0
   double rate_hz = 1000.0;           ///< [Hz] > 0 of exchanges
   double wire_s = 2.0;               ///< [s] > 0 of looking at the wire
-  double push_s = 0.08;              ///< [s] > 0 of a push ...
+  double push_s = 0.12;              ///< [s] > 0 of a push ...
   double push_m = 0.012;             ///< [m] > 0 ... or as far
   int rounds = 2;                    ///< >= 1 of rising forces, there and back
   int pushes = 10;                   ///< >= 2

@@ -112,7 +112,8 @@ PushFit fit_pushes(const std::vector<Samples>& pushes, double push_s) {
           .decay_per_s = at[1],
           .decay_sd = sd[1],
           .delay_s = at[2],
-          .delay_sd = sd[2]};
+          .delay_sd = sd[2],
+          .rms_m = std::sqrt(normal.error / samples)};
 }
 
 double begin_of_motion_s(const Samples& samples, double least_m) {

@@ -23,6 +23,7 @@ struct PushFit {
   double decay_sd = 0.0;
   double delay_s = 0.0;
   double delay_sd = 0.0;
+  double rms_m = 0.0;  ///< [m] of what the fit leaves
 };
 
 /// One a, B and delay for all pushes, each with an x0 of its own: where in a step of
