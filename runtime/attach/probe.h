@@ -43,7 +43,7 @@ struct ProbeOptions {
 /// Who leads a person. Any may be empty.
 struct ProbeGuide {
   std::function<void(const std::string&)> say{};  ///< what is to do now
-  std::function<void(double left_s)> progress{};  ///< twice a second
+  std::function<void(double left_s)> progress{};  ///< once a second
   std::function<void(const std::string&)>
       await{};                      ///< says it, returns when it is done
   std::function<bool()> stopped{};  ///< let go and end

@@ -87,6 +87,10 @@ ProbeOptions probe_options(const Flags& flags) {
       options.axes.push_back(number);
     }
   }
+  if (options.axes.empty()) {
+    throw InputError(fmt::format("--probe-axes {}: none that a {} moves along",
+                                 flags.probe_axes, flags.device.request.name));
+  }
   return options;
 }
 
@@ -107,6 +111,7 @@ void probe_device(Flags& flags) {
     report = probe(*link, options, terminal.guide(), clock);
   } catch (...) {
     link->close();
+    tell_person(fmt::format("{}: let go; nothing was written", request.name));
     throw;
   }
   link->close();

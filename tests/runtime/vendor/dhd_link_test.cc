@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -115,6 +116,24 @@ TEST_F(DhdDevice, EndsByTheLibrarysWords) {
   EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
   library_.variable<int>("stand_in_fails") = 0;
   EXPECT_EQ(link.transact(kPush, position_m), LinkStatus::kLost);  // for good
+}
+
+TEST_F(DhdDevice, UnpluggedAtAnyExchangeIsALossWithZeroForce) {
+  std::mt19937 random(27);
+  std::uniform_int_distribution<int> many(1, 40);
+  for (int i = 0; i < 200; ++i) {
+    DhdLink link(config_);
+    link.open();
+    Eigen::Vector3d position_m;
+    for (int k = many(random); k > 0; --k) {
+      ASSERT_EQ(link.transact(kPush, position_m), LinkStatus::kOk);
+    }
+    library_.variable<int>("stand_in_fails") = 1;
+    ASSERT_EQ(link.transact(kPush, position_m), LinkStatus::kLost);
+    EXPECT_EQ(link.failure(), "communication error");
+    EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+    library_.variable<int>("stand_in_fails") = 0;
+  }
 }
 
 TEST_F(DhdDevice, WithoutItsLibraryIsOneSentence) {

@@ -1,5 +1,7 @@
 #include "runtime/vendor/hd_link.h"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
@@ -112,6 +114,28 @@ TEST_F(HdDevice, AnythingOnTheStackOfErrorsEndsIt) {
   EXPECT_EQ(link.failure(), "Warm motors");
   sleep_ms(10);
   EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+}
+
+TEST_F(HdDevice, UnpluggedAtAnyTickIsALossWithZeroForce) {
+  std::mt19937 random(27);
+  std::uniform_int_distribution<int> many(1, 10);
+  for (int i = 0; i < 200; ++i) {
+    HdLink link(config_);
+    link.open();
+    Eigen::Vector3d position_m;
+    for (int k = many(random); k > 0; --k) {
+      ASSERT_NE(link.transact(kPush, position_m), LinkStatus::kLost);
+    }
+    push_error(0x0201);
+    LinkStatus status = LinkStatus::kOk;
+    for (int k = 0; k < 5 && status != LinkStatus::kLost; ++k) {
+      status = link.transact(kPush, position_m);
+    }
+    ASSERT_EQ(status, LinkStatus::kLost);
+    EXPECT_EQ(link.failure(), "Device fault");
+    link.close();
+    EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+  }
 }
 
 TEST_F(HdDevice, ASchedulerThatStandsStillIsLost) {
