@@ -16,7 +16,6 @@
 #include "runtime/attach/probe_fit.h"
 #include "runtime/device/device_link.h"
 #include "runtime/realtime/clock.h"
-#include "runtime/realtime/step_histogram.h"
 
 namespace palpate {
 

@@ -79,34 +79,66 @@ Eigen::Vector3d first_guess(const std::vector<Samples>& pushes, double push_s) {
   return best;
 }
 
-}  // namespace
+struct Fitted {
+  Eigen::Vector3d at;  // a, B, delay
+  Normal normal;
+};
 
-PushFit fit_pushes(const std::vector<Samples>& pushes, double push_s) {
-  constexpr int kStepsMax = 50;
-  Eigen::Vector3d at = first_guess(pushes, push_s);
-  Normal normal = normal_equations(pushes, at);
-  double damping = 1e-3;  // Levenberg and Marquardt's
-  for (int i = 0; i < kStepsMax; ++i) {
-    Eigen::Matrix3d matrix = normal.matrix;
+// Levenberg and Marquardt's steps from there.
+Fitted polished(const std::vector<Samples>& pushes, const Eigen::Vector3d& from,
+                int steps) {
+  Fitted fit{.at = from, .normal = normal_equations(pushes, from)};
+  double damping = 1e-3;
+  for (int i = 0; i < steps; ++i) {
+    Eigen::Matrix3d matrix = fit.normal.matrix;
     matrix.diagonal() *= 1.0 + damping;
-    const Eigen::Vector3d next = at + matrix.ldlt().solve(normal.right);
+    const Eigen::Vector3d next = fit.at + matrix.ldlt().solve(fit.normal.right);
     const Normal there = normal_equations(pushes, next);
-    if (there.error < normal.error) {
-      at = next;
-      normal = there;
+    if (there.error < fit.normal.error) {
+      fit = {.at = next, .normal = there};
       damping *= 0.3;
     } else {
       damping *= 10.0;
     }
   }
+  return fit;
+}
+
+// How much the pushes disagree: variances by leaving out one after the other
+// (jackknife), as what a whole push has in common is no noise of its samples.
+Eigen::Vector3d variance_among(const std::vector<Samples>& pushes,
+                               const Eigen::Vector3d& best) {
+  constexpr int kSteps = 8;
+  const auto n = static_cast<double>(pushes.size());
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (std::size_t out = 0; out < pushes.size(); ++out) {
+    std::vector<Samples> rest = pushes;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(out));
+    const Eigen::Vector3d off = polished(rest, best, kSteps).at - best;
+    sum += off;
+    squares += off.cwiseAbs2();
+  }
+  return (n - 1.0) / n * (squares - sum.cwiseAbs2() / n).cwiseMax(0.0);
+}
+
+}  // namespace
+
+PushFit fit_pushes(const std::vector<Samples>& pushes, double push_s) {
+  constexpr int kSteps = 50;
+  const auto [at, normal] = polished(pushes, first_guess(pushes, push_s), kSteps);
   double samples = 0.0;
   for (const Samples& push : pushes) {
     samples += static_cast<double>(push.size());
   }
   const double freedom =
       std::max(1.0, samples - static_cast<double>(pushes.size()) - 3.0);
-  const Eigen::Vector3d sd =
-      (normal.matrix.inverse().diagonal() * (normal.error / freedom)).cwiseSqrt();
+  Eigen::Vector3d variance =
+      normal.matrix.inverse().diagonal() * (normal.error / freedom);
+  if (pushes.size() > 1) {
+    variance = variance.cwiseMax(variance_among(pushes, at));
+  }
+  const Eigen::Vector3d sd = variance.cwiseSqrt();
   return {.acceleration_m_per_s2 = at[0],
           .acceleration_sd = sd[0],
           .decay_per_s = at[1],

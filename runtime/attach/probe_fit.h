@@ -15,7 +15,8 @@ struct ProbeSample {
 ///   x = x0 + a (B s - 1 + e^(-B s)) / B^2,   s = t - delay > 0,   a = (F - f) / m,   B
 ///   = b / m
 ///
-/// With the standard deviations of their estimates, of least squares.
+/// With the standard deviations of their estimates: of least squares or of the pushes
+/// among one another, whichever is more.
 struct PushFit {
   double acceleration_m_per_s2 = 0.0;  ///< a
   double acceleration_sd = 0.0;

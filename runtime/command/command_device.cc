@@ -16,6 +16,7 @@
 #include "runtime/command/device_options.h"
 #include "runtime/command/scene_options.h"
 #include "runtime/command/terminal_guide.h"
+#include "runtime/realtime/real_time.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/contact_run.h"
 #include "runtime/run/reconnect.h"
@@ -108,6 +109,7 @@ void probe_device(Flags& flags) {
   try {
     TerminalGuide terminal;
     MonotonicClock clock;
+    static_cast<void>(request_real_time(-1));  // as a driver's thread has, if permitted
     report = probe(*link, options, terminal.guide(), clock);
   } catch (...) {
     link->close();
