@@ -126,6 +126,13 @@ struct SimulationReport {
                                                const SimulationOptions& options,
                                                const std::atomic<bool>& stop);
 
+/// The same with elements that others look at. @param elements of body_of() the scene
+/// and the client's tool; nothing was handed over to them.
+[[nodiscard]] SimulationReport simulate_served(ServedClient& client,
+                                               const SimulationOptions& options,
+                                               const std::atomic<bool>& stop,
+                                               GrowingElements& elements);
+
 /// The report for people, aligned lines.
 [[nodiscard]] std::string summary(const SimulationReport& report);
 
