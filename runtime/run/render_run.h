@@ -69,7 +69,7 @@ struct SimulationReport {
   bool device_turns = false;   ///< it measures how it is turned
   std::string device_failure;  ///< why it was lost; empty if it was not
   std::int32_t node = -1;      ///< pressed
-  int contacts = 1;            ///< of the tool, whose axes stay along the body's
+  int contacts = 1;            ///< of the tool
   RenderedStiffness stiffness;
   StabilityBounds bounds;
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
