@@ -113,6 +113,15 @@ TEST(Probe, FindsWhatASimulatedDeviceIsLike) {
   }
 }
 
+// While a force is on its way the ramp rises by 0.5 N/s * 8.1 ms = 7 % of the friction.
+TEST(Probe, TakesTheDelayOffTheFriction) {
+  SimulatedDeviceConfig config = let_go();
+  config.coulomb_n = 0.06;
+  config.delay_ticks = 8;
+  const ProbeReport report = probed(config, {.rise_n_per_s = 0.5});
+  EXPECT_NEAR(report.axis.at(0).friction_n, 0.06, 0.04 * 0.06) << probe_text(report);
+}
+
 // The bound is then on the safe side: the delay of nothing, and what it can tell.
 TEST(Probe, SaysOfNoDelayHowFineItCanTell) {
   const ProbeReport report = probed(let_go(), {});
