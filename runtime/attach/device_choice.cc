@@ -172,7 +172,8 @@ std::optional<SectionPlane> plane_of(const DeviceRequest& request) {
                                : std::optional(parse_plane(request.plane));
 }
 
-AttachedDevice haply(const DeviceRequest& request) {
+// Of a real one, without the test of its signs.
+std::unique_ptr<DeviceLink> haply_link(const DeviceRequest& request) {
   HaplyConfig config = haply_config(request);
   config.guarded = true;
   config.ask = request.ask;
@@ -189,18 +190,21 @@ AttachedDevice haply(const DeviceRequest& request) {
                     "(palpate-run devices lists what is attached)",
                     request.name));
   }
+  return std::make_unique<HaplyLink>(
+      config,
+      [request] {
+        return open_usb(request, [](const UsbDevice& device) {
+          return device.serial;
+        });
+      },
+      close_usb);
+}
+
+AttachedDevice haply(const DeviceRequest& request) {
   return attach(
-      HaplyLink(config, nullptr, nullptr).limits(), haply_rest_m,
-      [config, request](const HandScript&) {
-        auto link = std::make_unique<HaplyLink>(
-            config,
-            [request] {
-              return open_usb(request, [](const UsbDevice& device) {
-                return device.serial;
-              });
-            },
-            close_usb);
-        return sign_tested(request, 2, std::move(link));
+      haply_link(request)->limits(), haply_rest_m,
+      [request](const HandScript&) {
+        return sign_tested(request, 2, haply_link(request));
       },
       plane_of(request));
 }
@@ -280,6 +284,10 @@ std::string known_device_names() {
     names += (names.empty() ? "" : ", ") + std::string(known.name);
   }
   return names;
+}
+
+bool moves_in_a_plane(const std::string& name) {
+  return name == "haply-2diy" || name == "emulated-haply";
 }
 
 bool is_emulated(const std::string& name) {
@@ -380,13 +388,23 @@ std::unique_ptr<DeviceLink> probe_link(const DeviceRequest& request) {
                                            UsbFaults{}),
         config);
   }
+  if (kind == "emulated-inverse") {
+    return free_inverse_link(request, nobody);
+  }
+  if (kind == "haply-2diy") {
+    return sign_tested(request, 2, haply_link(request));
+  }
+  if (kind == "emulated-haply") {
+    nobody.resolution_m = 0.0;  // the encoders' own
+    return EmulatedHaply::link(std::make_shared<EmulatedHaply>(
+                                   HaplyModelConfig{.dynamics = nobody}, UsbFaults{}),
+                               haply_config(request));
+  }
   if (kind == "haply-inverse" || kind == "dhd" || kind == "openhaptics") {
     return driver_link(request);
   }
-  throw InputError(
-      fmt::format("--device {}: is not probed; falcon, inverse3, haply-inverse, dhd, "
-                  "openhaptics, emulated-falcon and emulated-inverse3 are",
-                  request.name));
+  throw InputError(fmt::format("--device {}: cannot be probed; these can: {}",
+                               request.name, known_device_names()));
 }
 
 }  // namespace palpate

@@ -14,6 +14,9 @@ namespace palpate {
 /// Without hardware.
 [[nodiscard]] bool is_emulated(const std::string& name);
 
+/// Its x-y plane.
+[[nodiscard]] bool moves_in_a_plane(const std::string& name);
+
 /// With commas between them.
 [[nodiscard]] std::string known_device_names();
 
@@ -39,9 +42,7 @@ namespace palpate {
                                                            double hung_kg);
 
 /// The protocol of a device that is probed (probe.h); of an emulated one that nobody
-/// holds. @throws InputError for devices that cannot be
-/// probed (a Haply 2diy moves in a plane that its arms' weight may tilt), and as
-/// choose_device().
+/// holds. @throws InputError for what is no known device, and as choose_device().
 [[nodiscard]] std::unique_ptr<DeviceLink> probe_link(const DeviceRequest& request);
 
 }  // namespace palpate

@@ -20,6 +20,7 @@ struct DeviceRequest {
   std::function<void(const std::string&)> ask{};
   std::function<bool()> stopped{};  ///< while a device opens; empty: never
   std::string device_id{};  ///< where a service or library has several; empty: the one
+  std::string grip_id{};    ///< the same, of what measures turns
   std::uint16_t events_port = 10020;       ///< of the Inverse service
   std::string profile = "palpate:device";  ///< of its session
   /// The program that drives a device in a process of its own: its subcommand "driver".

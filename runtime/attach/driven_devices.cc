@@ -56,6 +56,7 @@ InverseConfig inverse_config(const DeviceRequest& request) {
   config.port = port_of(request, config.port);
   config.events_port = request.events_port;
   config.device_id = request.device_id;
+  config.grip_id = request.grip_id;
   config.profile = request.profile;
   config.tell = request.tell;
   return config;
@@ -74,6 +75,9 @@ std::vector<std::string> inverse_driver(const DeviceRequest& request,
   if (!config.device_id.empty()) {
     command.insert(command.end(), {"--device-id", config.device_id});
   }
+  if (!config.grip_id.empty()) {
+    command.insert(command.end(), {"--grip-id", config.grip_id});
+  }
   if (!request.sign_test) {
     command.emplace_back("--no-sign-test");
   }
@@ -81,9 +85,11 @@ std::vector<std::string> inverse_driver(const DeviceRequest& request,
 }
 
 void refuse_what_vendors_have_not(const DeviceRequest& request) {
-  if (!request.firmware.empty() || !request.plane.empty() || !request.usb.empty()) {
+  if (!request.firmware.empty() || !request.plane.empty() || !request.usb.empty() ||
+      !request.grip_id.empty()) {
     throw InputError(fmt::format(
-        "--device {}: takes no --firmware, --plane or --usb; name it by --device-id",
+        "--device {}: takes no --firmware, --plane, --usb or --grip-id; name it by "
+        "--device-id",
         request.name));
   }
 }
@@ -166,6 +172,7 @@ AttachedDevice attach_emulated_inverse(const DeviceRequest& request,
     emulated.start_m = hand.at(0.0).position_m;
     emulated.dynamics.resolution_m = config.resolution_m;
     emulated.trace_max = trace_max;
+    emulated.grip = {.normal = hand.normal};
     const auto running = std::make_shared<EmulatedInverse>(emulated);
     if (service != nullptr) {
       *service = running;
@@ -181,6 +188,19 @@ AttachedDevice attach_emulated_inverse(const DeviceRequest& request,
                          .kept = running,
                          .stopped = request.stopped};
   });
+}
+
+std::unique_ptr<DeviceLink> free_inverse_link(const DeviceRequest& request,
+                                              SimulatedDeviceConfig dynamics) {
+  InverseConfig config = inverse_config(request);
+  dynamics.resolution_m = config.resolution_m;
+  const auto service =
+      std::make_shared<EmulatedInverse>(EmulatedInverseConfig{.dynamics = dynamics});
+  config.port = service->port();
+  config.events_port = service->events_port();
+  config.what = request.name;
+  config.kept = service;
+  return std::make_unique<InverseLink>(config);
 }
 
 AttachedDevice attach_dhd(const DeviceRequest& request) {

@@ -33,6 +33,11 @@ namespace palpate {
     const DeviceRequest& request, std::size_t trace_max,
     std::shared_ptr<EmulatedInverse>* service);
 
+/// The protocol of an emulated service's device that nobody holds; the service lives as
+/// long as the link. @throws as attach_haply_inverse().
+[[nodiscard]] std::unique_ptr<DeviceLink> free_inverse_link(
+    const DeviceRequest& request, SimulatedDeviceConfig dynamics);
+
 /// What the driver program of a device speaks (`palpate-run driver`). @throws as
 /// choose_device().
 [[nodiscard]] std::unique_ptr<DeviceLink> driver_link(const DeviceRequest& request);

@@ -62,6 +62,9 @@ class PlacedDevice : public Device {
 
   [[nodiscard]] std::string name() const override { return device_->name(); }
   [[nodiscard]] DeviceLimits limits() const override { return device_->limits(); }
+  [[nodiscard]] bool measures_turns() const override {
+    return device_->measures_turns();
+  }
   void open() override { device_->open(); }
   [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override {
     const Eigen::Quaterniond to_device =

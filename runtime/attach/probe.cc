@@ -2,27 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <vector>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
-#include "runtime/realtime/clock.h"
+#include "runtime/attach/probe_wire.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kLeastStepM = 1e-8;  // float32 of a workspace's coordinates
-constexpr double kRestS = 0.15;       // in which a tool at rest has not moved
+constexpr double kRestS = 0.15;  // in which a tool at rest has not moved
 constexpr double kRestMaxS = 5.0;
+constexpr double kLetGoMaxS = 20.0;  // until it stands after a hand has left it
+constexpr double kAxisS = 14.0;      // about, of an axis that is pushed
 
-struct Sample {
-  double time_s = 0.0;  // when the exchange began, from the begin of a motion
-  double way_m = 0.0;   // along the push, from there
-};
+constexpr const char* kNoMass =
+    "its motion is not that of a mass with friction: somebody holds it, or it lies at "
+    "a stop";
 
 struct Mean {
   double mean = 0.0;
@@ -42,275 +38,292 @@ Mean mean_of(const std::vector<double>& values) {
   return result;
 }
 
-struct Motion {
-  double acceleration_m_per_s2 = 0.0;
-  double delay_s = 0.0;
+// What keeps one axis from being found, and no other.
+struct AxisFailure {
+  std::string why;
 };
-
-// The delay by trial, all else linear; where each push began is averaged away.
-Motion fitted(const std::vector<std::vector<Sample>>& pushes, double push_s) {
-  constexpr double kTrialS = 5e-5;
-  Motion best;
-  double least = std::numeric_limits<double>::infinity();
-  for (double delay_s = 0.0; delay_s < 0.5 * push_s; delay_s += kTrialS) {
-    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  // of t^2 / 2, t^3 and the way
-    for (const std::vector<Sample>& samples : pushes) {
-      Eigen::MatrixX3d rows(static_cast<Eigen::Index>(samples.size()), 3);
-      for (std::size_t i = 0; i < samples.size(); ++i) {
-        const double t = std::max(samples[i].time_s - delay_s, 0.0);
-        rows.row(static_cast<Eigen::Index>(i)) << 0.5 * t * t, t * t * t,
-            samples[i].way_m;
-      }
-      rows.rowwise() -= rows.colwise().mean().eval();
-      products += rows.transpose() * rows;
-    }
-    const Eigen::Vector2d found =
-        products.topLeftCorner<2, 2>().ldlt().solve(products.topRightCorner<2, 1>());
-    const double error = products(2, 2) - found.dot(products.topRightCorner<2, 1>());
-    if (error < least) {
-      least = error;
-      best = {.acceleration_m_per_s2 = found[0], .delay_s = delay_s};
-    }
-  }
-  return best;
-}
 
 class Prober {
  public:
-  Prober(DeviceLink& link, const ProbeOptions& options,
-         const std::function<bool()>& stopped, ProbeReport& report)
-      : link_(link), options_(options), stopped_(stopped), report_(report) {
-    report_.resolution_m = std::numeric_limits<double>::infinity();
+  Prober(DeviceLink& link, const ProbeOptions& options, const ProbeGuide& guide,
+         Clock& clock)
+      : options_(options),
+        guide_(guide),
+        wire_(link, options, guide, clock, probe_duration_s(options)) {
+    report_.device = link.name();
+    report_.palpate = PALPATE_VERSION;
+    report_.by_hand = options.by_hand;
   }
 
-  void look_at_wire() {
-    const std::int64_t begin_ns = clock_.now_ns();
-    std::int64_t answered = 0;
-    double time_s = 0.0;
-    while (time_s < options_.wire_s) {
-      answered += exchange(0.0) ? 1 : 0;
-      time_s = seconds(clock_.now_ns() - begin_ns);
+  ProbeReport run() {
+    look_at_wire();
+    if (options_.by_hand) {
+      be_moved();
+      be_let_go();
     }
-    report_.free_rate_hz = static_cast<double>(answered) / time_s;
-    origin_m_ = position_m_;
+    for (const int axis : options_.axes) {
+      report_.axis.push_back(probed(axis));
+    }
+    finish();
+    return std::move(report_);
+  }
+
+  void let_go() noexcept { wire_.let_go(); }
+
+ private:
+  // The person holds it, or nobody does.
+  void look_at_wire() {
+    if (options_.by_hand) {
+      await(
+          "1 of 4: hold the tool in the middle of where it reaches, and keep it still");
+    }
+    const double wire_s = options_.by_hand ? options_.hold_s : options_.wire_s;
+    wire_.begin_step(wire_s);
+    wire_.begin_motion();
+    std::int64_t answered = 0;
+    while (wire_.motion_s() < wire_s) {
+      answered += wire_.exchange(0.0) ? 1 : 0;
+    }
+    report_.free_rate_hz = static_cast<double>(answered) / wire_.motion_s();
+    if (answered == 0) {
+      throw DeviceError(
+          fmt::format("{}: has no answer in {:g} s", report_.device, wire_s));
+    }
+    report_.lowest_m = wire_.position_m();
+    report_.highest_m = wire_.position_m();
+  }
+
+  void be_moved() {
+    static constexpr std::array<std::array<const char*, 2>, 3> kWays{
+        {{"to the right", "to the left"},
+         {"up", "down"},
+         {"towards you", "away from you"}}};
+    static constexpr std::array<const char*, 2> kInPlane{"away from its base",
+                                                         "towards its base"};
+    for (std::size_t axis = 0; axis < (options_.planar ? 2U : 3U); ++axis) {
+      for (std::size_t way = 0; way < 2; ++way) {
+        say(fmt::format(
+            "2 of 4: move it slowly {}, as far as it goes",
+            options_.planar && axis == 1 ? kInPlane[way] : kWays[axis][way]));
+        wire_.begin_step(options_.move_s);
+        wire_.begin_motion();
+        while (wire_.motion_s() < options_.move_s) {
+          static_cast<void>(wire_.paced(0.0));
+          report_.lowest_m = report_.lowest_m.cwiseMin(wire_.position_m());
+          report_.highest_m = report_.highest_m.cwiseMax(wire_.position_m());
+        }
+      }
+    }
+  }
+
+  void be_let_go() {
+    await(
+        "3 of 4: bring it back to the middle and let go: it must stand where it is "
+        "left");
+    if (!wire_.rests(kLetGoMaxS, 1.0)) {
+      throw DeviceError(fmt::format(
+          "{}: the tool does not come to rest: it must stand where it is left",
+          report_.device));
+    }
+  }
+
+  ProbedAxis probed(int axis) {
+    static constexpr std::array<const char*, 3> kNames{"x", "y", "z"};
+    ProbedAxis found{.axis = axis};
+    say(
+        fmt::format("{}do not touch it: it is pushed to and fro along {}, with at most "
+                    "{} N",
+                    options_.by_hand ? "4 of 4: " : "",
+                    kNames[static_cast<std::size_t>(axis)], options_.force_n));
+    wire_.begin_step(kAxisS);
+    wire_.begin_pushing(axis);
+    try {
+      find(found);
+    } catch (const AxisFailure& failure) {
+      wire_.let_go();
+      found.failure = failure.why;
+    }
+    return found;
+  }
+
+  void find(ProbedAxis& found) {
+    static_cast<void>(rise(1.0));  // learns the step
+    static_cast<void>(rise(-1.0));
+    std::vector<double> force_n;
+    for (int i = 0; i < 2 * options_.rounds; ++i) {
+      force_n.push_back(rise(i % 2 == 0 ? 1.0 : -1.0));
+    }
+    const Mean broken = mean_of(force_n);
+    found.push = pushes(broken.mean);
+    const PushFit fit = fit_pushes(found.push, options_.push_s);
+    check_fit(fit, found);
+    found.delay_s = std::max(0.0, fit.delay_s);
+    found.delay_resolution_s = 2.0 * fit.delay_sd + wire_.exchange_s(0.5);
+    // While the force was on its way, the ramp had risen further.
+    found.friction_n = broken.mean - options_.rise_n_per_s * found.delay_s;
+    found.friction_sd_n = broken.sd;
+    found.mass_kg = (options_.force_n - found.friction_n) / fit.acceleration_m_per_s2;
+    found.damping_n_s_per_m = fit.decay_per_s * found.mass_kg;
+    found.damping_sd_n_s_per_m = fit.decay_sd * found.mass_kg;
+    if (!(found.mass_kg > 0.0) || !std::isfinite(found.damping_sd_n_s_per_m)) {
+      throw AxisFailure{kNoMass};
+    }
+  }
+
+  void check_fit(const PushFit& fit, const ProbedAxis& found) const {
+    constexpr double kMisfit = 0.02;  // of the way, and a step
+    double far_m = 0.0;
+    for (const std::vector<ProbeSample>& push : found.push) {
+      for (const ProbeSample& sample : push) {
+        far_m = std::max(far_m, sample.way_m);
+      }
+    }
+    if (!(fit.rms_m <= kMisfit * far_m + wire_.step_m())) {
+      throw AxisFailure{kNoMass};
+    }
   }
 
   // Force at which it begins to move.
   double rise(double sign) {
-    rest();
-    const double far_m = std::max(3e-4, 10.0 * step());
-    std::vector<Sample> samples;
-    begin_motion();
+    await_rest();
+    const double far_m = std::max(3e-4, 10.0 * wire_.step_m());
+    std::vector<ProbeSample> samples;
+    wire_.begin_motion();
     for (double force_n = 0.0; force_n < options_.force_n;) {
-      force_n = options_.rise_n_per_s * motion_s();
-      if (paced(sign * force_n)) {
-        samples.push_back({begun_s_, way_m(sign)});
+      force_n = options_.rise_n_per_s * wire_.motion_s();
+      if (wire_.paced(sign * force_n)) {
+        samples.push_back({wire_.begun_s(), wire_.way_m(sign)});
         if (samples.back().way_m > far_m) {
           break;
         }
       }
     }
-    static_cast<void>(exchange(0.0));
+    static_cast<void>(wire_.exchange(0.0));
     if (samples.empty() || samples.back().way_m <= far_m) {
-      throw DeviceError(fmt::format(
-          "{}: {} N moved nothing: let the tool stand free, away from its stops",
-          link_.name(), options_.force_n));
+      throw AxisFailure{fmt::format(
+          "{} N moved nothing: let the tool stand free, away from its stops",
+          options_.force_n)};
     }
-    return options_.rise_n_per_s * zero_of_cube_root(samples, far_m);
+    return options_.rise_n_per_s *
+           begin_of_motion_s(samples, std::max(0.1 * far_m, 1.5 * wire_.step_m()));
   }
+
+  struct Pushed {
+    double gap_s = 0.0;  // longest pause
+    std::vector<ProbeSample> samples{};
+  };
 
   // What the tool does while it is pushed.
-  std::vector<Sample> push(double sign, double friction_n) {
-    rest();
-    std::vector<Sample> samples;
-    begin_motion();
-    while (motion_s() < options_.push_s) {
-      if (paced(sign * options_.force_n)) {
-        samples.push_back({begun_s_, way_m(sign)});
+  Pushed push(double sign, double friction_n, double brake) {
+    await_rest();
+    Pushed pushed;
+    wire_.begin_motion();
+    while (wire_.motion_s() < options_.push_s && wire_.way_m(sign) < options_.push_m) {
+      if (wire_.paced(sign * options_.force_n)) {
+        pushed.samples.push_back({wire_.begun_s(), wire_.way_m(sign)});
       }
     }
+    pushed.gap_s = wire_.gap_s();
     // As long against it, less what friction does.
-    const double brake_s = options_.push_s * (options_.force_n - friction_n) /
+    const double brake_s = brake * wire_.motion_s() * (options_.force_n - friction_n) /
                            (options_.force_n + friction_n);
-    begin_motion();
-    while (motion_s() < brake_s) {
-      static_cast<void>(paced(-sign * options_.force_n));
+    wire_.begin_motion();
+    while (wire_.motion_s() < brake_s) {
+      static_cast<void>(wire_.paced(-sign * options_.force_n));
     }
-    static_cast<void>(exchange(0.0));
-    return samples;
+    static_cast<void>(wire_.exchange(0.0));
+    return pushed;
   }
 
- private:
-  static double seconds(std::int64_t duration_ns) {
-    return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
-  }
-
-  // Least step so far; of a device that never moved yet: none.
-  [[nodiscard]] double step() const {
-    return std::isfinite(report_.resolution_m) ? report_.resolution_m : 0.0;
-  }
-
-  void begin_motion() {
-    begin_ns_ = clock_.now_ns();
-    next_ns_ = begin_ns_;
-    from_m_ = position_m_;
-  }
-  [[nodiscard]] double motion_s() { return seconds(clock_.now_ns() - begin_ns_); }
-  [[nodiscard]] double way_m(double sign) const {
-    return sign * (position_m_ - from_m_)[options_.axis];
-  }
-
-  // At the wanted rate.
-  bool paced(double force_n) {
-    clock_.sleep_until_ns(next_ns_);
-    next_ns_ += std::llround(kNanosecondsPerSecond / options_.rate_hz);
-    begun_s_ = motion_s();
-    return exchange(force_n);
-  }
-
-  bool exchange(double force_n) {
-    if (stopped_ && stopped_()) {
-      let_go();
-      throw Interrupted();
+  // A machine that paused while the tool was pushed has not measured the tool: then
+  // once more, as often again at most, and those with the shortest pauses count.
+  std::vector<std::vector<ProbeSample>> pushes(double friction_n) {
+    const auto wanted = static_cast<std::size_t>(options_.pushes);
+    std::vector<Pushed> all;
+    std::size_t whole = 0;
+    for (int i = 0; whole < wanted && all.size() < 2 * wanted; ++i) {
+      // Braked for longer and longer, so that each begins elsewhere in a step of the
+      // positions: alike, they would all be off alike.
+      const double brake = 0.9 + 0.2 * (i % options_.pushes) / options_.pushes;
+      all.push_back(push(i % 2 == 0 ? 1.0 : -1.0, friction_n, brake));
+      whole += all.back().gap_s <= longest_gap_s() ? 1 : 0;
     }
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
-    force[options_.axis] = force_n;
-    Eigen::Vector3d position_m;
-    const std::int64_t start_ns = clock_.now_ns();
-    const LinkStatus status = link_.transact(force, position_m);
-    report_.exchange.add(clock_.now_ns() - start_ns);
-    ++report_.exchanges;
-    if (status == LinkStatus::kLost) {
-      throw DeviceError(fmt::format("{}: {}", link_.name(), link_.failure()));
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Pushed& one, const Pushed& other) {
+                       return one.gap_s < other.gap_s;
+                     });
+    std::vector<std::vector<ProbeSample>> best;
+    for (std::size_t i = 0; i < wanted; ++i) {
+      best.push_back(std::move(all[i].samples));
     }
-    if (status == LinkStatus::kMissed) {
-      ++report_.missed;
-      return false;
-    }
-    const double step_m = std::abs((position_m - position_m_)[options_.axis]);
-    if (report_.exchanges > 1 && step_m > kLeastStepM) {
-      report_.resolution_m = std::min(report_.resolution_m, step_m);
-    }
-    position_m_ = position_m;
-    if (origin_m_.allFinite() && (position_m - origin_m_).norm() > options_.runaway_m) {
-      let_go();
-      throw DeviceError(fmt::format("{}: the tool ran away by {:.3g} mm", link_.name(),
-                                    1e3 * (position_m - origin_m_).norm()));
-    }
-    return true;
+    return best;
   }
 
-  void let_go() {
-    Eigen::Vector3d ignored;
-    static_cast<void>(link_.transact(Eigen::Vector3d::Zero(), ignored));
+  [[nodiscard]] double longest_gap_s() const {
+    constexpr double kExchanges = 3.0;
+    return kExchanges * std::max(1.0 / options_.rate_hz, wire_.exchange_s(0.5));
   }
 
-  void rest() {
-    begin_motion();
-    double stood_since_s = 0.0;
-    while (motion_s() - stood_since_s < kRestS) {
-      const Eigen::Vector3d before_m = position_m_;
-      static_cast<void>(paced(0.0));
-      if ((position_m_ - before_m).norm() > 1.5 * step()) {
-        stood_since_s = motion_s();
-      }
-      if (motion_s() > kRestMaxS) {
-        throw DeviceError(fmt::format(
-            "{}: the tool does not come to rest: it must stand where it is left",
-            link_.name()));
-      }
+  void await_rest() {
+    if (!wire_.rests(kRestMaxS, kRestS)) {
+      throw AxisFailure{
+          "the tool does not come to rest: it must stand where it is left"};
     }
   }
 
-  // Line through the cube roots, against time; where it is zero.
-  double zero_of_cube_root(const std::vector<Sample>& samples, double far_m) const {
-    double n = 0.0;
-    double t = 0.0;
-    double y = 0.0;
-    double tt = 0.0;
-    double ty = 0.0;
-    for (const Sample& sample : samples) {
-      if (sample.way_m > std::max(0.1 * far_m, 1.5 * step())) {
-        const double root = std::cbrt(sample.way_m);
-        n += 1.0;
-        t += sample.time_s;
-        y += root;
-        tt += sample.time_s * sample.time_s;
-        ty += sample.time_s * root;
-      }
+  void say(const std::string& text) const {
+    if (guide_.say) {
+      guide_.say(text);
     }
-    const double slope = (n * ty - t * y) / (n * tt - t * t);
-    return std::isfinite(slope) && slope > 0.0 ? (t - y / slope) / n
-                                               : samples.back().time_s;
   }
 
-  DeviceLink& link_;
+  void await(const std::string& text) const {
+    if (guide_.await) {
+      guide_.await(text);
+    }
+  }
+
+  void finish() {
+    if (std::all_of(report_.axis.begin(), report_.axis.end(),
+                    [](const ProbedAxis& axis) {
+                      return !axis.failure.empty();
+                    })) {
+      throw DeviceError(fmt::format("{}: {}", report_.device,
+                                    report_.axis.empty()
+                                        ? "no axis to push along"
+                                        : report_.axis.front().failure));
+    }
+    wire_.report(report_);
+    report_.push_n = options_.force_n;
+  }
+
   const ProbeOptions& options_;
-  const std::function<bool()>& stopped_;
-  ProbeReport& report_;
-  MonotonicClock clock_;
-  Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d origin_m_ =
-      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  Eigen::Vector3d from_m_ = Eigen::Vector3d::Zero();
-  double begun_s_ = 0.0;
-  std::int64_t begin_ns_ = 0;
-  std::int64_t next_ns_ = 0;
+  const ProbeGuide& guide_;
+  ProbeReport report_;
+  ProbeWire wire_;
 };
 
 }  // namespace
 
+double probe_duration_s(const ProbeOptions& options) {
+  const double hand_s = options.hold_s + (options.planar ? 4.0 : 6.0) * options.move_s;
+  return (options.by_hand ? hand_s : options.wire_s) +
+         kAxisS * static_cast<double>(options.axes.size());
+}
+
 ProbeReport probe(DeviceLink& link, const ProbeOptions& options,
-                  const std::function<bool()>& stopped) {
-  ProbeReport report;
-  report.device = link.name();
-  Prober prober(link, options, stopped, report);
-  prober.look_at_wire();
-  static_cast<void>(prober.rise(1.0));  // learns the step
-  static_cast<void>(prober.rise(-1.0));
-  std::vector<double> friction;
-  for (int i = 0; i < 2 * options.rounds; ++i) {
-    friction.push_back(prober.rise(i % 2 == 0 ? 1.0 : -1.0));
+                  const ProbeGuide& guide, Clock& clock) {
+  if (!(options.force_n > 0.0 && options.force_n <= kProbeForceMaxN)) {
+    throw InputError(fmt::format("a device is probed with {} N, must lie in (0, {}]",
+                                 options.force_n, kProbeForceMaxN));
   }
-  report.friction_n = mean_of(friction).mean;
-  report.friction_sd_n = mean_of(friction).sd;
-  std::vector<std::vector<Sample>> pushes;
-  for (int i = 0; i < options.pushes; ++i) {
-    pushes.push_back(prober.push(i % 2 == 0 ? 1.0 : -1.0, report.friction_n));
+  Prober prober(link, options, guide, clock);
+  try {
+    return prober.run();
+  } catch (...) {
+    prober.let_go();
+    throw;
   }
-  const Motion motion = fitted(pushes, options.push_s);
-  report.mass_kg = (options.force_n - report.friction_n) / motion.acceleration_m_per_s2;
-  report.delay_s = motion.delay_s;
-  return report;
-}
-
-std::string probe_text(const ProbeReport& r) {
-  return fmt::format(
-      "{}: {:.5g} exchanges a second, {} of {} missed, p50 {:.3f} ms, p99 {:.3f} ms\n"
-      "step of positions   {:.3g} mm\n"
-      "dry friction        {:.3g} N, +- {:.1g}\n"
-      "mass                {:.3g} kg\n"
-      "delay of forces     {:.3g} ms\n",
-      r.device, r.free_rate_hz, r.missed, r.exchanges,
-      r.exchange.percentile_ns(0.5) / 1e6, r.exchange.percentile_ns(0.99) / 1e6,
-      1e3 * r.resolution_m, r.friction_n, r.friction_sd_n, r.mass_kg, 1e3 * r.delay_s);
-}
-
-std::string probe_json(const ProbeReport& r) {
-  const nlohmann::ordered_json json = {{"device", r.device},
-                                       {"palpate", PALPATE_VERSION},
-                                       {"exchanges", r.exchanges},
-                                       {"missed", r.missed},
-                                       {"rate_hz", r.free_rate_hz},
-                                       {"p50_ns", r.exchange.percentile_ns(0.5)},
-                                       {"p99_ns", r.exchange.percentile_ns(0.99)},
-                                       {"max_ns", r.exchange.max_ns()},
-                                       {"resolution_m", r.resolution_m},
-                                       {"friction_n", r.friction_n},
-                                       {"friction_sd_n", r.friction_sd_n},
-                                       {"mass_kg", r.mass_kg},
-                                       {"delay_s", r.delay_s}};
-  return json.dump(2) + "\n";
 }
 
 }  // namespace palpate

@@ -56,6 +56,12 @@ class SignTestedLink : public DeviceLink {
   [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override {
     return link_->sent_n();
   }
+  [[nodiscard]] bool measures_turns() const noexcept override {
+    return link_->measures_turns();
+  }
+  [[nodiscard]] Eigen::Quaterniond turn() const noexcept override {
+    return link_->turn();
+  }
   void close() noexcept override { link_->close(); }
   [[nodiscard]] std::string failure() const override { return link_->failure(); }
 

@@ -1,4 +1,5 @@
 // `palpate-run device`: renders a database on a haptic device.
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -8,13 +9,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
-#include "runtime/attach/probe.h"
+#include "runtime/attach/probe_file.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
 #include "runtime/command/device_options.h"
 #include "runtime/command/scene_options.h"
+#include "runtime/command/terminal_guide.h"
+#include "runtime/realtime/real_time.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/contact_run.h"
 #include "runtime/run/reconnect.h"
@@ -30,6 +32,7 @@ struct Flags {
   bool json = false;
   bool reconnect = false;
   std::string probe_file;
+  std::string probe_axes = "xyz";
   SurfaceFiles surface;
   DeviceFlags device;
   CouplingFlags coupling;
@@ -68,32 +71,56 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
   fmt::print("{}\n", json.dump(2));
 }
 
+ProbeOptions probe_options(const Flags& flags) {
+  ProbeOptions options;
+  options.by_hand = !is_emulated(flags.device.request.name);
+  options.planar = moves_in_a_plane(flags.device.request.name);
+  options.axes.clear();
+  for (const char axis : flags.probe_axes) {
+    const int number = axis - 'x';
+    if (number < 0 || number > 2 ||
+        std::count(options.axes.begin(), options.axes.end(), number) > 0) {
+      throw InputError(
+          fmt::format("--probe-axes {}: must be some of x, y and z, each once, as xz",
+                      flags.probe_axes));
+    }
+    if (number < 2 || !options.planar) {
+      options.axes.push_back(number);
+    }
+  }
+  if (options.axes.empty()) {
+    throw InputError(fmt::format("--probe-axes {}: none that a {} moves along",
+                                 flags.probe_axes, flags.device.request.name));
+  }
+  return options;
+}
+
 // Writes what the device is like, for whoever wrote its driver.
 void probe_device(Flags& flags) {
   DeviceRequest& request = flags.device.request;
   prepare_request(flags.device);
   request.sign_test = false;  // somebody would have to hold the tool
+  const ProbeOptions options = probe_options(flags);
   const std::unique_ptr<DeviceLink> link = probe_link(request);
-  if (!is_emulated(request.name)) {
-    request.ask(fmt::format(
-        "{}: let its tool stand free in the middle, where it stays by itself, and let "
-        "go: it is pushed to and fro with at most 0.3 N for half a minute",
-        request.name));
-  }
   link->open();
+  fmt::print(stderr, "{}: probed for about {:.0f} s, with at most {} N\n", request.name,
+             probe_duration_s(options), options.force_n);
   ProbeReport report;
   try {
-    report = probe(*link, {}, request.stopped);
+    TerminalGuide terminal;
+    MonotonicClock clock;
+    static_cast<void>(request_real_time(-1));  // as a driver's thread has, if permitted
+    report = probe(*link, options, terminal.guide(), clock);
   } catch (...) {
     link->close();
+    tell_person(fmt::format("{}: let go; nothing was written", request.name));
     throw;
   }
   link->close();
-  const std::string json = probe_json(report);
-  AtomicFile file(flags.probe_file);
-  file.write(std::as_bytes(std::span(json)));
-  file.commit();
-  fmt::print("{}", flags.json ? json : probe_text(report));
+  write_probe(flags.probe_file, report);
+  fmt::print("{}", flags.json ? probe_json(report) : probe_text(report));
+  fmt::print(stderr, "written to {}: send it, or render by it (--probed)\n",
+             flags.probe_file);
 }
 
 // A scene, while it is computed.
@@ -155,6 +182,10 @@ void add_device_command(Command app) {
   command.add_option("--probe", flags->probe_file,
                      "Render nothing: find what the device is like, and write it there "
                      "(JSON)");
+  command
+      .add_option("--probe-axes", flags->probe_axes,
+                  "Axes of the device to push along: x right, y up, z towards you")
+      .show_default();
   command.add_option("--model", flags->model, "Local model: " + known_models())
       .show_default();
   command.add_option("--seconds", options.duration_s, "Duration [s]").show_default();

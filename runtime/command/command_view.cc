@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <memory>
 #include <string>
@@ -163,36 +164,6 @@ void steer(const Flags& flags, const ResponseDatabase& database) {
   }
 }
 
-// A scene, while it is computed: the page steers, on simulated time that follows the
-// clock.
-void steer_scene(const Flags& flags) {
-  refuse_surface(flags.surface);
-  if (flags.together || flags.tools.size() > 1 || !flags.device.request.name.empty() ||
-      !flags.demo.empty()) {
-    throw InputError(
-        "a scene is shown with one tool that the page moves: leave out --together, "
-        "--device and --demo, or build its database first");
-  }
-  const std::atomic<bool>& stop = heed_stop_signals();
-  const auto client = join_scene(flags.database, flags.scene,
-                                 flags.tools.empty() ? "" : flags.tools.front());
-  const ServedScene& scene = client->scene(stop);
-  const ResponseDatabase body = body_of(scene, client->tool());
-  GrowingElements elements(body.body, body.normal, body.tools.front().tool);
-  const Feeding feeding(*client, elements);
-  ViewSessionOptions options = flags.options;
-  options.tool = "";
-  options.model = requested_model(flags.model);
-  options.growing = &elements;
-  ViewSession session(body, options);
-  check_stiffness_scale(flags.stiffness_scale);
-  session.set_stiffness_scale(flags.stiffness_scale);
-  ViewedBody shown_body = viewed(flags, session);
-  shown_body.coming_to_m = scene.plan.depth_max_m;
-  ServedNews news(*client, elements, scene, SceneWatch(flags.database));
-  serve(flags, shown_body, session, &news);
-}
-
 SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
   SimulationOptions options;
   options.tool = flags.options.tool;
@@ -210,8 +181,37 @@ SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
   return options;
 }
 
-// A device steers, in real time; the pages watch until its run is over.
+// Renders in a thread of its own, while the pages watch until it is over.
+SimulationReport look_on(const Flags& flags, const ViewedBody& body, WatchView& view,
+                         const std::function<SimulationReport()>& render) {
+  ViewServer server(server_options(flags, body), view);
+  view.answer_through(server);
+  std::atomic<bool> over = false;
+  std::future<SimulationReport> run = std::async(std::launch::async, [&] {
+    const auto end = [](std::atomic<bool>* flag) {
+      flag->store(true);
+    };
+    const std::unique_ptr<std::atomic<bool>, decltype(end)> at_end(&over, end);
+    return render();
+  });
+  // Refusals come before the device is opened: there is nothing to look at then.
+  if (run.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout) {
+    say_where(server);
+  }
+  try {
+    server.run(over);
+  } catch (...) {
+    request_stop();  // the device's run ends; else its future would wait for it here
+    throw;
+  }
+  SimulationReport report = run.get();
+  fmt::print("{}", summary(report));
+  return report;
+}
+
+// A device steers, in real time.
 void watch(Flags& flags, const ResponseDatabase& database) {
+  const std::atomic<bool>& stop = heed_stop_signals();
   const auto ticks = std::make_unique<TickQueue>();
   const auto contacts = std::make_unique<ContactsWatch>();
   SimulationOptions options = watched_options(flags, *ticks);
@@ -228,31 +228,76 @@ void watch(Flags& flags, const ResponseDatabase& database) {
     body.hands = {&body.table};
   }
   WatchView view(body, options, *ticks, several ? contacts.get() : nullptr);
-  ViewServer server(server_options(flags, body), view);
-  view.answer_through(server);
-  const std::atomic<bool>& stop = heed_stop_signals();
-  std::atomic<bool> over = false;
-  std::future<SimulationReport> run = std::async(std::launch::async, [&] {
-    const auto end = [](std::atomic<bool>* flag) {
-      flag->store(true);
-    };
-    const std::unique_ptr<std::atomic<bool>, decltype(end)> at_end(&over, end);
+  const SimulationReport report = look_on(flags, body, view, [&] {
     return simulate(database, options, stop);
   });
-  // Refusals come before the device is opened: there is nothing to look at then.
-  if (run.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout) {
-    say_where(server);
-  }
-  try {
-    server.run(over);
-  } catch (...) {
-    request_stop();  // the device's run ends; else its future would wait for it here
-    throw;
-  }
-  const SimulationReport report = run.get();
-  fmt::print("{}", summary(report));
   leave_surface(flags.surface, options.surface, std::span(&report, 1));
   throw_what_ended(report);
+}
+
+// Of a scene, what pages see before any response has come.
+ViewedBody viewed_scene(const ServedScene& scene, ViewedBody body) {
+  body.coming_to_m = scene.plan.depth_max_m;
+  return body;
+}
+
+// A scene, while it is computed: the page steers, on simulated time that follows the
+// clock.
+void steer_scene(const Flags& flags) {
+  const std::atomic<bool>& stop = heed_stop_signals();
+  const auto client = join_scene(flags.database, flags.scene,
+                                 flags.tools.empty() ? "" : flags.tools.front());
+  const ServedScene& scene = client->scene(stop);
+  const ResponseDatabase body = body_of(scene, client->tool());
+  GrowingElements elements(body.body, body.normal, body.tools.front().tool);
+  const Feeding feeding(*client, elements);
+  ViewSessionOptions options = flags.options;
+  options.tool = "";
+  options.model = requested_model(flags.model);
+  options.growing = &elements;
+  ViewSession session(body, options);
+  check_stiffness_scale(flags.stiffness_scale);
+  session.set_stiffness_scale(flags.stiffness_scale);
+  const ViewedBody shown_body = viewed_scene(scene, viewed(flags, session));
+  ServedNews news(*client, elements, scene, SceneWatch(flags.database));
+  serve(flags, shown_body, session, &news);
+}
+
+// The same while a device steers, in real time; the pages watch.
+void watch_scene(Flags& flags) {
+  const std::atomic<bool>& stop = heed_stop_signals();
+  const auto ticks = std::make_unique<TickQueue>();
+  const SimulationOptions options = watched_options(flags, *ticks);
+  const auto client = join_scene(flags.database, flags.scene,
+                                 flags.tools.empty() ? "" : flags.tools.front());
+  const ServedScene& scene = client->scene(stop);
+  const ResponseDatabase database = body_of(scene, client->tool());
+  GrowingElements elements(database.body, database.normal, database.tools.front().tool);
+  const ViewedBody body = viewed_scene(scene, {.database = database,
+                                               .table = database.tools.front(),
+                                               .name = shown_name(flags),
+                                               .device = flags.device.request.name,
+                                               .fast_hz = options.fast_hz,
+                                               .force_max_n = options.force_max_n});
+  ServedNews news(*client, elements, scene, SceneWatch(flags.database));
+  WatchView view(body, options, *ticks, nullptr, &news);
+  throw_what_ended(look_on(flags, body, view, [&] {
+    return simulate_served(*client, options, stop, elements);
+  }));
+}
+
+void show_scene(Flags& flags) {
+  refuse_surface(flags.surface);
+  if (flags.together || flags.tools.size() > 1 || !flags.demo.empty()) {
+    throw InputError(
+        "a scene is shown with one tool: leave out --together and --demo, or build its "
+        "database first");
+  }
+  if (flags.device.request.name.empty()) {
+    steer_scene(flags);
+  } else {
+    watch_scene(flags);
+  }
 }
 
 // @throws InputError where tools and flags do not say what is shown.
@@ -277,7 +322,7 @@ bool shows_contacts(const Flags& flags, const ResponseDatabase& database) {
 
 void run(Flags& flags) {
   if (is_scene(flags.database)) {
-    steer_scene(flags);
+    show_scene(flags);
     return;
   }
   const ResponseDatabase database = shown(flags);

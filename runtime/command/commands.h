@@ -10,6 +10,7 @@ void add_calibrate_command(Command app);
 void add_device_command(Command app);
 void add_driver_command(Command app);
 void add_devices_command(Command app);
+void add_probe_command(Command app);
 void add_replay_command(Command app);
 void add_simulate_command(Command app);
 void add_view_command(Command app);

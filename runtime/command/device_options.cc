@@ -6,6 +6,8 @@
 
 #include "formats/base/error.h"
 #include "runtime/attach/calibration.h"
+#include "runtime/attach/driven_devices.h"
+#include "runtime/attach/probe_file.h"
 #include "runtime/realtime/stop_signals.h"
 
 namespace palpate {
@@ -38,6 +40,34 @@ void ask_person(const std::string& text) {
   }
 }
 
+namespace {
+
+// The bound on stiffness by what was found instead of what is assumed.
+void take_probed(const DeviceFlags& flags, SimulationOptions& options) {
+  if (flags.probed.empty()) {
+    return;
+  }
+  if (!options.attached) {
+    throw InputError(fmt::format(
+        "--probed {}: a driver behind a socket says its numbers itself", flags.probed));
+  }
+  const ProbeReport report = read_probe(flags.probed);
+  if (report.device != device_kind(flags.request.name)) {
+    throw InputError(fmt::format("--probed {}: is a probe of {}, not of {}",
+                                 flags.probed, report.device, flags.request.name));
+  }
+  DeviceLimits& limits = options.attached->limits;
+  limits = probed_limits(report, limits);
+  tell_person(
+      fmt::format("{}: by its probe: damping {:.3g} N s/m, friction {:.3g} N, step "
+                  "{:.3g} mm, delay "
+                  "{:.3g} ms",
+                  report.device, limits.damping_n_s_per_m, limits.coulomb_n,
+                  1e3 * limits.resolution_m, 1e3 * limits.delay_s));
+}
+
+}  // namespace
+
 void add_device_options(Command command, DeviceFlags& flags) {
   DeviceRequest& request = flags.request;
   command.add_option("--device", request.name,
@@ -46,6 +76,9 @@ void add_device_options(Command command, DeviceFlags& flags) {
   command.add_option(
       "--device-id", request.device_id,
       "Which device of a service or a vendor's library, where it has several");
+  command.add_option("--grip-id", request.grip_id,
+                     "Which grip of the Inverse service turns the tool, where it has "
+                     "several");
   command
       .add_option("--events-port", request.events_port,
                   "Where the Inverse service tells events")
@@ -68,6 +101,9 @@ void add_device_options(Command command, DeviceFlags& flags) {
                    "hardware): more than 1 kHz");
   command.add_flag("--no-sign-test", flags.no_sign_test,
                    "Do not feel at the start whether the motors push the right way");
+  command.add_option("--probed", flags.probed,
+                     "A probe's file: its damping, friction, step and delay bound "
+                     "stiffness instead of assumed ones");
   command.add_option("--plane", request.plane,
                      "Section of the body for a device that moves in a plane: x=0.01 "
                      "[m]; else the one through the pressed node");
@@ -101,6 +137,7 @@ void attach_device(DeviceFlags& flags, SimulationOptions& options) {
   } else {
     options.attached = choose_device(flags.request);
   }
+  take_probed(flags, options);
   if (!flags.at_m.empty()) {
     if (flags.at_m.size() != 3) {
       throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",

@@ -17,6 +17,7 @@ struct DeviceFlags {
   std::string calibration = "1";
   std::vector<double> at_m;
   bool no_sign_test = false;
+  std::string probed;  ///< file of a probe; empty: none
 };
 
 /// --device and what goes with it. @param flags must outlive the command.

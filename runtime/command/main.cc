@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
                            {&palpate::add_simulate_command, &palpate::add_bench_command,
                             &palpate::add_device_command, &palpate::add_devices_command,
                             &palpate::add_calibrate_command, &palpate::add_view_command,
-                            &palpate::add_replay_command, &palpate::add_driver_command},
+                            &palpate::add_replay_command, &palpate::add_probe_command,
+                            &palpate::add_driver_command},
                            argc, argv);
 }

@@ -73,6 +73,9 @@ class Device {
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual DeviceLimits limits() const = 0;
 
+  /// Whether its readings' turns are measured; known once it is open, and kept after.
+  [[nodiscard]] virtual bool measures_turns() const { return false; }
+
   /// Ready to read, at zero force. @throws DeviceError saying what is missing.
   virtual void open() = 0;
 

@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 
 #include "formats/base/error.h"
+#include "runtime/device/device_turn.h"
 #include "runtime/device/socket_device.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/real_time.h"
@@ -88,7 +89,9 @@ int exchange_until_the_end(DeviceLink& link, int descriptor,
                            const DriverTiming& timing) noexcept {
   MonotonicClock clock;
   Commands commands(descriptor, nanoseconds(timing.silent_s));
-  SocketState state;
+  TurnFromStart from_start;
+  SocketTurnedState turned;
+  SocketState& state = turned.state;
   while (commands.take()) {
     const SocketCommand command = commands.wanted();
     const Eigen::Vector3d wanted_n(command.force_n.data());
@@ -108,7 +111,13 @@ int exchange_until_the_end(DeviceLink& link, int descriptor,
       state.sequence = command.sequence;
       std::copy_n(position_m.data(), 3, state.position_m.begin());
       std::copy_n(withheld_n.data(), 3, state.withheld_n.begin());
-      say(descriptor, state);
+      if (link.measures_turns()) {
+        const Eigen::Quaterniond turn = from_start(link.turn());
+        turned.turn_wxyz = {turn.w(), turn.x(), turn.y(), turn.z()};
+        say(descriptor, turned);
+      } else {
+        say(descriptor, state);
+      }
       commands.await_next(state.done_ns + nanoseconds(timing.answer_s));
     }
     clock.sleep_until_ns(begin_ns + nanoseconds(1.0 / timing.rate_max_hz));
@@ -127,7 +136,8 @@ int serve_device(DeviceLink& link, int descriptor, const DriverTiming& timing) {
   }
   static_cast<void>(request_real_time(-1));
   const DeviceLimits limits = link.limits();
-  say(descriptor, SocketHello{.damping_n_s_per_m = limits.damping_n_s_per_m,
+  say(descriptor, SocketHello{.magic = link.measures_turns() ? kTurnedHello : kHello,
+                              .damping_n_s_per_m = limits.damping_n_s_per_m,
                               .coulomb_n = limits.coulomb_n,
                               .resolution_m = limits.resolution_m,
                               .delay_s = limits.delay_s,

@@ -38,6 +38,15 @@ class DeviceLink {
   /// none.
   [[nodiscard]] virtual Eigen::Vector3d sent_n() const noexcept = 0;
 
+  /// Whether turn() is measured; known once it is open.
+  [[nodiscard]] virtual bool measures_turns() const noexcept { return false; }
+
+  /// The device's orientation with the latest position, by its own zero: a unit
+  /// quaternion, device's axes from grip's.
+  [[nodiscard]] virtual Eigen::Quaterniond turn() const noexcept {
+    return Eigen::Quaterniond::Identity();
+  }
+
   /// Zero force as far as the wire still exists, lights out, released.
   virtual void close() noexcept = 0;
 

@@ -66,6 +66,7 @@ void DrivenDevice::open() {
     patience.hello_s = program_.open_s;
     patience.stopped = program_.stopped;
     device_ = std::make_unique<SocketDevice>(ends[0], patience);
+    turns_ = device_->measures_turns();
     device_->open();
   } catch (...) {
     close();

@@ -32,6 +32,7 @@ class DrivenDevice : public Device {
 
   [[nodiscard]] std::string name() const override { return program_.name; }
   [[nodiscard]] DeviceLimits limits() const override { return program_.limits; }
+  [[nodiscard]] bool measures_turns() const override { return turns_; }
   void open() override;
   [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override;
   [[nodiscard]] DeviceStatus write(const Eigen::Vector3d& force_n) noexcept override;
@@ -53,6 +54,7 @@ class DrivenDevice : public Device {
   pid_t driver_ = -1;
   LinkReport report_;    // of the latest that was closed
   std::string failure_;  // its
+  bool turns_ = false;   // likewise
 };
 
 }  // namespace palpate

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "runtime/device/device_turn.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {
@@ -23,11 +24,12 @@ constexpr int kFirstStateMs = 2000;
 union Datagram {
   SocketHello hello;
   SocketState state;
+  SocketTurnedState turned;
   SocketFarewell farewell;
   constexpr Datagram() : farewell() {}
 };
-static_assert(sizeof(SocketHello) != sizeof(SocketState) &&
-              sizeof(SocketFarewell) != sizeof(SocketState));
+static_assert(sizeof(SocketHello) == 48 && sizeof(SocketState) == 80 &&
+              sizeof(SocketTurnedState) == 112 && sizeof(SocketFarewell) == 256);
 
 std::int64_t nanoseconds(double duration_s) noexcept {
   return std::llround(duration_s * kNanosecondsPerSecond);
@@ -132,7 +134,8 @@ void SocketDevice::greet() {
                                   patience_.hello_s));
   }
   const SocketHello& hello = heard.hello;
-  if (hello.magic != SocketHello{}.magic) {
+  turned_ = hello.magic == kTurnedHello;
+  if (!turned_ && hello.magic != kHello) {
     throw DeviceError("socket device: what answers is not a device of this protocol");
   }
   if (!is_limit(hello.damping_n_s_per_m) || !is_limit(hello.coulomb_n) ||
@@ -168,6 +171,16 @@ std::string SocketDevice::failure() const {
   return why.empty() ? failure_ : why;
 }
 
+bool SocketDevice::take(const SocketTurnedState& turned) noexcept {
+  const auto& [w, x, y, z] = turned.turn_wxyz;
+  const auto turn = exact_turn(Eigen::Quaterniond(w, x, y, z));
+  if (turn) {
+    take(turned.state);
+    latest_.turn = *turn;
+  }
+  return turn.has_value();
+}
+
 // How old a force was when the next took its place: by then the driver knew the next.
 void SocketDevice::take(const SocketState& state) noexcept {
   MonotonicClock clock;
@@ -199,8 +212,13 @@ DeviceStatus SocketDevice::read(DeviceReading& reading) noexcept {
     Datagram heard;
     const ssize_t bytes =
         ::recv(descriptor_, &heard, sizeof heard, MSG_DONTWAIT | MSG_TRUNC);
-    if (bytes == sizeof heard.state) {
+    if (bytes == sizeof heard.state && !turned_) {
       take(heard.state);
+    } else if (bytes == sizeof heard.turned && turned_) {
+      if (!take(heard.turned)) {
+        failure_ = "its driver says an orientation that is none";
+        return DeviceStatus::kLost;
+      }
     } else if (bytes < 0 && errno == EAGAIN) {
       break;
     } else if (bytes == sizeof heard.farewell) {

@@ -17,12 +17,15 @@ namespace palpate {
 
 /// The protocol (SOCKET.md beside this file has it for drivers in other languages):
 /// datagrams in order (SOCK_SEQPACKET), host byte order, told apart by their size. The
-/// driver process sends one hello, then a state whenever it has measured one; the
-/// renderer sends commands. A command acts until the next. The driver ends when the
-/// socket does, and puts the force to zero if the last command did not. Before it ends
-/// by itself it may say why.
+/// driver process sends one hello, then a state whenever it has measured one, with its
+/// orientation where its hello was kTurnedHello; the renderer sends commands. A command
+/// acts until the next. The driver ends when the socket does, and puts the force to
+/// zero if the last command did not. Before it ends by itself it may say why.
+constexpr std::array<char, 8> kHello{'p', 'a', 'l', 'p', 'd', 'e', 'v', '2'};
+constexpr std::array<char, 8> kTurnedHello{'p', 'a', 'l', 'p', 'd', 'e', 'v', '3'};
+
 struct SocketHello {
-  std::array<char, 8> magic{'p', 'a', 'l', 'p', 'd', 'e', 'v', '2'};
+  std::array<char, 8> magic = kHello;
   double damping_n_s_per_m = 0.0;
   double coulomb_n = 0.0;
   double resolution_m = 0.0;
@@ -37,6 +40,12 @@ struct SocketState {
   std::uint64_t sequence = 0;          ///< of the command that acts; 0: zero force
   std::int64_t done_ns = 0;            ///< when that was known; measured no later
   std::uint64_t missed = 0;            ///< exchanges without an answer so far
+};
+
+struct SocketTurnedState {
+  SocketState state;
+  /// DeviceReading's turn; exact_turn() of it is used, what has none ends the run.
+  std::array<double, 4> turn_wxyz{1.0, 0.0, 0.0, 0.0};
 };
 
 struct SocketFarewell {
@@ -72,6 +81,7 @@ class SocketDevice : public Device {
 
   [[nodiscard]] std::string name() const override { return "socket"; }
   [[nodiscard]] DeviceLimits limits() const override { return limits_; }
+  [[nodiscard]] bool measures_turns() const override { return turned_; }
   void open() override;
   [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override;
   [[nodiscard]] DeviceStatus write(const Eigen::Vector3d& force_n) noexcept override;
@@ -90,10 +100,12 @@ class SocketDevice : public Device {
 
   void greet();
   void take(const SocketState& state) noexcept;
+  [[nodiscard]] bool take(const SocketTurnedState& turned) noexcept;
 
   int descriptor_ = -1;
   SocketPatience patience_;
   DeviceLimits limits_;
+  bool turned_ = false;  // states are SocketTurnedState
   std::uint64_t sequence_ = 0;
   std::unique_ptr<Guardian> guardian_;  // while open
   DeviceReading latest_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "runtime/device/device_turn.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/real_time.h"
 
@@ -108,6 +109,7 @@ void LinkedDevice::run() noexcept {
   const std::int64_t begin_ns = clock.now_ns();
   const auto period_ns = nanoseconds(1.0 / timing_.rate_max_hz);
   Command held;  // what the device got last
+  TurnFromStart from_start;
   while (!stop_.load()) {
     const std::int64_t start_ns = clock.now_ns();
     Measured measured{.reading = {}, .begin_ns = start_ns};
@@ -124,6 +126,7 @@ void LinkedDevice::run() noexcept {
     }
     if (status == LinkStatus::kOk) {
       held = command;
+      measured.reading.turn = from_start(link_->turn());
       reading_.write(measured);
       await_answer(start_ns);
     } else if (status == LinkStatus::kLost) {

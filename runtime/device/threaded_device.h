@@ -33,6 +33,7 @@ class LinkedDevice : public Device {
 
   [[nodiscard]] std::string name() const override { return link_->name(); }
   [[nodiscard]] DeviceLimits limits() const override { return link_->limits(); }
+  [[nodiscard]] bool measures_turns() const override { return link_->measures_turns(); }
   void open() override;
   [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override;
   [[nodiscard]] DeviceStatus write(const Eigen::Vector3d& force_n) noexcept override;

@@ -1,6 +1,7 @@
 #include "runtime/emulation/emulated_haply.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace palpate {
@@ -44,6 +45,14 @@ int HaplyModel::send(std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
   }
 }
 
+// As an encoder counts it.
+double HaplyModel::counted_deg(double theta_rad) const {
+  const double count_rad = 2.0 * std::numbers::pi / config_.counts_per_turn;
+  return kRadian * (config_.counts_per_turn > 0.0
+                        ? count_rad * std::round(theta_rad / count_rad)
+                        : theta_rad);
+}
+
 void HaplyModel::obey(std::int64_t now_ns) {
   static_cast<void>(look());
   Eigen::Vector2d theta;
@@ -56,7 +65,7 @@ void HaplyModel::obey(std::int64_t now_ns) {
   }
   push(force, now_ns);
   const auto reply =
-      encode_angles(id_, {kRadian * pose_.theta[0], kRadian * pose_.theta[1]});
+      encode_angles(id_, {counted_deg(pose_.theta[0]), counted_deg(pose_.theta[1])});
   port.ready_ns = now_ns + config_.answer_ns;
   port.waiting.insert(port.waiting.end(), reply.begin(), reply.end());
 }

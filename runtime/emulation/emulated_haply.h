@@ -22,9 +22,10 @@ struct HaplyModelConfig {
   HandScript hand{};                        ///< in the device's frame
   Eigen::Vector3d start_m{0.0, 0.09, 0.0};  ///< [m]
   PantographLinks links{};
-  std::int64_t answer_ns = 100'000;  ///< [ns] from command to reply
-  std::size_t split_bytes = 64;      ///< [1, 64] most of a reply in one packet
-  std::size_t trace_max = 0;         ///< commands that trace() keeps
+  double counts_per_turn = 13'824.0;  ///< [0, inf) of its encoders; 0: any angle
+  std::int64_t answer_ns = 100'000;   ///< [ns] from command to reply
+  std::size_t split_bytes = 64;       ///< [1, 64] most of a reply in one packet
+  std::size_t trace_max = 0;          ///< commands that trace() keeps
 };
 
 class HaplyModel : public SerialBoard {
@@ -43,6 +44,7 @@ class HaplyModel : public SerialBoard {
 
  private:
   void obey(std::int64_t now_ns);
+  [[nodiscard]] double counted_deg(double theta_rad) const;
 
   HaplyModelConfig config_;
   bool set_up_ = false;

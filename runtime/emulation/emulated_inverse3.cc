@@ -51,7 +51,8 @@ void Inverse3Model::obey(std::int64_t now_ns) {
       to_haply(at.position_m), to_haply(tool().motion().velocity_m_per_s));
   push(from_haply(decode_inverse3_force(command)), now_ns);
   ++replies_;
-  if (replies_ == config_.garbage_at) {
+  if (config_.garbage_at >= 0 && replies_ >= config_.garbage_at &&
+      replies_ < config_.garbage_at + config_.garbage_count) {
     port.waiting.insert(port.waiting.end(), 30, 0x55);
     return;
   }

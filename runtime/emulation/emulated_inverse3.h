@@ -23,11 +23,12 @@ struct Inverse3ModelConfig {
   Eigen::Vector3d start_m{0.0, 0.15, 0.12};  ///< [m]
   std::int64_t answer_ns = 100'000;          ///< [ns] from command to reply
   int deaf = 2;                              ///< wake-ups without an answer
-  bool newer = true;             ///< firmware with another wake-up, and heartbeats
-  int heartbeat_every = 3;       ///< replies; of newer firmware
-  std::size_t split_bytes = 64;  ///< [1, 64] most of a reply in one packet
-  std::int64_t garbage_at = -1;  ///< reply whose bytes are others; -1: none
-  std::size_t trace_max = 0;     ///< commands that trace() keeps
+  bool newer = true;               ///< firmware with another wake-up, and heartbeats
+  int heartbeat_every = 3;         ///< replies; of newer firmware
+  std::size_t split_bytes = 64;    ///< [1, 64] most of a reply in one packet
+  std::int64_t garbage_at = -1;    ///< reply whose bytes are others; -1: none
+  std::int64_t garbage_count = 1;  ///< from there on
+  std::size_t trace_max = 0;       ///< commands that trace() keeps
 };
 
 class Inverse3Model : public SerialBoard {

@@ -93,12 +93,36 @@ Json EmulatedInverse::Parts::state(bool whole) {
   if (is_faulty(InverseFault::kUnplugged) || is_faulty(InverseFault::kSilentUnplug)) {
     devices.clear();
   }
-  return {{"inverse3", devices},
-          {"wireless_verse_grip",
-           {{{"device_id", "61576"},
-             {"state",
-              {{"orientation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
-               {"buttons", {{"a", false}, {"b", false}, {"c", false}}}}}}}}};
+  return {{"inverse3", devices}, {"wireless_verse_grip", grips()}};
+}
+
+// With a heading of its own, as an inertial sensor has; rounded as single precision.
+Json EmulatedInverse::Parts::grips() {
+  const auto heading = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ());
+  const double time_s = message == 0 ? 0.0
+                                     : static_cast<double>(clock.now_ns() - first_ns) /
+                                           kNanosecondsPerSecond;
+  const Eigen::Quaterniond ours =
+      config.grip_turn ? config.grip_turn(time_s) : config.grip.at(time_s);
+  Eigen::Quaterniond turn;
+  turn.w() = ours.w();
+  turn.vec() = to_haply(ours.vec());
+  turn = turn * heading;
+  if (is_faulty(InverseFault::kNoTurn)) {
+    turn.coeffs().setZero();
+  }
+  Json list = Json::array();
+  for (int i = 0; i < config.grips && !is_faulty(InverseFault::kNoGrip); ++i) {
+    const Eigen::Vector4f wxyz =
+        Eigen::Vector4d(turn.w(), turn.x(), turn.y(), turn.z()).cast<float>();
+    list.push_back(
+        {{"device_id", std::to_string(61576 + i)},
+         {"state",
+          {{"orientation",
+            {{"w", wxyz[0]}, {"x", wxyz[1]}, {"y", wxyz[2]}, {"z", wxyz[3]}}},
+           {"buttons", {{"a", false}, {"b", false}, {"c", false}}}}}});
+  }
+  return list;
 }
 
 // A command of another spelling is no command; the force ends where none comes.
@@ -106,6 +130,7 @@ void EmulatedInverse::Parts::obey(const std::string& text) {
   const std::lock_guard lock(mutex);
   if (++message == 1) {
     tool.open();  // the hand begins
+    first_ns = clock.now_ns();
   }
   std::optional<Eigen::Vector3d> force_n;
   try {

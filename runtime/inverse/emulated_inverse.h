@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "runtime/emulation/emulated_falcon_board.h"
 #include "runtime/hand/hand_script.h"
 #include "runtime/hand/simulated_device.h"
+#include "runtime/hand/turn_script.h"
 
 namespace palpate {
 
@@ -30,6 +32,8 @@ enum class InverseFault : std::uint8_t {
   kEvent,         ///< `text` on the events port
   kClosed,        ///< the session is closed as the protocol has it
   kCutFrame,      ///< half a frame, then the connection ends
+  kNoGrip,        ///< the grip is listed no more
+  kNoTurn,        ///< its orientation is four zeros
 };
 
 struct InverseFaults {
@@ -49,6 +53,12 @@ struct EmulatedInverseConfig {
   std::string version = "3.5.1";  ///< decides the force's key: "vector" from 3.5 on
   std::string device_id = "049D";
   int devices = 1;  ///< listed; the others stand still
+  int grips = 1;    ///< listed, all turned alike
+  /// How the hand turns the grip from its first message on, in InverseLink's frame; the
+  /// grip's own zero is another one.
+  TurnScript grip{.normal = Eigen::Vector3d::UnitY(), .tilt_rad = 0.0, .turn_rad = 0.0};
+  /// Instead of the script, by time [s]; empty: the script.
+  std::function<Eigen::Quaterniond(double)> grip_turn{};
   bool in_use = false;
   double force_gate = 0.3;          ///< [-] shown only
   bool gravity_compensated = true;  ///< shown only

@@ -57,6 +57,7 @@ struct EmulatedInverse::Parts {
   }
   [[nodiscard]] std::string first_message();
   [[nodiscard]] Json state(bool whole);
+  [[nodiscard]] Json grips();
   void obey(const std::string& text);
   void push(const Eigen::Vector3d& force_n);
   void release() {
@@ -74,6 +75,7 @@ struct EmulatedInverse::Parts {
   SimulatedDevice tool;
   mutable std::mutex mutex;  // what follows, and the tool
   std::int64_t message = 0;
+  std::int64_t first_ns = 0;  // of messages
   std::int64_t released_ns = 0;
   std::string profile;
   std::string refused;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/device/device_turn.h"
 #include "runtime/inverse/service_connection.h"
 #include "runtime/usb/haply_axes.h"
 
@@ -18,6 +19,14 @@ constexpr double kSendS = 0.005;
 constexpr int kMissedMax = 10;
 constexpr int kUnaskedMax = 3;  // states beyond one for a command
 constexpr int kEventsMax = 16;  // that are looked at between two commands
+
+// Between our axes and the grip's own, which is all that TurnFromStart needs.
+Eigen::Quaterniond to_ours(const Eigen::Quaterniond& turn) noexcept {
+  Eigen::Quaterniond ours;
+  ours.w() = turn.w();
+  ours.vec() = from_haply(turn.vec());
+  return ours;
+}
 
 // What keeps forces from a device; null if nothing does.
 const char* why_not(const InverseDevice& device) {
@@ -43,6 +52,9 @@ InverseLink::InverseLink(InverseConfig config) : config_(std::move(config)) {
   if (!id_.assign(config_.device_id)) {
     throw InputError(fmt::format("device id \"{}\" cannot be one", config_.device_id));
   }
+  if (!grip_.assign(config_.grip_id)) {
+    throw InputError(fmt::format("grip id \"{}\" cannot be one", config_.grip_id));
+  }
 }
 
 InverseLink::~InverseLink() {
@@ -64,6 +76,8 @@ void InverseLink::open() {
   missed_ = 0;
   owed_ = 0;
   unasked_ = 0;
+  turned_ = false;
+  grip_silent_ = 0;
   sent_n_.setZero();
   static_cast<void>(id_.assign(config_.device_id));
   try {
@@ -97,6 +111,7 @@ void InverseLink::greet() {
   if (const char* why = why_not(state.device)) {
     throw DeviceError(fmt::format("device {}: {}", id_.view(), why));
   }
+  choose_grip(state);
   if (exchange(Eigen::Vector3d::Zero(), config_.profile) != LinkStatus::kOk) {
     throw DeviceError(*failure_ != '\0' ? failure_ : "does not answer a first command");
   }
@@ -113,7 +128,8 @@ InverseState InverseLink::first_state() {
                           : "the service does not say what devices it has");
   }
   InverseState state;
-  if (const char* why = scan_inverse_state(text, config_.device_id, state)) {
+  if (const char* why =
+          scan_inverse_state(text, config_.device_id, state, config_.grip_id)) {
     throw DeviceError(fmt::format("its first message was refused: {}", why));
   }
   if (!state.found) {
@@ -129,6 +145,35 @@ InverseState InverseLink::first_state() {
                     state.devices, state.device.id.view()));
   }
   return state;
+}
+
+// Several that nobody chose between turn nothing: a tool of one contact needs none.
+void InverseLink::choose_grip(const InverseState& state) {
+  const auto turn =
+      state.grip.orientation ? exact_turn(*state.grip.orientation) : std::nullopt;
+  if (!config_.grip_id.empty() && !turn) {
+    throw DeviceError(
+        fmt::format("the service has no grip {} that says how it is "
+                    "turned; it has {} grips",
+                    config_.grip_id, state.grips));
+  }
+  const bool chosen = !config_.grip_id.empty() || state.grips == 1;
+  turned_ = chosen && turn.has_value();
+  if (turned_) {
+    grip_ = state.grip.id;
+    turn_ = to_ours(*turn);
+  }
+  if (config_.tell && turned_) {
+    config_.tell(fmt::format(
+        "{}: grip {} turns tools of several contacts; as it is held when the run "
+        "begins they are upright; torque is not felt",
+        config_.what, grip_.view()));
+  } else if (config_.tell && !chosen && state.grips > 1) {
+    config_.tell(fmt::format(
+        "{}: the service has {} grips, none of them turns the tool: name one by "
+        "--grip-id",
+        config_.what, state.grips));
+  }
 }
 
 void InverseLink::tell_filters(const InverseDevice& device) const {
@@ -176,7 +221,7 @@ bool InverseLink::send(const Eigen::Vector3d& force_n,
 // Null if it is a state of the device, and the device is as it should be.
 const char* InverseLink::take_state(std::string_view text) noexcept {
   InverseState state;
-  if (const char* why = scan_inverse_state(text, id_.view(), state)) {
+  if (const char* why = scan_inverse_state(text, id_.view(), state, grip_.view())) {
     return why;
   }
   if (!state.found) {
@@ -188,7 +233,25 @@ const char* InverseLink::take_state(std::string_view text) noexcept {
   if (!state.device.position_m) {
     return "a state without a position";
   }
+  if (const char* why = turned_ ? take_turn(state.grip) : nullptr) {
+    return why;
+  }
   position_m_ = from_haply(*state.device.position_m);
+  return nullptr;
+}
+
+const char* InverseLink::take_turn(const InverseGrip& grip) noexcept {
+  if (!grip.orientation) {
+    return ++grip_silent_ < kGripSilentMax
+               ? nullptr
+               : "its grip is gone: nobody says how it is turned";
+  }
+  grip_silent_ = 0;
+  const auto turn = exact_turn(*grip.orientation);
+  if (!turn) {
+    return "its grip says an orientation that is none";
+  }
+  turn_ = to_ours(*turn);
   return nullptr;
 }
 

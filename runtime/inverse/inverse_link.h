@@ -24,6 +24,7 @@ struct InverseConfig {
   std::uint16_t port = 10001;              ///< of states and forces, and of HTTP
   std::uint16_t events_port = 10020;       ///< of what happens to devices
   std::string device_id{};                 ///< empty: the only one
+  std::string grip_id{};                   ///< the same, of those that measure turns
   std::string profile = "palpate:device";  ///< of the session; is_profile_name()
   double answer_s = 0.02;                  ///< [s] > 0 for one state
   double open_s = 5.0;                     ///< [s] > 0 for each step of open()
@@ -33,6 +34,7 @@ struct InverseConfig {
   double resolution_m = 5e-5;              ///< [m] assumed, not measured
   std::string what = "haply-inverse";
   std::function<void(const std::string&)> tell{};  ///< what alters what is felt
+  std::shared_ptr<const void> kept{};              ///< lives as long as the link
 };
 
 /// Watches the service's events beside its states. Whatever ends the exchange, the
@@ -40,7 +42,9 @@ struct InverseConfig {
 /// message that was refused, a service that stopped. The next message is then zero
 /// force, the last one; and the session is ended, with what it asked for. After a state
 /// that did not come in time the force is zero until one does, and that one answers the
-/// latest command: late ones before it are passed over.
+/// latest command: late ones before it are passed over. A grip that is there when it is
+/// opened says how the tool is turned; when it is not heard of for kGripSilentMax
+/// states, or says what is no orientation, that is a fault, too.
 class InverseLink : public DeviceLink {
  public:
   /// @throws InputError for a profile or id that cannot be a name.
@@ -53,11 +57,16 @@ class InverseLink : public DeviceLink {
   [[nodiscard]] LinkStatus transact(const Eigen::Vector3d& force_n,
                                     Eigen::Vector3d& position_m) noexcept override;
   [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override { return sent_n_; }
+  [[nodiscard]] bool measures_turns() const noexcept override { return turned_; }
+  [[nodiscard]] Eigen::Quaterniond turn() const noexcept override { return turn_; }
   void close() noexcept override;
   [[nodiscard]] std::string failure() const override { return failure_; }
 
+  static constexpr int kGripSilentMax = 100;
+
  private:
   void greet();
+  void choose_grip(const InverseState& state);
   void tell_filters(const InverseDevice& device) const;
   [[nodiscard]] InverseState first_state();
   [[nodiscard]] LinkStatus give_up(const char* why) noexcept;
@@ -66,12 +75,17 @@ class InverseLink : public DeviceLink {
   [[nodiscard]] LinkStatus exchange(const Eigen::Vector3d& force_n,
                                     std::string_view profile) noexcept;
   [[nodiscard]] const char* take_state(std::string_view text) noexcept;
+  [[nodiscard]] const char* take_turn(const InverseGrip& grip) noexcept;
   [[nodiscard]] const char* heard_fault() noexcept;
 
   InverseConfig config_;
   std::unique_ptr<InverseSocket> states_;
   std::unique_ptr<InverseSocket> events_;
   ShortText id_;
+  ShortText grip_;       // while turned_
+  bool turned_ = false;  // by that grip
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
+  int grip_silent_ = 0;  // states in a row without it
   const char* key_ = "";
   std::array<char, kInverseCommandBytes> command_{};
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();

@@ -18,25 +18,44 @@ void set_once(JsonCursor& json, std::optional<Value>& field, const Value& value)
   field = value;
 }
 
-Eigen::Vector3d vector(JsonCursor& json) {
-  std::array<std::optional<double>, 3> part;
+// The numbers of an object by one letter each, from `first` on in the alphabet.
+template <int kParts>
+std::optional<Eigen::Vector<double, kParts>> parts(JsonCursor& json, char first,
+                                                   const char* missing) {
+  std::array<std::optional<double>, kParts> part;
   json.object([&](std::string_view name) {
-    const bool known = name.size() == 1 && name[0] >= 'x' && name[0] <= 'z';
+    const bool known = name.size() == 1 && name[0] >= first && name[0] <= 'z';
     if (known) {
-      set_once(json, part[static_cast<std::size_t>(name[0] - 'x')], json.number());
+      set_once(json, part[static_cast<std::size_t>(name[0] - first)], json.number());
     } else {
       json.skip();
     }
   });
-  if (!part[0] || !part[1] || !part[2]) {
-    json.fail("a position without x, y or z");
-    return Eigen::Vector3d::Zero();
+  Eigen::Vector<double, kParts> value;
+  for (std::size_t i = 0; i < kParts; ++i) {
+    if (!part[i]) {
+      json.fail(missing);
+      return std::nullopt;
+    }
+    value[static_cast<Eigen::Index>(i)] = *part[i];
   }
-  const Eigen::Vector3d value(*part[0], *part[1], *part[2]);
+  return value;
+}
+
+Eigen::Vector3d vector(JsonCursor& json) {
+  const Eigen::Vector3d value = parts<3>(json, 'x', "a position without x, y or z")
+                                    .value_or(Eigen::Vector3d::Zero());
   if (!(value.cwiseAbs().maxCoeff() <= kInversePositionMaxM)) {
     json.fail("a position that cannot be");
   }
   return value;
+}
+
+Eigen::Quaterniond orientation(JsonCursor& json) {
+  const Eigen::Vector4d wxyz =
+      parts<4>(json, 'w', "an orientation without w, x, y or z")
+          .value_or(Eigen::Vector4d::Zero());
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
 }
 
 void scan_state(JsonCursor& json, InverseDevice& device) {
@@ -106,14 +125,33 @@ void scan_config(JsonCursor& json, InverseDevice& device) {
   });
 }
 
-void scan_device(JsonCursor& json, InverseDevice& device) {
-  bool identified = false;
+void scan_id(JsonCursor& json, ShortText& id) {
+  if (!id.view().empty() || !id.assign(json.string()) || id.view().empty()) {
+    json.fail("a device's name that cannot be one");
+  }
+}
+
+void scan_grip(JsonCursor& json, InverseGrip& grip) {
   json.object([&](std::string_view name) {
     if (name == "device_id") {
-      if (identified || !device.id.assign(json.string()) || device.id.view().empty()) {
-        json.fail("a device's name that cannot be one");
-      }
-      identified = true;
+      scan_id(json, grip.id);
+    } else if (name == "state") {
+      scan_only(json, "orientation", [&] {
+        set_once(json, grip.orientation, orientation(json));
+      });
+    } else {
+      json.skip();
+    }
+  });
+  if (grip.id.view().empty()) {
+    json.fail("a grip without a name");
+  }
+}
+
+void scan_device(JsonCursor& json, InverseDevice& device) {
+  json.object([&](std::string_view name) {
+    if (name == "device_id") {
+      scan_id(json, device.id);
     } else if (name == "state") {
       scan_state(json, device);
     } else if (name == "status") {
@@ -124,9 +162,39 @@ void scan_device(JsonCursor& json, InverseDevice& device) {
       json.skip();
     }
   });
-  if (!identified) {
+  if (device.id.view().empty()) {
     json.fail("a device without a name");
   }
+}
+
+void scan_devices(JsonCursor& json, std::string_view id, InverseState& state) {
+  json.array([&] {
+    InverseDevice device;
+    scan_device(json, device);
+    ++state.devices;
+    const bool meant = id.empty() ? state.devices == 1 : device.id.view() == id;
+    if (meant && state.found) {
+      json.fail("two devices of one name");
+    }
+    if (meant) {
+      state.found = true;
+      state.device = device;
+    }
+  });
+}
+
+void scan_grips(JsonCursor& json, std::string_view id, InverseState& state) {
+  json.array([&] {
+    InverseGrip grip;
+    scan_grip(json, grip);
+    ++state.grips;
+    if (id.empty() ? state.grips == 1 : grip.id.view() == id) {
+      if (!state.grip.id.view().empty()) {
+        json.fail("two grips of one name");
+      }
+      state.grip = grip;
+    }
+  });
 }
 
 }  // namespace
@@ -142,35 +210,29 @@ bool ShortText::assign(std::string_view text) noexcept {
 }
 
 const char* scan_inverse_state(std::string_view text, std::string_view id,
-                               InverseState& state) noexcept {
+                               InverseState& state, std::string_view grip_id) noexcept {
   state = {};
   if (text.size() > kInverseMessageBytes) {
     return "a message of more than 64 KiB";
   }
   JsonCursor json(text);
-  bool listed = false;
+  constexpr std::array<std::string_view, 3> kLists{"inverse3", "verse_grip",
+                                                   "wireless_verse_grip"};
+  std::array<bool, kLists.size()> listed{};
   json.object([&](std::string_view name) {
-    if (name != "inverse3") {
+    const auto* const list = std::find(kLists.begin(), kLists.end(), name);
+    if (list == kLists.end()) {
       json.skip();
       return;
     }
-    if (listed) {
+    if (std::exchange(listed[static_cast<std::size_t>(list - kLists.begin())], true)) {
       json.fail("a field that is there twice");
     }
-    listed = true;
-    json.array([&] {
-      InverseDevice device;
-      scan_device(json, device);
-      ++state.devices;
-      const bool meant = id.empty() ? state.devices == 1 : device.id.view() == id;
-      if (meant && state.found) {
-        json.fail("two devices of one name");
-      }
-      if (meant) {
-        state.found = true;
-        state.device = device;
-      }
-    });
+    if (list == kLists.begin()) {
+      scan_devices(json, id, state);
+    } else {
+      scan_grips(json, grip_id, state);
+    }
   });
   json.end();
   return json.failure();

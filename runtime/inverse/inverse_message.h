@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace palpate {
 
@@ -50,16 +51,26 @@ struct InverseDevice {
   std::optional<double> damping;     ///< [-] of a filter, 0: off
 };
 
+/// A handle that measures how it is turned (VerseGrip), by wire or without.
+struct InverseGrip {
+  ShortText id;
+  std::optional<Eigen::Quaterniond> orientation;  ///< as it was said: any four numbers
+};
+
 struct InverseState {
   int devices = 0;         ///< in the message
   bool found = false;      ///< the one that was asked for
   InverseDevice device{};  ///< that one
+  int grips = 0;           ///< in the message
+  InverseGrip grip{};  ///< the one that was asked for; without orientation: not there
 };
 
-/// @param id whose state is wanted; empty: the first. @returns null, or why the message
-/// was refused; `state` then says nothing. Any bytes, no allocation.
+/// @param id whose state is wanted; empty: the first. @param grip_id likewise. @returns
+/// null, or why the message was refused; `state` then says nothing. Any bytes, no
+/// allocation.
 [[nodiscard]] const char* scan_inverse_state(std::string_view text, std::string_view id,
-                                             InverseState& state) noexcept;
+                                             InverseState& state,
+                                             std::string_view grip_id = {}) noexcept;
 
 struct InverseEvent {
   ShortText name;

@@ -1,11 +1,19 @@
 #include "runtime/render/several_contacts.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 namespace {
+
+// Faster than a wrist: one wrong orientation would be answered with the force of a pose
+// in which the tool is not.
+constexpr double kWristRadPerS = 40.0;
+constexpr double kStillRad = 0.05;  // noise of readings a few microseconds apart
 
 ContactStream stream_of(const ResponseDatabase& database, const ResponseTable& tool,
                         double force_scale) {
@@ -48,11 +56,24 @@ bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
   return true;
 }
 
+void SeveralContacts::watch_turn(const DeviceReading& reading) noexcept {
+  const double dt_s =
+      std::max(0.0, static_cast<double>(reading.time_ns - last_.time_ns) /
+                        kNanosecondsPerSecond);
+  const double turned_rad = reading.turn.angularDistance(last_.turn);
+  if (stepped_ && !(turned_rad <= kStillRad + kWristRadPerS * dt_s)) {
+    raise(Fault::kJump);
+  }
+  last_ = reading;
+  stepped_ = true;
+}
+
 FastCommand SeveralContacts::step(const DeviceReading& reading, double dt_s) noexcept {
   CoupledSample sample;
   sample.pose[0].position_m = reading.position_m;
   sample.time_ns = reading.time_ns;
   if (!is_alone(state().set)) {
+    watch_turn(reading);
     sample.pose[0].rotation = reading.turn.toRotationMatrix();
   }
   const CoupledCommand all = hung_ != nullptr

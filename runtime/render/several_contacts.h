@@ -1,5 +1,5 @@
-// A tool that touches at several places at once, on a device that pushes it, but does
-// not turn it.
+// A tool that touches at several places at once, on a device that pushes it and may
+// measure how it is turned, but does not turn it.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,8 @@ namespace palpate {
 /// tool is as the device measures it: its axes along the body's where turns are not
 /// measured. Held by a virtual coupling (hung_tool.h), it turns under its contacts. The
 /// torque on the device is not felt: it does no work where nothing turns, and turns
-/// that are measured are a change of the model (carry() of coupled_step.h).
+/// that are measured are a change of the model (carry() of coupled_step.h); one that no
+/// wrist makes is the fault "jump".
 class SeveralContacts : public RenderedBody {
  public:
   /// @param database outlives it. @param config model: kPotential. @param force_scale
@@ -61,6 +62,7 @@ class SeveralContacts : public RenderedBody {
  private:
   void show(const DeviceReading& reading) noexcept;
   CoupledCommand step_held(const CoupledSample& sample, double dt_s) noexcept;
+  void watch_turn(const DeviceReading& reading) noexcept;
   [[nodiscard]] CoupledState& state() noexcept { return storage_.state(); }
 
   ContactStream stream_;
@@ -70,6 +72,8 @@ class SeveralContacts : public RenderedBody {
   std::unique_ptr<TripleBuffer<ContactToolState>> tool_ =
       std::make_unique<TripleBuffer<ContactToolState>>();
   ContactSent sent_;
+  DeviceReading last_;  // of the latest step
+  bool stepped_ = false;
   PortWrenches wrench_;  // of the latest step
   bool scaled_ = false;  // likewise
   ContactsWatch* watch_;

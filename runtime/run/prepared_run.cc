@@ -96,6 +96,7 @@ void finish(PreparedRun& run, const RenderReport& rendered) {
     report.coupling->account = *rendered.coupling;
   }
   report.device_failure = run.device->failure();
+  report.device_turns = run.device->measures_turns();
   if (const LinkReport* wire = run.device->wire()) {
     report.wire = *wire;
   }

@@ -66,9 +66,10 @@ struct SimulationReport {
   SimulationOptions options;
   std::string tool;
   std::string device;          ///< name
+  bool device_turns = false;   ///< it measures how it is turned
   std::string device_failure;  ///< why it was lost; empty if it was not
   std::int32_t node = -1;      ///< pressed
-  int contacts = 1;            ///< of the tool, whose axes stay along the body's
+  int contacts = 1;            ///< of the tool
   RenderedStiffness stiffness;
   StabilityBounds bounds;
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds
@@ -124,6 +125,13 @@ struct SimulationReport {
 [[nodiscard]] SimulationReport simulate_served(ServedClient& client,
                                                const SimulationOptions& options,
                                                const std::atomic<bool>& stop);
+
+/// The same with elements that others look at. @param elements of body_of() the scene
+/// and the client's tool; nothing was handed over to them.
+[[nodiscard]] SimulationReport simulate_served(ServedClient& client,
+                                               const SimulationOptions& options,
+                                               const std::atomic<bool>& stop,
+                                               GrowingElements& elements);
 
 /// The report for people, aligned lines.
 [[nodiscard]] std::string summary(const SimulationReport& report);

@@ -129,6 +129,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"scheduling", r.scheduling},
       {"device", report.device},
       {"device_failure", report.device_failure},
+      {"device_turns", report.device_turns},
       {"wire", report.wire ? as_json(*report.wire) : nlohmann::json()},
       {"records_dropped", report.records_dropped},
       {"recording_failure", report.recording_failure},

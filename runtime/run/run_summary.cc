@@ -184,6 +184,19 @@ std::string served_lines(const ServedReport& s) {
   return text;
 }
 
+// Who turns the tool, and that nobody feels it.
+const char* turning_text(bool device_turns, bool coupled) {
+  if (device_turns) {
+    return coupled
+               ? "the grip turns the coupling and the tool on it; no motor turns it "
+                 "back, torque is not felt"
+               : "the grip turns the tool; no motor turns it back, torque is not "
+                 "felt";
+  }
+  return coupled ? "the device does not turn, torque is not felt"
+                 : "the device does not turn the tool, torque is not felt";
+}
+
 std::string trouble_lines(const SimulationReport& report) {
   std::string text;
   if (!report.render.slow_failure.empty()) {
@@ -216,10 +229,9 @@ std::string summary(const SimulationReport& report) {
                                         report.bounds.renderable_n_per_m()))
            : margin_lines(report));
   if (report.contacts > 1) {
-    text += line("contacts",
-                 fmt::format("{}, coupled; the device does not turn{}, torque "
-                             "is not felt",
-                             report.contacts, report.coupling ? "" : " the tool"));
+    text += line("contacts", fmt::format("{}, coupled; {}", report.contacts,
+                                         turning_text(report.device_turns,
+                                                      report.coupling.has_value())));
   }
   if (report.coupling) {
     text += line("coupling", coupling_text(*report.coupling));

@@ -78,20 +78,27 @@ PressedBody pressed_scene(const ServedScene& scene, const ResponseDatabase& body
 
 SimulationReport simulate_served(ServedClient& client, const SimulationOptions& options,
                                  const std::atomic<bool>& stop) {
+  const ServedScene& scene = client.scene(stop);
+  const ResponseDatabase body = body_of(scene, client.tool());
+  GrowingElements elements(body.body, body.normal, body.tools.front().tool);
+  return simulate_served(client, options, stop, elements);
+}
+
+SimulationReport simulate_served(ServedClient& client, const SimulationOptions& options,
+                                 const std::atomic<bool>& stop,
+                                 GrowingElements& elements) {
   if (!options.real_time) {
     throw InputError(
         "a scene is rendered in real time, at which its responses come: --clock real");
   }
   const ServedScene& scene = client.scene(stop);
   const ResponseDatabase body = body_of(scene, client.tool());
-  std::optional<GrowingElements> elements;
   std::optional<Feeding> feeding;  // ends first
   PressedBody pressed = pressed_scene(scene, body, options);
   pressed.growing = [&](double renderable_n_per_m) {
-    elements.emplace(body.body, body.normal, body.tools.front().tool,
-                     renderable_n_per_m);
-    feeding.emplace(client, *elements);
-    return std::make_unique<Lent>(*elements);
+    elements.soften_beyond(renderable_n_per_m);
+    feeding.emplace(client, elements);
+    return std::make_unique<Lent>(elements);
   };
   const std::vector<PreparedRun> runs = run_all(
       std::span(&options, 1), stop, [&](const SimulationOptions& one, Clock& clock) {
@@ -100,9 +107,9 @@ SimulationReport simulate_served(ServedClient& client, const SimulationOptions& 
   feeding.reset();
   SimulationReport report = runs.front().report;
   report.served = ServedReport{.status = client.status(),
-                               .ticks = elements->ticks(),
-                               .by_second = elements->by_second(),
-                               .softened = elements->softened()};
+                               .ticks = elements.ticks(),
+                               .by_second = elements.by_second(),
+                               .softened = elements.softened()};
   return report;
 }
 }  // namespace palpate

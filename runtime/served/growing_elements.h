@@ -44,6 +44,11 @@ class GrowingElements : public ElementSender {
                   double stiffness_max_n_per_m = kAnyStiffness);
   static constexpr double kAnyStiffness = std::numeric_limits<double>::infinity();
 
+  /// The same, before anything is handed over.
+  void soften_beyond(double stiffness_max_n_per_m) noexcept {
+    stiffness_max_n_per_m_ = stiffness_max_n_per_m;
+  }
+
   /// Any thread: answers for the body, from the next update on; never waits for one. An
   /// answer replaces those of the same node of the same or lower quality. Nodes that
   /// the body does not have are passed over.

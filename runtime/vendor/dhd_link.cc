@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/device/device_turn.h"
 
 namespace palpate {
 namespace {
@@ -55,6 +56,8 @@ void DhdLink::start() {
     library_->find("dhdEnableForce", dhd_.enable);
     library_->find("dhdSetWatchdog", dhd_.watchdog);
     library_->find("dhdErrorGetLastStr", dhd_.error);
+    library_->find_if_there("dhdHasWrist", dhd_.has_wrist);
+    library_->find_if_there("dhdGetOrientationFrame", dhd_.orientation);
   }
   const int id =
       config_.index < 0 ? dhd_.open() : dhd_.open_id(static_cast<char>(config_.index));
@@ -62,10 +65,12 @@ void DhdLink::start() {
     throw DeviceError(fmt::format("no device: {}", dhd_.error()));
   }
   id_ = static_cast<char>(id);
+  turned_ =
+      dhd_.has_wrist != nullptr && dhd_.orientation != nullptr && dhd_.has_wrist(id_);
   Eigen::Vector3d ignored;
   if (transact(Eigen::Vector3d::Zero(), ignored) != LinkStatus::kOk ||
       dhd_.enable(1, id_) < 0) {
-    throw DeviceError(dhd_.error());
+    throw DeviceError(*failure_ != '\0' ? failure_ : dhd_.error());
   }
   if (dhd_.watchdog(kWatchdogSteps, id_) < 0 && config_.tell) {
     config_.tell(fmt::format(
@@ -80,10 +85,30 @@ bool DhdLink::push(const Eigen::Vector3d& force_n) noexcept {
   return dhd_.force(there.x(), there.y(), there.z(), id_) >= 0;  // > 0: a remark
 }
 
-// The library's own words; it keeps them.
-LinkStatus DhdLink::give_up() noexcept {
+// False, and the link has failed, where the library fails or says no rotation.
+bool DhdLink::take_turn() noexcept {
+  double row[3][3] = {};
+  if (dhd_.orientation(row, id_) < 0) {
+    static_cast<void>(give_up(dhd_.error()));
+    return false;
+  }
+  Eigen::Matrix3d there;
+  there << row[0][0], row[0][1], row[0][2], row[1][0], row[1][1], row[1][2], row[2][0],
+      row[2][1], row[2][2];
+  const auto turn = exact_turn(there);
+  if (!turn) {
+    static_cast<void>(give_up("its library says an orientation that is none"));
+    return false;
+  }
+  turn_.w() = turn->w();
+  turn_.vec() = from_library(turn->vec());
+  return true;
+}
+
+// @param why the library's own words, which it keeps, or ours.
+LinkStatus DhdLink::give_up(const char* why) noexcept {
   if (*failure_ == '\0') {
-    failure_ = dhd_.error();
+    failure_ = why;
     static_cast<void>(push(Eigen::Vector3d::Zero()));
   }
   sent_n_.setZero();
@@ -103,7 +128,10 @@ LinkStatus DhdLink::transact(const Eigen::Vector3d& force_n,
   }
   Eigen::Vector3d there = Eigen::Vector3d::Zero();
   if (!push(sent_n_) || dhd_.position(&there.x(), &there.y(), &there.z(), id_) < 0) {
-    return give_up();
+    return give_up(dhd_.error());
+  }
+  if (turned_ && !take_turn()) {
+    return LinkStatus::kLost;
   }
   position_m = from_library(there);
   return LinkStatus::kOk;

@@ -24,7 +24,8 @@ struct DhdConfig {
 };
 
 /// The device's own watchdog takes the force away when no command comes for 20 ms;
-/// where it has none, that is said. Whatever the library reports ends the link by its
+/// where it has none, that is said. A device with a wrist turns the tool, where the
+/// library has the functions for it. Whatever the library reports ends the link by its
 /// words.
 class DhdLink : public DeviceLink {
  public:
@@ -37,6 +38,8 @@ class DhdLink : public DeviceLink {
   [[nodiscard]] LinkStatus transact(const Eigen::Vector3d& force_n,
                                     Eigen::Vector3d& position_m) noexcept override;
   [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override { return sent_n_; }
+  [[nodiscard]] bool measures_turns() const noexcept override { return turned_; }
+  [[nodiscard]] Eigen::Quaterniond turn() const noexcept override { return turn_; }
   void close() noexcept override;
   [[nodiscard]] std::string failure() const override { return failure_; }
 
@@ -50,17 +53,22 @@ class DhdLink : public DeviceLink {
     int (*enable)(unsigned char, char) = nullptr;
     int (*watchdog)(unsigned char, char) = nullptr;
     const char* (*error)() = nullptr;
+    bool (*has_wrist)(char) = nullptr;  // both may be missing
+    int (*orientation)(double (*)[3], char) = nullptr;
   };
 
   void start();
   [[nodiscard]] bool push(const Eigen::Vector3d& force_n) noexcept;
-  [[nodiscard]] LinkStatus give_up() noexcept;
+  [[nodiscard]] bool take_turn() noexcept;
+  [[nodiscard]] LinkStatus give_up(const char* why) noexcept;
 
   DhdConfig config_;
   std::unique_ptr<SharedLibrary> library_;
   Functions dhd_;
   char id_ = -1;  // < 0: not open
   Eigen::Vector3d sent_n_ = Eigen::Vector3d::Zero();
+  bool turned_ = false;
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
   const char* failure_ = "";
 };
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/device/device_turn.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {
@@ -14,6 +15,7 @@ namespace {
 constexpr unsigned kBadHandle = 0xFFFFFFFF;
 constexpr unsigned kForceOutput = 0x4000;
 constexpr unsigned kPositionMm = 0x2050;
+constexpr unsigned kTransform = 0x2052;
 constexpr unsigned kForceN = 0x2700;
 constexpr unsigned kNominalForceN = 0x2603;
 constexpr unsigned short kPriority = 0xFFFF;
@@ -105,6 +107,7 @@ void HdLink::start() {
   hd_.enable(kForceOutput);
   hd_.start();
   throw_error("its scheduler does not start");
+  turned_ = false;  // the first transform says whether it is one
   Eigen::Vector3d ignored;
   LinkStatus status = LinkStatus::kMissed;
   while (status == LinkStatus::kMissed) {
@@ -112,6 +115,11 @@ void HdLink::start() {
   }
   if (status == LinkStatus::kLost) {
     throw DeviceError(failure_);
+  }
+  const std::lock_guard lock(mutex_);
+  if (const auto turn = exact_turn(said_)) {
+    turned_ = true;
+    turn_ = *turn;
   }
 }
 
@@ -126,16 +134,27 @@ void HdLink::tick() noexcept {
     }
   }
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
+  Eigen::Matrix4d transform = Eigen::Matrix4d::Zero();  // by columns, as the library's
   hd_.begin(device_);
   hd_.get(kPositionMm, position_mm.data());
+  hd_.get(kTransform, transform.data());
   hd_.set(kForceN, force_n.data());
   hd_.end(device_);
   const Error error = hd_.error();
   const std::lock_guard lock(mutex_);
   error_ = error_ != 0 ? error_ : error.code;
   position_m_ = kMillimetre * position_mm;
+  said_ = transform.topLeftCorner<3, 3>();
   ++ticks_;
   ticked_.notify_one();
+}
+
+// Called with the mutex held.
+LinkStatus HdLink::give_up(const char* why) noexcept {
+  wanted_n_.setZero();
+  sent_n_.setZero();
+  failure_ = why;
+  return LinkStatus::kLost;
 }
 
 LinkStatus HdLink::transact(const Eigen::Vector3d& force_n,
@@ -160,21 +179,22 @@ LinkStatus HdLink::transact(const Eigen::Vector3d& force_n,
         return ticks_ >= wanted;
       });
   if (error_ != 0) {
-    wanted_n_.setZero();
-    sent_n_.setZero();
-    failure_ = hd_.error_text(error_);
-    return LinkStatus::kLost;
+    return give_up(hd_.error_text(error_));
   }
   if (!ticked) {
     wanted_n_.setZero();
     sent_n_.setZero();
-    if (++missed_ > kMissedMax) {
-      failure_ = "its scheduler has stopped";
-      return LinkStatus::kLost;
-    }
-    return LinkStatus::kMissed;
+    return ++missed_ > kMissedMax ? give_up("its scheduler has stopped")
+                                  : LinkStatus::kMissed;
   }
   missed_ = 0;
+  if (turned_) {
+    const auto turn = exact_turn(said_);
+    if (!turn) {
+      return give_up("its library says an orientation that is none");
+    }
+    turn_ = *turn;
+  }
   position_m = position_m_;
   return LinkStatus::kOk;
 }

@@ -28,7 +28,8 @@ struct HdConfig {
 /// The library calls back a thousand times a second, in a thread of its own, where the
 /// force is given and the position taken; transact() waits for the next time. A force
 /// that nobody renews for 20 ms is zero there; and the library clamps and ramps forces
-/// as it always does. Whatever it has on its stack of errors ends the link.
+/// as it always does. How the stylus is turned turns the tool, where the library says a
+/// rotation when it is opened. Whatever it has on its stack of errors ends the link.
 class HdLink : public DeviceLink {
  public:
   explicit HdLink(HdConfig config) : config_(std::move(config)) {}
@@ -40,6 +41,8 @@ class HdLink : public DeviceLink {
   [[nodiscard]] LinkStatus transact(const Eigen::Vector3d& force_n,
                                     Eigen::Vector3d& position_m) noexcept override;
   [[nodiscard]] Eigen::Vector3d sent_n() const noexcept override { return sent_n_; }
+  [[nodiscard]] bool measures_turns() const noexcept override { return turned_; }
+  [[nodiscard]] Eigen::Quaterniond turn() const noexcept override { return turn_; }
   void close() noexcept override;
   [[nodiscard]] std::string failure() const override { return failure_; }
 
@@ -70,6 +73,7 @@ class HdLink : public DeviceLink {
   void start();
   void throw_error(const char* step);
   void tick() noexcept;
+  [[nodiscard]] LinkStatus give_up(const char* why) noexcept;
 
   HdConfig config_;
   std::unique_ptr<SharedLibrary> library_;
@@ -80,6 +84,8 @@ class HdLink : public DeviceLink {
   unsigned long task_ = 0;
   int missed_ = 0;
   Eigen::Vector3d sent_n_ = Eigen::Vector3d::Zero();
+  bool turned_ = false;
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
   const char* failure_ = "";
 
   std::mutex mutex_;  // what follows: shared with the library's thread
@@ -88,6 +94,7 @@ class HdLink : public DeviceLink {
   std::int64_t wanted_ns_ = 0;
   Eigen::Vector3d wanted_n_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d said_ = Eigen::Matrix3d::Zero();  // of the transform
   unsigned error_ = 0;
 };
 

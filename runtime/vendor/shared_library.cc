@@ -22,8 +22,12 @@ SharedLibrary::~SharedLibrary() {
   ::dlclose(handle_);
 }
 
+void* SharedLibrary::symbol_if_there(const char* name) const noexcept {
+  return ::dlsym(handle_, name);
+}
+
 void* SharedLibrary::symbol(const char* name) const {
-  void* const found = ::dlsym(handle_, name);
+  void* const found = symbol_if_there(name);
   if (found == nullptr) {
     throw DeviceError(fmt::format(
         "{} has no {}(): another version than this driver knows", name_, name));

@@ -21,8 +21,15 @@ class SharedLibrary {
     function = reinterpret_cast<Function*>(symbol(name));
   }
 
+  /// Null where the library has none.
+  template <typename Function>
+  void find_if_there(const char* name, Function*& function) const noexcept {
+    function = reinterpret_cast<Function*>(symbol_if_there(name));
+  }
+
  private:
   [[nodiscard]] void* symbol(const char* name) const;
+  [[nodiscard]] void* symbol_if_there(const char* name) const noexcept;
 
   std::string name_;
   void* handle_ = nullptr;

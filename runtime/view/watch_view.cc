@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
 #include "runtime/view/view_field.h"
-#include "runtime/view/view_message.h"
 
 namespace palpate {
 namespace {
@@ -30,8 +31,12 @@ void count(ViewRun& run, const TickRecord& tick) {
 }  // namespace
 
 WatchView::WatchView(const ViewedBody& body, const SimulationOptions& options,
-                     TickQueue& ticks, ContactsWatch* contacts)
-    : body_(body), search_(body.database.body), ticks_(ticks), contacts_(contacts) {
+                     TickQueue& ticks, ContactsWatch* contacts, ServedNews* news)
+    : body_(body),
+      search_(body.database.body),
+      ticks_(ticks),
+      contacts_(contacts),
+      news_(news) {
   frame_.settings = {
       .model = options.model, .slow_hz = options.slow_hz, .fast_hz = options.fast_hz};
 }
@@ -43,20 +48,39 @@ void WatchView::opened(ViewClient client) {
 
 void WatchView::closed(ViewClient client) {
   clients_.erase(std::remove(clients_.begin(), clients_.end(), client), clients_.end());
+  if (news_ != nullptr) {
+    news_->forget(client);
+  }
 }
 
 void WatchView::received(ViewClient client, std::string_view text) {
   try {
-    const ViewRequest request = decode_view_message(text);
-    if (request.action == ViewAction::kNode) {
-      outbox_->send(client, curve_text(body_.database, body_.table, request.node));
-    } else if (request.action == ViewAction::kField) {
-      outbox_->send(client, field_text(body_.table, request.node));
-    } else {
-      throw InputError(fmt::format("the {} steers, pages watch", body_.device));
-    }
+    obey(client, decode_view_message(text));
   } catch (const InputError& error) {
     outbox_->send(client, refusal_text(error.what()));
+  }
+}
+
+void WatchView::obey(ViewClient client, const ViewRequest& request) {
+  if (request.action == ViewAction::kNode) {
+    outbox_->send(client, news_ != nullptr
+                              ? news_->curve(request.node)
+                              : curve_text(body_.database, body_.table, request.node));
+  } else if (request.action == ViewAction::kField) {
+    outbox_->send(client, field_text(body_.table, request.node));
+  } else if (request.action == ViewAction::kAnew && news_ != nullptr) {
+    news_->start_anew();
+  } else {
+    throw InputError(fmt::format("the {} steers, pages watch", body_.device));
+  }
+}
+
+void WatchView::tell_news() {
+  frame_.service = news_->service();
+  for (const ViewClient client : clients_) {
+    if (std::optional<std::string> text = news_->answers(client, clock_.now_ns())) {
+      outbox_->send(client, std::move(*text));
+    }
   }
 }
 
@@ -83,6 +107,9 @@ void WatchView::frame() {
   frame_.clients = clients_.size();
   if (contacts_ != nullptr) {
     frame_.hands = hands(passed);
+  }
+  if (news_ != nullptr) {
+    tell_news();
   }
   const auto text = std::make_shared<const std::string>(frame_text(frame_, passed));
   for (const ViewClient client : clients_) {

@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "formats/mesh/surface_search.h"
+#include "runtime/realtime/clock.h"
 #include "runtime/run/render_run.h"
+#include "runtime/view/served_news.h"
 #include "runtime/view/view_json.h"
+#include "runtime/view/view_message.h"
 #include "runtime/view/view_server.h"
 
 namespace palpate {
@@ -18,9 +21,10 @@ namespace palpate {
 class WatchView : public ViewApplication {
  public:
   /// All must outlive the view. @param ticks filled by the run, read here alone.
-  /// @param contacts likewise, of a tool of several contacts; else null.
+  /// @param contacts likewise, of a tool of several contacts; else null. @param news of
+  /// a body whose responses come meanwhile; else null.
   WatchView(const ViewedBody& body, const SimulationOptions& options, TickQueue& ticks,
-            ContactsWatch* contacts = nullptr);
+            ContactsWatch* contacts = nullptr, ServedNews* news = nullptr);
 
   /// Where messages go from now on; must outlive the view, or its last call.
   void answer_through(ViewOutbox& outbox) noexcept { outbox_ = &outbox; }
@@ -33,11 +37,15 @@ class WatchView : public ViewApplication {
  private:
   [[nodiscard]] std::string_view state() const;
   [[nodiscard]] ViewHands hands(const std::vector<TickRecord>& passed);
+  void obey(ViewClient client, const ViewRequest& request);
+  void tell_news();
 
   const ViewedBody& body_;
   SurfaceSearch search_;
   TickQueue& ticks_;
   ContactsWatch* contacts_;
+  ServedNews* news_;
+  MonotonicClock clock_;
   ViewOutbox* outbox_ = nullptr;
   std::vector<ViewClient> clients_;
   ViewFrame frame_;

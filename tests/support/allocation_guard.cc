@@ -56,6 +56,10 @@ void* operator new(std::size_t size) {
 void* operator new[](std::size_t size) {
   return counted_new(size);
 }
+void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
+  palpate::test::note_allocation();
+  return std::malloc(size > 0 ? size : 1);
+}
 void operator delete(void* memory) noexcept {
   std::free(memory);
 }

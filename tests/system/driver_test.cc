@@ -63,6 +63,7 @@ class DeviceTool : public testing::Test {
     const auto report = nlohmann::json::parse(run.out, nullptr, false);
     EXPECT_TRUE(report.is_object() && report.value("contact_ticks", 0) > 100)
         << run.out;
+    EXPECT_TRUE(report.value("device_turns", false));
     return {text.data(), size};
   }
 
@@ -94,14 +95,42 @@ TEST_F(DeviceTool, RendersOnTheEmulatedInverseService) {
   EXPECT_GT(report.value("contact_ticks", 0), 100) << run.out;
 }
 
-TEST_F(DeviceTool, WritesWhatAProbeFinds) {
+// Probed, printed, and rendered by what was found.
+TEST_F(DeviceTool, WritesWhatAProbeFindsAndRendersByIt) {
   const std::string file = (folder_ / "device.json").string();
-  const ToolRun run = run_tool_process(
-      "palpate-run", {"device", "--device", "emulated-inverse3", "--probe", file});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  const auto found = nlohmann::json::parse(std::ifstream(file), nullptr, false);
-  EXPECT_NEAR(found.value("mass_kg", 0.0), 0.12, 0.012);
+  const auto probe = [&](const std::string& axes) {
+    return run_tool_process("palpate-run", {"device", "--device", "emulated-inverse3",
+                                            "--probe", file, "--probe-axes", axes});
+  };
+  EXPECT_EQ(probe("xx").exit_code, 2);
+  const ToolRun run = probe("x");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("do not touch it: it is pushed to and fro along x"),
+            std::string::npos)
+      << run.err;
+  const ToolRun printed = run_tool_process("palpate-run", {"probe", file, "--json"});
+  const auto found = nlohmann::json::parse(printed.out, nullptr, false);
+  EXPECT_NEAR(found.value("/axes/0/mass_kg"_json_pointer, 0.0), 0.12, 0.012);
   EXPECT_EQ(found.value("device", ""), "emulated-inverse3");
+  const ToolRun told = run_tool_process("palpate-run", {"probe", file});
+  EXPECT_EQ(told.out.find(run.out), 0U) << told.out;
+  EXPECT_NE(told.out.find("at 1000 Hz it holds a stiffness of"), std::string::npos);
+
+  // The bound is then that of its damping and delay, not of the driver's assumption.
+  const auto bound = [&](const std::vector<std::string>& more) {
+    const ToolRun rendered = render("emulated-inverse3", more);
+    EXPECT_EQ(rendered.exit_code, 0) << rendered.err;
+    return nlohmann::json::parse(rendered.out, nullptr, false)
+        .value("delay_bound_n_per_m", 0.0);
+  };
+  const double damping =
+      found.value("/axes/0/damping_n_s_per_m"_json_pointer, 0.0) -
+      2.0 * found.value("/axes/0/damping_sd_n_s_per_m"_json_pointer, 0.0);
+  const double delay_s = found.value("/axes/0/delay_s"_json_pointer, 0.0) +
+                         found.value("/axes/0/delay_resolution_s"_json_pointer, 0.0);
+  EXPECT_NEAR(bound({"--probed", file}), damping / (0.5e-3 + delay_s), 1e-6 * damping);
+  EXPECT_EQ(render("emulated-inverse", {"--probed", file}).exit_code, 2);
+  EXPECT_EQ(render("emulated-inverse3", {"--probed", body()}).exit_code, 3);
   EXPECT_EQ(run_tool_process("palpate-run", {"device", "--device", "emulated-inverse3"})
                 .exit_code,
             2);

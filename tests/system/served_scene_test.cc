@@ -81,6 +81,16 @@ TEST_F(SceneWhileComputed, WhatWasComputedBeforeIsFeltAtOnce) {
   std::getline(csv, line);
   EXPECT_EQ(line, "second,none,estimated,cheap,good");
   EXPECT_TRUE(std::getline(csv, line));
+  // A page looks on while a device presses it.
+  const ToolRun watched =
+      run_tool_process("palpate-run", {"view", (folder_ / "scene.toml").string(), "-o",
+                                       (folder_ / "out.h5").string(), "--device",
+                                       "emulated-inverse3", "--seconds", "2"});
+  EXPECT_EQ(watched.exit_code, 0) << watched.err;
+  EXPECT_EQ(watched.out.find("http://127.0.0.1:"), 0U) << watched.out;
+  EXPECT_NE(watched.out.find("done: " + (folder_ / "out.h5").string()),
+            std::string::npos)
+      << watched.out;
 }
 
 TEST_F(SceneWhileComputed, GoesOnWhenItsServerIsKilled) {

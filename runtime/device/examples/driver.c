@@ -19,6 +19,7 @@ struct state {
   uint64_t sequence;
   int64_t done_ns;
   uint64_t missed;
+  double turn_wxyz[4]; /* not with "palpdev2", if yours does not know how it is turned */
 };
 struct command { uint64_t sequence; double force_n[3]; };
 
@@ -38,7 +39,7 @@ int main(int argc, char** argv) {
     perror(argv[1]); return 5;
   }
   int end = accept(listener, NULL, NULL);
-  const struct hello hello = {"palpdev2", 0.5, 0.0, 0.0, 1e-3, 5.0};
+  const struct hello hello = {"palpdev3", 0.5, 0.0, 0.0, 1e-3, 5.0};
   send(end, &hello, sizeof hello, MSG_NOSIGNAL);
 
   double x[3] = {atof(argv[2]), atof(argv[3]), atof(argv[4])}, v[3] = {0, 0, 0};
@@ -62,6 +63,9 @@ int main(int argc, char** argv) {
       v[i] += h / mass * (command.force_n[i] + 300.0 * (hand - x[i]) - 5.0 * v[i]);
       state.position_m[i] = x[i] += h * v[i];
     }
+    double tilt = 0.05 * sin(2.0 * (state.time_ns - begin) * 1e-9);    /* half of it */
+    state.turn_wxyz[0] = cos(tilt);
+    state.turn_wxyz[1] = sin(tilt);                                      /* about x */
     largest = fmax(largest, fabs(command.force_n[2]));
     state.done_ns = now_ns();
     send(end, &state, sizeof state, MSG_DONTWAIT | MSG_NOSIGNAL);

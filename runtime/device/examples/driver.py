@@ -10,7 +10,9 @@ import sys
 import time
 
 HELLO = struct.Struct("=8s5d")  # magic, damping, Coulomb, resolution, delay, largest force
-STATE = struct.Struct("=q3d3dQqQ")  # time, position, withheld, sequence, done, missed
+# Time, position, withheld, sequence, done, missed, turn (w, x, y, z). Without the turn
+# and with "palpdev2", if yours does not know how it is turned.
+STATE = struct.Struct("=q3d3dQqQ4d")
 COMMAND = struct.Struct("=Q3d")  # sequence, force
 
 
@@ -24,7 +26,7 @@ def main():
     listener.bind(path)
     listener.listen(1)
     end, _ = listener.accept()
-    end.send(HELLO.pack(b"palpdev2", 0.5, 0.0, 0.0, 1e-3, 5.0))
+    end.send(HELLO.pack(b"palpdev3", 0.5, 0.0, 0.0, 1e-3, 5.0))
     end.setblocking(False)
 
     x, v, step, mass = list(start), [0.0, 0.0, 0.0], 1e-3, 0.1
@@ -46,9 +48,12 @@ def main():
         for i in range(3):  # the device
             v[i] += step / mass * (force[i] + 300.0 * (hand[i] - x[i]) - 5.0 * v[i])
             x[i] += step * v[i]
+        tilt = 0.05 * math.sin(2.0 * (now - begin) * 1e-9)  # half of it, about x
+        turn = (math.cos(tilt), math.sin(tilt), 0.0, 0.0)
         largest = max(largest, abs(force[2]))
         try:
-            end.send(STATE.pack(now, *x, 0.0, 0.0, 0.0, sequence, time.monotonic_ns(), 0))
+            done = time.monotonic_ns()
+            end.send(STATE.pack(now, *x, 0.0, 0.0, 0.0, sequence, done, 0, *turn))
         except BlockingIOError:
             pass  # the renderer is busy: it takes the next
         except OSError:

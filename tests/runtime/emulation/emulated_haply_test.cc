@@ -47,7 +47,7 @@ TEST(EmulatedHaply, IsSetUpRendersAndIsLeftWithoutTorque) {
 }
 
 TEST(EmulatedHaply, UnpluggedAtAnyByteIsALossWithAName) {
-  for (int byte = 1; byte < 300; byte += 7) {
+  for (int byte = 1; byte <= 600; byte += 3) {  // 200 of them
     const auto haply = std::make_shared<EmulatedHaply>(
         held(), UsbFaults{.unplug_at_byte = byte, .unplug_is_io_error = byte % 2 == 0});
     const auto link = EmulatedHaply::link(haply, driver());
@@ -121,31 +121,56 @@ class LyingHaply : public HaplyModel {
  public:
   using HaplyModel::HaplyModel;
   bool lies = false;
+  bool for_good = false;
   [[nodiscard]] int receive(std::span<std::uint8_t> packet,
                             std::int64_t now_ns) override {
     const int got = HaplyModel::receive(packet, now_ns);
     if (lies && got == static_cast<int>(kHaplyReplyBytes)) {
       const auto reply = encode_angles(kHaplyId, {150.0, -20.0});
       std::copy(reply.begin(), reply.end(), packet.begin());
-      lies = false;
+      lies = for_good;
     }
     return got;
   }
 };
 
-TEST(EmulatedHaply, OneWholeWrongReplyMovesNothing) {
-  LyingHaply board(held());
-  FaultyUsb bus(board, UsbFaults{});
+// It on a bus, and the driver.
+struct Lied {
+  LyingHaply board{held()};
+  FaultyUsb bus{board, UsbFaults{}};
   std::unique_ptr<EmulatedUsb> usb;
-  HaplyLink link(
-      driver(),
-      [&] {
-        usb = std::make_unique<EmulatedUsb>(bus);
-        return usb->descriptor();
-      },
-      [&](int) {
-        usb.reset();
-      });
+  HaplyLink link{driver(),
+                 [this] {
+                   usb = std::make_unique<EmulatedUsb>(bus);
+                   return usb->descriptor();
+                 },
+                 [this](int) {
+                   usb.reset();
+                 }};
+};
+
+TEST(EmulatedHaply, AnglesThatJumpForGoodAreALossWithZeroForce) {
+  Lied lied;
+  lied.link.open();
+  Eigen::Vector3d position_m;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(lied.link.transact({0.0, 0.3, 0.0}, position_m), LinkStatus::kOk);
+  }
+  lied.board.for_good = true;
+  lied.board.lies = true;
+  LinkStatus status = LinkStatus::kOk;
+  for (int i = 0; i < 1000 && status != LinkStatus::kLost; ++i) {
+    status = lied.link.transact({0.0, 0.3, 0.0}, position_m);
+    EXPECT_TRUE(i == 0 || lied.board.torque_nm() == (std::array<double, 2>{})) << i;
+  }
+  EXPECT_EQ(status, LinkStatus::kLost);
+  EXPECT_EQ(lied.link.failure(), "its angles jump or fit no position");
+}
+
+TEST(EmulatedHaply, OneWholeWrongReplyMovesNothing) {
+  Lied lied;
+  LyingHaply& board = lied.board;
+  HaplyLink& link = lied.link;
   link.open();
   Eigen::Vector3d before;
   for (int i = 0; i < 5; ++i) {

@@ -78,6 +78,23 @@ TEST(EmulatedInverse3, NonsenseTakesTheForceAwayAndIsGotOver) {
   EXPECT_EQ(force_n(*device), kPush);
 }
 
+TEST(EmulatedInverse3, NonsenseForGoodIsALossWithZeroForce) {
+  Inverse3ModelConfig config = model_config();
+  config.garbage_at = 20;
+  config.garbage_count = 100'000;
+  const auto device = std::make_shared<EmulatedInverse3>(config, UsbFaults{});
+  const auto link = EmulatedInverse3::link(device, driver());
+  link->open();
+  Eigen::Vector3d position_m;
+  LinkStatus status = LinkStatus::kOk;
+  for (int i = 0; i < 1000 && status != LinkStatus::kLost; ++i) {
+    status = link->transact(kPush, position_m);
+  }
+  EXPECT_EQ(status, LinkStatus::kLost);
+  EXPECT_EQ(link->failure(), "its answers are none, or its tool jumps");
+  EXPECT_EQ(force_n(*device), Eigen::Vector3d::Zero());
+}
+
 TEST(EmulatedInverse3, ThatIsDeafOrSilentHasAName) {
   Inverse3ModelConfig config = model_config();
   config.deaf = 1000;

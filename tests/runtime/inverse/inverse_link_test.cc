@@ -173,6 +173,7 @@ TEST(InverseLink, EveryFaultHasItsNameAndLeavesZeroForceAtOnce) {
       {{.fault = InverseFault::kNotCalibrated, .from = 20}, "not calibrated"},
       {{.fault = InverseFault::kNoPower, .from = 20}, "power supply"},
       {{.fault = InverseFault::kNoPosition, .from = 20}, "without a position"},
+      {{.fault = InverseFault::kNoTurn, .from = 20}, "orientation that is none"},
       {{.fault = InverseFault::kUnplugged, .from = 20}, "unplugged"},
       {{.fault = InverseFault::kSilentUnplug, .from = 20}, "unplugged"},
       {{.fault = InverseFault::kUnasked, .from = 20}, "nobody asked for"},
@@ -201,7 +202,8 @@ TEST(InverseLink, EveryFaultHasItsNameAndLeavesZeroForceAtOnce) {
     EmulatedInverse service(wanted);
     InverseLink link(client_config(service));
     link.open();
-    EXPECT_LT(push_until_lost(link), 100) << fault.name;
+    // States that nobody asked for are seen once they come faster than they are taken.
+    EXPECT_LT(push_until_lost(link), 900) << fault.name;
     EXPECT_NE(link.failure().find(fault.name), std::string::npos) << link.failure();
     EXPECT_EQ(link.sent_n(), Eigen::Vector3d::Zero());
     // Without close(): the last message, or the end of the session.
@@ -212,6 +214,62 @@ TEST(InverseLink, EveryFaultHasItsNameAndLeavesZeroForceAtOnce) {
     Eigen::Vector3d position_m;
     EXPECT_EQ(link.transact(kPush, position_m), LinkStatus::kLost);  // for good
   }
+}
+
+// Whoever is not heard of for a while is asleep; for longer, gone.
+TEST(InverseLink, AGripThatIsGoneIsAFaultAfterAWhile) {
+  EmulatedInverseConfig wanted = service_config();
+  wanted.grip_turn = [](double time_s) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(time_s, Eigen::Vector3d::UnitY()));
+  };
+  for (const std::int64_t count : {InverseLink::kGripSilentMax - 1, 1000}) {
+    wanted.faults = {.fault = InverseFault::kNoGrip, .from = 20, .count = count};
+    EmulatedInverse service(wanted);
+    InverseLink link(client_config(service));
+    link.open();
+    ASSERT_TRUE(link.measures_turns());
+    const Eigen::Quaterniond before = link.turn();
+    const bool goes_on = count < InverseLink::kGripSilentMax;
+    const int exchanges = push_until_lost(link, 200);
+    EXPECT_EQ(exchanges < 200, !goes_on);
+    if (goes_on) {
+      // About our y axis, whatever the grip's own zero is.
+      const Eigen::Vector3d axis = (link.turn() * before.conjugate()).vec();
+      EXPECT_GT(axis.y(), 1e-4);
+      EXPECT_LT((axis - axis.y() * Eigen::Vector3d::UnitY()).norm(), 1e-6);
+    } else {
+      EXPECT_NE(link.failure().find("grip is gone"), std::string::npos);
+      EXPECT_NEAR(exchanges, 18 + InverseLink::kGripSilentMax, 1);
+    }
+  }
+}
+
+TEST(InverseLink, ChoosesAGripOrSaysWhyNot) {
+  EmulatedInverseConfig wanted = service_config();
+  const auto open = [&wanted](const std::string& grip) {
+    EmulatedInverse service(wanted);
+    InverseConfig config = client_config(service);
+    config.grip_id = grip;
+    std::string told;
+    config.tell = [&told](const std::string& text) {
+      told += text + "\n";
+    };
+    InverseLink link(config);
+    link.open();
+    return std::pair(link.measures_turns(), told);
+  };
+  EXPECT_NE(open("").second.find("grip 61576 turns"), std::string::npos);
+  wanted.grips = 2;
+  const auto [turned, told] = open("");
+  EXPECT_FALSE(turned);
+  EXPECT_NE(told.find("2 grips, none of them turns the tool"), std::string::npos);
+  EXPECT_TRUE(open("61577").first);
+  EXPECT_THROW(static_cast<void>(open("1")), DeviceError);
+  wanted.grips = 0;
+  EXPECT_FALSE(open("").first);
+  wanted.grips = 1;
+  wanted.faults = {.fault = InverseFault::kNoTurn, .from = 0};
+  EXPECT_FALSE(open("").first);  // asleep when it began
 }
 
 // A tool pushed along x moves on; a position that answers an older message lies behind.

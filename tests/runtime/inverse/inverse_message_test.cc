@@ -47,6 +47,34 @@ TEST(InverseMessage, TakesTheDeviceThatIsMeantWhateverTheOrder) {
   EXPECT_FALSE(state.found);
 }
 
+TEST(InverseMessage, TakesTheGripThatIsMeantFromEitherList) {
+  const auto grip = [](const std::string& id, const std::string& w) {
+    return R"({"state":{"buttons":{"a":true},"orientation":{"z":0.1,"w":)" + w +
+           R"(,"y":0,"x":0.5}},"device_id":")" + id + "\"}";
+  };
+  const std::string text = R"({"verse_grip":[)" + grip("1", "0.2") +
+                           R"(],"inverse3":[],"wireless_verse_grip":[)" +
+                           grip("2", "0.3") + "]}";
+  InverseState state;
+  ASSERT_EQ(scan_inverse_state(text, "", state, "2"), nullptr);
+  EXPECT_EQ(state.grips, 2);
+  EXPECT_EQ(state.grip.id.view(), "2");
+  EXPECT_EQ(state.grip.orientation->coeffs(), Eigen::Vector4d(0.5, 0.0, 0.1, 0.3));
+  ASSERT_EQ(scan_inverse_state(text, "", state), nullptr);
+  EXPECT_EQ(state.grip.id.view(), "1");
+  ASSERT_EQ(scan_inverse_state(text, "", state, "3"), nullptr);
+  EXPECT_FALSE(state.grip.orientation);
+  EXPECT_EQ(refusal(R"({"verse_grip":[)" + grip("1", "nan") + "]}").substr(0, 9),
+            "something");
+  EXPECT_EQ(refusal(R"({"verse_grip":[)" + grip("1", "1,\"w\":1") + "]}"),
+            "a field that is there twice");
+  EXPECT_EQ(refusal(R"({"verse_grip":[{"state":{"orientation":{"w":1}}}]})"),
+            "an orientation without w, x, y or z");
+  EXPECT_EQ(refusal(R"({"verse_grip":[{}]})"), "a grip without a name");
+  EXPECT_EQ(refusal(R"({"verse_grip":[],"verse_grip":[]})"),
+            "a field that is there twice");
+}
+
 TEST(InverseMessage, IsReadWithoutAllocation) {
   InverseState state;
   std::array<char, kInverseCommandBytes> command{};

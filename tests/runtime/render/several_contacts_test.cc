@@ -185,6 +185,22 @@ TEST_F(SeveralContactsRun, TurnWithADeviceThatMeasuresIt) {
   }
 }
 
+// Half a radian in a millisecond is a sensor's, not a wrist's.
+TEST_F(SeveralContactsRun, AnOrientationThatJumpsIsAFault) {
+  for (const bool hung : {false, true}) {
+    FakeDevice device(clock_, press(0.005, 2.0));
+    device.turned = [](double t) {
+      return Eigen::Quaterniond(
+          Eigen::AngleAxisd(t < 0.7 ? 0.0 : 0.5, Eigen::Vector3d::UnitZ()));
+    };
+    const RenderReport report = render(
+        device, potential(), hung ? std::optional(VirtualCoupling{}) : std::nullopt);
+    EXPECT_EQ(report.fault, Fault::kJump);
+    EXPECT_NEAR(report.fault_s, 0.7, 0.01);
+    EXPECT_EQ(device.force.back(), Eigen::Vector3d::Zero());
+  }
+}
+
 TEST_F(SeveralContactsRun, RefuseACouplingThatIsNotValid) {
   VirtualCoupling bad;
   bad.mass_kg = -1.0;

@@ -1,5 +1,10 @@
 #include "runtime/vendor/dhd_link.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
@@ -46,6 +51,35 @@ TEST_F(DhdDevice, IsPushedInOurAxesAndLetGo) {
   EXPECT_EQ(library_.variable<int>("stand_in_enabled"), 0);
 }
 
+// An eighth about the library's z axis, which is our y.
+TEST_F(DhdDevice, WithAWristTurnsTheTool) {
+  auto& frame = library_.variable<double[3][3]>("stand_in_frame");
+  const double upright[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const int wrist : {0, 1}) {
+    library_.variable<int>("stand_in_has_wrist") = wrist;
+    std::copy_n(&upright[0][0], 9, &frame[0][0]);
+    DhdLink link(config_);
+    link.open();
+    EXPECT_EQ(link.measures_turns(), wrist == 1);
+    const double c = std::sqrt(0.5);
+    const double turned[3][3] = {{c, -c, 0}, {c, c, 0}, {0, 0, 1}};
+    std::copy_n(&turned[0][0], 9, &frame[0][0]);
+    Eigen::Vector3d position_m;
+    ASSERT_EQ(link.transact(kPush, position_m), LinkStatus::kOk);
+    const Eigen::Quaterniond wanted(
+        Eigen::AngleAxisd(wrist * 0.25 * std::numbers::pi, Eigen::Vector3d::UnitY()));
+    EXPECT_LT(link.turn().angularDistance(wanted), 1e-7);
+    frame[0][0] = 2.0;
+    EXPECT_EQ(link.transact(kPush, position_m),
+              wrist == 1 ? LinkStatus::kLost : LinkStatus::kOk);
+    EXPECT_EQ(link.failure(),
+              wrist == 1 ? "its library says an orientation that is none" : "");
+    EXPECT_EQ(library_.force_n() == Eigen::Vector3d::Zero(), wrist == 1);
+  }
+  library_.variable<int>("stand_in_has_wrist") = 0;
+  std::copy_n(&upright[0][0], 9, &frame[0][0]);
+}
+
 // The device's own: nothing of ours runs meanwhile.
 TEST_F(DhdDevice, HasItsForceTakenAwayByItsWatchdog) {
   DhdLink link(config_);
@@ -82,6 +116,24 @@ TEST_F(DhdDevice, EndsByTheLibrarysWords) {
   EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
   library_.variable<int>("stand_in_fails") = 0;
   EXPECT_EQ(link.transact(kPush, position_m), LinkStatus::kLost);  // for good
+}
+
+TEST_F(DhdDevice, UnpluggedAtAnyExchangeIsALossWithZeroForce) {
+  std::mt19937 random(27);
+  std::uniform_int_distribution<int> many(1, 40);
+  for (int i = 0; i < 200; ++i) {
+    DhdLink link(config_);
+    link.open();
+    Eigen::Vector3d position_m;
+    for (int k = many(random); k > 0; --k) {
+      ASSERT_EQ(link.transact(kPush, position_m), LinkStatus::kOk);
+    }
+    library_.variable<int>("stand_in_fails") = 1;
+    ASSERT_EQ(link.transact(kPush, position_m), LinkStatus::kLost);
+    EXPECT_EQ(link.failure(), "communication error");
+    EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+    library_.variable<int>("stand_in_fails") = 0;
+  }
 }
 
 TEST_F(DhdDevice, WithoutItsLibraryIsOneSentence) {

@@ -1,5 +1,7 @@
 #include "runtime/vendor/hd_link.h"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
@@ -55,6 +57,41 @@ TEST_F(HdDevice, IsPushedFromTheLibrarysThreadAndLetGo) {
   }
 }
 
+// About the library's y axis, which is ours; by columns.
+TEST_F(HdDevice, TurnsTheToolAsItsStylusIsTurned) {
+  const auto turn = [this](double angle_rad) {
+    Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
+    transform.topLeftCorner<3, 3>() =
+        Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    transform.col(3).head<3>() << 10.0, 20.0, 30.0;
+    library_.function<void(const double*)>("stand_in_turn")(transform.data());
+  };
+  HdLink link(config_);
+  link.open();
+  ASSERT_TRUE(link.measures_turns());
+  turn(0.3);
+  push(link);
+  EXPECT_LT(link.turn().angularDistance(
+                Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()))),
+            1e-7);
+  const Eigen::Matrix4d none = Eigen::Matrix4d::Zero();
+  library_.function<void(const double*)>("stand_in_turn")(none.data());
+  Eigen::Vector3d position_m;
+  LinkStatus status = LinkStatus::kOk;
+  for (int i = 0; i < 5 && status != LinkStatus::kLost; ++i) {
+    status = link.transact(kPush, position_m);
+  }
+  EXPECT_EQ(status, LinkStatus::kLost);
+  EXPECT_EQ(link.failure(), "its library says an orientation that is none");
+  sleep_ms(10);
+  EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+  link.close();
+  HdLink again(config_);
+  again.open();  // of a library that says no transform
+  EXPECT_FALSE(again.measures_turns());
+  turn(0.0);
+}
+
 TEST_F(HdDevice, LetsGoWhenNobodyRenewsTheForce) {
   HdLink link(config_);
   link.open();
@@ -77,6 +114,28 @@ TEST_F(HdDevice, AnythingOnTheStackOfErrorsEndsIt) {
   EXPECT_EQ(link.failure(), "Warm motors");
   sleep_ms(10);
   EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+}
+
+TEST_F(HdDevice, UnpluggedAtAnyTickIsALossWithZeroForce) {
+  std::mt19937 random(27);
+  std::uniform_int_distribution<int> many(1, 10);
+  for (int i = 0; i < 200; ++i) {
+    HdLink link(config_);
+    link.open();
+    Eigen::Vector3d position_m;
+    for (int k = many(random); k > 0; --k) {
+      ASSERT_NE(link.transact(kPush, position_m), LinkStatus::kLost);
+    }
+    push_error(0x0201);
+    LinkStatus status = LinkStatus::kOk;
+    for (int k = 0; k < 5 && status != LinkStatus::kLost; ++k) {
+      status = link.transact(kPush, position_m);
+    }
+    ASSERT_EQ(status, LinkStatus::kLost);
+    EXPECT_EQ(link.failure(), "Device fault");
+    link.close();
+    EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
+  }
 }
 
 TEST_F(HdDevice, ASchedulerThatStandsStillIsLost) {

@@ -1,7 +1,9 @@
 /* A library of our own with the names of Force Dimension's functions: one device that
  * a force pushes, with a watchdog; its stand_in_ functions are for the tests. */
 #define _GNU_SOURCE
+#include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 #include <time.h>
 
 int64_t stand_in_watchdog_ns = 0; /* 0: off */
@@ -10,6 +12,8 @@ int stand_in_has_watchdog = 1;
 int stand_in_fails = 0; /* every exchange */
 int stand_in_enabled = 0;
 int stand_in_open = 0;
+int stand_in_has_wrist = 0;
+double stand_in_frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 static double force_n[3], position_m[3];
 static int64_t pushed_ns;
@@ -74,5 +78,14 @@ int dhdSetWatchdog(unsigned char steps, char id) {
   error = "function not available";
   stand_in_watchdog_ns = stand_in_has_watchdog ? steps * (int64_t)125000 : 0;
   return stand_in_has_watchdog ? 0 : -1;
+}
+bool dhdHasWrist(char id) {
+  (void)id;
+  return stand_in_has_wrist != 0;
+}
+int dhdGetOrientationFrame(double matrix[3][3], char id) {
+  (void)id;
+  memcpy(matrix, stand_in_frame, sizeof stand_in_frame);
+  return failed();
 }
 const char* dhdErrorGetLastStr(void) { return error; }

@@ -21,6 +21,9 @@ static unsigned (*task)(void*);
 static void* task_data;
 static pthread_t thread;
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+/* By columns. */
+double stand_in_transform[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
 static double force_n[3], position_mm[3];
 static unsigned errors[8];
 static int error_count = 0;
@@ -28,6 +31,12 @@ static int error_count = 0;
 void stand_in_push_error(unsigned code) {
   pthread_mutex_lock(&mutex);
   errors[error_count++ % 8] = code;
+  pthread_mutex_unlock(&mutex);
+}
+
+void stand_in_turn(const double* transform) {
+  pthread_mutex_lock(&mutex);
+  memcpy(stand_in_transform, transform, sizeof stand_in_transform);
   pthread_mutex_unlock(&mutex);
 }
 
@@ -80,6 +89,10 @@ void hdEndFrame(unsigned device) { (void)device; }
 void hdGetDoublev(unsigned what, double* values) {
   if (what == 0x2050) {
     memcpy(values, position_mm, sizeof position_mm);
+  } else if (what == 0x2052) {
+    pthread_mutex_lock(&mutex);
+    memcpy(values, stand_in_transform, sizeof stand_in_transform);
+    pthread_mutex_unlock(&mutex);
   } else if (what == 0x2603) {
     values[0] = 0.88;
   }

@@ -12,6 +12,7 @@
 #include "formats/base/error.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/view_session.h"
+#include "runtime/view/watch_view.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/fake_service.h"
 #include "tests/support/sample_bodies.h"
@@ -121,6 +122,32 @@ TEST(ServedNews, APageIsToldAnswersOnceAndPressesWhatIsThere) {
   live.received(1, R"({"type":"node","node":1})");
   EXPECT_EQ(outbox.sent.back()["type"], "curve");
   EXPECT_NEAR(outbox.sent.back()["stiffness_max_n_per_m"].get<double>(), 300.0, 0.01);
+  // Pages that watch a device are told the same, and may have it computed anew.
+  const ViewedBody viewed{.database = body,
+                          .table = body.tools[0],
+                          .name = "scene.toml",
+                          .device = "falcon",
+                          .fast_hz = 1000.0,
+                          .force_max_n = 8.0};
+  const auto ticks = std::make_unique<TickQueue>();
+  WatchView watch(viewed, {}, *ticks, nullptr, &news);
+  Outbox watching;
+  watch.answer_through(watching);
+  watch.opened(7);
+  watch.frame();
+  EXPECT_EQ(watching.frame["service"]["state"], "serving");
+  EXPECT_EQ(watching.frame["state"], "waiting for the device");
+  ASSERT_EQ(watching.sent.size(), 2U);
+  EXPECT_EQ(watching.sent[1]["type"], "answers");
+  EXPECT_EQ(watching.sent[1]["node"].size(), 121U);
+  watch.received(7, R"({"type":"node","node":1})");
+  EXPECT_NEAR(watching.sent.back()["stiffness_max_n_per_m"].get<double>(), 300.0, 0.01);
+  watch.received(7, R"({"type":"run","do":"anew"})");
+  EXPECT_EQ(watching.sent.size(), 3U);  // no refusal
+  watch.received(7, R"({"type":"run","do":"pause"})");
+  EXPECT_EQ(watching.sent.back()["type"], "refused");
+  watch.closed(7);
+
   live.opened(2);  // another page is told all
   frames(5, 0.002);
   EXPECT_EQ(outbox.sent.back()["node"].size(), 121U);

@@ -1,0 +1,33 @@
+// A probe's recording: what it found and what it measured, for people, for the bounds
+// on stiffness, and to be sent.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "runtime/attach/probe.h"
+#include "runtime/device/device.h"
+
+namespace palpate {
+
+/// JSON: format "palpate probe", version 1, every quantity with its unit in its name,
+/// the pushes as they were measured. Says no names or serial numbers of people or
+/// devices.
+[[nodiscard]] std::string probe_json(const ProbeReport& report);
+void write_probe(const std::filesystem::path& file, const ProbeReport& report);
+
+/// @throws InputError for a file that cannot be read, FormatError for one that is no
+/// probe or has values that cannot be.
+[[nodiscard]] ProbeReport read_probe(const std::filesystem::path& file);
+
+/// What it found, in lines for people.
+[[nodiscard]] std::string probe_text(const ProbeReport& report);
+
+/// The limits of a device that was probed, of its worst axis and on the safe side of
+/// what is not known: damping and dry friction less twice their standard deviations,
+/// the delay and its resolution more, the coarser step. @param assumed for what was not
+/// found: the largest force, and a damping that cannot be told from none.
+[[nodiscard]] DeviceLimits probed_limits(const ProbeReport& report,
+                                         const DeviceLimits& assumed);
+
+}  // namespace palpate
