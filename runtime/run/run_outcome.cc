@@ -76,6 +76,12 @@ nlohmann::json memory_json(const RenderReport& r) {
           {"not_yielded", r.not_yielded}};
 }
 
+nlohmann::json device_json(const SimulationReport& report) {
+  return {{"device", report.device},
+          {"device_failure", report.device_failure},
+          {"device_turns", report.device_turns}};
+}
+
 }  // namespace
 
 nlohmann::json as_json(const SimulationReport& report) {
@@ -127,9 +133,6 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"late_reads", r.late_reads},
       {"slow_failure", r.slow_failure},
       {"scheduling", r.scheduling},
-      {"device", report.device},
-      {"device_failure", report.device_failure},
-      {"device_turns", report.device_turns},
       {"wire", report.wire ? as_json(*report.wire) : nlohmann::json()},
       {"records_dropped", report.records_dropped},
       {"recording_failure", report.recording_failure},
@@ -138,6 +141,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"fault", name(r.fault)},
       {"interrupted", r.interrupted}};
   json.update(memory_json(r));
+  json.update(device_json(report));
   return json;
 }
 
