@@ -138,7 +138,7 @@ void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& led
   } else if (contact.tool_m != y_m) {
     (void)respond(contact, cache, y_m);
   }
-  if (!(ledger.dent_j > 0.0) && ledger.left_j > 0.0) {
+  if (!(ledger.dent_j > 0) && ledger.left_j > 0) {
     settle_dent(contact, memory, ledger, cache);  // come back to
   }
   memory.time_s += static_cast<double>(time_s);
