@@ -40,12 +40,16 @@ double clock_cost_us() {
 }
 
 ContactBody body_of(const ContactsBenchRow& row) {
-  ContactBody body = make_contact_body({.wave_m = 0.001,
-                                        .contrast = 9.0,
-                                        .tilt_rad = 0.1,
-                                        .friction_min = row.friction,
-                                        .friction_max = row.friction},
-                                       kRadiusM);
+  BenchBodyOptions options{.wave_m = 0.001,
+                           .contrast = 9.0,
+                           .tilt_rad = 0.1,
+                           .friction_min = row.friction,
+                           .friction_max = row.friction};
+  if (row.relaxing) {  // pork, as bench_step.cc has it
+    options.relaxing = {0.258, 0.303};
+    options.relaxation_s = {0.42, 4.5};
+  }
+  ContactBody body = make_contact_body(options, kRadiusM);
   for (ContactRow& one : body.row) {
     if (!row.coupled) {
       one.value.fill(0.0F);
@@ -103,20 +107,23 @@ void run(const ContactsBenchOptions& options, std::uint64_t (*allocations)(),
   row.p999_us = percentile(us, 0.999);
 }
 
+std::vector<ContactsBenchRow> rows_of(int contacts) {
+  return {{.contacts = contacts},
+          {.contacts = contacts, .friction = 0.5},
+          {.contacts = contacts, .coupled = true},
+          {.contacts = contacts, .coupled = true, .friction = 0.5},
+          {.contacts = contacts, .coupled = true, .relaxing = true, .friction = 0.5}};
+}
+
 }  // namespace
 
 std::vector<ContactsBenchRow> run_contacts_bench(const ContactsBenchOptions& options,
                                                  std::uint64_t (*allocations)()) {
   std::vector<ContactsBenchRow> rows;
   for (const int contacts : {1, 4, 16, 64}) {
-    for (const bool coupled : {false, true}) {
-      for (const double friction : {0.0, 0.5}) {
-        ContactsBenchRow& row = rows.emplace_back();
-        row.contacts = contacts;
-        row.coupled = coupled;
-        row.friction = friction;
-        run(options, allocations, row);
-      }
+    for (ContactsBenchRow& row : rows_of(contacts)) {
+      run(options, allocations, row);
+      rows.push_back(row);
     }
   }
   return rows;
@@ -124,16 +131,18 @@ std::vector<ContactsBenchRow> run_contacts_bench(const ContactsBenchOptions& opt
 
 std::string table_text(const std::vector<ContactsBenchRow>& rows) {
   std::string text = fmt::format(
-      "{:>8} {:>8} {:>8} {:>10} {:>10} {:>8} {:>6} {:>6} {:>9} {:>10} {:>6} {:>6}\n",
-      "contacts", "coupled", "friction", "median us", "99.9 % us", "touching", "eval",
-      "factor", "force N", "work J", "scaled", "allocs");
+      "{:>8} {:>8} {:>8} {:>8} {:>10} {:>10} {:>8} {:>6} {:>6} {:>9} {:>10} {:>6} "
+      "{:>6}\n",
+      "contacts", "coupled", "relaxing", "friction", "median us", "99.9 % us",
+      "touching", "eval", "factor", "force N", "work J", "scaled", "allocs");
   for (const ContactsBenchRow& row : rows) {
     text += fmt::format(
-        "{:>8} {:>8} {:>8.2g} {:>10.3f} {:>10.3f} {:>8.1f} {:>6.2f} {:>6.2f} {:>9.3f} "
-        "{:>10.1e} {:>6} {:>6}\n",
-        row.contacts, row.coupled ? "yes" : "no", row.friction, row.median_us,
-        row.p999_us, row.touching, row.evaluations, row.factorings, row.force_max_n,
-        row.lowest_work_j, row.scaled ? "yes" : "no", row.allocations);
+        "{:>8} {:>8} {:>8} {:>8.2g} {:>10.3f} {:>10.3f} {:>8.1f} {:>6.2f} {:>6.2f} "
+        "{:>9.3f} {:>10.1e} {:>6} {:>6}\n",
+        row.contacts, row.coupled ? "yes" : "no", row.relaxing ? "yes" : "no",
+        row.friction, row.median_us, row.p999_us, row.touching, row.evaluations,
+        row.factorings, row.force_max_n, row.lowest_work_j, row.scaled ? "yes" : "no",
+        row.allocations);
   }
   return text;
 }
@@ -143,6 +152,7 @@ std::string to_json(const std::vector<ContactsBenchRow>& rows) {
   for (const ContactsBenchRow& row : rows) {
     json.push_back({{"contacts", row.contacts},
                     {"coupled", row.coupled},
+                    {"relaxing", row.relaxing},
                     {"friction", row.friction},
                     {"median_us", row.median_us},
                     {"p999_us", row.p999_us},

@@ -16,7 +16,8 @@ struct ContactsBenchOptions {
 /// One walk of a plate over a wavy body of contrast 9.
 struct ContactsBenchRow {
   int contacts = 0;
-  bool coupled = false;  ///< else without compliance between contacts
+  bool coupled = false;   ///< else without compliance between contacts
+  bool relaxing = false;  ///< the body does
   double friction = 0.0;
   double median_us = 0.0;    ///< [us] of step() in contact, without the clock's cost
   double p999_us = 0.0;      ///< [us] 99.9th percentile, likewise

@@ -34,7 +34,10 @@ FastCommand as_one(const CoupledCommand& made) {
   command.depth_m = made.depth_m;
   command.stored_j = made.stored_j;
   command.tank_j = made.tank_j;
+  command.memory_j = made.memory_j;
+  command.carried_n = made.carried_n;
   command.dissipated_j = made.dissipated_j;
+  command.yielded_j = made.yielded_j;
   command.relaxed_shift_m = made.relaxed_shift_m;
   command.fault = made.fault;
   return command;

@@ -19,7 +19,7 @@ struct ContactExchange {
   ContactSent sent;                     ///< the slow process's own
 };
 
-/// About 8 MB and 0.2 MB for each contact. Threads as of HostTool.
+/// About 11 MB and 0.4 MB for each contact. Threads as of HostTool.
 class HostContacts {
  public:
   /// @param set of several contacts. @param fast, tick_s, stall_s as of

@@ -17,10 +17,19 @@ SurfaceState read_state(const HostBody& body, const std::filesystem::path& file)
   return read_surface_state(file, database_sha256(body.file()), body.file());
 }
 
+void refuse_contacts(const HostTool& tool) {
+  if (tool.contacts() != nullptr) {
+    throw InputError(
+        "what has yielded of several contacts is not kept in files: they begin on a "
+        "fresh body");
+  }
+}
+
 }  // namespace
 
 void save_surface(const HostBody& body, const HostTool& tool,
                   const std::filesystem::path& file) {
+  refuse_contacts(tool);
   SurfaceState surface;
   if (body.file().empty() || std::filesystem::exists(file)) {
     surface = read_state(body, file);
@@ -36,6 +45,7 @@ void load_surface(const HostBody& body, HostTool& tool,
                   const std::optional<std::filesystem::path>& file) {
   SurfaceState surface;
   if (file) {
+    refuse_contacts(tool);
     surface = read_state(body, *file);
   }
   tool.begin_with(surface.tool[body.tool_name()]);

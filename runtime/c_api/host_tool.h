@@ -109,7 +109,7 @@ class HostTool {
   [[nodiscard]] HostTick latest() noexcept;
 
   [[nodiscard]] RenderExchange& exchange() noexcept { return exchange_; }
-  [[nodiscard]] HostContacts* contacts() noexcept { return contacts_.get(); }
+  [[nodiscard]] HostContacts* contacts() const noexcept { return contacts_.get(); }
 
  private:
   void take_elements() noexcept;

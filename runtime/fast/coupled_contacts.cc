@@ -9,10 +9,11 @@ namespace {
 
 // What is left of g [m].
 constexpr Real kResidualM = rounding(1e-12, 2e-8);
-// A step that leaves more than this of g asks for another factor.
+// A step that leaves more than this of g asks for another factor ...
 constexpr Real kSlow = 0.1;
-// So few contacts are factored anew at every step: that costs less than an evaluation.
-constexpr int kFactoredAtOnce = 12;
+// ... and any, where so few contacts have a slope: it costs less than an evaluation
+// more.
+constexpr int kFactoredAtOnce = 40;
 // A Newton step is halved at most so often.
 constexpr int kHalvingsMax = 6;
 // C is halved at most so often before it is left out.
@@ -118,25 +119,18 @@ bool renew_factor(CoupledContacts& c) {
   return whole;
 }
 
-// scale C v of the values that are not zero.
-void apply_compliance(const CoupledContacts& c, const ContactValues& v,
-                      ContactValues& out) {
-  const Index n = c.count;
-  out.head(n).setZero();
-  for (Index j = 0; j < n; ++j) {
-    if (v(j) != 0.0) {
-      out.head(n) += (c.scale * v(j)) * c.compliance_m_per_n.col(j).head(n).array();
-    }
-  }
+// d - C s.
+auto asked_m(const CoupledContacts& c) {
+  return c.depth_m.head(c.count) - c.scale * c.sunk_m.head(c.count);
 }
 
 // Curves and dimples at delta. @returns the largest |g|.
 Real evaluate(CoupledContacts& c, const ContactCurves& curves, ContactValues& g) {
   ++c.evaluations;
   curves.evaluate(curves.of, c, false);
-  apply_compliance(c, c.force_n, c.dimple_m);
+  apply_compliance(c, c.scale, c.force_n, c.dimple_m);
   const Index n = c.count;
-  g.head(n) = c.delta_m.head(n) + c.dimple_m.head(n) - c.depth_m.head(n);
+  g.head(n) = c.delta_m.head(n) + c.dimple_m.head(n) - asked_m(c);
   return g.head(n).abs().maxCoeff<Eigen::PropagateNaN>();
 }
 
@@ -153,7 +147,7 @@ void find_change(const CoupledContacts& c, const ContactValues& g,
   for (Index q = 0; q < factor.count; ++q) {
     y(factor.contact[static_cast<std::size_t>(q)]) = factor.root(q) * reduced(q);
   }
-  apply_compliance(c, y, change);
+  apply_compliance(c, c.scale, y, change);
   change.head(c.count) = -g.head(c.count) - change.head(c.count);
 }
 
@@ -191,17 +185,14 @@ bool iterate(CoupledContacts& c, const ContactCurves& curves) {
       c.delta_m.head(n) = from.head(n) + step * change.head(n);
       left = evaluate(c, curves, g);
     }
+    bool old = c.factor.count > kFactoredAtOnce && left < kSlow * before;
     if (!fresh && !(left < before)) {  // an old factor: again from here with a new one
       c.delta_m = from;
       left = evaluate(c, curves, g);
-      c.factor.sound = false;
-    } else if (!(left <= kResidualM) && !(left < kSlow * before)) {
-      c.factor.sound = false;
+      old = false;
     }
+    c.factor.sound = old || left <= kResidualM;
     fresh = false;
-    if (c.count <= kFactoredAtOnce) {
-      c.factor.sound = false;
-    }
   }
   return whole || is_convex(c);
 }
@@ -211,12 +202,13 @@ bool iterate(CoupledContacts& c, const ContactCurves& curves) {
 void begin_at_last(CoupledContacts& c) {
   const Index n = c.count;
   if (c.solved == c.count && c.factor.sound) {
-    const ContactValues g = c.solved_depth_m - c.depth_m;
+    ContactValues g;
+    g.head(n) = c.solved_depth_m.head(n) - asked_m(c);
     ContactValues change;
     find_change(c, g, change);
     c.delta_m.head(n) += change.head(n);
   } else {
-    c.delta_m.head(n) = c.depth_m.head(n) - c.dimple_m.head(n);
+    c.delta_m.head(n) = asked_m(c) - c.dimple_m.head(n);
   }
   if (!c.delta_m.head(n).allFinite()) {
     c.delta_m.head(n) = c.depth_m.head(n);
@@ -226,14 +218,26 @@ void begin_at_last(CoupledContacts& c) {
 void sum_energy(CoupledContacts& c) {
   const Index n = c.count;
   c.solved = c.count;
-  c.solved_depth_m = c.depth_m;
+  c.solved_depth_m.head(n) = asked_m(c);
   c.energy_j = (c.own_energy_j.head(n) +
-                c.force_n.head(n) *
-                    (c.depth_m.head(n) - c.delta_m.head(n) - 0.5 * c.dimple_m.head(n)))
+                c.force_n.head(n) * (c.solved_depth_m.head(n) - c.delta_m.head(n) -
+                                     0.5 * c.dimple_m.head(n)))
                    .sum();
 }
 
 }  // namespace
+
+void apply_compliance(const CoupledContacts& contacts, Real factor,
+                      const ContactValues& v, ContactValues& out) noexcept {
+  const Index n = contacts.count;
+  out.head(n).setZero();
+  for (Index j = 0; j < n; ++j) {
+    if (v(j) != 0.0) {
+      out.head(n) +=
+          (factor * v(j)) * contacts.compliance_m_per_n.col(j).head(n).array();
+    }
+  }
+}
 
 bool solve(CoupledContacts& contacts, const ContactCurves& curves) noexcept {
   CoupledContacts& c = contacts;

@@ -22,6 +22,9 @@
 // a curve) as they are. S is factored where the old factor does not do any more. A
 // curve that falls counts as level in S.
 //
+// Where the surface remembers (coupled_field.h), f_i is what contact i bears now, and
+// d_i is less by what relaxed forces s sink the surface: d - C s stands for d.
+//
 // Where the method does not end, or S at the solution is not positive definite, C is
 // halved for good and `scaled` says so: another energy, which the caller has to book as
 // a change. C = 0 always ends.
@@ -56,6 +59,7 @@ struct CoupledFactor {
 struct CoupledContacts {
   int count = 0;                                  ///< [0, kContactsMax]
   ContactValues depth_m = ContactValues::Zero();  ///< [m] d_i
+  ContactValues sunk_m = ContactValues::Zero();   ///< [m] sum_j C_ij s_j before `scale`
   /// [m/N] C_ij, symmetric, 0 on the diagonal; before `scale`.
   ContactMatrix compliance_m_per_n = ContactMatrix::Zero();
   Real scale = 1.0;  ///< [-] [0, 1] of C
@@ -70,7 +74,7 @@ struct CoupledContacts {
   int factorings = 0;   ///< in the latest solve
   CoupledFactor factor;
   int solved = 0;  ///< count of the last solution; 0: there is none to begin at
-  ContactValues solved_depth_m = ContactValues::Zero();
+  ContactValues solved_depth_m = ContactValues::Zero();  ///< [m] d - C s of it
 };
 
 /// The stored curves: fills force_n and stiffness_n_per_m of every contact for its
@@ -89,6 +93,10 @@ struct ContactCurves {
 bool solve(CoupledContacts& contacts, const ContactCurves& curves) noexcept;
 
 constexpr int kCoupledEvaluationsMax = 60;
+
+/// factor C v of the contacts, in the first `count` of `out`.
+void apply_compliance(const CoupledContacts& contacts, Real factor,
+                      const ContactValues& v, ContactValues& out) noexcept;
 
 /// Slope of a contact's force as the body lets it feel, df_i/dd_i with the others held
 /// where they are: what a single contact would have as its stiffness [N/m].

@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <limits>
 
+#include "runtime/fast/coupled_compliance.h"
+#include "runtime/fast/potential_field.h"
+
 namespace palpate {
 namespace {
 
@@ -19,11 +22,6 @@ Real weight_of(const FieldPlace& place, std::size_t a) {
 
 const Element& element_at(const CoupledSurface& surface, int slot) {
   return surface.cache.element[static_cast<std::size_t>(slot)];
-}
-
-// The place on the surface at rest.
-Vector3 foot_m(const FieldPlace& place) {
-  return place.prism.corner_m * place.frame.weight;
 }
 
 struct NodeReading {
@@ -90,11 +88,31 @@ struct Curves {
   CoupledSurfaces surfaces;
 };
 
+bool remembers(const CoupledField& field, std::size_t i) {
+  return field.remembers && field.memory[i].remembers;
+}
+
+void evaluate_remembered(RelaxingContact& contact, const CoupledSurface& surface,
+                         CoupledContacts& c, Index i, bool energy) {
+  const RelaxedResponse at = respond(contact, surface.cache, c.delta_m(i));
+  if (energy) {
+    c.own_energy_j(i) = at.energy_j;
+  } else {
+    c.force_n(i) = at.force_n;
+    c.stiffness_n_per_m(i) = at.stiffness_n_per_m;
+  }
+}
+
 // The stored curves of all contacts at their delta.
 void evaluate_curves(void* of, CoupledContacts& c, bool energy) {
   const auto& [field, surfaces] = *static_cast<Curves*>(of);
   for (Index i = 0; i < c.count; ++i) {
-    CoupledPlace& at = field->at[static_cast<std::size_t>(i)];
+    const auto self = static_cast<std::size_t>(i);
+    if (remembers(*field, self)) {
+      evaluate_remembered(field->memory[self], surfaces[i], c, i, energy);
+      continue;
+    }
+    CoupledPlace& at = field->at[self];
     const Real y = at.slot >= 0 ? c.delta_m(i) : -std::numeric_limits<Real>::max();
     if (energy) {
       c.own_energy_j(i) = energy_at(at, surfaces[i], y);
@@ -104,124 +122,59 @@ void evaluate_curves(void* of, CoupledContacts& c, bool energy) {
   }
 }
 
-// The distance between contacts of two ports, among the knots, and the
-// unit vector from the second to the first.
-struct Apart {
-  ComplianceWeights at;
-  Vector3 toward = Vector3::Zero();
-};
-
-Apart apart(const CoupledField& field, const CoupledSet& set, std::size_t i,
-            std::size_t j) {
-  const Vector3 between = foot_m(field.at[i].place) - foot_m(field.at[j].place);
-  const Real r = between.norm();
-  return {compliance_weights(set.knots, static_cast<double>(r)),
-          r > 0.0 ? Vector3(between / r) : Vector3::Zero()};
-}
-
-bool of_one_port(const CoupledSet& set, std::size_t i, std::size_t j) {
-  return set.sphere[i].port == set.sphere[j].port;
-}
-
-// c_a of contact i's nodes at the contacts of other ports, which move.
-void reach_other_ports(CoupledField& field, const CoupledSet& set,
-                       CoupledSurfaces surfaces, std::size_t i) {
-  CoupledPlace& at = field.at[i];
-  const auto& row = surfaces[i].row[static_cast<std::size_t>(at.slot)];
-  for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
-    if (of_one_port(set, i, j)) {
-      continue;
-    }
-    const bool there = field.at[j].slot >= 0;
-    const Apart pair = there ? apart(field, set, i, j) : Apart{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      at.reach(static_cast<Index>(j), static_cast<Index>(a)) =
-          there ? reach_m_per_n(row[a], pair.at) : Real(0.0);
-    }
-  }
-}
-
-// dc_i/dr at contact j of another port [1/N].
-Real reach_slope(const CoupledField& field, const CoupledSet& set,
-                 CoupledSurfaces surfaces, std::size_t i, std::size_t j) {
-  const CoupledPlace& at = field.at[i];
-  const auto& row = surfaces[i].row[static_cast<std::size_t>(at.slot)];
-  const Apart pair = apart(field, set, i, j);
-  Real slope = 0.0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    slope += weight_of(at.place, a) *
-             static_cast<Real>(pair.at.of(row[a].value).slope_per_n);
+// Derivatives of s_i by n_1 and n_2 [N].
+Vector2 relaxed_slope_n(const RelaxingContact& contact) {
+  Vector2 slope = Vector2::Zero();
+  for (int b = 0; b < contact.nodes.bundles; ++b) {
+    slope += carried_slope_n(contact.sites,
+                             contact.bundle[static_cast<std::size_t>(b)].memory);
   }
   return slope;
 }
 
-Real sign_of(const CoupledSet& set, int mode) {
-  return mode < set.added_modes ? Real(1.0) : Real(-1.0);
-}
-
-// b of every contact at its place.
-void read_modes(CoupledField& field, const CoupledSet& set) {
-  for (Index i = 0; i < set.count && set.modes > 0; ++i) {
-    const CoupledPlace& at = field.at[static_cast<std::size_t>(i)];
-    for (int m = 0; m < set.modes; ++m) {
-      Real b = 0.0;
-      for (std::size_t a = 0; a < 3 && at.slot >= 0; ++a) {
-        b += weight_of(at.place, a) * at.signed_mode(m, static_cast<Index>(a));
-      }
-      field.mode(i, m) = sign_of(set, m) * b;
-    }
-  }
-}
-
-// What modes add to C_ij.
-Real coupling_by_modes(const CoupledField& field, const CoupledSet& set, Index i,
-                       Index j) {
-  Real sum = 0.0;
-  for (int m = 0; m < set.modes; ++m) {
-    sum += sign_of(set, m) * field.mode(i, m) * field.mode(j, m);
-  }
-  return sum;
-}
-
-// Displacement of contact i's nodes by the others' forces, as modes have it [m].
-Vector3 sunk_by_modes_m(const CoupledField& field, const CoupledSet& set, Index i) {
-  const auto f = field.equilibrium.force_n.head(set.count).matrix();
-  Vector3 sunk = Vector3::Zero();
-  for (int m = 0; m < set.modes; ++m) {
-    const Real others = field.mode.col(m).head(set.count).dot(f) -
-                        field.mode(i, m) * field.equilibrium.force_n(i);
-    sunk +=
-        others * field.at[static_cast<std::size_t>(i)].signed_mode.row(m).transpose();
-  }
-  return sunk;
-}
-
-// dU/dn_1 and dU/dn_2 by the change of distance to contacts of other ports.
-Vector2 distance_slope_j(const CoupledField& field, const CoupledSet& set,
+// What the energy changes by with place i along the surface [J], but for that of its
+// own curve.
+Vector2 coupling_slope_j(const CoupledField& field, const CoupledSet& set,
                          CoupledSurfaces surfaces, std::size_t i) {
   const CoupledContacts& c = field.equilibrium;
-  Vector3 pull = Vector3::Zero();  // sum_j f_j dC_ij/dr, towards i
-  for (std::size_t j = 0; j < static_cast<std::size_t>(set.count); ++j) {
-    const Real f = c.force_n(static_cast<Index>(j));
-    if (of_one_port(set, i, j) || f == 0.0) {
-      continue;
-    }
-    const Real by_r = 0.5 * (reach_slope(field, set, surfaces, i, j) +
-                             reach_slope(field, set, surfaces, j, i));
-    pull += (f * by_r) * apart(field, set, i, j).toward;
+  const auto self = static_cast<Index>(i);
+  if (!field.remembers) {
+    return -c.force_n(self) * sunk_slope_m(field, set, surfaces, i, c.force_n);
   }
-  const FieldPlace& place = field.at[i].place;
-  return -(c.scale * c.force_n(static_cast<Index>(i))) *
-         ((place.prism.corner_m * place.frame.turn).transpose() * pull);
+  const Real s = field.carried_n(self);
+  ContactValues borne;
+  borne.head(set.count) = c.force_n.head(set.count) + field.carried_n.head(set.count);
+  Vector2 slope = -borne(self) * sunk_slope_m(field, set, surfaces, i, borne);
+  if (s > 0.0) {
+    slope += s * sunk_slope_m(field, set, surfaces, i, field.carried_n) -
+             c.dimple_m(self) * relaxed_slope_n(field.memory[i]);
+  }
+  return slope;
+}
+
+// Reads what the surfaces remember at the places.
+void read_memories(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
+                   Keep keep) {
+  field.remembers = false;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
+    SurfaceMemory& memory = surfaces[i].memory;
+    RelaxingContact& contact = field.memory[i];
+    // Of a radius without end: dents matter to others wherever the contact is.
+    read_memory(contact, memory, keep == Keep::kYes ? &memory : nullptr,
+                field.at[i].place, surfaces[i].cache,
+                std::numeric_limits<Real>::infinity());
+    field.remembers = field.remembers || contact.remembers;
+  }
+  if (field.remembers) {
+    take_relaxed(field, set);
+  } else {
+    field.equilibrium.sunk_m.head(set.count).setZero();
+  }
 }
 
 }  // namespace
 
 bool store(CoupledSurface& surface, const ContactElement& message) noexcept {
-  const ElementMemory& memory = message.element.memory;
-  if (memory.terms != 0 || memory.yields) {
-    return false;
-  }
   float sum = 0.0F;
   for (const ContactRow& row : message.row) {
     for (const float value : row.value) {
@@ -236,6 +189,7 @@ bool store(CoupledSurface& surface, const ContactElement& message) noexcept {
   }
   const int slot = find(surface.cache, message.element.triangle);
   surface.row[static_cast<std::size_t>(slot)] = message.row;
+  take_terms(surface.memory, message.element.memory);
   return true;
 }
 
@@ -276,37 +230,26 @@ void enter(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
   }
 }
 
-void set_places(CoupledField& field, const CoupledSet& set,
-                CoupledSurfaces surfaces) noexcept {
+void set_places(CoupledField& field, const CoupledSet& set, CoupledSurfaces surfaces,
+                Keep keep) noexcept {
   CoupledContacts& c = field.equilibrium;
-  const Index n = set.count;
   c.count = set.count;
-  for (Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < set.count; ++i) {
     const auto self = static_cast<std::size_t>(i);
-    CoupledPlace& at = field.at[self];
-    auto column = c.compliance_m_per_n.col(i).head(n);
-    if (at.slot < 0) {
-      c.depth_m(i) = kNowhereM;
-      column.setZero();
-      continue;
-    }
-    c.depth_m(i) = set.sphere[self].radius_m - at.place.at.height_m - field.shift_m;
-    if (set.ports > 1) {
-      reach_other_ports(field, set, surfaces, self);
-    }
-    column = (0.5 * weight_of(at.place, 0)) * at.reach.col(0).head(n) +
-             (0.5 * weight_of(at.place, 1)) * at.reach.col(1).head(n) +
-             (0.5 * weight_of(at.place, 2)) * at.reach.col(2).head(n);
+    const CoupledPlace& at = field.at[self];
+    c.depth_m(i) =
+        at.slot < 0 ? kNowhereM
+                    : set.sphere[self].radius_m - at.place.at.height_m - field.shift_m;
   }
-  read_modes(field, set);
-  for (Index j = 0; j < n; ++j) {
-    for (Index i = 0; i < j; ++i) {
-      const Real both = c.compliance_m_per_n(i, j) + c.compliance_m_per_n(j, i) +
-                        coupling_by_modes(field, set, i, j);
-      c.compliance_m_per_n(i, j) = both;
-      c.compliance_m_per_n(j, i) = both;
-    }
+  couple_places(field, set, surfaces);
+  read_memories(field, set, surfaces, keep);
+}
+
+void take_relaxed(CoupledField& field, const CoupledSet& set) noexcept {
+  for (Index i = 0; i < set.count; ++i) {
+    field.carried_n(i) = carried_n(field.memory[static_cast<std::size_t>(i)]);
   }
+  apply_compliance(field.equilibrium, 1.0, field.carried_n, field.equilibrium.sunk_m);
 }
 
 bool settle_contacts(CoupledField& field, const CoupledSet& set,
@@ -348,21 +291,21 @@ ContactReading read_contact(CoupledField& field, const CoupledSet& set,
         reading.extrapolated || (node.sample.extrapolated && weight > 0.0);
     slope += at.place.frame.turn.row(row).transpose() * node.sample.energy_j;
   }
-  if (!reading.loaded) {
+  RelaxingContact* remembered = remembers(field, self) ? &field.memory[self] : nullptr;
+  if (remembered != nullptr) {
+    reading.loaded = is_touched(*remembered);
+    slope = reading.loaded ? surface_slope_j(*remembered, surfaces[i].cache)
+                           : Vector2::Zero();
+  }
+  const bool over_dent = remembered != nullptr && field.carried_n(i) > 0.0;
+  if (!reading.loaded && !over_dent) {
     return reading;
   }
   if (at.place.folded) {
     reading.force_n = f * at.place.frame.normal;
     return reading;
   }
-  // A row is half of C_ij, a mode's product all of it.
-  const Vector3 rows =
-      at.reach.topRows(set.count).transpose() * c.force_n.head(set.count).matrix();
-  const Vector3 sunk = 0.5 * rows + sunk_by_modes_m(field, set, i);
-  slope -= at.place.frame.turn.transpose() * ((c.scale * f) * sunk);
-  if (set.ports > 1) {
-    slope += distance_slope_j(field, set, surfaces, self);
-  }
+  slope += coupling_slope_j(field, set, surfaces, self);
   reading.force_n = -gradient(at.place.frame, slope(0), slope(1), -f);
   return reading;
 }

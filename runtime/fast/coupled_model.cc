@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <Eigen/Geometry>
 
+#include "runtime/fast/coupled_relaxation.h"
 #include "runtime/fast/coupled_settle.h"
+#include "runtime/fast/coupled_yielding.h"
 
 namespace palpate {
 namespace {
@@ -26,8 +29,8 @@ struct Moved {
 using Moves = std::array<Moved, kContactsMax>;
 
 // The field at the present places. False: it is another one, C is scaled.
-bool respond(const CoupledTick& t) {
-  set_places(t.model.field, t.set, t.surfaces);
+bool respond(const CoupledTick& t, Keep keep) {
+  set_places(t.model.field, t.set, t.surfaces, keep);
   const bool same = settle_contacts(t.model.field, t.set, t.surfaces);
   read_contacts(t);
   return same;
@@ -104,9 +107,12 @@ Real continued_j(const CoupledTick& t, const Moves& moves, Real scale) {
     at.slot = -1;  // another element may be in the slot by now
     at.stored_at = 0;
     enter(field, t.set, t.surfaces, i);
+    if (remembers(t.surfaces[i].memory)) {
+      field.memory[self] = t.model.field.memory[self];
+    }
     along_j += moves[self].along_n.dot(moves[self].moved_m);
   }
-  set_places(field, t.set, t.surfaces);
+  set_places(field, t.set, t.surfaces, Keep::kNo);
   return settle_contacts(field, t.set, t.surfaces)
              ? std::max(Real(0.0), field.equilibrium.energy_j - along_j)
              : Real(-1.0);
@@ -118,7 +124,7 @@ Real linear_j(Real energy_before, Real given_j) {
 
 // Moves all contacts. @returns the energy of what was rendered until now, there; the
 // model's field is that of the new places, which may hold another energy.
-Real move(const CoupledTick& t, const PortPoses& pose) {
+Real move(const CoupledTick& t, const PortPoses& pose, Keep keep) {
   CoupledModel& model = t.model;
   const Real energy_before = model.field.equilibrium.energy_j;
   const Real scale = model.field.equilibrium.scale;
@@ -132,7 +138,7 @@ Real move(const CoupledTick& t, const PortPoses& pose) {
     sound = sound && moves[self].sound;
     given_j += moves[self].force_n.dot(moves[self].moved_m);
   }
-  if (!respond(t)) {
+  if (!respond(t, keep)) {
     return linear_j(energy_before, given_j);
   }
   const Real energy =
@@ -240,15 +246,29 @@ PortWrenches wrenches(const CoupledModel& model, const CoupledSet& set,
   return sum;
 }
 
+void relax_before(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
+                  CoupledSurfaces surfaces, PassivityLedger& ledger,
+                  Real half_s) noexcept {
+  relax_here({model, scratch, set, surfaces}, ledger, half_s);
+}
+
 PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
                      CoupledSurfaces surfaces, PassivityLedger& ledger,
-                     const PortPoses& pose, Real recovery_m) noexcept {
+                     const PortPoses& pose, Real recovery_m_per_s, Real dt_s) noexcept {
   const CoupledTick t{model, scratch, set, surfaces};
-  const Real moved_j = move(t, pose);
+  const Real moved_j = move(t, pose, Keep::kYes);
   book_work(ledger, moved_j + springs_j(t));
-  if (change_elements(t)) {
-    (void)respond(t);
+  const bool changed = change_elements(t);
+  if (changed) {
+    (void)respond(t, Keep::kYes);
   }
+  Real recovery_m = recovery_m_per_s * dt_s;
+  if (model.field.remembers &&
+      (changed || moved_j != model.field.equilibrium.energy_j)) {
+    settle(t, ledger, std::exchange(recovery_m, Real(0.0)));
+  }
+  relax_here(t, ledger, Real(0.5) * dt_s);
+  yield_here(t, ledger);
   settle(t, ledger, recovery_m);
   return wrenches(model, set, pose);
 }
@@ -257,7 +277,7 @@ void carry(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
            CoupledSurfaces surfaces, PassivityLedger& ledger,
            const PortPoses& pose) noexcept {
   const CoupledTick t{model, scratch, set, surfaces};
-  (void)move(t, pose);
+  (void)move(t, pose, Keep::kYes);
   settle(t, ledger, 0.0);
 }
 
@@ -267,11 +287,14 @@ Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
   for (std::size_t i = 0; i < static_cast<std::size_t>(set.count); ++i) {
     moved.field.at[i] = model.field.at[i];
     moved.contact[i] = model.contact[i];
+    if (remembers(surfaces[i].memory)) {
+      moved.field.memory[i] = model.field.memory[i];
+    }
   }
   begin_at(model.field.equilibrium, moved.field.equilibrium);
   moved.field.shift_m = model.field.shift_m;
   const CoupledTick t{moved, scratch, set, surfaces};
-  return move(t, pose) + springs_j(t);
+  return move(t, pose, Keep::kNo) + springs_j(t);
 }
 
 }  // namespace palpate

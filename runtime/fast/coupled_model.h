@@ -11,6 +11,10 @@
 // that the others leave it.
 //
 // C that was scaled is whole again once nothing is touched.
+//
+// Where the surface remembers, U is u of coupled_field.h at frozen memory, and a tick
+// relaxes for half its time before the ports move and for half after
+// (coupled_relaxation.h).
 #pragma once
 
 #include <array>
@@ -23,6 +27,7 @@
 #include "runtime/fast/friction_spring.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/real.h"
+#include "runtime/fast/relaxing_bundle.h"
 
 namespace palpate {
 
@@ -35,9 +40,25 @@ struct CoupledContact {
   std::uint64_t received_inside = 0;  ///< cache.received when last inside
 };
 
-/// About 400 kB.
+/// What one bundle of a contact does in a step of relaxation.
+struct BundleInStep {
+  BundleStart start;
+  TermValues share;  ///< [-] of its way that each term goes
+  bool idle;         ///< nothing is remembered, and nothing presses
+  std::array<TermValues, kSitesAtHand> site_n;  ///< [N] before, of what is not pressed
+};
+
+struct CoupledRelaxing {
+  Real gathered_s = 0.0;        ///< [s] that have passed and are not spent yet
+  std::uint64_t shortened = 0;  ///< steps cut because the account was short
+  double shortened_j = 0.0;     ///< [J] >= 0 by which they would have exceeded it
+  std::array<std::array<BundleInStep, kMemoryBundles>, kContactsMax> bundle;
+};
+
+/// About 2 MB.
 struct CoupledModel {
   CoupledField field;
+  CoupledRelaxing relaxing;
   std::array<CoupledContact, kContactsMax> contact;
   bool touching = false;  ///< some contact
   bool loaded = false;
@@ -52,13 +73,21 @@ struct Wrench {
 using PortPoses = std::array<PortPose, kPortsMax>;
 using PortWrenches = std::array<Wrench, kPortsMax>;
 
-/// One tick: books the work of the movement to `pose`, then changes the model there.
+/// The first half of a tick's relaxing, before the ports move. @param half_s [s] half
+/// the tick.
+void relax_before(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
+                  CoupledSurfaces surfaces, PassivityLedger& ledger,
+                  Real half_s) noexcept;
+
+/// The rest of the tick: books the work of the movement to `pose`, then changes the
+/// model there.
 /// @param scratch of the caller's, overwritten where places are not sound.
-/// @param recovery_m [m] >= 0, most that delta_0 sinks back in the tick.
+/// @param recovery_m_per_s [m/s] >= 0, at most which delta_0 sinks back.
+/// @param dt_s [s] >= 0 of the tick.
 /// @return on the ports, friction included.
 PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
                      CoupledSurfaces surfaces, PassivityLedger& ledger,
-                     const PortPoses& pose, Real recovery_m) noexcept;
+                     const PortPoses& pose, Real recovery_m_per_s, Real dt_s) noexcept;
 
 /// Puts the ports there as a change of the model, which the ledger balances: no work is
 /// booked (coupled_step.h). @param scratch as above.

@@ -41,7 +41,10 @@ CoupledCommand step_alone(CoupledState& state, const CoupledSample& sample, Real
   command.depth_m = made.depth_m;
   command.stored_j = made.stored_j;
   command.tank_j = made.tank_j;
+  command.memory_j = made.memory_j;
+  command.carried_n = made.carried_n;
   command.dissipated_j = made.dissipated_j;
+  command.yielded_j = made.yielded_j;
   command.relaxed_shift_m = made.relaxed_shift_m;
   command.fault = made.fault;
   state.latest = sample;
@@ -55,6 +58,8 @@ void describe(const CoupledState& state, CoupledCommand& command) {
   command.in_contact = model.loaded;
   command.scaled = c.scale < 1.0;
   command.relaxed_shift_m = model.field.shift_m;
+  command.carried_n =
+      model.field.remembers ? model.field.carried_n.head(state.set.count).sum() : 0.0;
   for (int i = 0; i < state.set.count; ++i) {
     const auto self = static_cast<std::size_t>(i);
     const ContactReading& reading = model.contact[self].reading;
@@ -66,6 +71,17 @@ void describe(const CoupledState& state, CoupledCommand& command) {
       command.depth_m = std::max(command.depth_m, c.depth_m(i) + model.field.shift_m);
     }
   }
+}
+
+// With the first contact that has the same responses.
+void share_yielded(const CoupledState& state, int i) {
+  const auto& sphere = state.set.sphere;
+  int first = 0;
+  while (sphere[static_cast<std::size_t>(first)].table !=
+         sphere[static_cast<std::size_t>(i)].table) {
+    ++first;
+  }
+  state.surfaces[i].memory.shared = &state.surfaces[first].memory.yielded;
 }
 
 }  // namespace
@@ -93,22 +109,26 @@ void begin(CoupledState& state) noexcept {
     state.alone->config = state.config;
     state.alone->config.tool_radius_m = state.set.sphere[0].radius_m;
   }
+  for (int i = 0; i < state.set.count && !is_alone(state.set); ++i) {
+    share_yielded(state, i);
+  }
 }
 
 void restart(CoupledState& state) noexcept {
   if (is_alone(state.set)) {
     std::construct_at(state.alone);
-    begin(state);
   }
   for (int i = 0; i < state.set.count && !is_alone(state.set); ++i) {
     std::construct_at(&state.surfaces[i]);
   }
+  begin(state);
   std::construct_at(&state.model);
   state.ledger = {};
   state.safety = {};
   state.latest = {};
   state.sampled = false;
   state.in_contact = false;
+  state.relaxed_ahead = false;
 }
 
 void accept(CoupledState& state, const ContactElement& message) noexcept {
@@ -126,6 +146,16 @@ void accept(CoupledState& state, const ContactElement& message) noexcept {
   (void)store(state.surfaces[message.contact], message);
 }
 
+void relax_ahead(CoupledState& state, Real dt_s) noexcept {
+  if (is_alone(state.set)) {
+    relax_ahead(*state.alone, dt_s);
+  } else if (!state.relaxed_ahead) {
+    state.relaxed_ahead = true;
+    relax_before(state.model, state.scratch, state.set, state.surfaces, state.ledger,
+                 Real(0.5) * dt_s);
+  }
+}
+
 CoupledCommand step(CoupledState& state, const CoupledSample& sample,
                     Real dt_s) noexcept {
   check_input(state, sample, dt_s);
@@ -137,9 +167,11 @@ CoupledCommand step(CoupledState& state, const CoupledSample& sample,
     const PortPoses& from = state.sampled ? state.latest.pose : sample.pose;
     const WrenchSafety::Vector moved = movement(state.set, from, sample.pose);
     const PassivityLedger before = state.ledger;
+    relax_ahead(state, dt_s);
+    state.relaxed_ahead = false;
     const PortWrenches wanted =
         advance(state.model, state.scratch, state.set, state.surfaces, state.ledger,
-                sample.pose, state.config.recovery_m_per_s * dt_s);
+                sample.pose, state.config.recovery_m_per_s, dt_s);
     const SafetyLimits limits{state.config.force_max_n, state.config.slew_max_n_per_s,
                               state.config.energy_floor_j, state.config.ramp_s};
     command.wrench =
@@ -159,7 +191,9 @@ CoupledCommand step(CoupledState& state, const CoupledSample& sample,
   state.in_contact = command.in_contact;
   command.stored_j = state.ledger.stored_j;
   command.tank_j = state.ledger.tank_j;
+  command.memory_j = state.ledger.dent_j + state.ledger.left_j;
   command.dissipated_j = state.ledger.dissipated_j;
+  command.yielded_j = state.ledger.yielded_j;
   command.fault = static_cast<std::uint8_t>(state.safety.fault);
   return command;
 }
@@ -211,7 +245,7 @@ CoupledContactPlace contact_place(const CoupledState& state, int i) noexcept {
     return at;
   }
   at.depth_m = c.depth_m(i) + state.model.field.shift_m;
-  at.dimple_m = c.dimple_m(i);
+  at.dimple_m = c.dimple_m(i) + c.scale * c.sunk_m(i);
   at.point_m = place.prism.corner_m * place.frame.weight;
   at.normal = place.frame.normal;
   at.share = place.frame.weight;

@@ -40,7 +40,10 @@ struct CoupledCommand {
   Real depth_m = 0.0;         ///< [m] largest normal penetration
   double stored_j = 0.0;      ///< [J] as in FastCommand
   double tank_j = 0.0;
+  double memory_j = 0.0;  ///< [J] >= 0, in dents of the surface
+  Real carried_n = 0.0;   ///< [N] >= 0, what has relaxed of all contacts' forces
   double dissipated_j = 0.0;
+  double yielded_j = 0.0;  ///< [J] >= 0, of that by yielding
   Real relaxed_shift_m = 0.0;
   std::uint8_t fault = 0;  ///< Fault, latched; 0 none
 };
@@ -52,14 +55,14 @@ struct CoupledContactPlace {
   Vector3 normal = Vector3::Zero();    ///< [-] there, or 0
   Vector3 force_n = Vector3::Zero();   ///< [N] on the tool, friction included
   Real depth_m = 0.0;                  ///< [m] d_i
-  Real dimple_m = 0.0;                 ///< [m] of it what the others sink
+  Real dimple_m = 0.0;  ///< [m] of it what the others' forces and dents sink
   std::int32_t triangle = -1;
   Vector3 share = Vector3::Zero();  ///< [-] area coordinates of point_m; 0: not known
   bool touching = false;
   bool starved = false;
 };
 
-/// Everything a coupled fast process remembers, besides the surfaces. About 1 MB.
+/// Everything a coupled fast process remembers, besides the surfaces. About 4 MB.
 struct CoupledState {
   FastConfig config;  ///< model: kPotential; the tool's radius is the set's
   CoupledSet set;     ///< finished
@@ -72,6 +75,7 @@ struct CoupledState {
   CoupledSample latest;
   bool sampled = false;
   bool in_contact = false;
+  bool relaxed_ahead = false;  ///< relax_ahead() has begun the coming tick
 };
 
 /// Finite, and its rotation is one (to 1e-6).
@@ -92,15 +96,20 @@ struct CoupledState {
   return is_alone(state.set) ? state.alone->ledger : state.ledger;
 }
 
-/// Gives `alone` its configuration; after config, set, surfaces and alone are set.
+/// Gives `alone` its configuration, and contacts with one table of responses one of
+/// what has yielded; after config, set, surfaces and alone are set.
 void begin(CoupledState& state) noexcept;
 
 /// Forgets fault, account, places and what was sent; as after begin().
 void restart(CoupledState& state) noexcept;
 
-/// Takes in one element; one with a number that is not finite is a fault, one that
-/// remembers or yields is refused (several contacts).
+/// Takes in one element; one with a number that is not finite is a fault.
 void accept(CoupledState& state, const ContactElement& message) noexcept;
+
+/// Begins the coming tick: relaxes for the first half of its time where the tools are,
+/// if that is not done yet; step() does it by itself. Energies that are asked for
+/// before a step, of the same dt_s, are those of its movement from here on.
+void relax_ahead(CoupledState& state, Real dt_s) noexcept;
 
 /// One tick. Faults as in fast_step.h; a rotation that is none (to 1e-6) counts as not
 /// finite. @param dt_s [s] since the last step, [0, 1].

@@ -168,6 +168,8 @@ void sum_up(HungTool& hung, const CoupledState& state) {
   const PassivityLedger& body = state.ledger;
   hung.total.stored_j = a.kinetic_j + a.spring_j + body.stored_j;
   hung.total.tank_j = body.tank_j;
+  hung.total.dent_j = body.dent_j;
+  hung.total.left_j = body.left_j;
   hung.total.dissipated_j = a.dissipated_j + body.dissipated_j;
   hung.total.created_j = body.created_j;
   hung.total.interventions = body.interventions;
@@ -228,6 +230,7 @@ CoupledCommand step(HungTool& hung, CoupledState& state, const CoupledSample& sa
     begin_at(hung, state, sample);
   }
   const PortPoses from = devices_of(hung);
+  relax_ahead(state, dt_s);
   if (!first) {
     move_ports(hung, state, sample, dt_s);
   }

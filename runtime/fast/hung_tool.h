@@ -9,7 +9,7 @@
 //
 // The account of coupling and body together, at every tick:
 //
-//   work = (kinetic + springs + what the body stores) + tank + dissipated
+//   work = (kinetic + springs + what the body stores) + tank + dents + dissipated
 //
 // The ports' tools move one after the other, so that each tick of each is one step of
 // advance() in one potential. What the solver leaves of a tick's identity is never
@@ -46,7 +46,7 @@ struct HungAccount {
   int iterations_max = 0;     ///< of a tick
 };
 
-/// About 400 kB.
+/// About 2 MB.
 struct HungTool {
   VirtualCoupling coupling;  ///< of every port
   bool torque_felt = true;   ///< the device pushes against turns

@@ -144,6 +144,15 @@ struct RelaxedResponse {
 [[nodiscard]] RelaxedResponse response_of(RelaxingContact& contact,
                                           const ElementCache& cache) noexcept;
 
+/// Whether some bundle was in the latest response.
+[[nodiscard]] inline bool is_touched(const RelaxingContact& contact) noexcept {
+  return std::any_of(contact.bundle.begin(),
+                     contact.bundle.begin() + contact.nodes.bundles,
+                     [](const BundleContact& b) {
+                       return b.touched;
+                     });
+}
+
 /// du/dn_1 and du/dn_2 [J], n_0 giving way, of the latest response.
 [[nodiscard]] Vector2 surface_slope_j(RelaxingContact& contact,
                                       const ElementCache& cache) noexcept;

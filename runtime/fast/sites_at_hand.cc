@@ -142,10 +142,16 @@ SitesAtHand sites_of(const Element& element, const SitesAtHand& until_now,
                         (share[0] + share[1] + share[2]);
     recall(sites, i, until_now, memory);
     if (memory.yields) {
-      recall_yielded(sites, i, memory.yielded);
+      recall_yielded(sites, i, yielded_of(memory));
     }
   }
   return sites;
+}
+
+void recall_yielded(SitesAtHand& sites, const SurfaceMemory& memory) noexcept {
+  for (std::size_t i = 0; i < sites.count; ++i) {
+    recall_yielded(sites, i, yielded_of(memory));
+  }
 }
 
 void put_back(const SitesAtHand& sites, SurfaceMemory& memory) noexcept {

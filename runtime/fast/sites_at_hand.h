@@ -12,7 +12,8 @@
 //
 //   D = sum_i m_i D_i,   m = sum_i m_i m_i,
 //
-// and the table always has what the sites at hand have.
+// and the table always has what the sites at hand have (or more, where others write to
+// it: recall_yielded()).
 #pragma once
 
 #include <array>
@@ -52,6 +53,9 @@ struct SitesAtHand {
 /// the table. All hold at memory.time_s.
 [[nodiscard]] SitesAtHand sites_of(const Element& element, const SitesAtHand& until_now,
                                    const SurfaceMemory& memory) noexcept;
+
+/// Takes what has yielded of the sites at hand from the table, where others write, too.
+void recall_yielded(SitesAtHand& sites, const SurfaceMemory& memory) noexcept;
 
 /// Writes what is at hand into the table.
 void put_back(const SitesAtHand& sites, SurfaceMemory& memory) noexcept;

@@ -52,7 +52,18 @@ struct SurfaceMemory {
   double shortened_j = 0.0;     ///< [J] >= 0 by which they would have exceeded it
   bool yields = false;          ///< the tool's responses leave dents or soften
   YieldedSites yielded;         ///< what stays of that
+  /// Where that lies instead, of contacts that share it; it outlives this. Null: here.
+  YieldedSites* shared = nullptr;
 };
+
+[[nodiscard]] inline YieldedSites& yielded_of(SurfaceMemory& memory) noexcept {
+  return memory.shared != nullptr ? *memory.shared : memory.yielded;
+}
+
+[[nodiscard]] inline const YieldedSites& yielded_of(
+    const SurfaceMemory& memory) noexcept {
+  return memory.shared != nullptr ? *memory.shared : memory.yielded;
+}
 
 /// Whether anything stays of a press, for a while or for good.
 [[nodiscard]] inline bool remembers(const SurfaceMemory& memory) noexcept {

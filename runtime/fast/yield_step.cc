@@ -67,12 +67,13 @@ SiteRows claim(const SitesAtHand& sites, YieldedSites& yielded) {
   return row;
 }
 
+// Nothing in the table falls, whoever else has written there.
 void write(const SitesAtHand& sites, const SiteRows& row, YieldedSites& yielded) {
   for (std::size_t i = 0; i < sites.count; ++i) {
     if (row[i] >= 0) {
       YieldedSite& stayed = yielded.row[static_cast<std::size_t>(row[i])];
-      stayed.dent_m = sites.dent_m[i];
-      stayed.softened_m = sites.softened_m[i];
+      stayed.dent_m = std::max(stayed.dent_m, sites.dent_m[i]);
+      stayed.softened_m = std::max(stayed.softened_m, sites.softened_m[i]);
     }
   }
 }
@@ -112,7 +113,7 @@ bool yield(RelaxingContact& contact, SurfaceMemory& memory,
   SitesAtHand& sites = contact.sites;
   const SiteValues dents_m = sites.dent_m;
   const SiteValues softened_m = sites.softened_m;
-  const SiteRows row = claim(sites, memory.yielded);
+  const SiteRows row = claim(sites, yielded_of(memory));
   if (deepens) {
     raise(sites, row, dent_m, sites.dent_m);
   }
@@ -130,8 +131,20 @@ bool yield(RelaxingContact& contact, SurfaceMemory& memory,
     (void)respond(contact, cache, y);
     return false;
   }
-  write(sites, row, memory.yielded);
+  write(sites, row, yielded_of(memory));
   return true;
+}
+
+void take_yielded(RelaxingContact& contact, const SurfaceMemory& memory) noexcept {
+  if (!contact.remembers || !contact.yielding.any) {
+    return;
+  }
+  const SiteValues softened_m = contact.sites.softened_m;
+  recall_yielded(contact.sites, memory);
+  if (contact.sites.softened_m != softened_m) {
+    look_anew(contact);
+  }
+  read_yielded(contact);
 }
 
 }  // namespace palpate

@@ -26,4 +26,8 @@ namespace palpate {
 bool yield(RelaxingContact& contact, SurfaceMemory& memory,
            const ElementCache& cache) noexcept;
 
+/// Takes what other contacts have written to the table that all share: nothing of it
+/// ever falls, so that this costs no energy either. The response is that of before.
+void take_yielded(RelaxingContact& contact, const SurfaceMemory& memory) noexcept;
+
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "runtime/render/several_contacts.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,34 @@ ContactStream stream_of(const ResponseDatabase& database, const ResponseTable& t
                         double force_scale) {
   const ResponseTable* const one[] = {&tool};
   return ContactStream(database, one, force_scale);
+}
+
+const SurfaceMemory& memory_of(const CoupledState& state, int i) {
+  return is_alone(state.set) ? state.alone->memory : state.surfaces[i].memory;
+}
+
+bool relaxes(const CoupledState& state) {
+  bool any = false;
+  for (int i = 0; i < state.set.count; ++i) {
+    any = any || memory_of(state, i).times.terms > 0;
+  }
+  return any;
+}
+
+bool yields(const CoupledState& state) {
+  bool any = false;
+  for (int i = 0; i < state.set.count; ++i) {
+    any = any || memory_of(state, i).yields;
+  }
+  return any;
+}
+
+std::uint64_t forgotten(const CoupledState& state) {
+  std::uint64_t sum = 0;
+  for (int i = 0; i < state.set.count; ++i) {
+    sum += memory_of(state, i).forgotten;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -89,7 +118,10 @@ FastCommand SeveralContacts::step(const DeviceReading& reading, double dt_s) noe
   command.depth_m = all.depth_m;
   command.stored_j = all.stored_j;
   command.tank_j = all.tank_j;
+  command.memory_j = all.memory_j;
+  command.carried_n = all.carried_n;
   command.dissipated_j = all.dissipated_j;
+  command.yielded_j = all.yielded_j;
   command.relaxed_shift_m = all.relaxed_shift_m;
   command.fault = all.fault;
   return command;
@@ -106,8 +138,20 @@ CoupledCommand SeveralContacts::step_held(const CoupledSample& sample,
   return palpate::step(state(), sample, dt_s);
 }
 
-void SeveralContacts::account(const FastCommand& /*command*/,
+void SeveralContacts::account(const FastCommand& command,
                               RenderReport& report) const noexcept {
+  if (relaxes(storage_.state())) {
+    report.relaxes = true;
+    report.memory_j = command.memory_j;
+    report.memory_max_j = std::max(report.memory_max_j, command.memory_j);
+    if (command.carried_n > report.carried_max_n) {
+      report.carried_max_n = command.carried_n;
+      report.carried_of_n = command.force_n.norm();
+    }
+    report.forgotten = forgotten(storage_.state());
+  }
+  report.yields = yields(storage_.state());
+  report.yielded_j = command.yielded_j;
   if (hung_ != nullptr) {
     report.coupling = hung_->account;
   }
@@ -161,6 +205,15 @@ std::int32_t SeveralContacts::triangle() const noexcept {
   return -1;
 }
 
+std::vector<SurfaceDent> SeveralContacts::dents() const {
+  std::vector<SurfaceDent> all;
+  for (int table = 0; table < kResponseTables; ++table) {
+    const std::vector<SurfaceDent> some = surface_dents(storage_.state(), table);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
 bool SeveralContacts::serve(std::int64_t now_ns) {
   if (!tool_->fetch()) {
     return false;
@@ -171,7 +224,8 @@ bool SeveralContacts::serve(std::int64_t now_ns) {
 
 void SeveralContacts::begin_with(const std::vector<YieldedRow>& rows) {
   if (!rows.empty()) {
-    throw InputError("several contacts are rendered on a body that does not yield");
+    throw InputError(
+        "a tool of several contacts begins on a fresh body: leave out --surface-in");
   }
 }
 

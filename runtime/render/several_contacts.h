@@ -55,6 +55,8 @@ class SeveralContacts : public RenderedBody {
     return fifo_->dropped();
   }
 
+  [[nodiscard]] std::vector<SurfaceDent> dents() const override;
+
   bool serve(std::int64_t now_ns) override;
 
   void begin_with(const std::vector<YieldedRow>& rows) override;

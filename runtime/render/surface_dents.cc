@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,33 +11,64 @@
 
 namespace palpate {
 
-std::vector<SurfaceDent> surface_dents(const FastState& state) {
-  const SurfaceMemory& memory = state.memory;
-  std::vector<SurfaceDent> dents;
+namespace {
+
+using DentsBySite = std::map<std::int32_t, SurfaceDent>;
+
+void add_dents(const SurfaceMemory& memory, const SitesAtHand& at_hand,
+               DentsBySite& by_site) {
   if (!remembers(memory) && memory.yielded.count == 0) {
-    return dents;
+    return;
   }
   // What is at hand is newer than the table: put back into a copy of it.
-  SurfaceMemory all = memory;
-  put_back(state.config.model == LocalModel::kPotential ? state.potential.contact.sites
-                                                        : state.element.contact.sites,
-           all);
-  std::map<std::int32_t, SurfaceDent> by_site;
+  const auto all = std::make_unique<SurfaceMemory>(memory);
+  put_back(at_hand, *all);
   for (int row = 0; row < kMemorySites; ++row) {
-    if (const double carried = carried_n(all, row); carried > 0.0) {
-      by_site[all.row[static_cast<std::size_t>(row)].site].carried_n = carried;
+    if (const double carried = carried_n(*all, row); carried > 0.0) {
+      double& most = by_site[all->row[static_cast<std::size_t>(row)].site].carried_n;
+      most = std::max(most, carried);
     }
   }
-  for (const YieldedSite& row : all.yielded.row) {
+  for (const YieldedSite& row : all->yielded.row) {
     if (row.dent_m > 0.0) {
       by_site[row.site].stays_m = row.dent_m;
     }
   }
+}
+
+std::vector<SurfaceDent> in_order(DentsBySite by_site) {
+  std::vector<SurfaceDent> dents;
   for (auto& [site, dent] : by_site) {
     dent.site = site;
     dents.push_back(dent);
   }
   return dents;
+}
+
+}  // namespace
+
+std::vector<SurfaceDent> surface_dents(const FastState& state) {
+  DentsBySite by_site;
+  add_dents(state.memory,
+            state.config.model == LocalModel::kPotential ? state.potential.contact.sites
+                                                         : state.element.contact.sites,
+            by_site);
+  return in_order(std::move(by_site));
+}
+
+std::vector<SurfaceDent> surface_dents(const CoupledState& state, int table) {
+  if (is_alone(state.set)) {
+    return surface_dents(*state.alone);
+  }
+  DentsBySite by_site;
+  for (int i = 0; i < state.set.count; ++i) {
+    const auto self = static_cast<std::size_t>(i);
+    if (state.set.sphere[self].table == table) {
+      add_dents(state.surfaces[i].memory, state.model.field.memory[self].sites,
+                by_site);
+    }
+  }
+  return in_order(std::move(by_site));
 }
 
 std::vector<YieldedRow> yielded_rows(const FastState& state) {

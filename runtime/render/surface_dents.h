@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "formats/recording/surface_state.h"
+#include "runtime/fast/coupled_step.h"
 #include "runtime/fast/fast_step.h"
 
 namespace palpate {
@@ -19,6 +20,12 @@ struct SurfaceDent {
 
 /// Of a state between two steps: sites at hand and in the table, as they are now.
 [[nodiscard]] std::vector<SurfaceDent> surface_dents(const FastState& state);
+
+/// Of all contacts with the responses of that table: of sites that several contacts
+/// have pressed, the one that carries most (each has its own dents).
+/// @param table of the set's spheres, [0, kResponseTables).
+[[nodiscard]] std::vector<SurfaceDent> surface_dents(const CoupledState& state,
+                                                     int table);
 
 /// What has yielded, by site.
 [[nodiscard]] std::vector<YieldedRow> yielded_rows(const FastState& state);

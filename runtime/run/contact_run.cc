@@ -175,6 +175,8 @@ class ContactRun {
       if (margin.share > report_.margin.share) {
         report_.margin = margin;
       }
+      report_.yields = report_.yields || !table->viscoelasticity.yielding.empty();
+      report_.relaxes = report_.relaxes || !table->viscoelasticity.empty();
       report_.convex = report_.convex && table->compliance.convex;
       report_.table_error =
           std::max(report_.table_error, table->compliance.error_relative);
@@ -339,7 +341,10 @@ class ContactRun {
     r.lowest_work_j = std::min(r.lowest_work_j, at.work_j);
     r.stored_j = c.stored_j;
     r.tank_j = c.tank_j;
+    r.memory_j = c.memory_j;
+    r.carried_max_n = std::max(r.carried_max_n, c.carried_n);
     r.dissipated_j = c.dissipated_j;
+    r.yielded_j = c.yielded_j;
     r.relaxed_shift_max_m = std::max(r.relaxed_shift_max_m, c.relaxed_shift_m);
     r.fault = static_cast<Fault>(c.fault);
   }

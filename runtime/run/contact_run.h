@@ -68,7 +68,12 @@ struct ContactRunReport {
   double lowest_work_j = 0.0;  ///< [J] least that it ever was
   double stored_j = 0.0;
   double tank_j = 0.0;
+  bool relaxes = false;        ///< the body does
+  double memory_j = 0.0;       ///< [J] in dents at the end
+  double carried_max_n = 0.0;  ///< [N] most that had relaxed of all contacts' forces
   double dissipated_j = 0.0;
+  bool yields = false;     ///< the body does
+  double yielded_j = 0.0;  ///< [J] dissipated by it
   double relaxed_shift_max_m = 0.0;
   std::uint64_t interventions = 0;
   std::uint64_t elements_dropped = 0;

@@ -35,10 +35,23 @@ std::string summary(const ContactRunReport& r) {
   text += fmt::format("largest force {:.4g} N, torque {:.4g} N m, depth {:.3g} mm\n",
                       r.force_max_n, r.torque_max_n_m, 1e3 * r.depth_max_m);
   text += fmt::format(
-      "energy: work {:.6g} mJ = stored {:.6g} + tank {:.6g} + dissipated {:.6g}; least "
+      "energy: work {:.6g} mJ = stored {:.6g} + tank {:.6g} + {}dissipated {:.6g}; "
+      "least "
       "work {:.2g} J; relaxed {:.3g} mm, {} changes cut\n",
-      1e3 * r.model_work_j, 1e3 * r.stored_j, 1e3 * r.tank_j, 1e3 * r.dissipated_j,
-      r.lowest_work_j, 1e3 * r.relaxed_shift_max_m, r.interventions);
+      1e3 * r.model_work_j, 1e3 * r.stored_j, 1e3 * r.tank_j,
+      r.relaxes ? fmt::format("dents {:.6g} + ", 1e3 * r.memory_j) : "",
+      1e3 * r.dissipated_j, r.lowest_work_j, 1e3 * r.relaxed_shift_max_m,
+      r.interventions);
+  if (r.relaxes) {
+    text += fmt::format(
+        "relaxation: at most {:.4g} N of the contacts' forces had relaxed; each "
+        "contact "
+        "finds its own dents alone\n",
+        r.carried_max_n);
+  }
+  if (r.yields) {
+    text += fmt::format("yielding: dissipated {:.4g} mJ\n", 1e3 * r.yielded_j);
+  }
   if (r.coupling) {
     text += fmt::format("  {}\n", coupling_energy_text(*r.coupling));
   }
@@ -73,7 +86,12 @@ std::string to_json(const ContactRunReport& r) {
       {"lowest_work_j", r.lowest_work_j},
       {"stored_j", r.stored_j},
       {"tank_j", r.tank_j},
+      {"relaxes", r.relaxes},
+      {"memory_j", r.memory_j},
+      {"carried_max_n", r.carried_max_n},
       {"dissipated_j", r.dissipated_j},
+      {"yields", r.yields},
+      {"yielded_j", r.yielded_j},
       {"relaxed_shift_max_m", r.relaxed_shift_max_m},
       {"interventions", r.interventions},
       {"elements_dropped", r.elements_dropped},

@@ -29,8 +29,8 @@ SurfaceState begin_surface(const SurfaceFiles& files, const std::string& databas
 void refuse_surface(const SurfaceFiles& files) {
   if (!files.in.empty() || !files.out.empty()) {
     throw InputError(
-        "--surface-in and --surface-out: a body of several contacts is elastic, and "
-        "keeps nothing of them");
+        "--surface-in and --surface-out: what has yielded of several contacts is not "
+        "kept in files, their runs begin on a fresh body");
   }
 }
 

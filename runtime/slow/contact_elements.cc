@@ -68,12 +68,13 @@ void check_renderable(const ResponseTable& tool, int contacts) {
         "has shape = \"spheres\" or compliance = true",
         name, contacts));
   }
-  if (tool.viscoelasticity.remembers()) {
-    throw InputError(
-        fmt::format("tool \"{}\" relaxes or yields, and {} contacts are rendered of "
-                    "elastic responses alone: build the scene without that, or use a "
-                    "tool of one contact",
-                    name, contacts));
+  const Viscoelasticity& relaxation = tool.viscoelasticity;
+  if (!relaxation.empty() && !relaxation.instantaneous) {
+    throw InputError(fmt::format(
+        "tool \"{}\" relaxes, and its curves are of a press at {} m/s, as its "
+        "table of compliance is: {} contacts need instantaneous ones, as "
+        "palpate-precompute builds them",
+        name, relaxation.speed_m_per_s, contacts));
   }
 }
 

@@ -50,7 +50,8 @@ struct ContactToolState {
 /// @param tools (1 to kPortsMax) of the database. The first one's table of compliance
 /// couples all.
 /// @throws InputError, in one sentence, where there are several contacts and a tool has
-/// no table of compliance, or relaxes or yields; or too many contacts or radii.
+/// no table of compliance, or relaxes with curves of a press; or too many
+/// contacts or radii.
 [[nodiscard]] CoupledSet coupled_set(const ResponseDatabase& database,
                                      std::span<const ResponseTable* const> tools);
 

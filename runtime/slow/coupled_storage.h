@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// A state with what it points to: about 1 MB, and 0.2 MB for each contact.
+/// A state with what it points to: about 4 MB, and 0.4 MB for each contact.
 class CoupledStorage {
  public:
   /// @param set finished. @throws InputError.

@@ -1,6 +1,8 @@
 // What a session of contacts shows (contact_session.h).
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <utility>
 
 #include "runtime/view/contact_session.h"
@@ -53,7 +55,7 @@ std::optional<PortWrenches> ContactSession::elastic(bool coupled) {
     }
     enter(field, state.set, state.surfaces, i);
   }
-  set_places(field, state.set, state.surfaces);
+  set_places(field, state.set, state.surfaces, Keep::kNo);
   const bool solved = settle_contacts(field, state.set, state.surfaces);
   const PortWrenches sum = sum_of(field, state);
   for (int i = 0; i < state.set.count; ++i) {
@@ -116,6 +118,24 @@ ViewHands ContactSession::hands() {
   return all;
 }
 
+// The deepest of what the contacts of all tables have left at a node.
+std::vector<NodeDent> ContactSession::dents() const {
+  std::map<std::int32_t, double> by_node;
+  for (std::size_t t = 0; t < dents_.size(); ++t) {
+    for (const NodeDent& dent :
+         dents_[t].at(surface_dents(storage_->state(), static_cast<int>(t)),
+                      adjusted_.stiffness_scale())) {
+      double& depth_m = by_node[dent.node];
+      depth_m = std::max(depth_m, dent.depth_m);
+    }
+  }
+  std::vector<NodeDent> all;
+  for (const auto& [node, depth_m] : by_node) {
+    all.push_back({node, depth_m});
+  }
+  return all;
+}
+
 ViewFrame ContactSession::frame() {
   return {.holding = holding(),
           .hand_m = hands_.front().pointer.target().position_m,
@@ -123,6 +143,7 @@ ViewFrame ContactSession::frame() {
           .fault = name(fault()),
           .net_j = account().work_j,
           .now = latest_,
+          .dents = dents(),
           .hands = hands(),
           .run = run_,
           .settings = {.model = LocalModel::kPotential,

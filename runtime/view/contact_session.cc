@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/response/contact_set.h"
 #include "formats/response/tool_support.h"
 #include "runtime/hand/press_site.h"
+#include "runtime/slow/contact_elements.h"
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_session.h"
 
@@ -125,8 +127,18 @@ ContactSession::ContactSession(const ResponseDatabase& database,
     const std::int32_t node =
         i == 0 ? first : node_beside(database, *tables_[i], first, apart_m(tables_));
     place(hands_[i], *tables_[i], node);
+    add_dents(*tables_[i]);
   }
   start();
+}
+
+// In the order of coupled_set()'s tables of responses.
+void ContactSession::add_dents(const ResponseTable& tool) {
+  const std::size_t radii =
+      tool.tool.contact.empty() ? 1 : distinct_radii(tool.tool.contact).size();
+  for (std::size_t radius = 0; radius < radii; ++radius) {
+    dents_.emplace_back(table_of_radius(database_, tool, radius));
+  }
 }
 
 void ContactSession::place(Held& hand, const ResponseTable& table, std::int32_t node) {

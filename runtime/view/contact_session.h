@@ -28,6 +28,7 @@
 #include "runtime/slow/coupled_storage.h"
 #include "runtime/view/adjusted_contacts.h"
 #include "runtime/view/live_session.h"
+#include "runtime/view/view_dents.h"
 #include "runtime/view/view_hands.h"
 
 namespace palpate {
@@ -96,6 +97,7 @@ class ContactSession : public LiveSession {
     bool holding = false;
   };
 
+  void add_dents(const ResponseTable& tool);
   void place(Held& hand, const ResponseTable& table, std::int32_t node);
   void start();
   void tick();
@@ -108,9 +110,11 @@ class ContactSession : public LiveSession {
                                          const Eigen::Vector3d& from_m) const;
   [[nodiscard]] std::vector<ViewTouch> touches() const;
   [[nodiscard]] ViewHands hands();
+  [[nodiscard]] std::vector<NodeDent> dents() const;
 
   const ResponseDatabase& database_;
   std::vector<const ResponseTable*> tables_;
+  std::vector<ViewDents> dents_;  // of each radius of each tool
   ContactSessionOptions options_;
   AdjustedContacts adjusted_;
   SurfaceSearch search_;

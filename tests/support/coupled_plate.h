@@ -5,6 +5,9 @@
 #include <limits>
 #include <memory>
 
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
 #include "runtime/bench/contact_walk.h"
 #include "runtime/fast/coupled_step.h"
 #include "runtime/slow/coupled_storage.h"
@@ -38,16 +41,55 @@ inline void send_all(CoupledState& state, const ContactBody& body,
   }
 }
 
+inline PortPose moved_by(const PortPose& pose, int axis, double h) {
+  PortPose to = pose;
+  if (axis < 3) {
+    to.position_m(axis) += h;
+  } else {
+    to.rotation =
+        Eigen::AngleAxisd(h, Eigen::Vector3d::Unit(axis - 3)).toRotationMatrix() *
+        pose.rotation;
+  }
+  return to;
+}
+
+// The wrench against the potential's differences along six axes of every port.
+inline void expect_gradient(CoupledState& state, const PortPoses& pose,
+                            const CoupledCommand& command, double lever_m) {
+  const auto moved = std::make_unique<CoupledModel>();
+  for (int port = 0; port < state.set.ports; ++port) {
+    const auto p = static_cast<std::size_t>(port);
+    const Wrench& wrench = command.wrench[p];
+    for (int axis = 0; axis < 6; ++axis) {
+      const double h = 1e-7 / (axis < 3 ? 1.0 : lever_m);
+      PortPoses above = pose;
+      PortPoses below = pose;
+      above[p] = moved_by(pose[p], axis, h);
+      below[p] = moved_by(pose[p], axis, -h);
+      const double slope =
+          (potential_j(state, *moved, above) - potential_j(state, *moved, below)) /
+          (2.0 * h);
+      const double given =
+          axis < 3 ? wrench.force_n(axis) : wrench.torque_n_m(axis - 3);
+      const double scale = wrench.force_n.norm() * (axis < 3 ? 1.0 : lever_m);
+      // Of second order in h, and energies of 1e-3 J to 1e-16: 1e-6 of the force.
+      EXPECT_NEAR(given, -slope, 1e-6 * scale + 1e-9) << port << " axis " << axis;
+    }
+  }
+}
+
 // Work of a model on its way, kept by the test.
 struct CoupledAccount {
   std::unique_ptr<CoupledModel> moved = std::make_unique<CoupledModel>();
   double net_j = 0.0;
   double lowest_j = 0.0;
 
-  CoupledCommand step(CoupledState& state, const PortPoses& pose) {
+  CoupledCommand step(CoupledState& state, const PortPoses& pose,
+                      double dt_s = kTickS) {
+    relax_ahead(state, dt_s);
     net_j += potential_j(state, *moved, pose) - state.ledger.stored_j;
     lowest_j = std::min(lowest_j, net_j);
-    return palpate::step(state, {pose, 0}, kTickS);
+    return palpate::step(state, {pose, 0}, dt_s);
   }
 };
 

@@ -19,8 +19,8 @@ const std::vector<ContactsBenchRow>& rows() {
 // A plate of touching spheres is several times too stiff without coupling: measured
 // with boundary elements, 0.61 of the sum for 4 spheres, 0.35 for 16, 0.2 for 64.
 TEST(ContactsBench, CouplingTakesForceAndGivesNoEnergy) {
-  ASSERT_EQ(rows().size(), 16U);
-  for (std::size_t i = 0; i < rows().size(); i += 4) {
+  ASSERT_EQ(rows().size(), 20U);
+  for (std::size_t i = 0; i < rows().size(); i += 5) {
     const ContactsBenchRow& sum = rows()[i];
     const ContactsBenchRow& coupled = rows()[i + 2];
     EXPECT_FALSE(sum.coupled);
@@ -30,7 +30,9 @@ TEST(ContactsBench, CouplingTakesForceAndGivesNoEnergy) {
     } else {
       EXPECT_LT(coupled.force_max_n, 0.8 * sum.force_max_n) << sum.contacts;
     }
-    for (std::size_t j = i; j < i + 4; ++j) {
+    EXPECT_TRUE(rows()[i + 4].relaxing);
+    EXPECT_LT(rows()[i + 4].force_max_n, rows()[i + 3].force_max_n);
+    for (std::size_t j = i; j < i + 5; ++j) {
       EXPECT_GE(rows()[j].lowest_work_j, -1e-12);
       EXPECT_FALSE(rows()[j].scaled);
       EXPECT_GT(rows()[j].touching, 0.0);
@@ -40,7 +42,7 @@ TEST(ContactsBench, CouplingTakesForceAndGivesNoEnergy) {
 
 TEST(ContactsBench, ReportHasItsKeys) {
   const auto json = nlohmann::json::parse(to_json(rows()));
-  ASSERT_EQ(json["rows"].size(), 16U);
+  ASSERT_EQ(json["rows"].size(), 20U);
   for (const char* key : {"contacts", "coupled", "median_us", "p999_us", "factorings",
                           "lowest_work_j", "allocations"}) {
     EXPECT_TRUE(json["rows"][0].contains(key)) << key;

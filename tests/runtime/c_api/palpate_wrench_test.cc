@@ -128,6 +128,17 @@ TEST_F(PalpateWrench, RefusesWithASentence) {
   EXPECT_LT(limited.force[2], 0.9 * whole.force[2]);
 }
 
+// What several contacts have left for good is not kept in files.
+TEST_F(PalpateWrench, SurfacesOfSeveralContactsAreRefused) {
+  palpate_tool* tool = open(options("pads"));
+  ASSERT_NE(tool, nullptr) << error_;
+  const std::string surface = file_ + ".surface";
+  EXPECT_LT(palpate_surface_save(tool, surface.c_str(), error_, sizeof error_), 0);
+  EXPECT_NE(std::string(error_).find("several contacts"), std::string::npos);
+  EXPECT_LT(palpate_surface_load(tool, file_.c_str(), error_, sizeof error_), 0);
+  EXPECT_EQ(palpate_surface_load(tool, nullptr, error_, sizeof error_), 0) << error_;
+}
+
 TEST_F(PalpateWrench, OddCallsAreFaultsOrErrors) {
   palpate_tool* tool = open(options("pads"));
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -13,43 +13,6 @@
 namespace palpate {
 namespace {
 
-PortPose moved_by(const PortPose& pose, int axis, double h) {
-  PortPose to = pose;
-  if (axis < 3) {
-    to.position_m(axis) += h;
-  } else {
-    to.rotation =
-        Eigen::AngleAxisd(h, Eigen::Vector3d::Unit(axis - 3)).toRotationMatrix() *
-        pose.rotation;
-  }
-  return to;
-}
-
-// The wrench against the potential's differences along six axes of every port.
-void expect_gradient(CoupledState& state, const PortPoses& pose,
-                     const CoupledCommand& command, double lever_m) {
-  const auto moved = std::make_unique<CoupledModel>();
-  for (int port = 0; port < state.set.ports; ++port) {
-    const auto p = static_cast<std::size_t>(port);
-    const Wrench& wrench = command.wrench[p];
-    for (int axis = 0; axis < 6; ++axis) {
-      const double h = 1e-7 / (axis < 3 ? 1.0 : lever_m);
-      PortPoses above = pose;
-      PortPoses below = pose;
-      above[p] = moved_by(pose[p], axis, h);
-      below[p] = moved_by(pose[p], axis, -h);
-      const double slope =
-          (potential_j(state, *moved, above) - potential_j(state, *moved, below)) /
-          (2.0 * h);
-      const double given =
-          axis < 3 ? wrench.force_n(axis) : wrench.torque_n_m(axis - 3);
-      const double scale = wrench.force_n.norm() * (axis < 3 ? 1.0 : lever_m);
-      // Of second order in h, and energies of 1e-3 J to 1e-16: 1e-6 of the force.
-      EXPECT_NEAR(given, -slope, 1e-6 * scale + 1e-9) << port << " axis " << axis;
-    }
-  }
-}
-
 TEST(CoupledStep, WrenchIsTheGradientOfThePotential) {
   ContactBody body = make_contact_body(rough(), kRadiusM);
   add_modes(body, 0.3);
@@ -250,18 +213,6 @@ TEST(CoupledStep, OddNumbersAreFaults) {
     EXPECT_EQ(step(storage.state(), {pose, 0}, kTickS).fault,
               static_cast<int>(Fault::kNotFinite));
   }
-}
-
-TEST(CoupledStep, ElementsThatRememberAreNotTaken) {
-  BenchBodyOptions options = rough();
-  options.relaxing = {0.3};
-  options.relaxation_s = {0.5};
-  const ContactBody body = make_contact_body(options, kRadiusM);
-  CoupledStorage storage(make_plate(body, 4, 0.006, kRadiusM), free_of_clamps());
-  PortPoses pose;
-  pose[0].position_m = {0.03, 0.03, 0.002};
-  send_all(storage.state(), body, pose);
-  EXPECT_FALSE(press(storage.state(), body, pose).in_contact);
 }
 
 // The limits hold for force and torque together.

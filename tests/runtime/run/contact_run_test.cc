@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "formats/database/table_memory.h"
 #include "runtime/run/contact_replay.h"
 #include "runtime/run/pose_trace.h"
 #include "runtime/run/render_run.h"
@@ -49,6 +50,56 @@ TEST_F(ContactRuns, PadsAreHeldAndTurned) {
   EXPECT_EQ(r.scaled_ticks, 0);
   EXPECT_TRUE(r.convex);
   EXPECT_NE(summary(r).find("3 contacts"), std::string::npos);
+}
+
+// Held pads bear less with time; what dents hold is in the account, also of pads that
+// hang, and a recording needs nothing more.
+TEST_F(ContactRuns, PadsRelax) {
+  const ContactRunReport before = run(options({"pads"}));
+  for (ResponseTable& table : database_.tools) {
+    Viscoelasticity relaxation;
+    relaxation.instantaneous = true;
+    relaxation.tau_s = {0.1, 2.0};
+    relaxation.g = RowsOf<float>{{0.3F, 0.25F}};
+    give_memory(database_.body, database_.normal, relaxation, 1, table);
+  }
+  for (const bool hung : {false, true}) {
+    ContactRunOptions o = options({"pads"});
+    o.keep = true;
+    if (hung) {
+      o.coupling = VirtualCoupling{.spring_n_per_m = 200.0};
+    }
+    const ContactRunReport r = run(o);
+    EXPECT_EQ(r.fault, Fault::kNone);
+    EXPECT_TRUE(r.relaxes);
+    EXPECT_GT(r.carried_max_n, 0.1 * before.force_max_n);
+    EXPECT_GE(r.lowest_work_j, -1e-12);
+    EXPECT_NEAR(r.model_work_j, r.stored_j + r.tank_j + r.memory_j + r.dissipated_j,
+                1e-12);
+    EXPECT_NE(summary(r).find("+ dents"), std::string::npos);
+    if (!hung) {
+      EXPECT_LT(r.kept.back().command.wrench[0].force_n.norm(), before.force_max_n);
+      EXPECT_TRUE(replay_contacts(contact_recording(r, "pads.h5", std::string(64, 'a')),
+                                  database_)
+                      .is_reproduced());
+    }
+  }
+}
+
+TEST_F(ContactRuns, PadsLeaveDents) {
+  for (ResponseTable& table : database_.tools) {
+    Viscoelasticity relaxation;
+    relaxation.yielding.yield_depth_m = {0.0005};
+    relaxation.yielding.share = {0.3};
+    give_memory(database_.body, database_.normal, relaxation, 1, table);
+  }
+  const ContactRunReport r = run(options({"pads"}));
+  EXPECT_EQ(r.fault, Fault::kNone);
+  EXPECT_TRUE(r.yields);
+  EXPECT_GT(r.yielded_j, 1e-5);
+  EXPECT_LT(r.yielded_j, r.dissipated_j + 1e-12);
+  EXPECT_GE(r.lowest_work_j, -1e-12);
+  EXPECT_NE(summary(r).find("yielding: dissipated"), std::string::npos);
 }
 
 // Two fingers 14 mm apart: each makes the other's place softer than it is alone.

@@ -71,8 +71,18 @@ TEST(ContactElements, RefusesInOneSentenceWhatCannotBeRendered) {
   EXPECT_NE(refusal(without, {"ball", "ball"}), "");
   EXPECT_EQ(refusal(without, {"ball"}), "");
   ResponseDatabase relaxing = padded_plate(3);
-  relaxing.tools[1].viscoelasticity.tau_s = {0.5};
-  EXPECT_NE(refusal(relaxing, {"pads"}).find("relaxes"), std::string::npos);
+  Viscoelasticity& relaxation = relaxing.tools[1].viscoelasticity;
+  relaxation.tau_s = {0.5};
+  relaxation.g = RowsOf<float>{{0.3F}};
+  relaxation.instantaneous = true;
+  EXPECT_EQ(refusal(relaxing, {"pads"}), "");
+  relaxation.instantaneous = false;
+  relaxation.speed_m_per_s = 0.001;
+  EXPECT_NE(refusal(relaxing, {"pads"}).find("of a press at 0.001 m/s"),
+            std::string::npos);
+  ResponseDatabase yielding = padded_plate(3);
+  yielding.tools[1].viscoelasticity.yielding.largest = {0.3};
+  EXPECT_EQ(refusal(yielding, {"pads"}), "");
   const ResponseDatabase many = padded_plate(64);
   EXPECT_NE(refusal(many, {"pads", "ball"}).find("more than 64"), std::string::npos);
   const ResponseDatabase plain = padded_plate(3);

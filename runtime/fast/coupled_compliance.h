@@ -1,0 +1,28 @@
+// C of the contacts of a field, and how it changes with their places (coupled_field.h).
+#pragma once
+
+#include <cstddef>
+
+#include "runtime/fast/coupled_field.h"
+#include "runtime/fast/coupled_set.h"
+#include "runtime/fast/real.h"
+
+namespace palpate {
+
+/// Whether two contacts keep their distance.
+[[nodiscard]] inline bool of_one_port(const CoupledSet& set, std::size_t i,
+                                      std::size_t j) noexcept {
+  return set.sphere[i].port == set.sphere[j].port;
+}
+
+/// C for the places. Every contact has entered its element.
+void couple_places(CoupledField& field, const CoupledSet& set,
+                   CoupledSurfaces surfaces) noexcept;
+
+/// sum_j (dC_ij/dn) f_j, C with its scale, by n_1 and n_2 [m], n_0 giving way.
+/// @param force_n f of all contacts.
+[[nodiscard]] Vector2 sunk_slope_m(const CoupledField& field, const CoupledSet& set,
+                                   CoupledSurfaces surfaces, std::size_t i,
+                                   const ContactValues& force_n) noexcept;
+
+}  // namespace palpate
