@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "formats/mesh/surface_search.h"
@@ -28,6 +31,28 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+// First and last tick with a true force; the whole hand without one.
+std::pair<std::size_t, std::size_t> in_contact(const Hand& hand) {
+  std::size_t first = hand.centre_m.size();
+  std::size_t last = 0;
+  for (const TruePoint& point : hand.truth) {
+    if (point.force_n.norm() > 0.0) {
+      first = std::min(first, static_cast<std::size_t>(point.tick));
+      last = std::max(last, static_cast<std::size_t>(point.tick));
+    }
+  }
+  return first < last ? std::pair{first, last}
+                      : std::pair{std::size_t{0}, hand.centre_m.size() - 1};
+}
+
+std::vector<double> steps_n(std::span<const Eigen::Vector3d> force_n) {
+  std::vector<double> step_n;
+  for (std::size_t i = 0; i + 1 < force_n.size(); ++i) {
+    step_n.push_back((force_n[i + 1] - force_n[i]).norm());
+  }
+  return step_n;
 }
 
 }  // namespace
@@ -59,40 +84,45 @@ ForceError force_error(std::span<const RenderedHand> rendered) {
   return e;
 }
 
-EdgeJumps edge_jumps(const SurfaceMesh& surface,
-                     std::span<const Eigen::Vector3d> centre_m,
-                     std::span<const Eigen::Vector3d> force_n) {
-  const std::vector<std::int32_t> triangle = nearest_triangles(surface, centre_m);
-  std::vector<double> step_n;
-  double force_sum_n = 0.0;
-  int in_contact = 0;
-  for (std::size_t i = 0; i + 1 < force_n.size(); ++i) {
-    step_n.push_back((force_n[i + 1] - force_n[i]).norm());
-    force_sum_n += force_n[i].norm();
-    in_contact += force_n[i].norm() > 0.0 ? 1 : 0;
+EdgeJumps edge_jumps(const SurfaceMesh& surface, const RenderedHand& rendered) {
+  const auto [first, last] = in_contact(*rendered.hand);
+  const std::vector<std::int32_t> triangle = nearest_triangles(
+      surface, std::span(rendered.hand->centre_m).subspan(first, last - first + 1));
+  const std::vector<double> step_n =
+      steps_n(std::span(rendered.force_n).subspan(first, last - first + 1));
+  const auto count = static_cast<std::ptrdiff_t>(step_n.size());
+  std::vector<double> jump_n;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const auto begin = step_n.begin() + std::max<std::ptrdiff_t>(0, i - kAround);
+    const auto end = step_n.begin() + std::min(count, i + kAround + 1);
+    jump_n.push_back(
+        std::max(0.0, step_n[static_cast<std::size_t>(i)] - median({begin, end})));
   }
   EdgeJumps jumps;
-  const auto count = static_cast<std::ptrdiff_t>(step_n.size());
-  const auto slice = [&](std::ptrdiff_t middle, std::ptrdiff_t half) {
-    return std::vector<double>(
-        step_n.begin() + std::max<std::ptrdiff_t>(0, middle - half),
-        step_n.begin() + std::min(count, middle + half + 1));
-  };
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    if (triangle[at + 1] == triangle[at] || force_n[at].norm() == 0.0) {
-      continue;
+    if (triangle[static_cast<std::size_t>(i)] !=
+        triangle[static_cast<std::size_t>(i) + 1]) {
+      const double jump =
+          *std::max_element(jump_n.begin() + std::max<std::ptrdiff_t>(0, i - kAtEdge),
+                            jump_n.begin() + std::min(count, i + kAtEdge + 1));
+      ++jumps.edges;
+      jumps.mean_n += jump;
+      jumps.largest_n = std::max(jumps.largest_n, jump);
     }
-    const std::vector<double> near = slice(i, kAtEdge);
-    const double jump = std::max(
-        0.0, *std::max_element(near.begin(), near.end()) - median(slice(i, kAround)));
-    ++jumps.edges;
-    jumps.mean_n += jump;
-    jumps.largest_n = std::max(jumps.largest_n, jump);
   }
-  jumps.mean_n = jumps.edges > 0 ? jumps.mean_n / jumps.edges : kNaN;
-  jumps.largest_n = jumps.edges > 0 ? jumps.largest_n : kNaN;
-  jumps.relative = jumps.largest_n / (force_sum_n / in_contact);
+  const double mean_n =
+      std::transform_reduce(
+          rendered.force_n.begin() + static_cast<std::ptrdiff_t>(first),
+          rendered.force_n.begin() + static_cast<std::ptrdiff_t>(last), 0.0,
+          std::plus<>(),
+          [](const Eigen::Vector3d& f) {
+            return f.norm();
+          }) /
+      static_cast<double>(last - first);
+  jumps.mean_n /= jumps.edges;  // 0/0, NaN, without an edge
+  jumps.relative = jumps.largest_n / mean_n;
+  jumps.anywhere_relative =
+      jump_n.empty() ? kNaN : *std::max_element(jump_n.begin(), jump_n.end()) / mean_n;
   return jumps;
 }
 

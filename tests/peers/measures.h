@@ -34,22 +34,24 @@ struct RenderedHand {
 /// Over all points of the hands, each weighing the same.
 [[nodiscard]] ForceError force_error(std::span<const RenderedHand> rendered);
 
-/// Jumps of the force where the nearest triangle of the surface changes.
+/// Jumps of the force, where the nearest triangle of the surface changes and anywhere.
 struct EdgeJumps {
   int edges = 0;
-  double largest_n = 0.0;  ///< [N]
-  double mean_n = 0.0;     ///< [N] over the edges
-  double relative = 0.0;   ///< [-] largest over the path's mean |F|
+  double largest_n = 0.0;          ///< [N] at an edge
+  double mean_n = 0.0;             ///< [N] over the edges
+  double relative = 0.0;           ///< [-] largest over the way's mean |F|
+  double anywhere_relative = 0.0;  ///< [-] likewise of the largest jump anywhere
 };
 
-/// Of an edge: the largest step of the force from a tick to the next within kAtEdge
-/// ticks of the crossing (a slow process comes up to ten ticks late), less the median
-/// step there and kAround ticks beyond, which the movement makes without an edge.
+/// Along the hand between its first and its last tick with a true force: on the way
+/// over the surface, not where it comes and goes. A jump is a step of the force from a
+/// tick to the next, less the median step of the kAround ticks before and after, which
+/// the movement makes without a jump. Of an edge it is the largest within kAtEdge ticks
+/// of the crossing: a slow process comes up to ten ticks late.
 constexpr int kAtEdge = 15;
 constexpr int kAround = 40;
 [[nodiscard]] EdgeJumps edge_jumps(const SurfaceMesh& surface,
-                                   std::span<const Eigen::Vector3d> centre_m,
-                                   std::span<const Eigen::Vector3d> force_n);
+                                   const RenderedHand& rendered);
 
 /// Work that the hand has put in, by the trapezoid rule: what belongs to forces and
 /// places, not to forces that a device holds for a tick.

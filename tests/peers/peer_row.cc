@@ -97,7 +97,7 @@ void measure_hands(const Renderer& renderer, const std::string& variant,
       row.lost_path_j = std::max(row.lost_path_j, energy.put_in_j);
     }
     if (hand.name == "slide-20") {
-      row.jumps = edge_jumps(scene.surface, hand.centre_m, one.force_n);
+      row.jumps = edge_jumps(scene.surface, one);
     }
     rendered.push_back(std::move(one));
   }

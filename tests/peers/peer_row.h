@@ -17,10 +17,10 @@ namespace palpate::peers {
 
 struct PeerRow {
   std::string scene;
-  std::string renderer;  ///< library, a blank, variant
-  std::string missing = {};   ///< why there is no more of it; else empty
+  std::string renderer;      ///< library, a blank, variant
+  std::string missing = {};  ///< why there is no more of it; else empty
   ForceError error = {};
-  EdgeJumps jumps = {};              ///< along the slowest slide
+  EdgeJumps jumps = {};         ///< along the slowest slide
   double created_path_j = 0.0;  ///< [J] most of any hand that is no cycle
   double lost_path_j = 0.0;     ///< [J] least or most that a closed hand ended with
   double created_cycle_j =
@@ -28,8 +28,8 @@ struct PeerRow {
   double cycle_j = 0.0;  ///< [J] most that such a cycle held
   std::vector<StableStiffness> stable = {};  ///< by leaning_devices()
   StepTimes time = {};
-  double build_s = 0.0;              ///< [s] of the first peer_open()
-  std::uintmax_t bytes = 0;          ///< on disk
+  double build_s = 0.0;                   ///< [s] of the first peer_open()
+  std::uintmax_t bytes = 0;               ///< on disk
   std::optional<NoduleFind> nodule = {};  ///< of a scene with a raster
   std::string digest = {};                ///< of the bits of all forces
 };

@@ -37,8 +37,10 @@ std::string markdown_row(const PeerRow& r) {
       fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |", r.renderer,
                   number(1e3 * r.error.contact_mean_n, "{:.1f}"),
                   percent(r.error.contact_relative), percent(r.error.along_relative),
-                  percent(r.jumps.relative), micro_joule(r.created_path_j),
-                  micro_joule(r.lost_path_j), micro_joule(r.created_cycle_j));
+                  fmt::format("{}, {}", percent(r.jumps.relative),
+                              percent(r.jumps.anywhere_relative)),
+                  micro_joule(r.created_path_j), micro_joule(r.lost_path_j),
+                  micro_joule(r.created_cycle_j));
   std::string stable;
   for (const StableStiffness& s : r.stable) {
     stable += (stable.empty() ? "" : ", ") + stiffness(s);
@@ -69,7 +71,8 @@ std::string table_markdown(std::span<const PeerRow> rows) {
   std::string text;
   for (const std::string& scene : scenes(rows)) {
     text += fmt::format(
-        "\n**{}**\n\n| renderer | off by [mN] | in contact | along | jump at an edge | "
+        "\n**{}**\n\n| renderer | off by [mN] | in contact | along | jump at an edge, "
+        "anywhere | "
         "created [µJ] | lost [µJ] | created in a cycle [µJ] | stable up to [N/m] | "
         "step "
         "[µs] | p99.9 [µs] | slow turn [µs] | allocations | build [s] | disk [MB] "
@@ -111,7 +114,8 @@ std::string table_csv(std::span<const PeerRow> rows) {
   std::string text =
       "scene,renderer,missing,truth_points,contact_points,error_n,error_relative,"
       "contact_error_n,contact_error_relative,contact_error_along_relative,edges,"
-      "jump_largest_n,jump_mean_n,jump_relative,created_path_j,lost_path_j,"
+      "jump_largest_n,jump_mean_n,jump_relative,jump_anywhere_relative,created_path_j,"
+      "lost_path_j,"
       "created_cycle_j,cycle_j,stable_pencat_n_per_m,stable_falcon_n_per_m,"
       "rest_n_per_m,step_median_us,step_p999_us,slow_median_us,allocations,build_s,"
       "bytes,nodule_found,nodule_distance_m,nodule_false_finds,largest_deviation,"

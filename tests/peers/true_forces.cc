@@ -7,15 +7,15 @@
 
 #include "formats/mesh/surface_search.h"
 #include "precompute/body/mesh_grading.h"
+#include "precompute/body/meshed_body.h"
 #include "precompute/contact/linear_indentation.h"
 #include "precompute/press/node_press.h"
 #include "precompute/press/nonlinear_press.h"
 #include "precompute/press/own_mesh_press.h"
+#include "precompute/process/parallel.h"
 
 namespace palpate::peers {
 namespace {
-
-constexpr std::size_t kLinearGroup = 8;  // places that share a mesh
 
 std::int32_t nearest_node(const ContactSurface& surface, const Eigen::Vector3d& at_m) {
   std::int32_t nearest = 0;
@@ -72,33 +72,75 @@ TrueCurve curve_of(const PressedNode& node) {
   return curve;
 }
 
-std::vector<TrueCurve> press_group(const Scene& scene, const BodySource& body,
-                                   std::span<const PlacedDepth> places,
-                                   const ContactFocus& focus) {
-  const bool nonlinear = is_nonlinear(scene, body);
-  const SharedTool& tool = body.tool.front();
-  const BodyModel model =
-      make_own_model(scene, body, corners_of(body, places), focus, nonlinear);
+// Contact nodes that the tool cuts into at any of the places, if the body stays where
+// it is: a linear press loads no others.
+std::vector<std::int32_t> cut_nodes(const BodyModel& model,
+                                    std::span<const PressedNode> nodes) {
+  std::vector<std::int32_t> all;
+  for (const PressedNode& node : nodes) {
+    const auto cut = cut_by_tool(model.contact, node.patch, node.path, 0.0);
+    all.insert(all.end(), cut.begin(), cut.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+double patch_size_m(const BodyModel& model, std::span<const PressedNode> nodes) {
+  double radius_m = 0.0;
+  for (const PressedNode& node : nodes) {
+    radius_m = std::max(radius_m, patch_radius_m(node.path, model.contact_spacing_m));
+  }
+  return 2.0 * radius_m;
+}
+
+std::vector<PressedNode> placed_all(const Scene& scene, const BodyModel& model,
+                                    const SharedTool& tool,
+                                    std::span<const PlacedDepth> places) {
   std::vector<PressedNode> nodes;
   for (const PlacedDepth& place : places) {
     nodes.push_back(placed(scene, model, tool, place));
   }
-  const SurfaceCompliance compliance = compliance_of(model, nodes, {}, nullptr);
-  for (PressedNode& node : nodes) {
-    press_linear(model, compliance, node);
-  }
-  if (nonlinear) {
-    for (PressedNode& node : nodes) {
-      probe_nonlinearity(model, node);
+  return nodes;
+}
+
+// All places on one mesh, evenly fine where the tool comes.
+std::vector<PressedNode> press_all_linear(const Scene& scene, const BodySource& body,
+                                          std::span<const PlacedDepth> places,
+                                          double times_finer) {
+  const double spacing_m = uniform_spacing_m(scene, body, false) / times_finer;
+  const UniformSurface fine = pressed_surface(body, corners_of(body, places), spacing_m,
+                                              touched_radius_m(scene, body, spacing_m));
+  const BodyModel model = make_body_model(scene, body, fine.surface);
+  fmt::print(stderr, "truth: {} tets, contact nodes {:.2g} mm apart\n",
+             model.mesh.tet.rows(), 1e3 * fine.node_spacing_m);
+  std::vector<PressedNode> nodes = placed_all(scene, model, body.tool.front(), places);
+  const SurfaceCompliance compliance(*model.factor, model.supports, model.contact,
+                                     patches_of(nodes), cut_nodes(model, nodes),
+                                     patch_size_m(model, nodes), {}, nullptr);
+  in_parallel(nodes.size(), [&](std::size_t i) {
+    press_linear(model, compliance, nodes[i]);
+    if (nodes[i].indentation.needs_columns) {
+      nodes[i].failure = "the tool meets the body beside where it cuts it";
     }
-    press_nonlinear(model, compliance, nodes,
-                    {.nonlinear = true, .options = nonlinear_options(scene, tool)});
-  }
-  std::vector<TrueCurve> curves;
-  for (const PressedNode& node : nodes) {
-    curves.push_back(curve_of(node));
-  }
-  return curves;
+  });
+  return nodes;
+}
+
+// A place on a mesh of its own, graded to the contact.
+PressedNode press_nonlinear_at(const Scene& scene, const BodySource& body,
+                               const PlacedDepth& place, double times_finer) {
+  const SharedTool& tool = body.tool.front();
+  const BodyModel model =
+      make_own_model(scene, body, corners_of(body, {&place, 1}),
+                     finer(contact_focus(scene, body), times_finer), true);
+  std::vector<PressedNode> nodes = placed_all(scene, model, tool, {&place, 1});
+  const SurfaceCompliance compliance = compliance_of(model, nodes, {}, nullptr);
+  press_linear(model, compliance, nodes.front());
+  probe_nonlinearity(model, nodes.front());
+  press_nonlinear(model, compliance, nodes,
+                  {.nonlinear = true, .options = nonlinear_options(scene, tool)});
+  return std::move(nodes.front());
 }
 
 }  // namespace
@@ -117,14 +159,15 @@ Eigen::Vector3d TrueCurve::at(double depth) const {
 std::vector<TrueCurve> true_curves(const Scene& scene, const BodySource& body,
                                    std::span<const PlacedDepth> places,
                                    double times_finer) {
-  const ContactFocus focus = finer(contact_focus(scene, body), times_finer);
-  const std::size_t size = is_nonlinear(scene, body) ? 1 : kLinearGroup;
   std::vector<TrueCurve> curves;
-  for (std::size_t begin = 0; begin < places.size(); begin += size) {
-    const auto group = places.subspan(begin, std::min(size, places.size() - begin));
-    for (TrueCurve& curve : press_group(scene, body, group, focus)) {
-      curves.push_back(std::move(curve));
+  if (!is_nonlinear(scene, body)) {
+    for (const PressedNode& node : press_all_linear(scene, body, places, times_finer)) {
+      curves.push_back(curve_of(node));
     }
+    return curves;
+  }
+  for (const PlacedDepth& place : places) {
+    curves.push_back(curve_of(press_nonlinear_at(scene, body, place, times_finer)));
     fmt::print(stderr, "truth: {} of {} places\n", curves.size(), places.size());
   }
   return curves;

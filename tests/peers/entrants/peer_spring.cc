@@ -1,7 +1,8 @@
 // One stiffness, typed by hand, as most simulators have it: the ball is pushed out of
 // the nearest point of the surface. The stiffness is the scene's best one.
-#include <cmath>
 #include <memory>
+
+#include <Eigen/Geometry>
 
 #include "formats/mesh/surface_reader.h"
 #include "formats/mesh/surface_search.h"
@@ -32,17 +33,29 @@ class Spring {
                                               ? search_->nearest(centre_m_)
                                               : search_->walk(centre_m_, triangle_);
     triangle_ = nearest.distance_m < 2.0 * radius_m_ ? nearest.triangle : -1;
-    if (nearest.distance_m >= radius_m_ || nearest.distance_m == 0.0) {
+    if (nearest.distance_m == 0.0) {
       return Eigen::Vector3d::Zero();
     }
-    // The ball is larger than any depth: its centre stays outside.
-    return stiffness_n_per_m_ * (radius_m_ - nearest.distance_m) *
-           (centre_m_ - nearest.position_m) / nearest.distance_m;
+    // Where the centre has come inside, out is the other way.
+    const Eigen::Vector3d away = centre_m_ - nearest.position_m;
+    const double out = away.dot(face_normal(nearest.triangle)) < 0.0 ? -1.0 : 1.0;
+    const double depth_m = radius_m_ - out * nearest.distance_m;
+    if (depth_m <= 0.0) {
+      return Eigen::Vector3d::Zero();
+    }
+    return stiffness_n_per_m_ * depth_m * out * away / nearest.distance_m;
   }
 
   void slow() {}
 
  private:
+  [[nodiscard]] Eigen::Vector3d face_normal(std::int32_t triangle) const {
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return surface_->position_m.row(surface_->triangle(triangle, k)).transpose();
+    };
+    return (corner(1) - corner(0)).cross(corner(2) - corner(0));
+  }
+
   std::unique_ptr<palpate::SurfaceMesh> surface_;  // search_ refers to it
   std::unique_ptr<palpate::SurfaceSearch> search_;
   double radius_m_ = 0.0;
