@@ -84,16 +84,19 @@ fs::path compliance_file(const fs::path& scene, const fs::path& own) {
 
 class Capacitance {
  public:
-  static constexpr const char* kVariants[] = {"matrix"};
+  static constexpr const char* kVariants[] = {"matrix", "matrix, conservative"};
 
-  Capacitance(const fs::path& scene, const fs::path& own, const std::string&, double)
+  Capacitance(const fs::path& scene, const fs::path& own, const std::string& variant,
+              double)
       : compliance_(std::make_unique<MappedCompliance>(compliance_file(scene, own))),
+        conservative_(variant != "matrix"),
         radius_m_(SceneValues(scene).number("tool_radius_m")),
         in_contact_(static_cast<std::size_t>(compliance_->count), 0),
         matrix_(kMostInBall, kMostInBall),
         right_(kMostInBall) {
     ball_.reserve(kMostInBall);
     way_m_.reserve(kMostInBall);
+    direction_.reserve(kMostInBall);
     free_.reserve(kMostInBall);
   }
 
@@ -104,7 +107,7 @@ class Capacitance {
     solve();
     Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < free_.size(); ++i) {
-      force_n += right_[static_cast<Eigen::Index>(i)] * normal(ball_[free_[i]]);
+      force_n += right_[static_cast<Eigen::Index>(i)] * direction_[free_[i]];
     }
     return force_n;
   }
@@ -123,10 +126,14 @@ class Capacitance {
     return static_cast<double>(compliance_->m_per_n[i * compliance_->count + j]);
   }
 
-  // Vertices in the ball that face it, and their ways out of it along -normal.
+  // Vertices in the ball that face it, and their ways out of it along -normal: |r - s
+  // n| = R. The textbook sums up the vertices' own forces, along their normals. The
+  // other variant takes the derivative of the energy f . s / 2 instead: with m from the
+  // centre to where a vertex leaves the ball, ds = -(m . dc) / (m . n).
   void find_in_ball() {
     ball_.clear();
     way_m_.clear();
+    direction_.clear();
     const double square = radius_m_ * radius_m_;
     for (Eigen::Index i = 0; i < compliance_->count; ++i) {
       const Eigen::Vector3d r = position(i) - centre_m_;
@@ -134,12 +141,14 @@ class Capacitance {
         in_contact_[static_cast<std::size_t>(i)] = 0;
         continue;
       }
-      // |r - s n| = R
       const double b = r.dot(normal(i));
       const double s = b + std::sqrt(b * b + square - r.squaredNorm());
       if (b < 0.0) {
         ball_.push_back(i);
         way_m_.push_back(s);
+        const Eigen::Vector3d m = r - s * normal(i);
+        direction_.emplace_back(conservative_ ? Eigen::Vector3d(m / m.dot(normal(i)))
+                                              : Eigen::Vector3d(normal(i)));
       }
     }
   }
@@ -199,12 +208,14 @@ class Capacitance {
   }
 
   std::unique_ptr<MappedCompliance> compliance_;
+  bool conservative_;
   double radius_m_;
   Eigen::Vector3d centre_m_ = Eigen::Vector3d::Zero();
-  std::vector<char> in_contact_;    // by vertex, kept from tick to tick
-  std::vector<Eigen::Index> ball_;  // vertices in the ball, ascending
-  std::vector<double> way_m_;       // of them
-  std::vector<std::size_t> free_;   // of ball_: in contact, ascending
+  std::vector<char> in_contact_;            // by vertex, kept from tick to tick
+  std::vector<Eigen::Index> ball_;          // vertices in the ball, ascending
+  std::vector<double> way_m_;               // of them
+  std::vector<Eigen::Vector3d> direction_;  // of their forces on the ball
+  std::vector<std::size_t> free_;           // of ball_: in contact, ascending
   Eigen::MatrixXd matrix_;
   Eigen::VectorXd right_;
 };
