@@ -1,4 +1,5 @@
 // The benchmark: renderers on scenes, one table. README.md is its page.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +22,7 @@ struct Flags {
   std::vector<std::string> scene;
   std::vector<std::string> renderer;
   std::string output = "peers";
+  std::vector<std::string> stability;
   bool forces_only = false;
 };
 
@@ -37,11 +39,15 @@ void run(const Flags& flags) {
   for (const std::string& library : flags.renderer) {
     renderers.push_back(load_renderer(library));
   }
-  const MeasureOptions options{.stability = !flags.forces_only,
-                               .times = !flags.forces_only};
   std::vector<PeerRow> rows;
   for (const std::string& folder : flags.scene) {
     const PeerScene scene = read_peer_scene(folder);
+    const auto& leant_on = flags.stability;
+    const MeasureOptions options{
+        .stability = !flags.forces_only &&
+                     (leant_on.empty() || std::find(leant_on.begin(), leant_on.end(),
+                                                    scene.name) != leant_on.end()),
+        .times = !flags.forces_only};
     if (const auto truth = true_raster(scene)) {
       rows.push_back(*truth);
     }
@@ -69,6 +75,11 @@ void add_measure_command(Command app) {
       .one_value_each();
   command.add_option("-o,--output", flags->output,
                      "Folder for table.md, table.csv, picture.svg");
+  command
+      .add_option("--stability", flags->stability,
+                  "Name of a scene on which devices lean (again for more); default: "
+                  "all")
+      .one_value_each();
   command.add_flag("--forces-only", flags->forces_only,
                    "No stability and no times: quick, and the same bits every time");
   command.callback([flags] {

@@ -122,8 +122,14 @@ SurfaceFrame frame_of(const SurfaceMesh& surface, const SceneRecipe& r) {
   return {surface, r.site_m, r.along};
 }
 
-std::string material_lines(const Scene& scene) {
+// What a rival needs to know of the material and of where the body is held.
+std::string body_lines(const Scene& scene) {
   std::string lines;
+  if (const auto& box = scene.support.front().box_m) {
+    lines +=
+        fmt::format("support_box_m {} {} {} {} {} {}\n", box->min().x(), box->min().y(),
+                    box->min().z(), box->max().x(), box->max().y(), box->max().z());
+  }
   for (const SceneMaterial& m : scene.material) {
     if (m.region == kBodyRegion) {
       lines += fmt::format("law {}\nyoungs_modulus_pa {}\npoissons_ratio {}\n", m.law,
@@ -165,7 +171,7 @@ void make(const fs::path& folder) {
   const Solved solved = solve(scene, body, wanted, recipe.times_finer);
   write_scene(folder, body.surface,
               {body.tool.front()->shape().radius_m, frame.place(0.0, 0.0, 0.0), recipe,
-               material_lines(scene) + solved.told},
+               body_lines(scene) + solved.told},
               told(std::move(planned), wanted, solved.curve));
   if (!raster.empty()) {
     std::vector<double> force_n;

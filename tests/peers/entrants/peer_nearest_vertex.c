@@ -1,5 +1,4 @@
-/* An entrant as README.md tells to write one: a penalty along the normal of the nearest
- * vertex. Plain C, no other library. */
+/* An example of an entrant: a penalty along the normal of the nearest vertex. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,8 +8,7 @@
 
 struct peer {
   int vertices;
-  double (*position)[3];
-  double (*normal)[3];
+  double (*position)[3], (*normal)[3];
   double radius, stiffness, centre[3];
 };
 
@@ -30,7 +28,6 @@ static double value(const char* scene, const char* key) {
   if (file != NULL) fclose(file);
   return found;
 }
-
 static int read_surface(peer* p, const char* scene) {
   char path[4096], line[4096];
   int corner[3];
@@ -46,8 +43,7 @@ static int read_surface(peer* p, const char* scene) {
     if (strncmp(line, "v ", 2) == 0) {
       at += sscanf(line, "v %lf %lf %lf", x, x + 1, x + 2) == 3;
     } else if (sscanf(line, "f %d %d %d", corner, corner + 1, corner + 2) == 3) {
-      const double* a = p->position[corner[0] - 1];
-      const double* b = p->position[corner[1] - 1];
+      const double *a = p->position[corner[0] - 1], *b = p->position[corner[1] - 1];
       const double* c = p->position[corner[2] - 1];
       for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -64,11 +60,10 @@ static int read_surface(peer* p, const char* scene) {
   }
   return p->vertices;
 }
-
 peer* peer_open(const char* scene, const char* own, const char* variant, double tick_s,
                 char* error, size_t error_bytes) {
-  peer* p = calloc(1, sizeof *p);
   (void)own, (void)variant, (void)tick_s;
+  peer* p = calloc(1, sizeof *p);
   p->radius = value(scene, "tool_radius_m");
   p->stiffness = value(scene, "typed_stiffness_n_per_m");
   if (read_surface(p, scene) > 0 && p->radius > 0.0 && p->stiffness > 0.0) return p;
@@ -76,19 +71,16 @@ peer* peer_open(const char* scene, const char* own, const char* variant, double 
   peer_close(p);
   return NULL;
 }
-
 void peer_pose(peer* p, const double position_m[3], const double quat_xyzw[4]) {
   (void)quat_xyzw;
   memcpy(p->centre, position_m, sizeof p->centre);
 }
-
 void peer_force(peer* p, double force_n[3]) {
   double least = INFINITY, depth = 0.0;
   int nearest = 0;
   for (int v = 0; v < p->vertices; ++v) {
     const double *x = p->position[v], *c = p->centre;
-    const double square = (x[0] - c[0]) * (x[0] - c[0]) + (x[1] - c[1]) * (x[1] - c[1]) +
-                          (x[2] - c[2]) * (x[2] - c[2]);
+    const double square = pow(x[0] - c[0], 2) + pow(x[1] - c[1], 2) + pow(x[2] - c[2], 2);
     if (square < least) least = square, nearest = v;
   }
   for (int k = 0; k < 3; ++k) {
@@ -98,7 +90,6 @@ void peer_force(peer* p, double force_n[3]) {
   if (depth > 2.0 * p->radius) depth = 0.0;
   for (int k = 0; k < 3; ++k) force_n[k] = p->stiffness * depth * p->normal[nearest][k];
 }
-
 void peer_slow(peer* p) { (void)p; }
 
 void peer_close(peer* p) {
