@@ -51,50 +51,52 @@ void write_hand(const fs::path& folder, const ToldHand& hand, double radius_m) {
   }
 }
 
+using ReadValue = std::function<void(std::istream&)>;
+
+template <class Number>
+ReadValue number(Number& to) {
+  return [&to](std::istream& in) {
+    in >> to;
+  };
+}
+
+ReadValue vector(Eigen::Vector3d& to) {
+  return [&to](std::istream& in) {
+    in >> to.x() >> to.y() >> to.z();
+  };
+}
+
+ReadValue optional(std::optional<Eigen::Vector3d>& to) {
+  return [&to](std::istream& in) {
+    vector(to.emplace())(in);
+  };
+}
+
+std::map<std::string, ReadValue> recipe_values(SceneRecipe& r) {
+  return {{"site_m", vector(r.site_m)},
+          {"along", vector(r.along)},
+          {"circle_centre_m", optional(r.circle_centre_m)},
+          {"circle_radius_m", number(r.hand.circle_radius_m)},
+          {"half_slide_m", number(r.hand.half_slide_m)},
+          {"slide_points", number(r.hand.slide_points)},
+          {"circle_points", number(r.hand.circle_points)},
+          {"walk_points", number(r.hand.walk_points)},
+          {"raster_along_m", number(r.raster_along_m)},
+          {"raster_across_m", number(r.raster_across_m)},
+          {"raster_step_m", number(r.raster_step_m)},
+          {"raster_depth_m", number(r.raster_depth_m)},
+          {"nodule_m", optional(r.nodule_m)},
+          {"nodule_radius_m", number(r.nodule_radius_m)},
+          {"friction", number(r.friction)},
+          {"presliding_m", number(r.presliding_m)},
+          {"times_finer", number(r.times_finer)}};
+}
+
 }  // namespace
 
 SceneRecipe read_recipe(const fs::path& file) {
-  SceneRecipe r;
-  using Read = std::function<void(std::istream&)>;
-  const auto number = [](double& to) -> Read {
-    return [&to](std::istream& in) {
-      in >> to;
-    };
-  };
-  const auto count = [](int& to) -> Read {
-    return [&to](std::istream& in) {
-      in >> to;
-    };
-  };
-  const auto vector = [](Eigen::Vector3d& to) -> Read {
-    return [&to](std::istream& in) {
-      in >> to.x() >> to.y() >> to.z();
-    };
-  };
-  const auto optional = [](std::optional<Eigen::Vector3d>& to) -> Read {
-    return [&to](std::istream& in) {
-      to.emplace();
-      in >> to->x() >> to->y() >> to->z();
-    };
-  };
-  const std::map<std::string, Read> known{
-      {"site_m", vector(r.site_m)},
-      {"along", vector(r.along)},
-      {"circle_centre_m", optional(r.circle_centre_m)},
-      {"circle_radius_m", number(r.hand.circle_radius_m)},
-      {"half_slide_m", number(r.hand.half_slide_m)},
-      {"slide_points", count(r.hand.slide_points)},
-      {"circle_points", count(r.hand.circle_points)},
-      {"walk_points", count(r.hand.walk_points)},
-      {"raster_along_m", number(r.raster_along_m)},
-      {"raster_across_m", number(r.raster_across_m)},
-      {"raster_step_m", number(r.raster_step_m)},
-      {"raster_depth_m", number(r.raster_depth_m)},
-      {"nodule_m", optional(r.nodule_m)},
-      {"nodule_radius_m", number(r.nodule_radius_m)},
-      {"friction", number(r.friction)},
-      {"presliding_m", number(r.presliding_m)},
-      {"times_finer", number(r.times_finer)}};
+  SceneRecipe recipe;
+  const auto known = recipe_values(recipe);
   std::ifstream in(file);
   if (!in) {
     throw InputError(fmt::format("{}: cannot be read", file.string()));
@@ -119,7 +121,7 @@ SceneRecipe read_recipe(const fs::path& file) {
           fmt::format("{}:{}: \"{}\" lacks numbers", file.string(), line_number, line));
     }
   }
-  return r;
+  return recipe;
 }
 
 std::vector<PlacedDepth> raster_of(const SurfaceFrame& frame, const SceneRecipe& r) {
