@@ -27,10 +27,10 @@ namespace {
 using chai3d::cVector3d;
 using Vectors = std::vector<Eigen::Vector3d>;
 
-constexpr double kSpacingOfRadius = 0.75;  // of nodes, over the tool's radius
-constexpr double kNodeOfSpacing = 0.6;     // nodes' radius over their spacing
-constexpr double kLinkOfSpacing = 1.7;     // longest link
-constexpr double kMassKg = 0.002;          // of a node, as in its example
+constexpr double kNodesAlong = 15.0;    // the body's longest side
+constexpr double kNodeOfSpacing = 0.6;  // nodes' radius over their spacing
+constexpr double kLinkOfSpacing = 1.7;  // longest link
+constexpr double kMassKg = 0.002;       // of a node, as in its example
 constexpr double kDampingPerS = 50.0;
 constexpr double kTurnSpringOverInertia = 5e4;  // [1/s^2] as in its example
 constexpr double kContactOverTyped = 2.0;       // penalty over the scene's stiffness
@@ -46,6 +46,15 @@ void add_apart(Vectors& nodes, const Eigen::Vector3d& p, double spacing) {
       })) {
     nodes.push_back(p);
   }
+}
+
+// Of nodes, as its examples' bodies are divided.
+double spacing_of(const SceneSurface& surface) {
+  Eigen::AlignedBox3d box;
+  for (const auto& v : surface.vertex) {
+    box.extend(Eigen::Vector3d(v[0], v[1], v[2]));
+  }
+  return box.sizes().maxCoeff() / kNodesAlong;
 }
 
 // Balls under the surface, then within the body.
@@ -100,8 +109,9 @@ class Gel {
       const std::string&, double tick_s)
       : values_(scene), tick_s_(tick_s), radius_m_(values_.number("tool_radius_m")) {
     (void)values_.numbers("support_box_m");
-    positions_ =
-        node_positions(read_scene_surface(scene), kSpacingOfRadius * radius_m_);
+    const SceneSurface surface = read_scene_surface(scene);
+    spacing_m_ = spacing_of(surface);
+    positions_ = node_positions(surface, spacing_m_);
     const std::filesystem::path known = own / "link_stiffness.txt";
     double link = 0.0;
     if (!(std::ifstream(known) >> link)) {
@@ -136,8 +146,7 @@ class Gel {
   void slow() {}
 
  private:
-  [[nodiscard]] double spacing_m() const { return kSpacingOfRadius * radius_m_; }
-  [[nodiscard]] double node_radius_m() const { return kNodeOfSpacing * spacing_m(); }
+  [[nodiscard]] double node_radius_m() const { return kNodeOfSpacing * spacing_m_; }
 
   [[nodiscard]] bool held(const Eigen::Vector3d& p) const {
     const std::vector<double> box = values_.numbers("support_box_m");
@@ -171,7 +180,7 @@ class Gel {
     const double turn = kTurnSpringOverInertia * nodes_.front()->m_inertia;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       for (std::size_t j = i + 1; j < nodes_.size(); ++j) {
-        if ((positions_[i] - positions_[j]).norm() < kLinkOfSpacing * spacing_m()) {
+        if ((positions_[i] - positions_[j]).norm() < kLinkOfSpacing * spacing_m_) {
           auto* link = new cGELSkeletonLink(nodes_[i], nodes_[j]);  // the body's
           link->m_kSpringElongation = link_n_per_m;
           link->m_kSpringFlexion = turn;
@@ -214,6 +223,7 @@ class Gel {
   SceneValues values_;
   double tick_s_;
   double radius_m_;
+  double spacing_m_ = 0.0;
   double contact_n_per_m_ = 0.0;
   Vectors positions_;
   std::unique_ptr<cGELWorld> world_;
