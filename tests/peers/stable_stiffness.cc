@@ -78,7 +78,8 @@ class Leaning {
         late_(static_cast<std::size_t>(std::ceil(d.device.delay_s / tick_s_ - 1e-9)),
               0.0) {}
 
-  bool kick_dies_out() {
+  // @param stiffness_n_per_m of the scaled renderer at rest.
+  bool kick_dies_out(double stiffness_n_per_m) {
     VirtualDeviceOptions held = model_.mass;
     held.damping_n_s_per_m += kHandDamping;
     device_ = VirtualDevice(held, tick_s_);
@@ -90,8 +91,12 @@ class Leaning {
     const double first = range_m(kQuarterS);
     (void)range_m(2.0 * kQuarterS);
     const double last = range_m(kQuarterS);
-    // A measured position that is one of two neighbours is at rest.
-    return last <= std::max(kStillM, 2.0 * model_.resolution_m) || last < first;
+    // A measured position that is one of two neighbours is at rest. A limit cycle may
+    // shrink a little by chance, but is wider than the kick's own swing.
+    const double swing =
+        2.0 * kKick * std::sqrt(model_.mass.mass_kg / stiffness_n_per_m);
+    return last <= std::max(kStillM, 2.0 * model_.resolution_m) ||
+           (last < first && last < swing);
   }
 
  private:
@@ -152,7 +157,8 @@ StableStiffness largest_stable_stiffness(const Renderer& renderer,
   }
   const auto stable = [&](double stiffness_n_per_m) {
     const double gain = stiffness_n_per_m / rest.stiffness_n_per_m;
-    return Leaning(opened(), device, gain, gain * rest.force_n).kick_dies_out();
+    return Leaning(opened(), device, gain, gain * rest.force_n)
+        .kick_dies_out(stiffness_n_per_m);
   };
   double good = 0.0;
   double bad = kFrom;

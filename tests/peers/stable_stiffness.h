@@ -31,8 +31,8 @@ struct StableStiffness {
 /// the gain times the renderer's own at rest, so that one that is too soft wins
 /// nothing. A hand damps the device while it settles (2 s), lets go and kicks it with 5
 /// mm/s: stable if the device moves less in the fourth second after that than in the
-/// first. Stiffness rises by a fifth from 10 N/m until that fails, then is bisected to
-/// 1 %.
+/// first, and less than the kick alone would make it swing. Stiffness rises by a fifth
+/// from 10 N/m until that fails, then is bisected to 1 %.
 [[nodiscard]] StableStiffness largest_stable_stiffness(const Renderer& renderer,
                                                        const std::string& variant,
                                                        const PeerScene& scene,
