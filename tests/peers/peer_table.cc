@@ -125,15 +125,13 @@ std::string table_csv(std::span<const PeerRow> rows) {
     const StableStiffness& pencat = !r.stable.empty() ? r.stable[0] : none;
     const StableStiffness& falcon = r.stable.size() > 1 ? r.stable[1] : none;
     const NoduleFind nodule = r.nodule.value_or(NoduleFind{});
-    std::string missing = r.missing;
-    std::replace(missing.begin(), missing.end(), ',', ';');
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", r.scene,
-                    r.renderer, missing, r.error.points, r.error.contact_points,
-                    r.error.mean_n, r.error.relative, r.error.contact_mean_n,
-                    r.error.contact_relative, r.error.along_relative, r.jumps.edges,
-                    r.jumps.largest_n, r.jumps.mean_n, r.jumps.relative,
-                    r.created_path_j, r.lost_path_j, r.created_cycle_j, r.cycle_j);
+    text += fmt::format(
+        "{},\"{}\",\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", r.scene,
+        r.renderer, r.missing, r.error.points, r.error.contact_points, r.error.mean_n,
+        r.error.relative, r.error.contact_mean_n, r.error.contact_relative,
+        r.error.along_relative, r.jumps.edges, r.jumps.largest_n, r.jumps.mean_n,
+        r.jumps.relative, r.jumps.anywhere_relative, r.created_path_j, r.lost_path_j,
+        r.created_cycle_j, r.cycle_j);
     text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
                         pencat.stiffness_n_per_m, falcon.stiffness_n_per_m,
                         pencat.rest_n_per_m, r.time.median_us, r.time.p999_us,

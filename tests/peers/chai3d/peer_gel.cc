@@ -27,7 +27,7 @@ namespace {
 using chai3d::cVector3d;
 using Vectors = std::vector<Eigen::Vector3d>;
 
-constexpr double kNodesAlong = 15.0;    // the body's longest side
+constexpr double kNodesAlong = 15.56;   // the body's longest side
 constexpr double kNodeOfSpacing = 0.6;  // nodes' radius over their spacing
 constexpr double kLinkOfSpacing = 1.7;  // longest link
 constexpr double kMassKg = 0.002;       // of a node, as in its example
