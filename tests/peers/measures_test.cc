@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 
 #include <fmt/format.h>
@@ -214,6 +215,30 @@ TEST_F(Peers, MissingIsSaid) {
   EXPECT_EQ(rows()[5].missing, "not today");
   EXPECT_NE(table_markdown(rows()).find("faulty refuses: not today"),
             std::string::npos);
+}
+
+// Of a line of CSV whose quoted fields hold no quotes.
+int columns(const std::string& line) {
+  int count = 1;
+  bool quoted = false;
+  for (const char c : line) {
+    quoted = quoted != (c == '"');
+    count += c == ',' && !quoted ? 1 : 0;
+  }
+  return count;
+}
+
+TEST_F(Peers, EveryLineOfTheTableHasEveryColumn) {
+  auto all = rows();
+  all.front().renderer = "a, b";
+  std::istringstream text(table_csv(all));
+  std::string head;
+  std::getline(text, head);
+  int lines = 0;
+  for (std::string line; std::getline(text, line); ++lines) {
+    EXPECT_EQ(columns(line), columns(head)) << line;
+  }
+  EXPECT_EQ(lines, static_cast<int>(all.size()));
 }
 
 TEST_F(Peers, AllocationsAreCounted) {
