@@ -5,7 +5,7 @@
 // Without friction: vertex i moves inwards along its normal by u = A f, f >= 0 are the
 // vertices' forces along it, s the way out of the ball. u >= s, f (u - s) = 0: solved
 // by principal pivoting from the last tick's contact. The compliance A is that of
-// palpate's own linear finite elements (scene_maker.h), the best there is for the
+// palpate's own linear finite elements (scene_compliance.h), the best there is for the
 // comparison, on a surface about as fine as the tool's contact needs. The papers keep
 // the inverse of the matrix up to date; here it is factorised anew, which costs more
 // per step.
