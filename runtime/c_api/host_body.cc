@@ -8,85 +8,17 @@
 #include "formats/base/error.h"
 #include "formats/database/chunk_reader.h"
 #include "formats/database/response_database.h"
-#include "formats/response/tool_support.h"
-#include "runtime/device/stability_margin.h"
+#include "runtime/c_api/host_limits.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/deadlines.h"
 #include "runtime/served/fed_elements.h"
 #include "runtime/served/join_scene.h"
-#include "runtime/slow/contact_stiffness.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/file_press_site.h"
 #include "runtime/slow/memory_elements.h"
 
 namespace palpate {
 namespace {
-
-// Limits of the force inside the host, so that they hold at the device.
-FastConfig fast_config(const HostOptions& options, const ToolShape& tool) {
-  FastConfig fast;
-  fast.model = options.model;
-  fast.tool_radius_m = nominal_height_m(tool);
-  fast.force_max_n = options.force_max_n / options.force_gain;
-  fast.slew_max_n_per_s /= options.force_gain;
-  fast.ramp_s = options.ramp_s;
-  return fast;
-}
-
-DeviceLimits device_limits(const HostOptions& options) {
-  return {.damping_n_s_per_m = options.damping_n_s_per_m,
-          .delay_s = options.delay_s,
-          .force_max_n = options.force_max_n};
-}
-
-// Scale of forces [-] that the device can render; 1 where its damping is not known.
-double renderable_scale(const HostOptions& options, RenderedStiffness stiffness) {
-  if (options.damping_n_s_per_m == 0.0) {
-    return 1.0;
-  }
-  const DeviceLimits device = device_limits(options);
-  const double felt = options.position_gain * options.force_gain;
-  stiffness.normal_n_per_m *= felt;
-  stiffness.friction_n_per_m *= felt;
-  const StabilityBounds bounds = stability_bounds(device, options.tick_s);
-  const std::string reason =
-      why_not_renderable(stiffness, bounds, device, options.tick_s);
-  if (reason.empty()) {
-    return 1.0;
-  }
-  if (!options.limit_stiffness) {
-    throw InputError(fmt::format(
-        "the device cannot render this: {} at gains of {:.4g} times, felt at the "
-        "device; the flag to limit stiffness scales forces by {:.3g}",
-        reason, felt, bounds.renderable_n_per_m() / stiffness.largest_n_per_m()));
-  }
-  return bounds.renderable_n_per_m() / stiffness.largest_n_per_m();
-}
-
-// The same of several contacts, in six axes.
-double contacts_scale(const HostOptions& options, const ContactStiffness& contacts) {
-  if (options.damping_n_s_per_m == 0.0) {
-    return 1.0;
-  }
-  ContactStiffness felt = contacts;
-  felt.n_per_m *= options.position_gain * options.force_gain;
-  felt.friction_n_per_m *= options.position_gain * options.force_gain;
-  const WrenchMargin margin =
-      wrench_margin(felt, options.damping_n_s_per_m, options.angular_damping_n_m_s,
-                    options.tick_s, options.delay_s);
-  const std::string reason = why_not_renderable(margin, options.damping_n_s_per_m,
-                                                options.angular_damping_n_m_s);
-  if (reason.empty()) {
-    return 1.0;
-  }
-  if (!options.limit_stiffness) {
-    throw InputError(
-        fmt::format("the device cannot render this: {}; the flag to limit stiffness "
-                    "scales forces by {:.3g}",
-                    reason, 1.0 / margin.share));
-  }
-  return 1.0 / margin.share;
-}
 
 // What the contacts of a tool are together, sharing the largest force.
 ContactStiffness stiffness_of(const ResponseDatabase& database,
@@ -244,18 +176,9 @@ void HostBody::open_scene(const std::filesystem::path& scene) {
   fast_ = fast_config(options_, tool);
 }
 
-double HostBody::renderable_n_per_m() const {
-  if (options_.damping_n_s_per_m == 0.0) {
-    return GrowingElements::kAnyStiffness;
-  }
-  return stability_bounds(device_limits(options_), options_.tick_s)
-             .renderable_n_per_m() /
-         (options_.position_gain * options_.force_gain);
-}
-
 HostTool& HostBody::serve_scene() {
   auto elements =
-      std::make_unique<FedElements>(*client_, *database_, renderable_n_per_m());
+      std::make_unique<FedElements>(*client_, *database_, renderable_n_per_m(options_));
   const GrowingElements& grown = elements->elements();
   tools_.push_back(std::make_unique<Served>(std::move(elements), fast_, options_.tick_s,
                                             options_.stall_s));

@@ -110,7 +110,6 @@ class HostBody {
   HostTool& serve_contacts(const CoupledSet& set);
   void open_streamed(const std::filesystem::path& file);
   void open_scene(const std::filesystem::path& scene);
-  [[nodiscard]] double renderable_n_per_m() const;  // here, of a scene
   HostTool& serve_scene();
   void begin();
   void take_stiffness(const RenderedStiffness& stiffness);

@@ -22,6 +22,7 @@
 #include "runtime/c_api/host_body.h"
 #include "runtime/c_api/host_surface.h"
 #include "runtime/c_api/palpate.h"
+#include "runtime/c_api/told_service.h"
 
 struct palpate_tool {
   palpate::HostTool& tool;
@@ -108,23 +109,6 @@ void copy_known(const Struct& all, Struct* to) noexcept {
     std::memset(reinterpret_cast<unsigned char*>(to) + sizeof(all), 0,
                 bytes - sizeof(all));
   }
-}
-
-palpate_service service_of(const palpate::HostBody& body) {
-  palpate_service all{};
-  const palpate::ServedClient* client = body.service();
-  if (client == nullptr) {
-    return all;
-  }
-  const palpate::ServiceStatus status = client->status();
-  all.state = 1 + static_cast<std::int32_t>(status.state);
-  all.started = status.started ? 1 : 0;
-  all.nodes = status.progress.nodes;
-  all.cheap = status.progress.cheap;
-  all.good = status.progress.good;
-  all.softened = body.softened();
-  copy_text(status.detail, all.detail, sizeof all.detail);
-  return all;
 }
 
 // Of one hand. @param quat_xyzw may be null.
@@ -232,7 +216,7 @@ int palpate_service_get(palpate_body* body, palpate_service* service) {
     if (body == nullptr) {
       throw InputError("no body");
     }
-    palpate_service all = service_of(body->body);
+    palpate_service all = palpate::told_service(body->body);
     all.struct_size = service->struct_size;
     copy_known(all, service);
     return 0;

@@ -255,12 +255,42 @@ const char* InverseLink::take_turn(const InverseGrip& grip) noexcept {
   return nullptr;
 }
 
+// Null if it is a state as take_state() has it, and one of a command.
+const char* InverseLink::take_answer(std::string_view text) noexcept {
+  if (const char* why = take_state(text)) {
+    return why;
+  }
+  unasked_ += owed_ == 0 ? 1 : 0;
+  owed_ -= owed_ > 0 ? 1 : 0;
+  return unasked_ > kUnaskedMax ? "sends states that nobody asked for" : nullptr;
+}
+
+// What lies there although no answer is owed. Null if that is not too much.
+const char* InverseLink::take_unasked() noexcept {
+  std::string_view text;
+  while (owed_ == 0) {
+    const SocketRead read = states_->receive(text, 0);
+    if (read == SocketRead::kNothing) {
+      return nullptr;
+    }
+    const char* why =
+        read == SocketRead::kLost ? states_->failure() : take_answer(text);
+    if (why != nullptr) {
+      return why;
+    }
+  }
+  return nullptr;
+}
+
 LinkStatus InverseLink::exchange(const Eigen::Vector3d& force_n,
                                  std::string_view profile) noexcept {
+  if (const char* why = take_unasked()) {
+    return give_up(why);
+  }
   if (!send(force_n, profile)) {
     return give_up(states_->failure());
   }
-  ++owed_;
+  owed_ = std::min(owed_ + 1, kMissedMax + 1);
   std::int64_t deadline_ns = inverse_deadline_ns(config_.answer_s);
   bool answered = false;
   for (;;) {
@@ -269,22 +299,16 @@ LinkStatus InverseLink::exchange(const Eigen::Vector3d& force_n,
       case SocketRead::kLost:
         return give_up(states_->failure());
       case SocketRead::kMessage:
-        if (const char* why = take_state(text)) {
+        if (const char* why = take_answer(text)) {
           return give_up(why);
         }
         answered = true;
-        unasked_ += owed_ == 0 ? 1 : 0;
-        owed_ -= owed_ > 0 ? 1 : 0;
-        if (unasked_ > kUnaskedMax) {
-          return give_up("sends states that nobody asked for");
-        }
         // Those that answer missed commands come first; the last one counts.
         deadline_ns = inverse_deadline_ns(missed_ > 0 ? kQuietS : 0.0);
         break;
       case SocketRead::kNothing:
         if (answered) {
           missed_ = 0;
-          owed_ = 0;
           return LinkStatus::kOk;
         }
         return ++missed_ > kMissedMax ? give_up("answers no commands any more")

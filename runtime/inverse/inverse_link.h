@@ -76,6 +76,8 @@ class InverseLink : public DeviceLink {
                                     std::string_view profile) noexcept;
   [[nodiscard]] const char* take_state(std::string_view text) noexcept;
   [[nodiscard]] const char* take_turn(const InverseGrip& grip) noexcept;
+  [[nodiscard]] const char* take_answer(std::string_view text) noexcept;
+  [[nodiscard]] const char* take_unasked() noexcept;
   [[nodiscard]] const char* heard_fault() noexcept;
 
   InverseConfig config_;

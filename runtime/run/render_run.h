@@ -19,7 +19,7 @@
 #include "runtime/render/render_report.h"
 #include "runtime/render/telemetry.h"
 #include "runtime/run/coupling_report.h"
-#include "runtime/served/served_client.h"
+#include "runtime/served/served_report.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/memory_elements.h"
 

@@ -1,7 +1,6 @@
 #include "runtime/served/served_client.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -388,24 +387,6 @@ void ServedClient::take_known(const ServedResponses& responses) {
   for (GrowingElements* elements : fed_) {
     elements->hand_over(ready_nodes);
   }
-}
-
-std::string quality_csv(const ServedReport& report) {
-  std::string text = "second,none,estimated,cheap,good\n";
-  for (std::size_t i = 0; i < report.by_second.size(); ++i) {
-    const QualityTicks& at = report.by_second[i];
-    const auto all =
-        static_cast<double>(std::accumulate(at.begin(), at.end(), std::int64_t{0}));
-    if (all == 0.0) {
-      continue;
-    }
-    text += fmt::format("{}", i);
-    for (const std::int64_t ticks : at) {
-      text += fmt::format(",{:.4f}", static_cast<double>(ticks) / all);
-    }
-    text += "\n";
-  }
-  return text;
 }
 
 }  // namespace palpate

@@ -168,16 +168,4 @@ class Feeding {
   GrowingElements& elements_;
 };
 
-/// What a run saw of its service.
-struct ServedReport {
-  ServiceStatus status;                 ///< at the end
-  QualityTicks ticks{};                 ///< in the body
-  std::vector<QualityTicks> by_second;  ///< of them in every second
-  std::int64_t softened = 0;            ///< answers that were too stiff for the device
-};
-
-/// By second, as comma-separated values: "second,none,estimated,cheap,good", shares of
-/// the ticks in the body [-]; none for a second without any.
-[[nodiscard]] std::string quality_csv(const ServedReport& report);
-
 }  // namespace palpate

@@ -1,0 +1,12 @@
+// How a scene's service is, as a host is told (palpate.h).
+#pragma once
+
+#include "runtime/c_api/host_body.h"
+#include "runtime/c_api/palpate.h"
+
+namespace palpate {
+
+/// Zero for a body of a database; struct_size is not set.
+[[nodiscard]] palpate_service told_service(const HostBody& body);
+
+}  // namespace palpate
