@@ -15,6 +15,7 @@ namespace {
 constexpr double kLeft = 90.0;
 constexpr double kTop = 96.0;
 constexpr double kWidth = 560.0;
+constexpr double kNames = 38.0;  // from the plot to the names of series
 constexpr double kHeight = 430.0;
 
 struct Axis {
@@ -156,18 +157,30 @@ std::string draw_series(const LogSeries& series, const Axes& axes,
              : dots;
 }
 
+// Of the whole picture [px], names beside the plot and all.
+double width_of(const LogPicture& picture) {
+  constexpr double kCharacter = 7.5;  // of a line of text of 14 px, on the average
+  std::size_t longest = 0;
+  for (const LogSeries& series : picture.series) {
+    longest = std::max(longest, series.name.size());
+  }
+  return std::max(900.0, std::ceil(kLeft + kWidth + kNames + 20.0 +
+                                   kCharacter * static_cast<double>(longest)));
+}
+
 }  // namespace
 
 std::string log_picture(const LogPicture& picture) {
   const Axes axes = axes_for(picture);
+  const double width = width_of(picture);
   std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 900 600\" "
-      "width=\"900\" height=\"600\" font-family=\"Helvetica, Arial, sans-serif\" "
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} 600\" "
+      "width=\"{0}\" height=\"600\" font-family=\"Helvetica, Arial, sans-serif\" "
       "font-size=\"14\" fill=\"#1d2430\">\n"
-      "<rect width=\"900\" height=\"600\" rx=\"10\" fill=\"#ffffff\"/>\n"
-      "<text x=\"40\" y=\"38\" font-size=\"20\" font-weight=\"600\">{}</text>\n"
-      "<text x=\"40\" y=\"60\" fill=\"#5a6473\">{}</text>\n",
-      markup_escaped(picture.title), markup_escaped(picture.subtitle));
+      "<rect width=\"{0}\" height=\"600\" rx=\"10\" fill=\"#ffffff\"/>\n"
+      "<text x=\"40\" y=\"38\" font-size=\"20\" font-weight=\"600\">{1}</text>\n"
+      "<text x=\"40\" y=\"60\" fill=\"#5a6473\">{2}</text>\n",
+      width, markup_escaped(picture.title), markup_escaped(picture.subtitle));
   svg += draw_axes(picture, axes);
   const double last =
       static_cast<double>(std::max<std::size_t>(picture.series.size(), 2) - 1);
@@ -179,7 +192,7 @@ std::string log_picture(const LogPicture& picture) {
     svg += fmt::format(
         "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\"/>"
         "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
-        kLeft + kWidth + 24.0, y, colour, kLeft + kWidth + 38.0, y + 4.8,
+        kLeft + kWidth + 24.0, y, colour, kLeft + kWidth + kNames, y + 4.8,
         markup_escaped(picture.series[i].name));
   }
   return svg.append("</svg>\n");

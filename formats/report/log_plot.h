@@ -29,8 +29,8 @@ struct LogPicture {
   std::string level_name;  ///< at its right end
 };
 
-/// A self-contained SVG, 900 x 600 px. Points that are not positive and finite are left
-/// out. Equal input gives equal text.
+/// A self-contained SVG, 900 x 600 px, wider where a name needs it. Points that are not
+/// positive and finite are left out. Equal input gives equal text.
 [[nodiscard]] std::string log_picture(const LogPicture& picture);
 
 }  // namespace palpate

@@ -36,11 +36,11 @@ void add_dents(const SurfaceMemory& memory, const SitesAtHand& at_hand,
   }
 }
 
-std::vector<SurfaceDent> in_order(DentsBySite by_site) {
+std::vector<SurfaceDent> in_order(const DentsBySite& by_site) {
   std::vector<SurfaceDent> dents;
-  for (auto& [site, dent] : by_site) {
-    dent.site = site;
+  for (const auto& [site, dent] : by_site) {
     dents.push_back(dent);
+    dents.back().site = site;
   }
   return dents;
 }
@@ -53,7 +53,7 @@ std::vector<SurfaceDent> surface_dents(const FastState& state) {
             state.config.model == LocalModel::kPotential ? state.potential.contact.sites
                                                          : state.element.contact.sites,
             by_site);
-  return in_order(std::move(by_site));
+  return in_order(by_site);
 }
 
 std::vector<SurfaceDent> surface_dents(const CoupledState& state, int table) {
@@ -68,7 +68,7 @@ std::vector<SurfaceDent> surface_dents(const CoupledState& state, int table) {
                 by_site);
     }
   }
-  return in_order(std::move(by_site));
+  return in_order(by_site);
 }
 
 std::vector<YieldedRow> yielded_rows(const FastState& state) {

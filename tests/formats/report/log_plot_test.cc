@@ -56,6 +56,13 @@ TEST(LogPicture, NothingToShowIsStillAPicture) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
+TEST(LogPicture, IsAsWideAsItsLongestNameNeeds) {
+  LogPicture picture = picture_of({{1.0, 1.0}});
+  EXPECT_NE(log_picture(picture).find("viewBox=\"0 0 900 600\""), std::string::npos);
+  picture.series[0].name = std::string(40, 'x');  // from 688 on, 7.5 px each
+  EXPECT_NE(log_picture(picture).find("viewBox=\"0 0 1008 600\""), std::string::npos);
+}
+
 TEST(LogPicture, NamesCannotBecomeMarkup) {
   LogPicture picture = picture_of({{1.0, 1.0}});
   picture.title = "<script>";
