@@ -1,6 +1,7 @@
 // What a tick of a renderer costs.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 
@@ -9,11 +10,13 @@
 
 namespace palpate::peers {
 
+/// NaN: not measured.
 struct StepTimes {
-  double median_us = 0.0;       ///< [us] of peer_pose() and peer_force() together
-  double p999_us = 0.0;         ///< [us] 99.9th percentile
-  double slow_median_us = 0.0;  ///< [us] of peer_slow()
-  double allocations = 0.0;     ///< of the heap, per tick, mean
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double median_us = kNone;       ///< [us] of peer_pose() and peer_force() together
+  double p999_us = kNone;         ///< [us] 99.9th percentile
+  double slow_median_us = kNone;  ///< [us] of peer_slow()
+  double allocations = kNone;     ///< of the heap, per tick, mean
 };
 
 /// Along the hands, each several times; of each number the least over the repeats, as

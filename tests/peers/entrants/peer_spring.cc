@@ -33,17 +33,18 @@ class Spring {
                                               ? search_->nearest(centre_m_)
                                               : search_->walk(centre_m_, triangle_);
     triangle_ = nearest.distance_m < 2.0 * radius_m_ ? nearest.triangle : -1;
-    if (nearest.distance_m == 0.0) {
-      return Eigen::Vector3d::Zero();
-    }
     // Where the centre has come inside, out is the other way.
     const Eigen::Vector3d away = centre_m_ - nearest.position_m;
-    const double out = away.dot(face_normal(nearest.triangle)) < 0.0 ? -1.0 : 1.0;
+    const Eigen::Vector3d normal = face_normal(nearest.triangle).normalized();
+    const double out = away.dot(normal) < 0.0 ? -1.0 : 1.0;
     const double depth_m = radius_m_ - out * nearest.distance_m;
     if (depth_m <= 0.0) {
       return Eigen::Vector3d::Zero();
     }
-    return stiffness_n_per_m_ * depth_m * out * away / nearest.distance_m;
+    constexpr double kOnTheSurfaceM = 1e-9;  // where `away` has no direction
+    const Eigen::Vector3d direction =
+        nearest.distance_m > kOnTheSurfaceM ? out * away / nearest.distance_m : normal;
+    return stiffness_n_per_m_ * depth_m * direction;
   }
 
   void slow() {}
