@@ -8,7 +8,7 @@ import palpate
 
 # A sanitizer that stands before this process (sanitized) has no business in the tools that tests run: they
 # fork beside threads, and its allocator may then be locked in the child for ever.
-os.environ.pop("LD_PRELOAD", None)
+_PRELOADED = os.environ.pop("LD_PRELOAD", "")
 
 RADIUS_M = 0.005
 
@@ -75,7 +75,7 @@ def grown_kilobytes():
         with open("/proc/self/statm") as file:
             return int(file.read().split()[1]) * resource.getpagesize() // 1024
 
-    if "libasan" in os.environ.get("LD_PRELOAD", ""):
+    if "libasan" in _PRELOADED:
         pytest.skip("the sanitizer keeps what is freed")
 
     def grown(call, times):
