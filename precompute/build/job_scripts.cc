@@ -64,8 +64,10 @@ std::string work_line(const Job& job) {
   const std::string scene = shell_word(job.scene.string());
   if (job.serve) {  // a socket cannot be shared among machines: everybody has their own
     return fmt::format(
+        "place=$(mktemp -d) || exit 75\n"
+        "trap 'rm -rf \"$place\"' EXIT\n"
         "{} serve {} -o {} \\\n"
-        "  --socket \"$(mktemp -d)/palpate.socket\" --workers \"{}\"{} \\\n"
+        "  --socket \"$place/palpate.socket\" --workers \"{}\"{} \\\n"
         "  && touch \"shard-$shard\"\n",
         program, scene, shell_word(job.output.string()), workers,
         words(job.build_flags));

@@ -365,11 +365,9 @@ void Planner::count_memory() {
 
 void Planner::count_responses() {
   const std::int64_t all = report_.reachable * report_.tools;
-  report_.solved_at_least = all;
-  report_.solved_expected = all;
+  report_.solved_at_least = report_.solved_expected = all;
   if (!strategy_.cheap_is_good && !solve_all_) {
-    report_.solved_at_least = 0;
-    report_.solved_expected = 0;
+    report_.solved_at_least = report_.solved_expected = 0;
     for (const WorkUnit* territory : territories()) {
       report_.solved_at_least +=
           report_.tools *

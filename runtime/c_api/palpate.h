@@ -84,8 +84,8 @@ enum palpate_flags {
    * stiff is softened, place by place. */
   PALPATE_SCENE = 8,
   /* Of a scene: where nothing is known yet, the force of a half space of the body's own
-   * material (no form, supports or large strains: too stiff, by a factor at
-   * thin parts). */
+   * material (no form, supports or large strains: mostly too stiff, on a
+   * small organ up to eight times). */
   PALPATE_ESTIMATE = 16
 };
 

@@ -17,8 +17,7 @@ void add_scene_options(Command command, SceneFlags& flags) {
   command.add_flag(
       "--estimate", flags.estimate,
       "Of a scene: where nothing is known yet, a force as if the body were "
-      "a half space of its material, instead of none; too stiff, by a factor at thin "
-      "parts");
+      "a half space of its material, instead of none; mostly too stiff");
 }
 
 bool is_scene(const std::string& file) {

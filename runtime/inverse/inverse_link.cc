@@ -265,10 +265,11 @@ const char* InverseLink::take_answer(std::string_view text) noexcept {
   return unasked_ > kUnaskedMax ? "sends states that nobody asked for" : nullptr;
 }
 
-// What lies there although no answer is owed. Null if that is not too much.
-const char* InverseLink::take_unasked() noexcept {
+// What lies there before a command: answers that came late, and states that nobody
+// asked for. Null if these are not too many.
+const char* InverseLink::take_waiting() noexcept {
   std::string_view text;
-  while (owed_ == 0) {
+  for (;;) {
     const SocketRead read = states_->receive(text, 0);
     if (read == SocketRead::kNothing) {
       return nullptr;
@@ -279,12 +280,11 @@ const char* InverseLink::take_unasked() noexcept {
       return why;
     }
   }
-  return nullptr;
 }
 
 LinkStatus InverseLink::exchange(const Eigen::Vector3d& force_n,
                                  std::string_view profile) noexcept {
-  if (const char* why = take_unasked()) {
+  if (const char* why = take_waiting()) {
     return give_up(why);
   }
   if (!send(force_n, profile)) {

@@ -77,7 +77,7 @@ class InverseLink : public DeviceLink {
   [[nodiscard]] const char* take_state(std::string_view text) noexcept;
   [[nodiscard]] const char* take_turn(const InverseGrip& grip) noexcept;
   [[nodiscard]] const char* take_answer(std::string_view text) noexcept;
-  [[nodiscard]] const char* take_unasked() noexcept;
+  [[nodiscard]] const char* take_waiting() noexcept;
   [[nodiscard]] const char* heard_fault() noexcept;
 
   InverseConfig config_;

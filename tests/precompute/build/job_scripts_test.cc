@@ -151,6 +151,7 @@ TEST_F(JobServices, EachHasASocketOfItsOwn) {
   const std::string first = all.substr(0, all.find('\n'));
   EXPECT_NE(first.find("palpate.socket"), std::string::npos) << all;
   EXPECT_NE(all, first + "\n" + first + "\n");
+  EXPECT_FALSE(fs::exists(fs::path(first).parent_path()));
   EXPECT_EQ(start(), 0);  // they find out themselves that all is done
   EXPECT_NE(sockets(), all);
 }

@@ -299,15 +299,21 @@ TEST(CoupledRelaxation, PoseWalksNeverGetEnergy) {
   }
 }
 
+// Two fingers above the plate, 6 mm apart.
+PortPoses side_by_side() {
+  PortPoses pose;
+  pose[0].position_m = {0.0301, 0.0303, kRadiusM + 0.001};
+  pose[1].position_m = {0.0361, 0.0303, kRadiusM + 0.001};
+  return pose;
+}
+
 // A finger that is lifted leaves its dent, which sinks the other one by less and less;
 // while nothing presses, nothing is felt.
 TEST(CoupledRelaxation, ALiftedFingersDentGivesWayByItself) {
   const ContactBody body = make_contact_body(relaxing({}), kRadiusM);
   CoupledStorage storage(make_pinch(body, kRadiusM), free_of_clamps());
   CoupledState& state = storage.state();
-  PortPoses pose;
-  pose[0].position_m = {0.0301, 0.0303, kRadiusM + 0.001};
-  pose[1].position_m = {0.0361, 0.0303, kRadiusM + 0.001};
+  PortPoses pose = side_by_side();
   send_all(state, body, pose);
   for (int tick = 0; tick < 2000; ++tick) {
     pose[0].position_m.z() = std::max(kRadiusM - 0.002, pose[0].position_m.z() - 1e-5);
@@ -337,9 +343,7 @@ TEST(CoupledRelaxation, WhatTheAccountCannotPayDoesNotHappen) {
   const ContactBody body = make_contact_body(relaxing({}), kRadiusM);
   CoupledStorage storage(make_pinch(body, kRadiusM), free_of_clamps());
   CoupledState& state = storage.state();
-  PortPoses pose;
-  pose[0].position_m = {0.0301, 0.0303, kRadiusM + 0.001};
-  pose[1].position_m = {0.0361, 0.0303, kRadiusM + 0.001};
+  PortPoses pose = side_by_side();
   send_all(state, body, pose);
   for (int tick = 0; tick < 2000; ++tick) {
     pose[1].position_m.z() = std::max(kRadiusM - 0.002, pose[1].position_m.z() - 1e-5);
