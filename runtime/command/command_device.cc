@@ -151,6 +151,7 @@ void run(Flags& flags) {
     run_scene(flags);
     return;
   }
+  refuse_scene_options(flags.scene);
   flags.options.surface = begin_surface(flags.surface, flags.database);
   attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);

@@ -270,6 +270,7 @@ void run(const Flags& flags) {
     run_scene(flags);
     return;
   }
+  refuse_scene_options(flags.scene);
   if (!flags.quality_csv.empty()) {
     throw InputError("--quality-csv is of a scene that is computed meanwhile");
   }

@@ -325,6 +325,7 @@ void run(Flags& flags) {
     show_scene(flags);
     return;
   }
+  refuse_scene_options(flags.scene);
   const ResponseDatabase database = shown(flags);
   const bool contacts = shows_contacts(flags, database);
   if (flags.device.request.name.empty() && wanted_coupling(flags.coupling)) {

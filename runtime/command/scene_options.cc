@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "formats/base/error.h"
 #include "runtime/served/join_scene.h"
 
 namespace palpate {
@@ -22,6 +23,14 @@ void add_scene_options(Command command, SceneFlags& flags) {
 
 bool is_scene(const std::string& file) {
   return std::filesystem::path(file).extension() == ".toml";
+}
+
+void refuse_scene_options(const SceneFlags& flags) {
+  if (flags.estimate || !flags.server.empty() || !flags.output.empty()) {
+    throw InputError(
+        "--server, --output and --estimate are of a scene (SCENE.toml), which is "
+        "computed meanwhile: a database is whole");
+  }
 }
 
 std::unique_ptr<ServedClient> join_scene(const std::string& scene,

@@ -21,6 +21,10 @@ void add_scene_options(Command command, SceneFlags& flags);
 /// Whether what a command is given is a scene, no database: it ends in ".toml".
 [[nodiscard]] bool is_scene(const std::string& file);
 
+/// @throws InputError if any of them is given: of a database there is nothing to
+/// compute.
+void refuse_scene_options(const SceneFlags& flags);
+
 /// Joins the service of the scene's output, or starts one. @param tool empty: the only
 /// one. @throws InputError for a scene that is not there, and as ServedClient.
 [[nodiscard]] std::unique_ptr<ServedClient> join_scene(const std::string& scene,

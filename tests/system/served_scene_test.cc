@@ -170,6 +170,15 @@ TEST_F(SceneWhileComputed, SaysWhatIsWrong) {
   EXPECT_EQ(broken.exit_code, 2);
   EXPECT_NE(broken.err.find("exit code 2 before it told its scene"), std::string::npos)
       << broken.err;
+  const std::string database = (*made_ / "whole.h5").string();
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"view", database, "--estimate"},
+        {"simulate", database, "--server", "/nowhere"},
+        {"device", "--device", "simulated", database, "-o", "elsewhere.h5"}}) {
+    const ToolRun whole = run_tool_process("palpate-run", command);
+    EXPECT_EQ(whole.exit_code, 2) << command.front();
+    EXPECT_NE(whole.err.find("are of a scene"), std::string::npos) << whole.err;
+  }
   const ToolRun server =
       view({(folder_ / "scene.toml").string(), "--server", "/nowhere"});
   EXPECT_EQ(server.exit_code, 2);
