@@ -311,7 +311,8 @@ NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
   }
   const PressStrategy strategy = choose_strategy(scene, body, reachable);
   const PressMode mode{.nonlinear = strategy.nonlinear,
-                       .every_depth = options.has_value(),
+                       .depths = options.has_value() ? SolvedDepths::kEvery
+                                              : SolvedDepths::kFew,
                        .options = options.value_or(nonlinear_options(scene, tool)),
                        .keep_states = true};
   NodeDetail detail;

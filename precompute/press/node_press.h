@@ -28,9 +28,17 @@ struct PressChecks {
   double smallest_jacobian = 1.0;  ///< [-] det F anywhere, any depth
 };
 
+/// At which samples of a path a nonlinear press is solved; between them the linear one
+/// is corrected by what those around differ by.
+enum class SolvedDepths {
+  kFew,    ///< four
+  kTwice,  ///< and one between each two of them: tells what correcting there makes
+  kEvery,
+};
+
 struct PressMode {
   bool nonlinear = false;
-  bool every_depth = false;       ///< nonlinear at every sample of the path
+  SolvedDepths depths = SolvedDepths::kFew;
   NonlinearOptions options = {};  ///< but for sticking, which is the tool's
   bool keep_states = false;       ///< of nonlinear presses, in PressedNode::nonlinear
   bool probe = false;             ///< linear presses measure Indentation::nonlinearity

@@ -32,21 +32,29 @@ constexpr int kEasyNewton = 20;
 // intervals are half as long then.
 constexpr double kErrorPerLeftOut = 0.25;
 
-std::vector<std::size_t> corrected_samples(std::size_t samples, bool every_depth) {
+std::vector<std::size_t> corrected_samples(std::size_t samples, SolvedDepths depths) {
   std::vector<std::size_t> at;
-  if (every_depth) {
+  if (depths == SolvedDepths::kEvery) {
     for (std::size_t k = 1; k < samples; ++k) {
       at.push_back(k);
     }
     return at;
   }
   const auto last = static_cast<double>(samples - 1);
-  for (const double share : kCorrectedShares) {
+  const auto add = [&](double share) {
     const auto k =
         std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * last)));
     if (at.empty() || k > at.back()) {
       at.push_back(k);
     }
+  };
+  double before = 0.0;
+  for (const double share : kCorrectedShares) {
+    if (depths == SolvedDepths::kTwice) {
+      add(0.5 * (before + share));
+    }
+    add(share);
+    before = share;
   }
   return at;
 }
@@ -211,21 +219,24 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
   };
   node.linear = node.indentation;
   const std::size_t depths = node.linear.sample.size();
-  const bool all = mode.every_depth || !is_guide(node.linear);
+  const bool all = mode.depths == SolvedDepths::kEvery || !is_guide(node.linear);
   NonlinearOptions options = mode.options;
   if (!all) {
     options.only_if_easy = true;
     options.equilibrium.newton_max = kEasyNewton;
   }
-  NonlinearIndentation result =
-      press_at(model, compliance, node, corrected_samples(depths, all), options, noted);
+  NonlinearIndentation result = press_at(
+      model, compliance, node,
+      corrected_samples(depths, all ? SolvedDepths::kEvery : mode.depths), options,
+      noted);
   const bool easy = node.failure.empty();
   if (!all && (!easy || node.indentation.path_error > options.depth_error_max)) {
     options = mode.options;
     options.stiff = options.stiff || !easy;
     PressedNode at_all = node;
-    NonlinearIndentation more = press_at(
-        model, compliance, at_all, corrected_samples(depths, true), options, noted);
+    NonlinearIndentation more =
+        press_at(model, compliance, at_all,
+                 corrected_samples(depths, SolvedDepths::kEvery), options, noted);
     if (!easy || at_all.failure.empty()) {
       node = std::move(at_all);
       result = std::move(more);
@@ -252,7 +263,8 @@ NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
 
 int nonlinear_depths(int samples) {
   return static_cast<int>(
-      corrected_samples(static_cast<std::size_t>(samples) + 1, false).size());
+      corrected_samples(static_cast<std::size_t>(samples) + 1, SolvedDepths::kFew)
+          .size());
 }
 
 void probe_nonlinearity(const BodyModel& model, PressedNode& node) {

@@ -59,7 +59,7 @@ class OwnMeshes {
   // presses converge.
   void press_coarser_if_failed(PressedNode& node, const ContactFocus& focus,
                                PressMode mode) const {
-    mode.every_depth = true;
+    mode.depths = SolvedDepths::kEvery;
     mode.options.stiff = true;
     for (int attempt = 1; attempt <= kCoarserToEnd && !node.failure.empty();
          ++attempt) {

@@ -252,7 +252,8 @@ std::vector<PressedNode> SceneSolver::on_own_meshes(
       group_presses(body_.surface, vertices, focus, mode.nonlinear),
       [&](const Group& group) {
         auto nodes = press_on_own_mesh(scene_, body_, tool, group, focus, mode);
-        const bool good = mode.nonlinear == strategy_.nonlinear && !mode.every_depth;
+        const bool good = mode.nonlinear == strategy_.nonlinear &&
+                          mode.depths == SolvedDepths::kFew;
         if (watch_ && good) {
           watch_(tool, nodes);
         }
@@ -307,7 +308,9 @@ std::vector<PressedNode> SceneSolver::better(const SharedTool& tool,
   options.equilibrium.multiplier_relative *= kBetterShare;
   return on_own_meshes(
       tool, vertices, palpate::finer(strategy_.focus, times_finer),
-      {.nonlinear = strategy_.nonlinear, .every_depth = true, .options = options});
+      {.nonlinear = strategy_.nonlinear,
+       .depths = SolvedDepths::kTwice,
+       .options = options});
 }
 
 }  // namespace palpate

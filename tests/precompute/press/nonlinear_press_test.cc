@@ -57,7 +57,7 @@ verify = 0
     model_ = std::make_unique<BodyModel>(make_own_model(
         *scene_, *body_, std::span(&kMiddle, 1), contact_focus(*scene_, *body_)));
     few_ = press(options());
-    all_ = press(options(), true);
+    all_ = press(options(), SolvedDepths::kEvery);
   }
   static void TearDownTestSuite() {
     model_.reset();
@@ -70,14 +70,14 @@ verify = 0
     some.depth_error_max = 1.0;  // what a few depths tell is taken
     return some;
   }
-  static PressedNode press(const NonlinearOptions& options, bool every_depth = false,
+  static PressedNode press(const NonlinearOptions& options, SolvedDepths depths = SolvedDepths::kFew,
                            double force_max_n = 1e3) {
     Scene scene = *scene_;
     scene.reach.force_max_n = force_max_n;
     PressedNode node =
         press_on_model(scene, *body_, *model_, body_->tool.front(), {&kMiddle, 1},
                        {.nonlinear = true,
-                        .every_depth = every_depth,
+                        .depths = depths,
                         .options = options,
                         .keep_states = true})
             .front();
