@@ -52,7 +52,7 @@ NearState Equilibrium::preconditioned(const Eigen::VectorXd& r) const {
   if (tangent_ != nullptr && tangent_->ready()) {
     z = tangent_->solve(rest);
   } else {
-    z.displacement_m = solve_(near_.dof(), rest);
+    z.displacement_m = solve_(near_.dof(), rest, SolveWith::kRounded);
     z.source_n = std::move(rest);
   }
   for (std::size_t i = 0; i < known_.size(); ++i) {
@@ -83,7 +83,8 @@ void Equilibrium::learn(std::vector<KnownDirection> directions) {
 bool Equilibrium::pair_exactly(NearState& direction) const {
   constexpr double kRounding = 1e-6;
   const Eigen::VectorXd made = std::move(direction.displacement_m);
-  direction.displacement_m = solve_(near_.dof(), direction.source_n);
+  direction.displacement_m =
+      solve_(near_.dof(), direction.source_n, SolveWith::kFactor);
   return (made - direction.displacement_m).norm() <=
          kRounding * direction.displacement_m.norm();
 }
@@ -253,6 +254,9 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
                sum > 0.0) {
       forget_tangents();
     } else {
+      // Rounded solves have left the far field out of balance by their rounding.
+      state.displacement_m = solve_(near_.dof(), state.source_n, SolveWith::kFactor);
+      report.contact = contact_.evaluate(state.displacement_m, tool, multipliers);
       multipliers.pressure_n = contact.pressure_n;
       multipliers.tie_n = contact.tie_n;
       report.converged = true;

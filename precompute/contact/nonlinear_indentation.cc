@@ -111,7 +111,8 @@ class Press {
   std::vector<Eigen::Index> strained() const {
     const Eigen::VectorXd u =
         solve_(body_.supports.free_index,
-               pressure_load_n(body_.surface, patch_, steps_.back().linear_pressure_n));
+               pressure_load_n(body_.surface, patch_, steps_.back().linear_pressure_n),
+               SolveWith::kFactor);
     return strained_tets(body_.mesh, body_.material, u, options_.near_gradient);
   }
 
@@ -124,7 +125,7 @@ class Press {
         source.segment<3>(3 * n) = state_.source_n.segment<3>(3 * Eigen::Index{near});
       }
     }
-    return solve_(body_.supports.free_index, source);
+    return solve_(body_.supports.free_index, source, SolveWith::kFactor);
   }
 
   // The linear body's state at the first step, drawn back where it turns an element
@@ -139,7 +140,7 @@ class Press {
       }
     }
     near_.mask(source);
-    state_.displacement_m = solve_(near_.dof(), source);
+    state_.displacement_m = solve_(near_.dof(), source, SolveWith::kFactor);
     state_.source_n = std::move(source);
     multipliers_.pressure_n = steps_.front().linear_pressure_n;
     if (!state_.displacement_m.allFinite()) {  // no start at all: from rest

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <boost/coroutine2/coroutine.hpp>
@@ -16,6 +17,7 @@ constexpr std::size_t kStackBytes = 1 << 20;
 struct Request {
   std::span<const std::int64_t> dof;
   const Eigen::VectorXd* source = nullptr;
+  SolveWith with = SolveWith::kFactor;
   Eigen::VectorXd result;
 };
 
@@ -45,7 +47,7 @@ class PartSolver {
         x[row(request.dof[i])] = (*request.source)[static_cast<Eigen::Index>(i)];
       }
     }
-    part_.solve(x);
+    (request.with == SolveWith::kRounded ? rounded() : part_).solve(x);
     request.result.resize(static_cast<Eigen::Index>(request.dof.size()));
     for (std::size_t i = 0; i < request.dof.size(); ++i) {
       request.result[static_cast<Eigen::Index>(i)] =
@@ -75,6 +77,13 @@ class PartSolver {
     }
   }
 
+  const FactorPart& rounded() {
+    if (!rounded_) {
+      rounded_ = part_.rounded();
+    }
+    return *rounded_;
+  }
+
   [[nodiscard]] std::int64_t row(std::int64_t dof) const {
     return part_.row()[static_cast<std::size_t>(dof)];
   }
@@ -98,11 +107,13 @@ class PartSolver {
       unknowns.insert(unknowns.end(), request->dof.begin(), request->dof.end());
     }
     part_ = factor_.part(unknowns);
+    rounded_.reset();
     made_for_ = wanted;
   }
 
   const CholeskyFactor& factor_;
   FactorPart part_;
+  std::optional<FactorPart> rounded_;  // of part_, once it was asked for
   std::size_t made_for_ = 0;
 };
 
@@ -115,8 +126,9 @@ struct Running {
 
 RestSolve single_solves(const CholeskyFactor& factor) {
   return [solver = std::make_shared<PartSolver>(factor)](
-             std::span<const std::int64_t> dof, const Eigen::VectorXd& source) {
-    Request request{.dof = dof, .source = &source, .result = {}};
+             std::span<const std::int64_t> dof, const Eigen::VectorXd& source,
+             SolveWith with) {
+    Request request{.dof = dof, .source = &source, .with = with, .result = {}};
     Request* const one = &request;
     solver->serve({&one, 1});
     return std::move(request.result);
@@ -133,9 +145,11 @@ void run_in_lock_step(const CholeskyFactor& factor,
     running[i].coroutine = std::make_unique<Coroutine::pull_type>(
         boost::coroutines2::fixedsize_stack(kStackBytes),
         [&request = running[i].request, &task = tasks[i]](Coroutine::push_type& yield) {
-          task([&](std::span<const std::int64_t> dof, const Eigen::VectorXd& source) {
+          task([&](std::span<const std::int64_t> dof, const Eigen::VectorXd& source,
+                   SolveWith with) {
             request.dof = dof;
             request.source = &source;
+            request.with = with;
             yield();
             return std::move(request.result);
           });

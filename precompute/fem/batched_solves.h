@@ -13,11 +13,15 @@
 
 namespace palpate {
 
+/// How well K^-1 is wanted: as the factor is, or by its numbers rounded
+/// (FactorPart::rounded()) where that is faster, which makes a preconditioner.
+enum class SolveWith { kFactor, kRounded };
+
 /// K^-1 restricted to some unknowns: `source` acts on the unknowns `dof`, the result is
 /// the displacement of the same unknowns. Entries of `dof` below zero are held: their
 /// source is ignored, their displacement zero.
-using RestSolve = std::function<Eigen::VectorXd(std::span<const std::int64_t> dof,
-                                                const Eigen::VectorXd& source)>;
+using RestSolve = std::function<Eigen::VectorXd(
+    std::span<const std::int64_t> dof, const Eigen::VectorXd& source, SolveWith with)>;
 
 /// One solve at a time, from one thread at a time.
 [[nodiscard]] RestSolve single_solves(const CholeskyFactor& factor);

@@ -1,6 +1,7 @@
 #include "precompute/fem/cholesky_factor.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -47,6 +48,7 @@ struct Supernodes {
   std::vector<std::int64_t> row_begin{0};
   std::vector<std::int32_t> row;
   std::vector<const double*> number;
+  std::vector<const float*> rounded;  // or empty
 
   [[nodiscard]] std::size_t count() const { return number.size(); }
   [[nodiscard]] std::ptrdiff_t columns(std::size_t s) const {
@@ -68,6 +70,7 @@ struct Supernodes {
   [[nodiscard]] SupernodeView view() const {
     SupernodeView all{static_cast<std::ptrdiff_t>(count()), begin.data(),
                       row_begin.data(), row.data(), number.data()};
+    all.rounded = rounded.empty() ? nullptr : rounded.data();
     for (std::size_t s = 0; s < count(); ++s) {
       all.rows_max = std::max(all.rows_max, rows(s));
     }
@@ -172,6 +175,7 @@ class Descendants {
 
 struct FactorPart::Impl {
   Supernodes nodes;
+  std::vector<float> rounded;
   std::vector<std::int64_t> row;
 };
 
@@ -358,6 +362,22 @@ void FactorPart::solve(SolveRows& X) const {
 
 void FactorPart::solve(Eigen::VectorXd& x) const {
   impl_->nodes.solve(x);
+}
+
+FactorPart FactorPart::rounded() const {
+  auto part = std::make_shared<Impl>(*impl_);
+  Supernodes& nodes = part->nodes;
+  part->rounded.reserve(at(nodes.nonzeros()));
+  for (std::size_t s = 0; s < nodes.count(); ++s) {
+    nodes.rounded.push_back(part->rounded.data() + part->rounded.size());
+    std::transform(nodes.number[s], nodes.number[s] + nodes.rows(s) * nodes.columns(s),
+                   std::back_inserter(part->rounded), [](double x) {
+                     return static_cast<float>(x);
+                   });
+  }
+  FactorPart made;
+  made.impl_ = std::move(part);
+  return made;
 }
 
 std::int64_t CholeskyFactor::size() const {

@@ -29,6 +29,8 @@ struct SupernodeView {
   const std::int32_t* row = nullptr;  ///< the rows of each, ascending, its own first
   const double* const* number = nullptr;  ///< (count) blocks, (rows x columns)
   std::ptrdiff_t rows_max = 0;            ///< of a supernode
+  /// The same numbers in single precision, which solve_one() reads where they are.
+  const float* const* rounded = nullptr;
 };
 
 struct FactorKernels {
@@ -54,7 +56,7 @@ struct FactorKernels {
   /// kSolveWidth, at most kSolveWidthMax. @param work as solve_work().
   void (*solve)(const SupernodeView& factor, double* X, std::ptrdiff_t width,
                 double* work);
-  /// The same for one right-hand side.
+  /// The same for one right-hand side; all sums are of doubles.
   void (*solve_one)(const SupernodeView& factor, double* x, double* work);
   std::ptrdiff_t (*solve_work)(const SupernodeView& factor, std::ptrdiff_t width);
 };

@@ -40,6 +40,10 @@ using Register [[gnu::vector_size(kRegister * 8)]] = double;
 using AnyRegister [[gnu::vector_size(kRegister * 8), gnu::aligned(8), gnu::may_alias]] =
     double;
 
+// Half as wide: so many floats.
+using AnyFloats [[gnu::vector_size(kRegister * 4), gnu::aligned(4), gnu::may_alias]] =
+    float;
+
 struct Lanes {
   static constexpr int kParts = kWidth / kRegister;
   Register part[kParts];
@@ -123,6 +127,17 @@ PALPATE_INLINE Lanes load(const double* at) {
   for (int i = 0; i < Lanes::kParts; ++i) {
     x.part[i] =
         *reinterpret_cast<const AnyRegister*>(at + std::ptrdiff_t{i} * kRegister);
+  }
+  return x;
+}
+
+PALPATE_INLINE Lanes load(const float* at) {
+  Lanes x;
+#pragma GCC unroll 4
+  for (int i = 0; i < Lanes::kParts; ++i) {
+    x.part[i] = __builtin_convertvector(
+        *reinterpret_cast<const AnyFloats*>(at + std::ptrdiff_t{i} * kRegister),
+        Register);
   }
   return x;
 }

@@ -36,7 +36,7 @@ bool is_held_node(const BodyModel& model, Eigen::Index node) {
 // K^-1 of a source on free nodes.
 Eigen::VectorXd solved_m(const BodyModel& model, const Eigen::VectorXd& source_n) {
   const RestSolve solve = single_solves(*model.factor);
-  return solve(model.supports.free_index, source_n);
+  return solve(model.supports.free_index, source_n, SolveWith::kFactor);
 }
 
 // Pressure (nonlinear or not) of the state that was solved last; empty: none was.
@@ -310,11 +310,11 @@ NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
     reachable = {v};  // a build leaves it out
   }
   const PressStrategy strategy = choose_strategy(scene, body, reachable);
-  const PressMode mode{.nonlinear = strategy.nonlinear,
-                       .depths = options.has_value() ? SolvedDepths::kEvery
-                                              : SolvedDepths::kFew,
-                       .options = options.value_or(nonlinear_options(scene, tool)),
-                       .keep_states = true};
+  const PressMode mode{
+      .nonlinear = strategy.nonlinear,
+      .depths = options.has_value() ? SolvedDepths::kEvery : SolvedDepths::kFew,
+      .options = options.value_or(nonlinear_options(scene, tool)),
+      .keep_states = true};
   NodeDetail detail;
   if (strategy.shared_mesh && (strategy.cheap_is_good || !strategy.graded)) {
     detail.model = make_shared_model(scene, body, strategy);

@@ -212,8 +212,8 @@ NonlinearIndentation press_at(const BodyModel& model,
 void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
                      PressedNode& node, const PressMode& mode, const RestSolve& solve) {
   const RestSolve noted = [&](std::span<const std::int64_t> dof,
-                              const Eigen::VectorXd& source) {
-    Eigen::VectorXd u = solve(dof, source);
+                              const Eigen::VectorXd& source, SolveWith with) {
+    Eigen::VectorXd u = solve(dof, source, with);
     note_pressed_vertex(node.vertex);  // others had their turn meanwhile
     return u;
   };
@@ -225,10 +225,10 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
     options.only_if_easy = true;
     options.equilibrium.newton_max = kEasyNewton;
   }
-  NonlinearIndentation result = press_at(
-      model, compliance, node,
-      corrected_samples(depths, all ? SolvedDepths::kEvery : mode.depths), options,
-      noted);
+  NonlinearIndentation result =
+      press_at(model, compliance, node,
+               corrected_samples(depths, all ? SolvedDepths::kEvery : mode.depths),
+               options, noted);
   const bool easy = node.failure.empty();
   if (!all && (!easy || node.indentation.path_error > options.depth_error_max)) {
     options = mode.options;
@@ -277,8 +277,9 @@ void probe_nonlinearity(const BodyModel& model, PressedNode& node) {
         kShare * pressure_load_n(model.contact, node.patch,
                                  node.indentation.sample.back().pressure_n);
     const RestSolve solve = single_solves(*model.factor);
-    node.indentation.nonlinearity = nonlinearity(
-        model.mesh, model.material, solve(model.supports.free_index, load_n));
+    node.indentation.nonlinearity =
+        nonlinearity(model.mesh, model.material,
+                     solve(model.supports.free_index, load_n, SolveWith::kFactor));
   });
 }
 

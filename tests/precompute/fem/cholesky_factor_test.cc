@@ -106,6 +106,21 @@ TEST(CholeskyFactor, NearUnknownsHaveASmallPartAndMoreOfThemALargerOne) {
   expect_same(factor, plain, more);
 }
 
+TEST(CholeskyFactor, ARoundedPartSolvesWithinItsRounding) {
+  const auto near = corner(kSide, 4, 5);
+  const CholeskyFactor factor(lattice(kSide), near);
+  const FactorPart part = factor.part(near);
+  const FactorPart rounded = part.rounded();
+  EXPECT_EQ(rounded.row(), part.row());
+  Eigen::VectorXd exact = Eigen::VectorXd::Random(part.size());
+  Eigen::VectorXd rough = exact;
+  part.solve(exact);
+  rounded.solve(rough);
+  // 6e-8, the rounding of a float, times what the matrix makes of it.
+  EXPECT_LT((rough - exact).norm(), 1e-6 * exact.norm());
+  EXPECT_GT((rough - exact).norm(), 1e-9 * exact.norm());
+}
+
 // Three unknowns at each point of a lattice, coupled in whole blocks.
 Stiffness in_blocks(const Stiffness& lattice) {
   std::vector<Eigen::Triplet<double, std::int64_t>> entries;

@@ -137,6 +137,14 @@ Rows solved(const FactorKernels& kernels, const SupernodeView& view, Rows X) {
   return X;
 }
 
+Eigen::VectorXd solved_one(const FactorKernels& kernels, const SupernodeView& view,
+                           Eigen::VectorXd x) {
+  std::vector<double> work(
+      static_cast<std::size_t>(kernels.solve_work(view, kSolveWidth)));
+  kernels.solve_one(view, x.data(), work.data());
+  return x;
+}
+
 TEST(FactorKernels, SolveForAsManyRightHandSidesAsThereAre) {
   const TwoSupernodes two;
   const Eigen::MatrixXd L = two.L();
@@ -148,11 +156,39 @@ TEST(FactorKernels, SolveForAsManyRightHandSidesAsThereAre) {
       EXPECT_LT((solved(kernels, two.view(), B) - X).norm(), 1e-11 * X.norm());
     }
     const Eigen::VectorXd x = Eigen::VectorXd::Random(17);
-    Eigen::VectorXd b = L * (L.transpose() * x);
-    std::vector<double> work(
-        static_cast<std::size_t>(kernels.solve_work(two.view(), kSolveWidth)));
-    kernels.solve_one(two.view(), b.data(), work.data());
-    EXPECT_LT((b - x).norm(), 1e-11 * x.norm());
+    const Eigen::VectorXd b = L * (L.transpose() * x);
+    EXPECT_LT((solved_one(kernels, two.view(), b) - x).norm(), 1e-11 * x.norm());
+  }
+}
+
+// The same with numbers that a float holds, as doubles and as floats.
+struct RoundedSupernodes : TwoSupernodes {
+  Eigen::MatrixXf first_rounded, second_rounded;
+  std::vector<const float*> rounded;
+
+  RoundedSupernodes()
+      : first_rounded(first.cast<float>()), second_rounded(second.cast<float>()) {
+    first = first_rounded.cast<double>();
+    second = second_rounded.cast<double>();
+    number = {first.data(), second.data()};
+    rounded = {first_rounded.data(), second_rounded.data()};
+  }
+  [[nodiscard]] SupernodeView rounded_view() const {
+    SupernodeView all = view();
+    all.number = nullptr;
+    all.rounded = rounded.data();
+    return all;
+  }
+};
+
+TEST(FactorKernels, ReadRoundedNumbersAndAddInDoubles) {
+  const RoundedSupernodes two;
+  const Eigen::VectorXd b = Eigen::VectorXd::Random(17);
+  for (const InstructionSet set : all_sets()) {
+    const FactorKernels& kernels = factor_kernels(set);
+    EXPECT_EQ(solved_one(kernels, two.rounded_view(), b),
+              solved_one(kernels, two.view(), b))
+        << name_of(set);
   }
 }
 
@@ -171,13 +207,8 @@ TEST(FactorKernels, HaveTheSameBitsWithEveryInstructionSet) {
     EXPECT_EQ(product(kernels, A, B, false), product(baseline, A, B, false));
     EXPECT_EQ(factorised(kernels, block, 53), factorised(baseline, block, 53));
     EXPECT_EQ(solved(kernels, two.view(), X), solved(baseline, two.view(), X));
-    Eigen::VectorXd one = X.col(0);
-    Eigen::VectorXd by_baseline = one;
-    std::vector<double> work(
-        static_cast<std::size_t>(kernels.solve_work(two.view(), kSolveWidth)));
-    kernels.solve_one(two.view(), one.data(), work.data());
-    baseline.solve_one(two.view(), by_baseline.data(), work.data());
-    EXPECT_EQ(one, by_baseline);
+    EXPECT_EQ(solved_one(kernels, two.view(), X.col(0)),
+              solved_one(baseline, two.view(), X.col(0)));
   }
 }
 
