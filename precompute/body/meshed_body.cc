@@ -154,9 +154,8 @@ Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
 
 namespace {
 
-// Unknowns of the mesh's near nodes; none where they are most of all.
+// Unknowns of the mesh's near nodes.
 std::vector<std::int64_t> near_unknowns(const BodyModel& model, const IsNear& near) {
-  constexpr double kMost = 0.6;
   std::vector<std::int64_t> unknowns;
   for (Eigen::Index node = 0; near && node < model.mesh.position_m.rows(); ++node) {
     if (near(model.mesh.position_m.row(node).transpose())) {
@@ -169,9 +168,7 @@ std::vector<std::int64_t> near_unknowns(const BodyModel& model, const IsNear& ne
       }
     }
   }
-  const bool most = static_cast<double>(unknowns.size()) >
-                    kMost * static_cast<double>(model.supports.free);
-  return most ? std::vector<std::int64_t>{} : unknowns;
+  return unknowns;
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ using IsNear = std::function<bool(const Eigen::Vector3d& p_m)>;
 
 /// Tetrahedralises, holds, assembles and factorises.
 /// @param surface of the body, refined; its first vertices are the body's.
-/// @param near empty, or what becomes near, unless that is most of the body.
+/// @param near empty, or what becomes near.
 /// @throws InputError where the supports do not hold the body or its factor would not
 /// fit into this machine's memory (require_memory), NumericalError where
 /// meshing or factorisation failed.

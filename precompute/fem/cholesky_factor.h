@@ -60,7 +60,8 @@ class FactorPart {
 class CholeskyFactor {
  public:
   /// @param lower lower triangle of K. @param near unknowns that will be asked for by
-  /// part(), any order: they are eliminated last, so that their part is small.
+  /// part(), any order: they are eliminated last where that costs less, so that their
+  /// part is small.
   /// @throws NumericalError if K is not positive definite (a body that nothing holds),
   /// or memory does not suffice.
   explicit CholeskyFactor(const Stiffness& lower,

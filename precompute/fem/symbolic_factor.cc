@@ -1,6 +1,7 @@
 #include "precompute/fem/symbolic_factor.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <mutex>
 
@@ -60,28 +61,37 @@ std::mutex& ordering_mutex() {
 
 using Permutation = std::vector<SuiteSparse_long>;
 
-// METIS' order with the near unknowns moved to the end, and both parts in postorder of
-// the elimination tree, as supernodes need it. Empty if CHOLMOD fails.
-Permutation near_last(cholmod_sparse& A, std::span<const std::int32_t> near,
-                      cholmod_common& c) {
-  const std::size_t n = A.nrow;
-  std::vector<char> is_near(n, 0);
-  for (const std::int32_t i : near) {
-    is_near[static_cast<std::size_t>(i)] = 1;
-  }
-  const auto far_first = [&](Permutation& order) {
-    std::stable_partition(order.begin(), order.end(), [&](SuiteSparse_long i) {
-      return is_near[static_cast<std::size_t>(i)] == 0;
-    });
-  };
-  Permutation order(n);
-  {
-    const std::lock_guard lock(ordering_mutex());
-    if (cholmod_l_metis(&A, nullptr, 0, 1, order.data(), &c) == 0) {
-      return {};
+// An order in postorder of the elimination tree, as supernodes need it, and what it
+// costs.
+struct Ordering {
+  Permutation order;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+// Multiplications for the factor, and for solves that touch the columns which the near
+// unknowns reach. @param count non-zeros of each column.
+double cost_of(const Permutation& count, const Permutation& parent,
+               std::vector<char> reached) {
+  // Steps of a nonlinear press, each of which costs as much time as ten such solves
+  // beside the factor; a linear press has as many columns.
+  constexpr double kSolves = 2000.0;
+  double cost = 0.0;
+  for (std::size_t k = 0; k < count.size(); ++k) {
+    const auto c = static_cast<double>(count[k]);
+    cost += c * c;
+    if (reached[k] != 0) {
+      cost += kSolves * c;
+      if (parent[k] >= 0) {
+        reached[static_cast<std::size_t>(parent[k])] = 1;
+      }
     }
   }
-  far_first(order);
+  return cost;
+}
+
+Ordering analysed_order(cholmod_sparse& A, Permutation order,
+                        const std::vector<char>& is_near, cholmod_common& c) {
+  const std::size_t n = A.nrow;
   Permutation parent(n);
   Permutation post(n);
   Permutation count(n);
@@ -92,12 +102,43 @@ Permutation near_last(cholmod_sparse& A, std::span<const std::int32_t> near,
                                  level.data(), &c) == 0) {
     return {};
   }
-  Permutation ordered(n);
-  std::transform(post.begin(), post.end(), ordered.begin(), [&](SuiteSparse_long i) {
+  std::vector<char> reached(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    reached[k] = is_near[static_cast<std::size_t>(order[k])];
+  }
+  Ordering made{Permutation(n), cost_of(count, parent, std::move(reached))};
+  std::transform(post.begin(), post.end(), made.order.begin(), [&](SuiteSparse_long i) {
     return order[static_cast<std::size_t>(i)];
   });
-  far_first(ordered);
-  return ordered;
+  return made;
+}
+
+// METIS' order, or the same with the near unknowns moved to the end, which makes the
+// part small that they reach, but fills the factor: whichever costs less. Empty if
+// CHOLMOD fails.
+Permutation near_last(cholmod_sparse& A, std::span<const std::int32_t> near,
+                      cholmod_common& c) {
+  const std::size_t n = A.nrow;
+  std::vector<char> is_near(n, 0);
+  for (const std::int32_t i : near) {
+    is_near[static_cast<std::size_t>(i)] = 1;
+  }
+  const auto far_first = [&](Permutation order) {
+    std::stable_partition(order.begin(), order.end(), [&](SuiteSparse_long i) {
+      return is_near[static_cast<std::size_t>(i)] == 0;
+    });
+    return order;
+  };
+  Permutation order(n);
+  {
+    const std::lock_guard lock(ordering_mutex());
+    if (cholmod_l_metis(&A, nullptr, 0, 1, order.data(), &c) == 0) {
+      return {};
+    }
+  }
+  Ordering last = analysed_order(A, far_first(order), is_near, c);
+  Ordering plain = analysed_order(A, std::move(order), is_near, c);
+  return plain.cost < last.cost ? plain.order : far_first(std::move(last.order));
 }
 
 cholmod_factor* analysed(cholmod_sparse& A, std::span<const std::int32_t> near,

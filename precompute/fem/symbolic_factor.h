@@ -22,8 +22,9 @@ struct SymbolicFactor {
   std::vector<std::int32_t> row;        ///< of each, ascending, its own columns first
 };
 
-/// @param near unknowns that are eliminated last, so that the columns that they reach
-/// are few; may be empty. Same input, same answer, from any thread.
+/// @param near unknowns that will be solved for most: they are eliminated last where
+/// that costs less, so that the columns that they reach are few; may be empty. Same
+/// input, same answer, from any thread.
 /// @throws NumericalError where memory does not suffice.
 [[nodiscard]] SymbolicFactor symbolic_factor(const LowerPattern& pattern,
                                              std::span<const std::int32_t> near);
