@@ -70,6 +70,9 @@ std::vector<PressedNode> in_groups(
 constexpr std::size_t kTriedFirst = 3;
 // Of tolerances, in presses that others are measured by.
 constexpr double kBetterShare = 0.3;
+// On finer meshes sharp edges fold more than small steps can follow: to fail costs more
+// than many presses, and a coarser mesh answers then.
+constexpr int kBetterBisections = 2;
 
 // One surface for all presses: uniformly fine, or only around what is pressed where
 // that makes it smaller.
@@ -306,6 +309,7 @@ std::vector<PressedNode> SceneSolver::better(const SharedTool& tool,
   options.near_gradient *= kBetterShare;
   options.equilibrium.decrement_relative *= kBetterShare;
   options.equilibrium.multiplier_relative *= kBetterShare;
+  options.bisections_max = kBetterBisections;
   return on_own_meshes(
       tool, vertices, palpate::finer(strategy_.focus, times_finer),
       {.nonlinear = strategy_.nonlinear,
