@@ -224,7 +224,8 @@ void CholeskyFactor::Impl::make_room() {
         "contact_resolution",
         order.size(), 1e-9 * bytes, 1e-9 * free));
   }
-  number = reused_doubles(at(count));
+  number = reused_doubles(at(count + kSolveWidth));
+  std::fill_n(number.get() + count, kSolveWidth, 0.0);
   std::int64_t next = 0;
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     nodes.number[s] = number.get() + next;
@@ -367,7 +368,7 @@ void FactorPart::solve(Eigen::VectorXd& x) const {
 FactorPart FactorPart::rounded() const {
   auto part = std::make_shared<Impl>(*impl_);
   Supernodes& nodes = part->nodes;
-  part->rounded.reserve(at(nodes.nonzeros()));
+  part->rounded.reserve(at(nodes.nonzeros() + kSolveWidth));
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     nodes.rounded.push_back(part->rounded.data() + part->rounded.size());
     std::transform(nodes.number[s], nodes.number[s] + nodes.rows(s) * nodes.columns(s),
@@ -375,6 +376,7 @@ FactorPart FactorPart::rounded() const {
                      return static_cast<float>(x);
                    });
   }
+  part->rounded.resize(at(nodes.nonzeros() + kSolveWidth), 0.0F);
   FactorPart made;
   made.impl_ = std::move(part);
   return made;

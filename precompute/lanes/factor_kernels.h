@@ -27,9 +27,10 @@ struct SupernodeView {
   const std::int32_t* begin = nullptr;      ///< (count + 1) first column
   const std::int64_t* row_begin = nullptr;  ///< (count + 1) into row
   const std::int32_t* row = nullptr;  ///< the rows of each, ascending, its own first
-  const double* const* number = nullptr;  ///< (count) blocks, (rows x columns)
-  std::ptrdiff_t rows_max = 0;            ///< of a supernode
-  /// The same numbers in single precision, which solve_one() reads where they are.
+  /// (count) blocks, (rows x columns), each followed by kSolveWidth finite numbers.
+  const double* const* number = nullptr;
+  std::ptrdiff_t rows_max = 0;  ///< of a supernode
+  /// The same in single precision, which solve_one() reads where they are.
   const float* const* rounded = nullptr;
 };
 

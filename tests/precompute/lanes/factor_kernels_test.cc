@@ -98,12 +98,21 @@ TEST(FactorKernels, NameTheFirstPivotThatIsNotPositive) {
   }
 }
 
+// A block as solves read it.
+template <typename Number>
+std::vector<Number> numbers_of(const Eigen::MatrixXd& block) {
+  std::vector<Number> numbers(block.data(), block.data() + block.size());
+  numbers.resize(numbers.size() + kSolveWidth, Number{1e3});
+  return numbers;
+}
+
 // Two supernodes, the second the first one's parent: L of 12 + 5 columns.
 struct TwoSupernodes {
   std::vector<std::int32_t> begin{0, 12, 17};
   std::vector<std::int64_t> row_begin{0, 16, 21};
   std::vector<std::int32_t> row;
   Eigen::MatrixXd first, second;
+  std::vector<double> first_number, second_number;
   std::vector<const double*> number;
 
   TwoSupernodes() : first(supernode(16, 12)), second(supernode(5, 5)) {
@@ -113,7 +122,12 @@ struct TwoSupernodes {
     row.insert(row.end(), {12, 13, 15, 16, 12, 13, 14, 15, 16});
     first = factorised(factor_kernels(InstructionSet::kBaseline), first, 12);
     second = factorised(factor_kernels(InstructionSet::kBaseline), second, 5);
-    number = {first.data(), second.data()};
+    set_numbers();
+  }
+  void set_numbers() {
+    first_number = numbers_of<double>(first);
+    second_number = numbers_of<double>(second);
+    number = {first_number.data(), second_number.data()};
   }
   [[nodiscard]] SupernodeView view() const {
     return {2, begin.data(), row_begin.data(), row.data(), number.data(), 16};
@@ -163,14 +177,15 @@ TEST(FactorKernels, SolveForAsManyRightHandSidesAsThereAre) {
 
 // The same with numbers that a float holds, as doubles and as floats.
 struct RoundedSupernodes : TwoSupernodes {
-  Eigen::MatrixXf first_rounded, second_rounded;
+  std::vector<float> first_rounded, second_rounded;
   std::vector<const float*> rounded;
 
-  RoundedSupernodes()
-      : first_rounded(first.cast<float>()), second_rounded(second.cast<float>()) {
-    first = first_rounded.cast<double>();
-    second = second_rounded.cast<double>();
-    number = {first.data(), second.data()};
+  RoundedSupernodes() {
+    first = first.cast<float>().cast<double>();
+    second = second.cast<float>().cast<double>();
+    set_numbers();
+    first_rounded = numbers_of<float>(first);
+    second_rounded = numbers_of<float>(second);
     rounded = {first_rounded.data(), second_rounded.data()};
   }
   [[nodiscard]] SupernodeView rounded_view() const {
