@@ -11,6 +11,10 @@
 
 #include <cstddef>
 
+#if defined(__AVX512F__)
+#include <immintrin.h>  // inlined always, all of it
+#endif
+
 // Registers are passed to functions that are inlined, and to no others.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #define PALPATE_INLINE [[gnu::always_inline]] inline
@@ -135,9 +139,13 @@ PALPATE_INLINE Lanes load(const float* at) {
   Lanes x;
 #pragma GCC unroll 4
   for (int i = 0; i < Lanes::kParts; ++i) {
-    x.part[i] = __builtin_convertvector(
-        *reinterpret_cast<const AnyFloats*>(at + std::ptrdiff_t{i} * kRegister),
-        Register);
+    const AnyFloats& floats =
+        *reinterpret_cast<const AnyFloats*>(at + std::ptrdiff_t{i} * kRegister);
+#if defined(__AVX512F__)
+    x.part[i] = _mm512_maskz_cvtps_pd(0xff, floats);  // GCC 12: by halves, else
+#else
+    x.part[i] = __builtin_convertvector(floats, Register);
+#endif
   }
   return x;
 }
