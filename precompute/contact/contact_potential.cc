@@ -108,6 +108,15 @@ ContactPotential::RowEntry& ContactPotential::row_entry(std::int32_t hat,
   return row.emplace_back(RowEntry{node, Eigen::Vector3d::Zero(), 0.0});
 }
 
+double ContactPotential::pressure_at(const Point& point,
+                                     const Eigen::VectorXd& pressure_n) {
+  double pressure = 0.0;
+  for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
+    pressure += point.omega[h] * pressure_n[point.hat[h]];
+  }
+  return pressure;
+}
+
 double ContactPotential::point_spring(const Point& point,
                                       const Multipliers& multipliers) {
   double spring = 0.0;
@@ -146,31 +155,36 @@ ContactState ContactPotential::evaluate(const Eigen::VectorXd& u_m,
   state.force_n.setZero();
   state.moment_nm.setZero();
   state.gap_m = Eigen::VectorXd::Zero(nodes());
-  Eigen::MatrixX3d normal = Eigen::MatrixX3d::Zero(nodes(), 3);
-  Eigen::MatrixX3d torque = Eigen::MatrixX3d::Zero(nodes(), 3);
-  for (const Point& point : point_) {
-    const Eigen::Vector3d x = displaced(point, u_m);
-    const ToolDistance phi = distance(tool, x);
+  std::vector<char> overlaps(point_.size(), 0);  // with springs at the points
+  for (std::size_t p = 0; p < point_.size(); ++p) {
+    const Point& point = point_[p];
+    const double distance = distance_m(tool, displaced(point, u_m));
     for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
-      state.gap_m[point.hat[h]] += point.omega[h] * phi.distance_m;
-      normal.row(point.hat[h]) += point.omega[h] * phi.normal.transpose();
-      torque.row(point.hat[h]) += point.omega[h] * x.cross(phi.normal).transpose();
+      state.gap_m[point.hat[h]] += point.omega[h] * distance;
     }
-    if (phi.distance_m < 0.0 && multipliers.point_share > 0.0) {
-      const double push = -point_spring(point, multipliers) * phi.distance_m;
-      state.energy_j -= 0.5 * push * phi.distance_m;
-      state.force_n -= push * phi.normal;
-      state.moment_nm -= push * x.cross(phi.normal);
-    }
+    overlaps[p] = distance < 0.0 && multipliers.point_share > 0.0 ? 1 : 0;
   }
   const Eigen::VectorXd& k = multipliers.spring_n_per_m;
   const Eigen::VectorXd& lambda = multipliers.pressure_n;
   state.pressure_n = (lambda - k.cwiseProduct(state.gap_m)).cwiseMax(0.0);
-  state.energy_j += ((state.pressure_n.array().square() - lambda.array().square()) /
-                     (2.0 * k.array()))
-                        .sum();
-  state.force_n -= normal.transpose() * state.pressure_n;
-  state.moment_nm -= torque.transpose() * state.pressure_n;
+  state.energy_j = ((state.pressure_n.array().square() - lambda.array().square()) /
+                    (2.0 * k.array()))
+                       .sum();
+  for (std::size_t p = 0; p < point_.size(); ++p) {
+    double push = pressure_at(point_[p], state.pressure_n);
+    if (push == 0.0 && overlaps[p] == 0) {
+      continue;  // most of them
+    }
+    const Eigen::Vector3d x = displaced(point_[p], u_m);
+    const ToolDistance phi = distance(tool, x);
+    if (overlaps[p] != 0) {
+      const double spring = -point_spring(point_[p], multipliers) * phi.distance_m;
+      state.energy_j -= 0.5 * spring * phi.distance_m;
+      push += spring;
+    }
+    state.force_n -= push * phi.normal;
+    state.moment_nm -= push * x.cross(phi.normal);
+  }
   state.tie_n = Eigen::MatrixX3d::Zero(nodes(), 3);
   if (multipliers.tied.empty()) {
     return state;
@@ -215,10 +229,7 @@ void ContactPotential::linearise(const Eigen::VectorXd& u_m, const PlacedTool& t
   for (std::size_t p = 0; p < point_.size(); ++p) {
     const Point& point = point_[p];
     const FaceRulePoint& rule = rule_point(point.rule);
-    double pressure = 0.0;
-    for (std::size_t h = 0; h < 3 && point.hat[h] >= 0; ++h) {
-      pressure += point.omega[h] * state.pressure_n[point.hat[h]];
-    }
+    const double pressure = pressure_at(point, state.pressure_n);
     if (pressure > 0.0 || multipliers.point_share > 0.0) {
       const ToolDistance phi = distance(tool, displaced(point, u_m));
       const double overlap_m = std::max(0.0, -phi.distance_m);

@@ -89,6 +89,9 @@ class ContactPotential {
   };
   [[nodiscard]] Eigen::Vector3d displaced(const Point& point,
                                           const Eigen::VectorXd& u_m) const;
+  /// [N] its share of the hats' pressure forces
+  [[nodiscard]] static double pressure_at(const Point& point,
+                                          const Eigen::VectorXd& pressure_n);
   /// k_q [N/m]
   [[nodiscard]] static double point_spring(const Point& point,
                                            const Multipliers& multipliers);
