@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/material/convex_tangent.h"
 
 namespace palpate {
 namespace {
@@ -68,15 +67,6 @@ void mirror(ElementMatrix& K) {
       K.block<3, 3>(3 * a, 3 * b) = K.block<3, 3>(3 * b, 3 * a).transpose();
     }
   }
-}
-
-void clip_negative(Tangent& tangent) {
-  if (Eigen::LLT<Tangent>(tangent).info() == Eigen::Success) {
-    return;
-  }
-  const Eigen::SelfAdjointEigenSolver<Tangent> eigen(tangent);
-  tangent = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-            eigen.eigenvectors().transpose();
 }
 
 double mean_theta(VolumeMeasure measure, const std::array<Eigen::Matrix3d, 4>& F) {
@@ -170,7 +160,7 @@ ElementLinearisation element_response(const ElementGeometry& geometry,
       local.tangent += k * theta * volume.curvature;
     }
     if (convex) {
-      clip_negative(local.tangent);
+      clip_negative(F[q], local.tangent);
     }
     add_force(geometry.gradient[q], local.stress, weight, response.force_n);
     add_stiffness(geometry.gradient[q], local.tangent, weight, response.stiffness);
