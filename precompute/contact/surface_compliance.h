@@ -62,8 +62,8 @@ class SurfaceCompliance {
                     double radius_m, std::span<const char> wanted,
                     const std::function<void(std::size_t)>& progress);
 
-  /// Of the few nodes that a model was made for: all pairs are kept, and it costs a
-  /// quarter of the solves (load_compliance.h). Of the calling thread alone.
+  /// Of the few nodes that a model was made for: all pairs are kept, and cost less than
+  /// solves for half of the columns (load_compliance.h). Of the calling thread alone.
   /// @param nodes as above.
   SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
                     const ContactSurface& surface, std::span<const std::int32_t> nodes);
