@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numbers>
 #include <unordered_map>
@@ -125,11 +124,10 @@ bool faces(const ContactNode& node, const Eigen::Vector3d& outward) {
 
 // Of the force, the share that nodes bear whose neighbours were left out of the patch
 // for their distance alone: neighbours that face away end a contact, as an edge does.
-// @param f (n) forces at those of the patch that may be met. @param pushed (n x 3)
-// direction of each.
+// @param f (n) forces. @param pushed (n x 3) direction of each.
 double edge_share(const ContactSurface& surface, std::span<const std::int32_t> patch,
-                  std::span<const std::int32_t> met, const IndentationPath& path,
-                  const Eigen::VectorXd& f, const Eigen::MatrixX3d& pushed) {
+                  const IndentationPath& path, const Eigen::VectorXd& f,
+                  const Eigen::MatrixX3d& pushed) {
   const auto away_m = [&](std::int32_t v) {
     return (node_of(surface, v).position_m - path.vertex_m).norm();
   };
@@ -138,8 +136,8 @@ double edge_share(const ContactSurface& surface, std::span<const std::int32_t> p
     reach_m = std::max(reach_m, away_m(v));
   }
   Eigen::Vector3d edge = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < met.size(); ++i) {
-    const auto& neighbours = node_of(surface, met[i]).neighbours;
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const auto& neighbours = node_of(surface, patch[i]).neighbours;
     if (std::any_of(neighbours.begin(), neighbours.end(), [&](std::int32_t v) {
           return away_m(v) > reach_m && faces(node_of(surface, v), path.outward);
         })) {
@@ -149,19 +147,6 @@ double edge_share(const ContactSurface& surface, std::span<const std::int32_t> p
   }
   const double whole = (pushed.transpose() * f).norm();
   return whole > 0.0 ? edge.norm() / whole : 0.0;
-}
-
-// Forces at the compliance's columns as forces at the whole patch.
-Eigen::VectorXd on_patch(const SurfaceCompliance& compliance,
-                         std::span<const std::int32_t> patch,
-                         const Eigen::VectorXd& f) {
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(patch.size()));
-  for (Eigen::Index i = 0, column = 0; i < all.size(); ++i) {
-    if (compliance.is_column(patch[static_cast<std::size_t>(i)])) {
-      all[i] = f[column++];
-    }
-  }
-  return all;
 }
 
 double contact_area_m2(const ContactSurface& surface,
@@ -182,36 +167,6 @@ double mean_spacing_m(const ContactSurface& surface, std::int32_t v) {
   }
   return sum / static_cast<double>(node.neighbours.size());
 }
-
-// Where the compliance has no columns: there the tool must not be met.
-class Outside {
- public:
-  Outside(const ContactSurface& surface, const SurfaceCompliance& compliance,
-          std::span<const std::int32_t> patch, const IndentationPath& path,
-          std::span<const std::int32_t> columns)
-      : depth_m_(path.depth_max_m) {
-    std::vector<std::int32_t> nodes;
-    std::set_difference(patch.begin(), patch.end(), columns.begin(), columns.end(),
-                        std::back_inserter(nodes));
-    const Gaps gaps = gaps_at(surface, nodes, path, depth_m_);
-    gap_m_ = gaps.distance_m;
-    closing_ = gaps.by_centre * path.outward;
-    moved_ = compliance.between(nodes, columns);
-  }
-
-  // Gaps are convex in the penetration (first_touch_m): a tangent is below them.
-  [[nodiscard]] bool is_met(double penetration_m, const Eigen::VectorXd& f) const {
-    const Eigen::VectorXd least =
-        gap_m_ + (depth_m_ - penetration_m) * closing_ + moved_ * f;
-    return least.size() > 0 && least.minCoeff() < 0.0;
-  }
-
- private:
-  double depth_m_;
-  Eigen::VectorXd gap_m_;    // (n) at the largest depth
-  Eigen::VectorXd closing_;  // (n) [-] there, by the penetration
-  Eigen::MatrixXd moved_;    // (n x n_columns) [m/N]
-};
 
 }  // namespace
 
@@ -251,44 +206,13 @@ std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
   return patch;
 }
 
-std::vector<std::int32_t> cut_by_tool(const ContactSurface& surface,
-                                      std::span<const std::int32_t> patch,
-                                      const IndentationPath& path, double share) {
-  std::vector<std::int32_t> cut;
-  if (patch.empty()) {
-    return cut;
-  }
-  const Gaps gaps = gaps_at(surface, patch, path, path.depth_max_m);
-  const double least_m = share * std::min(gaps.distance_m.minCoeff(), 0.0);
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    // One that opens may have been closed before.
-    if (gaps.distance_m[k] < least_m || gaps.by_centre.row(k).dot(path.outward) < 0.0) {
-      const auto& neighbours = node_of(surface, patch[i]).neighbours;
-      cut.push_back(patch[i]);
-      std::copy_if(neighbours.begin(), neighbours.end(), std::back_inserter(cut),
-                   [&](std::int32_t v) {
-                     return std::binary_search(patch.begin(), patch.end(), v);
-                   });
-    }
-  }
-  std::sort(cut.begin(), cut.end());
-  cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
-  return cut;
-}
-
 Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compliance,
                    std::span<const std::int32_t> patch, const IndentationPath& path) {
   Indentation result;
   if (patch.empty()) {
     return result;
   }
-  std::vector<std::int32_t> columns;
-  std::copy_if(patch.begin(), patch.end(), std::back_inserter(columns),
-               [&](std::int32_t v) {
-                 return compliance.is_column(v);
-               });
-  const double touch = first_touch_m(surface, columns.empty() ? patch : columns, path);
+  const double touch = first_touch_m(surface, patch, path);
   if (!std::isfinite(touch)) {
     return result;
   }
@@ -296,11 +220,10 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
   if (!(touch < path.depth_max_m)) {
     return result;
   }
-  const Eigen::MatrixXd A = compliance.among(columns);
-  const Outside outside(surface, compliance, patch, path, columns);
-  const GapsAlong gaps_along(surface, columns, path, touch);
+  const Eigen::MatrixXd A = compliance.among(patch);
+  const GapsAlong gaps_along(surface, patch, path, touch);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(A.rows());
-  CoarseContact coarse(surface, columns, A);
+  CoarseContact coarse(surface, patch, A);
   for (int k = 1; k <= path.samples && !result.force_capped; ++k) {
     const double share = static_cast<double>(k) / path.samples;
     IndentationSample sample;
@@ -309,17 +232,13 @@ Indentation indent(const ContactSurface& surface, const SurfaceCompliance& compl
     const ComplementarityReport report = solve_complementarity(A, gaps.distance_m, f);
     result.iterations += report.iterations;
     result.converged = result.converged && report.converged;
-    result.needs_columns = outside.is_met(sample.penetration_m, f);
-    if (result.needs_columns) {
-      return result;
-    }
     sample.force_n = gaps.by_centre.transpose() * f;
     sample.energy_j = -0.5 * f.dot(gaps.distance_m);  // A f closes the gaps under f
-    sample.pressure_n = on_patch(compliance, patch, f);
-    result.edge_share = edge_share(surface, patch, columns, path, f, gaps.by_centre);
+    sample.pressure_n = f;
+    result.edge_share = edge_share(surface, patch, path, f, gaps.by_centre);
     sample.coarse_force_n = coarse.force_n(gaps);
     sample.contact_radius_m =
-        std::sqrt(contact_area_m2(surface, columns, f) / std::numbers::pi);
+        std::sqrt(contact_area_m2(surface, patch, f) / std::numbers::pi);
     result.force_capped = sample.force_n.norm() > path.force_max_n;
     result.sample.push_back(sample);
   }

@@ -63,9 +63,6 @@ struct Indentation {
   /// The tool also meets a part of the body whose contact is not in the force
   /// (other_contact.h).
   bool reaches_elsewhere = false;
-  /// The press ended because the body met the tool where it has no columns: more are
-  /// needed.
-  bool needs_columns = false;
 };
 
 /// Contact nodes that the tool may touch: joined to `start` over the surface, within
@@ -83,20 +80,9 @@ struct Indentation {
 /// the depth), and two node spacings more. NaN where the tool cannot be placed.
 [[nodiscard]] double patch_radius_m(const IndentationPath& path, double node_spacing_m);
 
-/// Those of a patch that the path's tool would cut on its way if the body stayed where
-/// it is, deeper than a share of the deepest cut, and their neighbours. A half-space
-/// meets a ball where the cut is deeper than half of the deepest (Hertz); hardly
-/// anything is met where there is no cut. Ascending, as the patch is.
-/// @param share [-] 0 to 1.
-[[nodiscard]] std::vector<std::int32_t> cut_by_tool(const ContactSurface& surface,
-                                                    std::span<const std::int32_t> patch,
-                                                    const IndentationPath& path,
-                                                    double share);
-
 /// Presses along the path. The force on the tool is the derivative of the stored energy
 /// with the tool's position, so that the work along the path is the stored energy.
-/// @param compliance with the columns of the patch, or of a part of it: where the tool
-/// is met there alone the result is the same, else needs_columns is set.
+/// @param compliance with the columns of the patch.
 /// @param patch from contact_patch. An empty patch gives an empty indentation.
 [[nodiscard]] Indentation indent(const ContactSurface& surface,
                                  const SurfaceCompliance& compliance,

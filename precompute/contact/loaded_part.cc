@@ -50,6 +50,22 @@ LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,
   return loaded;
 }
 
+LoadColumns unit_loads(const LoadedPart& loaded, const ContactSurface& surface,
+                       std::span<const std::int32_t> nodes) {
+  std::vector<Eigen::Triplet<double, std::int64_t>> entries;
+  std::int64_t column = 0;
+  for (const std::int32_t v : nodes) {
+    for_each_load(node_of(surface, v), loaded.supports,
+                  [&](std::int64_t dof, double force) {
+                    entries.emplace_back(dof, column, force);
+                  });
+    ++column;
+  }
+  LoadColumns loads(loaded.factor.size(), column);
+  loads.setFromTriplets(entries.begin(), entries.end());
+  return loads;
+}
+
 void add_load(const ContactNode& node, double force_n, const Supports& supports,
               SolveRows& B, Eigen::Index column) {
   for_each_load(node, supports, [&](std::int64_t dof, double force) {

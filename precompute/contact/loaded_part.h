@@ -11,6 +11,7 @@
 #include "precompute/contact/contact_surface.h"
 #include "precompute/contact/surface_compliance.h"
 #include "precompute/fem/cholesky_factor.h"
+#include "precompute/fem/load_compliance.h"
 
 namespace palpate {
 
@@ -23,6 +24,11 @@ struct LoadedPart {
 /// @param nodes contact nodes that will be loaded, or whose displacement is wanted.
 [[nodiscard]] LoadedPart loaded_part(const CholeskyFactor& factor,
                                      const Supports& supports,
+                                     const ContactSurface& surface,
+                                     std::span<const std::int32_t> nodes);
+
+/// 1 N of pressure force over the hat of each node, one column each.
+[[nodiscard]] LoadColumns unit_loads(const LoadedPart& loaded,
                                      const ContactSurface& surface,
                                      std::span<const std::int32_t> nodes);
 

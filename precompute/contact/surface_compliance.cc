@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <iterator>
 #include <mutex>
 
 #include "precompute/contact/face_quadrature.h"
 #include "precompute/contact/loaded_part.h"
+#include "precompute/fem/load_compliance.h"
 #include "precompute/process/parallel.h"
 
 namespace palpate {
@@ -155,30 +155,50 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
                                      const Supports& supports,
                                      const ContactSurface& surface,
                                      std::span<const std::int32_t> nodes,
-                                     std::span<const std::int32_t> columns,
                                      double radius_m, std::span<const char> wanted,
-                                     const std::function<void(std::size_t)>& progress)
-    : is_column_(surface.node.size(), 0) {
-  const auto near = near_pairs(surface, nodes, radius_m);
-  begin_.push_back(0);
-  for (const auto& list : near) {
+                                     const std::function<void(std::size_t)>& progress) {
+  for (const auto& list : near_pairs(surface, nodes, radius_m)) {
+    const auto begin = static_cast<std::int64_t>(neighbour_.size());
+    column_.push_back({begin, begin, std::ssize(list)});
     neighbour_.insert(neighbour_.end(), list.begin(), list.end());
-    begin_.push_back(static_cast<std::int64_t>(neighbour_.size()));
   }
-  value_.assign(neighbour_.size(), 0.0);
-  solve(factor, supports, surface, columns, wanted, progress);
+  value_.setZero(std::ssize(neighbour_), 1);
+  const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
+  const std::vector<std::int32_t> columns = by_elimination(loaded, surface, nodes);
+  std::atomic<std::size_t> done = 0;
+  std::mutex reporting;
+  const auto solve_if_needed = [&](std::size_t first) {
+    const std::size_t count = std::min(kBlock, columns.size() - first);
+    const std::span block(columns.data() + first, count);
+    if (wanted.empty() || std::any_of(block.begin(), block.end(), [&](std::int32_t v) {
+          return wanted[static_cast<std::size_t>(v)] != 0;
+        })) {
+      solve_block(loaded, surface, block);
+    }
+    done += count;
+    if (progress && reporting.try_lock()) {
+      const std::lock_guard lock(reporting, std::adopt_lock);
+      progress(done);
+    }
+  };
+  const std::size_t blocks = (columns.size() + kBlock - 1) / kBlock;
+  in_parallel(blocks, [&](std::size_t i) {
+    solve_if_needed(i * kBlock);
+  });
 }
 
-void SurfaceCompliance::add_columns(const CholeskyFactor& factor,
-                                    const Supports& supports,
-                                    const ContactSurface& surface,
-                                    std::span<const std::int32_t> columns) {
-  std::vector<std::int32_t> missing;
-  std::copy_if(columns.begin(), columns.end(), std::back_inserter(missing),
-               [&](std::int32_t v) {
-                 return !is_column(v);
-               });
-  solve(factor, supports, surface, missing, {}, nullptr);
+SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
+                                     const Supports& supports,
+                                     const ContactSurface& surface,
+                                     std::span<const std::int32_t> nodes)
+    : column_(surface.node.size()), neighbour_(nodes.begin(), nodes.end()) {
+  const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
+  value_ = load_compliance(loaded.factor, unit_loads(loaded, surface, nodes));
+  std::int64_t value = 0;
+  for (const std::int32_t v : nodes) {
+    column_[static_cast<std::size_t>(v)] = {0, value, std::ssize(nodes)};
+    value += std::ssize(nodes);
+  }
 }
 
 void SurfaceCompliance::solve_block(const LoadedPart& loaded,
@@ -186,14 +206,13 @@ void SurfaceCompliance::solve_block(const LoadedPart& loaded,
                                     std::span<const std::int32_t> columns) {
   const auto count = static_cast<Eigen::Index>(columns.size());
   SolveRows X = SolveRows::Zero(loaded.supports.free, solve_width(count));
-  std::vector<std::int64_t> next;  // entry of each column that is to be filled
+  std::vector<std::size_t> next(columns.size(), 0);     // entry that is to be filled
   std::vector<char> has_entry(surface.node.size(), 0);  // in some column, by row
   for (Eigen::Index k = 0; k < count; ++k) {
-    const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
-    add_load(surface.node[v], 1.0, loaded.supports, X, k);
-    next.push_back(begin_[v]);
-    for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
-      has_entry[static_cast<std::size_t>(neighbour_[static_cast<std::size_t>(at)])] = 1;
+    const std::int32_t v = columns[static_cast<std::size_t>(k)];
+    add_load(surface.node[static_cast<std::size_t>(v)], 1.0, loaded.supports, X, k);
+    for (const std::int32_t w : neighbours(v)) {
+      has_entry[static_cast<std::size_t>(w)] = 1;
     }
   }
   loaded.factor.solve(X);
@@ -204,11 +223,9 @@ void SurfaceCompliance::solve_block(const LoadedPart& loaded,
     }
     average_rows(surface.node[w], loaded.supports, X, average);
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      const auto entry = static_cast<std::size_t>(next[k]);
-      if (next[k] < begin_[static_cast<std::size_t>(columns[k]) + 1] &&
-          neighbour_[entry] == static_cast<std::int32_t>(w)) {
-        value_[entry] = average[static_cast<Eigen::Index>(k)];
-        ++next[k];
+      const auto rows = neighbours(columns[k]);
+      if (next[k] < rows.size() && rows[next[k]] == static_cast<std::int32_t>(w)) {
+        values(columns[k])[next[k]++] = average[static_cast<Eigen::Index>(k)];
       }
     }
   }
@@ -236,55 +253,12 @@ std::vector<std::int32_t> SurfaceCompliance::by_elimination(
   return ordered;
 }
 
-void SurfaceCompliance::solve(const CholeskyFactor& factor, const Supports& supports,
-                              const ContactSurface& surface,
-                              std::span<const std::int32_t> asked,
-                              std::span<const char> wanted,
-                              const std::function<void(std::size_t)>& progress) {
-  for (const std::int32_t v : asked) {
-    is_column_[static_cast<std::size_t>(v)] = 1;
-  }
-  std::vector<std::int32_t> nodes;  // each is its own neighbour
-  for (std::size_t v = 0; v + 1 < begin_.size(); ++v) {
-    if (begin_[v + 1] > begin_[v]) {
-      nodes.push_back(static_cast<std::int32_t>(v));
-    }
-  }
-  const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
-  const std::vector<std::int32_t> columns = by_elimination(loaded, surface, asked);
-  std::atomic<std::size_t> done = 0;
-  std::mutex reporting;
-  const auto solve_if_needed = [&](std::size_t first) {
-    const std::size_t count = std::min(kBlock, columns.size() - first);
-    const std::span block(columns.data() + first, count);
-    if (wanted.empty() || std::any_of(block.begin(), block.end(), [&](std::int32_t v) {
-          return wanted[static_cast<std::size_t>(v)] != 0;
-        })) {
-      solve_block(loaded, surface, block);
-    }
-    done += count;
-    if (progress && reporting.try_lock()) {
-      const std::lock_guard lock(reporting, std::adopt_lock);
-      progress(done);
-    }
-  };
-  const std::size_t blocks = (columns.size() + kBlock - 1) / kBlock;
-  in_parallel(blocks, [&](std::size_t i) {
-    solve_if_needed(i * kBlock);
-  });
-}
-
 void SurfaceCompliance::add(std::span<const std::int32_t> nodes,
                             const Eigen::MatrixXd& more) {
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto v = static_cast<std::size_t>(nodes[i]);
-    for (auto at = begin_[v]; at < begin_[v + 1]; ++at) {
-      const auto k = static_cast<std::size_t>(at);
-      const auto w = std::lower_bound(nodes.begin(), nodes.end(), neighbour_[k]);
-      if (w != nodes.end() && *w == neighbour_[k]) {
-        value_[k] += more(static_cast<Eigen::Index>(i), w - nodes.begin());
-      }
-    }
+  for (std::size_t j = 0; j < nodes.size(); ++j) {
+    for_entries(nodes[j], nodes, [&](Eigen::Index i, std::size_t at) {
+      values(nodes[j])[at] += more(i, static_cast<Eigen::Index>(j));
+    });
   }
 }
 
@@ -293,14 +267,14 @@ template <typename Entry>
 void SurfaceCompliance::for_entries(std::int32_t column,
                                     std::span<const std::int32_t> rows,
                                     const Entry& entry) const {
-  auto at = begin_[static_cast<std::size_t>(column)];
-  const auto end = begin_[static_cast<std::size_t>(column) + 1];
-  for (std::size_t i = 0; i < rows.size() && at < end; ++i) {
-    while (at < end && neighbour_[static_cast<std::size_t>(at)] < rows[i]) {
+  const auto kept = neighbours(column);
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < rows.size() && at < kept.size(); ++i) {
+    while (at < kept.size() && kept[at] < rows[i]) {
       ++at;
     }
-    if (at < end && neighbour_[static_cast<std::size_t>(at)] == rows[i]) {
-      entry(static_cast<Eigen::Index>(i), value_[static_cast<std::size_t>(at)]);
+    if (at < kept.size() && kept[at] == rows[i]) {
+      entry(static_cast<Eigen::Index>(i), at);
     }
   }
 }
@@ -309,13 +283,14 @@ Eigen::MatrixXd SurfaceCompliance::among(std::span<const std::int32_t> nodes) co
   const auto n = static_cast<Eigen::Index>(nodes.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    for_entries(nodes[static_cast<std::size_t>(j)], nodes,
-                [&](Eigen::Index i, double value) {
-                  if (i <= j) {
-                    A(i, j) = value;
-                    A(j, i) = value;
-                  }
-                });
+    const std::int32_t v = nodes[static_cast<std::size_t>(j)];
+    const double* const value = values(v);
+    for_entries(v, nodes, [&](Eigen::Index i, std::size_t at) {
+      if (i <= j) {
+        A(i, j) = value[at];
+        A(j, i) = value[at];
+      }
+    });
   }
   return A;
 }
@@ -325,10 +300,11 @@ Eigen::MatrixXd SurfaceCompliance::between(
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()),
                                             static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
-    for_entries(columns[static_cast<std::size_t>(j)], rows,
-                [&](Eigen::Index i, double value) {
-                  A(i, j) = value;
-                });
+    const std::int32_t v = columns[static_cast<std::size_t>(j)];
+    const double* const value = values(v);
+    for_entries(v, rows, [&](Eigen::Index i, std::size_t at) {
+      A(i, j) = value[at];
+    });
   }
   return A;
 }

@@ -50,63 +50,67 @@ class SurfaceCompliance {
  public:
   static constexpr std::size_t kBlock = kSolveWidthMax;  ///< columns per solve
 
-  /// Solves for one column per node of `columns` and keeps its rows within `radius_m`.
-  /// Runs on all cores; the result does not depend on their number.
-  /// @param nodes contact nodes, ascending: the rows. @param columns of them,
-  /// ascending.
+  /// Of a model's many nodes: solves for one column per node and keeps its rows within
+  /// `radius_m`. Runs on all cores; the result does not depend on their number.
+  /// @param nodes contact nodes, ascending.
   /// @param wanted by contact node: blocks of columns without a wanted one are left
   /// out; empty: all are wanted. What is wanted does not change the bits of a column.
   /// @param progress called now and then from one thread with the columns done; may
   /// throw.
   SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
                     const ContactSurface& surface, std::span<const std::int32_t> nodes,
-                    std::span<const std::int32_t> columns, double radius_m,
-                    std::span<const char> wanted,
+                    double radius_m, std::span<const char> wanted,
                     const std::function<void(std::size_t)>& progress);
 
-  /// Solves for columns that are missing, as the constructor does.
-  /// @param columns of its nodes, ascending; those that are there are passed over.
-  void add_columns(const CholeskyFactor& factor, const Supports& supports,
-                   const ContactSurface& surface,
-                   std::span<const std::int32_t> columns);
+  /// Of the few nodes that a model was made for: all pairs are kept, and cost less than
+  /// solves for half of the columns (load_compliance.h). Of the calling thread alone.
+  /// @param nodes as above.
+  SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
+                    const ContactSurface& surface, std::span<const std::int32_t> nodes);
 
   /// Adds to the compliance among the given contact nodes, where it is kept.
   /// @param nodes ascending. @param more (n x n) [m/N], symmetric.
   void add(std::span<const std::int32_t> nodes, const Eigen::MatrixXd& more);
 
-  /// Compliance among the given contact nodes, (n x n). Pairs farther apart than the
-  /// radius are zero; every node must be one of those that were solved for.
+  /// Compliance among the given contact nodes, (n x n). Pairs that are not kept are
+  /// zero; every node must be one of those that were solved for.
   [[nodiscard]] Eigen::MatrixXd among(std::span<const std::int32_t> nodes) const;
 
-  /// (n_rows x n_columns), zero as above. @param columns that were solved for.
+  /// (n_rows x n_columns), zero as above.
   [[nodiscard]] Eigen::MatrixXd between(std::span<const std::int32_t> rows,
                                         std::span<const std::int32_t> columns) const;
 
-  /// Whether a contact node is one of the columns.
-  [[nodiscard]] bool is_column(std::int32_t node) const {
-    return is_column_[static_cast<std::size_t>(node)] != 0;
-  }
-
  private:
+  // A node's column: where its neighbours and its values begin.
+  struct Column {
+    std::int64_t neighbour = 0, value = 0, count = 0;
+  };
+
+  [[nodiscard]] std::span<const std::int32_t> neighbours(std::int32_t node) const {
+    const Column& column = column_[static_cast<std::size_t>(node)];
+    return {neighbour_.data() + column.neighbour,
+            static_cast<std::size_t>(column.count)};
+  }
+  [[nodiscard]] const double* values(std::int32_t node) const {
+    return value_.data() + column_[static_cast<std::size_t>(node)].value;
+  }
+  [[nodiscard]] double* values(std::int32_t node) {
+    return value_.data() + column_[static_cast<std::size_t>(node)].value;
+  }
   static std::vector<std::int32_t> by_elimination(
       const LoadedPart& loaded, const ContactSurface& surface,
       std::span<const std::int32_t> columns);
   // At most kBlock columns.
   void solve_block(const LoadedPart& loaded, const ContactSurface& surface,
                    std::span<const std::int32_t> columns);
-  void solve(const CholeskyFactor& factor, const Supports& supports,
-             const ContactSurface& surface, std::span<const std::int32_t> columns,
-             std::span<const char> wanted,
-             const std::function<void(std::size_t)>& progress);
-  // Calls entry(i, value) for the rows[i] that are kept of a column.
+  // Calls entry(i, at) for the rows[i] that are kept of a column, as its at-th.
   template <typename Entry>
   void for_entries(std::int32_t column, std::span<const std::int32_t> rows,
                    const Entry& entry) const;
 
-  std::vector<char> is_column_;          // (n_contact_nodes)
-  std::vector<std::int64_t> begin_;      // (n_contact_nodes + 1)
-  std::vector<std::int32_t> neighbour_;  // ascending within a node's range
-  std::vector<double> value_;
+  std::vector<Column> column_;           // (n_contact_nodes)
+  std::vector<std::int32_t> neighbour_;  // ascending within a column
+  Eigen::MatrixXd value_;                // by columns, of any shape
 };
 
 }  // namespace palpate

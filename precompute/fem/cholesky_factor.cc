@@ -357,6 +357,10 @@ std::int64_t FactorPart::nonzeros() const {
   return impl_->nodes.nonzeros();
 }
 
+SupernodeView FactorPart::supernodes() const {
+  return impl_->nodes.view();
+}
+
 void FactorPart::solve(SolveRows& X) const {
   impl_->nodes.solve(X);
 }

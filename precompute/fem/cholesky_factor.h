@@ -37,6 +37,8 @@ class FactorPart {
   [[nodiscard]] const std::vector<std::int64_t>& row() const;
   [[nodiscard]] Eigen::Index size() const;
   [[nodiscard]] std::int64_t nonzeros() const;
+  /// Its columns, rows as row() says; as long as this lives.
+  [[nodiscard]] SupernodeView supernodes() const;
 
   /// X <- (K^-1)_part,part X, rows as row() says. As safe as CholeskyFactor::solve(),
   /// whose bits these are for as many right-hand sides, one or several.

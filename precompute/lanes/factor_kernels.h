@@ -47,11 +47,19 @@ struct FactorKernels {
   std::ptrdiff_t (*product_work)(std::ptrdiff_t m, std::ptrdiff_t n, std::ptrdiff_t k);
 
   /// Replaces a supernode's block of K (lower triangle, after the updates by its
-  /// descendants) by that of L. @param work as factorise_work(). @return the first
-  /// column without a positive pivot, or k.
+  /// descendants) by that of L; what stands above the diagonal means nothing. @param
+  /// work as factorise_work(). @return the first column without a positive pivot, or k.
   std::ptrdiff_t (*factorise)(std::ptrdiff_t m, std::ptrdiff_t k, double* L,
                               std::ptrdiff_t ld, double* work);
   std::ptrdiff_t (*factorise_work)(std::ptrdiff_t m, std::ptrdiff_t k);
+
+  /// Forward elimination of right-hand sides that stand below a factorised supernode as
+  /// rows of it: of Y (rows x m), L's rows being its columns, the first k become
+  /// Y L11'^-1, and the others less by their product with L21'. @param work as
+  /// product_work() of rows, m and k.
+  void (*eliminate)(std::ptrdiff_t rows, std::ptrdiff_t m, std::ptrdiff_t k,
+                    const double* L, std::ptrdiff_t ld, double* Y, std::ptrdiff_t ldy,
+                    double* work);
 
   /// Solves L L' X = B in place, row by row: X (rows x width), width a multiple of
   /// kSolveWidth, at most kSolveWidthMax. @param work as solve_work().

@@ -184,9 +184,7 @@ JointPress press_jointly(const Scene& scene, const BodySource& body,
     nodes.back().path.force_max_n = std::numeric_limits<double>::infinity();
   }
   const std::vector<std::int32_t> all = patches_of(nodes);
-  const SurfaceCompliance compliance(*model.factor, model.supports, model.contact, all,
-                                     all, std::numeric_limits<double>::infinity(), {},
-                                     nullptr);
+  const SurfaceCompliance compliance = compliance_among(model, nodes);
   const auto n = std::ssize(vertices);
   JointPress press{.vertex = {vertices.begin(), vertices.end()},
                    .joint_n = {},

@@ -19,11 +19,6 @@
 namespace palpate {
 namespace {
 
-// Columns that are solved for at first: where the cut is deeper than this share of the
-// deepest (cut_by_tool). With less of it there are more of them, with more they often
-// do not suffice.
-constexpr double kLikelyMet = 0.6;
-
 // Two contact nodes of one patch are at most twice its radius apart.
 double apart_m(const BodyModel& model, std::span<const PressedNode> nodes) {
   double radius_m = 0.0;
@@ -33,65 +28,6 @@ double apart_m(const BodyModel& model, std::span<const PressedNode> nodes) {
     }
   }
   return 2.0 * radius_m;
-}
-
-std::vector<std::int32_t> cut_by_tools(const BodyModel& model,
-                                       std::span<const PressedNode> nodes,
-                                       double share) {
-  std::vector<std::int32_t> cut;
-  for (const PressedNode& node : nodes) {
-    const auto more = cut_by_tool(model.contact, node.patch, node.path, share);
-    cut.insert(cut.end(), more.begin(), more.end());
-  }
-  std::sort(cut.begin(), cut.end());
-  cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
-  return cut;
-}
-
-// With columns only where the tool is likely to be met.
-SurfaceCompliance likely_compliance(const BodyModel& model,
-                                    std::span<const PressedNode> nodes) {
-  const std::vector<std::int32_t> columns = cut_by_tools(model, nodes, kLikelyMet);
-  return {*model.factor,
-          model.supports,
-          model.contact,
-          patches_of(nodes),
-          columns,
-          apart_m(model, nodes),
-          {},
-          nullptr};
-}
-
-// Presses all, and solves for more columns where the tool is met elsewhere.
-// @param further times their largest force: a linear body may be stiffer than the true
-// one, and its force says little about where the path ends.
-void press_all_linear(const BodyModel& model, SurfaceCompliance& compliance,
-                      std::span<PressedNode> nodes, double further) {
-  const auto press_those = [&](const auto& which) {
-    for (PressedNode& node : nodes) {
-      if (which(node)) {
-        const double force_max_n = node.path.force_max_n;
-        node.path.force_max_n *= further;
-        press_linear(model, compliance, node);
-        node.path.force_max_n = force_max_n;
-      }
-    }
-  };
-  const auto any = [](const PressedNode&) {
-    return true;
-  };
-  const auto needs_more = [](const PressedNode& node) {
-    return node.indentation.needs_columns;
-  };
-  press_those(any);
-  for (const bool everywhere : {false, true}) {
-    if (std::any_of(nodes.begin(), nodes.end(), needs_more)) {
-      compliance.add_columns(
-          *model.factor, model.supports, model.contact,
-          everywhere ? patches_of(nodes) : cut_by_tools(model, nodes, 0.0));
-      press_those(needs_more);
-    }
-  }
 }
 
 }  // namespace
@@ -177,6 +113,11 @@ PressedNode placed_node(const Scene& scene, const BodySource& body,
   return node;
 }
 
+SurfaceCompliance compliance_among(const BodyModel& model,
+                                   std::span<const PressedNode> nodes) {
+  return {*model.factor, model.supports, model.contact, patches_of(nodes)};
+}
+
 SurfaceCompliance compliance_of(
     const BodyModel& model, std::span<const PressedNode> nodes,
     std::span<const char> needed,
@@ -185,7 +126,6 @@ SurfaceCompliance compliance_of(
   return {*model.factor,
           model.supports,
           model.contact,
-          all,
           all,
           apart_m(model, nodes),
           needed,
@@ -231,10 +171,15 @@ std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& bo
   for (const std::int32_t vertex : vertices) {
     nodes.push_back(placed_node(scene, body, model, tool, vertex));
   }
-  SurfaceCompliance compliance = mode.nonlinear
-                                     ? compliance_of(model, nodes, {}, nullptr)
-                                     : likely_compliance(model, nodes);
-  press_all_linear(model, compliance, nodes, mode.nonlinear ? 3.0 : 1.0);
+  const SurfaceCompliance compliance = compliance_among(model, nodes);
+  for (PressedNode& node : nodes) {
+    // A linear body may be stiffer than the true one: its force says little about where
+    // the path ends.
+    const double force_max_n = node.path.force_max_n;
+    node.path.force_max_n *= mode.nonlinear ? 3.0 : 1.0;
+    press_linear(model, compliance, node);
+    node.path.force_max_n = force_max_n;
+  }
   for (PressedNode& node : nodes) {
     if (mode.probe || mode.nonlinear) {
       probe_nonlinearity(model, node);

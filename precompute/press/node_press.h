@@ -92,7 +92,12 @@ void drop_if_broken(PressedNode& node, const char* stage);
 /// Contact nodes of the nodes' patches, ascending.
 [[nodiscard]] std::vector<std::int32_t> patches_of(std::span<const PressedNode> nodes);
 
-/// Compliance among the patches of the nodes.
+/// Compliance among the patches of the nodes, which are few: all that their model was
+/// made for.
+[[nodiscard]] SurfaceCompliance compliance_among(const BodyModel& model,
+                                                 std::span<const PressedNode> nodes);
+
+/// Compliance among the patches of the nodes, column by column.
 /// @param wanted by contact node: 1 where its column is needed (empty: all).
 /// @param told progress, called with columns done and in all; may be null.
 [[nodiscard]] SurfaceCompliance compliance_of(

@@ -115,7 +115,7 @@ std::vector<PricedPresses> press_on_own_meshes(const Scene& scene,
     for (const std::int32_t v : group) {
       placed.push_back(placed_node(scene, body, model, tool, v));
     }
-    const SurfaceCompliance compliance = compliance_of(model, placed, {}, nullptr);
+    const SurfaceCompliance compliance = compliance_among(model, placed);
     const double compliance_s = watch.lap_s();
     for (PricedPresses& some : presses) {
       std::vector<PressedNode> nodes = placed;

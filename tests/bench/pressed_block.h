@@ -126,9 +126,8 @@ class Bench {
              .samples = 1};
     patch_ = contact_patch(surface_, supports_, surface_.of_mesh_node[0], path_.outward,
                            patch_radius_m(path_, spacing_m));
-    compliance_ = std::make_unique<SurfaceCompliance>(
-        *factor_, supports_, surface_, patch_, patch_,
-        std::numeric_limits<double>::infinity(), std::span<const char>{}, nullptr);
+    compliance_ =
+        std::make_unique<SurfaceCompliance>(*factor_, supports_, surface_, patch_);
   }
 
   [[nodiscard]] IndentationSample press(double depth_m) const {

@@ -44,11 +44,11 @@ void make_compliance(const fs::path& folder, const fs::path& output) {
   const UniformSurface fine = uniform_surface(body, kSpacingOfRadius * radius_m, 12000);
   const BodyModel model = make_body_model(scene, body, fine.surface);
   const auto nodes = nodes_in_reach(scene, model, radius_m);
-  const SurfaceCompliance compliance(
-      *model.factor, model.supports, model.contact, nodes, nodes,
-      std::numeric_limits<double>::infinity(), {}, [](std::size_t done) {
-        fmt::print(stderr, "compliance: {}\n", done);
-      });
+  const SurfaceCompliance compliance(*model.factor, model.supports, model.contact,
+                                     nodes, std::numeric_limits<double>::infinity(), {},
+                                     [](std::size_t done) {
+                                       fmt::print(stderr, "compliance: {}\n", done);
+                                     });
   Eigen::Matrix3Xd position(3, static_cast<Eigen::Index>(nodes.size()));
   Eigen::Matrix3Xd normal = position;
   for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -72,28 +72,6 @@ TrueCurve curve_of(const PressedNode& node) {
   return curve;
 }
 
-// Contact nodes that the tool cuts into at any of the places, if the body stays where
-// it is: a linear press loads no others.
-std::vector<std::int32_t> cut_nodes(const BodyModel& model,
-                                    std::span<const PressedNode> nodes) {
-  std::vector<std::int32_t> all;
-  for (const PressedNode& node : nodes) {
-    const auto cut = cut_by_tool(model.contact, node.patch, node.path, 0.0);
-    all.insert(all.end(), cut.begin(), cut.end());
-  }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
-}
-
-double patch_size_m(const BodyModel& model, std::span<const PressedNode> nodes) {
-  double radius_m = 0.0;
-  for (const PressedNode& node : nodes) {
-    radius_m = std::max(radius_m, patch_radius_m(node.path, model.contact_spacing_m));
-  }
-  return 2.0 * radius_m;
-}
-
 std::vector<PressedNode> placed_all(const Scene& scene, const BodyModel& model,
                                     const SharedTool& tool,
                                     std::span<const PlacedDepth> places) {
@@ -115,14 +93,9 @@ std::vector<PressedNode> press_all_linear(const Scene& scene, const BodySource& 
   fmt::print(stderr, "truth: {} tets, contact nodes {:.2g} mm apart\n",
              model.mesh.tet.rows(), 1e3 * fine.node_spacing_m);
   std::vector<PressedNode> nodes = placed_all(scene, model, body.tool.front(), places);
-  const SurfaceCompliance compliance(*model.factor, model.supports, model.contact,
-                                     patches_of(nodes), cut_nodes(model, nodes),
-                                     patch_size_m(model, nodes), {}, nullptr);
+  const SurfaceCompliance compliance = compliance_of(model, nodes, {}, nullptr);
   in_parallel(nodes.size(), [&](std::size_t i) {
     press_linear(model, compliance, nodes[i]);
-    if (nodes[i].indentation.needs_columns) {
-      nodes[i].failure = "the tool meets the body beside where it cuts it";
-    }
   });
   return nodes;
 }
@@ -135,7 +108,7 @@ PressedNode press_nonlinear_at(const Scene& scene, const BodySource& body,
       make_own_model(scene, body, corners_of(body, {&place, 1}),
                      finer(contact_focus(scene, body), times_finer), true);
   std::vector<PressedNode> nodes = placed_all(scene, model, tool, {&place, 1});
-  const SurfaceCompliance compliance = compliance_of(model, nodes, {}, nullptr);
+  const SurfaceCompliance compliance = compliance_among(model, nodes);
   press_linear(model, compliance, nodes.front());
   probe_nonlinearity(model, nodes.front());
   press_nonlinear(model, compliance, nodes,

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -41,11 +42,7 @@ struct Block : HeldBlock {
     }
     patch = contact_patch(surface, supports, centre, Eigen::Vector3d::UnitZ(),
                           patch_radius_m(straight_down(), fine_m / 2));
-    compliance = std::make_unique<SurfaceCompliance>(columns_of(patch));
-  }
-  [[nodiscard]] SurfaceCompliance columns_of(
-      std::span<const std::int32_t> columns) const {
-    return {*factor, supports, surface, patch, columns, 1.0, {}, nullptr};
+    compliance = std::make_unique<SurfaceCompliance>(*factor, supports, surface, patch);
   }
   [[nodiscard]] Indentation press(const IndentationPath& path) const {
     return indent(surface, *compliance, patch, path);
@@ -182,43 +179,27 @@ TEST_F(IndentationOnBlock, ComplianceIsReciprocalToRounding) {
   EXPECT_NEAR(A(0, A.cols() - 1), vw, 1e-10 * std::abs(vw));
 }
 
-TEST_F(IndentationOnBlock, ColumnsWhereTheToolIsMetGiveTheSamePress) {
-  const IndentationPath path = straight_down();
-  const std::vector<std::int32_t> met =
-      cut_by_tool(block_->surface, block_->patch, path, 0.4);
-  ASSERT_LT(met.size(), block_->patch.size());
-  const Indentation part =
-      indent(block_->surface, block_->columns_of(met), block_->patch, path);
-  const Indentation whole = block_->press(path);
-  ASSERT_FALSE(part.needs_columns);
-  ASSERT_EQ(part.sample.size(), whole.sample.size());
-  for (std::size_t k = 0; k < whole.sample.size(); ++k) {
-    const IndentationSample& a = part.sample[k];
-    const IndentationSample& b = whole.sample[k];
-    EXPECT_DOUBLE_EQ(a.penetration_m, b.penetration_m);
-    EXPECT_NEAR(a.force_n.z(), b.force_n.z(), 1e-12 * b.force_n.norm());
-    EXPECT_NEAR(a.energy_j, b.energy_j, 1e-12 * b.energy_j);
-    EXPECT_NEAR(a.coarse_force_n, b.coarse_force_n, 1e-12 * b.coarse_force_n);
-    ASSERT_EQ(a.pressure_n.size(), b.pressure_n.size());
-    if (b.pressure_n.size() > 0) {
-      EXPECT_LT((a.pressure_n - b.pressure_n).norm(), 1e-12 * b.pressure_n.norm());
+TEST_F(IndentationOnBlock, ColumnsKeepWhatIsNearOfTheComplianceOfAllPairs) {
+  constexpr double kNear = 0.003;
+  const auto& [patch, surface] = std::tie(block_->patch, block_->surface);
+  const SurfaceCompliance columns(*block_->factor, block_->supports, surface, patch,
+                                  kNear, {}, nullptr);
+  const Eigen::MatrixXd near = columns.among(patch);
+  const Eigen::MatrixXd all = block_->compliance->among(patch);
+  for (std::size_t j = 0; j < patch.size(); ++j) {
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      const auto& at = [&](std::size_t k) {
+        return surface.node[static_cast<std::size_t>(patch[k])].position_m;
+      };
+      const auto row = static_cast<Eigen::Index>(i);
+      const auto column = static_cast<Eigen::Index>(j);
+      const bool kept = (at(i) - at(j)).norm() <= kNear;
+      EXPECT_NEAR(near(row, column), kept ? all(row, column) : 0.0,
+                  1e-12 * all.maxCoeff());
     }
   }
-}
-
-// A half-space is met where the cut is deeper than half of the deepest.
-TEST_F(IndentationOnBlock, ColumnsThatAreTooFewAreSaidAndCanBeAdded) {
-  const IndentationPath path = straight_down();
-  const auto met = [&](double share) {
-    return cut_by_tool(block_->surface, block_->patch, path, share);
-  };
-  SurfaceCompliance compliance = block_->columns_of(met(0.95));
-  EXPECT_TRUE(indent(block_->surface, compliance, block_->patch, path).needs_columns);
-  compliance.add_columns(*block_->factor, block_->supports, block_->surface, met(0.4));
-  const Indentation again = indent(block_->surface, compliance, block_->patch, path);
-  EXPECT_FALSE(again.needs_columns);
-  const double whole_n = block_->press(path).sample.back().force_n.norm();
-  EXPECT_NEAR(again.sample.back().force_n.norm(), whole_n, 1e-12 * whole_n);
+  const std::span some(patch.data() + 3, 5);
+  EXPECT_EQ(block_->compliance->between(patch, some), all.middleCols(3, 5));
 }
 
 TEST_F(IndentationOnBlock, ForceScalesWithTheModulusAndEndsAtTheLargestForce) {

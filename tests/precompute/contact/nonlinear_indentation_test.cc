@@ -27,7 +27,7 @@ class PressedBlock {
  public:
   explicit PressedBlock(const Material& law) : block_(law) {
     const SurfaceCompliance columns(*block_.factor, block_.supports, block_.surface,
-                                    block_.patch, block_.patch, 1.0, {}, {});
+                                    block_.patch);
     compliance_ = columns.among(block_.patch);
     path_ = {.vertex_m = Eigen::Vector3d::Zero(),
              .outward = Eigen::Vector3d::UnitZ(),

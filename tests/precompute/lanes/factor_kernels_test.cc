@@ -67,7 +67,7 @@ Eigen::MatrixXd factorised(const FactorKernels& kernels, Eigen::MatrixXd block,
   EXPECT_EQ(kernels.factorise(block.rows(), block.cols(), block.data(), block.rows(),
                               work.data()),
             pivots);
-  return block;
+  return block.triangularView<Eigen::Lower>();
 }
 
 TEST(FactorKernels, FactoriseSupernodesOfAnySize) {
@@ -86,6 +86,38 @@ TEST(FactorKernels, FactoriseSupernodesOfAnySize) {
       EXPECT_LT(
           (L.bottomRows(m - k) * square.transpose() - block.bottomRows(m - k)).norm(),
           1e-14 * k * block.norm());
+    }
+  }
+}
+
+// Y' stands below a factorised block as rows of it.
+Eigen::MatrixXd eliminated(const FactorKernels& kernels, const Eigen::MatrixXd& L,
+                           const Eigen::MatrixXd& Y) {
+  const Eigen::Index m = L.rows();
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kernels.product_rows(Y.rows()), m);
+  rows.topRows(Y.rows()) = Y;
+  std::vector<double> work(
+      static_cast<std::size_t>(kernels.product_work(Y.rows(), m, L.cols())));
+  kernels.eliminate(Y.rows(), m, L.cols(), L.data(), m, rows.data(), rows.rows(),
+                    work.data());
+  return rows.topRows(Y.rows());
+}
+
+TEST(FactorKernels, EliminateRightHandSidesThatAreRows) {
+  for (const InstructionSet set : all_sets()) {
+    for (const auto& [m, k, rows] : {std::array{1, 1, 1}, std::array{9, 3, 30},
+                                     std::array{40, 40, 5}, std::array{130, 70, 27}}) {
+      const Eigen::MatrixXd L = factorised(factor_kernels(set), supernode(m, k), k);
+      const Eigen::MatrixXd own = Eigen::MatrixXd::Random(rows, k);
+      const Eigen::MatrixXd below = Eigen::MatrixXd::Random(rows, m - k);
+      Eigen::MatrixXd Y(rows, m);
+      Y << own * L.topRows(k).transpose(),
+          below + own * L.bottomRows(m - k).transpose();
+      Eigen::MatrixXd expected(rows, m);
+      expected << own, below;
+      EXPECT_LT((eliminated(factor_kernels(set), L, Y) - expected).norm(),
+                1e-12 * expected.norm())
+          << name_of(set);
     }
   }
 }
@@ -216,11 +248,14 @@ TEST(FactorKernels, HaveTheSameBitsWithEveryInstructionSet) {
   const Eigen::MatrixXd A = Eigen::MatrixXd::Random(133, 41);
   const Eigen::MatrixXd B = Eigen::MatrixXd::Random(37, 41);
   const Eigen::MatrixXd block = supernode(133, 53);
+  const Eigen::MatrixXd L = factorised(baseline, block, 53);
+  const Eigen::MatrixXd Y = Eigen::MatrixXd::Random(61, 133);
   const Rows X = Rows::Random(17, 40);
   for (const InstructionSet set : all_sets()) {
     const FactorKernels& kernels = factor_kernels(set);
     EXPECT_EQ(product(kernels, A, B, false), product(baseline, A, B, false));
     EXPECT_EQ(factorised(kernels, block, 53), factorised(baseline, block, 53));
+    EXPECT_EQ(eliminated(kernels, L, Y), eliminated(baseline, L, Y));
     EXPECT_EQ(solved(kernels, two.view(), X), solved(baseline, two.view(), X));
     EXPECT_EQ(solved_one(kernels, two.view(), X.col(0)),
               solved_one(baseline, two.view(), X.col(0)));
