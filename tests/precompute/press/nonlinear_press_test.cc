@@ -70,7 +70,8 @@ verify = 0
     some.depth_error_max = 1.0;  // what a few depths tell is taken
     return some;
   }
-  static PressedNode press(const NonlinearOptions& options, SolvedDepths depths = SolvedDepths::kFew,
+  static PressedNode press(const NonlinearOptions& options,
+                           SolvedDepths depths = SolvedDepths::kFew,
                            double force_max_n = 1e3) {
     Scene scene = *scene_;
     scene.reach.force_max_n = force_max_n;
@@ -165,6 +166,28 @@ TEST_F(PressedMiddle, AFewDepthsAreSolvedAndTellThoseBetweenThem) {
   EXPECT_LT(few_.indentation.path_error, 0.05);
 }
 
+TEST_F(PressedMiddle, TwiceAsManyDepthsAreSolvedBetweenTheFew) {
+  const PressedNode twice = press(options(), SolvedDepths::kTwice);
+  const auto& solved = twice.nonlinear->sample;
+  const auto& few = few_.nonlinear->sample;
+  ASSERT_EQ(solved.size(), 2 * few.size());
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    EXPECT_EQ(solved[2 * i + 1].penetration_m, few[i].penetration_m);
+  }
+  // What was solved does not depend on the depths that were solved before it.
+  std::size_t compared = 0;
+  for (std::size_t k = kDepths / 3; k <= kDepths; ++k) {
+    const IndentationSample& every = all_.indentation.sample[k];
+    for (const NonlinearSample& sample : solved) {
+      if (sample.penetration_m == every.penetration_m) {
+        EXPECT_LT((sample.force_n - every.force_n).norm(), 2e-3 * every.force_n.norm());
+        ++compared;
+      }
+    }
+  }
+  EXPECT_EQ(compared, 7U);
+}
+
 TEST_F(PressedMiddle, EveryDepthIsSolvedWhereAFewDoNotTellTheRest) {
   NonlinearOptions strict = options();
   strict.depth_error_max = 0.0;
@@ -185,7 +208,7 @@ TEST_F(PressedMiddle, CoarseForcesAreScaledAsForcesAre) {
 TEST_F(PressedMiddle, PressuresThatSpringsCarryAreAnErrorThatIsTold) {
   NonlinearOptions soft = options();
   soft.equilibrium.lagrange_max = 0;  // springs carry all of it
-  const PressedNode node = press(soft, true);
+  const PressedNode node = press(soft, SolvedDepths::kEvery);
   const double error = off(node);
   EXPECT_GT(error, 0.02);
   // Within a factor: it takes forces to grow with the depth as Hertz's do.
@@ -195,7 +218,7 @@ TEST_F(PressedMiddle, PressuresThatSpringsCarryAreAnErrorThatIsTold) {
 
 TEST_F(PressedMiddle, APathEndsWhereTheForcePassesTheLargestWanted) {
   const double half_n = 0.5 * all_.indentation.sample.back().force_n.norm();
-  const PressedNode node = press(options(), true, half_n);
+  const PressedNode node = press(options(), SolvedDepths::kEvery, half_n);
   const auto& path = node.indentation.sample;
   EXPECT_TRUE(node.indentation.force_capped);
   EXPECT_FALSE(all_.indentation.force_capped);
