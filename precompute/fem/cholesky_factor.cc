@@ -175,7 +175,8 @@ class Descendants {
 
 struct FactorPart::Impl {
   Supernodes nodes;
-  std::vector<float> rounded;
+  std::vector<float> rounded;  // over the scale, or empty
+  double scale = 1.0;
   std::vector<std::int64_t> row;
 };
 
@@ -367,17 +368,26 @@ void FactorPart::solve(SolveRows& X) const {
 
 void FactorPart::solve(Eigen::VectorXd& x) const {
   impl_->nodes.solve(x);
+  if (!impl_->rounded.empty()) {
+    x /= impl_->scale * impl_->scale;
+  }
 }
 
 FactorPart FactorPart::rounded() const {
   auto part = std::make_shared<Impl>(*impl_);
   Supernodes& nodes = part->nodes;
+  part->scale = 0.0;
+  for (std::size_t s = 0; s < nodes.count(); ++s) {
+    for (std::ptrdiff_t j = 0; j < nodes.columns(s); ++j) {
+      part->scale = std::max(part->scale, nodes.number[s][j * (nodes.rows(s) + 1)]);
+    }
+  }
   part->rounded.reserve(at(nodes.nonzeros() + kSolveWidth));
   for (std::size_t s = 0; s < nodes.count(); ++s) {
     nodes.rounded.push_back(part->rounded.data() + part->rounded.size());
     std::transform(nodes.number[s], nodes.number[s] + nodes.rows(s) * nodes.columns(s),
-                   std::back_inserter(part->rounded), [](double x) {
-                     return static_cast<float>(x);
+                   std::back_inserter(part->rounded), [&](double x) {
+                     return static_cast<float>(x / part->scale);
                    });
   }
   part->rounded.resize(at(nodes.nonzeros() + kSolveWidth), 0.0F);

@@ -50,6 +50,7 @@ class FactorPart {
   /// The same with L's numbers rounded to single precision, for single right-hand sides
   /// alone, which take half the time: to go through L is what they wait for. It solves
   /// with a matrix that is 1e-7 off, relative to the largest entries: a preconditioner.
+  /// L is divided by its largest pivot first, so that no unit of stiffness matters.
   [[nodiscard]] FactorPart rounded() const;
 
  private:

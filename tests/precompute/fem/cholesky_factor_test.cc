@@ -1,6 +1,7 @@
 // Solves of near unknowns against solves of all.
 #include "precompute/fem/cholesky_factor.h"
 
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -81,6 +82,19 @@ TEST(CholeskyFactor, NearUnknownsHaveASmallPartAndMoreOfThemALargerOne) {
   EXPECT_GT(factor.part(more).size(), part.size());
   EXPECT_LT(factor.part(more).size(), K.rows());
   expect_same(factor, plain, more);
+}
+
+TEST(CholeskyFactor, WhatSingleSolvesReadPastTheLastRowIsFinite) {
+  const CholeskyFactor factor(in_blocks(lattice(6)));
+  const FactorPart part = factor.part(std::vector<std::int64_t>{0, 100, 400});
+  const SupernodeView all = part.supernodes();
+  for (std::ptrdiff_t s = 0; s < all.count; ++s) {
+    const std::int64_t count = (all.row_begin[s + 1] - all.row_begin[s]) *
+                               (all.begin[s + 1] - all.begin[s]);
+    for (std::int64_t i = 0; i < count + kSolveWidth; ++i) {
+      ASSERT_TRUE(std::isfinite(all.number[s][i])) << s << " " << i;
+    }
+  }
 }
 
 TEST(CholeskyFactor, ARoundedPartSolvesWithinItsRounding) {
