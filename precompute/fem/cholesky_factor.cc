@@ -32,62 +32,6 @@ std::vector<std::int32_t> blocks_of(std::span<const std::int64_t> unknowns,
   return blocks;
 }
 
-// Working space of this thread, kept.
-double* space(std::ptrdiff_t doubles) {
-  thread_local std::vector<double> numbers;
-  if (numbers.size() < at(doubles)) {
-    numbers.clear();
-    numbers.resize(at(doubles));
-  }
-  return numbers.data();
-}
-
-// Supernodes with the numbers of their blocks: of a whole factor, or of a part.
-struct Supernodes {
-  std::vector<std::int32_t> begin;
-  std::vector<std::int64_t> row_begin{0};
-  std::vector<std::int32_t> row;
-  std::vector<const double*> number;
-  std::vector<const float*> rounded;  // or empty
-
-  [[nodiscard]] std::size_t count() const { return number.size(); }
-  [[nodiscard]] std::ptrdiff_t columns(std::size_t s) const {
-    return begin[s + 1] - begin[s];
-  }
-  [[nodiscard]] std::ptrdiff_t rows(std::size_t s) const {
-    return row_begin[s + 1] - row_begin[s];
-  }
-  [[nodiscard]] std::ptrdiff_t unknowns() const {
-    return begin.empty() ? 0 : begin.back();
-  }
-  [[nodiscard]] std::int64_t nonzeros() const {
-    std::int64_t sum = 0;
-    for (std::size_t s = 0; s < count(); ++s) {
-      sum += rows(s) * columns(s);
-    }
-    return sum;
-  }
-  [[nodiscard]] SupernodeView view() const {
-    SupernodeView all{static_cast<std::ptrdiff_t>(count()), begin.data(),
-                      row_begin.data(), row.data(), number.data()};
-    all.rounded = rounded.empty() ? nullptr : rounded.data();
-    for (std::size_t s = 0; s < count(); ++s) {
-      all.rows_max = std::max(all.rows_max, rows(s));
-    }
-    return all;
-  }
-  void solve(SolveRows& X) const {
-    const SupernodeView all = view();
-    const FactorKernels& kernels = factor_kernels();
-    kernels.solve(all, X.data(), X.cols(), space(kernels.solve_work(all, X.cols())));
-  }
-  void solve(Eigen::VectorXd& x) const {
-    const SupernodeView all = view();
-    const FactorKernels& kernels = factor_kernels();
-    kernels.solve_one(all, x.data(), space(kernels.solve_work(all, kSolveWidth)));
-  }
-};
-
 // What the columns of a supernode's descendants take out of it, and which they are.
 class Descendants {
  public:
@@ -144,7 +88,7 @@ class Descendants {
     const std::ptrdiff_t n = (last - first) * block_;
     const std::ptrdiff_t k = factor.columns(d);
     const std::ptrdiff_t ldc = kernels.product_rows(m);
-    double* const C = space(ldc * n + kernels.product_work(m, n, k));
+    double* const C = factor_space(ldc * n + kernels.product_work(m, n, k));
     const double* const L = factor.number[d] + first * block_;
     kernels.product(m, n, k, L, factor.rows(d), L, factor.rows(d), C, ldc, true,
                     C + ldc * n);
@@ -172,13 +116,6 @@ class Descendants {
 };
 
 }  // namespace
-
-struct FactorPart::Impl {
-  Supernodes nodes;
-  std::vector<float> rounded;  // over the scale, or empty
-  double scale = 1.0;
-  std::vector<std::int64_t> row;
-};
 
 struct CholeskyFactor::Impl {
   std::ptrdiff_t block = 1;
@@ -252,7 +189,8 @@ void CholeskyFactor::Impl::factorise(const Stiffness& lower) {
     std::fill(numbers, numbers + m * k, 0.0);
     K.add_to(symbolic->begin[s], symbolic->begin[s + 1], local, numbers, m);
     descendants.update(s, nodes, local, numbers);
-    if (kernels.factorise(m, k, numbers, m, space(kernels.factorise_work(m, k))) < k) {
+    if (kernels.factorise(m, k, numbers, m,
+                          factor_space(kernels.factorise_work(m, k))) < k) {
       smallest = 0.0;
       break;
     }
@@ -316,8 +254,8 @@ FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
       reached[supernode_of(column[at(unknown)])] = 1;
     }
   }
-  auto part = std::make_shared<FactorPart::Impl>();
-  part->row.assign(n, -1);
+  Supernodes nodes;
+  std::vector<std::int64_t> row_of(n, -1);
   std::vector<std::int32_t> now(n, -1);  // columns in the part
   std::int32_t size = 0;
   for (std::size_t s = 0; s < whole.count(); ++s) {
@@ -328,72 +266,20 @@ FactorPart CholeskyFactor::part(std::span<const std::int64_t> unknowns) const {
     if (whole.rows(s) > whole.columns(s)) {  // the parent
       reached[supernode_of(rows[at(whole.columns(s))])] = 1;
     }
-    part->nodes.begin.push_back(size);
-    part->nodes.number.push_back(whole.number[s]);
-    part->nodes.row.insert(part->nodes.row.end(), rows.begin(), rows.end());
-    part->nodes.row_begin.push_back(static_cast<std::int64_t>(part->nodes.row.size()));
+    nodes.begin.push_back(size);
+    nodes.number.push_back(whole.number[s]);
+    nodes.row.insert(nodes.row.end(), rows.begin(), rows.end());
+    nodes.row_begin.push_back(static_cast<std::int64_t>(nodes.row.size()));
     for (std::int32_t c = whole.begin[s]; c < whole.begin[s + 1]; ++c) {
-      part->row[at(impl_->order[at(c)])] = size;
+      row_of[at(impl_->order[at(c)])] = size;
       now[at(c)] = size++;
     }
   }
-  part->nodes.begin.push_back(size);
-  for (std::int32_t& r : part->nodes.row) {
+  nodes.begin.push_back(size);
+  for (std::int32_t& r : nodes.row) {
     r = now[at(r)];
   }
-  FactorPart made;
-  made.impl_ = std::move(part);
-  return made;
-}
-
-const std::vector<std::int64_t>& FactorPart::row() const {
-  return impl_->row;
-}
-
-Eigen::Index FactorPart::size() const {
-  return impl_->nodes.unknowns();
-}
-
-std::int64_t FactorPart::nonzeros() const {
-  return impl_->nodes.nonzeros();
-}
-
-SupernodeView FactorPart::supernodes() const {
-  return impl_->nodes.view();
-}
-
-void FactorPart::solve(SolveRows& X) const {
-  impl_->nodes.solve(X);
-}
-
-void FactorPart::solve(Eigen::VectorXd& x) const {
-  impl_->nodes.solve(x);
-  if (!impl_->rounded.empty()) {
-    x /= impl_->scale * impl_->scale;
-  }
-}
-
-FactorPart FactorPart::rounded() const {
-  auto part = std::make_shared<Impl>(*impl_);
-  Supernodes& nodes = part->nodes;
-  part->scale = 0.0;
-  for (std::size_t s = 0; s < nodes.count(); ++s) {
-    for (std::ptrdiff_t j = 0; j < nodes.columns(s); ++j) {
-      part->scale = std::max(part->scale, nodes.number[s][j * (nodes.rows(s) + 1)]);
-    }
-  }
-  part->rounded.reserve(at(nodes.nonzeros() + kSolveWidth));
-  for (std::size_t s = 0; s < nodes.count(); ++s) {
-    nodes.rounded.push_back(part->rounded.data() + part->rounded.size());
-    std::transform(nodes.number[s], nodes.number[s] + nodes.rows(s) * nodes.columns(s),
-                   std::back_inserter(part->rounded), [&](double x) {
-                     return static_cast<float>(x / part->scale);
-                   });
-  }
-  part->rounded.resize(at(nodes.nonzeros() + kSolveWidth), 0.0F);
-  FactorPart made;
-  made.impl_ = std::move(part);
-  return made;
+  return {std::move(nodes), std::move(row_of)};
 }
 
 std::int64_t CholeskyFactor::size() const {
