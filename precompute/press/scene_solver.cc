@@ -251,17 +251,17 @@ std::vector<PressedNode> SceneSolver::on_cut_outs(
 std::vector<PressedNode> SceneSolver::on_own_meshes(
     const SharedTool& tool, std::span<const std::int32_t> vertices,
     const ContactFocus& focus, const PressMode& mode) const {
-  return in_groups(
-      group_presses(body_.surface, vertices, focus, mode.nonlinear),
-      [&](const Group& group) {
-        auto nodes = press_on_own_mesh(scene_, body_, tool, group, focus, mode);
-        const bool good = mode.nonlinear == strategy_.nonlinear &&
-                          mode.depths == SolvedDepths::kFew;
-        if (watch_ && good) {
-          watch_(tool, nodes);
-        }
-        return nodes;
-      });
+  return in_groups(group_presses(body_.surface, vertices, focus, mode.nonlinear),
+                   [&](const Group& group) {
+                     auto nodes =
+                         press_on_own_mesh(scene_, body_, tool, group, focus, mode);
+                     const bool good = mode.nonlinear == strategy_.nonlinear &&
+                                       mode.depths == SolvedDepths::kFew;
+                     if (watch_ && good) {
+                       watch_(tool, nodes);
+                     }
+                     return nodes;
+                   });
 }
 
 std::vector<PressedNode> SceneSolver::good(
@@ -310,11 +310,10 @@ std::vector<PressedNode> SceneSolver::better(const SharedTool& tool,
   options.equilibrium.decrement_relative *= kBetterShare;
   options.equilibrium.multiplier_relative *= kBetterShare;
   options.bisections_max = kBetterBisections;
-  return on_own_meshes(
-      tool, vertices, palpate::finer(strategy_.focus, times_finer),
-      {.nonlinear = strategy_.nonlinear,
-       .depths = SolvedDepths::kTwice,
-       .options = options});
+  return on_own_meshes(tool, vertices, palpate::finer(strategy_.focus, times_finer),
+                       {.nonlinear = strategy_.nonlinear,
+                        .depths = SolvedDepths::kTwice,
+                        .options = options});
 }
 
 }  // namespace palpate

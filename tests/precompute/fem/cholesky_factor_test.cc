@@ -89,8 +89,8 @@ TEST(CholeskyFactor, WhatSingleSolvesReadPastTheLastRowIsFinite) {
   const FactorPart part = factor.part(std::vector<std::int64_t>{0, 100, 400});
   const SupernodeView all = part.supernodes();
   for (std::ptrdiff_t s = 0; s < all.count; ++s) {
-    const std::int64_t count = (all.row_begin[s + 1] - all.row_begin[s]) *
-                               (all.begin[s + 1] - all.begin[s]);
+    const std::int64_t count =
+        (all.row_begin[s + 1] - all.row_begin[s]) * (all.begin[s + 1] - all.begin[s]);
     for (std::int64_t i = 0; i < count + kSolveWidth; ++i) {
       ASSERT_TRUE(std::isfinite(all.number[s][i])) << s << " " << i;
     }
