@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/process/random_sequence.h"
 
 namespace palpate {
 namespace {
@@ -50,13 +51,6 @@ cholmod_sparse view(const LowerPattern& lower) {
   A.sorted = 1;
   A.packed = 1;
   return A;
-}
-
-// METIS draws from the process's one random sequence: two orderings at a time would
-// share it out between them by chance.
-std::mutex& ordering_mutex() {
-  static std::mutex mutex;
-  return mutex;
 }
 
 using Permutation = std::vector<SuiteSparse_long>;
@@ -131,7 +125,7 @@ Permutation near_last(cholmod_sparse& A, std::span<const std::int32_t> near,
   };
   Permutation order(n);
   {
-    const std::lock_guard lock(ordering_mutex());
+    const std::lock_guard lock(random_sequence_mutex());
     if (cholmod_l_metis(&A, nullptr, 0, 1, order.data(), &c) == 0) {
       return {};
     }
@@ -144,7 +138,7 @@ Permutation near_last(cholmod_sparse& A, std::span<const std::int32_t> near,
 cholmod_factor* analysed(cholmod_sparse& A, std::span<const std::int32_t> near,
                          cholmod_common& c) {
   if (near.empty()) {
-    const std::lock_guard lock(ordering_mutex());
+    const std::lock_guard lock(random_sequence_mutex());
     return cholmod_l_analyze(&A, &c);
   }
   Permutation order = near_last(A, near, c);

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <new>
 
 #include <fcntl.h>
@@ -18,6 +19,7 @@
 
 #include "formats/base/error.h"
 #include "precompute/process/die_with_parent.h"
+#include "precompute/process/random_sequence.h"
 
 namespace palpate {
 namespace {
@@ -61,6 +63,12 @@ bool write_all(int pipe, const std::vector<char>& bytes) {
     sent += n > 0 ? static_cast<std::size_t>(n) : 0;
   }
   return true;
+}
+
+// While nobody draws from the random sequence, whose lock the child would find taken.
+pid_t fork_alone() {
+  const std::lock_guard nobody_draws(random_sequence_mutex());
+  return fork();
 }
 
 [[noreturn]] void child(pid_t parent, int pipe,
@@ -150,7 +158,7 @@ ChildResult run_in_child(const std::function<std::vector<char>()>& work,
   }
   const std::size_t memory_bytes = address_space_bytes() + limits.memory_bytes;
   const pid_t parent = getpid();
-  const pid_t pid = fork();
+  const pid_t pid = fork_alone();
   if (pid < 0) {
     const int reason = errno;
     close(ends[0]);

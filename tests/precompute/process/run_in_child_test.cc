@@ -1,13 +1,17 @@
 #include "precompute/process/run_in_child.h"
 
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <mutex>
 #include <stdexcept>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "precompute/process/random_sequence.h"
 
 namespace palpate {
 namespace {
@@ -24,6 +28,31 @@ TEST(RunInChild, ReturnsWhatTheWorkReturned) {
       {});
   ASSERT_TRUE(result.done) << result.failure;
   EXPECT_EQ(result.bytes, sent);
+}
+
+TEST(RunInChild, DrawsRandomNumbersWhateverOtherThreadsDraw) {
+  std::atomic<bool> enough = false;
+  std::thread other([&] {
+    while (!enough) {
+      const std::lock_guard lock(random_sequence_mutex());
+      for (int i = 0; i < 1000; ++i) {
+        (void)random();
+      }
+    }
+  });
+  bool all = true;
+  for (int i = 0; i < 100 && all; ++i) {
+    all = run_in_child(
+              [] {
+                srandom(1);
+                return std::vector<char>{'x'};
+              },
+              {.time_s = 10.0})
+              .done;
+  }
+  enough = true;
+  other.join();
+  EXPECT_TRUE(all);
 }
 
 TEST(RunInChild, LeavesTheCallersMemoryAlone) {
