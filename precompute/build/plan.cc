@@ -42,7 +42,7 @@ constexpr double kCheckTimes = 11.0;
 // A press that a build chooses beside one anywhere: what is unlike its neighbours is
 // solved, and that is harder.
 constexpr double kChosenTimes = 1.2;
-constexpr double kCheckMemory = 1.8;  // likewise
+constexpr double kCheckMemory = 2.3;  // likewise
 constexpr std::size_t kMostBatches = 8;
 
 class Planner {

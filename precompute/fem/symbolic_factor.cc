@@ -66,8 +66,8 @@ struct Ordering {
 // unknowns reach. @param count non-zeros of each column.
 double cost_of(const Permutation& count, const Permutation& parent,
                std::vector<char> reached) {
-  // Chosen: a group of linear presses has about as many columns, and a nonlinear press
-  // some 200 solves alone, each of which takes as long as ten columns.
+  // A guess: a group of linear presses has about as many columns, and a nonlinear press
+  // some 200 solves alone, each of which takes as long as several columns.
   constexpr double kSolves = 2000.0;
   double cost = 0.0;
   for (std::size_t k = 0; k < count.size(); ++k) {

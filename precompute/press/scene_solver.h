@@ -87,8 +87,9 @@ class SceneSolver {
   [[nodiscard]] std::vector<PressedNode> finer(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
-  /// Presses to measure others by: on meshes so many times finer, nonlinear at every
-  /// depth, with more of the body nonlinear and tighter tolerances; cut-outs wider.
+  /// Presses to measure others by: on meshes so many times finer, nonlinear at
+  /// SolvedDepths::kTwice, with more of the body nonlinear and tighter tolerances;
+  /// cut-outs wider.
   [[nodiscard]] std::vector<PressedNode> better(const SharedTool& tool,
                                                 std::span<const std::int32_t> vertices,
                                                 double times_finer) const;

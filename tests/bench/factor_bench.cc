@@ -2,12 +2,15 @@
 // sides through the factor's own block solve and nothing else, and the ratio of both.
 // The body is a box of gel in quadratic tets, held at its bottom; its top is pressed.
 //
-// And how fast a factor's dense products are with every instruction set.
+// How long a right-hand side alone takes with the factor's numbers, with those rounded
+// to single precision, and beside 63 others. And how fast a factor's dense products are
+// with every instruction set.
 //
 // Threads run over blocks in both, all cores. "ratio" is columns over solves, each the
 // least of the repetitions so far; the median of a few counts.
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -117,6 +120,32 @@ BENCHMARK(columns_over_solves)
     ->Iterations(3)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
+
+// Solves alone, with the numbers rounded or not; "beside" is the time of one of 64.
+void alone(benchmark::State& state) {
+  const Gel gel = make_gel(static_cast<int>(state.range(0)));
+  std::vector<std::int64_t> all(static_cast<std::size_t>(gel.factor.size()));
+  std::iota(all.begin(), all.end(), 0);
+  const FactorPart exact = gel.factor.part(all);
+  const FactorPart part = state.range(1) == 0 ? exact : exact.rounded();
+  SolveRows block = SolveRows::Ones(exact.size(), kSolveWidthMax);
+  double beside_s = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    beside_s = std::min(beside_s, seconds_of([&] {
+                          exact.solve(block);
+                        }));
+  }
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(exact.size());
+  for (auto _ : state) {
+    Eigen::VectorXd x = ones;
+    part.solve(x);
+    benchmark::DoNotOptimize(x.data());
+  }
+  state.SetLabel(state.range(1) == 0 ? "as they are" : "rounded");
+  state.counters["nonzeros"] = static_cast<double>(exact.nonzeros());
+  state.counters["beside_ms"] = 1e3 * beside_s / static_cast<double>(kSolveWidthMax);
+}
+BENCHMARK(alone)->ArgsProduct({{5, 7, 10}, {0, 1}})->Unit(benchmark::kMillisecond);
 
 // A product of the size that factors are made of, by an instruction set.
 void product(benchmark::State& state) {
