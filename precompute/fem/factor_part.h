@@ -75,8 +75,8 @@ class FactorPart {
   void solve(Eigen::VectorXd& x) const;
 
   /// The same with L's numbers rounded to single precision, for single right-hand sides
-  /// alone, which take 0.6 to 0.8 of the time: to go through L is what they wait for. It
-  /// solves with a matrix that is 1e-7 off, relative to the largest entries: a
+  /// alone, which take 0.6 to 0.8 of the time: to go through L is what they wait for.
+  /// It solves with a matrix that is 1e-7 off, relative to the largest entries: a
   /// preconditioner. L is divided by its largest pivot first, so that no unit of
   /// stiffness matters.
   [[nodiscard]] FactorPart rounded() const;
