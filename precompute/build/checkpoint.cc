@@ -30,16 +30,15 @@ void write(const fs::path& file, std::span<const std::byte> bytes) {
 }  // namespace
 
 Checkpoint::Checkpoint(const fs::path& output, const JobDescription& plan, bool resume)
-    : folder_(output.string() + ".partial") {
-  const fs::path digest = folder_ / "digest";
-  if (holds_units() && fs::exists(digest)) {
+    : folder_(output.string() + ".partial"), digest_(plan.digest) {
+  if (is_there() && holds_units()) {
     if (!resume) {
       throw InputError(
           fmt::format("{} holds units of an unfinished build: --resume goes on with "
                       "them; remove the folder to start again",
                       folder_.string()));
     }
-    if (read_file(digest) != plan.digest) {
+    if (read_file(digest_file()) != plan.digest) {
       throw InputError(
           fmt::format("{} belongs to another scene, body or version; remove "
                       "the folder to start again",
@@ -47,13 +46,20 @@ Checkpoint::Checkpoint(const fs::path& output, const JobDescription& plan, bool 
     }
     return;
   }
+  make();
+}
+
+void Checkpoint::make() const {
+  if (!is_there() && holds_units()) {
+    remove();  // what somebody did not remove whole: nobody knows whose units they are
+  }
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) {
     throw InputError(
         fmt::format("{} cannot be made: {}", folder_.string(), error.message()));
   }
-  write(digest, bytes_of(plan.digest));
+  write(digest_file(), bytes_of(digest_));
 }
 
 Checkpoint::~Checkpoint() {
@@ -71,16 +77,26 @@ bool Checkpoint::holds_units() const {
                      });
 }
 
+fs::path Checkpoint::digest_file() const {
+  return folder_ / "digest";
+}
+
+bool Checkpoint::is_there() const {
+  return fs::exists(digest_file());
+}
+
 fs::path Checkpoint::file_of(std::int64_t unit) const {
   return folder_ / fmt::format("unit-{:06}", unit);
 }
 
 std::optional<WorkUnitOutcome> Checkpoint::load(std::int64_t unit) const {
   const fs::path file = file_of(unit);
-  if (!fs::exists(file)) {
+  std::string content;
+  try {
+    content = read_file(file);
+  } catch (const InputError&) {
     return std::nullopt;
   }
-  const std::string content = read_file(file);
   const auto bytes = bytes_of(content);
   const auto body = bytes.subspan(std::min(bytes.size(), kDigestLength));
   Sha256 sum;
@@ -111,6 +127,7 @@ void Checkpoint::keep(const WorkUnitOutcome& unit) const {
 
 void Checkpoint::remove() const {
   std::error_code ignored;
+  fs::remove(digest_file(), ignored);
   fs::remove_all(folder_, ignored);
 }
 

@@ -28,14 +28,22 @@ class Checkpoint {
   /// threads for different units.
   void keep(const WorkUnitOutcome& unit) const;
 
-  /// Takes the folder away.
+  /// Whether the folder is there: whoever has put the file together takes it away.
+  [[nodiscard]] bool is_there() const;
+
+  /// Makes the folder where it is not there. @throws InputError if it cannot be made.
+  void make() const;
+
+  /// Takes the folder away. From the first moment on it is not there for others.
   void remove() const;
 
  private:
   [[nodiscard]] std::filesystem::path file_of(std::int64_t unit) const;
+  [[nodiscard]] std::filesystem::path digest_file() const;
   [[nodiscard]] bool holds_units() const;
 
   std::filesystem::path folder_;
+  std::string digest_;  // of the plan
 };
 
 }  // namespace palpate

@@ -73,6 +73,26 @@ class Tally {
   std::int64_t nodes_;
 };
 
+// Whether the output is there and of this scene.
+// @throws InputError if it is of another one.
+bool is_computed_already(const BuildJob& job, const ServeOptions& options) {
+  if (!fs::exists(options.output)) {
+    return false;
+  }
+  const Provenance there = read_database(options.output).provenance;
+  const Provenance& wanted = job.plan.provenance;
+  const bool same = there.scene_toml == wanted.scene_toml &&
+                    there.source_sha256 == wanted.source_sha256 &&
+                    there.writer == wanted.writer;
+  if (!same && !options.anew) {
+    throw InputError(fmt::format(
+        "{} is of another scene, mesh or version: --anew computes it again, -o writes "
+        "another file",
+        options.output.string()));
+  }
+  return same;
+}
+
 // One run over all the work that is left.
 class Service {
  public:
@@ -81,6 +101,7 @@ class Service {
       : scene_(scene),
         job_(job),
         checkpoint_(checkpoint),
+        options_(options),
         log_(log),
         hands_(hands),
         tally_(job),
@@ -102,6 +123,9 @@ class Service {
     until_done([&] {
       std::this_thread::sleep_for(kLookAround);
       take_what_others_solved();
+      if (is_over()) {
+        over_ = true;
+      }
       const std::size_t done = job_.units.size() - board_.unfinished();
       progress.advance(done, job_.units.size(), "units");
     });
@@ -113,6 +137,19 @@ class Service {
     }
   }
 
+  // Whether another service has put the file together: from then on there is no folder
+  // for units and claims. Who took it away without a file left it to this one.
+  [[nodiscard]] bool is_over() const {
+    if (checkpoint_.is_there()) {
+      return false;
+    }
+    if (is_computed_already(job_, options_)) {
+      return true;
+    }
+    checkpoint_.make();
+    return false;
+  }
+
   // Whether this service is the one to put the file together.
   [[nodiscard]] bool claims_the_file() { return claims_.claim(kTheWholeFile); }
 
@@ -122,14 +159,14 @@ class Service {
   // What one thread throws ends all.
   void until_done(const std::function<void()>& step) {
     try {
-      while (!stop_ && board_.unfinished() > 0) {
+      while (!over_ && board_.unfinished() > 0) {
         check_interrupted();
         step();
       }
     } catch (...) {
       const std::lock_guard lock(failure_mutex_);
       failure_ = failure_ ? failure_ : std::current_exception();
-      stop_ = true;
+      over_ = true;
     }
   }
 
@@ -169,7 +206,9 @@ class Service {
     const std::string reason = failure_of("its unit", [&] {
       outcome = solve_unit(scene_, job_.body, job_.strategy, solver(), unit,
                            scene_.accuracy.solve == "all");
-      checkpoint_.keep(outcome);
+      if (!is_over()) {
+        checkpoint_.keep(outcome);
+      }
     });
     finish(i,
            reason.empty() ? outcome : failed_unit(unit, job_.body.tool.size(), reason));
@@ -230,6 +269,7 @@ class Service {
   const Scene& scene_;
   const BuildJob& job_;
   const Checkpoint& checkpoint_;
+  const ServeOptions& options_;
   AnswerLog& log_;
   const HandPlaces& hands_;
   Tally tally_;
@@ -238,7 +278,7 @@ class Service {
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::once_flag solver_made_;
   std::optional<SceneSolver> solver_;
-  std::atomic<bool> stop_ = false;
+  std::atomic<bool> over_ = false;
   std::mutex failure_mutex_;
   std::exception_ptr failure_;
 };
@@ -267,26 +307,6 @@ ServedScene served(const Scene& scene, const BuildJob& job,
           .modulus_pa = modulus_pa(scene)};
 }
 
-// Whether the output is there and of this scene.
-// @throws InputError if it is of another one.
-bool is_computed_already(const BuildJob& job, const ServeOptions& options) {
-  if (!fs::exists(options.output)) {
-    return false;
-  }
-  const Provenance there = read_database(options.output).provenance;
-  const Provenance& wanted = job.plan.provenance;
-  const bool same = there.scene_toml == wanted.scene_toml &&
-                    there.source_sha256 == wanted.source_sha256 &&
-                    there.writer == wanted.writer;
-  if (!same && !options.anew) {
-    throw InputError(fmt::format(
-        "{} is of another scene, mesh or version: --anew computes it again, -o writes "
-        "another file",
-        options.output.string()));
-  }
-  return same;
-}
-
 // Drops units of another scene where that was asked for.
 void prepare_folder(const JobDescription& plan, const ServeOptions& options) {
   if (!options.anew) {
@@ -301,9 +321,8 @@ void prepare_folder(const JobDescription& plan, const ServeOptions& options) {
 }
 
 // Another service puts the file together; if it dies over that, this one does.
-void wait_for_the_file(const ServeOptions& options, Service& service,
-                       const std::function<void()>& write) {
-  while (fs::exists(options.output.string() + ".partial")) {
+void wait_for_the_file(Service& service, const std::function<void()>& write) {
+  while (!service.is_over()) {
     check_interrupted();
     if (service.claims_the_file()) {
       write();
@@ -321,7 +340,7 @@ void compute(const Scene& scene, const BuildJob& job, const ServeOptions& option
   service.run(options.workers > 0 ? options.workers : static_cast<int>(cores),
               progress);
   service.say("database");
-  wait_for_the_file(options, service, [&] {
+  wait_for_the_file(service, [&] {
     build(scene,
           {.output = options.output,
            .resume = true,

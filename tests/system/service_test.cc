@@ -194,6 +194,44 @@ TEST_F(ServiceTest, TwoShareOneScene) {
   EXPECT_EQ(read_file(path("shared.h5")), read_file(path("whole.h5")));
 }
 
+// As soon as a service has made its folder, does something to it. A service that never
+// ends is killed.
+ToolRun serve_and_meanwhile(const std::vector<std::string>& arguments,
+                            const fs::path& folder,
+                            const std::function<void()>& meanwhile) {
+  const auto late = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  bool done = false;
+  return kill_tool_process("palpate-precompute", arguments, [&] {
+    if (!done && fs::exists(folder / "digest")) {
+      meanwhile();
+      done = true;
+    }
+    return std::chrono::steady_clock::now() > late;
+  });
+}
+
+TEST_F(ServiceTest, EndsWhereAnotherHasPutTheFileTogether) {
+  const fs::path folder = path("quick.h5.partial");
+  const ToolRun run =
+      serve_and_meanwhile(arguments("quick.h5", "q"), folder, [&folder] {
+        fs::copy_file(path("whole.h5"), path("quick.h5"));
+        fs::remove_all(folder);
+      });
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(read_file(path("quick.h5")), read_file(path("whole.h5")));
+  EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST_F(ServiceTest, GoesOnWhereItsFolderIsTakenAway) {
+  const fs::path folder = path("bare.h5.partial");
+  const ToolRun run = serve_and_meanwhile(arguments("bare.h5", "b"), folder, [&folder] {
+    fs::remove_all(folder);
+  });
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(read_file(path("bare.h5")), read_file(path("whole.h5")));
+  EXPECT_FALSE(fs::exists(folder));
+}
+
 TEST_F(ServiceTest, SubmitStartsServicesThatShareTheScene) {
   const std::vector<std::string> wanted = {"submit",   path("scene.toml"),
                                            "-o",       path("many.h5"),
