@@ -154,34 +154,13 @@ Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
 
 namespace {
 
-// Unknowns of the mesh's near nodes.
-std::vector<std::int64_t> near_unknowns(const BodyModel& model, const IsNear& near) {
-  std::vector<std::int64_t> unknowns;
-  for (Eigen::Index node = 0; near && node < model.mesh.position_m.rows(); ++node) {
-    if (near(model.mesh.position_m.row(node).transpose())) {
-      for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const std::int64_t dof =
-            model.supports.free_index[static_cast<std::size_t>(3 * node + axis)];
-        if (dof >= 0) {
-          unknowns.push_back(dof);
-        }
-      }
-    }
-  }
-  return unknowns;
-}
-
-}  // namespace
-
-namespace {
-
 TetMesh filled(const BodySource& body, const SurfaceMesh& surface) {
   require_memory(surface.triangle.rows());
   return tetrahedralise(surface, {}, body.inner);
 }
 
 BodyModel model_of(const Scene& scene, const BodySource& body,
-                   const SurfaceMesh& surface, const TetMesh& tets, const IsNear& near,
+                   const SurfaceMesh& surface, const TetMesh& tets,
                    bool keep_stiffness) {
   BodyModel model;
   model.min_dihedral_deg =
@@ -194,7 +173,7 @@ BodyModel model_of(const Scene& scene, const BodySource& body,
   model.contact_spacing_m = 0.5 * mean_edge_m(surface);
   Stiffness K =
       reduce(scene_stiffness(scene, model.mesh, model.material), model.supports);
-  model.factor.emplace(K, near_unknowns(model, near));
+  model.factor.emplace(K);
   if (keep_stiffness) {
     model.stiffness.swap(K);
   }
@@ -204,8 +183,8 @@ BodyModel model_of(const Scene& scene, const BodySource& body,
 }  // namespace
 
 BodyModel make_body_model(const Scene& scene, const BodySource& body,
-                          const SurfaceMesh& surface, const IsNear& near) {
-  return model_of(scene, body, surface, filled(body, surface), near, false);
+                          const SurfaceMesh& surface) {
+  return model_of(scene, body, surface, filled(body, surface), false);
 }
 
 std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
@@ -334,18 +313,7 @@ BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                             std::span<const std::int32_t> vertices,
                             const ContactFocus& focus, bool keep_stiffness) {
   const FilledSurface made = well_filled(scene, body, vertices, focus);
-  // What the tool touches and what strains around it: two contact radii more.
-  const EdgeLength beyond = wanted_edges(
-      body.surface, vertices,
-      {.growth = 1.0,
-       .finest_m = 0.0,
-       .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m) +
-                 2.0 * focus.contact_m});
-  const IsNear near = [&](const Eigen::Vector3d& p) {
-    return beyond(p) <= 0.0;
-  };
-  BodyModel model =
-      model_of(scene, body, made.surface, made.tets, near, keep_stiffness);
+  BodyModel model = model_of(scene, body, made.surface, made.tets, keep_stiffness);
   model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
   for (std::size_t i = 0; i < made.corner.size(); ++i) {
     model.corner.emplace(vertices[i], made.corner[i]);

@@ -2,7 +2,6 @@
 // factor, contact surface.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -78,18 +77,13 @@ struct UniformSurface {
 /// @throws InputError if the model's supports do not hold it.
 void check_held(const Scene& scene, const BodyModel& model);
 
-/// A point of the body whose unknowns are asked for often (CholeskyFactor's near ones).
-using IsNear = std::function<bool(const Eigen::Vector3d& p_m)>;
-
 /// Tetrahedralises, holds, assembles and factorises.
 /// @param surface of the body, refined; its first vertices are the body's.
-/// @param near empty, or what becomes near.
 /// @throws InputError where the supports do not hold the body or its factor would not
 /// fit into this machine's memory (require_memory), NumericalError where
 /// meshing or factorisation failed.
 [[nodiscard]] BodyModel make_body_model(const Scene& scene, const BodySource& body,
-                                        const SurfaceMesh& surface,
-                                        const IsNear& near = {});
+                                        const SurfaceMesh& surface);
 
 /// Corner of the model's mesh that a vertex is.
 [[nodiscard]] std::int32_t corner_of(const BodyModel& model, std::int32_t vertex);

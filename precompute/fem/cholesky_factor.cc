@@ -21,17 +21,6 @@ std::size_t at(T i) {
   return static_cast<std::size_t>(i);
 }
 
-std::vector<std::int32_t> blocks_of(std::span<const std::int64_t> unknowns,
-                                    std::ptrdiff_t block) {
-  std::vector<std::int32_t> blocks;
-  for (const std::int64_t i : unknowns) {
-    if (i >= 0) {
-      blocks.push_back(static_cast<std::int32_t>(i / block));
-    }
-  }
-  return blocks;
-}
-
 // What the columns of a supernode's descendants take out of it, and which they are.
 class Descendants {
  public:
@@ -209,12 +198,11 @@ void CholeskyFactor::Impl::factorise(const Stiffness& lower) {
   }
 }
 
-CholeskyFactor::CholeskyFactor(const Stiffness& lower,
-                               std::span<const std::int64_t> near)
+CholeskyFactor::CholeskyFactor(const Stiffness& lower)
     : impl_(std::make_unique<Impl>()) {
   impl_->block = block_size(lower);
   impl_->symbolic = std::make_shared<const SymbolicFactor>(
-      symbolic_factor(pattern_of(lower, impl_->block), blocks_of(near, impl_->block)));
+      symbolic_factor(pattern_of(lower, impl_->block)));
   impl_->make_structure();
   impl_->make_room();
   impl_->factorise(lower);

@@ -20,13 +20,10 @@ namespace palpate {
 /// K = L L^T of a symmetric positive definite matrix.
 class CholeskyFactor {
  public:
-  /// @param lower lower triangle of K. @param near unknowns that will be asked for by
-  /// part(), any order: they are eliminated last where that costs less, so that their
-  /// part is small.
+  /// @param lower lower triangle of K.
   /// @throws NumericalError if K is not positive definite (a body that nothing holds),
   /// or memory does not suffice.
-  explicit CholeskyFactor(const Stiffness& lower,
-                          std::span<const std::int64_t> near = {});
+  explicit CholeskyFactor(const Stiffness& lower);
   ~CholeskyFactor();
   CholeskyFactor(CholeskyFactor&&) noexcept;
   CholeskyFactor& operator=(CholeskyFactor&&) noexcept;

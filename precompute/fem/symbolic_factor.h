@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace palpate {
@@ -22,11 +21,8 @@ struct SymbolicFactor {
   std::vector<std::int32_t> row;        ///< of each, ascending, its own columns first
 };
 
-/// @param near unknowns that will be solved for most: they are eliminated last where
-/// that costs less, so that the columns that they reach are few; may be empty. Same
-/// input, same answer, from any thread.
+/// Same input, same answer, from any thread.
 /// @throws NumericalError where memory does not suffice.
-[[nodiscard]] SymbolicFactor symbolic_factor(const LowerPattern& pattern,
-                                             std::span<const std::int32_t> near);
+[[nodiscard]] SymbolicFactor symbolic_factor(const LowerPattern& pattern);
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ TEST(CholeskyFactor, SolvesWhatTheMatrixMultiplied) {
 // A column's answer does not depend on those that are solved beside it.
 TEST(CholeskyFactor, ColumnsAreByThemselves) {
   const Stiffness K = in_blocks(lattice(6));
-  const CholeskyFactor factor(K, std::vector<std::int64_t>{0, 1, 2, 30, 31, 32});
+  const CholeskyFactor factor(K);
   const Eigen::MatrixXd B = Eigen::MatrixXd::Random(K.rows(), 70);
   const Eigen::MatrixXd X = factor.solve(B);
   for (const int first : {0, 13, 61}) {
