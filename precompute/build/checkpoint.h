@@ -31,7 +31,8 @@ class Checkpoint {
   /// Whether the folder is there: whoever has put the file together takes it away.
   [[nodiscard]] bool is_there() const;
 
-  /// Makes the folder where it is not there. @throws InputError if it cannot be made.
+  /// Makes the folder, without units, where it is not there. @throws InputError if it
+  /// cannot be made.
   void make() const;
 
   /// Takes the folder away. From the first moment on it is not there for others.

@@ -123,7 +123,7 @@ class Service {
     until_done([&] {
       std::this_thread::sleep_for(kLookAround);
       take_what_others_solved();
-      if (is_over()) {
+      if (!keeps_folder()) {
         over_ = true;
       }
       const std::size_t done = job_.units.size() - board_.unfinished();
@@ -137,17 +137,16 @@ class Service {
     }
   }
 
-  // Whether another service has put the file together: from then on there is no folder
-  // for units and claims. Who took it away without a file left it to this one.
-  [[nodiscard]] bool is_over() const {
-    if (checkpoint_.is_there()) {
-      return false;
+  // Makes the folder of units and claims again if it was taken away. False, without a
+  // folder, if that was done by another service that has put the file together.
+  [[nodiscard]] bool keeps_folder() const {
+    if (!checkpoint_.is_there()) {
+      if (is_computed_already(job_, options_)) {
+        return false;
+      }
+      checkpoint_.make();
     }
-    if (is_computed_already(job_, options_)) {
-      return true;
-    }
-    checkpoint_.make();
-    return false;
+    return true;
   }
 
   // Whether this service is the one to put the file together.
@@ -206,7 +205,7 @@ class Service {
     const std::string reason = failure_of("its unit", [&] {
       outcome = solve_unit(scene_, job_.body, job_.strategy, solver(), unit,
                            scene_.accuracy.solve == "all");
-      if (!is_over()) {
+      if (keeps_folder()) {
         checkpoint_.keep(outcome);
       }
     });
@@ -322,7 +321,7 @@ void prepare_folder(const JobDescription& plan, const ServeOptions& options) {
 
 // Another service puts the file together; if it dies over that, this one does.
 void wait_for_the_file(Service& service, const std::function<void()>& write) {
-  while (!service.is_over()) {
+  while (service.keeps_folder()) {
     check_interrupted();
     if (service.claims_the_file()) {
       write();
