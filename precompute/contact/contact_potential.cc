@@ -31,6 +31,20 @@ double face_area_m2(const QuadraticMesh& mesh, Eigen::Index face) {
 
 }  // namespace
 
+double spring_give_m(const ContactState& contact, const Multipliers& multipliers) {
+  const double sum_n = contact.pressure_n.sum();
+  if (!(sum_n > 0.0)) {
+    return 0.0;
+  }
+  const Eigen::VectorXd slip_m = (contact.tie_n - multipliers.tie_n)
+                                     .rowwise()
+                                     .norm()
+                                     .cwiseQuotient(multipliers.spring_n_per_m);
+  return (contact.pressure_n.dot(contact.gap_m.cwiseAbs()) +
+          contact.tie_n.rowwise().norm().dot(slip_m)) /
+         sum_n;
+}
+
 ContactPotential::ContactPotential(const ContactSurface& surface,
                                    const QuadraticMesh& mesh,
                                    std::span<const std::int32_t> patch,

@@ -211,7 +211,8 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
 }
 
 EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
-                                    Multipliers& multipliers, bool may_give_up) {
+                                    Multipliers& multipliers, double give_m,
+                                    bool may_give_up) {
   EquilibriumReport report;
   ElementBatches::Energy energy = elastic(state);
   if (!std::isfinite(energy.energy_j)) {
@@ -242,7 +243,9 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
         (contact.pressure_n - multipliers.pressure_n).cwiseAbs().sum() +
         (contact.tie_n - multipliers.tie_n).rowwise().norm().sum();
     report.multiplier_relative = sum > 0.0 ? change / sum : 0.0;
+    report.give_m = spring_give_m(contact, multipliers);
     if (report.multiplier_relative > options_.multiplier_relative &&
+        report.give_m > give_m &&
         report.lagrange < options_.lagrange_max) {
       multipliers.pressure_n = contact.pressure_n;
       multipliers.tie_n = contact.tie_n;

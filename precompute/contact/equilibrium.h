@@ -52,6 +52,7 @@ struct EquilibriumReport {
   int lagrange = 0;
   double decrement_relative = 0.0;
   double multiplier_relative = 0.0;
+  double give_m = 0.0;       ///< spring_give_m at the rest state
   double imbalance_n = 0.0;  ///< [N] resultant out of balance where the last step began
   ContactState contact;      ///< at the rest state, where converged
 };
@@ -70,9 +71,11 @@ class Equilibrium {
         tangent_(tangent) {}
 
   /// Finds the rest state from `state` and `multipliers`, and leaves it there.
+  /// @param give_m [m] multipliers end, too, where springs give way no more than this.
   /// @param may_give_up a start that is too far away is not followed to the end.
   EquilibriumReport find(const PlacedTool& tool, NearState& state,
-                         Multipliers& multipliers, bool may_give_up = false);
+                         Multipliers& multipliers, double give_m = 0.0,
+                         bool may_give_up = false);
 
   [[nodiscard]] double elastic_energy_j(const NearState& state) const {
     return elastic(state).energy_j;

@@ -20,7 +20,6 @@ constexpr int kPatience = 2;
 // Near fields that are too small.
 constexpr int kWidened = 2;
 constexpr double kWider = 0.3;
-constexpr double kNoForceN = 1e-300;
 
 const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
   return surface.node[static_cast<std::size_t>(v)];
@@ -58,6 +57,7 @@ class Press {
         tangent_(tangent_of(body)),
         equilibrium_(std::in_place, near_, contact_, solve, options.equilibrium,
                      tangent_ ? &*tangent_ : nullptr),
+        touch_m_(touch_m),
         at_m_(touch_m),
         before_m_(touch_m) {
     multipliers_.spring_n_per_m =
@@ -221,7 +221,9 @@ class Press {
     Multipliers multipliers = multipliers_;
     NearState state = predicted(penetration_m, multipliers);
     const bool may_cut = depth < options_.bisections_max && newton_ <= newton_limit();
-    last_ = equilibrium_->find(tool, state, multipliers, may_cut || was_cut_);
+    last_ = equilibrium_->find(tool, state, multipliers,
+                               options_.give_relative * (penetration_m - touch_m_),
+                               may_cut || was_cut_);
     sample.newton += last_.newton;
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
@@ -263,8 +265,7 @@ class Press {
     sample.multiplier_relative = last_.multiplier_relative;
     sample.energy_j = equilibrium_->elastic_energy_j(state_);
     sample.largest_overlap_m = std::max(0.0, -contact.gap_m.minCoeff());
-    sample.overlap_m = contact.pressure_n.dot((-contact.gap_m).cwiseMax(0.0)) /
-                       std::max(contact.pressure_n.sum(), kNoForceN);
+    sample.give_m = last_.give_m;
     sample.smallest_jacobian = near_.excess(state_.displacement_m).smallest_jacobian;
     sample.contact_area_m2 = 0.0;
     for (std::size_t i = 0; i < patch_.size(); ++i) {
@@ -290,6 +291,7 @@ class Press {
   NearState state_;
   NearState before_;
   Eigen::VectorXd pressure_before_;
+  double touch_m_;
   double at_m_;  // penetration of state_, and of the one before
   double before_m_;
   int reached_ = 0;

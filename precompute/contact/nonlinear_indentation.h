@@ -45,6 +45,9 @@ struct NonlinearOptions {
   /// [-] Where interpolation between solved depths makes a larger error of force, all
   /// depths are solved.
   double depth_error_max = 0.015;
+  /// [-] Springs of the contact may give way by this share of the depth since the first
+  /// touch.
+  double give_relative = 0.0;
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
@@ -73,7 +76,7 @@ struct NonlinearSample {
   int gradients = 0;
   int lagrange = 0;
   double multiplier_relative = 0.0;  ///< [-] pressures that springs carry still
-  double overlap_m = 0.0;  ///< [m] tool in the body, mean weighted by pressure
+  double give_m = 0.0;               ///< [m] by those: spring_give_m
 };
 
 struct NonlinearIndentation {

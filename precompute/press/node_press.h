@@ -31,8 +31,8 @@ struct PressChecks {
 /// At which samples of a path a nonlinear press is solved; between them the linear one
 /// is corrected by what those around differ by.
 enum class SolvedDepths {
-  kFew,    ///< four
-  kTwice,  ///< and one between each two of them: tells what correcting there makes
+  kFew,      ///< four
+  kBetween,  ///< one before each of those, and the last: tells what correcting makes
   kEvery,
 };
 

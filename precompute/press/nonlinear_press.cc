@@ -22,11 +22,17 @@ namespace {
 constexpr std::size_t kLockStep = 32;
 
 // Depths that are solved nonlinear, as shares of a path's samples.
-constexpr std::array<double, 4> kCorrectedShares{0.4, 0.65, 0.85, 1.0};
+constexpr std::array kFewShares{0.4, 0.65, 0.85, 1.0};
+// Those of a press that tells what correcting between them makes. The second may not be
+// too far for a prediction from the first.
+constexpr std::array kBetweenShares{0.3, 0.525, 0.75, 0.925, 1.0};
 
 // Newton steps of a depth, where few depths are solved: usual are 10. A press that
 // needs more goes on with all depths, whose steps are smaller.
 constexpr int kEasyNewton = 20;
+
+// Forces grow with this power of the depth (Hertz), or nearly so.
+constexpr double kForcePower = 1.5;
 
 // What interpolation between two solved depths makes, over what leaving one out makes:
 // intervals are half as long then.
@@ -41,20 +47,14 @@ std::vector<std::size_t> corrected_samples(std::size_t samples, SolvedDepths dep
     return at;
   }
   const auto last = static_cast<double>(samples - 1);
-  const auto add = [&](double share) {
+  for (const double share : depths == SolvedDepths::kFew
+                                ? std::span<const double>(kFewShares)
+                                : std::span<const double>(kBetweenShares)) {
     const auto k =
         std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * last)));
     if (at.empty() || k > at.back()) {
       at.push_back(k);
     }
-  };
-  double before = 0.0;
-  for (const double share : kCorrectedShares) {
-    if (depths == SolvedDepths::kTwice) {
-      add(0.5 * (before + share));
-    }
-    add(share);
-    before = share;
   }
   return at;
 }
@@ -116,16 +116,13 @@ double left_out_error(std::span<const IndentationSample> path,
   return largest;
 }
 
-// A tool that has sunk into the body by o feels what it should have felt o before:
-// forces grow with the depth to the power of 1.5 (Hertz) or nearly so.
-double overlap_error(double touch_m, double from_m,
-                     const NonlinearIndentation& result) {
-  constexpr double kPower = 1.5;
+// Springs that give way by g are felt as a tool that is g off its place.
+double give_error(double touch_m, double from_m, const NonlinearIndentation& result) {
   double largest = 0.0;
   for (const NonlinearSample& sample : result.sample) {
     const double depth_m = sample.penetration_m - touch_m;
     if (sample.penetration_m >= from_m && depth_m > 0.0) {
-      largest = std::max(largest, kPower * sample.overlap_m / depth_m);
+      largest = std::max(largest, kForcePower * sample.give_m / depth_m);
     }
   }
   return largest;
@@ -163,7 +160,7 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
   }
   node.indentation.path_error =
       std::hypot(node.indentation.path_error, result.far_excess_relative,
-                 overlap_error(path.front().penetration_m,
+                 give_error(path.front().penetration_m,
                                kErrorCountsFrom * path.back().penetration_m, result));
   node.indentation.hard_path = result.hard_path;
   if (!knots.empty()) {
@@ -256,6 +253,7 @@ NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
                            .sticking = tool->shape().sticking};
   options.far_excess_max = 0.1 * scene.force_relative;
   options.depth_error_max = 0.3 * scene.force_relative;
+  options.give_relative = 0.05 / kForcePower * std::min(0.05, scene.force_relative);
   options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
   options.equilibrium.multiplier_relative = std::max(0.003, 0.03 * share);
   return options;

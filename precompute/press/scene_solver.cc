@@ -307,12 +307,13 @@ std::vector<PressedNode> SceneSolver::better(const SharedTool& tool,
   }
   NonlinearOptions options = nonlinear_options(scene_, tool);
   options.near_gradient *= kBetterShare;
+  options.give_relative *= kBetterShare;
   options.equilibrium.decrement_relative *= kBetterShare;
   options.equilibrium.multiplier_relative *= kBetterShare;
   options.bisections_max = kBetterBisections;
   return on_own_meshes(tool, vertices, palpate::finer(strategy_.focus, times_finer),
                        {.nonlinear = strategy_.nonlinear,
-                        .depths = SolvedDepths::kTwice,
+                        .depths = SolvedDepths::kBetween,
                         .options = options});
 }
 

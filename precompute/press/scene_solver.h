@@ -88,7 +88,7 @@ class SceneSolver {
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
   /// Presses to measure others by: on meshes so many times finer, nonlinear at
-  /// SolvedDepths::kTwice, with more of the body nonlinear and tighter tolerances;
+  /// SolvedDepths::kBetween, with more of the body nonlinear and tighter tolerances;
   /// cut-outs wider.
   [[nodiscard]] std::vector<PressedNode> better(const SharedTool& tool,
                                                 std::span<const std::int32_t> vertices,

@@ -8,6 +8,7 @@
 // largest from a tenth of the depth on, "estimate" what a build calibrates.
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -25,6 +26,7 @@
 #include "precompute/press/compliance_sample.h"
 #include "precompute/press/own_mesh_press.h"
 #include "precompute/press/scene_solver.h"
+#include "precompute/press/work_unit_solver.h"
 
 namespace palpate {
 namespace {
@@ -46,6 +48,46 @@ double force_at(const Indentation& path, double penetration_m) {
   return sample.back().force_n.norm();
 }
 
+struct Row {
+  std::string name;
+  PressedNode node;
+  double seconds = 0.0;
+};
+
+// What presses on a mesh so many times finer tell of the error of those on a build's.
+class CheckRatios {
+ public:
+  explicit CheckRatios(double times) : times_(times) {}
+
+  void add(const Row& finer, double error, double estimate, double found) {
+    seconds_ += finer.seconds;
+    error_per_found_.push_back(error / found);
+    error_.push_back(error / estimate);
+    found_.push_back(found / estimate);
+  }
+
+  void say() {
+    for (auto* values : {&error_per_found_, &error_, &found_}) {
+      std::sort(values->begin(), values->end());
+    }
+    fmt::print(
+        "on meshes {:g} times as fine, {:.1f} s: error over what is found {:.2f} median, "
+        "{:.2f} and {:.2f} quartiles; over the estimate, error {:.2f} median, {:.2f} at "
+        "the 95th percentile, found {:.2f} and {:.2f}\n",
+        times_, seconds_, quantile(error_per_found_, 0.5),
+        quantile(error_per_found_, 0.25), quantile(error_per_found_, 0.75),
+        quantile(error_, 0.5), quantile(error_, 0.95), quantile(found_, 0.5),
+        quantile(found_, 0.95));
+  }
+
+ private:
+  double times_;
+  double seconds_ = 0.0;
+  std::vector<double> error_per_found_;
+  std::vector<double> error_;
+  std::vector<double> found_;
+};
+
 int run(const std::string& file, std::size_t count, double finest) {
   const Scene scene = read_scene(file);
   const BodySource body = read_body(scene);
@@ -59,13 +101,9 @@ int run(const std::string& file, std::size_t count, double finest) {
       strategy.focus.growth, 1e3 * strategy.focus.finest_m);
   Progress quiet(nullptr);
   const SceneSolver solver(scene, body, strategy, reachable, vertices, quiet);
-  std::vector<double> per_check;
+  CheckRatios check{kCheckTimesFiner};
+  CheckRatios twice{2.0};
   for (const std::int32_t vertex : vertices) {
-    struct Row {
-      std::string name;
-      PressedNode node;
-      double seconds = 0.0;
-    };
     std::vector<Row> rows;
     const auto add = [&](const std::string& name, const auto& press) {
       rows.push_back({name, {}, 0.0});
@@ -76,7 +114,7 @@ int run(const std::string& file, std::size_t count, double finest) {
     add("shared", [&] {
       return solver.cheap(body.tool[0], {&vertex, 1}).front();
     });
-    for (double times = 0.5; times <= finest; times *= 2.0) {
+    for (const double times : {0.5, 1.0, kCheckTimesFiner, 2.0, finest}) {
       add(fmt::format("own x{:g}", times), [&] {
         return solver.better(body.tool[0], {&vertex, 1}, times).front();
       });
@@ -108,16 +146,16 @@ int run(const std::string& file, std::size_t count, double finest) {
                  100.0 * response_difference(response, best, outward),
                  100.0 * response.error_relative, row.node.failure);
     }
-    if (rows.size() > 4) {  // x1 against the finest, over x1 against x2
-      const NodeResponse built = response_of(rows[2]);
-      per_check.push_back(response_difference(built, best, outward) /
-                          response_difference(built, response_of(rows[3]), outward));
-    }
+    const NodeResponse built = response_of(rows[2]);
+    const double error = response_difference(built, best, outward);
+    check.add(rows[3], error, built.error_relative,
+              response_difference(built, response_of(rows[3]), outward));
+    twice.add(rows[4], error, built.error_relative,
+              response_difference(built, response_of(rows[4]), outward));
+    std::fflush(stdout);
   }
-  std::sort(per_check.begin(), per_check.end());
-  fmt::print(
-      "error over what a check finds: {:.2f} median, {:.2f} and {:.2f} quartiles\n",
-      quantile(per_check, 0.5), quantile(per_check, 0.25), quantile(per_check, 0.75));
+  check.say();
+  twice.say();
   return 0;
 }
 

@@ -158,17 +158,16 @@ TEST_F(PressIntoGel, TheMomentIsThatOfTheForceAtTheContact) {
 TEST_F(PressIntoGel, MultipliersCarryThePressureAndNothingSinksIn) {
   for (const NonlinearSample& sample : exact_.sample) {
     EXPECT_LE(sample.multiplier_relative, 1e-4);
-    EXPECT_LT(sample.overlap_m, 1e-3 * kDepth);
+    EXPECT_LT(sample.give_m, 1e-3 * kDepth);
     EXPECT_LT(sample.largest_overlap_m, 1e-2 * kDepth);
   }
-  double overlap_m = 0.0;
+  double give_m = 0.0;
   for (const NonlinearSample& sample : usual_.sample) {
     EXPECT_LE(sample.multiplier_relative,
               NonlinearOptions{}.equilibrium.multiplier_relative);
-    EXPECT_LE(sample.overlap_m, sample.largest_overlap_m * (1.0 + 1e-12));
-    overlap_m = std::max(overlap_m, sample.overlap_m);
+    give_m = std::max(give_m, sample.give_m);
   }
-  EXPECT_GT(overlap_m, 0.0) << "what springs carry is told";
+  EXPECT_GT(give_m, 0.0) << "what springs carry is told";
 }
 
 TEST_F(PressIntoGel, ThePressureIsWhatTheToolFeels) {

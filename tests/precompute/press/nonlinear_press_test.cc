@@ -166,26 +166,31 @@ TEST_F(PressedMiddle, AFewDepthsAreSolvedAndTellThoseBetweenThem) {
   EXPECT_LT(few_.indentation.path_error, 0.05);
 }
 
-TEST_F(PressedMiddle, TwiceAsManyDepthsAreSolvedBetweenTheFew) {
-  const PressedNode twice = press(options(), SolvedDepths::kTwice);
-  const auto& solved = twice.nonlinear->sample;
+TEST_F(PressedMiddle, DepthsBetweenTheFewAreSolvedAndTheLast) {
+  const PressedNode between = press(options(), SolvedDepths::kBetween);
+  const auto& solved = between.nonlinear->sample;
   const auto& few = few_.nonlinear->sample;
-  ASSERT_EQ(solved.size(), 2 * few.size());
+  ASSERT_EQ(solved.size(), few.size() + 1);
+  EXPECT_EQ(solved.back().penetration_m, few.back().penetration_m);
   for (std::size_t i = 0; i < few.size(); ++i) {
-    EXPECT_EQ(solved[2 * i + 1].penetration_m, few[i].penetration_m);
+    EXPECT_LT(solved[i].penetration_m, few[i].penetration_m);
+    EXPECT_LE(few[i].penetration_m, solved[i + 1].penetration_m);
   }
-  // What was solved does not depend on the depths that were solved before it.
+  // What was solved does not depend on the depths that were solved before it, but for
+  // how far springs may give way.
+  const double by_springs = 2.0 * 1.5 * options().give_relative;
   std::size_t compared = 0;
   for (std::size_t k = kDepths / 3; k <= kDepths; ++k) {
     const IndentationSample& every = all_.indentation.sample[k];
     for (const NonlinearSample& sample : solved) {
       if (sample.penetration_m == every.penetration_m) {
-        EXPECT_LT((sample.force_n - every.force_n).norm(), 2e-3 * every.force_n.norm());
+        EXPECT_LT((sample.force_n - every.force_n).norm(),
+                  (2e-3 + by_springs) * every.force_n.norm());
         ++compared;
       }
     }
   }
-  EXPECT_EQ(compared, 7U);
+  EXPECT_EQ(compared, 5U);
 }
 
 TEST_F(PressedMiddle, EveryDepthIsSolvedWhereAFewDoNotTellTheRest) {
@@ -214,6 +219,29 @@ TEST_F(PressedMiddle, PressuresThatSpringsCarryAreAnErrorThatIsTold) {
   // Within a factor: it takes forces to grow with the depth as Hertz's do.
   EXPECT_GT(node.indentation.path_error, 0.5 * error);
   EXPECT_LT(node.indentation.path_error, 4.0 * error);
+}
+
+TEST_F(PressedMiddle, SpringsGiveWayAsFarAsTheyMayAndThatIsTold) {
+  NonlinearOptions strict = options();
+  strict.give_relative = 0.0;
+  strict.equilibrium.multiplier_relative = 0.01;
+  const PressedNode exact = press(strict, SolvedDepths::kEvery);
+  NonlinearOptions loose = strict;
+  loose.give_relative = 0.01;
+  const PressedNode node = press(loose, SolvedDepths::kEvery);
+  const double touch_m = node.linear.sample.front().penetration_m;
+  double largest = 0.0;
+  for (const NonlinearSample& sample : node.nonlinear->sample) {
+    const double give = sample.give_m / (sample.penetration_m - touch_m);
+    EXPECT_LE(give, loose.give_relative);
+    largest = std::max(largest, give);
+  }
+  EXPECT_GT(largest, 0.3 * loose.give_relative);
+  const Eigen::Vector3d exact_n = exact.indentation.sample.back().force_n;
+  const double error = (node.indentation.sample.back().force_n - exact_n).norm();
+  EXPECT_GT(error, 1e-4 * exact_n.norm());
+  EXPECT_LT(error, node.indentation.path_error * exact_n.norm());
+  EXPECT_LT(node.indentation.path_error, 0.02);
 }
 
 TEST_F(PressedMiddle, APathEndsWhereTheForcePassesTheLargestWanted) {
@@ -257,6 +285,8 @@ TEST_F(PressedMiddle, OptionsFollowTheBudgetWithinLimits) {
   EXPECT_DOUBLE_EQ(at(0.001).near_gradient, 0.01);
   EXPECT_DOUBLE_EQ(at(0.02).far_excess_max, 0.002);
   EXPECT_DOUBLE_EQ(at(0.02).depth_error_max, 0.006);
+  EXPECT_DOUBLE_EQ(at(0.03).give_relative, 0.001);
+  EXPECT_DOUBLE_EQ(at(0.4).give_relative, 0.05 / 30.0);
   EXPECT_DOUBLE_EQ(at(0.4).equilibrium.multiplier_relative, 0.03)
       << "no looser than with 5 %";
   EXPECT_DOUBLE_EQ(at(0.025).equilibrium.multiplier_relative, 0.015);
