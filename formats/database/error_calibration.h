@@ -33,11 +33,9 @@ inline constexpr double kLeastErrorFactor = 1.5;
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,
                                       std::span<const double> error);
 
-/// The error of a solution over its difference to a check, on a mesh 1.5 times as fine.
-/// Against meshes four times as fine, 1.7 and 1.4 in the median of an organ and a liver,
-/// and their errors' 95th percentile over that of the differences 1.8 and 1.35
-/// (press_error_study, MEASURED.md); 2.3 where errors fall steadily with the order 1.4,
-/// 0.9 where meshes err at random.
+/// The error of a solution over its difference to a check: against meshes four times as
+/// fine, in the median of an organ and a liver, 1.4 and 0.9 with checks on meshes twice
+/// as fine, 1.7 and 1.4 on meshes 1.5 times as fine (press_error_study, MEASURED.md).
 inline constexpr double kErrorPerCheck = 1.6;
 
 }  // namespace palpate

@@ -35,14 +35,14 @@ namespace {
 constexpr double kChecksCpuS = 2.0;
 constexpr double kGroupsS = 3.0;   // of one kind; more groups are timed until then
 constexpr double kPressesS = 7.0;  // nonlinear ones, which differ more
-// A nonlinear check beside the median press: on a mesh twice as fine, at twice the
-// depths and to tighter tolerances. Chosen, as the next, on the small organ and the gel
-// cylinder of tests/bench/plan.
-constexpr double kCheckTimes = 14.0;
+// A nonlinear check beside the median press: on a finer mesh, at more depths and to
+// tighter tolerances. Chosen, as the next, on the small organ and the gel cylinder of
+// tests/bench/plan.
+constexpr double kCheckTimes = 6.0;
 // A press that a build chooses beside one anywhere: what is unlike its neighbours is
 // solved, and that is harder.
 constexpr double kChosenTimes = 1.2;
-constexpr double kCheckMemory = 2.3;  // likewise
+constexpr double kCheckMemory = 1.5;  // likewise
 constexpr std::size_t kMostBatches = 8;
 
 class Planner {
@@ -340,7 +340,7 @@ void Planner::time_checks() {
     return;
   }
   // A linear press costs as its factor and columns do.
-  const ContactFocus fine = finer(strategy_.focus, kCheckTimesFiner);
+  const ContactFocus fine = finer(strategy_.focus, kLinearCheckTimesFiner);
   const MeshWork here = own_mesh_work(scene_, body_, checks.front(), strategy_.focus);
   const MeshWork there = own_mesh_work(scene_, body_, checks.front(), fine);
   const bool affordable = !strategy_.nonlinear && expected_cpu_s(there) < kChecksCpuS;

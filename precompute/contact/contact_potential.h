@@ -50,9 +50,9 @@ struct ContactState {
   Eigen::MatrixX3d tie_n;      ///< (n_patch x 3) forces of ties
 };
 
-/// How far springs that carry what the multipliers lack give way [m], along normals and,
-/// where nodes are tied, across them: the mean weighted by forces, as a share of the
-/// whole pressure. A tool so much higher or lower would be felt alike.
+/// How far springs that carry what the multipliers lack give way [m], along normals
+/// and, where nodes are tied, across them: the mean weighted by forces, as a share of
+/// the whole pressure. A tool so much higher or lower would be felt alike.
 [[nodiscard]] double spring_give_m(const ContactState& contact,
                                    const Multipliers& multipliers);
 

@@ -245,8 +245,7 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
     report.multiplier_relative = sum > 0.0 ? change / sum : 0.0;
     report.give_m = spring_give_m(contact, multipliers);
     if (report.multiplier_relative > options_.multiplier_relative &&
-        report.give_m > give_m &&
-        report.lagrange < options_.lagrange_max) {
+        report.give_m > give_m && report.lagrange < options_.lagrange_max) {
       multipliers.pressure_n = contact.pressure_n;
       multipliers.tie_n = contact.tie_n;
       ++report.lagrange;

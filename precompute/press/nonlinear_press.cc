@@ -161,7 +161,7 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
   node.indentation.path_error =
       std::hypot(node.indentation.path_error, result.far_excess_relative,
                  give_error(path.front().penetration_m,
-                               kErrorCountsFrom * path.back().penetration_m, result));
+                            kErrorCountsFrom * path.back().penetration_m, result));
   node.indentation.hard_path = result.hard_path;
   if (!knots.empty()) {
     const RelativeCorrection correction(path.front().penetration_m, knots);

@@ -23,11 +23,14 @@ std::size_t territory_size(std::size_t vertices) {
 }
 
 WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
-                            const SceneSolver& solver, const WorkUnit& unit) {
+                            const PressStrategy& strategy, const SceneSolver& solver,
+                            const WorkUnit& unit) {
+  const double times_finer =
+      strategy.nonlinear ? kNonlinearCheckTimesFiner : kLinearCheckTimesFiner;
   WorkUnitOutcome outcome{.index = unit.index, .is_check = true, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
     for (const PressedNode& node :
-         solver.better(body.tool[t], unit.vertex, kCheckTimesFiner)) {
+         solver.better(body.tool[t], unit.vertex, times_finer)) {
       outcome.node.push_back(
           {.tool = static_cast<std::int32_t>(t),
            .vertex = node.vertex,
@@ -85,7 +88,7 @@ WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
                            const PressStrategy& strategy, const SceneSolver& solver,
                            const WorkUnit& unit, bool solve_all) {
   if (unit.is_check) {
-    return solve_check(scene, body, solver, unit);
+    return solve_check(scene, body, strategy, solver, unit);
   }
   WorkUnitOutcome outcome{.index = unit.index, .is_check = false, .node = {}};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {

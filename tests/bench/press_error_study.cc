@@ -8,8 +8,8 @@
 // largest from a tenth of the depth on, "estimate" what a build calibrates.
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
@@ -71,8 +71,10 @@ class CheckRatios {
       std::sort(values->begin(), values->end());
     }
     fmt::print(
-        "on meshes {:g} times as fine, {:.1f} s: error over what is found {:.2f} median, "
-        "{:.2f} and {:.2f} quartiles; over the estimate, error {:.2f} median, {:.2f} at "
+        "on meshes {:g} times as fine, {:.1f} s: error over what is found {:.2f} "
+        "median, "
+        "{:.2f} and {:.2f} quartiles; over the estimate, error {:.2f} median, {:.2f} "
+        "at "
         "the 95th percentile, found {:.2f} and {:.2f}\n",
         times_, seconds_, quantile(error_per_found_, 0.5),
         quantile(error_per_found_, 0.25), quantile(error_per_found_, 0.75),
@@ -101,8 +103,8 @@ int run(const std::string& file, std::size_t count, double finest) {
       strategy.focus.growth, 1e3 * strategy.focus.finest_m);
   Progress quiet(nullptr);
   const SceneSolver solver(scene, body, strategy, reachable, vertices, quiet);
-  CheckRatios check{kCheckTimesFiner};
-  CheckRatios twice{2.0};
+  CheckRatios check{kNonlinearCheckTimesFiner};
+  CheckRatios twice{kLinearCheckTimesFiner};
   for (const std::int32_t vertex : vertices) {
     std::vector<Row> rows;
     const auto add = [&](const std::string& name, const auto& press) {
@@ -114,7 +116,8 @@ int run(const std::string& file, std::size_t count, double finest) {
     add("shared", [&] {
       return solver.cheap(body.tool[0], {&vertex, 1}).front();
     });
-    for (const double times : {0.5, 1.0, kCheckTimesFiner, 2.0, finest}) {
+    for (const double times :
+         {0.5, 1.0, kNonlinearCheckTimesFiner, kLinearCheckTimesFiner, finest}) {
       add(fmt::format("own x{:g}", times), [&] {
         return solver.better(body.tool[0], {&vertex, 1}, times).front();
       });
