@@ -77,7 +77,7 @@ FibreEnergy fibre_energy(const FibreExponential& law, double x) {
     return {};
   }
   const double exponent = law.k2 * x * x;
-  const double growth = std::exp(exponent);
+  const double growth = exp_alike(exponent);
   return {law.k1_pa * std::expm1(exponent) / (2.0 * law.k2), law.k1_pa * x * growth,
           law.k1_pa * growth * (1.0 + 2.0 * exponent)};
 }
@@ -222,7 +222,7 @@ LocalResponse distortion_response(const FibreExponential& law,
   if (!std::isfinite(fibre.curvature)) {
     return inadmissible();
   }
-  const double scale = std::exp(-2.0 / 3.0 * log_J);
+  const double scale = exp_alike(-2.0 / 3.0 * log_J);
   const Eigen::Vector3d a = F * law.fibre;
   const Eigen::Matrix3d dI4 = 2.0 * a * law.fibre.transpose();
   const double I4 = a.squaredNorm();

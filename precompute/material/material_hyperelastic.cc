@@ -118,7 +118,7 @@ LocalResponse distortion_response(const MooneyRivlin& law, const Eigen::Matrix3d
   if (!(J > 0.0)) {
     return inadmissible();
   }
-  const double scale1 = std::exp(-2.0 / 3.0 * log_J);
+  const double scale1 = exp_alike(-2.0 / 3.0 * log_J);
   const double scale2 = scale1 * scale1;
   const double I1 = F.squaredNorm();
   const Eigen::Matrix3d C = F.transpose() * F;
