@@ -70,10 +70,14 @@ struct VolumeChange {
 // Same bytes on every processor: glibc's exp() and log() take fused instructions where
 // there are any, and round otherwise; its expm1() and log1p() do not (up to 2.38).
 
-inline double exp_alike(double x) { return 1.0 + std::expm1(x); }
+inline double exp_alike(double x) {
+  return 1.0 + std::expm1(x);
+}
 
 /// @param x > 0.
-inline double log_alike(double x) { return std::log1p(x - 1.0); }
+inline double log_alike(double x) {
+  return std::log1p(x - 1.0);
+}
 
 inline VolumeChange volume_change(const Eigen::Matrix3d& F) {
   const Eigen::Matrix3d H = F - Eigen::Matrix3d::Identity();
