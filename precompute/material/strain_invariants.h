@@ -67,8 +67,9 @@ struct VolumeChange {
   double log_J = 0.0;  ///< meaningful for J > 0 only
 };
 
-// Same bytes on every processor: glibc's exp() and log() take fused instructions where
-// there are any, and round otherwise; its expm1() and log1p() do not (up to 2.38).
+// glibc's exp() and log() take fused instructions where there are any and round
+// otherwise, so that builds differ by processor. Its log1p() does not; its expm1() does
+// in some versions, and is needed for small strains anyway.
 
 inline double exp_alike(double x) {
   return 1.0 + std::expm1(x);
