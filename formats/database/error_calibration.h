@@ -33,9 +33,9 @@ inline constexpr double kLeastErrorFactor = 1.5;
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,
                                       std::span<const double> error);
 
-/// The error of a solution over its difference to a check: against meshes four times as
-/// fine, in the median of an organ and a liver, 1.4 and 0.9 with checks on meshes twice
-/// as fine, 1.7 and 1.4 on meshes 1.5 times as fine (press_error_study, MEASURED.md).
+/// The error of a solution over its difference to a check. In the median of presses
+/// beside much finer ones 1.4 and 0.9 of a linear organ and a linear liver, 1.0 of a
+/// neo-Hookean gel (press_error_study, MEASURED.md).
 inline constexpr double kErrorPerCheck = 1.6;
 
 }  // namespace palpate

@@ -68,8 +68,8 @@ struct VolumeChange {
 };
 
 // glibc's exp() and log() take fused instructions where there are any and round
-// otherwise, so that builds differ by processor. Its log1p() does not; its expm1() does
-// in some versions, and is needed for small strains anyway.
+// otherwise, so that builds differ by processor. Its log1p() does not. Its expm1() does
+// in some versions: builds may still differ by it, but by nothing else here.
 
 inline double exp_alike(double x) {
   return 1.0 + std::expm1(x);

@@ -33,6 +33,8 @@ constexpr int kEasyNewton = 20;
 
 // Forces grow with this power of the depth (Hertz), or nearly so.
 constexpr double kForcePower = 1.5;
+// [-] Of the budget, and of one of 5 % at most: what springs of the contact may cost.
+constexpr double kGiveShare = 0.05;
 
 // What interpolation between two solved depths makes, over what leaving one out makes:
 // intervals are half as long then.
@@ -253,7 +255,8 @@ NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
                            .sticking = tool->shape().sticking};
   options.far_excess_max = 0.1 * scene.force_relative;
   options.depth_error_max = 0.3 * scene.force_relative;
-  options.give_relative = 0.05 / kForcePower * std::min(0.05, scene.force_relative);
+  options.give_relative =
+      kGiveShare * std::min(0.05, scene.force_relative) / kForcePower;
   options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);
   options.equilibrium.multiplier_relative = std::max(0.003, 0.03 * share);
   return options;

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
@@ -72,10 +71,8 @@ class CheckRatios {
     }
     fmt::print(
         "on meshes {:g} times as fine, {:.1f} s: error over what is found {:.2f} "
-        "median, "
-        "{:.2f} and {:.2f} quartiles; over the estimate, error {:.2f} median, {:.2f} "
-        "at "
-        "the 95th percentile, found {:.2f} and {:.2f}\n",
+        "median, {:.2f} and {:.2f} quartiles; over the estimate, error {:.2f} median, "
+        "{:.2f} at the 95th percentile, found {:.2f} and {:.2f}\n",
         times_, seconds_, quantile(error_per_found_, 0.5),
         quantile(error_per_found_, 0.25), quantile(error_per_found_, 0.75),
         quantile(error_, 0.5), quantile(error_, 0.95), quantile(found_, 0.5),
@@ -155,7 +152,6 @@ int run(const std::string& file, std::size_t count, double finest) {
               response_difference(built, response_of(rows[3]), outward));
     twice.add(rows[4], error, built.error_relative,
               response_difference(built, response_of(rows[4]), outward));
-    std::fflush(stdout);
   }
   check.say();
   twice.say();

@@ -71,6 +71,24 @@ class Equilibria : public testing::Test {
   const Block block_;
 };
 
+TEST(SpringGive, IsTheMeanOfGapsAndSlipsWeightedByForces) {
+  ContactState contact;
+  contact.pressure_n = Eigen::Vector3d(3.0, 1.0, 0.0);
+  contact.gap_m = Eigen::Vector3d(-0.001, 0.002, 0.5);  // the last one is not touched
+  contact.tie_n = Eigen::Matrix3d::Zero();
+  Multipliers multipliers{.pressure_n = Eigen::Vector3d::Zero(),
+                          .spring_n_per_m = Eigen::Vector3d(100.0, 200.0, 100.0),
+                          .tie_n = Eigen::Matrix3d::Zero(),
+                          .anchor_m = Eigen::Matrix3d::Zero(),
+                          .tied = {}};
+  EXPECT_DOUBLE_EQ(spring_give_m(contact, multipliers), 0.005 / 4.0);
+  contact.tie_n(1, 0) = 2.0;  // 1 N of which the spring carries
+  multipliers.tie_n(1, 0) = 1.0;
+  EXPECT_DOUBLE_EQ(spring_give_m(contact, multipliers), (0.005 + 2.0 / 200.0) / 4.0);
+  contact.pressure_n.setZero();
+  EXPECT_EQ(spring_give_m(contact, multipliers), 0.0);
+}
+
 // Where the promised energy is asked for far too little.
 TEST_F(Equilibria, EndWhereForcesAreInBalanceWhateverStepsPromise) {
   EquilibriumOptions loose{
