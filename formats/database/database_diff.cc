@@ -9,6 +9,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/quantile.h"
+#include "formats/mesh/angle_between.h"
 
 namespace palpate {
 namespace {
@@ -50,7 +51,7 @@ NodeDifference node_difference(const ResponseTable& a, const ResponseTable& b,
   result.relative_rms = ratio(result.curve.rms_n, result.curve.force_rms_n);
   const Eigen::Vector3d u = a.direction.row(node).transpose();
   const Eigen::Vector3d v = b.direction.row(node).transpose();
-  result.direction_rad = std::atan2(u.cross(v).norm(), u.dot(v));
+  result.direction_rad = angle_between(u, v);
   return result;
 }
 

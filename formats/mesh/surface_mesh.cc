@@ -1,9 +1,10 @@
 #include "formats/mesh/surface_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
+
+#include "formats/mesh/angle_between.h"
 
 namespace palpate {
 namespace {
@@ -15,10 +16,6 @@ Eigen::Vector3d corner(const SurfaceMesh& mesh, Eigen::Index t, int j) {
 Eigen::Vector3d area_vector(const SurfaceMesh& mesh, Eigen::Index t) {
   const Eigen::Vector3d a = corner(mesh, t, 0);
   return 0.5 * (corner(mesh, t, 1) - a).cross(corner(mesh, t, 2) - a);
-}
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 #include "formats/mesh/triangulate_polygon.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include <Eigen/Geometry>
+
+#include "formats/mesh/angle_between.h"
 
 namespace palpate {
 namespace {
@@ -38,7 +39,7 @@ double smallest_angle(Corners p, const Triple& t) {
   for (std::size_t j = 0; j < 3; ++j) {
     const Eigen::Vector3d a = p[t[(j + 1) % 3]] - p[t[j]];
     const Eigen::Vector3d b = p[t[(j + 2) % 3]] - p[t[j]];
-    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
+    smallest = std::min(smallest, angle_between(a, b));
   }
   return smallest;
 }

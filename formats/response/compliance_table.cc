@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "formats/base/reproducible.h"
+
 namespace palpate {
 
 std::span<const float> compliance_row(const ComplianceTable& table, std::int64_t node) {
@@ -13,10 +15,10 @@ std::span<const float> compliance_row(const ComplianceTable& table, std::int64_t
 
 std::vector<double> log_spaced(double first_m, double last_m, std::size_t count) {
   std::vector<double> distance_m(count);
-  const double log_ratio = std::log(last_m / first_m);
+  const double log_ratio = reproducible::log(last_m / first_m);
   for (std::size_t k = 0; k < count; ++k) {
-    distance_m[k] = first_m * std::exp(log_ratio * static_cast<double>(k) /
-                                       static_cast<double>(count - 1));
+    distance_m[k] = first_m * reproducible::exp(log_ratio * static_cast<double>(k) /
+                                                static_cast<double>(count - 1));
   }
   return distance_m;
 }
@@ -24,7 +26,7 @@ std::vector<double> log_spaced(double first_m, double last_m, std::size_t count)
 ComplianceKnots knots_of(const ComplianceTable& table) {
   const double first_m = table.distance_m.front();
   return {first_m,
-          std::log(table.distance_m.back() / first_m) /
+          reproducible::log(table.distance_m.back() / first_m) /
               static_cast<double>(table.knots() - 1),
           table.knots()};
 }

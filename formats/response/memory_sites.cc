@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/base/reproducible.h"
+
 namespace palpate {
 namespace {
 
@@ -210,7 +212,7 @@ double contact_radius_m(const ToolShape& tool, double depth_m) {
   }
   if (tool.kind == "cone") {
     const double flank =
-        2.0 * depth_m * std::tan(tool.half_angle_rad) / std::numbers::pi;
+        2.0 * depth_m * reproducible::tan(tool.half_angle_rad) / std::numbers::pi;
     return std::max(flank, std::sqrt(tool.tip_radius_m * depth_m));
   }
   if (tool.kind == "mesh") {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "formats/base/reproducible.h"
 #include "formats/response/response_curve.h"
 
 namespace palpate {
@@ -56,8 +57,8 @@ class Press {
     double now;
   };
   static Weights weights(double x) {
-    const double decay = std::exp(-x);
-    const double mean = -std::expm1(-x) / x;
+    const double decay = reproducible::exp(-x);
+    const double mean = -reproducible::expm1(-x) / x;
     return {decay, mean - decay, 1.0 - mean};
   }
 

@@ -1,10 +1,11 @@
 #include "formats/response/relaxation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "formats/base/reproducible.h"
 
 namespace palpate {
 namespace {
@@ -18,8 +19,8 @@ std::string extent(const std::vector<double>& values, double size = 1.0) {
 }  // namespace
 
 double relaxed_share(const PronyTerms& terms, std::size_t row, double time_s) noexcept {
-  return 1.0 + terms.g_1[row] * std::expm1(-time_s / terms.tau_1_s[row]) +
-         terms.g_2[row] * std::expm1(-time_s / terms.tau_2_s[row]);
+  return 1.0 + terms.g_1[row] * reproducible::expm1(-time_s / terms.tau_1_s[row]) +
+         terms.g_2[row] * reproducible::expm1(-time_s / terms.tau_2_s[row]);
 }
 
 std::string describe(const ResponseRelaxation& relaxation) {

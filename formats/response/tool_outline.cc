@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/base/reproducible.h"
+
 namespace palpate {
 namespace {
 
@@ -24,8 +26,9 @@ class Outline {
     for (int i = 0; i <= steps; ++i) {
       const double angle = from_rad + (to_rad - from_rad) * i / steps;
       // Exactly on the axis at its ends.
-      const double s = angle == 0.0 || angle == kHalfTurn ? 0.0 : std::sin(angle);
-      piece.push_back(centre + radius_m * Point(s, -std::cos(angle)));
+      const double s =
+          angle == 0.0 || angle == kHalfTurn ? 0.0 : reproducible::sin(angle);
+      piece.push_back(centre + radius_m * Point(s, -reproducible::cos(angle)));
     }
     pieces.push_back(piece);
   }
@@ -53,10 +56,10 @@ void cone(const ToolShape& tool, double end_m, Outline& outline) {
   const double tip = tool.tip_radius_m, alpha = tool.half_angle_rad;
   const bool endless = !(tool.length_m > 0.0);
   const double height_m =
-      endless ? std::min(end_m, 0.5 * end_m / std::tan(alpha)) : tool.length_m;
+      endless ? std::min(end_m, 0.5 * end_m / reproducible::tan(alpha)) : tool.length_m;
   const Point apex(0.0, tip);
-  const Point rim = apex + height_m * Point(std::tan(alpha), 1.0);
-  const Point out = tip * Point(std::cos(alpha), -std::sin(alpha));
+  const Point rim = apex + height_m * Point(reproducible::tan(alpha), 1.0);
+  const Point out = tip * Point(reproducible::cos(alpha), -reproducible::sin(alpha));
   outline.arc(apex, tip, 0.0, kQuarter - alpha);
   outline.line(apex + out, rim + out);
   if (endless) {

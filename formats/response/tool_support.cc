@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/base/reproducible.h"
+
 namespace palpate {
 namespace {
 
@@ -29,12 +31,12 @@ double support_m(const ToolShape& tool, const Eigen::Vector3d& d) {
   }
   if (tool.kind == "cone") {
     const double tip = tool.tip_radius_m * (1.0 + d.z());
-    const double rise =
-        std::sin(tool.half_angle_rad) * across + std::cos(tool.half_angle_rad) * d.z();
+    const double rise = reproducible::sin(tool.half_angle_rad) * across +
+                        reproducible::cos(tool.half_angle_rad) * d.z();
     if (!(rise > kAcross)) {
       return tip;
     }
-    const double flank_m = tool.length_m / std::cos(tool.half_angle_rad);
+    const double flank_m = tool.length_m / reproducible::cos(tool.half_angle_rad);
     return tool.length_m > 0.0 ? tip + flank_m * rise : kInfinite;
   }
   return tool.radius_m;

@@ -1,9 +1,10 @@
 #include "formats/response/viscoelasticity.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
+
+#include "formats/base/reproducible.h"
 
 namespace palpate {
 namespace {
@@ -21,8 +22,8 @@ double relaxed_share(const Viscoelasticity& relaxation, std::int64_t node,
   const Eigen::RowVectorXd g = relaxation.shares(node);
   double share = 1.0;
   for (std::size_t k = 0; k < relaxation.tau_s.size(); ++k) {
-    share +=
-        g(static_cast<Eigen::Index>(k)) * std::expm1(-time_s / relaxation.tau_s[k]);
+    share += g(static_cast<Eigen::Index>(k)) *
+             reproducible::expm1(-time_s / relaxation.tau_s[k]);
   }
   return share;
 }

@@ -1,12 +1,12 @@
 #include "formats/response/yielding.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <iterator>
 
 #include <fmt/format.h>
 
+#include "formats/base/reproducible.h"
 #include "formats/response/response_curve.h"
 
 namespace palpate {
@@ -20,7 +20,8 @@ constexpr double kBeforeOnset = 1e-6;
 // 1 - omega, as the fast step has it.
 double share_left(const NodeYielding& node, double deepest_m) {
   const double past = deepest_m - node.onset_m;
-  return past > 0.0 ? 1.0 - node.largest + node.largest * std::exp(-past / node.scale_m)
+  return past > 0.0 ? 1.0 - node.largest +
+                          node.largest * reproducible::exp(-past / node.scale_m)
                     : 1.0;
 }
 
@@ -29,9 +30,9 @@ ResponseSample undamaged(const CurveView& curve, const NodeYielding& node, doubl
   const ResponseSample at = curve.at(d);
   const double left = share_left(node, d);
   const double growing =
-      d < node.onset_m
-          ? 0.0
-          : node.largest / node.scale_m * std::exp(-(d - node.onset_m) / node.scale_m);
+      d < node.onset_m ? 0.0
+                       : node.largest / node.scale_m *
+                             reproducible::exp(-(d - node.onset_m) / node.scale_m);
   return {at.force_n / left,
           (at.stiffness_n_per_m + at.force_n * growing / left) / left, 0.0, false};
 }

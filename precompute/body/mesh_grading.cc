@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "formats/base/reproducible.h"
 #include "precompute/contact/linear_indentation.h"
 #include "precompute/contact/tool_surface.h"
 
@@ -70,7 +71,8 @@ double growth_for(const Scene& scene) {
   if (scene.contact_resolution > 0.0) {
     return std::clamp(2.0 / scene.contact_resolution, 0.05, 1.0);
   }
-  return std::clamp(0.95 * std::pow(scene.force_relative / 0.05, 0.4), 0.1, 1.0);
+  return std::clamp(0.95 * reproducible::pow(scene.force_relative / 0.05, 0.4), 0.1,
+                    1.0);
 }
 
 }  // namespace
@@ -172,7 +174,7 @@ std::vector<std::vector<std::int32_t>> group_vertices(
   const double inner = focus.finest_m / focus.growth;
   const double outer = std::max(edge / focus.growth, inner);
   const double own = 2.0 * std::numbers::pi / (0.43 * focus.growth * focus.growth) *
-                     (0.5 + std::log(outer / inner));
+                     (0.5 + reproducible::log(outer / inner));
   const double size = static_cast<double>(surface.triangle.rows()) / own;
   return in_neighbourhoods(
       surface, vertices, static_cast<std::size_t>(std::clamp(size, 1.0, kMostInGroup)));

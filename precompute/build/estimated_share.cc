@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/reproducible.h"
+
 namespace palpate {
 
 double share_above(std::span<const double> values, double limit) {
@@ -11,7 +13,7 @@ double share_above(std::span<const double> values, double limit) {
   double squares = 0.0;
   for (const double value : values) {
     if (value > 0.0) {
-      const double x = std::log(value / limit);
+      const double x = reproducible::log(value / limit);
       ++count;
       sum += x;
       squares += x * x;
@@ -23,7 +25,7 @@ double share_above(std::span<const double> values, double limit) {
   const double mean = sum / count;
   const double deviation =
       std::sqrt(std::max(squares - count * mean * mean, 1e-12) / (count - 1.0));
-  return 0.5 * std::erfc(-mean / (std::sqrt(2.0) * deviation));
+  return 0.5 * reproducible::erfc(-mean / (std::sqrt(2.0) * deviation));
 }
 
 }  // namespace palpate

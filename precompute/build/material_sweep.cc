@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 #include "formats/response/response_curve.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/press/nonlinear_press.h"
@@ -155,7 +156,7 @@ SweepParameter grid_of(const std::string& name, double from, double to, int coun
   }
   SweepParameter grid{name, {}};
   for (int i = 0; i < count; ++i) {
-    grid.value.push_back(from * std::pow(to / from, i / (count - 1.0)));
+    grid.value.push_back(from * reproducible::pow(to / from, i / (count - 1.0)));
   }
   grid.value.back() = to;
   return grid;

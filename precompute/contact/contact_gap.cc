@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/base/reproducible.h"
+
 namespace palpate {
 namespace {
 
@@ -197,7 +199,8 @@ double shadow_radius_m(const PlacedTool& tool, double height_m) {
   double widest = 0.0;
   for (int k = 0; k < (upright ? 1 : kRays); ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kRays;
-    const Eigen::Vector3d ray = std::cos(angle) * side + std::sin(angle) * other;
+    const Eigen::Vector3d ray =
+        reproducible::cos(angle) * side + reproducible::sin(angle) * other;
     double step = std::max(widest, height_m);
     while (step > 1e-3 * std::max(widest, height_m)) {
       const bool low = above(lowest_at + (widest + step) * ray) <= limit;

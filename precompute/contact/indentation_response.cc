@@ -5,7 +5,9 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/base/reproducible.h"
 #include "formats/database/work_unit.h"
+#include "formats/mesh/angle_between.h"
 #include "formats/response/force_difference.h"
 
 namespace palpate {
@@ -78,11 +80,10 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     if (sample.force_n.norm() > 0.0) {
       response.direction_spread_rad =
           std::max(response.direction_spread_rad,
-                   std::atan2(sample.force_n.cross(response.direction).norm(),
-                              sample.force_n.dot(response.direction)));
+                   angle_between(sample.force_n, response.direction));
     }
   }
-  if (std::sin(response.direction_spread_rad) > force_relative_budget) {
+  if (reproducible::sin(response.direction_spread_rad) > force_relative_budget) {
     // One direction alone would cost more than the budget of the force.
     for (const IndentationSample& sample : indentation.sample) {
       const double force_n = sample.force_n.norm();

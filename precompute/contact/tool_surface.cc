@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/base/reproducible.h"
 #include "precompute/contact/convex_distance.h"
 
 namespace palpate {
@@ -35,8 +36,8 @@ std::vector<OutlineEdge> outline_of(const ToolShape& tool) {
   }
   if (tool.kind == "cone") {
     const Eigen::Vector2d apex(0.0, tool.tip_radius_m);
-    const Eigen::Vector2d flank(std::sin(tool.half_angle_rad),
-                                std::cos(tool.half_angle_rad));
+    const Eigen::Vector2d flank(reproducible::sin(tool.half_angle_rad),
+                                reproducible::cos(tool.half_angle_rad));
     if (tool.length_m == 0.0) {
       return {{apex, flank, kInf}};
     }
@@ -121,7 +122,7 @@ ToolSurface::ToolSurface(const ToolShape& shape)
   ball_radius_m_ = ball_radius_of(shape);
   double gentlest_flank = 1.0;
   if (shape.kind == "cone") {
-    gentlest_flank = std::sin(shape.half_angle_rad);
+    gentlest_flank = reproducible::sin(shape.half_angle_rad);
   } else if (shape.kind == "mesh") {
     set_planes();
     gentlest_flank = -plane_normal_.col(2).minCoeff();
@@ -276,8 +277,9 @@ double expected_contact_radius_m(const ToolShape& tool, double depth_m) {
     return tool.radius_m;
   }
   if (tool.kind == "cone") {
-    return std::max(2.0 / std::numbers::pi * std::tan(tool.half_angle_rad) * depth_m,
-                    of_ball(tool.tip_radius_m));
+    return std::max(
+        2.0 / std::numbers::pi * reproducible::tan(tool.half_angle_rad) * depth_m,
+        of_ball(tool.tip_radius_m));
   }
   if (tool.kind == "mesh") {
     return std::sqrt(shadow_area_m2(tool.mesh, depth_m) / std::numbers::pi);

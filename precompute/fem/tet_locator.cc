@@ -1,11 +1,12 @@
 #include "precompute/fem/tet_locator.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+
+#include "formats/base/reproducible.h"
 
 namespace palpate {
 namespace {
@@ -32,7 +33,7 @@ TetLocator::TetLocator(const QuadraticMesh& mesh) : mesh_(mesh) {
   low_m_ = p.colwise().minCoeff().transpose();
   const Eigen::Vector3d size = p.colwise().maxCoeff().transpose() - low_m_;
   // About as many cells as tets in the body's box.
-  cell_m_ = std::cbrt(size.prod() / static_cast<double>(mesh.tet.rows()));
+  cell_m_ = reproducible::cbrt(size.prod() / static_cast<double>(mesh.tet.rows()));
   cells_ = (size.array() / cell_m_).floor().cast<int>() + 1;
   tets_.resize(static_cast<std::size_t>(cells_.prod()));
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {

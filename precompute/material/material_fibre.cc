@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 #include "precompute/material/material_check.h"
 #include "precompute/material/material_hyperelastic.h"
 #include "precompute/material/strain_invariants.h"
@@ -77,15 +78,15 @@ FibreEnergy fibre_energy(const FibreExponential& law, double x) {
     return {};
   }
   const double exponent = law.k2 * x * x;
-  const double growth = exp_alike(exponent);
-  return {law.k1_pa * std::expm1(exponent) / (2.0 * law.k2), law.k1_pa * x * growth,
-          law.k1_pa * growth * (1.0 + 2.0 * exponent)};
+  const double growth = reproducible::exp(exponent);
+  return {law.k1_pa * reproducible::expm1(exponent) / (2.0 * law.k2),
+          law.k1_pa * x * growth, law.k1_pa * growth * (1.0 + 2.0 * exponent)};
 }
 
 // Ibar4 - 1 without cancellation: |F a0|^2 - 1 = a0.(F'F - 1) a0.
 double fibre_excess(const FibreExponential& law, const Eigen::Matrix3d& F,
                     double log_J) {
-  const double scale_excess = std::expm1(-2.0 / 3.0 * log_J);
+  const double scale_excess = reproducible::expm1(-2.0 / 3.0 * log_J);
   const double excess = law.fibre.dot(twice_green_strain(F) * law.fibre);
   return excess * (1.0 + scale_excess) + scale_excess;
 }
@@ -222,7 +223,7 @@ LocalResponse distortion_response(const FibreExponential& law,
   if (!std::isfinite(fibre.curvature)) {
     return inadmissible();
   }
-  const double scale = exp_alike(-2.0 / 3.0 * log_J);
+  const double scale = reproducible::exp(-2.0 / 3.0 * log_J);
   const Eigen::Vector3d a = F * law.fibre;
   const Eigen::Matrix3d dI4 = 2.0 * a * law.fibre.transpose();
   const double I4 = a.squaredNorm();

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 #include "precompute/material/material_check.h"
 #include "precompute/material/strain_invariants.h"
 
@@ -72,7 +73,7 @@ double distortion_energy(const NeoHookean& law, const Eigen::Matrix3d& F) {
   if (!(J > 0.0)) {
     return kInfinity;
   }
-  const double scale_excess = std::expm1(-2.0 / 3.0 * log_J);
+  const double scale_excess = reproducible::expm1(-2.0 / 3.0 * log_J);
   return finite_or_infinite(0.5 * law.shear_modulus_pa *
                             isochoric_excess(first_excess(F), scale_excess));
 }
@@ -83,7 +84,7 @@ LocalResponse distortion_response(const NeoHookean& law, const Eigen::Matrix3d& 
     return inadmissible();
   }
   const double mu = law.shear_modulus_pa;
-  const double scale_excess = std::expm1(-2.0 / 3.0 * log_J);
+  const double scale_excess = reproducible::expm1(-2.0 / 3.0 * log_J);
   const double scale = 1.0 + scale_excess;
   LocalResponse response{0.5 * mu * isochoric_excess(first_excess(F), scale_excess),
                          Eigen::Matrix3d::Zero(), mu * scale * Tangent::Identity()};
@@ -109,8 +110,8 @@ double distortion_energy(const MooneyRivlin& law, const Eigen::Matrix3d& F) {
   const double trace = D.trace();
   const double excess2 = 2.0 * trace + second_invariant(D);
   return finite_or_infinite(
-      law.c10_pa * isochoric_excess(trace, std::expm1(-2.0 / 3.0 * log_J)) +
-      law.c01_pa * isochoric_excess(excess2, std::expm1(-4.0 / 3.0 * log_J)));
+      law.c10_pa * isochoric_excess(trace, reproducible::expm1(-2.0 / 3.0 * log_J)) +
+      law.c01_pa * isochoric_excess(excess2, reproducible::expm1(-4.0 / 3.0 * log_J)));
 }
 
 LocalResponse distortion_response(const MooneyRivlin& law, const Eigen::Matrix3d& F) {
@@ -118,7 +119,7 @@ LocalResponse distortion_response(const MooneyRivlin& law, const Eigen::Matrix3d
   if (!(J > 0.0)) {
     return inadmissible();
   }
-  const double scale1 = exp_alike(-2.0 / 3.0 * log_J);
+  const double scale1 = reproducible::exp(-2.0 / 3.0 * log_J);
   const double scale2 = scale1 * scale1;
   const double I1 = F.squaredNorm();
   const Eigen::Matrix3d C = F.transpose() * F;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 #include "precompute/material/material_check.h"
 #include "precompute/material/strain_invariants.h"
 
@@ -36,7 +37,8 @@ std::optional<PrincipalFrame> principal_frame(const Eigen::Matrix3d& F) {
     return std::nullopt;
   }
   const Eigen::Vector3d log_stretch =
-      0.5 * Eigen::Vector3d(std::log1p(d[0]), std::log1p(d[1]), std::log1p(d[2]));
+      0.5 * Eigen::Vector3d(reproducible::log1p(d[0]), reproducible::log1p(d[1]),
+                            reproducible::log1p(d[2]));
   PrincipalFrame frame;
   frame.stretch = (1.0 + d.array()).sqrt();
   frame.log_bar = log_stretch.array() - log_stretch.mean();
@@ -50,7 +52,7 @@ double energy_in(const Ogden& law, const PrincipalFrame& frame) {
   for (std::size_t i = 0; i < law.n_terms; ++i) {
     double sum = 0.0;
     for (int a = 0; a < 3; ++a) {
-      sum += std::expm1(law.alpha[i] * frame.log_bar[a]);
+      sum += reproducible::expm1(law.alpha[i] * frame.log_bar[a]);
     }
     energy += law.mu_pa[i] / law.alpha[i] * sum;
   }
@@ -60,7 +62,7 @@ double energy_in(const Ogden& law, const PrincipalFrame& frame) {
 // (x^p - y^p) y^(1 - p) / (x - y) with log(x/y) = L; p where x = y. No cancellation for
 // any L, so that equal and nearly equal stretches need no series.
 double power_slope(double p, double L) {
-  return L == 0.0 ? p : std::expm1(p * L) / std::expm1(L);
+  return L == 0.0 ? p : reproducible::expm1(p * L) / reproducible::expm1(L);
 }
 
 // Derivatives of Psi by the stretches, and what they give for rotations of the frame.

@@ -1,11 +1,11 @@
 #include "precompute/material/material_spectrum.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numeric>
 
+#include "formats/base/reproducible.h"
 #include "formats/response/viscoelasticity.h"
 
 namespace palpate {
@@ -19,7 +19,7 @@ constexpr double kFastest = 3.0;        // of the shortest's
 std::vector<double> between(double first, double last, int count) {
   std::vector<double> values;
   for (int i = 0; i < count; ++i) {
-    values.push_back(first * std::pow(last / first, i / (count - 1.0)));
+    values.push_back(first * reproducible::pow(last / first, i / (count - 1.0)));
   }
   values.back() = last;
   return values;

@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "formats/base/reproducible.h"
 #include "precompute/material/law_response.h"
 
 namespace palpate {
@@ -67,27 +68,14 @@ struct VolumeChange {
   double log_J = 0.0;  ///< meaningful for J > 0 only
 };
 
-// glibc's exp() and log() take fused instructions where there are any and round
-// otherwise, so that builds differ by processor. Its log1p() does not. Its expm1() does
-// in some versions: builds may still differ by it, but by nothing else here.
-
-inline double exp_alike(double x) {
-  return 1.0 + std::expm1(x);
-}
-
-/// @param x > 0.
-inline double log_alike(double x) {
-  return std::log1p(x - 1.0);
-}
-
 inline VolumeChange volume_change(const Eigen::Matrix3d& F) {
   const Eigen::Matrix3d H = F - Eigen::Matrix3d::Identity();
   if (H.squaredNorm() < 0.01) {
     const double excess = H.trace() + second_invariant(H) + H.determinant();
-    return {1.0 + excess, std::log1p(excess)};
+    return {1.0 + excess, reproducible::log1p(excess)};
   }
   const double J = F.determinant();
-  return {J, J > 0.0 ? log_alike(J) : 0.0};
+  return {J, J > 0.0 ? reproducible::log(J) : 0.0};
 }
 
 /// An energy past the largest double is +inf, never NaN.

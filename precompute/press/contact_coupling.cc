@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "formats/base/reproducible.h"
 #include "formats/response/memory_sites.h"
 #include "precompute/contact/loaded_part.h"
 #include "precompute/press/contact_spot.h"
@@ -101,7 +102,7 @@ BinnedColumn binned(const ContactSurface& surface, std::span<const std::int32_t>
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const ContactNode& node = surface.node[static_cast<std::size_t>(rows[j])];
     const double r = (node.position_m - at_m).norm();
-    const double step = std::log(r / knots.first_m) / knots.log_step;
+    const double step = reproducible::log(r / knots.first_m) / knots.log_step;
     const auto below = static_cast<Eigen::Index>(std::floor(std::max(step, -1.0)));
     for (Eigen::Index k = below; k <= below + 1; ++k) {
       const double hat = 1.0 - std::abs(step - static_cast<double>(k));

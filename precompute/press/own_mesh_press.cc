@@ -45,13 +45,14 @@ class OwnMeshes {
       if (!node.failure.empty() || !touches_late(node)) {
         return;
       }
-      PressedNode again = pressed_again(node, finer(focus, std::exp2(attempt)), mode);
+      PressedNode again =
+          pressed_again(node, finer(focus, std::ldexp(1.0, attempt)), mode);
       if (samples(again) < 2 ||
           (!again.failure.empty() && samples(again) <= samples(node))) {
         return;  // what is finer would fail, too
       }
       node = std::move(again);
-      node.again_times_finer = std::exp2(attempt);
+      node.again_times_finer = std::ldexp(1.0, attempt);
     }
   }
 
@@ -63,12 +64,13 @@ class OwnMeshes {
     mode.options.stiff = true;
     for (int attempt = 1; attempt <= kCoarserToEnd && !node.failure.empty();
          ++attempt) {
-      PressedNode again = pressed_again(node, finer(focus, std::exp2(-attempt)), mode);
+      PressedNode again =
+          pressed_again(node, finer(focus, std::ldexp(1.0, -attempt)), mode);
       // A coarser mesh on which the tool meets nothing is no answer.
       const bool whole = again.failure.empty() && !touches_late(again);
       if (samples(again) > 1 && (whole || samples(again) > samples(node))) {
         node = std::move(again);
-        node.again_times_finer = std::exp2(-attempt);
+        node.again_times_finer = std::ldexp(1.0, -attempt);
       }
     }
   }
@@ -102,8 +104,8 @@ BodyModel make_own_model(const Scene& scene, const BodySource& body,
   const bool keep_stiffness = nonlinear && gains_by_tangents(scene);
   for (int attempt = 0;; ++attempt) {
     try {
-      return make_graded_model(scene, body, vertices, finer(focus, std::exp2(-attempt)),
-                               keep_stiffness);
+      return make_graded_model(scene, body, vertices,
+                               finer(focus, std::ldexp(1.0, -attempt)), keep_stiffness);
     } catch (const NumericalError&) {
       if (attempt == kCoarserToEnd) {
         throw;

@@ -1,8 +1,8 @@
 #include "precompute/press/press_cost.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "formats/base/reproducible.h"
 #include "precompute/body/meshed_body.h"
 #include "precompute/contact/linear_indentation.h"
 
@@ -16,12 +16,12 @@ constexpr double kColumnS = 0.047;
 }  // namespace
 
 double expected_cpu_s(const MeshWork& work) {
-  return kFactorS * std::pow(work.triangles / kTriangles, 1.48) +
+  return kFactorS * reproducible::pow(work.triangles / kTriangles, 1.48) +
          work.columns * expected_column_cpu_s(work.triangles);
 }
 
 double expected_column_cpu_s(double triangles) {
-  return kColumnS * std::pow(triangles / kTriangles, 1.24);
+  return kColumnS * reproducible::pow(triangles / kTriangles, 1.24);
 }
 
 MeshWork own_mesh_work(const Scene& scene, const BodySource& body,

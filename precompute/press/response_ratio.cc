@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/base/reproducible.h"
 #include "formats/response/force_difference.h"
 
 namespace palpate {
@@ -111,7 +112,8 @@ RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& c
   // Of the secant at the path's end.
   const double force_n =
       std::max(cheap.sample.back().force_n.norm(), std::numeric_limits<double>::min());
-  return {vertex, std::log(force_n / past_touch_m(cheap, cheap.sample.size() - 1)),
+  return {vertex,
+          reproducible::log(force_n / past_touch_m(cheap, cheap.sample.size() - 1)),
           cheap.nonlinearity};
 }
 

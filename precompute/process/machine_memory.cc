@@ -1,7 +1,6 @@
 #include "precompute/process/machine_memory.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 
 namespace palpate {
 namespace {
@@ -49,7 +49,7 @@ std::int64_t free_memory_bytes() {
 }
 
 double expected_memory_bytes(std::int64_t triangles) {
-  return 1.40e4 * std::pow(static_cast<double>(triangles), 1.240);
+  return 1.40e4 * reproducible::pow(static_cast<double>(triangles), 1.240);
 }
 
 void require_memory(std::int64_t triangles) {

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 
 namespace palpate {
 namespace {
@@ -112,7 +113,7 @@ ContactSpheres contact_spheres(const SurfaceMesh& tool, std::size_t count,
   ContactSpheres best;
   for (int i = 0; i < kRadii; ++i) {
     const double tried_m =
-        0.01 * size_m * std::pow(50.0, static_cast<double>(i) / (kRadii - 1));
+        0.01 * size_m * reproducible::pow(50.0, static_cast<double>(i) / (kRadii - 1));
     const ContactSpheres spheres = with_radius(samples, places, tried_m);
     if (i == 0 || spheres.rms_error_m < best.rms_error_m) {
       best = spheres;

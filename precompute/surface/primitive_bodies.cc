@@ -1,11 +1,11 @@
 #include "precompute/surface/primitive_bodies.h"
 
-#include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/reproducible.h"
 #include "precompute/surface/subdivide.h"
 
 namespace palpate {
@@ -38,13 +38,14 @@ constexpr int kSpreadSweeps = 40;  // smallest angle 12.9 degrees without, 18.5 
 // The organ's surface in direction u of its middle, |u| = 1.
 Eigen::Vector3d organ_point_m(const Eigen::Vector3d& u) {
   const double notch =
-      std::exp(-6.0 * (u - Eigen::Vector3d(0.2, -1.0, 0.0)).squaredNorm());
-  const double radius = 1.0 - 0.10 * notch + 0.08 * std::sin(2.0 * u.x() + 1.0) * u.y();
+      reproducible::exp(-6.0 * (u - Eigen::Vector3d(0.2, -1.0, 0.0)).squaredNorm());
+  const double radius =
+      1.0 - 0.10 * notch + 0.08 * reproducible::sin(2.0 * u.x() + 1.0) * u.y();
   Eigen::Vector3d p = radius * u;
   p.y() *= 1.0 - 0.20 * p.x();  // broad at one end,
   p.z() *= 1.0 - 0.30 * p.x();  // and thick
   // Flatter underneath, without a kink at the rim.
-  p.z() *= 0.8 + 0.2 * std::tanh(4.0 * p.z());
+  p.z() *= 0.8 + 0.2 * reproducible::tanh(4.0 * p.z());
   p.z() += 0.12 * p.x() * p.x();  // bent over what lies below
   return {0.07 * p.x(), 0.045 * p.y(), 0.028 * p.z()};
 }
@@ -101,7 +102,7 @@ SurfaceMesh sphere_surface(const Eigen::Vector3d& center_m, double radius_m,
   SurfaceMesh mesh = icosphere(radius_m, level);
   const double ball_m3 = 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
   const auto grow = [&] {
-    mesh.position_m *= std::cbrt(ball_m3 / enclosed_volume_m3(mesh));
+    mesh.position_m *= reproducible::cbrt(ball_m3 / enclosed_volume_m3(mesh));
   };
   grow();
   while (mean_edge_m(mesh) > edge_m) {

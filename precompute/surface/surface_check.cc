@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/mesh/angle_between.h"
 #include "precompute/surface/disjoint_sets.h"
 #include "precompute/surface/self_intersections.h"
 #include "precompute/surface/winding_number.h"
@@ -246,7 +247,7 @@ double smallest_angle_rad(const SurfaceMesh& mesh, Eigen::Index t) {
   for (int j = 0; j < 3; ++j) {
     const Eigen::Vector3d a = corner_m(mesh, t, j + 1) - corner_m(mesh, t, j);
     const Eigen::Vector3d b = corner_m(mesh, t, j + 2) - corner_m(mesh, t, j);
-    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
+    smallest = std::min(smallest, angle_between(a, b));
   }
   return smallest;
 }

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/base/reproducible.h"
+
 namespace palpate {
 
 double winding_number(const SurfaceMesh& mesh, const Eigen::Vector3d& point_m) {
@@ -19,8 +21,9 @@ double winding_number(const SurfaceMesh& mesh, const Eigen::Vector3d& point_m) {
     const double la = a.norm();
     const double lb = b.norm();
     const double lc = c.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc +
-                                                     b.dot(c) * la + c.dot(a) * lb);
+    angle +=
+        2.0 * reproducible::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc +
+                                                         b.dot(c) * la + c.dot(a) * lb);
   }
   return angle / (4.0 * std::numbers::pi);
 }

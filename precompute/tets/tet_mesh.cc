@@ -1,11 +1,12 @@
 #include "precompute/tets/tet_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
+
+#include "formats/mesh/angle_between.h"
 
 namespace palpate {
 namespace {
@@ -22,7 +23,7 @@ double dihedral_rad(const TetMesh& mesh, Eigen::Index t, int i, int j) {
   const Eigen::Vector3d edge = corner_m(mesh, t, j) - p;
   const Eigen::Vector3d u = edge.cross(corner_m(mesh, t, k) - p);
   const Eigen::Vector3d v = edge.cross(corner_m(mesh, t, l) - p);
-  return std::atan2(u.cross(v).norm(), u.dot(v));
+  return angle_between(u, v);
 }
 
 }  // namespace

@@ -57,8 +57,11 @@ void check_estimate(const SurfaceMesh& surface, const TetOptions& options) {
 
 // TetGen's tolerances like coordinates about 1; a power of two scales without rounding.
 double scale_to_one(const SurfaceMesh& surface) {
-  const double extent = bounding_box(surface).sizes().maxCoeff();
-  return extent > 0.0 ? std::exp2(-std::round(std::log2(extent))) : 1.0;
+  int exponent = 0;
+  const double mantissa =
+      std::frexp(bounding_box(surface).sizes().maxCoeff(), &exponent);
+  return std::ldexp(1.0,
+                    mantissa < 0.5 * std::numbers::sqrt2 ? 1 - exponent : -exponent);
 }
 
 // The outer and the inner surfaces as the mesher takes them, and as they come back.
