@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/base/reproducible.h"
+#include "formats/response/turn_from_z.h"
 
 namespace palpate {
 namespace {
@@ -48,8 +49,7 @@ double height_at_touch_m(const ToolShape& tool, const Eigen::Vector3d& outward) 
   if (tool.kind == "sphere" || !tool.axis) {
     return support_m(tool, -Eigen::Vector3d::UnitZ());
   }
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), *tool.axis);
+  const Eigen::Quaterniond turn = turn_from_z(*tool.axis);
   return support_m(tool, -(turn.conjugate() * outward));
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/base/reproducible.h"
+#include "formats/response/turn_from_z.h"
 #include "precompute/contact/convex_distance.h"
 
 namespace palpate {
@@ -238,9 +239,7 @@ PlacedTool place_on_path(const ToolSurface& surface, const Eigen::Vector3d& vert
   const ToolShape& shape = surface.shape();
   const bool any_axis = shape.kind == "sphere" || !shape.axis;
   const Eigen::Vector3d axis = any_axis ? outward : *shape.axis;
-  const Eigen::Matrix3d rotation =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis)
-          .toRotationMatrix();
+  const Eigen::Matrix3d rotation = turn_from_z(axis).toRotationMatrix();
   // Straight down exactly, so that an endless handle does not come near by rounding.
   const Eigen::Vector3d down = any_axis
                                    ? Eigen::Vector3d(-Eigen::Vector3d::UnitZ())

@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "formats/response/turn_from_z.h"
+
 namespace palpate {
 
 /// From upright on the surface it rocks to both sides and turns about the normal to and
@@ -21,8 +23,7 @@ struct TurnScript {
     const auto swing = [&](double period_s) {
       return 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * time_s / period_s));
     };
-    const auto upright =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+    const auto upright = turn_from_z(normal);
     return (upright *
             Eigen::AngleAxisd(tilt_rad * (swing(1.7) - swing(2.3)),
                               Eigen::Vector3d::UnitX()) *

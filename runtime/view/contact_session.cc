@@ -11,6 +11,7 @@
 #include "formats/base/error.h"
 #include "formats/response/contact_set.h"
 #include "formats/response/tool_support.h"
+#include "formats/response/turn_from_z.h"
 #include "runtime/hand/press_site.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/view/view_contact.h"
@@ -49,7 +50,7 @@ double reach_m(const ToolShape& tool, const Eigen::Quaterniond& turn,
 }
 
 Eigen::Quaterniond upright(const Eigen::Vector3d& normal) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+  return turn_from_z(normal);
 }
 
 // As far towards the goal as a wrist turns in a tick.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "formats/response/tool_support.h"
+#include "formats/response/turn_from_z.h"
 
 namespace palpate {
 
@@ -33,8 +34,7 @@ ViewContact view_contact(const ResponseDatabase& database, const ToolShape& tool
   at.penetration_m = height_m - (x_m - at.point_m).dot(at.normal);
   at.over_nominal_m = height_m - nominal_height_m(tool);
   const bool along_normal = tool.kind == "sphere" || !tool.axis;
-  at.turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
-                                               along_normal ? at.normal : *tool.axis);
+  at.turn = turn_from_z(along_normal ? at.normal : *tool.axis);
   return at;
 }
 

@@ -1,0 +1,13 @@
+// The least turn that takes z to a direction: how tools stand along an axis.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace palpate {
+
+/// @param axis [-] a unit vector. Along -z, where no turn is the least: half a turn
+/// about x.
+[[nodiscard]] Eigen::Quaterniond turn_from_z(const Eigen::Vector3d& axis);
+
+}  // namespace palpate
