@@ -3,7 +3,8 @@
 # A cylinder of neo-Hookean gel (20 mm by 20 mm, E 5 kPa, nu 0.45) held at its bottom, a
 # rigid ball of 5 mm pressed 5 mm into the middle of its top in 10 increments, on one
 # thread. 5000 quadratic tets take minutes, 20000 the better part of an hour. Ours: every
-# free node of that body, a twentieth off in force at most, on one thread as well.
+# free node of that body, a twentieth off in force at most, on one thread as well; and the
+# middle one alone, to several budgets.
 set -euo pipefail
 bin=$(realpath "$1")
 shift
@@ -42,7 +43,24 @@ ours() {
              value["interpolated"], value["failed"], 100 * value["error_median"],
              100 * value["error_p95"]
       print (c[1] + c[2]) / nodes > out }'
-  "$bin/palpate-precompute" indent "$1.toml" --at 0,0,0.02 2> /dev/null | tail -n 8
+}
+
+# The middle node alone to a budget of force: its cost, mesh and forces, between depths by
+# a power law.
+one_node() {
+  sed "s/^force_relative = .*/force_relative = $2/" "$1.toml" > "$1.$2.toml"
+  /usr/bin/time -f "%U %S" -o "$1.cost" \
+    "$bin/palpate-precompute" indent "$1.$2.toml" --at 0,0,0.02 2> /dev/null |
+    awk -v budget="$2" '
+      NR == 2 { tets = $1 }
+      /^ +[0-9]+\.[0-9]+ / {
+        for (x = 1.0; x <= 5.0; x += 1.0)
+          if (last > 0 && force > 0 && last < x && x <= $1)
+            at[x] = force * (x / last) ^ (log($2 / force) / log($1 / last))
+        last = $1; force = $2 }
+      END { printf "budget %-6s %6d tets, forces at 1, 2, 3, 4, 5 mm [N]: %.5f %.5f %.5f %.5f %.5f",
+                   budget, tets, at[1], at[2], at[3], at[4], at[5] }'
+  tail -n 1 "$1.cost" | awk '{ printf ", %.1f CPU s\n", $1 + $2 }'
 }
 
 for tets in "${@:-5000}"; do
@@ -79,6 +97,9 @@ depth_max_m = 0.005
 force_relative = 0.05
 SCENE
   ours "$work/gel$tets"
+  for budget in 0.05 0.03 0.02 0.01 0.005; do
+    one_node "$work/gel$tets" "$budget"
+  done
   awk 'NR == FNR { theirs = $1 + $2; next }
        { printf "ratio: one node costs %.0f times less (%.1f over %.3f CPU s)\n",
                 theirs / $1, theirs, $1 }' <(tail -n 1 "$work/cost") "$work/gel$tets.per_node"
