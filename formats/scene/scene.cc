@@ -24,10 +24,9 @@ using scene_parts::Sections;
 
 constexpr std::string_view kBodyKeys[] = {"mesh", "length_unit"};
 constexpr std::string_view kReachKeys[] = {"box_m", "depth_max_m", "force_max_n"};
-constexpr std::string_view kAccuracyKeys[] = {"force_relative", "contact_resolution",
-                                              "depths",         "method",
-                                              "refine",         "solve",
-                                              "verify",         "bundles"};
+constexpr std::string_view kAccuracyKeys[] = {
+    "force_relative", "contact_resolution", "depths", "method", "refine",
+    "solve",          "solve_depths",       "verify", "bundles"};
 constexpr std::string_view kMethods[] = {"auto", "linear", "nonlinear"};
 constexpr std::string_view kRefinements[] = {"auto", "global", "local"};
 constexpr std::string_view kSolved[] = {"auto", "all"};
@@ -72,6 +71,7 @@ void read_accuracy(const Sections& sections, Scene& scene) {
   rest.method = accuracy.choice_or(rest.method, "method", kMethods);
   rest.refine = accuracy.choice_or(rest.refine, "refine", kRefinements);
   rest.solve = accuracy.choice_or(rest.solve, "solve", kSolved);
+  rest.solve_depths = accuracy.choice_or(rest.solve_depths, "solve_depths", kSolved);
   rest.verify = accuracy.integer_or(rest.verify, "verify", 0, 1000000);
   rest.bundles = accuracy.integer_or(rest.bundles, "bundles", 1, 8);
 }

@@ -126,8 +126,11 @@ struct SceneAccuracy {
   std::string method = "auto";  ///< auto, linear or nonlinear
   std::string refine = "auto";  ///< auto, global or local refinement under the tool
   std::string solve = "auto";   ///< auto: interpolate where the budget allows; or all
-  int verify = 24;              ///< [-] [0, 1000000] nodes solved again, better
-  int bundles = 1;              ///< [-] [1, 8] parts of a relaxing curve
+  /// auto: of a nonlinear press some depths are solved, and the linear press corrected
+  /// between them where the budget allows; or all.
+  std::string solve_depths = "auto";
+  int verify = 24;  ///< [-] [0, 1000000] nodes solved again, better
+  int bundles = 1;  ///< [-] [1, 8] parts of a relaxing curve
 };
 
 /// Every node is answered by a part of the body around it, cut out of the body's tets,

@@ -254,7 +254,8 @@ NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
   NonlinearOptions options{.near_gradient = std::clamp(0.05 * budgets, 0.01, 0.1),
                            .sticking = tool->shape().sticking};
   options.far_excess_max = 0.1 * scene.force_relative;
-  options.depth_error_max = 0.3 * scene.force_relative;
+  options.depth_error_max =
+      scene.accuracy.solve_depths == "all" ? 0.0 : 0.3 * scene.force_relative;
   options.give_relative =
       kGiveShare * std::min(0.05, scene.force_relative) / kForcePower;
   options.equilibrium.decrement_relative = std::max(1e-8, 1e-5 * share * share);

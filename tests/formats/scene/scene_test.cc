@@ -47,6 +47,7 @@ TEST(Scene, OptionalKeysHaveDefaults) {
   EXPECT_EQ(scene.accuracy.method, "auto");
   EXPECT_EQ(scene.accuracy.refine, "auto");
   EXPECT_EQ(scene.accuracy.solve, "auto");
+  EXPECT_EQ(scene.accuracy.solve_depths, "auto");
   EXPECT_EQ(scene.accuracy.verify, 24);
   EXPECT_FALSE(scene.drawing.displacement);
   EXPECT_EQ(scene.drawing.error_relative, 0.02);

@@ -193,10 +193,10 @@ TEST_F(PressedMiddle, DepthsBetweenTheFewAreSolvedAndTheLast) {
   EXPECT_EQ(compared, 5U);
 }
 
-TEST_F(PressedMiddle, EveryDepthIsSolvedWhereAFewDoNotTellTheRest) {
-  NonlinearOptions strict = options();
-  strict.depth_error_max = 0.0;
-  const PressedNode node = press(strict);
+TEST_F(PressedMiddle, EveryDepthIsSolvedWhereTheSceneSaysSo) {
+  Scene scene = *scene_;
+  scene.accuracy.solve_depths = "all";
+  const PressedNode node = press(nonlinear_options(scene, body_->tool.front()));
   EXPECT_EQ(node.nonlinear->sample.size(), std::size_t{kDepths});
   EXPECT_EQ(off(node), 0.0);
 }
