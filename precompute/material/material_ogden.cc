@@ -80,7 +80,9 @@ constexpr std::array<std::array<int, 2>, 3> kPairs{{{0, 1}, {1, 2}, {2, 0}}};
 void add_term(double mu, double alpha, const PrincipalFrame& frame,
               PrincipalDerivatives& W) {
   const Eigen::Vector3d& l = frame.stretch;
-  const Eigen::Vector3d q = (alpha * frame.log_bar.array()).exp();
+  const Eigen::Vector3d q(reproducible::exp(alpha * frame.log_bar[0]),
+                          reproducible::exp(alpha * frame.log_bar[1]),
+                          reproducible::exp(alpha * frame.log_bar[2]));
   const double m = q.mean();
   for (int a = 0; a < 3; ++a) {
     W.gradient[a] += mu * (q[a] - m) / l[a];
