@@ -1,8 +1,8 @@
 #include "formats/database/table_memory.h"
 
-#include <cmath>
 #include <vector>
 
+#include "formats/base/reproducible.h"
 #include "formats/response/memory_sites.h"
 
 namespace palpate {
@@ -46,7 +46,7 @@ void give_memory(const SurfaceMesh& body, const Points& normal,
   for (std::int64_t i = 1; i < bundles && !relaxation.empty(); ++i) {
     table.viscoelasticity.bundle_depth_m.push_back(
         depth_max_m *
-        std::pow(static_cast<double>(i) / static_cast<double>(bundles), 1.5));
+        reproducible::pow(static_cast<double>(i) / static_cast<double>(bundles), 1.5));
   }
 }
 

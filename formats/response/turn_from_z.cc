@@ -4,9 +4,10 @@
 
 namespace palpate {
 
-// Eigen's FromTwoVectors() does the same by a singular value decomposition, which takes
-// seconds to compile wherever it is called.
-Eigen::Quaterniond turn_from_z(const Eigen::Vector3d& axis) {
+// Eigen's FromTwoVectors() does the same by a singular value decomposition, slow to
+// compile wherever it is called.
+Eigen::Quaterniond turn_from_z(const Eigen::Vector3d& along) {
+  const Eigen::Vector3d axis = along.normalized();
   const double sine = std::hypot(axis.x(), axis.y());
   if (sine == 0.0) {
     return axis.z() < 0.0 ? Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0)

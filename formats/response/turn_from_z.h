@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// @param axis [-] a unit vector. Along -z, where no turn is the least: half a turn
-/// about x.
-[[nodiscard]] Eigen::Quaterniond turn_from_z(const Eigen::Vector3d& axis);
+/// @param along of any length but zero. Along -z, where no turn is the least: half a
+/// turn about x.
+[[nodiscard]] Eigen::Quaterniond turn_from_z(const Eigen::Vector3d& along);
 
 }  // namespace palpate

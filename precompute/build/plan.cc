@@ -177,11 +177,8 @@ void Planner::describe_scene() {
   report_.subdivisions = one_mesh ? strategy_.subdivisions : 0;
   report_.spacing_m = one_mesh ? strategy_.spacing_m : 0.5 * strategy_.focus.finest_m;
   report_.depths = scene_.accuracy.depths;
-  if (strategy_.nonlinear) {
-    report_.nonlinear_depths = scene_.accuracy.solve_depths == "all"
-                                   ? scene_.accuracy.depths
-                                   : nonlinear_depths(scene_.accuracy.depths);
-  }
+  report_.nonlinear_depths =
+      strategy_.nonlinear ? nonlinear_depths(scene_.accuracy) : 0;
   report_.notes = body_.notes;
   report_.notes.insert(report_.notes.end(), strategy_.notes.begin(),
                        strategy_.notes.end());

@@ -43,7 +43,7 @@ struct NonlinearOptions {
   /// the press is done again with near_gradient a third of it, twice at most.
   double far_excess_max = 0.005;
   /// [-] Where interpolation between solved depths makes a larger error of force, all
-  /// depths are solved.
+  /// depths are solved; 0: all are from the start.
   double depth_error_max = 0.015;
   /// [-] Springs of the contact may give way by this share of the depth since the first
   /// touch.

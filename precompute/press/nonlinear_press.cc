@@ -218,7 +218,8 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
   };
   node.linear = node.indentation;
   const std::size_t depths = node.linear.sample.size();
-  const bool all = mode.depths == SolvedDepths::kEvery || !is_guide(node.linear);
+  const bool all = mode.depths == SolvedDepths::kEvery ||
+                   mode.options.depth_error_max == 0.0 || !is_guide(node.linear);
   NonlinearOptions options = mode.options;
   if (!all) {
     options.only_if_easy = true;
@@ -263,10 +264,12 @@ NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
   return options;
 }
 
-int nonlinear_depths(int samples) {
-  return static_cast<int>(
-      corrected_samples(static_cast<std::size_t>(samples) + 1, SolvedDepths::kFew)
-          .size());
+int nonlinear_depths(const SceneAccuracy& wanted) {
+  return static_cast<int>(corrected_samples(static_cast<std::size_t>(wanted.depths) + 1,
+                                            wanted.solve_depths == "all"
+                                                ? SolvedDepths::kEvery
+                                                : SolvedDepths::kFew)
+                              .size());
 }
 
 void probe_nonlinearity(const BodyModel& model, PressedNode& node) {

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// How many samples of a path are solved nonlinear unless all of them are.
-[[nodiscard]] int nonlinear_depths(int samples);
+/// How many samples of a path are solved nonlinear, unless a few do not tell the rest.
+[[nodiscard]] int nonlinear_depths(const SceneAccuracy& wanted);
 
 /// As exact as the scene's budget needs: what the far field's laws add, depths that are
 /// not solved and pressures that springs carry may each take a part of it.

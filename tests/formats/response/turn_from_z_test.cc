@@ -39,6 +39,7 @@ TEST(TurnFromZ, KeepsItsDigitsAtBothEnds) {
   EXPECT_TRUE(
       turn_from_z(Eigen::Vector3d::UnitZ()).isApprox(Eigen::Quaterniond::Identity()));
   EXPECT_EQ(turn_from_z(-Eigen::Vector3d::UnitZ()).x(), 1.0);
+  EXPECT_EQ(turn_from_z({6.0, 0.0, 8.0}).y(), turn_from_z({0.6, 0.0, 0.8}).y());
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ TEST_F(PressedMiddle, ItsFieldIsTheSolvedDisplacement) {
 
 TEST_F(PressedMiddle, AFewDepthsAreSolvedAndTellThoseBetweenThem) {
   const auto& solved = few_.nonlinear->sample;
-  ASSERT_EQ(static_cast<int>(solved.size()), nonlinear_depths(kDepths));
+  ASSERT_EQ(static_cast<int>(solved.size()), nonlinear_depths(scene_->accuracy));
   EXPECT_EQ(solved.size(), 4U);
   EXPECT_EQ(solved.back().force_n, few_.indentation.sample.back().force_n);
   EXPECT_LT(off(few_), 0.02);
@@ -193,12 +193,21 @@ TEST_F(PressedMiddle, DepthsBetweenTheFewAreSolvedAndTheLast) {
   EXPECT_EQ(compared, 5U);
 }
 
+TEST_F(PressedMiddle, EveryDepthIsSolvedWhereAFewDoNotTellTheRest) {
+  NonlinearOptions strict = options();
+  strict.depth_error_max = 1e-9;
+  const PressedNode node = press(strict);
+  EXPECT_EQ(node.nonlinear->sample.size(), std::size_t{kDepths});
+  EXPECT_EQ(off(node), 0.0);
+}
+
 TEST_F(PressedMiddle, EveryDepthIsSolvedWhereTheSceneSaysSo) {
   Scene scene = *scene_;
   scene.accuracy.solve_depths = "all";
   const PressedNode node = press(nonlinear_options(scene, body_->tool.front()));
   EXPECT_EQ(node.nonlinear->sample.size(), std::size_t{kDepths});
   EXPECT_EQ(off(node), 0.0);
+  EXPECT_EQ(nonlinear_depths(scene.accuracy), kDepths);
 }
 
 TEST_F(PressedMiddle, CoarseForcesAreScaledAsForcesAre) {
