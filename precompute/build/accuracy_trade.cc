@@ -12,7 +12,7 @@
 #include "formats/database/work_unit.h"
 #include "precompute/contact/indentation_response.h"
 #include "precompute/press/compliance_sample.h"
-#include "precompute/press/response_ratio.h"
+#include "precompute/press/ratio_field.h"
 #include "precompute/press/timed_press.h"
 #include "precompute/press/work_unit_solver.h"
 
@@ -286,12 +286,13 @@ void TradeRun::add_interpolated(const Scene& scene, const PressStrategy& strateg
       }
     }
   }
+  const RatioModel ratios(field);
   Responses responses;
   for (const PressedNode& node : cheap.node) {
     responses.emplace_back();
     if (is_complete(node) && field.size() > 1) {
       const Indentation path =
-          scaled(node.indentation, field.at(node.vertex, node.indentation, node.vertex),
+          scaled(node.indentation, ratios.from_others(node.vertex, node.indentation),
                  scene.reach.force_max_n);
       responses.back() = to_response(path, node.path, scene.force_relative);
     }

@@ -118,7 +118,7 @@ bool Territory::few_predict_each_other() const {
     }
     trial.add(node->vertex, node->linear, std::move(ratio));
   }
-  const std::vector<double> error = trial.leave_one_out();
+  const std::vector<double> error = RatioModel(trial).left_out_errors();
   return *std::max_element(error.begin(), error.end()) < scene_.force_relative;
 }
 
@@ -127,11 +127,11 @@ bool Territory::few_predict_each_other() const {
 void Territory::solve_kinds_until_within_budget() {
   solve(other_kinds());
   while (true) {
-    const std::vector<double> left_out = field_.leave_one_out();
+    const RatioModel ratios(field_);
     std::vector<double> error(vertex_.size(), 0.0);
     for (std::size_t i = 0; i < vertex_.size(); ++i) {
       if (!good_[i] && is_like_others(i)) {
-        error[i] = expected_error(i, left_out);
+        error[i] = expected_error(i, ratios);
       }
     }
     const double worst = *std::max_element(error.begin(), error.end());
@@ -147,7 +147,7 @@ void Territory::solve_kinds_until_within_budget() {
 }
 
 void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) const {
-  const std::vector<double> left_out = field_.leave_one_out();
+  const RatioModel ratios(field_);
   for (std::size_t i = 0; i < vertex_.size(); ++i) {
     WorkUnitNode node{.tool = tool, .vertex = vertex_[i]};
     const PressedNode& press = good_[i] ? *good_[i] : cheap_[i];
@@ -156,7 +156,7 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
     if (good_[i]) {
       node.response = response_of(press);
     } else if (is_like_others(i) && field_.size() > 0) {
-      node.response = interpolated(i, left_out);
+      node.response = interpolated(i, ratios);
     } else if (touches(i)) {
       node.failure = "no neighbour was solved that it could be interpolated from";
     }
@@ -227,8 +227,7 @@ Territory::Places Territory::farthest(std::size_t count,
   return spread(
       count,
       [&](std::size_t i, std::size_t j) {
-        return field_.distance_m(vertex_[i], cheap_[i].indentation, vertex_[j],
-                                 cheap_[j].indentation);
+        return field_.distance_m(place(i), place(j));
       },
       [&](std::size_t i, double apart_m) {
         return apart_m * (error.empty() ? 1.0 : error[i]);
@@ -239,8 +238,7 @@ Territory::Places Territory::other_kinds() const {
   return spread(
       kOtherKinds,
       [&](std::size_t i, std::size_t j) {
-        return field_.unlikeness(vertex_[i], cheap_[i].indentation, vertex_[j],
-                                 cheap_[j].indentation);
+        return field_.unlikeness(place(i), place(j));
       },
       [](std::size_t, double unlike) {
         return unlike > kOtherKind ? unlike : 0.0;
@@ -285,22 +283,19 @@ Territory::Places Territory::spread(
 }
 
 // Infinite where only a solve can tell.
-double Territory::expected_error(std::size_t i,
-                                 std::span<const double> left_out) const {
-  return field_.size() < 2
-             ? std::numeric_limits<double>::infinity()
-             : field_.error_at(vertex_[i], cheap_[i].indentation, left_out);
+double Territory::expected_error(std::size_t i, const RatioModel& ratios) const {
+  return field_.size() < 2 ? std::numeric_limits<double>::infinity()
+                           : ratios.error_at(vertex_[i], cheap_[i].indentation);
 }
 
-NodeResponse Territory::interpolated(std::size_t i,
-                                     std::span<const double> left_out) const {
+NodeResponse Territory::interpolated(std::size_t i, const RatioModel& ratios) const {
   const Indentation& cheap = cheap_[i].indentation;
   const Indentation path =
-      scaled(cheap, field_.at(vertex_[i], cheap), scene_.reach.force_max_n);
+      scaled(cheap, ratios.at(vertex_[i], cheap), scene_.reach.force_max_n);
   NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
   response.origin = ResponseOrigin::kInterpolated;
   response.error_relative =
-      std::hypot(response.error_relative, field_.error_at(vertex_[i], cheap, left_out));
+      std::hypot(response.error_relative, ratios.error_at(vertex_[i], cheap));
   fault_point(FaultPlace::kInterpolation, vertex_[i], response.force_n);
   response.flags = static_cast<std::uint8_t>(response.flags & ~kCoarseContact);
   return response;

@@ -12,7 +12,7 @@
 #include "formats/database/work_unit.h"
 #include "formats/scene/scene.h"
 #include "precompute/body/scene_body.h"
-#include "precompute/press/response_ratio.h"
+#include "precompute/press/ratio_field.h"
 #include "precompute/press/scene_solver.h"
 
 namespace palpate {
@@ -70,10 +70,12 @@ class Territory {
       std::size_t count, const std::function<double(std::size_t, std::size_t)>& apart,
       const std::function<double(std::size_t, double)>& worth) const;
   [[nodiscard]] bool few_predict_each_other() const;
-  [[nodiscard]] double expected_error(std::size_t i,
-                                      std::span<const double> left_out) const;
+  [[nodiscard]] RatioField::Place place(std::size_t i) const {
+    return RatioField::place_of(vertex_[i], cheap_[i].indentation);
+  }
+  [[nodiscard]] double expected_error(std::size_t i, const RatioModel& ratios) const;
   [[nodiscard]] NodeResponse interpolated(std::size_t i,
-                                          std::span<const double> left_out) const;
+                                          const RatioModel& ratios) const;
   [[nodiscard]] std::size_t index_of(std::int32_t vertex) const;
   [[nodiscard]] bool is_outside_budget(const PressedNode& node) const;
   [[nodiscard]] NodeResponse response_of(const PressedNode& node) const;

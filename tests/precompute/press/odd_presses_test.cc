@@ -296,26 +296,5 @@ TEST(Guides, ACurveThatLosesContactIsStoredAsItWasPressed) {
   EXPECT_EQ(to_response(nothing, along, 0.05).origin, ResponseOrigin::kNone);
 }
 
-TEST(RatioFieldsOfOddPresses, AVertexThatIsNotAlikeCountsAsAnErrorAndNotInMeans) {
-  SurfaceMesh body;
-  body.position_m.resize(3, 3);
-  body.position_m << 0, 0, 0, 0.001, 0, 0, 0.002, 0, 0;
-  Points normal(3, 3);
-  normal << 0, 0, 1, 0, 0, 1, 0, 0, 1;
-  Indentation path;
-  for (int k = 0; k <= 4; ++k) {
-    path.sample.push_back(
-        {.penetration_m = 1e-3 * k, .force_n = Eigen::Vector3d(0.0, 0.0, 0.1 * k)});
-  }
-  RatioField field(body, normal, 0.002);
-  field.add(0, path, path_ratio(path, path));
-  EXPECT_EQ(field.size(), 1U);
-  EXPECT_DOUBLE_EQ(field.leave_one_out()[0], 1.0);  // nobody to predict it
-  field.add(1, path, std::nullopt);
-  EXPECT_EQ(field.size(), 1U);
-  EXPECT_NEAR(field.at(2, path).force[3], 1.0, 1e-12);
-  EXPECT_NEAR(field.error_at(2, path, field.leave_one_out()), 1.0, 1e-12);
-}
-
 }  // namespace
 }  // namespace palpate

@@ -1,0 +1,261 @@
+#include "precompute/press/ratio_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "formats/base/reproducible.h"
+
+namespace palpate {
+namespace {
+
+// Contact radii that normals a radian apart count as, or stiffnesses e times apart.
+constexpr double kAlikeRadii = 4.0;
+// Energy that laws add which counts as a stiffness e times as large.
+constexpr double kAlikeEnergy = 0.25;
+
+// Lengths over which ratios of homogeneous bodies are alike: contact radii in space,
+// of normals, of logarithms of stiffness, of nonlinearity. Chosen on a gel cylinder and
+// a soft organ, solved at every node, and held against a liver.
+constexpr std::array kUsualLengths{80.0, 1.0, 1.5, 1.0};
+// What a length may be over its usual one, or under it.
+constexpr double kMostUnusual = 40.0;
+// Of the squared logarithm of that, in the logarithm of probability.
+constexpr double kUnusual = 4.0;
+constexpr int kSweeps = 3;
+// Ratios agree no better, by meshes.
+constexpr double kLeastError = 1e-3;
+
+constexpr double kDeviations = 1.5;
+constexpr std::size_t kAround = 6;
+constexpr double kUnlikeError = 1.0;
+
+}  // namespace
+
+RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& cheap) {
+  // Of the secant at the path's end.
+  const double force_n =
+      std::max(cheap.sample.back().force_n.norm(), std::numeric_limits<double>::min());
+  const double past_touch_m =
+      cheap.sample.back().penetration_m - cheap.sample.front().penetration_m;
+  return {vertex, reproducible::log(force_n / past_touch_m), cheap.nonlinearity};
+}
+
+void RatioField::add(std::int32_t vertex, const Indentation& cheap,
+                     std::optional<PathRatio> ratio) {
+  ratios_ += ratio ? 1 : 0;
+  known_.push_back({place_of(vertex, cheap), std::move(ratio)});
+}
+
+double RatioField::unlikeness(const Place& a, const Place& b) const {
+  const double turned = (normal_.row(a.vertex) - normal_.row(b.vertex)).norm();
+  const double stiffer = a.log_stiffness - b.log_stiffness;
+  const double bent = (a.nonlinearity - b.nonlinearity) / kAlikeEnergy;
+  return std::hypot(turned, stiffer, bent);
+}
+
+double RatioField::distance_m(const Place& a, const Place& b) const {
+  const double away =
+      (surface_.position_m.row(a.vertex) - surface_.position_m.row(b.vertex)).norm();
+  return std::hypot(away, kAlikeRadii * contact_m_ * unlikeness(a, b));
+}
+
+Eigen::Vector<double, RatioField::kCoordinates> RatioField::coordinates(
+    const Place& p) const {
+  Eigen::Vector<double, kCoordinates> x;
+  x << surface_.position_m.row(p.vertex).transpose() / contact_m_,
+      normal_.row(p.vertex).transpose(), p.log_stiffness, p.nonlinearity;
+  return x;
+}
+
+RatioModel::RatioModel(const RatioField& field)
+    : field_(field), lengths_(kUsualLengths) {
+  Eigen::Index depths = 0;
+  for (std::size_t i = 0; i < field.known().size(); ++i) {
+    if (const auto& ratio = field.known()[i].ratio) {
+      with_ratio_.push_back(i);
+      depths = std::max(depths, ratio->force.size());
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(with_ratio_.size());
+  value_.resize(n, depths + 1);
+  weight_ = Eigen::MatrixXd::Zero(n, depths);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const PathRatio& ratio =
+        *field.known()[with_ratio_[static_cast<std::size_t>(i)]].ratio;
+    for (Eigen::Index k = 0; k < depths; ++k) {
+      // A longer path goes on where shorter ones end.
+      value_(i, k) =
+          reproducible::log(ratio.force[std::min(k, ratio.force.size() - 1)]);
+    }
+    value_(i, depths) = ratio.hard_share;
+    weight_.row(i).head(ratio.weight.size()) = ratio.weight.transpose();
+  }
+  if (n > 1) {
+    lengths_ = best_lengths();
+  }
+  if (n > 0) {
+    kriging_ = kriging(lengths_);
+  }
+  if (n > 1) {
+    left_out_ = left_out(*kriging_);
+    roughness_ = left_out_.error.array().square() / left_out_.variance.array();
+  }
+}
+
+Eigen::VectorXd RatioModel::scaled(const RatioField::Place& place,
+                                   const Lengths& lengths) const {
+  Eigen::VectorXd x = field_.coordinates(place);
+  x.head<3>() /= lengths[0];
+  x.segment<3>(3) /= lengths[1];
+  x[6] /= lengths[2];
+  x[7] /= lengths[3];
+  return x;
+}
+
+Kriging RatioModel::kriging(const Lengths& lengths) const {
+  Eigen::MatrixXd place(value_.rows(), RatioField::kCoordinates);
+  for (Eigen::Index i = 0; i < place.rows(); ++i) {
+    const std::size_t known = with_ratio_[static_cast<std::size_t>(i)];
+    place.row(i) = scaled(field_.known()[known].place, lengths).transpose();
+  }
+  return Kriging(std::move(place));
+}
+
+RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
+  const Eigen::Index depths = weight_.cols();
+  const Eigen::MatrixXd off = kriging.left_out(value_.leftCols(depths));
+  LeftOut result{.error = Eigen::VectorXd::Zero(off.rows()),
+                 .variance = kriging.left_out_variance()};
+  for (Eigen::Index i = 0; i < off.rows(); ++i) {
+    for (Eigen::Index k = 0; k < depths; ++k) {
+      result.error[i] = std::max(
+          result.error[i], weight_(i, k) * std::abs(reproducible::expm1(-off(i, k))));
+    }
+  }
+  return result;
+}
+
+// Minus the logarithm of the probability that each known ratio has beside the others,
+// whatever the field's spread is, and of the lengths.
+double RatioModel::improbability(const Lengths& lengths) const {
+  const LeftOut beside = left_out(kriging(lengths));
+  double sum = 0.0;
+  double squares = 0.0;
+  for (Eigen::Index i = 0; i < beside.error.size(); ++i) {
+    const double error = std::max(beside.error[i], kLeastError);
+    sum += 0.5 * reproducible::log(beside.variance[i]);
+    squares += error * error / beside.variance[i];
+  }
+  const auto n = static_cast<double>(beside.error.size());
+  sum += 0.5 * n * reproducible::log(squares / n);
+  for (std::size_t l = 0; l < lengths.size(); ++l) {
+    const double unusual = reproducible::log(lengths[l] / kUsualLengths[l]);
+    sum += kUnusual * unusual * unusual;
+  }
+  return sum;
+}
+
+// Each in turn is doubled or halved as long as that is better.
+RatioModel::Lengths RatioModel::best_lengths() const {
+  Lengths best = kUsualLengths;
+  double least = improbability(best);
+  bool moved = true;
+  for (int sweep = 0; sweep < kSweeps && moved; ++sweep) {
+    moved = false;
+    for (std::size_t l = 0; l < best.size(); ++l) {
+      for (const double factor : {2.0, 0.5}) {
+        while (true) {
+          Lengths trial = best;
+          trial[l] *= factor;
+          const double unusual = trial[l] / kUsualLengths[l];
+          if (std::max(unusual, 1.0 / unusual) > kMostUnusual) {
+            break;
+          }
+          const double score = improbability(trial);
+          if (!(score < least)) {
+            break;
+          }
+          least = score;
+          best = trial;
+          moved = true;
+        }
+      }
+    }
+  }
+  return best;
+}
+
+PathRatio RatioModel::ratio_of(const Eigen::VectorXd& value) const {
+  const Eigen::Index depths = weight_.cols();
+  PathRatio ratio;
+  ratio.force.resize(depths);
+  ratio.hard_share = std::clamp(value[depths], 0.0, 1.0);
+  for (Eigen::Index k = 0; k < depths; ++k) {
+    ratio.force[k] = reproducible::exp(value[k]);
+  }
+  return ratio;
+}
+
+PathRatio RatioModel::at(std::int32_t vertex, const Indentation& cheap) const {
+  const RatioField::Place place = RatioField::place_of(vertex, cheap);
+  return ratio_of(value_.transpose() * kriging_->at(scaled(place, lengths_)).weight);
+}
+
+PathRatio RatioModel::from_others(std::int32_t vertex, const Indentation& cheap) const {
+  for (std::size_t i = 0; i < with_ratio_.size(); ++i) {
+    if (field_.known()[with_ratio_[i]].place.vertex == vertex) {
+      const auto row = static_cast<Eigen::Index>(i);
+      return ratio_of((value_ - kriging_->left_out(value_)).row(row).transpose());
+    }
+  }
+  return at(vertex, cheap);
+}
+
+double RatioModel::error_at(std::int32_t vertex, const Indentation& cheap) const {
+  if (with_ratio_.size() < 2) {
+    return kUnlikeError;
+  }
+  const RatioField::Place place = RatioField::place_of(vertex, cheap);
+  struct Neighbour {
+    std::size_t known;
+    double distance_m;
+  };
+  std::vector<Neighbour> around;
+  for (std::size_t i = 0; i < field_.known().size(); ++i) {
+    around.push_back({i, field_.distance_m(place, field_.known()[i].place)});
+  }
+  const std::size_t kept = std::min(kAround, around.size());
+  std::partial_sort(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(kept),
+                    around.end(), [](const Neighbour& a, const Neighbour& b) {
+                      return a.distance_m < b.distance_m;
+                    });
+  double sum = 0.0;
+  double unlike = 0.0;
+  double rough = 0.0;
+  for (std::size_t j = 0; j < kept; ++j) {
+    const double weight = 1.0 / (around[j].distance_m * around[j].distance_m + 1e-300);
+    sum += weight;
+    const auto at =
+        std::lower_bound(with_ratio_.begin(), with_ratio_.end(), around[j].known);
+    if (at != with_ratio_.end() && *at == around[j].known) {
+      rough += weight * roughness_[at - with_ratio_.begin()];
+    } else {
+      unlike += weight * kUnlikeError * kUnlikeError;
+    }
+  }
+  const double variance = kriging_->at(scaled(place, lengths_)).variance;
+  return std::sqrt(kDeviations * kDeviations * variance *
+                       std::max(rough / sum, roughness_.mean()) +
+                   unlike / sum);
+}
+
+std::vector<double> RatioModel::left_out_errors() const {
+  std::vector<double> errors(field_.known().size(), kUnlikeError);
+  for (Eigen::Index i = 0; i < left_out_.error.size(); ++i) {
+    errors[with_ratio_[static_cast<std::size_t>(i)]] = left_out_.error[i];
+  }
+  return errors;
+}
+
+}  // namespace palpate

@@ -1,0 +1,122 @@
+// Ratios of good and cheap presses over a body: known at some vertices, predicted at
+// the others by kriging.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/mesh/surface_mesh.h"
+#include "precompute/contact/linear_indentation.h"
+#include "precompute/press/kriging.h"
+#include "precompute/press/response_ratio.h"
+
+namespace palpate {
+
+/// Where the ratio is known.
+class RatioField {
+ public:
+  /// What a vertex' ratio depends on.
+  struct Place {
+    std::int32_t vertex = -1;
+    double log_stiffness = 0.0;  ///< ln [N/m], of the cheap path
+    double nonlinearity = 0.0;   ///< [-] Indentation::nonlinearity
+  };
+  struct Known {
+    Place place;
+    std::optional<PathRatio> ratio;
+  };
+  static constexpr std::size_t kCoordinates = 8;
+
+  /// @param contact_m [m] radius of a contact: bodies change over it.
+  RatioField(const SurfaceMesh& surface, const Points& normal, double contact_m)
+      : surface_(surface), normal_(normal), contact_m_(contact_m) {}
+
+  [[nodiscard]] static Place place_of(std::int32_t vertex, const Indentation& cheap);
+
+  /// @param cheap the vertex's, a guide.
+  /// @param ratio none where the presses are not alike: then the vertex counts in
+  /// errors, as wrong by all of its force, but not in predictions.
+  void add(std::int32_t vertex, const Indentation& cheap,
+           std::optional<PathRatio> ratio);
+
+  [[nodiscard]] std::span<const Known> known() const { return known_; }
+  /// Vertices whose ratio is known.
+  [[nodiscard]] std::size_t size() const { return ratios_; }
+
+  /// How far apart two places are [m], for choosing some among them: in space, and so
+  /// much more as they face elsewhere, as one is stiffer than the other, or as the body
+  /// is more nonlinear there.
+  [[nodiscard]] double distance_m(const Place& a, const Place& b) const;
+
+  /// The same but for where they are: how unlike each other they are [-], in radians
+  /// that they face apart and in logarithms of stiffness.
+  [[nodiscard]] double unlikeness(const Place& a, const Place& b) const;
+
+  /// [-] Position in radii of the contact, normal, logarithm of stiffness and
+  /// nonlinearity.
+  [[nodiscard]] Eigen::Vector<double, kCoordinates> coordinates(const Place& p) const;
+
+ private:
+  const SurfaceMesh& surface_;
+  const Points& normal_;
+  double contact_m_;
+  std::vector<Known> known_;
+  std::size_t ratios_ = 0;
+};
+
+/// What a field predicts. Logarithms of ratios are taken for a random field over all
+/// coordinates, alike at all depths. Lengths over which it changes are those by which
+/// the known ratios predict each other best (leave-one-out predictive probability;
+/// Sundararajan and Keerthi, Neural Computation 13, 2001), and not far from usual ones.
+class RatioModel {
+ public:
+  /// @param field as it is now; must outlive it, unchanged.
+  explicit RatioModel(const RatioField& field);
+
+  /// The ratio at a vertex, without its turn; field.size() must not be 0.
+  [[nodiscard]] PathRatio at(std::int32_t vertex, const Indentation& cheap) const;
+
+  /// The same, from all others where the vertex' own ratio is known; field.size() must
+  /// be larger than 1 there.
+  [[nodiscard]] PathRatio from_others(std::int32_t vertex,
+                                      const Indentation& cheap) const;
+
+  /// Error of force [-] that is expected at a vertex if it takes this ratio: what 1.5
+  /// standard deviations are, of a field that is as rough as that around the vertex or
+  /// as all of it, whichever is more, and more where presses nearby were not alike.
+  [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap) const;
+
+  /// Error [-] of every known ratio as the others predict it, in the order of
+  /// field.known(); 1 where there is no ratio, or no other.
+  [[nodiscard]] std::vector<double> left_out_errors() const;
+
+ private:
+  using Lengths = std::array<double, 4>;
+  struct LeftOut {
+    Eigen::VectorXd error;     // (n) [-] of force
+    Eigen::VectorXd variance;  // (n) [-] that the kriging expects
+  };
+  [[nodiscard]] Eigen::VectorXd scaled(const RatioField::Place& place,
+                                       const Lengths& lengths) const;
+  [[nodiscard]] Kriging kriging(const Lengths& lengths) const;
+  [[nodiscard]] LeftOut left_out(const Kriging& kriging) const;
+  [[nodiscard]] double improbability(const Lengths& lengths) const;
+  [[nodiscard]] Lengths best_lengths() const;
+  [[nodiscard]] PathRatio ratio_of(const Eigen::VectorXd& value) const;
+
+  const RatioField& field_;
+  std::vector<std::size_t> with_ratio_;  // (n) in field_.known()
+  Eigen::MatrixXd value_;   // (n x k + 1) logarithms of ratios, and the hard share
+  Eigen::MatrixXd weight_;  // (n x k) of depths in an error
+  Lengths lengths_;
+  std::optional<Kriging> kriging_;
+  LeftOut left_out_;
+  Eigen::VectorXd roughness_;  // (n) squares of error over variance
+};
+
+}  // namespace palpate

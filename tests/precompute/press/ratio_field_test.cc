@@ -1,0 +1,204 @@
+// Ratios of presses over a body: between which vertices they are alike, and how well
+// those that are known say those that are not.
+#include "precompute/press/ratio_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Indentation path(double k_n_per_m) {
+  Indentation path;
+  for (int i = 0; i <= 10; ++i) {
+    const double d = 0.001 * i;
+    path.sample.push_back({.penetration_m = 0.001 + d,
+                           .force_n = Eigen::Vector3d(0.0, 0.0, k_n_per_m * d)});
+  }
+  return path;
+}
+
+RatioField::Place place(std::int32_t vertex, const Indentation& cheap) {
+  return RatioField::place_of(vertex, cheap);
+}
+
+// Four vertices: two on a flat top, 1 mm apart, one on the side around the edge, one on
+// the top again but ten times as stiff.
+class RatioFields : public testing::Test {
+ protected:
+  RatioFields() {
+    body_.position_m.resize(4, 3);
+    body_.position_m << 0, 0, 0, 0.001, 0, 0, 0.0005, 0, -0.0005, 0.0005, 0, 0;
+    normal_.resize(4, 3);
+    normal_ << 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1;
+  }
+  SurfaceMesh body_;
+  Points normal_;
+};
+
+TEST_F(RatioFields, VerticesThatFaceElsewhereOrAreStifferAreFartherAway) {
+  const RatioField field(body_, normal_, 0.002);
+  const Indentation soft = path(100.0);
+  const Indentation stiff = path(1000.0);
+  EXPECT_NEAR(field.distance_m(place(0, soft), place(1, soft)), 0.001, 1e-12);
+  EXPECT_GT(field.distance_m(place(0, soft), place(2, soft)), 0.005);
+  EXPECT_DOUBLE_EQ(field.unlikeness(place(0, soft), place(1, soft)), 0.0);
+  EXPECT_NEAR(field.unlikeness(place(0, soft), place(2, soft)), std::sqrt(2.0), 1e-12);
+  EXPECT_GT(field.distance_m(place(0, soft), place(3, stiff)), 0.01);
+  Indentation bent = soft;  // of the same stiffness, but not for long
+  bent.nonlinearity = 0.5;
+  EXPECT_GT(field.distance_m(place(0, soft), place(1, bent)), 0.01);
+  EXPECT_DOUBLE_EQ(field.distance_m(place(0, soft), place(3, stiff)),
+                   field.distance_m(place(3, stiff), place(0, soft)));
+}
+
+TEST_F(RatioFields, TakeTheRatioOfTheAlikeNeighbour) {
+  RatioField field(body_, normal_, 0.002);
+  const Indentation soft = path(100.0);
+  const Indentation stiff = path(1000.0);
+  field.add(1, soft, path_ratio(path(110.0), soft));
+  field.add(3, stiff, path_ratio(path(5000.0), stiff));
+  const RatioModel ratios(field);
+  // Nearer in space to the stiff one.
+  EXPECT_NEAR(ratios.at(0, soft).force[9], 1.1, 0.02);
+  EXPECT_NEAR(ratios.from_others(3, stiff).force[9], 1.1, 1e-9);
+  EXPECT_NEAR(ratios.from_others(1, soft).force[9], 5.0, 1e-9);
+  // Left out, each predicts the other wrongly by their ratio.
+  const auto left_out = ratios.left_out_errors();
+  EXPECT_NEAR(left_out[0], 5.0 / 1.1 - 1.0, 1e-6);
+  EXPECT_NEAR(left_out[1], 1.0 - 1.1 / 5.0, 1e-6);
+}
+
+TEST_F(RatioFields, SayThatPathsAreHardWhereMostOfTheRatioIsOfSuch) {
+  const Indentation soft = path(100.0);
+  Indentation hard = path(110.0);
+  hard.hard_path = true;
+  RatioField field(body_, normal_, 0.002);
+  field.add(0, soft, path_ratio(hard, soft));
+  field.add(2, soft, path_ratio(path(110.0), soft));
+  const RatioModel ratios(field);
+  EXPECT_TRUE(scaled(soft, ratios.at(1, soft), kInfinity).hard_path);
+  EXPECT_FALSE(scaled(soft, ratios.from_others(0, soft), kInfinity).hard_path);
+}
+
+TEST_F(RatioFields, KeepAConstantRatioExactly) {
+  RatioField field(body_, normal_, 0.002);
+  const Indentation soft = path(100.0);
+  for (const std::int32_t v : {1, 2, 3}) {
+    field.add(v, soft, path_ratio(path(110.0), soft));
+  }
+  const RatioModel ratios(field);
+  const PathRatio ratio = ratios.at(0, soft);
+  for (Eigen::Index k = 0; k < ratio.force.size(); ++k) {
+    EXPECT_NEAR(ratio.force[k], 1.1, 1e-12);
+  }
+  EXPECT_EQ(ratio.turn.rows(), 0);  // directions belong to their own vertex
+  EXPECT_NEAR(ratios.error_at(0, soft), 0.0, 1e-12);
+}
+
+TEST_F(RatioFields, GoOnWithTheLastRatioWherePathsEnd) {
+  RatioField field(body_, normal_, 0.002);
+  Indentation shallow = path(100.0);
+  shallow.sample.resize(6);
+  field.add(0, shallow, path_ratio(path(120.0), shallow));
+  field.add(1, path(100.0), path_ratio(path(120.0), path(100.0)));
+  const PathRatio ratio = RatioModel(field).at(2, path(100.0));
+  ASSERT_EQ(ratio.force.size(), 10);
+  EXPECT_NEAR(ratio.force[9], 1.2, 1e-12);
+}
+
+TEST_F(RatioFields, ExpectErrorsNearPressesThatAreNotAlike) {
+  RatioField field(body_, normal_, 0.002);
+  const Indentation soft = path(100.0);
+  field.add(1, soft, path_ratio(path(110.0), soft));
+  EXPECT_DOUBLE_EQ(RatioModel(field).left_out_errors()[0], 1.0);  // nobody predicts it
+  EXPECT_DOUBLE_EQ(RatioModel(field).error_at(0, soft), 1.0);
+  field.add(3, soft, path_ratio(path(110.0), soft));
+  EXPECT_NEAR(RatioModel(field).error_at(0, soft), 0.0, 1e-9);
+  field.add(2, soft, std::nullopt);
+  EXPECT_EQ(field.size(), 2U);
+  const RatioModel ratios(field);
+  EXPECT_NEAR(ratios.at(0, soft).force[9], 1.1, 1e-12);
+  EXPECT_GT(ratios.error_at(0, soft), 0.01);
+  EXPECT_DOUBLE_EQ(ratios.left_out_errors()[2], 1.0);
+}
+
+// A bent sheet, 20 x 20 vertices whose ratios vary smoothly: with how steeply they face
+// and, if that is asked for, in waves that are four contact radii long.
+class Sheet : public testing::Test {
+ protected:
+  static constexpr std::int32_t kSide = 20;
+  static constexpr double kContact = 0.002;
+
+  Sheet() {
+    body_.position_m.resize(kSide * kSide, 3);
+    normal_.resize(kSide * kSide, 3);
+    for (std::int32_t v = 0; v < kSide * kSide; ++v) {
+      const double x = 0.001 * (v % kSide);
+      const double y = 0.001 * (v / kSide);
+      body_.position_m.row(v) << x, y, 0.0;
+      normal_.row(v) << std::sin(50.0 * x), 0.0, std::cos(50.0 * x);
+    }
+  }
+
+  [[nodiscard]] double ratio_at(std::int32_t v, double wave) const {
+    return 1.0 + 0.2 * normal_(v, 0) +
+           wave * std::sin(2.0 * M_PI * body_.position_m(v, 1) / (4.0 * kContact));
+  }
+
+  // Share of the unknown vertices within what is expected, and the rms of errors.
+  struct Found {
+    double covered = 0.0;
+    double rms = 0.0;
+  };
+  [[nodiscard]] Found every_fifth(double wave) const {
+    RatioField field(body_, normal_, kContact);
+    const Indentation cheap = path(100.0);
+    for (std::int32_t v = 0; v < kSide * kSide; v += 5) {
+      field.add(v + (v / kSide) % 5, cheap,
+                path_ratio(path(100.0 * ratio_at(v + (v / kSide) % 5, wave)), cheap));
+    }
+    const RatioModel ratios(field);
+    Found found;
+    int unknown = 0;
+    for (std::int32_t v = 0; v < kSide * kSide; ++v) {
+      const bool is_known = std::any_of(field.known().begin(), field.known().end(),
+                                        [&](const auto& known) {
+                                          return known.place.vertex == v;
+                                        });
+      if (!is_known) {
+        const double error =
+            std::abs(ratios.at(v, cheap).force[9] / ratio_at(v, wave) - 1.0);
+        found.rms += error * error;
+        found.covered += error <= ratios.error_at(v, cheap) ? 1.0 : 0.0;
+        ++unknown;
+      }
+    }
+    found.covered /= unknown;
+    found.rms = std::sqrt(found.rms / unknown);
+    return found;
+  }
+
+  SurfaceMesh body_;
+  Points normal_;
+};
+
+TEST_F(Sheet, RatiosThatFollowTheNormalAreKnownFromAFifth) {
+  const Found found = every_fifth(0.0);
+  EXPECT_LT(found.rms, 0.0005);  // of ratios from 0.84 to 1.2
+  EXPECT_GT(found.covered, 0.9);
+}
+
+TEST_F(Sheet, RatiosThatVaryOverAContactAreFoundToDoSo) {
+  const Found found = every_fifth(0.1);
+  EXPECT_LT(found.rms, 0.02);  // the waves themselves are 0.07
+  EXPECT_GT(found.covered, 0.8);
+}
+
+}  // namespace
+}  // namespace palpate
