@@ -9,6 +9,8 @@
 namespace palpate {
 
 DenseCholesky::DenseCholesky(Eigen::MatrixXd A) : L_(std::move(A)) {
+  // Kernels take all lanes of a block, with those that mean nothing times zero.
+  L_.triangularView<Eigen::StrictlyUpper>().setZero();
   const FactorKernels& kernels = factor_kernels();
   const Eigen::Index n = L_.rows();
   std::vector<double> work(static_cast<std::size_t>(kernels.factorise_work(n, n)));

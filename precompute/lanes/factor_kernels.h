@@ -47,8 +47,9 @@ struct FactorKernels {
   std::ptrdiff_t (*product_work)(std::ptrdiff_t m, std::ptrdiff_t n, std::ptrdiff_t k);
 
   /// Replaces a supernode's block of K (lower triangle, after the updates by its
-  /// descendants) by that of L; what stands above the diagonal means nothing. @param
-  /// work as factorise_work(). @return the first column without a positive pivot, or k.
+  /// descendants) by that of L; what stands above the diagonal means nothing, but must
+  /// be finite. @param work as factorise_work(). @return the first column without a
+  /// positive pivot, or k.
   std::ptrdiff_t (*factorise)(std::ptrdiff_t m, std::ptrdiff_t k, double* L,
                               std::ptrdiff_t ld, double* work);
   std::ptrdiff_t (*factorise_work)(std::ptrdiff_t m, std::ptrdiff_t k);

@@ -33,7 +33,7 @@ Kriging::Kriging(Eigen::MatrixXd place) : place_(std::move(place)) {
   }
   const DenseCholesky factor(std::move(among));
   if (!factor.is_definite()) {
-    throw NumericalError("kriging: places that are not finite");
+    throw NumericalError("kriging: a place is not finite");
   }
   inverse_.resize(n, n);
   for (Eigen::Index j = 0; j < n; ++j) {
