@@ -23,6 +23,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <span>
 
 namespace palpate {
@@ -64,11 +65,36 @@ struct ComplianceWeights {
   }
 };
 
+/// ln x, to a relative 4.5e-16 or to 1e-16, whichever is more; by operations that round
+/// alike on every processor, which the C library's logarithm does not. @param x [-] > 0
+/// and not denormal; what is not finite gives itself.
+[[nodiscard]] inline double arithmetic_log(double x) noexcept {
+  if (!std::isfinite(x)) {
+    return x;
+  }
+  // x = m 2^e; ln m = 2 artanh s, |s| < 0.172, whose series ends below 1e-18.
+  int exponent = 0;
+  double m = std::frexp(x, &exponent);
+  if (m < 0.5 * std::numbers::sqrt2) {
+    m *= 2.0;
+    --exponent;
+  }
+  constexpr std::array<double, 10> kTerm{1.0 / 3.0,  1.0 / 5.0,  1.0 / 7.0,  1.0 / 9.0,
+                                         1.0 / 11.0, 1.0 / 13.0, 1.0 / 15.0, 1.0 / 17.0,
+                                         1.0 / 19.0, 1.0 / 21.0};
+  const double s = (m - 1.0) / (m + 1.0);
+  double series = 0.0;
+  for (std::size_t k = kTerm.size(); k-- > 0;) {
+    series = s * s * (kTerm[k] + series);
+  }
+  return static_cast<double>(exponent) * std::numbers::ln2 + 2.0 * (s + s * series);
+}
+
 /// Weights within an interval between knots. @param interval below count - 1.
-/// @param t [-] [0, 1] in it.
+/// @param t [-] [0, 1] in it. @param r [m] the distance that it is.
 [[nodiscard]] inline ComplianceWeights weights_between(const ComplianceKnots& knots,
-                                                       std::size_t interval,
-                                                       double t) noexcept {
+                                                       std::size_t interval, double t,
+                                                       double r) noexcept {
   ComplianceWeights weights;
   weights.first = std::min(interval - std::min<std::size_t>(interval, 1),
                            knots.count - weights.value.size());
@@ -94,8 +120,6 @@ struct ComplianceWeights {
   };
   add_tangent(interval, t * (1.0 - t) * (1.0 - t), (1.0 - t) * (1.0 - 3.0 * t));
   add_tangent(interval + 1, t * t * (t - 1.0), t * (3.0 * t - 2.0));
-  const double r =
-      knots.first_m * std::exp(knots.log_step * (static_cast<double>(interval) + t));
   for (std::size_t k = 0; k < v.size(); ++k) {
     weights.value[k] = v[k] / r;
     weights.slope[k] = (v_slope[k] / knots.log_step - v[k]) / (r * r);
@@ -108,7 +132,7 @@ struct ComplianceWeights {
                                                           double distance_m) noexcept {
   const double r = distance_m;
   if (r < knots.first_m) {
-    ComplianceWeights weights = weights_between(knots, 0, 0.0);
+    ComplianceWeights weights = weights_between(knots, 0, 0.0, knots.first_m);
     const double ratio = r / knots.first_m;
     for (std::size_t k = 0; k < weights.value.size(); ++k) {
       const double slope = weights.slope[k];
@@ -117,7 +141,7 @@ struct ComplianceWeights {
     }
     return weights;
   }
-  const double step = std::log(r / knots.first_m) / knots.log_step;
+  const double step = arithmetic_log(r / knots.first_m) / knots.log_step;
   const auto last = static_cast<double>(knots.count - 1);
   if (step >= last) {
     ComplianceWeights weights;
@@ -127,7 +151,7 @@ struct ComplianceWeights {
     return weights;
   }
   const std::size_t interval = step >= 0.0 ? static_cast<std::size_t>(step) : 0;
-  return weights_between(knots, interval, step - static_cast<double>(interval));
+  return weights_between(knots, interval, step - static_cast<double>(interval), r);
 }
 
 /// c and dc/dr of one row. @param row (count of knots) [m^2/N]

@@ -1,6 +1,7 @@
 // What a row of compliances over distance means, between, beyond and below its knots.
 #include "formats/response/compliance_row.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -16,6 +17,19 @@ namespace {
 constexpr double kFirstM = 0.002;
 const ComplianceKnots kKnots{kFirstM, std::numbers::ln2, 6};
 const std::vector<double> kUneven{3e-6, 2e-6, 2.5e-6, 1e-6, -4e-7, 1e-7};
+
+TEST(ComplianceRow, LogarithmIsRightToTheLastDigits) {
+  for (int i = 0; i < 20'000; ++i) {
+    const double x = std::exp2(-30.0 + 0.00317 * i);  // both sides of each power of two
+    const auto exact = static_cast<double>(std::log(static_cast<long double>(x)));
+    EXPECT_NEAR(arithmetic_log(x), exact, std::max(4.5e-16 * std::abs(exact), 1e-16))
+        << x;
+  }
+  EXPECT_EQ(arithmetic_log(1.0), 0.0);
+  EXPECT_EQ(arithmetic_log(std::numeric_limits<double>::infinity()),
+            std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(arithmetic_log(std::nan(""))));
+}
 
 TEST(ComplianceRow, IsTheNumberOverTheDistanceAtAKnot) {
   for (std::size_t k = 0; k < kKnots.count; ++k) {
