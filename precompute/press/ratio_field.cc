@@ -27,8 +27,25 @@ constexpr int kSweeps = 3;
 constexpr double kLeastError = 1e-3;
 
 constexpr double kDeviations = 1.5;
+// The least nine tenths of squares of normal values have this mean. The others may be
+// of presses that snapped: they count around themselves alone.
+constexpr double kOrdinary = 0.9;
+constexpr double kMeanOfOrdinary = 0.623;
 constexpr std::size_t kAround = 6;
 constexpr double kUnlikeError = 1.0;
+
+// The variance of values that are normal but for a tenth, from their squares.
+double ordinary_variance(const Eigen::VectorXd& square) {
+  std::vector<double> ordered(square.begin(), square.end());
+  std::sort(ordered.begin(), ordered.end());
+  const auto kept = static_cast<std::size_t>(
+      std::ceil(kOrdinary * static_cast<double>(ordered.size())));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kept; ++i) {
+    sum += ordered[i];
+  }
+  return sum / (kMeanOfOrdinary * static_cast<double>(kept));
+}
 
 }  // namespace
 
@@ -100,6 +117,7 @@ RatioModel::RatioModel(const RatioField& field)
   if (n > 1) {
     left_out_ = left_out(*kriging_);
     roughness_ = left_out_.error.array().square() / left_out_.variance.array();
+    ordinary_roughness_ = ordinary_variance(roughness_);
   }
 }
 
@@ -246,7 +264,7 @@ double RatioModel::error_at(std::int32_t vertex, const Indentation& cheap) const
   }
   const double variance = kriging_->at(scaled(place, lengths_)).variance;
   return std::sqrt(kDeviations * kDeviations * variance *
-                       std::max(rough / sum, roughness_.mean()) +
+                       std::max(rough / sum, ordinary_roughness_) +
                    unlike / sum);
 }
 

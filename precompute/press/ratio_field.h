@@ -88,7 +88,8 @@ class RatioModel {
 
   /// Error of force [-] that is expected at a vertex if it takes this ratio: what 1.5
   /// standard deviations are, of a field that is as rough as that around the vertex or
-  /// as all of it, whichever is more, and more where presses nearby were not alike.
+  /// as nine tenths of it, whichever is more, and more where presses nearby were not
+  /// alike.
   [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap) const;
 
   /// Error [-] of every known ratio as the others predict it, in the order of
@@ -117,6 +118,7 @@ class RatioModel {
   std::optional<Kriging> kriging_;
   LeftOut left_out_;
   Eigen::VectorXd roughness_;  // (n) squares of error over variance
+  double ordinary_roughness_ = 0.0;
 };
 
 }  // namespace palpate

@@ -138,7 +138,8 @@ void Territory::solve_kinds_until_within_budget() {
     if (!(worst > scene_.force_relative)) {
       return;
     }
-    const Places more = farthest(kMoreSamples, error);
+    const Places more =
+        farthest(std::max(kMoreSamples, field_.size() / kKnownPerSample), error);
     if (more.empty()) {
       return;
     }

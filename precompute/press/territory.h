@@ -20,6 +20,8 @@ namespace palpate {
 inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
 inline constexpr std::size_t kOtherKinds = 6;    ///< at most, unlike all those
 inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
+/// Rounds grow with what is known: a tenth of it.
+inline constexpr std::size_t kKnownPerSample = 10;
 
 /// Every vertex has a cheap press, once press_cheap() was called, and a good one where
 /// it is solved; the ratio of the two (path_ratio) is known where they are alike. There
