@@ -9,7 +9,7 @@
 namespace palpate {
 
 DenseCholesky::DenseCholesky(Eigen::MatrixXd A) : L_(std::move(A)) {
-  // Kernels take all lanes of a block, with those that mean nothing times zero.
+  // Kernels multiply what stands above the diagonal by zero: it must be finite.
   L_.triangularView<Eigen::StrictlyUpper>().setZero();
   const FactorKernels& kernels = factor_kernels();
   const Eigen::Index n = L_.rows();

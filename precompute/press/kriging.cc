@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-// Of each value on its own: what presses on different meshes differ by. It keeps places
-// that coincide from making the covariance singular.
+// The variance of each value on its own: no two presses have the same mesh. It also
+// keeps places that coincide from making the covariance singular.
 constexpr double kNugget = 0.02 * 0.02;
 
 double covariance(double distance) {
@@ -50,8 +50,9 @@ Kriging::Prediction Kriging::at(const Eigen::VectorXd& place) const {
   }
   Prediction prediction{.weight = inverse_ * to};
   const double lacking = 1.0 - prediction.weight.sum();  // the mean's share
+  // In this order, so that what is not a number stays one.
   prediction.variance = std::max(
-      0.0, 1.0 + kNugget - to.dot(prediction.weight) + lacking * lacking / sum_.sum());
+      1.0 + kNugget - to.dot(prediction.weight) + lacking * lacking / sum_.sum(), 0.0);
   prediction.weight += lacking / sum_.sum() * sum_;
   return prediction;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "formats/base/reproducible.h"
 
@@ -16,19 +17,19 @@ constexpr double kAlikeEnergy = 0.25;
 
 // Lengths over which ratios of homogeneous bodies are alike: contact radii in space,
 // of normals, of logarithms of stiffness, of nonlinearity. Chosen on a gel cylinder and
-// a soft organ, solved at every node, and held against a liver.
+// an organ of gel, every node solved.
 constexpr std::array kUsualLengths{80.0, 1.0, 1.5, 1.0};
-// What a length may be over its usual one, or under it.
-constexpr double kMostUnusual = 40.0;
-// Of the squared logarithm of that, in the logarithm of probability.
+// What lengths apart from those cost, times the square of the ratio's logarithm, in the
+// logarithm of probability: more would fix them, less follows a dozen samples anywhere.
 constexpr double kUnusual = 4.0;
 constexpr int kSweeps = 3;
-// Ratios agree no better, by meshes.
+// Left-out ratios that agree better do so by chance.
 constexpr double kLeastError = 1e-3;
 
+// Expected errors, as estimates of meshes: checks ask for 1.5 times that or more.
 constexpr double kDeviations = 1.5;
-// The least nine tenths of squares of normal values have this mean. The others may be
-// of presses that snapped: they count around themselves alone.
+// Nine tenths of the squares, the least, have this mean where values are normal, over
+// that of all. The others may be of presses that snapped, and count around themselves.
 constexpr double kOrdinary = 0.9;
 constexpr double kMeanOfOrdinary = 0.623;
 constexpr std::size_t kAround = 6;
@@ -178,24 +179,23 @@ double RatioModel::improbability(const Lengths& lengths) const {
 RatioModel::Lengths RatioModel::best_lengths() const {
   Lengths best = kUsualLengths;
   double least = improbability(best);
+  const auto improves = [&](std::size_t l, double factor) {
+    Lengths trial = best;
+    trial[l] *= factor;
+    const double score = improbability(trial);
+    if (!(score < least)) {
+      return false;
+    }
+    best = trial;
+    least = score;
+    return true;
+  };
   bool moved = true;
   for (int sweep = 0; sweep < kSweeps && moved; ++sweep) {
     moved = false;
     for (std::size_t l = 0; l < best.size(); ++l) {
       for (const double factor : {2.0, 0.5}) {
-        while (true) {
-          Lengths trial = best;
-          trial[l] *= factor;
-          const double unusual = trial[l] / kUsualLengths[l];
-          if (std::max(unusual, 1.0 / unusual) > kMostUnusual) {
-            break;
-          }
-          const double score = improbability(trial);
-          if (!(score < least)) {
-            break;
-          }
-          least = score;
-          best = trial;
+        while (improves(l, factor)) {
           moved = true;
         }
       }
@@ -230,42 +230,41 @@ PathRatio RatioModel::from_others(std::int32_t vertex, const Indentation& cheap)
   return at(vertex, cheap);
 }
 
+// Means over the nearest known vertices, weighted by inverse squares of distance.
+RatioModel::Around RatioModel::around(const RatioField::Place& place) const {
+  std::vector<std::pair<double, std::size_t>> nearest;  // distance, in field_.known()
+  for (std::size_t i = 0; i < field_.known().size(); ++i) {
+    nearest.emplace_back(field_.distance_m(place, field_.known()[i].place), i);
+  }
+  const std::size_t kept = std::min(kAround, nearest.size());
+  std::partial_sort(nearest.begin(),
+                    nearest.begin() + static_cast<std::ptrdiff_t>(kept), nearest.end());
+  nearest.resize(kept);
+  Around mean;
+  double sum = 0.0;
+  for (const auto& [distance_m, known] : nearest) {
+    const double weight = 1.0 / (distance_m * distance_m + 1e-300);
+    sum += weight;
+    const auto at = std::lower_bound(with_ratio_.begin(), with_ratio_.end(), known);
+    if (at != with_ratio_.end() && *at == known) {
+      mean.roughness += weight * roughness_[at - with_ratio_.begin()];
+    } else {
+      mean.unlike += weight;
+    }
+  }
+  return {mean.roughness / sum, mean.unlike / sum};
+}
+
 double RatioModel::error_at(std::int32_t vertex, const Indentation& cheap) const {
   if (with_ratio_.size() < 2) {
     return kUnlikeError;
   }
   const RatioField::Place place = RatioField::place_of(vertex, cheap);
-  struct Neighbour {
-    std::size_t known;
-    double distance_m;
-  };
-  std::vector<Neighbour> around;
-  for (std::size_t i = 0; i < field_.known().size(); ++i) {
-    around.push_back({i, field_.distance_m(place, field_.known()[i].place)});
-  }
-  const std::size_t kept = std::min(kAround, around.size());
-  std::partial_sort(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(kept),
-                    around.end(), [](const Neighbour& a, const Neighbour& b) {
-                      return a.distance_m < b.distance_m;
-                    });
-  double sum = 0.0;
-  double unlike = 0.0;
-  double rough = 0.0;
-  for (std::size_t j = 0; j < kept; ++j) {
-    const double weight = 1.0 / (around[j].distance_m * around[j].distance_m + 1e-300);
-    sum += weight;
-    const auto at =
-        std::lower_bound(with_ratio_.begin(), with_ratio_.end(), around[j].known);
-    if (at != with_ratio_.end() && *at == around[j].known) {
-      rough += weight * roughness_[at - with_ratio_.begin()];
-    } else {
-      unlike += weight * kUnlikeError * kUnlikeError;
-    }
-  }
-  const double variance = kriging_->at(scaled(place, lengths_)).variance;
-  return std::sqrt(kDeviations * kDeviations * variance *
-                       std::max(rough / sum, ordinary_roughness_) +
-                   unlike / sum);
+  const Around near = around(place);
+  const double variance = kriging_->at(scaled(place, lengths_)).variance *
+                          std::max(near.roughness, ordinary_roughness_);
+  return std::hypot(kDeviations * std::sqrt(variance),
+                    kUnlikeError * std::sqrt(near.unlike));
 }
 
 std::vector<double> RatioModel::left_out_errors() const {

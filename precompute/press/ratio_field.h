@@ -86,10 +86,9 @@ class RatioModel {
   [[nodiscard]] PathRatio from_others(std::int32_t vertex,
                                       const Indentation& cheap) const;
 
-  /// Error of force [-] that is expected at a vertex if it takes this ratio: what 1.5
-  /// standard deviations are, of a field that is as rough as that around the vertex or
-  /// as nine tenths of it, whichever is more, and more where presses nearby were not
-  /// alike.
+  /// Error of force [-] that is expected at a vertex if it takes this ratio: 1.5
+  /// standard deviations of a field that is as rough as around the vertex, or as
+  /// everywhere, whichever is more; and more where presses nearby were not alike.
   [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap) const;
 
   /// Error [-] of every known ratio as the others predict it, in the order of
@@ -102,6 +101,11 @@ class RatioModel {
     Eigen::VectorXd error;     // (n) [-] of force
     Eigen::VectorXd variance;  // (n) [-] that the kriging expects
   };
+  struct Around {
+    double roughness = 0.0;
+    double unlike = 0.0;  // share of those that were not alike
+  };
+  [[nodiscard]] Around around(const RatioField::Place& place) const;
   [[nodiscard]] Eigen::VectorXd scaled(const RatioField::Place& place,
                                        const Lengths& lengths) const;
   [[nodiscard]] Kriging kriging(const Lengths& lengths) const;
@@ -117,8 +121,8 @@ class RatioModel {
   Lengths lengths_;
   std::optional<Kriging> kriging_;
   LeftOut left_out_;
-  Eigen::VectorXd roughness_;  // (n) squares of error over variance
-  double ordinary_roughness_ = 0.0;
+  Eigen::VectorXd roughness_;        // (n) squares of error over variance
+  double ordinary_roughness_ = 0.0;  // of nine tenths of them
 };
 
 }  // namespace palpate

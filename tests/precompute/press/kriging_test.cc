@@ -94,6 +94,8 @@ TEST(Kriging, RefusesPlacesThatAreNotFinite) {
   Eigen::MatrixXd x = places(3);
   x(1, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)Kriging(x), NumericalError);
+  const Kriging kriging(places(3));
+  EXPECT_TRUE(std::isnan(kriging.at(x.row(1).transpose()).variance));  // and not exact
 }
 
 }  // namespace

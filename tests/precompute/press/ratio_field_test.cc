@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -148,7 +149,8 @@ class Sheet : public testing::Test {
 
   [[nodiscard]] double ratio_at(std::int32_t v, double wave) const {
     return 1.0 + 0.2 * normal_(v, 0) +
-           wave * std::sin(2.0 * M_PI * body_.position_m(v, 1) / (4.0 * kContact));
+           wave * std::sin(2.0 * std::numbers::pi * body_.position_m(v, 1) /
+                           (4.0 * kContact));
   }
 
   // Share of the unknown vertices within what is expected, and the rms of errors.
