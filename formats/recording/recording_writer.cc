@@ -88,16 +88,22 @@ class Table {
     waiting_.reserve(kRecordingBlock);
   }
 
-  void append(std::span<const Row> rows) {
+  // `before_block` is called before a block is written.
+  template <typename Before>
+  void append(std::span<const Row> rows, Before before_block) {
     for (const Row& row : rows) {
       waiting_.push_back(row);
-      if (waiting_.size() == kRecordingBlock) {
+      if ((rows_ + static_cast<std::int64_t>(waiting_.size())) % kBlock == 0) {
+        before_block();
         write();
       }
     }
   }
+  void append(std::span<const Row> rows) {
+    append(rows, [] {});
+  }
 
-  // Writes the rows that wait. Only the last block of a file is not full.
+  // Writes the rows that wait. A block that is not full is filled by later rows.
   void write() {
     for (std::size_t i = 0; i < kColumns && !waiting_.empty(); ++i) {
       write_column(columns_[i], dataset_[i].get());
@@ -107,6 +113,8 @@ class Table {
   }
 
  private:
+  static constexpr auto kBlock = static_cast<std::int64_t>(kRecordingBlock);
+
   void write_column(const Column& column, hid_t dataset) {
     const std::size_t bytes = column.width * hdf5::bytes_of(column.type);
     packed_.resize(bytes * waiting_.size());
@@ -285,7 +293,9 @@ void RecordingWriter::guarded(Work work) {
 
 void RecordingWriter::append(std::span<const TickRecord> ticks) {
   guarded([&] {
-    file_->ticks->append(ticks);
+    file_->ticks->append(ticks, [&] {
+      file_->arrivals->write();  // else a crash would take the ticks, too
+    });
   });
 }
 

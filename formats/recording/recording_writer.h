@@ -12,11 +12,11 @@ namespace palpate {
 
 /// Writes beside the target, as "<target>.partial", block by block; finish() closes it
 /// and renames it over the target, so that the target is always a whole recording.
-/// After a crash or SIGKILL the partial file can be read up to its last whole block:
-/// blocks are never rewritten, each is in the kernel's hands when append() returns, and
-/// HDF5's single-writer mode keeps what leads to them in order. (After a power failure
-/// only what the kernel had written.) One thread; excludes other use of HDF5 by
-/// Hdf5Lock.
+/// After a crash or SIGKILL the partial file can be read up to its last whole block of
+/// ticks: each is in the kernel's hands when append() returns, after all arrivals that
+/// were appended before, and HDF5's single-writer mode keeps what leads to them in
+/// order. (After a power failure only what the kernel had written.) One thread;
+/// excludes other use of HDF5 by Hdf5Lock.
 class RecordingWriter {
  public:
   /// @throws InputError if the place cannot be written.
@@ -26,8 +26,8 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// Keeps what does not fill a block for the next call. @throws InputError if the file
-  /// cannot be written, for example on a full disk.
+  /// Keeps what does not fill a block for the next call; a tick's arrivals come before
+  /// it. @throws InputError if the file cannot be written, for example on a full disk.
   void append(std::span<const TickRecord> ticks);
   void append(std::span<const ArrivalRecord> arrivals);
 

@@ -9,19 +9,12 @@ namespace {
 // A tenth of what the queues hold at 2 kHz.
 constexpr auto kPause = std::chrono::milliseconds(20);
 
-// Takes what is in a queue now, and hands it on in one piece.
+// Takes what is in a queue now.
 template <typename Ring, typename Record>
-void empty(Ring& ring, RecordingWriter* writer, std::vector<Record>& batch) {
-  batch.clear();
+void take(Ring& ring, std::vector<Record>& batch) {
   while (const Record* record = ring.front()) {
     batch.push_back(*record);
     ring.pop();
-    if (batch.size() == kRecordingBlock) {
-      break;
-    }
-  }
-  if (writer != nullptr) {
-    writer->append(batch);
   }
 }
 
@@ -47,10 +40,13 @@ void Recorder::drain() noexcept {
   try {
     std::vector<TickRecord> ticks;
     std::vector<ArrivalRecord> arrivals;
-    do {
-      empty(telemetry_->ticks, writer_.get(), ticks);
-      empty(telemetry_->arrivals, writer_.get(), arrivals);
-    } while (ticks.size() == kRecordingBlock || arrivals.size() == kRecordingBlock);
+    take(telemetry_->ticks, ticks);
+    // What these ticks took in is in its queue by now, and is written before them.
+    take(telemetry_->arrivals, arrivals);
+    if (writer_ != nullptr) {
+      writer_->append(arrivals);
+      writer_->append(ticks);
+    }
   } catch (const std::exception& error) {
     failure_ = error.what();
     writer_.reset();  // leaves the partial file
@@ -86,8 +82,8 @@ void Recorder::finish(std::string_view fault) noexcept {
 void write_flight_log(const std::filesystem::path& file, const RecordingHeader& header,
                       const FlightLog& log, std::string_view fault) {
   RecordingWriter writer(file, header);
-  writer.append(log.ticks.values());
   writer.append(log.arrivals.values());
+  writer.append(log.ticks.values());
   writer.finish({.fault = std::string(fault)});
 }
 

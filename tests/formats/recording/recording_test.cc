@@ -171,6 +171,25 @@ TEST_F(RecordingFile, HoldsItsWholeBlocksAfterTheWriterIsGone) {
     fs::copy_file(file.string() + ".partial", copy);
     EXPECT_EQ(read_recording(copy).tick.size(), 2U);  // the third lacks its element
   }
+  {
+    // A hand at rest: its few elements do not fill a block, and are there all the same.
+    RecordingWriter writer(file, header());
+    const auto few = arrivals(900);
+    auto all = ticks(2500);
+    for (TickRecord& one : all) {
+      one.arrivals = std::min(one.arrivals, std::int64_t{900});
+    }
+    writer.append(std::span(few).first(500));
+    writer.append(std::span(all).first(1200));
+    writer.append(std::span(few).subspan(500));
+    writer.append(std::span(all).subspan(1200));
+    const fs::path copy = scratch_ / "rest.h5";
+    fs::copy_file(file.string() + ".partial", copy);
+    const Recording recording = read_recording(copy);
+    EXPECT_EQ(recording.arrival.size(), 900U);
+    EXPECT_EQ(recording.arrival.back().sequence, 900);
+    EXPECT_EQ(recording.tick.size(), 2 * kRecordingBlock);
+  }
   EXPECT_FALSE(fs::exists(file));
   EXPECT_TRUE(fs::exists(file.string() + ".partial"));
 }
