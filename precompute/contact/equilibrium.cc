@@ -1,5 +1,6 @@
 #include "precompute/contact/equilibrium.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -211,8 +212,8 @@ bool Equilibrium::descend(const PlacedTool& tool, const Multipliers& multipliers
 }
 
 EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
-                                    Multipliers& multipliers, double give_m,
-                                    bool may_give_up) {
+                                    Multipliers& multipliers,
+                                    const EquilibriumLimits& limits) {
   EquilibriumReport report;
   ElementBatches::Energy energy = elastic(state);
   if (!std::isfinite(energy.energy_j)) {
@@ -221,14 +222,14 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
   }
   double enough = options_.update_relative;
   convex_ = false;
-  while (report.newton < options_.newton_max &&
+  while (report.newton < std::min(options_.newton_max, limits.newton_max) &&
          report.gradients < options_.gradients_total) {
     if (!descend(tool, multipliers, state, energy, report) &&
         report.decrement_relative > 100.0 * options_.decrement_relative) {
       report.failure = "no step lowers the energy";
       return report;
     }
-    if (may_give_up && report.creeping >= kMostCreeping) {
+    if (limits.may_give_up && report.creeping >= kMostCreeping) {
       report.failure = "steps turn elements inside out";
       report.too_far = true;
       return report;
@@ -245,7 +246,7 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
     report.multiplier_relative = sum > 0.0 ? change / sum : 0.0;
     report.give_m = spring_give_m(contact, multipliers);
     if (report.multiplier_relative > options_.multiplier_relative &&
-        report.give_m > give_m && report.lagrange < options_.lagrange_max) {
+        report.give_m > limits.give_m && report.lagrange < options_.lagrange_max) {
       multipliers.pressure_n = contact.pressure_n;
       multipliers.tie_n = contact.tie_n;
       ++report.lagrange;

@@ -39,6 +39,15 @@ struct EquilibriumOptions {
   int gradients_total = 1500;       ///< in all; a usual depth takes 50
 };
 
+/// What is enough for one rest state.
+struct EquilibriumLimits {
+  /// [m] Multipliers end, too, where springs give way no more than this.
+  double give_m = 0.0;
+  bool may_give_up =
+      false;  ///< a start that is too far away is not followed to the end
+  int newton_max = std::numeric_limits<int>::max();  ///< beside the options'
+};
+
 struct EquilibriumReport {
   bool converged = false;
   std::string failure;  ///< why not, as the end of a sentence
@@ -71,11 +80,8 @@ class Equilibrium {
         tangent_(tangent) {}
 
   /// Finds the rest state from `state` and `multipliers`, and leaves it there.
-  /// @param give_m [m] multipliers end, too, where springs give way no more than this.
-  /// @param may_give_up a start that is too far away is not followed to the end.
   EquilibriumReport find(const PlacedTool& tool, NearState& state,
-                         Multipliers& multipliers, double give_m = 0.0,
-                         bool may_give_up = false);
+                         Multipliers& multipliers, const EquilibriumLimits& limits);
 
   [[nodiscard]] double elastic_energy_j(const NearState& state) const {
     return elastic(state).energy_j;

@@ -50,6 +50,7 @@ class Press {
         place_(place),
         solve_(solve),
         options_(options),
+        near_gradient_(options.near_gradient),
         near_tet_(strained()),
         near_(body.mesh, body.material, body.supports, near_tet_,
               contact_mesh_nodes(body, patch)),
@@ -74,25 +75,17 @@ class Press {
   }
 
   NonlinearIndentation follow() {
-    start();
-    for (const PressStep& step : steps_) {
-      NonlinearSample sample{.penetration_m = step.penetration_m};
-      if (!reach(step.penetration_m, sample, 0)) {
-        result_.failure =
-            fmt::format("at {:.4g} mm: {}", 1e3 * step.penetration_m, last_.failure);
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      if (!steps_[i].only_if_hard && !go_to(i)) {
         break;
       }
-      result_.sample.push_back(sample);
-      result_.pressure_n = multipliers_.pressure_n;
-      result_.state = state_;
     }
     result_.hard_path = stiff_ || was_cut_ || was_indefinite_;
     if (!result_.sample.empty()) {
-      result_.far_excess_relative = std::min(
-          1.0, far_excess_j(body_.mesh, body_.material, near_tet_, displacement_m()) /
-                   std::max(result_.sample.back().energy_j,
-                            std::numeric_limits<double>::min()));
+      result_.far_excess_relative = far_excess_relative(near_tet_, displacement_m(),
+                                                        result_.sample.back().energy_j);
     }
+    result_.near_gradient = near_gradient_;
     result_.near_tets = near_.tets();
     result_.near_nodes = near_.size() / 3;
     result_.near_tet = near_tet_;
@@ -101,6 +94,39 @@ class Press {
   }
 
  private:
+  // Takes a step; where it passes over others and is not easy, those before.
+  bool go_to(std::size_t i) {
+    const PressStep& step = steps_[i];
+    if (reached_ == 0) {
+      start(step);
+    }
+    passes_over_ = next_ < i;
+    NonlinearSample sample{.step = i, .penetration_m = step.penetration_m};
+    if (reach(step.penetration_m, sample, 0)) {
+      result_.sample.push_back(sample);
+      result_.pressure_n = multipliers_.pressure_n;
+      result_.state = state_;
+      next_ = i + 1;
+      return true;
+    }
+    if (next_ < i) {
+      was_cut_ = true;
+      if (!last_.converged && !last_.too_far && !stiff_) {
+        stiffen();
+        return go_to(i);
+      }
+      for (std::size_t k = next_; k <= i; ++k) {
+        if (!go_to(k)) {
+          return false;
+        }
+      }
+      return true;
+    }
+    result_.failure =
+        fmt::format("at {:.4g} mm: {}", 1e3 * step.penetration_m, last_.failure);
+    return false;
+  }
+
   std::optional<TangentFactor> tangent_of(const NonlinearBody& body) const {
     if (body.factor == nullptr || body.stiffness == nullptr) {
       return std::nullopt;
@@ -108,12 +134,28 @@ class Press {
     return TangentFactor(*body.factor, *body.stiffness, near_);
   }
 
-  std::vector<Eigen::Index> strained() const {
+  // As many tets as it takes for what the others miss to be small, in the linear
+  // solution.
+  std::vector<Eigen::Index> strained() {
+    const Eigen::VectorXd load_n =
+        pressure_load_n(body_.surface, patch_, steps_.back().linear_pressure_n);
     const Eigen::VectorXd u =
-        solve_(body_.supports.free_index,
-               pressure_load_n(body_.surface, patch_, steps_.back().linear_pressure_n),
-               SolveWith::kFactor);
-    return strained_tets(body_.mesh, body_.material, u, options_.near_gradient);
+        solve_(body_.supports.free_index, load_n, SolveWith::kFactor);
+    for (int attempt = 0;; ++attempt) {
+      auto near_tet = strained_tets(body_.mesh, body_.material, u, near_gradient_);
+      const double left_out = far_excess_relative(near_tet, u, 0.5 * load_n.dot(u));
+      if (attempt == kWidened || left_out <= options_.far_excess_max) {
+        return near_tet;
+      }
+      near_gradient_ *= kWider;
+    }
+  }
+
+  [[nodiscard]] double far_excess_relative(std::span<const Eigen::Index> near_tet,
+                                           const Eigen::VectorXd& u_m,
+                                           double energy_j) const {
+    return std::min(1.0, far_excess_j(body_.mesh, body_.material, near_tet, u_m) /
+                             std::max(energy_j, std::numeric_limits<double>::min()));
   }
 
   // Of the whole body (3 n_nodes), at the last state.
@@ -128,21 +170,19 @@ class Press {
     return solve_(body_.supports.free_index, source, SolveWith::kFactor);
   }
 
-  // The linear body's state at the first step, drawn back where it turns an element
-  // inside out.
-  void start() {
+  // The linear body's state at a step, drawn back where it turns an element inside out.
+  void start(const PressStep& step) {
     Eigen::VectorXd source = Eigen::VectorXd::Zero(near_.size());
     for (std::size_t i = 0; i < patch_.size(); ++i) {
       for (const NodalForce& entry : node_of(body_.surface, patch_[i]).load) {
         source.segment<3>(3 * Eigen::Index{near_.near_node(entry.node)}) +=
-            steps_.front().linear_pressure_n[static_cast<Eigen::Index>(i)] *
-            entry.force;
+            step.linear_pressure_n[static_cast<Eigen::Index>(i)] * entry.force;
       }
     }
     near_.mask(source);
     state_.displacement_m = solve_(near_.dof(), source, SolveWith::kFactor);
     state_.source_n = std::move(source);
-    multipliers_.pressure_n = steps_.front().linear_pressure_n;
+    multipliers_.pressure_n = step.linear_pressure_n;
     if (!state_.displacement_m.allFinite()) {  // no start at all: from rest
       state_.displacement_m.setZero();
       state_.source_n.setZero();
@@ -221,14 +261,17 @@ class Press {
     Multipliers multipliers = multipliers_;
     NearState state = predicted(penetration_m, multipliers);
     const bool may_cut = depth < options_.bisections_max && newton_ <= newton_limit();
-    last_ = equilibrium_->find(tool, state, multipliers,
-                               options_.give_relative * (penetration_m - touch_m_),
-                               may_cut || was_cut_);
+    last_ = equilibrium_->find(
+        tool, state, multipliers,
+        {.give_m = options_.give_relative * (penetration_m - touch_m_),
+         .may_give_up = may_cut || was_cut_,
+         .newton_max =
+             passes_over_ ? options_.newton_easy : std::numeric_limits<int>::max()});
     sample.newton += last_.newton;
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
     newton_ += last_.newton;
-    if (!last_.converged && options_.only_if_easy && (stiff_ || reached_ == 0)) {
+    if (passes_over_ && (!last_.converged || (last_.indefinite && may_cut))) {
       return false;
     }
     if (!last_.converged && !stiff_ && !last_.too_far) {
@@ -282,6 +325,7 @@ class Press {
   const std::function<PlacedTool(double)>& place_;
   const RestSolve& solve_;
   NonlinearOptions options_;
+  double near_gradient_;
   std::vector<Eigen::Index> near_tet_;
   NearField near_;
   ContactPotential contact_;
@@ -296,6 +340,8 @@ class Press {
   double before_m_;
   int reached_ = 0;
   int newton_ = 0;
+  std::size_t next_ = 0;      // step after the last that was taken
+  bool passes_over_ = false;  // the step that is being taken
   bool stiff_ = false;
   bool was_cut_ = false;  // some step was: a path that is hard to follow
   bool was_indefinite_ = false;
@@ -320,7 +366,7 @@ NonlinearIndentation indent_nonlinear(const NonlinearBody& body,
         !(result.far_excess_relative > options.far_excess_max)) {
       return result;
     }
-    wider.near_gradient *= kWider;
+    wider.near_gradient = kWider * result.near_gradient;
   }
 }
 

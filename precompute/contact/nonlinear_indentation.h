@@ -33,14 +33,17 @@ struct PressStep {
   double penetration_m = 0.0;
   PlacedTool tool;
   Eigen::VectorXd linear_pressure_n;  ///< (n_patch) [N]
+  /// Passed over as long as the path is easy to follow.
+  bool only_if_hard = false;
 };
 
 struct NonlinearOptions {
   /// [-] Tets whose linear displacement gradient at the largest depth stays below it
   /// keep their rest stiffness, but for laws with a kink (has_kink).
   double near_gradient = 0.05;
-  /// [-] Where what they miss by it is a larger share of the energy at the last depth,
-  /// the press is done again with near_gradient a third of it, twice at most.
+  /// [-] Where what they miss by it is a larger share of the energy at the largest
+  /// depth, near_gradient is a third of it, or a ninth: as told by the linear solution,
+  /// and, if that told too little, by a press, which is done again then.
   double far_excess_max = 0.005;
   /// [-] Where interpolation between solved depths makes a larger error of force, all
   /// depths are solved; 0: all are from the start.
@@ -51,9 +54,9 @@ struct NonlinearOptions {
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
-  /// The path ends at its first step if that does not converge at once, and later at
-  /// one that does not in stiff contact, instead of being cut.
-  bool only_if_easy = false;
+  /// Newton steps of one that passes over others; with more the path is hard, and goes
+  /// on in stiff contact with the steps that were passed over. Usual are 10.
+  int newton_easy = 20;
   /// Stiff contact from the first step on, which is else tried where a step fails.
   bool stiff = false;
   int bisections_max = 4;  ///< of a step that fails
@@ -64,6 +67,7 @@ struct NonlinearOptions {
 };
 
 struct NonlinearSample {
+  std::size_t step = 0;  ///< of the path's
   double penetration_m = 0.0;
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< on the tool
   Eigen::Vector3d moment_nm =
@@ -87,6 +91,7 @@ struct NonlinearIndentation {
   bool hard_path = false;
   /// [-] far_excess_j over the energy, at the end; at most 1
   double far_excess_relative = 0.0;
+  double near_gradient = 0.0;  ///< [-] of near tets: NonlinearOptions' or less
   Eigen::Index near_tets = 0;
   Eigen::Index near_nodes = 0;
   std::vector<Eigen::Index> near_tet;  ///< of the mesh, ascending; linear laws too
@@ -97,7 +102,8 @@ struct NonlinearIndentation {
 };
 
 /// Follows the path through its steps, of growing penetration. A step that does not
-/// converge is cut in halves; one that fails for good ends the path. Contact may be
+/// converge is cut in halves, unless it passes over others, which are taken then; one
+/// that fails for good ends the path. Contact may be
 /// lost on the way and found again: a depth without it has no force.
 /// @param patch contact nodes, as for indent().
 /// @param compliance (n_patch x n_patch) [m/N] among them.

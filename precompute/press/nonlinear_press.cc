@@ -27,10 +27,6 @@ constexpr std::array kFewShares{0.4, 0.65, 0.85, 1.0};
 // too far for a prediction from the first.
 constexpr std::array kBetweenShares{0.3, 0.525, 0.75, 0.925, 1.0};
 
-// Newton steps of a depth, where few depths are solved: usual are 10. A press that
-// needs more goes on with all depths, whose steps are smaller.
-constexpr int kEasyNewton = 20;
-
 // Forces grow with this power of the depth (Hertz), or nearly so.
 constexpr double kForcePower = 1.5;
 // [-] Of the budget, and of one of 5 % at most: what springs of the contact may cost.
@@ -40,7 +36,8 @@ constexpr double kGiveShare = 0.05;
 // intervals are half as long then.
 constexpr double kErrorPerLeftOut = 0.25;
 
-std::vector<std::size_t> corrected_samples(std::size_t samples, SolvedDepths depths) {
+// Samples of a path that are solved, however easy it is to follow.
+std::vector<std::size_t> solved_samples(std::size_t samples, SolvedDepths depths) {
   std::vector<std::size_t> at;
   if (depths == SolvedDepths::kEvery) {
     for (std::size_t k = 1; k < samples; ++k) {
@@ -61,15 +58,23 @@ std::vector<std::size_t> corrected_samples(std::size_t samples, SolvedDepths dep
   return at;
 }
 
-std::vector<PressStep> steps_of(const PressedNode& node,
-                                std::span<const std::size_t> samples) {
+// A step for each sample but the first, where the tool touches.
+std::vector<PressStep> steps_of(const PressedNode& node, SolvedDepths depths) {
+  const auto& path = node.indentation.sample;
+  const std::vector<std::size_t> solved = solved_samples(path.size(), depths);
   std::vector<PressStep> steps;
-  for (const std::size_t k : samples) {
-    const IndentationSample& sample = node.indentation.sample[k];
-    steps.push_back({sample.penetration_m, tool_at(node.path, sample.penetration_m),
-                     sample.pressure_n});
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    steps.push_back(
+        {.penetration_m = path[k].penetration_m,
+         .tool = tool_at(node.path, path[k].penetration_m),
+         .linear_pressure_n = path[k].pressure_n,
+         .only_if_hard = !std::binary_search(solved.begin(), solved.end(), k)});
   }
   return steps;
+}
+
+std::size_t sample_of(const NonlinearSample& solved) {
+  return solved.step + 1;
 }
 
 void spoil(const PressedNode& node, NonlinearIndentation& result) {
@@ -91,25 +96,31 @@ void cap_force(PressedNode& node, double force_max_n) {
   }
 }
 
-// Largest error of force at a solved depth if it had been interpolated between the
-// others. @param path linear, to the last knot.
+// Largest error of force at a solved sample beside some that are not, if it had been
+// interpolated as those are. @param path linear, to the last knot.
 double left_out_error(std::span<const IndentationSample> path,
                       std::span<const RelativeCorrection::Knot> knots) {
-  const auto linear_n = [&](double penetration_m) {
-    const auto at = std::lower_bound(path.begin(), path.end(), penetration_m,
-                                     [](const IndentationSample& sample, double x) {
-                                       return sample.penetration_m < x;
-                                     });
-    return at->force_n.norm();
+  const auto sample_at = [&](double penetration_m) {
+    return std::lower_bound(path.begin(), path.end(), penetration_m,
+                            [](const IndentationSample& sample, double x) {
+                              return sample.penetration_m < x;
+                            });
   };
   const double largest_n =
-      linear_n(knots.back().penetration_m) * (1.0 + knots.back().value.norm());
+      path.back().force_n.norm() * (1.0 + knots.back().value.norm());
   double largest = 0.0;
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+    const auto at = sample_at(knots[k].penetration_m);
+    const double before_m =
+        k == 0 ? path.front().penetration_m : knots[k - 1].penetration_m;
+    if ((at - 1)->penetration_m <= before_m &&
+        (at + 1)->penetration_m >= knots[k + 1].penetration_m) {
+      continue;
+    }
     std::vector<RelativeCorrection::Knot> others(knots.begin(), knots.end());
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     const RelativeCorrection without(path.front().penetration_m, others);
-    const double force_n = linear_n(knots[k].penetration_m);
+    const double force_n = at->force_n.norm();
     const double off_n =
         force_n * (without.at(knots[k].penetration_m) - knots[k].value).norm();
     largest =
@@ -133,15 +144,13 @@ double give_error(double touch_m, double from_m, const NonlinearIndentation& res
 // Solved depths take the solved force; between them the linear force is corrected by
 // what the solved ones differ by, relative to it. Where the linear press carries no
 // force nothing is relative to it: such paths are solved at every depth.
-void correct(PressedNode& node, std::span<const std::size_t> samples,
-             const NonlinearIndentation& result) {
+void correct(PressedNode& node, const NonlinearIndentation& result) {
   node.failure = result.failure;
   node.checks.near_tets = result.near_tets;
   auto& path = node.indentation.sample;
   std::vector<RelativeCorrection::Knot> knots;
-  for (std::size_t i = 0; i < result.sample.size(); ++i) {
-    const NonlinearSample& solved = result.sample[i];
-    IndentationSample& linear = path[samples[i]];
+  for (const NonlinearSample& solved : result.sample) {
+    IndentationSample& linear = path[sample_of(solved)];
     node.checks.newton += solved.newton;
     node.checks.gradients += solved.gradients;
     node.checks.smallest_jacobian =
@@ -155,7 +164,7 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
     linear.contact_radius_m = std::sqrt(solved.contact_area_m2 / std::numbers::pi);
   }
   const std::size_t reached =
-      result.sample.empty() ? 0 : samples[result.sample.size() - 1];
+      result.sample.empty() ? 0 : sample_of(result.sample.back());
   path.resize(reached + 1);
   if (knots.size() + 1 < path.size()) {
     node.indentation.path_error = kErrorPerLeftOut * left_out_error(path, knots);
@@ -173,21 +182,21 @@ void correct(PressedNode& node, std::span<const std::size_t> samples,
       sample.coarse_force_n *= before_n > 0.0 ? sample.force_n.norm() / before_n : 1.0;
     }
   }
-  for (std::size_t i = 0; i < result.sample.size(); ++i) {
-    IndentationSample& sample = path[samples[i]];
-    sample.force_n = result.sample[i].force_n;
-    if (node.linear.sample[samples[i]].force_n.norm() == 0.0) {
-      sample.coarse_force_n = sample.force_n.norm();
+  for (const NonlinearSample& solved : result.sample) {
+    const std::size_t k = sample_of(solved);
+    path[k].force_n = solved.force_n;
+    if (node.linear.sample[k].force_n.norm() == 0.0) {
+      path[k].coarse_force_n = path[k].force_n.norm();
     }
   }
   cap_force(node, node.path.force_max_n);
 }
 
-// Follows the path through these samples of the linear press, and corrects that by it.
+// Follows the path of the linear press through these depths, and corrects that by it.
 NonlinearIndentation press_at(const BodyModel& model,
                               const SurfaceCompliance& compliance, PressedNode& node,
-                              std::span<const std::size_t> samples,
-                              const NonlinearOptions& options, const RestSolve& solve) {
+                              SolvedDepths depths, const NonlinearOptions& options,
+                              const RestSolve& solve) {
   const bool has_stiffness = model.stiffness.rows() > 0;
   const NonlinearBody body{model.mesh,
                            model.material,
@@ -198,13 +207,13 @@ NonlinearIndentation press_at(const BodyModel& model,
   node.indentation = node.linear;
   NonlinearIndentation result = indent_nonlinear(
       body, node.patch, compliance.among(node.patch),
-      node.linear.sample.front().penetration_m, steps_of(node, samples),
+      node.linear.sample.front().penetration_m, steps_of(node, depths),
       [&](double penetration_m) {
         return tool_at(node.path, penetration_m);
       },
       solve, options);
   spoil(node, result);
-  correct(node, samples, result);
+  correct(node, result);
   return result;
 }
 
@@ -217,27 +226,18 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
     return u;
   };
   node.linear = node.indentation;
-  const std::size_t depths = node.linear.sample.size();
   const bool all = mode.depths == SolvedDepths::kEvery ||
                    mode.options.depth_error_max == 0.0 || !is_guide(node.linear);
-  NonlinearOptions options = mode.options;
-  if (!all) {
-    options.only_if_easy = true;
-    options.equilibrium.newton_max = kEasyNewton;
-  }
   NonlinearIndentation result =
-      press_at(model, compliance, node,
-               corrected_samples(depths, all ? SolvedDepths::kEvery : mode.depths),
-               options, noted);
-  const bool easy = node.failure.empty();
-  if (!all && (!easy || node.indentation.path_error > options.depth_error_max)) {
-    options = mode.options;
-    options.stiff = options.stiff || !easy;
+      press_at(model, compliance, node, all ? SolvedDepths::kEvery : mode.depths,
+               mode.options, noted);
+  if (!all && node.indentation.path_error > mode.options.depth_error_max) {
+    NonlinearOptions options = mode.options;
+    options.stiff = options.stiff || result.hard_path;
     PressedNode at_all = node;
     NonlinearIndentation more =
-        press_at(model, compliance, at_all,
-                 corrected_samples(depths, SolvedDepths::kEvery), options, noted);
-    if (!easy || at_all.failure.empty()) {
+        press_at(model, compliance, at_all, SolvedDepths::kEvery, options, noted);
+    if (!node.failure.empty() || at_all.failure.empty()) {
       node = std::move(at_all);
       result = std::move(more);
     }
@@ -265,10 +265,10 @@ NonlinearOptions nonlinear_options(const Scene& scene, const SharedTool& tool) {
 }
 
 int nonlinear_depths(const SceneAccuracy& wanted) {
-  return static_cast<int>(corrected_samples(static_cast<std::size_t>(wanted.depths) + 1,
-                                            wanted.solve_depths == "all"
-                                                ? SolvedDepths::kEvery
-                                                : SolvedDepths::kFew)
+  return static_cast<int>(solved_samples(static_cast<std::size_t>(wanted.depths) + 1,
+                                         wanted.solve_depths == "all"
+                                             ? SolvedDepths::kEvery
+                                             : SolvedDepths::kFew)
                               .size());
 }
 

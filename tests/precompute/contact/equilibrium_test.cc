@@ -47,7 +47,7 @@ struct Block : SoftBlock {
                           Start& start) const {
     return equilibrium.find(place_on_path(*ball, Eigen::Vector3d::Zero(),
                                           Eigen::Vector3d::UnitZ(), depth_m),
-                            start.state, start.multipliers);
+                            start.state, start.multipliers, {});
   }
 
   std::unique_ptr<NearField> near;

@@ -58,7 +58,7 @@ class TangentFactors : public testing::Test {
     EquilibriumReport report =
         equilibrium.find(place_on_path(*block_.ball, Eigen::Vector3d::Zero(),
                                        Eigen::Vector3d::UnitZ(), kDeep),
-                         state, multipliers);
+                         state, multipliers, {});
     EXPECT_TRUE(report.converged) << report.failure;
     found_ = std::move(state);
     return report;
