@@ -43,18 +43,33 @@ class PressedBlock {
     }
   }
 
-  [[nodiscard]] NonlinearIndentation press(const NonlinearOptions& options) const {
+  // @param solves whole solutions with the factor, as a press begins with one.
+  [[nodiscard]] NonlinearIndentation press(const NonlinearOptions& options,
+                                           int* solves = nullptr) const {
+    const RestSolve counted = [&](std::span<const std::int64_t> dof,
+                                  const Eigen::VectorXd& source, SolveWith with) {
+      if (solves != nullptr && dof.size() == block_.supports.free_index.size()) {
+        ++*solves;
+      }
+      return block_.solve(dof, source, with);
+    };
     return indent_nonlinear(
         {block_.mesh, block_.material, block_.supports, block_.surface}, block_.patch,
         compliance_, linear_.sample.front().penetration_m, steps_,
         [&](double penetration_m) {
           return tool_at(path_, penetration_m);
         },
-        block_.solve, options);
+        counted, options);
   }
   [[nodiscard]] const Indentation& linear() const { return linear_; }
   [[nodiscard]] const SoftBlock& block() const { return block_; }
   void keep_last_step() { steps_.erase(steps_.begin(), steps_.end() - 1); }
+  // All but every eighth, and the last.
+  void pass_over_steps() {
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      steps_[i].only_if_hard = i % 8 != 7;
+    }
+  }
 
  private:
   SoftBlock block_;
@@ -206,6 +221,52 @@ TEST_F(PressIntoGel, AFarFieldThatKeepsItsRestStiffnessChangesLittle) {
   const NonlinearIndentation widened = gel_->press(narrow);
   EXPECT_GT(widened.near_tets, rough.near_tets) << "its energy asks for more";
   EXPECT_LE(widened.far_excess_relative, 0.005);
+}
+
+TEST_F(PressIntoGel, TheLinearSolutionTellsHowLargeTheNearFieldMustBe) {
+  NonlinearOptions narrow;
+  narrow.near_gradient = 0.5;
+  int solves = 0;
+  const NonlinearIndentation result = gel_->press(narrow, &solves);
+  ASSERT_TRUE(result.converged()) << result.failure;
+  EXPECT_LT(result.near_gradient, narrow.near_gradient);
+  EXPECT_LE(result.far_excess_relative, narrow.far_excess_max);
+  EXPECT_EQ(solves, 2) << "one at the beginning, one at the end: it was not done again";
+}
+
+TEST_F(PressIntoGel, AnEasyPathPassesOverSteps) {
+  PressedBlock few(neo_hookean(5e3, 0.45));
+  few.pass_over_steps();
+  NonlinearOptions patient = exact();
+  patient.newton_easy = patient.equilibrium.newton_max;
+  const NonlinearIndentation result = few.press(patient);
+  ASSERT_TRUE(result.converged()) << result.failure;
+  EXPECT_FALSE(result.hard_path);
+  ASSERT_EQ(result.sample.size(), std::size_t{kSteps / 8});
+  for (std::size_t k = 0; k < result.sample.size(); ++k) {
+    ASSERT_EQ(result.sample[k].step, 8 * k + 7);
+    const Eigen::Vector3d& expected = exact_.sample[8 * k + 7].force_n;
+    EXPECT_LT((result.sample[k].force_n - expected).norm(), 1e-3 * expected.norm());
+  }
+}
+
+TEST_F(PressIntoGel, AHardPathTakesTheStepsItWouldPassOver) {
+  PressedBlock few(neo_hookean(5e3, 0.45));
+  few.pass_over_steps();
+  NonlinearOptions hasty = exact();
+  hasty.newton_easy = 1;  // nothing is easy
+  const NonlinearIndentation result = few.press(hasty);
+  ASSERT_TRUE(result.converged()) << result.failure;
+  EXPECT_TRUE(result.hard_path);
+  ASSERT_EQ(result.sample.size(), std::size_t{kSteps});
+  NonlinearOptions stiff = exact();
+  stiff.stiff = true;
+  const NonlinearIndentation expected = gel_->press(stiff);
+  for (std::size_t k = 0; k < result.sample.size(); ++k) {
+    EXPECT_EQ(result.sample[k].step, k);
+    const Eigen::Vector3d& force_n = expected.sample[k].force_n;
+    EXPECT_LT((result.sample[k].force_n - force_n).norm(), 1e-3 * force_n.norm());
+  }
 }
 
 TEST_F(PressIntoGel, AUsualPressTakesFewStepsAndIsNotHard) {
