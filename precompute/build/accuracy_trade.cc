@@ -151,7 +151,8 @@ void TradeRun::choose_vertices() {
     }
   }
   const auto samples = static_cast<std::size_t>(options_.samples);
-  const std::size_t dense = expected_samples(scene_.force_relative);
+  const std::size_t dense =
+      expected_samples(territory_.front().size(), scene_.force_relative);
   const std::size_t places =
       std::clamp<std::size_t>((samples + dense - 1) / dense, 1, territory_.size());
   for (std::size_t i = 0; i < places; ++i) {
@@ -220,9 +221,9 @@ TradeRun::Count TradeRun::count(const ContactFocus& focus, bool nonlinear,
                                 bool interpolated) const {
   Count count;
   for (const auto& vertices : territory_) {
-    const auto solved = interpolated ? std::min(expected_samples(scene_.force_relative),
-                                                vertices.size())
-                                     : vertices.size();
+    const auto solved = interpolated
+                            ? expected_samples(vertices.size(), scene_.force_relative)
+                            : vertices.size();
     count.nodes += static_cast<double>(solved);
     count.groups += static_cast<double>(
         group_presses(body_.surface, spread_over(vertices, solved), focus, nonlinear)

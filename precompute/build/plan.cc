@@ -146,8 +146,7 @@ std::size_t Planner::good_of(const WorkUnit& territory) const {
         std::lround(again_share_ * static_cast<double>(territory.vertex.size())));
   }
   return solve_all_ ? territory.vertex.size()
-                    : std::min(expected_samples(scene_.force_relative),
-                               territory.vertex.size());
+                    : expected_samples(territory.vertex.size(), scene_.force_relative);
 }
 
 void Planner::describe_scene() {

@@ -1,6 +1,7 @@
 #include "precompute/press/work_unit_solver.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "precompute/contact/indentation_response.h"
@@ -16,6 +17,14 @@ std::uint64_t scrambled(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
   return x ^ (x >> 31);
+}
+
+constexpr double kTightBudget = 0.03;  // [-] of force
+
+// Of so few vertices most are probably solved: not worth cheap presses of all, unless a
+// few good ones say otherwise.
+bool is_small(std::size_t vertices, double force_relative) {
+  return vertices <= (force_relative < kTightBudget ? 76 : 52);
 }
 
 std::size_t territory_size(std::size_t vertices) {
@@ -44,8 +53,14 @@ WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
 
 }  // namespace
 
-std::size_t expected_samples(double force_relative) {
-  return kFirstSamples + kOtherKinds + kMoreSamples * (force_relative < 0.03 ? 16 : 10);
+std::size_t expected_samples(std::size_t vertices, double force_relative) {
+  constexpr double kShare = 0.35;
+  constexpr double kTightShare = 0.5;
+  if (is_small(vertices, force_relative)) {
+    return vertices;
+  }
+  const double share = force_relative < kTightBudget ? kTightShare : kShare;
+  return static_cast<std::size_t>(std::lround(share * static_cast<double>(vertices)));
 }
 
 std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
@@ -102,8 +117,7 @@ WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
         territory.press_cheap();
       }
       territory.solve_all();
-    } else if (own_meshes &&
-               unit.vertex.size() <= expected_samples(scene.force_relative)) {
+    } else if (own_meshes && is_small(unit.vertex.size(), scene.force_relative)) {
       territory.solve_few_first();
     } else {
       territory.press_cheap();
