@@ -45,8 +45,8 @@ struct NonlinearOptions {
   /// depth, near_gradient is a third of it, or a ninth: as told by the linear solution,
   /// and, if that told too little, by a press, which is done again then.
   double far_excess_max = 0.005;
-  /// [-] Where interpolation between solved depths makes a larger error of force, all
-  /// depths are solved; 0: all are from the start.
+  /// [-] Where interpolation between solved depths makes a larger error of force (twice
+  /// as large on a hard path), all depths are solved; 0: all are from the start.
   double depth_error_max = 0.015;
   /// [-] Springs of the contact may give way by this share of the depth since the first
   /// touch.

@@ -27,14 +27,14 @@ constexpr std::array kFewShares{0.4, 0.65, 0.85, 1.0};
 // too far for a prediction from the first.
 constexpr std::array kBetweenShares{0.3, 0.525, 0.75, 0.925, 1.0};
 
+// All depths of a path that is hard to follow cost many presses: so much more error is
+// taken, and told, before.
+constexpr double kHardErrorTimes = 2.0;
+
 // Forces grow with this power of the depth (Hertz), or nearly so.
 constexpr double kForcePower = 1.5;
 // [-] Of the budget, and of one of 5 % at most: what springs of the contact may cost.
 constexpr double kGiveShare = 0.05;
-
-// What interpolation between two solved depths makes, over what leaving one out makes:
-// intervals are half as long then.
-constexpr double kErrorPerLeftOut = 0.25;
 
 // Samples of a path that are solved, however easy it is to follow.
 std::vector<std::size_t> solved_samples(std::size_t samples, SolvedDepths depths) {
@@ -96,35 +96,44 @@ void cap_force(PressedNode& node, double force_max_n) {
   }
 }
 
-// Largest error of force at a solved sample beside some that are not, if it had been
-// interpolated as those are. @param path linear, to the last knot.
-double left_out_error(std::span<const IndentationSample> path,
-                      std::span<const RelativeCorrection::Knot> knots) {
-  const auto sample_at = [&](double penetration_m) {
-    return std::lower_bound(path.begin(), path.end(), penetration_m,
-                            [](const IndentationSample& sample, double x) {
-                              return sample.penetration_m < x;
-                            });
-  };
+std::span<const IndentationSample>::iterator sample_at(
+    std::span<const IndentationSample> path, double penetration_m) {
+  return std::lower_bound(path.begin(), path.end(), penetration_m,
+                          [](const IndentationSample& sample, double x) {
+                            return sample.penetration_m < x;
+                          });
+}
+
+// Error of force between solved samples: what each would be off by if it had been
+// interpolated between the others, times by how much errors are smaller in the
+// intervals beside it. In steps of one sample nothing is interpolated.
+// @param path linear, to the last knot.
+double interpolation_error(std::span<const IndentationSample> path,
+                           std::span<const RelativeCorrection::Knot> knots) {
   const double largest_n =
       path.back().force_n.norm() * (1.0 + knots.back().value.norm());
   double largest = 0.0;
+  auto at = path.begin();
+  auto before = at;  // of the knot before
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-    const auto at = sample_at(knots[k].penetration_m);
-    const double before_m =
-        k == 0 ? path.front().penetration_m : knots[k - 1].penetration_m;
-    if ((at - 1)->penetration_m <= before_m &&
-        (at + 1)->penetration_m >= knots[k + 1].penetration_m) {
-      continue;
-    }
+    before = at;
+    at = sample_at(path, knots[k].penetration_m);
+    const auto after = sample_at(path, knots[k + 1].penetration_m);
+    const double to_m = at->penetration_m - before->penetration_m;
+    const double from_m = after->penetration_m - at->penetration_m;
+    const double longest_m = std::max(at - before > 1 ? to_m : 0.0,  // interpolated
+                                      after - at > 1 ? from_m : 0.0);
+    // Errors between two knots grow with the product of the distances to both.
+    const double smaller =
+        std::min(1.0, 0.25 * longest_m * longest_m / (to_m * from_m));
     std::vector<RelativeCorrection::Knot> others(knots.begin(), knots.end());
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     const RelativeCorrection without(path.front().penetration_m, others);
     const double force_n = at->force_n.norm();
     const double off_n =
         force_n * (without.at(knots[k].penetration_m) - knots[k].value).norm();
-    largest =
-        std::max(largest, off_n / std::max(force_n, kErrorCountsFrom * largest_n));
+    largest = std::max(
+        largest, smaller * off_n / std::max(force_n, kErrorCountsFrom * largest_n));
   }
   return largest;
 }
@@ -166,11 +175,9 @@ void correct(PressedNode& node, const NonlinearIndentation& result) {
   const std::size_t reached =
       result.sample.empty() ? 0 : sample_of(result.sample.back());
   path.resize(reached + 1);
-  if (knots.size() + 1 < path.size()) {
-    node.indentation.path_error = kErrorPerLeftOut * left_out_error(path, knots);
-  }
   node.indentation.path_error =
-      std::hypot(node.indentation.path_error, result.far_excess_relative,
+      std::hypot(knots.empty() ? 0.0 : interpolation_error(path, knots),
+                 result.far_excess_relative,
                  give_error(path.front().penetration_m,
                             kErrorCountsFrom * path.back().penetration_m, result));
   node.indentation.hard_path = result.hard_path;
@@ -231,7 +238,9 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
   NonlinearIndentation result =
       press_at(model, compliance, node, all ? SolvedDepths::kEvery : mode.depths,
                mode.options, noted);
-  if (!all && node.indentation.path_error > mode.options.depth_error_max) {
+  const double error_max =
+      (result.hard_path ? kHardErrorTimes : 1.0) * mode.options.depth_error_max;
+  if (!all && node.indentation.path_error > error_max) {
     NonlinearOptions options = mode.options;
     options.stiff = options.stiff || result.hard_path;
     PressedNode at_all = node;

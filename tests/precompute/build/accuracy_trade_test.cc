@@ -36,7 +36,7 @@ class Trade : public testing::Test {
     Progress progress(nullptr);
     report_ =
         trade(read_scene(folder / "scene.toml"),
-              {.samples = 2, .resolution = {2.0, 4.0}, .depths = {5, 10}}, progress);
+              {.samples = 4, .resolution = {2.0, 4.0}, .depths = {5, 10}}, progress);
   }
 
   static TradeReport report_;
@@ -48,7 +48,7 @@ TEST_F(Trade, FinerMeshesAreMoreExact) {
   const AccuracyTradeRow& coarse = report_.row[1];
   const AccuracyTradeRow& fine = report_.row[3];
   ASSERT_EQ(coarse.depths, fine.depths);
-  EXPECT_EQ(fine.compared, 2);
+  EXPECT_EQ(fine.compared, 4);
   EXPECT_LT(fine.error_rms, coarse.error_rms);
   EXPECT_GT(fine.error_rms, 0.0) << "the reference is another mesh";
 }
@@ -56,8 +56,8 @@ TEST_F(Trade, FinerMeshesAreMoreExact) {
 TEST_F(Trade, TheWorstVertexIsNoBetterThanTheirMean) {
   for (const AccuracyTradeRow& row : report_.row) {
     EXPECT_GE(row.error_largest, row.error_rms);
-    EXPECT_LE(row.error_largest, row.error_rms * std::sqrt(2.0) * (1.0 + 1e-12))
-        << "of two vertices";
+    EXPECT_LE(row.error_largest, row.error_rms * std::sqrt(4.0) * (1.0 + 1e-12))
+        << "of four vertices";
   }
 }
 

@@ -193,6 +193,25 @@ TEST_F(PressedMiddle, DepthsBetweenTheFewAreSolvedAndTheLast) {
   EXPECT_EQ(compared, 5U);
 }
 
+// As many Newton steps as make some of the few depths easy, not all.
+TEST_F(PressedMiddle, DepthsOnTheWayToAHardOneAreSolvedAndTheOthersAreToldAsBefore) {
+  NonlinearOptions hasty = options();
+  PressedNode node = few_;
+  for (hasty.newton_easy = 30; node.nonlinear->sample.size() == 4U;
+       --hasty.newton_easy) {
+    node = press(hasty);
+  }
+  const auto& solved = node.nonlinear->sample;
+  ASSERT_LT(solved.size(), std::size_t{kDepths});
+  EXPECT_TRUE(node.indentation.hard_path);
+  for (std::size_t i = 0; i < solved.size(); ++i) {
+    EXPECT_EQ(node.indentation.sample[solved[i].step + 1].force_n, solved[i].force_n);
+  }
+  EXPECT_LT(off(node), 0.02);
+  EXPECT_GT(node.indentation.path_error, 0.5 * off(node));
+  EXPECT_LT(node.indentation.path_error, 0.05);
+}
+
 TEST_F(PressedMiddle, EveryDepthIsSolvedWhereAFewDoNotTellTheRest) {
   NonlinearOptions strict = options();
   strict.depth_error_max = 1e-9;
