@@ -256,6 +256,23 @@ class Press {
                          tangent_ ? &*tangent_ : nullptr);
   }
 
+  // What holds at the state that was reached.
+  void describe(const ContactState& contact, NonlinearSample& sample) const {
+    sample.force_n = contact.force_n;
+    sample.moment_nm = contact.moment_nm;
+    sample.multiplier_relative = last_.multiplier_relative;
+    sample.energy_j = equilibrium_->elastic_energy_j(state_);
+    sample.largest_overlap_m = std::max(0.0, -contact.gap_m.minCoeff());
+    sample.give_m = last_.give_m;
+    sample.smallest_jacobian = near_.excess(state_.displacement_m).smallest_jacobian;
+    sample.contact_area_m2 = 0.0;
+    for (std::size_t i = 0; i < patch_.size(); ++i) {
+      if (contact.pressure_n[static_cast<Eigen::Index>(i)] > 0.0) {
+        sample.contact_area_m2 += node_of(body_.surface, patch_[i]).area_m2;
+      }
+    }
+  }
+
   bool reach(double penetration_m, NonlinearSample& sample, int depth) {
     const PlacedTool tool = place_(penetration_m);
     Multipliers multipliers = multipliers_;
@@ -303,19 +320,7 @@ class Press {
     multipliers_ = std::move(multipliers);
     at_m_ = penetration_m;
     ++reached_;
-    sample.force_n = contact.force_n;
-    sample.moment_nm = contact.moment_nm;
-    sample.multiplier_relative = last_.multiplier_relative;
-    sample.energy_j = equilibrium_->elastic_energy_j(state_);
-    sample.largest_overlap_m = std::max(0.0, -contact.gap_m.minCoeff());
-    sample.give_m = last_.give_m;
-    sample.smallest_jacobian = near_.excess(state_.displacement_m).smallest_jacobian;
-    sample.contact_area_m2 = 0.0;
-    for (std::size_t i = 0; i < patch_.size(); ++i) {
-      if (contact.pressure_n[static_cast<Eigen::Index>(i)] > 0.0) {
-        sample.contact_area_m2 += node_of(body_.surface, patch_[i]).area_m2;
-      }
-    }
+    describe(contact, sample);
     return true;
   }
 
