@@ -43,8 +43,8 @@ struct EquilibriumOptions {
 struct EquilibriumLimits {
   /// [m] Multipliers end, too, where springs give way no more than this.
   double give_m = 0.0;
-  bool may_give_up =
-      false;  ///< a start that is too far away is not followed to the end
+  /// A start that is too far away is not followed to the end.
+  bool may_give_up = false;
   int newton_max = std::numeric_limits<int>::max();  ///< beside the options'
 };
 

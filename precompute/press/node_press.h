@@ -31,7 +31,7 @@ struct PressChecks {
 /// At which samples of a path a nonlinear press is solved; between them the linear one
 /// is corrected by what those around differ by.
 enum class SolvedDepths {
-  kFew,      ///< four
+  kFew,      ///< four, and on a hard path those on the way to the hard ones
   kBetween,  ///< one before each of those, and the last: tells what correcting makes
   kEvery,
 };

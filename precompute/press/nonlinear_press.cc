@@ -27,8 +27,8 @@ constexpr std::array kFewShares{0.4, 0.65, 0.85, 1.0};
 // too far for a prediction from the first.
 constexpr std::array kBetweenShares{0.3, 0.525, 0.75, 0.925, 1.0};
 
-// All depths of a path that is hard to follow cost many presses: so much more error is
-// taken, and told, before.
+// All depths of a path that is hard to follow cost as much as many presses. They are
+// solved only where so many times the usual error would be told otherwise.
 constexpr double kHardErrorTimes = 2.0;
 
 // Forces grow with this power of the depth (Hertz), or nearly so.

@@ -55,7 +55,7 @@ WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
 
 std::size_t expected_samples(std::size_t vertices, double force_relative) {
   constexpr double kShare = 0.35;
-  constexpr double kTightShare = 0.5;
+  constexpr double kTightShare = 0.5;  // a guess: no build to so little was counted
   if (is_small(vertices, force_relative)) {
     return vertices;
   }
