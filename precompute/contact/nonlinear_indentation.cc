@@ -95,8 +95,8 @@ class Press {
 
  private:
   // Takes a step. One that passes over others must be easy: if not, the contact turns
-  // stiff and it is tried again; if that does not do, those it would pass over are taken
-  // first.
+  // stiff and it is tried again; if that does not do, those it would pass over are
+  // taken first.
   bool go_to(std::size_t i) {
     const PressStep& step = steps_[i];
     if (reached_ == 0) {
