@@ -11,6 +11,7 @@
 #include "formats/response/force_difference.h"
 #include "precompute/contact/contact_gap.h"
 #include "precompute/fem/batched_solves.h"
+#include "precompute/press/interpolation_error.h"
 #include "precompute/press/relative_correction.h"
 #include "precompute/press/response_ratio.h"
 #include "precompute/process/fault_point.h"
@@ -94,48 +95,6 @@ void cap_force(PressedNode& node, double force_max_n) {
     samples.erase(past + 1, samples.end());
     node.indentation.force_capped = true;
   }
-}
-
-std::span<const IndentationSample>::iterator sample_at(
-    std::span<const IndentationSample> path, double penetration_m) {
-  return std::lower_bound(path.begin(), path.end(), penetration_m,
-                          [](const IndentationSample& sample, double x) {
-                            return sample.penetration_m < x;
-                          });
-}
-
-// Error of force between solved samples: what each would be off by if it had been
-// interpolated between the others, times by how much errors are smaller in the
-// intervals beside it. In steps of one sample nothing is interpolated.
-// @param path linear, to the last knot.
-double interpolation_error(std::span<const IndentationSample> path,
-                           std::span<const RelativeCorrection::Knot> knots) {
-  const double largest_n =
-      path.back().force_n.norm() * (1.0 + knots.back().value.norm());
-  double largest = 0.0;
-  auto at = path.begin();
-  auto before = at;  // of the knot before
-  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-    before = at;
-    at = sample_at(path, knots[k].penetration_m);
-    const auto after = sample_at(path, knots[k + 1].penetration_m);
-    const double to_m = at->penetration_m - before->penetration_m;
-    const double from_m = after->penetration_m - at->penetration_m;
-    const double longest_m = std::max(at - before > 1 ? to_m : 0.0,  // interpolated
-                                      after - at > 1 ? from_m : 0.0);
-    // Errors between two knots grow with the product of the distances to both.
-    const double smaller =
-        std::min(1.0, 0.25 * longest_m * longest_m / (to_m * from_m));
-    std::vector<RelativeCorrection::Knot> others(knots.begin(), knots.end());
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    const RelativeCorrection without(path.front().penetration_m, others);
-    const double force_n = at->force_n.norm();
-    const double off_n =
-        force_n * (without.at(knots[k].penetration_m) - knots[k].value).norm();
-    largest = std::max(
-        largest, smaller * off_n / std::max(force_n, kErrorCountsFrom * largest_n));
-  }
-  return largest;
 }
 
 // Springs that give way by g are felt as a tool that is g off its place.
