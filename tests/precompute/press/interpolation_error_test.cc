@@ -1,5 +1,6 @@
 #include "precompute/press/interpolation_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -63,16 +64,23 @@ TEST(InterpolationError, OfAParabolaIsThatOfTheChordOverTheLongerInterval) {
   }
 }
 
-// Smaller steps on the way tell no more of the longest than they know.
-TEST(InterpolationError, IsThatOfTheLongestIntervalBesideSmallSteps) {
-  for (const std::vector<int>& samples : std::vector<std::vector<int>>{
-           {8, 9, 10, 17, 20}, {8, 13, 14, 15, 16, 20}, {2, 3, 4, 14, 20}}) {
-    for (const double power : {2.5, 3.0}) {
-      const auto curve = [power](double sample) {
-        return 1e-3 * std::pow(sample, power);
+// It is an estimate, no bound: too small for curves that bend most where they begin,
+// too large for those that bend at their end, where knots are left out.
+TEST(InterpolationError, OfPowersIsAFifthToFiveTimesWhatIsFoundBesideSmallSteps) {
+  for (const std::vector<int>& samples :
+       std::vector<std::vector<int>>{{8, 13, 17, 20},
+                                     {6, 11, 15, 19, 20},
+                                     {8, 9, 10, 17, 20},
+                                     {8, 13, 14, 15, 16, 20},
+                                     {8, 13, 14, 20},
+                                     {8, 9, 17}}) {
+    for (const double power : {1.5, 2.0, 2.5, 3.0, 4.0}) {
+      const auto curve = [&](double sample) {
+        return 0.1 * std::pow(sample / samples.back(), power);
       };
-      EXPECT_LE(found(samples, curve), stated(samples, curve))
-          << samples[1] << ", power " << power;
+      const double over_found = stated(samples, curve) / found(samples, curve);
+      EXPECT_GT(over_found, 0.2) << samples[1] << ", power " << power;
+      EXPECT_LT(over_found, 5.1) << samples[1] << ", power " << power;
     }
   }
 }
