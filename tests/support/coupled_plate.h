@@ -8,9 +8,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "runtime/bench/contact_walk.h"
 #include "runtime/fast/coupled_step.h"
 #include "runtime/slow/coupled_storage.h"
+#include "tests/bench/runtime/contact_walk.h"
 
 namespace palpate {
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/bench/contact_walk.h"
 #include "runtime/slow/coupled_storage.h"
+#include "tests/bench/runtime/contact_walk.h"
 
 namespace palpate {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
-#include "runtime/bench/growing_walk.h"
+#include "tests/bench/runtime/growing_walk.h"
 #include "tests/support/sample_bodies.h"
 
 namespace palpate {

@@ -1,4 +1,4 @@
-#include "runtime/bench/field_walk.h"
+#include "tests/bench/runtime/field_walk.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_contacts.h"
+#include "tests/bench/runtime/bench_contacts.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/quantile.h"
-#include "runtime/bench/contact_walk.h"
 #include "runtime/slow/coupled_storage.h"
+#include "tests/bench/runtime/contact_walk.h"
 
 namespace palpate {
 namespace {

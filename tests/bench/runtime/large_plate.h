@@ -10,6 +10,7 @@ namespace palpate {
 
 constexpr double kFineTriangleM = 0.001;   ///< [m] of the plate at x < 0
 constexpr double kCoarseTriangleM = 0.01;  ///< [m] of the plate at x > 0
+constexpr const char* kStreamBodyWriter = "runtime_bench stream";  ///< in provenance
 
 /// Two square plates in the plane z = 0, outside upwards, a metre apart: triangles of
 /// 1 mm and of 10 mm. Every node has a response k d^1.5 to 5 mm.

@@ -1,4 +1,4 @@
-#include "runtime/bench/wire_energy.h"
+#include "tests/bench/runtime/wire_energy.h"
 
 #include <algorithm>
 #include <cmath>

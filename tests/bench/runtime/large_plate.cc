@@ -1,4 +1,4 @@
-#include "runtime/bench/large_plate.h"
+#include "tests/bench/runtime/large_plate.h"
 
 #include <cmath>
 #include <cstdio>
@@ -73,7 +73,7 @@ ResponseDatabase stream_body(std::int64_t nodes, int samples) {
   }
   database.tools = {
       make_table(ToolShape{"ball", "sphere", 0.005, 0.3, 0.0005}, responses)};
-  database.provenance.writer = "palpate-run bench stream";
+  database.provenance.writer = kStreamBodyWriter;
   return database;
 }
 

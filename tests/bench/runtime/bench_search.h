@@ -1,4 +1,4 @@
-// `palpate-run bench search`: what finding the contact costs the slow process.
+// `runtime_bench search`: what finding the contact costs the slow process.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_search.h"
+#include "tests/bench/runtime/bench_search.h"
 
 #include <cmath>
 #include <random>

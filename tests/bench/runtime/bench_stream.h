@@ -1,4 +1,4 @@
-// `palpate-run bench stream`: what it takes to touch a body that does not fit memory.
+// `runtime_bench stream`: what it takes to touch a body that does not fit memory.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_contacts.h"
+#include "tests/bench/runtime/bench_contacts.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// `palpate-run bench grow`: a local model on a random walk over a body whose curves
+// `runtime_bench grow`: a local model on a random walk over a body whose curves
 // come, get better, get worse and go at random moments, under the tool and elsewhere.
 #pragma once
 

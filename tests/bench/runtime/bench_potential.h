@@ -1,4 +1,4 @@
-// `palpate-run bench potential`: what the ledger has to do for the element model and
+// `runtime_bench potential`: what the ledger has to do for the element model and
 // for the potential field, and what that costs in force.
 #pragma once
 

@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_stream.h"
+#include "tests/bench/runtime/bench_stream.h"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
-#include "runtime/bench/large_plate.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/deadlines.h"
 #include "runtime/slow/file_elements.h"
+#include "tests/bench/runtime/large_plate.h"
 
 namespace palpate {
 namespace {
@@ -88,7 +88,7 @@ struct Plate {
 // The two plates by the boxes of their chunks, a margin off their borders.
 std::array<Plate, 2> plates_of(const std::filesystem::path& file) {
   const DatabaseIndex index = read_index(file);
-  if (index.provenance.writer != "palpate-run bench stream") {
+  if (index.provenance.writer != kStreamBodyWriter) {
     throw InputError(
         fmt::format("{}: not a file that this bench wrote (--keep)", file.string()));
   }

@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_device.h"
+#include "tests/bench/runtime/bench_device.h"
 
 #include <atomic>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_potential.h"
+#include "tests/bench/runtime/bench_potential.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "runtime/bench/contact_walk.h"
+#include "tests/bench/runtime/contact_walk.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-// `palpate-run bench contacts`: what a tick of a tool with several contacts costs, and
+// `runtime_bench contacts`: what a tick of a tool with several contacts costs, and
 // what their coupling makes of its force.
 #pragma once
 

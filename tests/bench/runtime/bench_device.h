@@ -1,4 +1,4 @@
-// `palpate-run bench device`: the whole renderer on an emulated device with the wire of
+// `runtime_bench device`: the whole renderer on an emulated device with the wire of
 // the real one: byte times, latency timer and libusb, or driver process, socket and
 // service. What the wire costs, what it keeps of the rate, and whether the motors give
 // more than they may.
@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
-#include "runtime/bench/wire_energy.h"
 #include "runtime/device/link_report.h"
+#include "tests/bench/runtime/wire_energy.h"
 
 namespace palpate {
 

@@ -1,5 +1,5 @@
 // The closed loop of renderer, driver, libusb, emulated chip and mechanism.
-#include "runtime/bench/bench_device.h"
+#include "tests/bench/runtime/bench_device.h"
 
 #include <filesystem>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_slide.h"
+#include "tests/bench/runtime/bench_slide.h"
 
 #include <cmath>
 

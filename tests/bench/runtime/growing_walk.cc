@@ -1,4 +1,4 @@
-#include "runtime/bench/growing_walk.h"
+#include "tests/bench/runtime/growing_walk.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-// `palpate-run bench slide`: the renderer where proxies are measured, sliding and
+// `runtime_bench slide`: the renderer where proxies are measured, sliding and
 // pressing on closed surfaces of about 1000, 10 000 and 100 000 triangles.
 //
 // The body is a sphere of 0.1 m across, a triangle mesh of meridians and parallels, of

@@ -1,5 +1,5 @@
 // A spring that is rendered late, moved by a given motion: everything in closed form.
-#include "runtime/bench/wire_energy.h"
+#include "tests/bench/runtime/wire_energy.h"
 
 #include <cmath>
 #include <numbers>

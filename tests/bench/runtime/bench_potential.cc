@@ -1,4 +1,4 @@
-#include "runtime/bench/bench_potential.h"
+#include "tests/bench/runtime/bench_potential.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "formats/base/error.h"
 #include "formats/database/response_database.h"
-#include "runtime/bench/field_walk.h"
+#include "tests/bench/runtime/field_walk.h"
 
 namespace palpate {
 namespace {
