@@ -19,14 +19,14 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct CalibrateFlags {
   DeviceRequest device;
   double mass_kg = 0.0;
   std::string output = "calibration.toml";
   bool json = false;
 };
 
-void check(const Flags& flags) {
+void check(const CalibrateFlags& flags) {
   if (!(flags.mass_kg >= 0.05 && flags.mass_kg <= 0.5)) {
     throw InputError(
         fmt::format("--mass-kg {}: must lie in [0.05, 0.5]", flags.mass_kg));
@@ -43,14 +43,14 @@ Weight opened_and_weighed(const std::unique_ptr<DeviceLink> link) {
   return weight;
 }
 
-void ask(const Flags& flags, const std::string& what) {
+void ask(const CalibrateFlags& flags, const std::string& what) {
   if (!is_emulated(flags.device.name)) {
     ask_person(fmt::format("{}: {}", flags.device.name, what));
   }
 }
 
 // While somebody holds the grip: it would fall.
-void test_motor_signs(const Flags& flags) {
+void test_motor_signs(const CalibrateFlags& flags) {
   if (is_emulated(flags.device.name)) {
     return;
   }
@@ -62,11 +62,9 @@ void test_motor_signs(const Flags& flags) {
   release_stop_signals();
 }
 
-void run(Flags& flags) {
+void calibrate(CalibrateFlags& flags) {
   check(flags);
-  flags.device.tell = [](const std::string& text) {
-    fmt::print(stderr, "{}\n", text);
-  };
+  flags.device.tell = tell_person;
   flags.device.stopped = [] {
     return heed_stop_signals().load();
   };
@@ -104,7 +102,7 @@ void run(Flags& flags) {
 void add_calibrate_command(Command app) {
   Command command = app.add_subcommand(
       "calibrate", "Find the factor on a device's motor commands by a hung mass.");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<CalibrateFlags>();
   command.add_option("--device", flags->device.name, "falcon or emulated-falcon")
       .required();
   command.add_option("--mass-kg", flags->mass_kg, "Mass to hang on the grip [kg]")
@@ -120,7 +118,7 @@ void add_calibrate_command(Command app) {
       .show_default();
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {
-    run(*flags);
+    calibrate(*flags);
   });
 }
 

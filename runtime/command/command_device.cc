@@ -26,7 +26,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct DeviceRunFlags {
   std::string database;
   std::string model = "potential";
   bool json = false;
@@ -40,11 +40,7 @@ struct Flags {
   SimulationOptions options;
 };
 
-void tell_person(const std::string& text) {
-  fmt::print(stderr, "{}\n", text);
-}
-
-std::vector<SimulationReport> render(const Flags& flags,
+std::vector<SimulationReport> render(const DeviceRunFlags& flags,
                                      const ResponseDatabase& database) {
   if (flags.reconnect) {
     return simulate_and_reconnect(
@@ -55,7 +51,8 @@ std::vector<SimulationReport> render(const Flags& flags,
 }
 
 // One object, whose "runs" are there when a reconnection made several.
-void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
+void print_runs(const DeviceRunFlags& flags,
+                const std::vector<SimulationReport>& reports) {
   if (!flags.json) {
     for (const SimulationReport& report : reports) {
       fmt::print("{}", summary(report));
@@ -71,7 +68,7 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
   fmt::print("{}\n", json.dump(2));
 }
 
-ProbeOptions probe_options(const Flags& flags) {
+ProbeOptions probe_options(const DeviceRunFlags& flags) {
   ProbeOptions options;
   options.by_hand = !is_emulated(flags.device.request.name);
   options.planar = moves_in_a_plane(flags.device.request.name);
@@ -96,7 +93,7 @@ ProbeOptions probe_options(const Flags& flags) {
 }
 
 // Writes what the device is like, for whoever wrote its driver.
-void probe_device(Flags& flags) {
+void probe_device(DeviceRunFlags& flags) {
   DeviceRequest& request = flags.device.request;
   prepare_request(flags.device);
   request.sign_test = false;  // somebody would have to hold the tool
@@ -124,7 +121,7 @@ void probe_device(Flags& flags) {
 }
 
 // A scene, while it is computed.
-void run_scene(Flags& flags) {
+void run_scene_on_device(DeviceRunFlags& flags) {
   refuse_surface(flags.surface);
   if (flags.reconnect) {
     throw InputError("--reconnect: not of a scene, build its database first");
@@ -133,11 +130,11 @@ void run_scene(Flags& flags) {
   const std::atomic<bool>& stop = heed_stop_signals();
   const auto client = join_scene(flags.database, flags.scene, flags.options.tool);
   const SimulationReport report = simulate_served(*client, flags.options, stop);
-  print(flags, {report});
+  print_runs(flags, {report});
   throw_what_ended(report);
 }
 
-void run(Flags& flags) {
+void run_device(DeviceRunFlags& flags) {
   if (!flags.probe_file.empty()) {
     probe_device(flags);
     return;
@@ -148,7 +145,7 @@ void run(Flags& flags) {
   flags.options.model = requested_model(flags.model);
   flags.options.coupling = wanted_coupling(flags.coupling);
   if (is_scene(flags.database)) {
-    run_scene(flags);
+    run_scene_on_device(flags);
     return;
   }
   refuse_scene_options(flags.scene);
@@ -159,7 +156,7 @@ void run(Flags& flags) {
     refuse_surface(flags.surface);
   }
   const std::vector<SimulationReport> reports = render(flags, database);
-  print(flags, reports);
+  print_runs(flags, reports);
   leave_surface(flags.surface, flags.options.surface, std::span(&reports.back(), 1));
   throw_what_ended(reports.back());
 }
@@ -169,7 +166,7 @@ void run(Flags& flags) {
 void add_device_command(Command app) {
   Command command =
       app.add_subcommand("device", "Render a database on a haptic device.");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<DeviceRunFlags>();
   SimulationOptions& options = flags->options;
   options.fast_hz = 1000.0;
   command.add_option("database", flags->database,
@@ -203,7 +200,7 @@ void add_device_command(Command app) {
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {
-    run(*flags);
+    run_device(*flags);
   });
 }
 

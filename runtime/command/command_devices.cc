@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-nlohmann::json as_json(const UsbReport& report) {
+nlohmann::json devices_json(const UsbReport& report) {
   nlohmann::json devices = nlohmann::json::array();
   for (const UsbDevice& device : report.devices) {
     devices.push_back({{"name", haptic_device_name(device.vendor, device.product)},
@@ -42,7 +42,7 @@ void add_devices_command(Command app) {
       return;
     }
     const UsbReport report = find_usb_devices();
-    fmt::print("{}", *json ? as_json(report).dump(2) + "\n" : describe(report));
+    fmt::print("{}", *json ? devices_json(report).dump(2) + "\n" : describe(report));
   });
 }
 

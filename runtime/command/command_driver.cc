@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct DriverFlags {
   DeviceFlags device;
   int descriptor = -1;
 };
@@ -33,16 +33,14 @@ void check_socket(int descriptor) {
 }
 
 // The renderer's end of the socket decides when a driver ends: Ctrl-C reaches both.
-void run(Flags& flags) {
+void drive(DriverFlags& flags) {
   check_socket(flags.descriptor);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::signal(signal, SIG_IGN);
   }
   DeviceRequest& request = flags.device.request;
   request.sign_test = !flags.device.no_sign_test;
-  request.tell = [](const std::string& text) {
-    fmt::print(stderr, "{}\n", text);
-  };
+  request.tell = tell_person;
   request.stopped = [descriptor = flags.descriptor] {
     return is_hung_up(descriptor);
   };
@@ -56,13 +54,13 @@ void run(Flags& flags) {
 void add_driver_command(Command app) {
   Command command = app.add_subcommand(
       "driver", "Drive a device for a renderer at the other end of a socket.");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<DriverFlags>();
   add_device_options(command, flags->device);
   command.option("--device").required();
   command.add_option("--descriptor", flags->descriptor, "This end of the socket, open")
       .required();
   command.callback([flags] {
-    run(*flags);
+    drive(*flags);
   });
 }
 

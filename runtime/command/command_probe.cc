@@ -14,13 +14,13 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct ProbeFlags {
   std::filesystem::path file;
   double fast_hz = 1000.0;
   bool json = false;
 };
 
-void run(const Flags& flags) {
+void print_probe(const ProbeFlags& flags) {
   if (!(flags.fast_hz > 0.0 && flags.fast_hz <= 1e5)) {
     throw InputError(
         fmt::format("--fast-hz is {} Hz, must lie in (0, 100000]", flags.fast_hz));
@@ -49,7 +49,7 @@ void run(const Flags& flags) {
 void add_probe_command(Command app) {
   Command command = app.add_subcommand(
       "probe", "Print what a probe of a device found (device --probe FILE).");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<ProbeFlags>();
   command.add_option("file", flags->file, "The probe's file (JSON)").required();
   command
       .add_option("--fast-hz", flags->fast_hz,
@@ -57,7 +57,7 @@ void add_probe_command(Command app) {
       .show_default();
   command.add_flag("--json", flags->json, "Print it for programs, without its samples");
   command.callback([flags] {
-    run(*flags);
+    print_probe(*flags);
   });
 }
 

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct ReplayFlags {
   std::string recording;
   std::string database;
   std::string model;
@@ -22,7 +22,7 @@ struct Flags {
   bool json = false;
 };
 
-nlohmann::json as_json(const ReplayReport& r, const Recording& recording) {
+nlohmann::json replay_json(const ReplayReport& r, const Recording& recording) {
   return {{"reproduced", r.is_reproduced()},
           {"model", name(r.model)},
           {"ticks", r.ticks},
@@ -62,7 +62,7 @@ std::string lacking(const Recording& recording) {
 }
 
 // Several contacts, or two hands.
-void run_contacts(const Flags& flags) {
+void replay_contact_recording(const ReplayFlags& flags) {
   if (!flags.model.empty()) {
     throw InputError(
         fmt::format("--model {}: several contacts are rendered by potential alone: "
@@ -84,9 +84,9 @@ void run_contacts(const Flags& flags) {
   }
 }
 
-void run(const Flags& flags) {
+void replay_recording(const ReplayFlags& flags) {
   if (is_contact_recording(flags.recording)) {
-    run_contacts(flags);
+    replay_contact_recording(flags);
     return;
   }
   std::optional<LocalModel> model;
@@ -104,7 +104,7 @@ void run(const Flags& flags) {
             : render_again(recording, database,
                            model.value_or(fast_config(recording.header).model));
   if (flags.json) {
-    fmt::print("{}\n", as_json(report, recording).dump(2));
+    fmt::print("{}\n", replay_json(report, recording).dump(2));
   } else {
     fmt::print("{}{}", summary(report, exact), lacking(recording));
   }
@@ -118,7 +118,7 @@ void run(const Flags& flags) {
 void add_replay_command(Command app) {
   Command command = app.add_subcommand(
       "replay", "Render a recorded run again, to the same bits, or differently.");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<ReplayFlags>();
   command.add_option("recording", flags->recording, "Recording (HDF5)").required();
   command.add_option("database", flags->database, "Response database (HDF5)")
       .required();
@@ -128,7 +128,7 @@ void add_replay_command(Command app) {
                    "Render the trajectory on a database that was not recorded");
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {
-    run(*flags);
+    replay_recording(*flags);
   });
 }
 

@@ -26,7 +26,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct SimulateFlags {
   std::string database;
   std::string model = "potential";
   std::string clock = "simulated";
@@ -48,7 +48,7 @@ struct Flags {
   SimulationOptions options;
 };
 
-SimulationOptions options_of(const Flags& flags) {
+SimulationOptions options_of(const SimulateFlags& flags) {
   SimulationOptions options = flags.options;
   if (flags.clock != "simulated" && flags.clock != "real") {
     throw InputError(fmt::format("--clock {}: must be simulated or real", flags.clock));
@@ -65,7 +65,7 @@ SimulationOptions options_of(const Flags& flags) {
 }
 
 // Where the tool of that number presses; none: anywhere.
-std::optional<Eigen::Vector3d> place(const Flags& flags, std::size_t tool) {
+std::optional<Eigen::Vector3d> place(const SimulateFlags& flags, std::size_t tool) {
   if (flags.at_m.empty()) {
     return std::nullopt;
   }
@@ -89,7 +89,7 @@ std::string said_of(std::size_t tool, std::size_t tools, const char* flag,
   return values.empty() ? "" : values[tool];
 }
 
-void check_places(const Flags& flags) {
+void check_places(const SimulateFlags& flags) {
   const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
   if (!flags.at_m.empty() && flags.at_m.size() != 3 * tools) {
     throw InputError(
@@ -100,7 +100,7 @@ void check_places(const Flags& flags) {
 }
 
 // The options of each tool.
-std::vector<SimulationOptions> tools_of(const Flags& flags) {
+std::vector<SimulationOptions> tools_of(const SimulateFlags& flags) {
   const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
   check_places(flags);
   const bool recorded = !flags.records.empty() || !flags.flight_recorders.empty();
@@ -123,7 +123,7 @@ std::vector<SimulationOptions> tools_of(const Flags& flags) {
 // Larger files are streamed: as values in memory they are larger still.
 constexpr std::uintmax_t kStreamFrom = std::uintmax_t{256} << 20;
 
-bool is_streamed(const Flags& flags) {
+bool is_streamed(const SimulateFlags& flags) {
   if (flags.stream != "auto" && flags.stream != "on" && flags.stream != "off") {
     throw InputError(fmt::format("--stream {}: must be auto, on or off", flags.stream));
   }
@@ -138,7 +138,7 @@ bool is_streamed(const Flags& flags) {
 }
 
 // @throws InputError for what runs of contacts do not have.
-ContactRunOptions contact_options(const Flags& flags) {
+ContactRunOptions contact_options(const SimulateFlags& flags) {
   const SimulationOptions one = options_of(flags);
   if (one.real_time || !flags.devices.empty() || !flags.flight_recorders.empty()) {
     throw InputError(
@@ -180,7 +180,7 @@ ContactRunOptions contact_options(const Flags& flags) {
 }
 
 // @returns whether it was a run of several contacts.
-bool run_contacts(const Flags& flags, const ResponseDatabase& database) {
+bool run_contacts(const SimulateFlags& flags, const ResponseDatabase& database) {
   if (!is_contact_run(database, flags.tools, flags.together)) {
     if (!flags.contacts.trace.empty() || !flags.contacts.poses.empty()) {
       throw InputError(
@@ -204,7 +204,7 @@ bool run_contacts(const Flags& flags, const ResponseDatabase& database) {
   return true;
 }
 
-std::vector<SimulationOptions> tools_on(const Flags& flags,
+std::vector<SimulationOptions> tools_on(const SimulateFlags& flags,
                                         const SurfaceState& surface) {
   std::vector<SimulationOptions> tools = tools_of(flags);
   for (SimulationOptions& tool : tools) {
@@ -213,7 +213,7 @@ std::vector<SimulationOptions> tools_on(const Flags& flags,
   return tools;
 }
 
-std::vector<SimulationReport> render_streamed(const Flags& flags,
+std::vector<SimulationReport> render_streamed(const SimulateFlags& flags,
                                               const SurfaceState& surface) {
   if (flags.together) {
     throw InputError(
@@ -226,7 +226,8 @@ std::vector<SimulationReport> render_streamed(const Flags& flags,
                            heed_stop_signals());
 }
 
-void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
+void print_tools(const SimulateFlags& flags,
+                 const std::vector<SimulationReport>& reports) {
   if (flags.json && reports.size() == 1) {
     fmt::print("{}\n", as_json(reports.front()).dump(2));
   } else if (flags.json) {
@@ -243,7 +244,7 @@ void print(const Flags& flags, const std::vector<SimulationReport>& reports) {
 }
 
 // A scene, while it is computed.
-void run_scene(const Flags& flags) {
+void simulate_scene(const SimulateFlags& flags) {
   refuse_surface(flags.surface);
   if (flags.together || flags.tools.size() > 1 || !flags.records.empty() ||
       !flags.flight_recorders.empty()) {
@@ -255,7 +256,7 @@ void run_scene(const Flags& flags) {
   const std::atomic<bool>& stop = heed_stop_signals();
   const auto client = join_scene(flags.database, flags.scene, options.tool);
   const SimulationReport report = simulate_served(*client, options, stop);
-  print(flags, {report});
+  print_tools(flags, {report});
   if (!flags.quality_csv.empty()) {
     const std::string text = quality_csv(*report.served);
     AtomicFile file(flags.quality_csv);
@@ -265,9 +266,9 @@ void run_scene(const Flags& flags) {
   throw_what_ended(report);
 }
 
-void run(const Flags& flags) {
+void run_simulation(const SimulateFlags& flags) {
   if (is_scene(flags.database)) {
-    run_scene(flags);
+    simulate_scene(flags);
     return;
   }
   refuse_scene_options(flags.scene);
@@ -285,14 +286,14 @@ void run(const Flags& flags) {
     }
     reports = simulate(database, tools_on(flags, surface), heed_stop_signals());
   }
-  print(flags, reports);
+  print_tools(flags, reports);
   leave_surface(flags.surface, surface, reports);
   for (const SimulationReport& report : reports) {
     throw_what_ended(report);
   }
 }
 
-void add_contact_options(Command command, Flags& flags) {
+void add_contact_options(Command command, SimulateFlags& flags) {
   command.add_flag("--together", flags.together,
                    "Two tools press one body together, coupled through it (a pinch)");
   command.add_option("--trace", flags.contacts.trace,
@@ -311,7 +312,7 @@ void add_contact_options(Command command, Flags& flags) {
       .show_default();
 }
 
-void add_each_tools_files(Command command, Flags& flags) {
+void add_each_tools_files(Command command, SimulateFlags& flags) {
   const auto add_each = [&](const char* flag, std::vector<std::string>& values,
                             const char* what) {
     command.add_option(flag, values, what).one_value_each();
@@ -325,7 +326,7 @@ void add_each_tools_files(Command command, Flags& flags) {
            "(runtime/device/socket_device.h); once for each tool");
 }
 
-void add_wander_options(Command command, Flags& flags) {
+void add_wander_options(Command command, SimulateFlags& flags) {
   command
       .add_option("--wander", flags.wander_mm_per_s,
                   "The hand wanders over the body at this speed [mm/s], pressing; 0: "
@@ -342,7 +343,7 @@ void add_wander_options(Command command, Flags& flags) {
 void add_simulate_command(Command app) {
   Command command = app.add_subcommand(
       "simulate", "Render a database on a simulated device held by a simulated hand.");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<SimulateFlags>();
   SimulationOptions& options = flags->options;
   command
       .add_option("database", flags->database,
@@ -392,7 +393,7 @@ void add_simulate_command(Command app) {
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");
   command.callback([flags] {
-    run(*flags);
+    run_simulation(*flags);
   });
 }
 

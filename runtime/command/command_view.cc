@@ -36,7 +36,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct ViewFlags {
   std::string database;
   std::string demo;
   std::string model = "potential";
@@ -54,7 +54,7 @@ struct Flags {
   SceneFlags scene;
 };
 
-ResponseDatabase shown(const Flags& flags) {
+ResponseDatabase shown(const ViewFlags& flags) {
   if (flags.demo.empty() == flags.database.empty()) {
     throw InputError("give a database or --demo cylinder, one of the two");
   }
@@ -68,12 +68,12 @@ ResponseDatabase shown(const Flags& flags) {
   return cylinder_body({});
 }
 
-std::string shown_name(const Flags& flags) {
+std::string shown_name(const ViewFlags& flags) {
   return flags.demo.empty() ? std::filesystem::path(flags.database).filename().string()
                             : flags.demo;
 }
 
-ViewServerOptions server_options(const Flags& flags, const ViewedBody& body) {
+ViewServerOptions server_options(const ViewFlags& flags, const ViewedBody& body) {
   ViewServerOptions options;
   options.port = flags.port;
   options.token = random_token();
@@ -98,7 +98,7 @@ void check_stiffness_scale(double scale) {
 }
 
 // @throws InputError for files of a body that has none itself.
-SurfaceState begin(const Flags& flags) {
+SurfaceState begin(const ViewFlags& flags) {
   const bool any = !flags.surface.in.empty() || !flags.surface.out.empty();
   if (any && flags.database.empty()) {
     throw InputError("--surface-in and --surface-out need a database file");
@@ -107,7 +107,7 @@ SurfaceState begin(const Flags& flags) {
 }
 
 // The page is served until somebody ends it.
-void serve(const Flags& flags, const ViewedBody& body, LiveSession& session,
+void serve(const ViewFlags& flags, const ViewedBody& body, LiveSession& session,
            ServedNews* news = nullptr) {
   MonotonicClock wall;
   LiveView live(session, wall, news);
@@ -118,7 +118,7 @@ void serve(const Flags& flags, const ViewedBody& body, LiveSession& session,
   server.run(stop);
 }
 
-ViewedBody viewed(const Flags& flags, const LiveSession& session) {
+ViewedBody viewed(const ViewFlags& flags, const LiveSession& session) {
   return {.database = session.database(),
           .table = session.table(),
           .name = shown_name(flags),
@@ -128,7 +128,7 @@ ViewedBody viewed(const Flags& flags, const LiveSession& session) {
 }
 
 // The page steers a tool of several contacts, or two hands, on simulated time.
-void steer_contacts(const Flags& flags, const ResponseDatabase& database) {
+void steer_contacts(const ViewFlags& flags, const ResponseDatabase& database) {
   refuse_surface(flags.surface);
   if (requested_model(flags.model) != LocalModel::kPotential) {
     throw InputError(fmt::format(
@@ -148,7 +148,7 @@ void steer_contacts(const Flags& flags, const ResponseDatabase& database) {
 }
 
 // The page steers, on simulated time.
-void steer(const Flags& flags, const ResponseDatabase& database) {
+void steer(const ViewFlags& flags, const ResponseDatabase& database) {
   ViewSessionOptions options = flags.options;
   options.model = requested_model(flags.model);
   SurfaceState surface = begin(flags);
@@ -164,7 +164,7 @@ void steer(const Flags& flags, const ResponseDatabase& database) {
   }
 }
 
-SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
+SimulationOptions watched_options(ViewFlags& flags, TickQueue& ticks) {
   SimulationOptions options;
   options.tool = flags.options.tool;
   options.model = requested_model(flags.model);
@@ -182,7 +182,8 @@ SimulationOptions watched_options(Flags& flags, TickQueue& ticks) {
 }
 
 // Renders in a thread of its own, while the pages watch until it is over.
-SimulationReport look_on(const Flags& flags, const ViewedBody& body, WatchView& view,
+SimulationReport look_on(const ViewFlags& flags, const ViewedBody& body,
+                         WatchView& view,
                          const std::function<SimulationReport()>& render) {
   ViewServer server(server_options(flags, body), view);
   view.answer_through(server);
@@ -210,7 +211,7 @@ SimulationReport look_on(const Flags& flags, const ViewedBody& body, WatchView& 
 }
 
 // A device steers, in real time.
-void watch(Flags& flags, const ResponseDatabase& database) {
+void watch(ViewFlags& flags, const ResponseDatabase& database) {
   const std::atomic<bool>& stop = heed_stop_signals();
   const auto ticks = std::make_unique<TickQueue>();
   const auto contacts = std::make_unique<ContactsWatch>();
@@ -243,7 +244,7 @@ ViewedBody viewed_scene(const ServedScene& scene, ViewedBody body) {
 
 // A scene, while it is computed: the page steers, on simulated time that follows the
 // clock.
-void steer_scene(const Flags& flags) {
+void steer_scene(const ViewFlags& flags) {
   const std::atomic<bool>& stop = heed_stop_signals();
   const auto client = join_scene(flags.database, flags.scene,
                                  flags.tools.empty() ? "" : flags.tools.front());
@@ -264,7 +265,7 @@ void steer_scene(const Flags& flags) {
 }
 
 // The same while a device steers, in real time; the pages watch.
-void watch_scene(Flags& flags) {
+void watch_scene(ViewFlags& flags) {
   const std::atomic<bool>& stop = heed_stop_signals();
   const auto ticks = std::make_unique<TickQueue>();
   const SimulationOptions options = watched_options(flags, *ticks);
@@ -286,7 +287,7 @@ void watch_scene(Flags& flags) {
   }));
 }
 
-void show_scene(Flags& flags) {
+void show_scene(ViewFlags& flags) {
   refuse_surface(flags.surface);
   if (flags.together || flags.tools.size() > 1 || !flags.demo.empty()) {
     throw InputError(
@@ -301,7 +302,7 @@ void show_scene(Flags& flags) {
 }
 
 // @throws InputError where tools and flags do not say what is shown.
-bool shows_contacts(const Flags& flags, const ResponseDatabase& database) {
+bool shows_contacts(const ViewFlags& flags, const ResponseDatabase& database) {
   if (flags.together && flags.tools.size() != 2) {
     throw InputError(fmt::format(
         "--together: two tools press the body, must be two as --tool a,b, {} given",
@@ -320,7 +321,7 @@ bool shows_contacts(const Flags& flags, const ResponseDatabase& database) {
   return is_contact_run(database, flags.tools, flags.together);
 }
 
-void run(Flags& flags) {
+void show(ViewFlags& flags) {
   if (is_scene(flags.database)) {
     show_scene(flags);
     return;
@@ -348,7 +349,7 @@ void add_view_command(Command app) {
       "view",
       "Show a database in a browser: press it with the mouse, on simulated time, or "
       "watch a device that presses it.");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<ViewFlags>();
   ViewSessionOptions& options = flags->options;
   command.add_option("database", flags->database,
                      "Response database (HDF5), or a scene (SCENE.toml) that is "
@@ -386,7 +387,7 @@ void add_view_command(Command app) {
                    "Scale forces to what the device can render");
   command.callback([flags, command] {
     flags->fast_hz_given = command.count("--fast-hz") > 0;
-    run(*flags);
+    show(*flags);
   });
 }
 

@@ -11,13 +11,10 @@
 #include "runtime/realtime/stop_signals.h"
 
 namespace palpate {
-namespace {
 
 void tell_person(const std::string& text) {
   fmt::print(stderr, "{}\n", text);
 }
-
-}  // namespace
 
 void ask_person(const std::string& text) {
   fmt::print(stderr, "{}; then press Enter\n", text);

@@ -26,6 +26,9 @@ void add_device_options(Command command, DeviceFlags& flags);
 /// --surface-in and --surface-out. @param files must outlive the command.
 void add_surface_options(Command command, SurfaceFiles& files);
 
+/// A line on stderr, for the person at the terminal.
+void tell_person(const std::string& text);
+
 /// Says what a person is to do and waits for Enter. @throws Interrupted on a signal,
 /// InputError where standard input ends.
 void ask_person(const std::string& text);
