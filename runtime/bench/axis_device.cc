@@ -26,7 +26,7 @@ Eigen::Matrix4d matrix_exponential(const Eigen::Matrix4d& A) {
   return sum;
 }
 
-void check(const VirtualDeviceOptions& o, double tick_s) {
+void check_device(const VirtualDeviceOptions& o, double tick_s) {
   const auto refuse = [](const char* what, double value, const char* allowed) {
     throw InputError(
         fmt::format("virtual device: {} is {}, must be {}", what, value, allowed));
@@ -51,7 +51,7 @@ void check(const VirtualDeviceOptions& o, double tick_s) {
 }  // namespace
 
 VirtualDevice::VirtualDevice(const VirtualDeviceOptions& o, double tick_s) {
-  check(o, tick_s);
+  check_device(o, tick_s);
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();  // of (x, v, m, F), F' = 0
   A(0, 1) = 1.0;
   A(1, 1) = -o.damping_n_s_per_m / o.mass_kg;

@@ -14,10 +14,10 @@
 namespace palpate {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
-double elapsed_ns(Clock::time_point from) {
-  return std::chrono::duration<double, std::nano>(Clock::now() - from).count();
+double elapsed_ns(SteadyClock::time_point from) {
+  return std::chrono::duration<double, std::nano>(SteadyClock::now() - from).count();
 }
 
 double percentile(std::vector<double> values, double share) {
@@ -28,7 +28,7 @@ double percentile(std::vector<double> values, double share) {
 double clock_cost_ns() {
   std::vector<double> empty(10001);
   for (double& value : empty) {
-    value = elapsed_ns(Clock::now());
+    value = elapsed_ns(SteadyClock::now());
   }
   return percentile(empty, 0.5);
 }
@@ -117,14 +117,14 @@ StepBenchRow run(const Recording& recording, LocalModel model, const Scene& scen
     if (tick % every == 0) {
       for (const Element& element : recording.messages[tick / every]) {
         for (const auto& state : states) {
-          const auto from = Clock::now();
+          const auto from = SteadyClock::now();
           accept(*state, element);
           accept_ns.push_back(elapsed_ns(from) - clock_ns);
         }
       }
     }
     const FastSample sample{recording.position_m[tick], 0};
-    const auto from = Clock::now();
+    const auto from = SteadyClock::now();
     for (const auto& state : states) {
       (void)step(*state, sample, 0.0005);
     }

@@ -14,13 +14,12 @@
 namespace palpate {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr double kRadiusM = 0.003;
-constexpr double kTickS = 0.0005;
 
-double elapsed_us(Clock::time_point from) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - from).count();
+double elapsed_us(SteadyClock::time_point from) {
+  return std::chrono::duration<double, std::micro>(SteadyClock::now() - from).count();
 }
 
 double percentile(std::vector<double> values, double share) {
@@ -34,7 +33,7 @@ double percentile(std::vector<double> values, double share) {
 double clock_cost_us() {
   std::vector<double> empty(10001);
   for (double& value : empty) {
-    value = elapsed_us(Clock::now());
+    value = elapsed_us(SteadyClock::now());
   }
   return percentile(empty, 0.5);
 }
@@ -89,8 +88,8 @@ void run(const ContactsBenchOptions& options, std::uint64_t (*allocations)(),
       send(state, body, pose, i);
     }
     const std::uint64_t before = allocations();
-    const auto from = Clock::now();
-    const CoupledCommand command = step(state, {pose, 0}, kTickS);
+    const auto from = SteadyClock::now();
+    const CoupledCommand command = step(state, {pose, 0}, PoseWalk::kTickS);
     const double took_us = elapsed_us(from) - clock_us;
     row.allocations += allocations() - before;
     row.lowest_work_j = std::min(row.lowest_work_j, state.ledger.work_j);

@@ -95,7 +95,7 @@ TracedDevice traced_device(const DeviceBenchOptions& options) {
                   options.device));
 }
 
-void check(const DeviceBenchOptions& options) {
+void check_device_bench(const DeviceBenchOptions& options) {
   if (!(options.duration_s > 0.0 && options.duration_s <= 3600.0)) {
     throw InputError(
         fmt::format("--seconds {}: must lie in (0, 3600]", options.duration_s));
@@ -117,7 +117,7 @@ double milliseconds(double ns) {
 }  // namespace
 
 DeviceBenchReport run_device_bench(const DeviceBenchOptions& options) {
-  check(options);
+  check_device_bench(options);
   CylinderBodyOptions body;
   body.stiffness_n_per_m = options.stiffness_n_per_m;
   body.friction = options.friction;

@@ -74,7 +74,7 @@ class Timer {
   std::int64_t own_ns_ = 0;
 };
 
-SearchBenchRow run_on(std::int64_t triangles, int queries) {
+SearchBenchRow time_search(std::int64_t triangles, int queries) {
   const SurfaceMesh mesh = wavy_surface(triangles);
   MonotonicClock clock;
   const std::int64_t begin_ns = clock.now_ns();
@@ -125,7 +125,7 @@ std::vector<SearchBenchRow> run_search_bench(const SearchBenchOptions& options) 
           fmt::format("{} triangles and {} queries, must be 2 to 10^8 and at least 1",
                       triangles, options.queries));
     }
-    rows.push_back(run_on(triangles, options.queries));
+    rows.push_back(time_search(triangles, options.queries));
   }
   return rows;
 }

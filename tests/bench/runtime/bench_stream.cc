@@ -180,7 +180,7 @@ StreamBenchReport run_on(const std::filesystem::path& file,
   return report;
 }
 
-void check(const StreamBenchOptions& options) {
+void check_stream_bench(const StreamBenchOptions& options) {
   if (!(options.seconds > 0.0 && options.seconds <= 3600.0) ||
       !(options.slow_hz >= 1.0 && options.slow_hz <= 10000.0) ||
       !(options.speed_m_per_s >= 0.0 && options.speed_m_per_s <= 100.0) ||
@@ -218,7 +218,7 @@ class TemporaryFolder {
 }  // namespace
 
 StreamBenchReport run_stream_bench(const StreamBenchOptions& options) {
-  check(options);
+  check_stream_bench(options);
   if (!options.database.empty()) {
     return run_on(options.database, options);
   }

@@ -8,7 +8,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kTickS = 0.0005;
 constexpr int kTicksPerAim = 700;
 constexpr std::size_t kKnots = 25;
 

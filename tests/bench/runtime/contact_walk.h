@@ -58,7 +58,9 @@ class PoseWalk {
  public:
   PoseWalk(const ContactBody& body, int ports, const PoseWalkOptions& options);
 
-  /// Moves for half a millisecond.
+  static constexpr double kTickS = 0.0005;  ///< [s]
+
+  /// Moves for a tick.
   const PortPoses& next();
 
  private:

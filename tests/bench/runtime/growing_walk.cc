@@ -100,7 +100,7 @@ std::unique_ptr<FastState> make_state(LocalModel model, double tool_radius_m) {
   return state;
 }
 
-void check(const GrowingWalkOptions& o) {
+void check_growing_walk(const GrowingWalkOptions& o) {
   const auto share = [](double value) {
     return value >= 0.0 && value <= 1.0;
   };
@@ -226,7 +226,7 @@ class GrowingWalk {
 
 GrowingWalkReport run_growing_walk(const ResponseDatabase& database,
                                    const GrowingWalkOptions& options) {
-  check(options);
+  check_growing_walk(options);
   const auto begin = std::chrono::steady_clock::now();
   GrowingWalk walk(database, find_tool(database, options.tool), options);
   for (std::int64_t tick = 0; tick < options.ticks && walk.tick(tick); ++tick) {
