@@ -1,11 +1,16 @@
 #include "precompute/material/convex_tangent.h"
 
+#include <utility>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 namespace palpate {
 namespace {
+
+// One solver for tangents and blocks of two: unrolled ones compile for half a minute.
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
 
 template <typename Symmetric>
 Symmetric clipped(const Symmetric& matrix) {
@@ -45,18 +50,20 @@ void clip_negative(const Eigen::Matrix3d& F, Tangent& tangent) {
   const Tangent dyads = principal_dyads(F);
   Tangent rest = dyads.transpose() * tangent * dyads;
   Tangent clipped_blocks = Tangent::Zero();
-  const auto clip = [&](const auto& which) {
-    clipped_blocks(which, which) = clipped((rest(which, which)).eval());
+  const auto clip = [&](const auto& which, const auto& block) {
+    clipped_blocks(which, which) = clipped(block);
     rest(which, which).setZero();
   };
-  clip(Eigen::Array3i(at(0, 0), at(1, 1), at(2, 2)));
-  clip(Eigen::Array2i(at(0, 1), at(1, 0)));
-  clip(Eigen::Array2i(at(0, 2), at(2, 0)));
-  clip(Eigen::Array2i(at(1, 2), at(2, 1)));
+  const Eigen::Array3i stretches(at(0, 0), at(1, 1), at(2, 2));
+  clip(stretches, Eigen::Matrix3d(rest(stretches, stretches)));
+  for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+    const Eigen::Array2i shears(at(i, j), at(j, i));
+    clip(shears, Small(rest(shears, shears)));
+  }
   if (rest.norm() <= kRounding * tangent.norm()) {
     tangent = dyads * clipped_blocks * dyads.transpose();
   } else {
-    tangent = clipped(tangent);
+    tangent = clipped(Small(tangent));
   }
 }
 
