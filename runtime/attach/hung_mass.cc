@@ -13,7 +13,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kGravity = 9.80665;   // [m/s^2]
 constexpr double kFilterS = 0.01;      // of the velocity
 constexpr double kRunawayM = 0.015;    // farther from its target than it began
 constexpr double kRunawayMPerS = 0.5;  // the spring carries at some 0.02 m/s
