@@ -153,7 +153,7 @@ std::unique_ptr<HeldFit> fit(const py::sequence& curve, const py::object& frame_
   return held;
 }
 
-py::array_t<double> force(const HeldFit& held, const py::handle& depths) {
+py::array_t<double> fitted_force(const HeldFit& held, const py::handle& depths) {
   const Doubles depth = doubles(depths, "depth_m");
   py::array_t<double> result(
       std::vector<py::ssize_t>(depth.shape(), depth.shape() + depth.ndim()));
@@ -246,7 +246,7 @@ void bind_press(py::module_& module) {
       },
       "[Pa], NaN where to_dict()['youngs_modulus_refused'] says why");
   type.def(
-      "force", &force, py::arg("depth_m"),
+      "force", &fitted_force, py::arg("depth_m"),
       "Force [N] of the family that follows best, at depths [m] of any shape beyond "
       "the\ncontact point.");
   type.def("database", &database, py::arg("source") = py::none(),

@@ -93,9 +93,10 @@ std::vector<NodeResponse> responses(const py::sequence& curves, const Points& no
   return response;
 }
 
-std::shared_ptr<HeldDatabase> make(const py::object& vertices, const py::object& faces,
-                                   const py::sequence& curves, double radius_m,
-                                   const std::string& tool) {
+std::shared_ptr<HeldDatabase> from_curves(const py::object& vertices,
+                                          const py::object& faces,
+                                          const py::sequence& curves, double radius_m,
+                                          const std::string& tool) {
   ResponseDatabase database;
   database.body.position_m = points(vertices, "vertices");
   if (!database.body.position_m.allFinite()) {
@@ -117,7 +118,7 @@ std::shared_ptr<HeldDatabase> make(const py::object& vertices, const py::object&
 
 void bind_make(py::module_& module) {
   module.def(
-      "from_curves", &make, py::arg("vertices"), py::arg("triangles"),
+      "from_curves", &from_curves, py::arg("vertices"), py::arg("triangles"),
       py::arg("curves"), py::kw_only(), py::arg("radius_m"), py::arg("tool") = "tool",
       "A database of one's own curves under a sphere of radius_m [m].\n\nvertices "
       "(n, 3) [m], triangles (t, 3) counter-clockwise from outside; curves: for "

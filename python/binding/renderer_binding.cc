@@ -19,7 +19,7 @@ namespace py = pybind11;
 namespace palpate {
 namespace {
 
-py::array_t<double> array_of(const Eigen::Vector3d& vector) {
+py::array_t<double> vector_array(const Eigen::Vector3d& vector) {
   return py::array_t<double>(py::ssize_t{3}, vector.data());
 }
 
@@ -39,8 +39,9 @@ Eigen::Vector3d position_of(const py::handle& values) {
 
 py::array_t<double> force_after(HeldRenderer& renderer, const py::handle& position,
                                 double dt_s) {
-  return array_of(renderer.step(position_of(position), Eigen::Vector4d::Zero(), dt_s)
-                      .command.force_n);
+  return vector_array(
+      renderer.step(position_of(position), Eigen::Vector4d::Zero(), dt_s)
+          .command.force_n);
 }
 
 py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
@@ -48,13 +49,16 @@ py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
   Eigen::Vector4d quaternion;
   take_row(orientation, "orientation", 4, quaternion.data());
   const HostTick& tick = renderer.step(position_of(position), quaternion, dt_s);
-  return py::make_tuple(array_of(tick.command.force_n), array_of(tick.torque_n_m));
+  return py::make_tuple(vector_array(tick.command.force_n),
+                        vector_array(tick.torque_n_m));
 }
 
 // None of the options has a meaning of its own here: those of the C interface.
 template <typename Source>
-std::unique_ptr<HeldRenderer> make(const Source& source, const std::string& tool,
-                                   const std::string& model, const py::kwargs& given) {
+std::unique_ptr<HeldRenderer> make_renderer(const Source& source,
+                                            const std::string& tool,
+                                            const std::string& model,
+                                            const py::kwargs& given) {
   HostOptions options;
   options.tool = tool;
   options.model = passive_model(model);
@@ -80,7 +84,7 @@ using Type = py::class_<HeldRenderer>;
 template <typename T>
 auto told(const T& value) {
   if constexpr (std::is_same_v<T, Eigen::Vector3d>) {
-    return array_of(value);
+    return vector_array(value);
   } else {
     return value;
   }
@@ -226,9 +230,9 @@ void bind_renderer(py::module_& module) {
             "Position in, force out, at the haptic rate.\n\nWithout start() (or 'with "
             "Renderer(db) as r:') the caller calls slow_step() about 100 times\na "
             "second. One thread steps at a time.");
-  type.def(py::init(&make<std::shared_ptr<HeldDatabase>>), py::arg("database"),
+  type.def(py::init(&make_renderer<std::shared_ptr<HeldDatabase>>), py::arg("database"),
            py::arg("tool") = "", py::arg("model") = "potential", kMake);
-  type.def(py::init(&make<std::filesystem::path>), py::arg("database"),
+  type.def(py::init(&make_renderer<std::filesystem::path>), py::arg("database"),
            py::arg("tool") = "", py::arg("model") = "potential", kMake);
   type.def("step", &force_after, py::arg("position"), py::arg("dt") = 0.0, kStep);
   type.def("wrench", &wrench_after, py::arg("position"), py::arg("orientation"),

@@ -21,7 +21,7 @@ namespace py = pybind11;
 namespace palpate {
 namespace {
 
-py::array force(const HeldTool& tool, const py::object& values) {
+py::array forces_at(const HeldTool& tool, const py::object& values) {
   const Doubles array = doubles(values, "positions");
   const bool one = array.ndim() == 1 && array.shape(0) == 3;
   if (!one && (array.ndim() != 2 || array.shape(1) != 3)) {
@@ -150,7 +150,7 @@ void bind_tool(py::module_& module) {
   type.def("curve", &curve, py::arg("node"),
            "The stored curve of a node, four arrays.");
   type.def(
-      "force", &force, py::arg("positions"),
+      "force", &forces_at, py::arg("positions"),
       "Force on the tool [N], (n, 3), at positions (n, 3) [m] of its reference "
       "point, or (3,) for one.\n\nThe stored potential field without friction and "
       "history; of a body that relaxes, its\ninstantaneous response. Python's lock "

@@ -15,8 +15,8 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kFormat = "palpate calibration";
-constexpr std::int64_t kVersion = 1;
+constexpr const char* kCalibrationFormat = "palpate calibration";
+constexpr std::int64_t kCalibrationVersion = 1;
 
 // TOML wants a point or an exponent in a number that is no integer.
 std::string number(double value) {
@@ -47,12 +47,12 @@ Calibration read_calibration(const std::filesystem::path& file) {
       throw FormatError(error.what());
     }
   }();
-  if (table["format"].value_or(std::string()) != kFormat ||
-      table["version"].value_or(std::int64_t{0}) != kVersion) {
+  if (table["format"].value_or(std::string()) != kCalibrationFormat ||
+      table["version"].value_or(std::int64_t{0}) != kCalibrationVersion) {
     throw FormatError(
         fmt::format("{}: is no calibration: format must be \"{}\" and "
                     "version {}",
-                    file.string(), kFormat, kVersion));
+                    file.string(), kCalibrationFormat, kCalibrationVersion));
   }
   return {.device = table["device"].value_or(std::string()),
           .motor_factor = read_number(table, file, "motor_factor", 1e-3, 10.0),
@@ -65,8 +65,9 @@ void write_calibration(const std::filesystem::path& file,
   const std::string text = fmt::format(
       "format = \"{}\"\nversion = {}\ndevice = \"{}\"\nmotor_factor = {}\n"
       "motor_factor_sd = {}\nmass_kg = {}\n",
-      kFormat, kVersion, calibration.device, number(calibration.motor_factor),
-      number(calibration.motor_factor_sd), number(calibration.mass_kg));
+      kCalibrationFormat, kCalibrationVersion, calibration.device,
+      number(calibration.motor_factor), number(calibration.motor_factor_sd),
+      number(calibration.mass_kg));
   AtomicFile target(file);
   target.write(std::as_bytes(std::span(text)));
   target.commit();

@@ -14,6 +14,7 @@
 #include "formats/base/error.h"
 #include "runtime/attach/driven_devices.h"
 #include "runtime/attach/falcon_choice.h"
+#include "runtime/attach/hung_mass.h"
 #include "runtime/attach/usb_choice.h"
 #include "runtime/emulation/emulated_falcon.h"
 #include "runtime/emulation/emulated_haply.h"
@@ -106,7 +107,6 @@ std::unique_ptr<DeviceLink> weighed_falcon(const FalconConfig& config, double hu
   constexpr double kPull = 0.1;    // [N/m]
   constexpr double kBrake = 30.0;  // [N s/m]
   constexpr double kGripN = 0.3;
-  constexpr double kGravity = 9.80665;  // [m/s^2]
   HandScript pull{.surface_m = falcon_centre_m(),
                   .clear_m = 1e-9,
                   .press_m = 0.0,

@@ -13,14 +13,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kGravity = 9.80665;   // [m/s^2]
 constexpr double kFilterS = 0.01;      // of the velocity
 constexpr double kRunawayM = 0.015;    // farther from its target than it began
 constexpr double kRunawayMPerS = 0.5;  // the spring carries at some 0.02 m/s
-
-double seconds(std::int64_t duration_ns) {
-  return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
-}
 
 // The spring and damper that carry the tool.
 class Carrier {
@@ -71,7 +66,7 @@ class Carrier {
 };
 
 // Mean of the impulses of whole periods.
-Weight mean_of(const std::vector<double>& impulse_n_s, double period_s) {
+Weight mean_weight(const std::vector<double>& impulse_n_s, double period_s) {
   Weight weight;
   const auto count = static_cast<double>(impulse_n_s.size());
   for (const double impulse : impulse_n_s) {
@@ -103,7 +98,7 @@ Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
     }
     Eigen::Vector3d position_m;
     const LinkStatus status = link.transact(force_n, position_m);
-    const double then_s = seconds(clock.now_ns() - begin_ns);
+    const double then_s = seconds_in(clock.now_ns() - begin_ns);
     const double period = (now_s - options.settle_s) / options.period_s;
     if (period >= 0.0) {
       const auto at =
@@ -132,7 +127,7 @@ Weight weigh(DeviceLink& link, const Eigen::Vector3d& centre_m,
         fmt::format("{}: {} of {} exchanges were answered, too few to weigh",
                     link.name(), answered, exchanges));
   }
-  return mean_of(impulse_n_s, options.period_s);
+  return mean_weight(impulse_n_s, options.period_s);
 }
 
 double factor_of(const Weight& bare, const Weight& loaded, double mass_kg, double& sd) {

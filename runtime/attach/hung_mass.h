@@ -7,6 +7,9 @@
 
 namespace palpate {
 
+/// Of what hangs, standard [m/s^2].
+constexpr double kGravity = 9.80665;
+
 struct WeighOptions {
   double stiffness_n_per_m = 150.0;  ///< [N/m] > 0 of the spring that carries
   double damping_n_s_per_m = 0.5;    ///< [N s/m] >= 0 beside the mechanism's own

@@ -17,8 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kFormat = "palpate probe";
-constexpr int kVersion = 1;
+constexpr const char* kProbeFormat = "palpate probe";
+constexpr int kProbeVersion = 1;
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 
 Json as_list(const Eigen::Vector3d& v) {
@@ -149,10 +149,10 @@ class ProbeReader {
 
   [[nodiscard]] ProbeReport report() const {
     constexpr double kMany = 1e12;
-    if (!json_.is_object() || json_.value("format", Json()) != kFormat ||
-        json_.value("version", Json()) != kVersion) {
-      refuse(fmt::format("is no probe: format must be \"{}\" and version {}", kFormat,
-                         kVersion));
+    if (!json_.is_object() || json_.value("format", Json()) != kProbeFormat ||
+        json_.value("version", Json()) != kProbeVersion) {
+      refuse(fmt::format("is no probe: format must be \"{}\" and version {}",
+                         kProbeFormat, kProbeVersion));
     }
     ProbeReport r;
     r.device = text(json_, "device");
@@ -203,8 +203,8 @@ std::string axis_text(const ProbedAxis& a) {
 }  // namespace
 
 std::string probe_json(const ProbeReport& r) {
-  Json json = {{"format", kFormat},
-               {"version", kVersion},
+  Json json = {{"format", kProbeFormat},
+               {"version", kProbeVersion},
                {"device", r.device},
                {"palpate", r.palpate},
                {"by_hand", r.by_hand},

@@ -14,10 +14,6 @@ constexpr double kLeastStepM = 1e-8;  // float32 of a workspace's coordinates
 constexpr double kSpeedS = 0.01;      // over which a speed is taken
 constexpr double kProgressS = 1.0;
 
-double seconds(std::int64_t duration_ns) {
-  return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
-}
-
 }  // namespace
 
 void ProbeWire::begin_step(double planned_s) {
@@ -35,7 +31,7 @@ void ProbeWire::begin_motion() {
 }
 
 double ProbeWire::motion_s() {
-  return seconds(clock_.now_ns() - begin_ns_);
+  return seconds_in(clock_.now_ns() - begin_ns_);
 }
 
 void ProbeWire::begin_pushing(int axis) {
@@ -124,7 +120,7 @@ void ProbeWire::stop_a_runaway(std::int64_t now_ns) {
     throw DeviceError(fmt::format("{}: the tool ran away by {:.3g} mm and was let go",
                                   link_.name(), 1e3 * far_m));
   }
-  const double dt_s = seconds(now_ns - speed_ns_);
+  const double dt_s = seconds_in(now_ns - speed_ns_);
   if (dt_s < kSpeedS) {
     return;
   }
@@ -141,7 +137,7 @@ void ProbeWire::show_progress() {
   const std::int64_t now_ns = clock_.now_ns();
   if (guide_.progress && now_ns >= told_ns_) {
     told_ns_ = now_ns + std::llround(kProgressS * kNanosecondsPerSecond);
-    guide_.progress(left_s_ + std::max(0.0, step_s_ - seconds(now_ns - step_ns_)));
+    guide_.progress(left_s_ + std::max(0.0, step_s_ - seconds_in(now_ns - step_ns_)));
   }
 }
 

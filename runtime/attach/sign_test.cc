@@ -13,11 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kSpeedS = 0.01;  // over which a speed is measured
-
-double seconds(std::int64_t duration_ns) {
-  return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
-}
+constexpr double kWatchS = 0.01;  // over which a speed is measured
 
 // One exchange after the other, with a watch on where the tool goes.
 class Pusher {
@@ -45,7 +41,7 @@ class Pusher {
         before = position;
         held = force;
       }
-      now_s = seconds(clock_.now_ns() - begin_ns);
+      now_s = seconds_in(clock_.now_ns() - begin_ns);
     }
     rest();
     return work_j;
@@ -75,14 +71,14 @@ class Pusher {
   }
 
   void watch(const Eigen::Vector3d& position_m) {
-    const double now_s = seconds(clock_.now_ns());
+    const double now_s = seconds_in(clock_.now_ns());
     if (!begin_) {
       begin_ = position_m;
       mark_ = position_m;
       mark_s_ = now_s;
     }
     bool ran = (position_m - *begin_).norm() > options_.runaway_m;
-    if (now_s - mark_s_ > kSpeedS) {
+    if (now_s - mark_s_ > kWatchS) {
       const double speed = (position_m - mark_).norm() / (now_s - mark_s_);
       ran = ran || speed > options_.runaway_m_per_s;
       mark_ = position_m;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <string_view>
 
 #include <poll.h>
@@ -18,10 +17,6 @@ namespace palpate {
 namespace {
 
 constexpr int kDeviceExitCode = 5;
-
-std::int64_t nanoseconds(double duration_s) noexcept {
-  return std::llround(duration_s * kNanosecondsPerSecond);
-}
 
 template <typename Datagram>
 void say(int descriptor, const Datagram& datagram) noexcept {
@@ -88,7 +83,7 @@ class Commands {
 int exchange_until_the_end(DeviceLink& link, int descriptor,
                            const DriverTiming& timing) noexcept {
   MonotonicClock clock;
-  Commands commands(descriptor, nanoseconds(timing.silent_s));
+  Commands commands(descriptor, nanoseconds_in(timing.silent_s));
   TurnFromStart from_start;
   SocketTurnedState turned;
   SocketState& state = turned.state;
@@ -118,9 +113,9 @@ int exchange_until_the_end(DeviceLink& link, int descriptor,
       } else {
         say(descriptor, state);
       }
-      commands.await_next(state.done_ns + nanoseconds(timing.answer_s));
+      commands.await_next(state.done_ns + nanoseconds_in(timing.answer_s));
     }
-    clock.sleep_until_ns(begin_ns + nanoseconds(1.0 / timing.rate_max_hz));
+    clock.sleep_until_ns(begin_ns + nanoseconds_in(1.0 / timing.rate_max_hz));
   }
   return 0;
 }

@@ -31,10 +31,6 @@ union Datagram {
 static_assert(sizeof(SocketHello) == 48 && sizeof(SocketState) == 80 &&
               sizeof(SocketTurnedState) == 112 && sizeof(SocketFarewell) == 256);
 
-std::int64_t nanoseconds(double duration_s) noexcept {
-  return std::llround(duration_s * kNanosecondsPerSecond);
-}
-
 // Whoever listens gets positions and is told forces: this user, or root.
 void check_peer(int descriptor, const std::string& name) {
   ucred peer{};
@@ -115,7 +111,7 @@ SocketDevice::~SocketDevice() {
 void SocketDevice::greet() {
   constexpr int kLookMs = 50;
   MonotonicClock clock;
-  const std::int64_t until_ns = clock.now_ns() + nanoseconds(patience_.hello_s);
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds_in(patience_.hello_s);
   pollfd end{.fd = descriptor_, .events = POLLIN, .revents = 0};
   while (::poll(&end, 1, kLookMs) != 1 && clock.now_ns() < until_ns) {
     if (patience_.stopped && patience_.stopped()) {
@@ -236,7 +232,7 @@ DeviceStatus SocketDevice::read(DeviceReading& reading) noexcept {
     return DeviceStatus::kLate;
   }
   reading = latest_;
-  const bool stale = clock.now_ns() - heard_ns_ > nanoseconds(patience_.stale_s);
+  const bool stale = clock.now_ns() - heard_ns_ > nanoseconds_in(patience_.stale_s);
   return stale ? DeviceStatus::kLate : DeviceStatus::kOk;
 }
 

@@ -1,6 +1,5 @@
 #include "runtime/device/threaded_device.h"
 
-#include <cmath>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -12,10 +11,6 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kFirstReadingNs = 2'000'000'000;
-
-std::int64_t nanoseconds(double duration_s) noexcept {
-  return std::llround(duration_s * kNanosecondsPerSecond);
-}
 
 }  // namespace
 
@@ -57,7 +52,7 @@ DeviceStatus LinkedDevice::read(DeviceReading& reading) noexcept {
   static_cast<void>(reading_.fetch());
   reading = reading_.latest().reading;
   MonotonicClock clock;
-  const bool stale = clock.now_ns() - reading.time_ns > nanoseconds(timing_.stale_s);
+  const bool stale = clock.now_ns() - reading.time_ns > nanoseconds_in(timing_.stale_s);
   return stale ? DeviceStatus::kLate : DeviceStatus::kOk;
 }
 
@@ -83,7 +78,7 @@ std::string LinkedDevice::failure() const {
 LinkedDevice::Command LinkedDevice::wanted(std::int64_t now_ns) noexcept {
   static_cast<void>(command_.fetch());
   const Command& command = command_.latest();
-  const bool silent = now_ns - command.time_ns > nanoseconds(timing_.silent_s);
+  const bool silent = now_ns - command.time_ns > nanoseconds_in(timing_.silent_s);
   report_.silences += silent && !silent_ && command.time_ns > 0 ? 1 : 0;
   silent_ = silent;
   return silent ? Command{} : command;
@@ -93,7 +88,7 @@ LinkedDevice::Command LinkedDevice::wanted(std::int64_t now_ns) noexcept {
 void LinkedDevice::await_answer(std::int64_t measured_ns) noexcept {
   constexpr std::int64_t kLookNs = 20'000;
   MonotonicClock clock;
-  const std::int64_t until_ns = clock.now_ns() + nanoseconds(timing_.answer_s);
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds_in(timing_.answer_s);
   while (!silent_ && !stop_.load() && clock.now_ns() < until_ns) {
     static_cast<void>(command_.fetch());
     if (command_.latest().measured_ns >= measured_ns) {
@@ -107,7 +102,7 @@ void LinkedDevice::run() noexcept {
   static_cast<void>(request_real_time(-1));
   MonotonicClock clock;
   const std::int64_t begin_ns = clock.now_ns();
-  const auto period_ns = nanoseconds(1.0 / timing_.rate_max_hz);
+  const auto period_ns = nanoseconds_in(1.0 / timing_.rate_max_hz);
   Command held;  // what the device got last
   TurnFromStart from_start;
   while (!stop_.load()) {

@@ -7,7 +7,6 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kPayload = 62;
-constexpr std::int64_t kMillisecond = 1'000'000;
 
 }  // namespace
 
@@ -33,7 +32,7 @@ int FtdiChip::control(const UsbSetup& setup, std::int64_t /*now_ns*/) {
       event_ = (setup.value & 0x0100) != 0 ? setup.value & 0xFF : -1;
       return 0;
     case 0x09:
-      latency_ns_ = kMillisecond * std::clamp<std::int64_t>(setup.value, 1, 255);
+      latency_ns_ = kMillisecondNs * std::clamp<std::int64_t>(setup.value, 1, 255);
       return 0;
     case 0x02:
     case 0x04:

@@ -4,12 +4,6 @@
 #include <cerrno>
 
 namespace palpate {
-namespace {
-
-constexpr std::int64_t kMillisecond = 1'000'000;
-
-}  // namespace
-
 SerialBoard::SerialBoard(const SimulatedDeviceConfig& dynamics, const HandScript& hand,
                          const Eigen::Vector3d& start_m, std::size_t split_bytes,
                          std::size_t trace_max)
@@ -53,7 +47,7 @@ int SerialBoard::receive(std::span<std::uint8_t> packet, std::int64_t now_ns) {
 }
 
 std::int64_t SerialBoard::next_ns(std::int64_t now_ns) {
-  return port.waiting.empty() ? now_ns + kMillisecond : port.ready_ns;
+  return port.waiting.empty() ? now_ns + kMillisecondNs : port.ready_ns;
 }
 
 }  // namespace palpate

@@ -6,8 +6,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;
-
 std::uint8_t low(std::uint16_t value) {
   return static_cast<std::uint8_t>(value & 0xFF);
 }
@@ -82,7 +80,7 @@ int FaultyUsb::receive(std::span<std::uint8_t> packet, std::int64_t now_ns) {
 
 std::int64_t FaultyUsb::next_ns(std::int64_t now_ns) {
   const bool quiet = silent();
-  return quiet ? now_ns + kMillisecond : model_.next_ns(now_ns);
+  return quiet ? now_ns + kMillisecondNs : model_.next_ns(now_ns);
 }
 
 }  // namespace palpate

@@ -7,6 +7,8 @@
 
 namespace palpate {
 
+constexpr std::int64_t kMillisecondNs = 1'000'000;
+
 struct UsbSetup {
   std::uint8_t request_type = 0;
   std::uint8_t request = 0;

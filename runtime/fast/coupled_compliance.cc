@@ -8,10 +8,6 @@ namespace {
 
 using Index = Eigen::Index;
 
-Real weight_of(const FieldPlace& place, std::size_t a) {
-  return std::max(Real(0.0), place.frame.weight(static_cast<Index>(a)));
-}
-
 // The place on the surface at rest.
 Vector3 foot_m(const FieldPlace& place) {
   return place.prism.corner_m * place.frame.weight;

@@ -16,10 +16,6 @@ using Index = Eigen::Index;
 // Depth of a contact that has no element: of nothing.
 constexpr Real kNowhereM = -1.0;
 
-Real weight_of(const FieldPlace& place, std::size_t a) {
-  return std::max(Real(0.0), place.frame.weight(static_cast<Index>(a)));
-}
-
 const Element& element_at(const CoupledSurface& surface, int slot) {
   return surface.cache.element[static_cast<std::size_t>(slot)];
 }
@@ -63,8 +59,8 @@ Real energy_at(CoupledPlace& at, const CoupledSurface& surface, Real y) {
   return energy;
 }
 
-void force_at(CoupledPlace& at, const CoupledSurface& surface, Real y, Real& force,
-              Real& stiffness) {
+void force_and_stiffness_at(CoupledPlace& at, const CoupledSurface& surface, Real y,
+                            Real& force, Real& stiffness) {
   force = 0.0;
   stiffness = 0.0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -88,7 +84,7 @@ struct Curves {
   CoupledSurfaces surfaces;
 };
 
-bool remembers(const CoupledField& field, std::size_t i) {
+bool has_memory(const CoupledField& field, std::size_t i) {
   return field.remembers && field.memory[i].remembers;
 }
 
@@ -108,7 +104,7 @@ void evaluate_curves(void* of, CoupledContacts& c, bool energy) {
   const auto& [field, surfaces] = *static_cast<Curves*>(of);
   for (Index i = 0; i < c.count; ++i) {
     const auto self = static_cast<std::size_t>(i);
-    if (remembers(*field, self)) {
+    if (has_memory(*field, self)) {
       evaluate_remembered(field->memory[self], surfaces[i], c, i, energy);
       continue;
     }
@@ -117,7 +113,7 @@ void evaluate_curves(void* of, CoupledContacts& c, bool energy) {
     if (energy) {
       c.own_energy_j(i) = energy_at(at, surfaces[i], y);
     } else {
-      force_at(at, surfaces[i], y, c.force_n(i), c.stiffness_n_per_m(i));
+      force_and_stiffness_at(at, surfaces[i], y, c.force_n(i), c.stiffness_n_per_m(i));
     }
   }
 }
@@ -291,7 +287,7 @@ ContactReading read_contact(CoupledField& field, const CoupledSet& set,
         reading.extrapolated || (node.sample.extrapolated && weight > 0.0);
     slope += at.place.frame.turn.row(row).transpose() * node.sample.energy_j;
   }
-  RelaxingContact* remembered = remembers(field, self) ? &field.memory[self] : nullptr;
+  RelaxingContact* remembered = has_memory(field, self) ? &field.memory[self] : nullptr;
   if (remembered != nullptr) {
     reading.loaded = is_touched(*remembered);
     slope = reading.loaded ? surface_slope_j(*remembered, surfaces[i].cache)

@@ -10,14 +10,10 @@
 #include "runtime/fast/coupled_relaxation.h"
 #include "runtime/fast/coupled_settle.h"
 #include "runtime/fast/coupled_yielding.h"
+#include "runtime/fast/potential_field.h"
 
 namespace palpate {
 namespace {
-
-// As in potential_model.cc: more than this many times the force times the movement is a
-// leap to another sheet of the field.
-constexpr Real kLeap = 4.0;
-constexpr Real kLeapJ = rounding(1e-15, 1e-8);
 
 // One contact in the move of a tick.
 struct Moved {
@@ -29,7 +25,7 @@ struct Moved {
 using Moves = std::array<Moved, kContactsMax>;
 
 // The field at the present places. False: it is another one, C is scaled.
-bool respond(const CoupledTick& t, Keep keep) {
+bool settle_places(const CoupledTick& t, Keep keep) {
   set_places(t.model.field, t.set, t.surfaces, keep);
   const bool same = settle_contacts(t.model.field, t.set, t.surfaces);
   read_contacts(t);
@@ -124,7 +120,7 @@ Real linear_j(Real energy_before, Real given_j) {
 
 // Moves all contacts. @returns the energy of what was rendered until now, there; the
 // model's field is that of the new places, which may hold another energy.
-Real move(const CoupledTick& t, const PortPoses& pose, Keep keep) {
+Real move_contacts(const CoupledTick& t, const PortPoses& pose, Keep keep) {
   CoupledModel& model = t.model;
   const Real energy_before = model.field.equilibrium.energy_j;
   const Real scale = model.field.equilibrium.scale;
@@ -138,7 +134,7 @@ Real move(const CoupledTick& t, const PortPoses& pose, Keep keep) {
     sound = sound && moves[self].sound;
     given_j += moves[self].force_n.dot(moves[self].moved_m);
   }
-  if (!respond(t, keep)) {
+  if (!settle_places(t, keep)) {
     return linear_j(energy_before, given_j);
   }
   const Real energy =
@@ -155,13 +151,9 @@ Real move(const CoupledTick& t, const PortPoses& pose, Keep keep) {
              : linear_j(energy_before, given_j);
 }
 
-std::int32_t triangle_in(const ElementCache& cache, int slot) {
-  return cache.triangle[static_cast<std::size_t>(slot)];
-}
-
 // Another element for contact i where the rules of potential_model.cc allow it.
 // @returns whether its place changed.
-bool change_element(const CoupledTick& t, int i) {
+bool change_contact_element(const CoupledTick& t, int i) {
   CoupledContact& contact = t.contact(i);
   FieldPlace& place = t.at(i).place;
   const ElementCache& cache = t.surfaces[i].cache;
@@ -197,7 +189,7 @@ bool change_element(const CoupledTick& t, int i) {
 bool change_elements(const CoupledTick& t) {
   bool changed = false;
   for (int i = 0; i < t.count(); ++i) {
-    changed = change_element(t, i) || changed;
+    changed = change_contact_element(t, i) || changed;
     enter(t.model.field, t.set, t.surfaces, i);
     ElementCache& cache = t.surfaces[i].cache;
     cache.pinned = t.at(i).place.slot;
@@ -210,7 +202,7 @@ bool change_elements(const CoupledTick& t) {
 
 // An equilibrium as the start of another, whose places will give C: without what lies
 // beyond its contacts, for all of it is 70 kB.
-void begin_at(const CoupledContacts& from, CoupledContacts& to) {
+void start_from(const CoupledContacts& from, CoupledContacts& to) {
   to.count = from.count;
   to.depth_m = from.depth_m;
   to.scale = from.scale;
@@ -256,11 +248,11 @@ PortWrenches advance(CoupledModel& model, CoupledField& scratch, const CoupledSe
                      CoupledSurfaces surfaces, PassivityLedger& ledger,
                      const PortPoses& pose, Real recovery_m_per_s, Real dt_s) noexcept {
   const CoupledTick t{model, scratch, set, surfaces};
-  const Real moved_j = move(t, pose, Keep::kYes);
+  const Real moved_j = move_contacts(t, pose, Keep::kYes);
   book_work(ledger, moved_j + springs_j(t));
   const bool changed = change_elements(t);
   if (changed) {
-    (void)respond(t, Keep::kYes);
+    (void)settle_places(t, Keep::kYes);
   }
   Real recovery_m = recovery_m_per_s * dt_s;
   if (model.field.remembers &&
@@ -277,7 +269,7 @@ void carry(CoupledModel& model, CoupledField& scratch, const CoupledSet& set,
            CoupledSurfaces surfaces, PassivityLedger& ledger,
            const PortPoses& pose) noexcept {
   const CoupledTick t{model, scratch, set, surfaces};
-  (void)move(t, pose, Keep::kYes);
+  (void)move_contacts(t, pose, Keep::kYes);
   settle(t, ledger, 0.0);
 }
 
@@ -291,10 +283,10 @@ Real moved_energy_j(const CoupledModel& model, CoupledModel& moved,
       moved.field.memory[i] = model.field.memory[i];
     }
   }
-  begin_at(model.field.equilibrium, moved.field.equilibrium);
+  start_from(model.field.equilibrium, moved.field.equilibrium);
   moved.field.shift_m = model.field.shift_m;
   const CoupledTick t{moved, scratch, set, surfaces};
-  return move(t, pose, Keep::kNo) + springs_j(t);
+  return move_contacts(t, pose, Keep::kNo) + springs_j(t);
 }
 
 }  // namespace palpate

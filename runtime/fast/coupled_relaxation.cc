@@ -10,19 +10,13 @@
 namespace palpate {
 namespace {
 
-constexpr int kShortenMax = 40;
-// An energy this small, or this share of u, is rounding.
-constexpr double kRoundingJ = rounding(1e-15, 1e-9);
-constexpr Real kRounding = rounding(1e-14, 1e-6);
+// This share of u is rounding, besides kShortJ.
+constexpr Real kEnergyRounding = rounding(1e-14, 1e-6);
 
 using Index = Eigen::Index;
 
-std::size_t index(Index i) {
-  return static_cast<std::size_t>(i);
-}
-
 bool remembers(const CoupledTick& t, int i) {
-  return t.model.field.memory[index(i)].remembers;
+  return t.model.field.memory[array_index(i)].remembers;
 }
 
 // Calls f(contact, its memory in a step) for every bundle that something is
@@ -31,7 +25,7 @@ template <typename Function>
 void for_each_bundle(const CoupledTick& t, const Function& f) {
   for (int i = 0; i < t.count(); ++i) {
     if (remembers(t, i)) {
-      const int bundles = t.model.field.memory[index(i)].nodes.bundles;
+      const int bundles = t.model.field.memory[array_index(i)].nodes.bundles;
       for (int b = 0; b < bundles; ++b) {
         f(i, b);
       }
@@ -40,11 +34,11 @@ void for_each_bundle(const CoupledTick& t, const Function& f) {
 }
 
 RelaxingContact& memory_of(const CoupledTick& t, int i) {
-  return t.model.field.memory[index(i)];
+  return t.model.field.memory[array_index(i)];
 }
 
 BundleInStep& in_step(const CoupledTick& t, int i, int bundle) {
-  return t.model.relaxing.bundle[index(i)][index(bundle)];
+  return t.model.relaxing.bundle[array_index(i)][array_index(bundle)];
 }
 
 // Where all bundles begin.
@@ -53,16 +47,16 @@ void begin_step(const CoupledTick& t) {
     RelaxingContact& contact = memory_of(t, i);
     BundleInStep& step = in_step(t, i, b);
     step.start = start_of(contact, b);
-    step.idle = !step.start.pressed && !contact.bundle[index(b)].is_marked();
+    step.idle = !step.start.pressed && !contact.bundle[array_index(b)].is_marked();
     if (!step.start.pressed && !step.idle) {
-      const auto& forces = contact.sites.relaxed_n[index(b)];
+      const auto& forces = contact.sites.relaxed_n[array_index(b)];
       std::copy_n(forces.begin(), contact.sites.count, step.site_n.begin());
     }
   });
 }
 
 // Lets one bundle go on for time_s from where the step began.
-void advance(const CoupledTick& t, int i, int b, Real time_s) {
+void advance_bundle(const CoupledTick& t, int i, int b, Real time_s) {
   RelaxingContact& contact = memory_of(t, i);
   const SurfaceMemory& memory = t.surfaces[i].memory;
   BundleInStep& step = in_step(t, i, b);
@@ -72,7 +66,7 @@ void advance(const CoupledTick& t, int i, int b, Real time_s) {
   step.share = passed_shares(memory, time_s);
   if (!step.start.pressed) {
     std::copy_n(step.site_n.begin(), contact.sites.count,
-                contact.sites.relaxed_n[index(b)].begin());
+                contact.sites.relaxed_n[array_index(b)].begin());
     if (recover(contact, memory, b, time_s)) {
       return;
     }
@@ -85,7 +79,7 @@ void advance(const CoupledTick& t, int i, int b, Real time_s) {
 Real energy_after_j(const CoupledTick& t, Real time_s) {
   CoupledField& field = t.model.field;
   for_each_bundle(t, [&](int i, int b) {
-    advance(t, i, b, time_s);
+    advance_bundle(t, i, b, time_s);
   });
   take_relaxed(field, t.set);
   (void)settle_contacts(field, t.set, t.surfaces);
@@ -115,7 +109,7 @@ double step_j(const CoupledTick& t, const PassivityLedger& ledger, Real time_s) 
   if (!(short_j > 0.0)) {
     return risen_j;
   }
-  if (short_j <= kRoundingJ + static_cast<double>(kRounding) * before_j) {
+  if (short_j <= kShortJ + static_cast<double>(kEnergyRounding) * before_j) {
     return static_cast<double>(energy_after_j(t, 0.0)) - before_j;
   }
   ++t.model.relaxing.shortened;
@@ -142,7 +136,7 @@ TermForces term_forces(const CoupledTick& t, int i, Index k) {
   const RelaxingContact& contact = memory_of(t, i);
   for (int b = 0; b < contact.nodes.bundles; ++b) {
     const BundleStart& start = in_step(t, i, b).start;
-    const Real now = contact.bundle[index(b)].memory.relaxed_n.value(k);
+    const Real now = contact.bundle[array_index(b)].memory.relaxed_n.value(k);
     sum.now_n += now;
     sum.went_n += now - start.relaxed_n(k);
     sum.missing_n += start.target_n - now;
@@ -199,7 +193,7 @@ CouplingPart coupling_part(const CoupledTick& t) {
 
 // Writes the step to the sites. @returns what it lost of u + V, to first order and not
 // more.
-double write(const CoupledTick& t, const CouplingPart& coupling) {
+double write_contacts(const CoupledTick& t, const CouplingPart& coupling) {
   TermValues above = coupling.lost_j;
   TermValues stays = TermValues::Ones();
   for_each_bundle(t, [&](int i, int b) {
@@ -221,7 +215,7 @@ void settle_dents(const CoupledTick& t, PassivityLedger& ledger, Real coupling_j
   for_each_bundle(t, [&](int i, int b) {
     RelaxingContact& contact = memory_of(t, i);
     contact.steps += b == 0 ? 1 : 0;
-    if (contact.bundle[index(b)].is_marked()) {
+    if (contact.bundle[array_index(b)].is_marked()) {
       holds_j += dent_j(contact, t.surfaces[i].memory, t.surfaces[i].cache, b);
     }
   });
@@ -229,7 +223,8 @@ void settle_dents(const CoupledTick& t, PassivityLedger& ledger, Real coupling_j
 }
 
 // As in relaxation_step.cc, at the slowest of all contacts.
-void recover_left(const CoupledTick& t, PassivityLedger& ledger, Real time_s) {
+void recover_left_at_slowest(const CoupledTick& t, PassivityLedger& ledger,
+                             Real time_s) {
   if (!(ledger.left_j > 0.0)) {
     return;
   }
@@ -264,7 +259,7 @@ Real pass_time(const CoupledTick& t, Real half_s) {
   return std::exchange(gathered_s, Real(0.0));
 }
 
-void pass(const CoupledTick& t, Real time_s) {
+void let_time_pass(const CoupledTick& t, Real time_s) {
   for (int i = 0; i < t.count(); ++i) {
     SurfaceMemory& memory = t.surfaces[i].memory;
     memory.time_s += static_cast<double>(time_s);
@@ -288,7 +283,7 @@ void relax(const CoupledTick& t, PassivityLedger& ledger, Real time_s) {
     risen_j = 0.0;
   }
   const CouplingPart coupling = coupling_part(t);
-  book_relaxing(ledger, risen_j, write(t, coupling));
+  book_relaxing(ledger, risen_j, write_contacts(t, coupling));
   settle_dents(t, ledger, coupling.stored_j);
   read_contacts(t);
   if (!same) {
@@ -303,13 +298,13 @@ void relax_here(const CoupledTick& t, PassivityLedger& ledger, Real half_s) noex
   if (!(time_s > 0.0)) {
     return;
   }
-  pass(t, time_s);
+  let_time_pass(t, time_s);
   if (t.model.field.remembers) {
     relax(t, ledger, time_s);
   } else {
     book_dent(ledger, 0.0);
   }
-  recover_left(t, ledger, time_s);
+  recover_left_at_slowest(t, ledger, time_s);
 }
 
 }  // namespace palpate

@@ -21,7 +21,7 @@ ShiftedEnergy at_shift(const CoupledTick& t, Real shift_m) {
 }
 
 // Brings the model down to the allowance: springs first, then delta_0.
-void pay(const CoupledTick& t, Real allowed_j) {
+void pay_contacts(const CoupledTick& t, Real allowed_j) {
   CoupledField& field = t.model.field;
   const Real springs = springs_j(t);
   const Real energy = field.equilibrium.energy_j;
@@ -48,7 +48,7 @@ void pay(const CoupledTick& t, Real allowed_j) {
 }
 
 // delta_0 sinks back, as in potential_model.cc.
-void recover(const CoupledTick& t, Real unspent_j, Real step_m) {
+void recover_contacts(const CoupledTick& t, Real unspent_j, Real step_m) {
   CoupledField& field = t.model.field;
   if (!t.model.loaded) {
     field.shift_m = std::min(field.shift_m, unloading_shift_m(field, t.set));
@@ -100,9 +100,10 @@ void settle(const CoupledTick& t, PassivityLedger& ledger, Real recovery_m) noex
   }
   note_shortfall(ledger, field.equilibrium.energy_j + springs_j(t));
   const Real allowed = not_above(allowance_j(ledger));
-  pay(t, allowed);
+  pay_contacts(t, allowed);
   if (field.shift_m > 0.0) {
-    recover(t, allowed - field.equilibrium.energy_j - springs_j(t), recovery_m);
+    recover_contacts(t, allowed - field.equilibrium.energy_j - springs_j(t),
+                     recovery_m);
   }
   Real keep = t.model.touching ? field.equilibrium.energy_j : Real(0.0);
   const Real left = allowed - field.equilibrium.energy_j - springs_j(t);

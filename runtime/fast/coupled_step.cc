@@ -12,11 +12,10 @@
 namespace palpate {
 namespace {
 
-constexpr Real kLongestStepS = 1.0;
 // Distance of R^T R from 1 that still makes a rotation.
 constexpr Real kTurnedAway = rounding(1e-6, 1e-4);
 
-void check_input(CoupledState& state, const CoupledSample& sample, Real dt_s) {
+void check_sample(CoupledState& state, const CoupledSample& sample, Real dt_s) {
   for (int port = 0; port < state.set.ports; ++port) {
     if (!is_sound(sample.pose[static_cast<std::size_t>(port)])) {
       raise_fault(state, Fault::kNotFinite);
@@ -158,7 +157,7 @@ void relax_ahead(CoupledState& state, Real dt_s) noexcept {
 
 CoupledCommand step(CoupledState& state, const CoupledSample& sample,
                     Real dt_s) noexcept {
-  check_input(state, sample, dt_s);
+  check_sample(state, sample, dt_s);
   if (is_alone(state.set)) {
     return step_alone(state, sample, dt_s);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "runtime/fast/element.h"
@@ -21,6 +22,16 @@ struct ElementCache {
   int pinned = -1;         ///< slot that the local model reads; -1: none
   int newest_active = -1;  ///< slot of the latest element sent as active; -1: none
 };
+
+[[nodiscard]] inline const Element& element_of(const ElementCache& cache,
+                                               int slot) noexcept {
+  return cache.element[static_cast<std::size_t>(slot)];
+}
+
+[[nodiscard]] inline std::int32_t triangle_in(const ElementCache& cache,
+                                              int slot) noexcept {
+  return cache.triangle[static_cast<std::size_t>(slot)];
+}
 
 /// Whether counts and values are in the ranges that element.h states.
 [[nodiscard]] bool well_formed(const ElementMemory& memory) noexcept;

@@ -21,10 +21,6 @@ void release(ElementModel& model) {
   model.slip_m.setZero();
 }
 
-std::int32_t triangle_in(const ElementCache& cache, int slot) {
-  return cache.triangle[static_cast<std::size_t>(slot)];
-}
-
 // At another contact point than before.
 ElementResponse respond_anew(ElementModel& model, const ElementCache& cache,
                              SurfaceMemory& memory, const Vector3& x) {
@@ -80,7 +76,7 @@ bool slide(ElementModel& model, const ElementCache& cache, const ElementResponse
 }
 
 // Normal energy and force as functions of delta_0.
-auto at_shift(ElementModel& model, const ElementCache& cache, const Vector3& x) {
+auto energy_by_shift(ElementModel& model, const ElementCache& cache, const Vector3& x) {
   return [&](Real shift_m) {
     model.shift_m = shift_m;
     const ElementResponse at = respond_here(model, cache, x);
@@ -95,7 +91,7 @@ ElementResponse raise_shift(ElementModel& model, const ElementCache& cache,
   const Real unloaded = response.depth_m - std::min({model.touch_m[0], model.touch_m[1],
                                                      model.touch_m[2]});
   model.shift_m = raised_shift_m({model.shift_m, response.normal_j, response.normal_n},
-                                 unloaded, allowed_j, at_shift(model, cache, x));
+                                 unloaded, allowed_j, energy_by_shift(model, cache, x));
   return respond_here(model, cache, x);
 }
 
@@ -120,8 +116,8 @@ void pay(ElementModel& model, const ElementCache& cache, const Vector3& x,
 }
 
 // Bleeds delta_0 back by as much as time and the unspent allowance permit.
-void recover(ElementModel& model, const ElementCache& cache, const Vector3& x,
-             Real unspent_j, Real shift_max_m, ElementResponse& response) {
+void recover_loaded(ElementModel& model, const ElementCache& cache, const Vector3& x,
+                    Real unspent_j, Real shift_max_m, ElementResponse& response) {
   const Real shift = model.shift_m;
   Real back = std::min(shift, shift_max_m);
   for (int attempt = 0; attempt < 2 && back > 0.0; ++attempt) {
@@ -170,8 +166,8 @@ void settle(ElementModel& model, const ElementCache& cache, PassivityLedger& led
   const Real allowed = not_above(allowance_j(ledger));
   pay(model, cache, x, allowed, response);
   if (model.shift_m > 0.0 && response.loaded) {
-    recover(model, cache, x, allowed - response.potential_j(),
-            limits.recovery_m_per_s * dt_s, response);
+    recover_loaded(model, cache, x, allowed - response.potential_j(),
+                   limits.recovery_m_per_s * dt_s, response);
   } else if (model.shift_m > 0.0) {
     recover_unloaded(model, response);
   }

@@ -38,9 +38,9 @@ void add_relaxed(const ElementModel& model, const ElementCache& cache, Real d,
 }
 
 // @param contact null: the surface is static.
-ElementResponse respond(const ElementModel& model, const ElementCache& cache,
-                        const Vector3& x, CurvePieces& pieces,
-                        RelaxingContact* contact) {
+ElementResponse response_by(const ElementModel& model, const ElementCache& cache,
+                            const Vector3& x, CurvePieces& pieces,
+                            RelaxingContact* contact) {
   ElementResponse response;
   if (model.slot < 0) {
     return response;
@@ -66,18 +66,18 @@ ElementResponse respond(const ElementModel& model, const ElementCache& cache,
 
 ElementResponse respond_here(ElementModel& model, const ElementCache& cache,
                              const Vector3& x_m) noexcept {
-  return respond(model, cache, x_m, model.pieces,
-                 model.contact.remembers ? &model.contact : nullptr);
+  return response_by(model, cache, x_m, model.pieces,
+                     model.contact.remembers ? &model.contact : nullptr);
 }
 
 ElementResponse respond(const ElementModel& model, const ElementCache& cache,
                         const Vector3& x_m) noexcept {
   CurvePieces pieces = model.pieces;
   if (!model.contact.remembers) {
-    return respond(model, cache, x_m, pieces, nullptr);
+    return response_by(model, cache, x_m, pieces, nullptr);
   }
   RelaxingContact contact = model.contact;
-  return respond(model, cache, x_m, pieces, &contact);
+  return response_by(model, cache, x_m, pieces, &contact);
 }
 
 void read_memory(ElementModel& model, const SurfaceMemory& memory, SurfaceMemory* keep,

@@ -12,18 +12,14 @@
 namespace palpate {
 namespace {
 
-// Elements that one tick may cross.
-constexpr int kWalkMax = 4;
-// Area coordinates this far below zero still count as inside.
-constexpr Real kEdgeSlack = rounding(1e-9, 1e-6);
+// Elements that the anchor may cross in one tick.
+constexpr int kAnchorWalkMax = 4;
+// Area coordinates of the anchor this far below zero still count as inside.
+constexpr Real kAnchorSlack = rounding(1e-9, 1e-6);
 // Cosine of u and the face normal below which u no longer serves to project.
 constexpr Real kGrazing = 0.1;
 // Longest Newton step, in edges of the element.
 constexpr Real kStepMax = 4.0;
-
-const Element& element_of(const ElementCache& cache, int slot) {
-  return cache.element[static_cast<std::size_t>(slot)];
-}
 
 using Triple = std::array<Real, 3>;
 
@@ -110,7 +106,7 @@ int slot_containing(const ElementCache& cache, const ElementModel& model) {
 }
 
 // What of an element does not depend on the contact point.
-void enter(ElementModel& model, const Element& element, int slot) {
+void take_element(ElementModel& model, const Element& element, int slot) {
   model.slot = slot;
   model.prism = make_prism(element);
   for (std::size_t j = 0; j < 3; ++j) {
@@ -141,10 +137,10 @@ void place(ElementModel& model, const ElementCache& cache, int slot,
            const Vector3& area, Real tool_radius_m) noexcept {
   const Element& element = element_of(cache, slot);
   if (model.slot != slot) {
-    enter(model, element, slot);
+    take_element(model, element, slot);
   }
   const Prism& prism = model.prism;
-  model.outside = area.minCoeff() < -kEdgeSlack;
+  model.outside = area.minCoeff() < -kAnchorSlack;
   model.area = triangle::nearest_inside(prism.corner_m, area);
   model.anchor_area = model.outside ? area : model.area;
   model.anchor_m = prism.corner_m * model.anchor_area;
@@ -175,9 +171,9 @@ void follow(ElementModel& model, const ElementCache& cache, const Vector3& x_m,
   for (int crossed = 0;; ++crossed) {
     const Element& element = element_of(cache, model.slot);
     const Vector3 area = solve_anchor(model, x_m, tau_m, tool_radius_m);
-    const bool inside = area.minCoeff() >= -kEdgeSlack;
+    const bool inside = area.minCoeff() >= -kAnchorSlack;
     place(model, cache, model.slot, area, tool_radius_m);
-    if (inside || crossed == kWalkMax) {
+    if (inside || crossed == kAnchorWalkMax) {
       return;
     }
     bool border = false;

@@ -127,7 +127,7 @@ bool all_finite(std::span<const Real> values) {
 }
 
 // A frame whose checksum holds still comes from somebody else's program.
-bool well_formed(const ElementNode& node) {
+bool well_sent(const ElementNode& node) {
   const auto most = static_cast<std::int32_t>(kElementSamples);
   return node.samples >= 0 && node.samples != 1 && node.samples <= most &&
          all_finite(node.position_m) && all_finite(node.normal) &&
@@ -137,12 +137,12 @@ bool well_formed(const ElementNode& node) {
          all_finite(node.stiffness_n_per_m) && all_finite(node.energy_j);
 }
 
-bool well_formed(const Element& element, const Head& head) {
+bool well_sent(const Element& element, const Head& head) {
   return head.version == kWireVersion && head.flags <= (kActive | kYields) &&
          element.sequence > 0 && element.triangle >= 0 && well_formed(element.memory) &&
          std::all_of(element.node.begin(), element.node.end(),
                      [](const ElementNode& node) {
-                       return well_formed(node);
+                       return well_sent(node);
                      });
 }
 
@@ -185,7 +185,7 @@ bool decode(const WireFrame& frame, Element& element, Head& head) {
   element.memory.yields = (head.flags & kYields) != 0;
   element.memory.terms = head.terms;
   element.memory.bundles = head.bundles;
-  return well_formed(element, head);
+  return well_sent(element, head);
 }
 
 // Whether an element is newer than all before; counts what it says of the wire.

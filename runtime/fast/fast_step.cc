@@ -12,8 +12,6 @@
 namespace palpate {
 namespace {
 
-constexpr Real kLongestStepS = 1.0;
-
 SafetyLimits safety_limits(const FastConfig& config) {
   return {config.force_max_n, config.slew_max_n_per_s,
           passive(config.model) ? config.energy_floor_j

@@ -104,10 +104,13 @@ struct FastState {
 /// is not finite is not taken in: a fault.
 void accept(FastState& state, const Element& element) noexcept;
 
+/// Longest time since the last step [s]; beyond it a step is a fault.
+constexpr Real kLongestStepS = 1.0;
+
 /// One tick. A fault (safety.h) is latched and leaves zero force: a position that is
-/// not finite, a dt that is negative, NaN or above one second. dt 0 is allowed: the
+/// not finite, a dt that is negative, NaN or above kLongestStepS. dt 0 is allowed: the
 /// model follows the sample, the force stays as it was.
-/// @param dt_s [s] since the last step, [0, 1].
+/// @param dt_s [s] since the last step, [0, kLongestStepS].
 FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept;
 
 /// The part of a step() of dt_s that is done where the tool still is: half of what the

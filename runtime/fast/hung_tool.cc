@@ -47,7 +47,8 @@ std::size_t ports(const CoupledState& state) {
 }
 
 bool is_sound(const CoupledState& state, const CoupledSample& sample, Real dt_s) {
-  bool sound = dt_s >= 0.0 && dt_s <= 1.0 && state.safety.fault == Fault::kNone;
+  bool sound =
+      dt_s >= 0.0 && dt_s <= kLongestStepS && state.safety.fault == Fault::kNone;
   for (std::size_t port = 0; port < ports(state); ++port) {
     sound = sound && is_sound(sample.pose[port]);
   }

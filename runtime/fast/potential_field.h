@@ -39,6 +39,11 @@ struct FieldResponse {
   Vector3 force_n = Vector3::Zero();  ///< [N] F, on the tool
 };
 
+/// A field that is one function changes by no more than this many times the force times
+/// the movement, and kLeapJ [J]; more is a leap to another sheet of it.
+constexpr Real kLeap = 4.0;
+constexpr Real kLeapJ = rounding(1e-15, 1e-8);
+
 /// @param pieces the cubic last used at each node; reused while the depth stays inside
 /// it, else replaced.
 [[nodiscard]] FieldResponse respond(const FieldPlace& place, const ElementCache& cache,

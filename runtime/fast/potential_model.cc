@@ -12,15 +12,6 @@
 namespace palpate {
 namespace {
 
-// A field that is one function changes by no more than this many times the force times
-// the movement; more is a leap to another sheet of it.
-constexpr Real kLeap = 4.0;
-constexpr Real kLeapJ = rounding(1e-15, 1e-8);
-
-std::int32_t triangle_in(const ElementCache& cache, int slot) {
-  return cache.triangle[static_cast<std::size_t>(slot)];
-}
-
 FieldResponse respond(PotentialModel& model, const ElementCache& cache, Real radius,
                       Real shift_m) {
   return model.contact.remembers
@@ -33,9 +24,9 @@ FieldResponse respond(PotentialModel& model, const ElementCache& cache, Real rad
 }
 
 // At a new place of the model.
-FieldResponse respond_anew(PotentialModel& model, const ElementCache& cache,
-                           const SurfaceMemory& memory, SurfaceMemory* keep,
-                           Real radius) {
+FieldResponse respond_at_new_place(PotentialModel& model, const ElementCache& cache,
+                                   const SurfaceMemory& memory, SurfaceMemory* keep,
+                                   Real radius) {
   read_memory(model.contact, memory, keep, model.place, cache, radius);
   return respond(model, cache, radius);
 }
@@ -102,8 +93,9 @@ Real energy_within_j(PotentialModel& model, const FieldPlace& within,
 
 // Moves the model to x. @return the energy of what was rendered until now, at x; the
 // model's response is that of the field there, which may hold another energy.
-Real move(PotentialModel& model, const ElementCache& cache, const SurfaceMemory& memory,
-          SurfaceMemory* keep, Real radius, const Vector3& x) {
+Real move_field(PotentialModel& model, const ElementCache& cache,
+                const SurfaceMemory& memory, SurfaceMemory* keep, Real radius,
+                const Vector3& x) {
   FieldPlace& place = model.place;
   const Vector3 moved = x - model.tool_m;
   const Rendered before = rendered(model);
@@ -116,7 +108,7 @@ Real move(PotentialModel& model, const ElementCache& cache, const SurfaceMemory&
     }
   }
   follow(place, cache, x);
-  model.response = respond_anew(model, cache, memory, keep, radius);
+  model.response = respond_at_new_place(model, cache, memory, keep, radius);
   model.tool_m = x;
   if (sound && !place.folded) {
     bool leaps = leapt(before.response, model.response, moved);
@@ -136,8 +128,8 @@ Real move(PotentialModel& model, const ElementCache& cache, const SurfaceMemory&
 // Another element where the rules allow it: in free space, or lost beyond an edge, the
 // one the slow process last called active; else a newer copy of the same triangle.
 // @returns whether the model changed.
-bool change_element(PotentialModel& model, const ElementCache& cache,
-                    SurfaceMemory& memory, Real radius, const Vector3& x) {
+bool change_field_element(PotentialModel& model, const ElementCache& cache,
+                          SurfaceMemory& memory, Real radius, const Vector3& x) {
   const bool news = cache.received != model.received_seen;
   model.received_seen = cache.received;
   if (!news && !model.place.outside) {
@@ -163,14 +155,14 @@ bool change_element(PotentialModel& model, const ElementCache& cache,
     move_to_copy(model.place, cache, newer);
   }
   if (model.place.slot >= 0) {
-    model.response = respond_anew(model, cache, memory, &memory, radius);
+    model.response = respond_at_new_place(model, cache, memory, &memory, radius);
   }
   return true;
 }
 
 // Brings the changed model down to the allowance: friction spring first, then delta_0.
-void pay(PotentialModel& model, const ElementCache& cache, Real radius,
-         Real allowed_j) {
+void pay_field(PotentialModel& model, const ElementCache& cache, Real radius,
+               Real allowed_j) {
   const Real spring = model.spring.energy_j();
   if (model.response.energy_j + spring <= allowed_j) {
     return;
@@ -194,8 +186,8 @@ void pay(PotentialModel& model, const ElementCache& cache, Real radius,
 
 // delta_0 sinks back: at once where nothing is loaded, else as time and the unspent
 // allowance permit.
-void recover(PotentialModel& model, const ElementCache& cache, Real radius,
-             Real unspent_j, Real step_m) {
+void recover_field(PotentialModel& model, const ElementCache& cache, Real radius,
+                   Real unspent_j, Real step_m) {
   if (!model.response.loaded) {
     model.shift_m =
         std::min(model.shift_m, unloading_shift_m(model.place, cache, radius));
@@ -216,8 +208,9 @@ void recover(PotentialModel& model, const ElementCache& cache, Real radius,
 
 // Spring and delta_0 for the present response, and what changed since the work was
 // booked: paid, and booked.
-void settle(PotentialModel& model, const ElementCache& cache, PassivityLedger& ledger,
-            const ElementModelLimits& limits, Real dt_s) {
+void settle_field(PotentialModel& model, const ElementCache& cache,
+                  PassivityLedger& ledger, const ElementModelLimits& limits,
+                  Real dt_s) {
   const Real radius = limits.tool_radius_m;
   if (model.response.loaded) {
     set_spring(model.spring, model.place, cache, model.response.normal_n);
@@ -226,10 +219,10 @@ void settle(PotentialModel& model, const ElementCache& cache, PassivityLedger& l
   }
   note_shortfall(ledger, model.response.energy_j + model.spring.energy_j());
   const Real allowed = not_above(allowance_j(ledger));
-  pay(model, cache, radius, allowed);
+  pay_field(model, cache, radius, allowed);
   if (model.shift_m > 0.0) {
     const Real unspent = allowed - model.response.energy_j - model.spring.energy_j();
-    recover(model, cache, radius, unspent, limits.recovery_m_per_s * dt_s);
+    recover_field(model, cache, radius, unspent, limits.recovery_m_per_s * dt_s);
   }
   Real keep = model.response.touching ? model.response.energy_j : 0.0;
   if (model.shift_m > 0.0 && model.response.touching) {
@@ -251,8 +244,9 @@ void take_response(PotentialModel& model, const ElementCache& cache, Real radius
 }
 
 // Half a tick passes where the tool is.
-void relax_here(PotentialModel& model, const ElementCache& cache, SurfaceMemory& memory,
-                PassivityLedger& ledger, Real radius, Real half_s) {
+void relax_field(PotentialModel& model, const ElementCache& cache,
+                 SurfaceMemory& memory, PassivityLedger& ledger, Real radius,
+                 Real half_s) {
   const Real time_s = pass_time(memory, half_s);
   if (!(time_s > 0.0)) {
     return;
@@ -284,14 +278,14 @@ Real moved_energy_j(PotentialModel model, const ElementCache& cache,
     return 0.0;
   }
   model.spring.follow(x_m - model.tool_m, model.place.frame.normal);
-  return move(model, cache, memory, nullptr, tool_radius_m, x_m) +
+  return move_field(model, cache, memory, nullptr, tool_radius_m, x_m) +
          model.spring.energy_j();
 }
 
 void relax_before(PotentialModel& model, const ElementCache& cache,
                   SurfaceMemory& memory, PassivityLedger& ledger, Real tool_radius_m,
                   Real half_s) noexcept {
-  relax_here(model, cache, memory, ledger, tool_radius_m, half_s);
+  relax_field(model, cache, memory, ledger, tool_radius_m, half_s);
 }
 
 Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memory,
@@ -301,10 +295,10 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
   Real moved_j = 0.0;
   if (model.place.slot >= 0) {
     model.spring.follow(x_m - model.tool_m, model.place.frame.normal);
-    moved_j = move(model, cache, memory, &memory, radius, x_m);
+    moved_j = move_field(model, cache, memory, &memory, radius, x_m);
     book_work(ledger, moved_j + model.spring.energy_j());
   }
-  const bool changed = change_element(model, cache, memory, radius, x_m);
+  const bool changed = change_field_element(model, cache, memory, radius, x_m);
   if (model.place.slot < 0) {
     return Vector3::Zero();
   }
@@ -315,12 +309,12 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
   Real recovery_s = dt_s;
   if (remembers(memory)) {
     if (changed || moved_j != model.response.energy_j) {
-      settle(model, cache, ledger, limits, std::exchange(recovery_s, Real(0.0)));
+      settle_field(model, cache, ledger, limits, std::exchange(recovery_s, Real(0.0)));
     }
-    relax_here(model, cache, memory, ledger, radius, 0.5 * dt_s);
+    relax_field(model, cache, memory, ledger, radius, 0.5 * dt_s);
     yield_here(model, cache, memory, ledger, radius);
   }
-  settle(model, cache, ledger, limits, recovery_s);
+  settle_field(model, cache, ledger, limits, recovery_s);
   if (model.contact.remembers) {
     model.response.force_n =
         whole_force_n(model.place, cache, model.contact, model.response);

@@ -15,11 +15,9 @@ constexpr int kNewtonMax = 12;
 // squares it.
 constexpr Real kLastStep = rounding(1e-7, 1e-4);
 // And one that moves a point by this much of its distance from the origin.
-constexpr Real kRounding = rounding(4e-16, 2e-7);
+constexpr Real kPlaceRounding = rounding(4e-16, 2e-7);
 // A step longer than this, likewise, is not followed.
 constexpr Real kFarOut = 16.0;
-// Length of N below which normals have cancelled.
-constexpr Real kNoNormal = 1e-3;
 
 // Weights at the nearest point of the triangle, and how they turn with n.
 void hold(const Prism& prism, const Vector3& area, PrismFrame& frame) {
@@ -44,20 +42,20 @@ void hold(const Prism& prism, const Vector3& area, PrismFrame& frame) {
 }
 
 // What one step of Newton's method changes.
-struct Step {
+struct PrismStep {
   Real d1 = 0.0;
   Real d2 = 0.0;
   Real ds_m = 0.0;
 };
 
-Step solve(const PrismFrame& frame, const Vector3& r_m) {
+PrismStep solve(const PrismFrame& frame, const Vector3& r_m) {
   const Real inverse = frame.inverse_per_m2;
   const Vector3 turned_r = frame.normal.cross(r_m);
   return {inverse * frame.along2_m.dot(turned_r),
           -inverse * frame.along1_m.dot(turned_r), inverse * r_m.dot(frame.cross_m2)};
 }
 
-Real apply(const Step& step, Real size_m, PrismPoint& at) {
+Real apply(const PrismStep& step, Real size_m, PrismPoint& at) {
   at.area(0) -= step.d1 + step.d2;
   at.area(1) += step.d1;
   at.area(2) += step.d2;
@@ -135,7 +133,7 @@ Real newton_step(const PrismFrame& frame, const Vector3& r_m, Real size_m,
 
 void predict(const PrismFrame& frame, const Vector3& r_m, Real size_m,
              PrismPoint& at) noexcept {
-  const Step first = solve(frame, r_m);
+  const PrismStep first = solve(frame, r_m);
   const Vector3 tau = first.d1 * frame.bend1 + first.d2 * frame.bend2;
   const Real growth = first.d1 * frame.growth(0) + first.d2 * frame.growth(1);
   const Vector3 q = (first.ds_m - at.height_m * growth) * tau -
@@ -145,7 +143,7 @@ void predict(const PrismFrame& frame, const Vector3& r_m, Real size_m,
 
 PrismSolve find_coordinates(const Prism& prism, const Vector3& x_m, Beyond beyond,
                             PrismPoint& at, PrismFrame& frame) noexcept {
-  const Real rounding_m = kRounding * (x_m.cwiseAbs().maxCoeff() + prism.size_m);
+  const Real rounding_m = kPlaceRounding * (x_m.cwiseAbs().maxCoeff() + prism.size_m);
   for (int i = 0; i < kNewtonMax; ++i) {
     set_frame(prism, at, beyond, frame);
     if (!(frame.scale > kScaleMin)) {

@@ -31,6 +31,9 @@ struct Prism {
 
 [[nodiscard]] Prism make_prism(const Element& element) noexcept;
 
+/// Length of N below which normals have cancelled: it tells no direction.
+constexpr Real kNoNormal = 1e-3;
+
 /// Coordinates in a prism.
 struct PrismPoint {
   Vector3 area = Vector3::Zero();  ///< [-] sum 1; any sign

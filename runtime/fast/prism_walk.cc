@@ -15,12 +15,6 @@ namespace {
 constexpr int kWalkMax = 16;
 // Area coordinates this far below zero still count as inside.
 constexpr Real kEdgeSlack = rounding(1e-12, 1e-6);
-// A normal shorter than this does not tell a direction.
-constexpr Real kNoNormal = 1e-3;
-
-const Element& element_of(const ElementCache& cache, int slot) {
-  return cache.element[static_cast<std::size_t>(slot)];
-}
 
 struct Crossing {
   int slot = -1;
@@ -38,8 +32,8 @@ bool same_node(const ElementNode& a, const ElementNode& b) {
 }
 
 // Into a neighbour, at the point of the shared edge that `weight` (>= 0) names.
-void enter(FieldPlace& place, const ElementCache& cache, int slot,
-           const Vector3& weight, const Vector3& x) {
+void cross_into(FieldPlace& place, const ElementCache& cache, int slot,
+                const Vector3& weight, const Vector3& x) {
   const Element& from = element_of(cache, place.slot);
   const Element& to = element_of(cache, slot);
   Vector3 area = Vector3::Zero();
@@ -66,7 +60,8 @@ Vector3 inside(const Vector3& area) {
 
 // Out of a triangle without area: over the other edge that is nearest to where it was
 // entered. False if the cache holds no way on.
-bool pass(FieldPlace& place, const ElementCache& cache, int from, const Vector3& x) {
+bool leave_flat(FieldPlace& place, const ElementCache& cache, int from,
+                const Vector3& x) {
   const Element& element = element_of(cache, place.slot);
   const Matrix3& v = place.prism.corner_m;
   const Vector3 p = v * place.at.area;
@@ -94,7 +89,7 @@ bool pass(FieldPlace& place, const ElementCache& cache, int from, const Vector3&
     }
   }
   if (way.slot >= 0) {
-    enter(place, cache, way.slot, weight, x);
+    cross_into(place, cache, way.slot, weight, x);
   }
   return way.slot >= 0;
 }
@@ -117,7 +112,7 @@ void settle_nearest(FieldPlace& place, const ElementCache& cache, const Vector3&
       break;
     }
     from = place.slot;
-    enter(place, cache, over.slot, inside(area), x);
+    cross_into(place, cache, over.slot, inside(area), x);
   }
   PrismFrame frame;
   frame.weight = place.at.area;
@@ -154,7 +149,7 @@ void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) no
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
     const int here = place.slot;
     if (place.prism.flat) {
-      if (!pass(place, cache, from, x_m)) {
+      if (!leave_flat(place, cache, from, x_m)) {
         break;
       }
       from = here;
@@ -184,7 +179,7 @@ void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) no
       return;
     }
     from = here;
-    enter(place, cache, over.slot, inside(at.area), x_m);
+    cross_into(place, cache, over.slot, inside(at.area), x_m);
   }
   settle_nearest(place, cache, x_m);
 }

@@ -1,6 +1,9 @@
 // Where the tool is in the prisms of the elements at hand.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+
 #include <Eigen/Core>
 
 #include "runtime/fast/element_cache.h"
@@ -20,6 +23,11 @@ struct FieldPlace {
   bool outside = false;  ///< beyond the element's edges, weights of its nearest point
   bool starved = false;  ///< outside, and the neighbour has not arrived
 };
+
+/// n_a of a node, not below 0 [-]. @param a in [0, 3).
+[[nodiscard]] inline Real weight_of(const FieldPlace& place, std::size_t a) noexcept {
+  return std::max(Real(0.0), place.frame.weight(static_cast<Eigen::Index>(a)));
+}
 
 /// Takes the element in `slot`, at its point nearest to the tool, then follows the
 /// tool.

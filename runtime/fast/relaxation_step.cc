@@ -10,31 +10,24 @@
 namespace palpate {
 namespace {
 
-constexpr int kShortenMax = 40;
-// An energy this small is rounding.
-constexpr double kRoundingJ = rounding(1e-15, 1e-9);
-
-std::size_t index(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
-}
-
-struct Step {
+struct RelaxingStep {
   TermValues share;
   std::array<BundleStart, kMemoryBundles> start;  // as many as there are bundles
 };
 
 // A pressed bundle after the step. @returns u.
-Real press(RelaxingContact& contact, const ElementCache& cache, const Step& step,
-           int bundle) {
-  press(contact, step.start[index(bundle)], step.share, bundle);
+Real press(RelaxingContact& contact, const ElementCache& cache,
+           const RelaxingStep& step, int bundle) {
+  press(contact, step.start[array_index(bundle)], step.share, bundle);
   return set_energy(contact, cache, bundle);
 }
 
 // A step of one bundle. @returns by how much u rises.
-Real advance(RelaxingContact& contact, const SurfaceMemory& memory,
-             const ElementCache& cache, Step& step, int bundle, Real time_s) {
-  const BundleContact& b = contact.bundle[index(bundle)];
-  BundleStart& start = step.start[index(bundle)];
+Real bundle_step_j(RelaxingContact& contact, const SurfaceMemory& memory,
+                   const ElementCache& cache, RelaxingStep& step, int bundle,
+                   Real time_s) {
+  const BundleContact& b = contact.bundle[array_index(bundle)];
+  BundleStart& start = step.start[array_index(bundle)];
   start = start_of(contact, bundle);
   if (!start.pressed) {
     if (!b.is_marked() || recover(contact, memory, bundle, time_s)) {
@@ -46,9 +39,9 @@ Real advance(RelaxingContact& contact, const SurfaceMemory& memory,
 }
 
 // Back to where the step began.
-void undo(RelaxingContact& contact, Step& step) {
+void undo(RelaxingContact& contact, RelaxingStep& step) {
   step.share.setZero();
-  for (std::size_t b = 0; b < index(contact.nodes.bundles); ++b) {
+  for (std::size_t b = 0; b < array_index(contact.nodes.bundles); ++b) {
     if (step.start[b].pressed) {
       undo(contact.bundle[b], step.start[b]);
     }
@@ -57,13 +50,14 @@ void undo(RelaxingContact& contact, Step& step) {
 
 // The step for as much of its time as raises u by no more than paid_j.
 Real shortened(RelaxingContact& contact, const SurfaceMemory& memory,
-               const ElementCache& cache, Step& step, Real time_s, double paid_j) {
+               const ElementCache& cache, RelaxingStep& step, Real time_s,
+               double paid_j) {
   const auto risen_j = [&](Real part) {
     step.share = passed_shares(memory, part * time_s);
     Real risen = 0.0;
     for (int b = 0; b < contact.nodes.bundles; ++b) {
-      if (step.start[index(b)].pressed) {
-        risen += press(contact, cache, step, b) - step.start[index(b)].energy_j;
+      if (step.start[array_index(b)].pressed) {
+        risen += press(contact, cache, step, b) - step.start[array_index(b)].energy_j;
       }
     }
     return risen;
@@ -84,10 +78,10 @@ Real shortened(RelaxingContact& contact, const SurfaceMemory& memory,
 
 // Writes the step to the sites. @returns what it lost of u + V, to first order and not
 // more.
-double write(RelaxingContact& contact, const Step& step) {
+double write_bundles(RelaxingContact& contact, const RelaxingStep& step) {
   double lost = 0.0;
   for (int i = 0; i < contact.nodes.bundles; ++i) {
-    const BundleStart& start = step.start[index(i)];
+    const BundleStart& start = step.start[array_index(i)];
     const TermValues above = way_down(contact, start, i).max(Real(0.0));
     lost += double{
         (contact.sites.place_relaxing.value * (Real(1.0) - step.share) * above).sum()};
@@ -102,7 +96,7 @@ void settle_dent(RelaxingContact& contact, const SurfaceMemory& memory,
   double holds_j = 0.0;
   ++contact.steps;
   for (int b = 0; b < contact.nodes.bundles; ++b) {
-    if (contact.bundle[index(b)].is_marked()) {
+    if (contact.bundle[array_index(b)].is_marked()) {
       holds_j += dent_j(contact, memory, cache, b);
     }
   }
@@ -143,14 +137,14 @@ void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& led
   }
   memory.time_s += static_cast<double>(time_s);
   contact.sites.time_s = memory.time_s;
-  Step step;
+  RelaxingStep step;
   step.share = passed_shares(memory, time_s);
   Real risen_j = 0.0;
   for (int b = 0; b < contact.nodes.bundles; ++b) {
-    risen_j += advance(contact, memory, cache, step, b, time_s);
+    risen_j += bundle_step_j(contact, memory, cache, step, b, time_s);
   }
   const double short_j = double{risen_j} - ledger.dent_j;
-  if (short_j > kRoundingJ) [[unlikely]] {
+  if (short_j > kShortJ) [[unlikely]] {
     risen_j = shortened(contact, memory, cache, step, time_s, ledger.dent_j);
     ++memory.shortened;
     memory.shortened_j += short_j;
@@ -158,7 +152,7 @@ void relax(RelaxingContact& contact, SurfaceMemory& memory, PassivityLedger& led
     undo(contact, step);
     risen_j = 0.0;
   }
-  book_relaxing(ledger, double{risen_j}, write(contact, step));
+  book_relaxing(ledger, double{risen_j}, write_bundles(contact, step));
   settle_dent(contact, memory, ledger, cache);
   recover_left(memory, contact.sites.place_relaxing.value, ledger, time_s);
 }

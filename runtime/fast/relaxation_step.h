@@ -25,6 +25,12 @@ namespace palpate {
 /// Time that gathers before it is spent, over the shortest tau_k: what s may be late.
 constexpr Real kGathered = 1.0 / 400.0;
 
+/// Halvings that look for how much of a step the account can pay.
+constexpr int kShortenMax = 40;
+
+/// What the account is short of by no more than this is rounding [J].
+constexpr double kShortJ = rounding(1e-15, 1e-9);
+
 /// Half a tick passes where the tool is. @returns the time [s] that the surface relaxes
 /// now: none, or all that has gathered.
 [[nodiscard]] Real pass_time(SurfaceMemory& memory, Real half_s) noexcept;

@@ -10,10 +10,6 @@ namespace {
 // Below this many times tau the exponential is its series.
 constexpr Real kSoon = 0.01;
 
-std::size_t index(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
-}
-
 // 1 - e^(-x), x >= 0.
 Real passed(Real x) {
   constexpr std::array<Real, 5> kFactor{1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0,
@@ -28,11 +24,11 @@ Real passed(Real x) {
 // delta(q_k) of a bundle, in the cubics of earlier places while they hold.
 void follow_depths(RelaxingContact& contact, const SurfaceMemory& memory,
                    const ElementCache& cache, int bundle) {
-  BundleContact& b = contact.bundle[index(bundle)];
+  BundleContact& b = contact.bundle[array_index(bundle)];
   for (Eigen::Index k = 0; k < memory.times.terms; ++k) {
     const Real q = b.memory.relaxed_n.value(k);
     Real& depth = b.relaxed_depth_m(k);
-    PlaceCubic& cubic = b.near_term[index(k)];
+    PlaceCubic& cubic = b.near_term[array_index(k)];
     if (!(q > 0.0) || find_within(cubic, q, depth)) {
       continue;
     }
@@ -57,7 +53,7 @@ TermValues passed_shares(const SurfaceMemory& memory, Real time_s) noexcept {
 }
 
 BundleStart start_of(const RelaxingContact& contact, int bundle) noexcept {
-  const BundleContact& b = contact.bundle[index(bundle)];
+  const BundleContact& b = contact.bundle[array_index(bundle)];
   return {.pressed = b.touched,
           .touched = b.touched,
           .depth_m = b.touched ? contact.depth_m : b.dent.depth_m,
@@ -70,7 +66,7 @@ BundleStart start_of(const RelaxingContact& contact, int bundle) noexcept {
 
 void press(RelaxingContact& contact, const BundleStart& start, const TermValues& share,
            int bundle) noexcept {
-  BundleContact& b = contact.bundle[index(bundle)];
+  BundleContact& b = contact.bundle[array_index(bundle)];
   TermValues& relaxed = b.memory.relaxed_n.value;
   relaxed = start.relaxed_n + share * (start.target_n - start.relaxed_n);
   b.memory.carried_n = carried_n(contact.sites, relaxed);
@@ -79,8 +75,8 @@ void press(RelaxingContact& contact, const BundleStart& start, const TermValues&
 
 bool recover(RelaxingContact& contact, const SurfaceMemory& memory, int bundle,
              Real time_s) noexcept {
-  BundleContact& b = contact.bundle[index(bundle)];
-  auto& forces = contact.sites.relaxed_n[index(bundle)];
+  BundleContact& b = contact.bundle[array_index(bundle)];
+  auto& forces = contact.sites.relaxed_n[array_index(bundle)];
   const auto before = forces;
   for (std::size_t i = 0; i < contact.sites.count; ++i) {
     forces[i] = recovered(memory, forces[i], contact.sites.relaxing[i], time_s);
@@ -105,7 +101,7 @@ void undo(BundleContact& bundle, const BundleStart& start) noexcept {
 
 TermValues way_down(const RelaxingContact& contact, const BundleStart& start,
                     int bundle) noexcept {
-  const BundleContact& b = contact.bundle[index(bundle)];
+  const BundleContact& b = contact.bundle[array_index(bundle)];
   const YieldingPlace& yielded = contact.yielded;
   const Real from_m = yielded.elastic_depth_m(start.depth_m);
   const TermValues went = b.memory.relaxed_n.value - start.relaxed_n;
@@ -118,7 +114,7 @@ TermValues way_down(const RelaxingContact& contact, const BundleStart& start,
 
 void write_step(RelaxingContact& contact, const BundleStart& start,
                 const TermValues& share, int bundle) noexcept {
-  BundleContact& b = contact.bundle[index(bundle)];
+  BundleContact& b = contact.bundle[array_index(bundle)];
   if (start.pressed) {
     move_towards(contact.sites, bundle, start.relaxed_n, start.target_n, share,
                  b.memory.relaxed_n);
@@ -127,7 +123,7 @@ void write_step(RelaxingContact& contact, const BundleStart& start,
 
 double dent_j(RelaxingContact& contact, const SurfaceMemory& memory,
               const ElementCache& cache, int bundle) noexcept {
-  BundleContact& b = contact.bundle[index(bundle)];
+  BundleContact& b = contact.bundle[array_index(bundle)];
   // One at a time: V follows the place a little late.
   PlaceCubic& renewed = b.near_term[contact.steps % kMemoryTerms];
   renewed.high_m = renewed.low_m;
@@ -147,7 +143,7 @@ double dent_j(RelaxingContact& contact, const SurfaceMemory& memory,
     const Real depth = b.relaxed_depth_m(k);
     const Real conjugate =
         q * yielded.elastic_depth_m(depth) -
-        elastic_j(contact, b, depth, b.near_term[index(k)].energy_at(depth));
+        elastic_j(contact, b, depth, b.near_term[array_index(k)].energy_at(depth));
     stored += contact.sites.place_relaxing.value(k) * std::max(Real(0.0), conjugate);
   }
   return double{std::max(Real(0.0), stored)};

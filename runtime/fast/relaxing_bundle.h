@@ -3,6 +3,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+
+#include <Eigen/Core>
 
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/real.h"
@@ -10,6 +13,10 @@
 #include "runtime/fast/surface_memory.h"
 
 namespace palpate {
+
+[[nodiscard]] constexpr std::size_t array_index(Eigen::Index i) noexcept {
+  return static_cast<std::size_t>(i);
+}
 
 /// How many times deeper than the contact a relaxed force's depth is looked for.
 constexpr Real kDeepest = 8.0;

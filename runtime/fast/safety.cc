@@ -9,8 +9,8 @@ namespace {
 
 // Largest part of the energies that ever went through the account that may be missing
 // for rounding, and the same in absolute terms.
-constexpr double kRoundingRelative = rounding(1e-9, 1e-6);
-constexpr double kRoundingJ = rounding(1e-9, 1e-6);
+constexpr double kMissingShare = rounding(1e-9, 1e-6);
+constexpr double kMissingJ = rounding(1e-9, 1e-6);
 
 // Each wrench, or the force, to a length.
 template <int kSize>
@@ -35,7 +35,7 @@ Real force_allowed_n(const SafetyLimits& limits, Real age_s) {
 
 bool account_holds(const PassivityLedger& ledger, double owed_j, double floor_j) {
   const double tolerance =
-      kRoundingJ + kRoundingRelative * (ledger.stored_j + ledger.dissipated_j);
+      kMissingJ + kMissingShare * (ledger.stored_j + ledger.dissipated_j);
   return std::abs(imbalance_j(ledger)) <= tolerance && ledger.created_j <= tolerance &&
          ledger.tank_j >= 0 && allowance_j(ledger) - owed_j >= -floor_j;
 }

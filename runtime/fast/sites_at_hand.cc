@@ -11,7 +11,7 @@ namespace {
 constexpr Real kNoReach = 1e-30;
 
 // Position of a site, added if it is new.
-std::size_t place_of(SitesAtHand& sites, std::int32_t site) {
+std::size_t claim_position(SitesAtHand& sites, std::int32_t site) {
   const auto* const begin = sites.site.begin();
   const auto* const end = begin + sites.count;
   const auto* const found = std::find(begin, end, site);
@@ -127,7 +127,7 @@ SitesAtHand sites_of(const Element& element, const SitesAtHand& until_now,
     const NodeMemory& node = element.memory.node[j];
     for (std::size_t n = 0; n < kNodeSites; ++n) {
       if (node.site[n] >= 0 && node.weight[n] > 0.0) {
-        sites.share[place_of(sites, node.site[n])][j] += node.weight[n];
+        sites.share[claim_position(sites, node.site[n])][j] += node.weight[n];
       }
     }
     sites.corner_relaxing[j] = Eigen::Map<const TermValues>(node.relaxing.data());

@@ -61,7 +61,7 @@ Wrenches whole(const VirtualCoupling& c, const DevicePose& device,
 }
 
 // What a fixed point goes by.
-struct Step {
+struct CouplingStep {
   VirtualBody from;
   Vector3 spin0;
   Real energy0_j;
@@ -81,7 +81,8 @@ struct Guess {
 
 // The end of the tick that follows from a guess of it.
 Guess improved(const VirtualCoupling& c, const DevicePose& device,
-               const PosePotential& potential, const Step& step, const Guess& guess) {
+               const PosePotential& potential, const CouplingStep& step,
+               const Guess& guess) {
   Guess next = guess;
   const Real h = step.h;
   const Matrix3 turn0 = step.from.turn.toRotationMatrix();
@@ -150,7 +151,7 @@ VirtualTick advance(const VirtualCoupling& coupling, VirtualBody& body,
   const PortPose start = body.pose();
   tick.work_j = static_cast<double>(spring_j(coupling, body, device)) -
                 static_cast<double>(spring_j(coupling, body, before));
-  Step step{body, spin_of(coupling, body.turn, body.momentum_n_m_s), 0.0, h_s};
+  CouplingStep step{body, spin_of(coupling, body.turn, body.momentum_n_m_s), 0.0, h_s};
   step.energy0_j = whole(coupling, device, potential, start, false).energy_j;
   const Real kinetic0 = kinetic_j(coupling, body);
   Guess guess;

@@ -68,7 +68,8 @@ SiteRows claim(const SitesAtHand& sites, YieldedSites& yielded) {
 }
 
 // Nothing in the table falls, whoever else has written there.
-void write(const SitesAtHand& sites, const SiteRows& row, YieldedSites& yielded) {
+void write_yielded(const SitesAtHand& sites, const SiteRows& row,
+                   YieldedSites& yielded) {
   for (std::size_t i = 0; i < sites.count; ++i) {
     if (row[i] >= 0) {
       YieldedSite& stayed = yielded.row[static_cast<std::size_t>(row[i])];
@@ -131,7 +132,7 @@ bool yield(RelaxingContact& contact, SurfaceMemory& memory,
     (void)respond(contact, cache, y);
     return false;
   }
-  write(sites, row, yielded_of(memory));
+  write_yielded(sites, row, yielded_of(memory));
   return true;
 }
 

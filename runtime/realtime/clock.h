@@ -1,11 +1,21 @@
 // The clock that a render loop runs by: real time, or time that only the loop advances.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace palpate {
 
 constexpr double kNanosecondsPerSecond = 1e9;
+
+[[nodiscard]] constexpr double seconds_in(std::int64_t duration_ns) noexcept {
+  return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
+}
+
+/// The nearest whole number.
+[[nodiscard]] inline std::int64_t nanoseconds_in(double duration_s) noexcept {
+  return std::llround(duration_s * kNanosecondsPerSecond);
+}
 
 /// A seam: real loops sleep, simulated ones jump, tests oversleep on purpose.
 class Clock {

@@ -8,10 +8,6 @@
 namespace palpate {
 namespace {
 
-double seconds(std::int64_t duration_ns) noexcept {
-  return static_cast<double>(duration_ns) / kNanosecondsPerSecond;
-}
-
 std::array<double, 3> as_array(const Eigen::Vector3d& v) noexcept {
   return {v.x(), v.y(), v.z()};
 }
@@ -71,7 +67,7 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
   if (report_.ticks > 0 && jumped(reading)) {
     body_.raise(Fault::kJump);
   }
-  const double silent_s = seconds(reading.time_ns - element_ns_);
+  const double silent_s = seconds_in(reading.time_ns - element_ns_);
   const bool stalled = silent_s > config_.stall_s;
   report_.slow_stalls += stalled && !stalled_ ? 1 : 0;
   stalled_ = stalled;
@@ -85,7 +81,7 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
 
 bool FastProcess::jumped(const DeviceReading& reading) const noexcept {
   constexpr double kStillM = 1e-3;  // noise of readings a few microseconds apart
-  const double dt_s = std::max(0.0, seconds(reading.time_ns - last_.time_ns));
+  const double dt_s = std::max(0.0, seconds_in(reading.time_ns - last_.time_ns));
   const double most_m = kStillM + config_.speed_max_m_per_s * dt_s;
   return std::isfinite(config_.speed_max_m_per_s) &&
          (reading.position_m - last_.position_m).norm() > most_m;
@@ -107,7 +103,7 @@ void FastProcess::take_in_arrivals(const DeviceReading& reading) noexcept {
 
 FastCommand FastProcess::timed_step(const DeviceReading& reading) noexcept {
   const double dt_s = report_.ticks == 0 ? 1.0 / config_.rate_hz
-                                         : seconds(reading.time_ns - last_.time_ns);
+                                         : seconds_in(reading.time_ns - last_.time_ns);
   MonotonicClock wall;
   const std::int64_t begin_ns = wall.now_ns();
   take_in_arrivals(reading);
@@ -139,7 +135,7 @@ void FastProcess::account(const DeviceReading& reading,
   r.tank_max_j = std::max(r.tank_max_j, command.tank_j);
   r.relaxed_shift_max_m = std::max(r.relaxed_shift_max_m, command.relaxed_shift_m);
   body_.account(command, r);
-  r.duration_s = seconds(reading.time_ns - first_ns_);
+  r.duration_s = seconds_in(reading.time_ns - first_ns_);
   r.elements_dropped = body_.dropped();
   r.fault = body_.fault();
   r.fault_s = r.fault == Fault::kNone ? 0.0 : r.duration_s;

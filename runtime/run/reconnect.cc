@@ -1,7 +1,6 @@
 #include "runtime/run/reconnect.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -18,15 +17,11 @@ bool was_lost(const SimulationReport& report) {
          report.render.fault == Fault::kDeviceSilent;
 }
 
-std::int64_t nanoseconds(double duration_s) {
-  return std::llround(duration_s * kNanosecondsPerSecond);
-}
-
 // Sleeps, unless stopped. False when stopped.
 bool sleep(double duration_s, const std::atomic<bool>& stop) {
   constexpr std::int64_t kLookNs = 20'000'000;
   MonotonicClock clock;
-  const std::int64_t until_ns = clock.now_ns() + nanoseconds(duration_s);
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds_in(duration_s);
   while (!stop.load() && clock.now_ns() < until_ns) {
     clock.sleep_until_ns(std::min(until_ns, clock.now_ns() + kLookNs));
   }
@@ -39,7 +34,7 @@ std::optional<SimulationReport> next_run(const ResponseDatabase& database,
                                          const ReconnectOptions& reconnect,
                                          const std::atomic<bool>& stop) {
   MonotonicClock clock;
-  const std::int64_t until_ns = clock.now_ns() + nanoseconds(reconnect.patience_s);
+  const std::int64_t until_ns = clock.now_ns() + nanoseconds_in(reconnect.patience_s);
   while (sleep(reconnect.look_s, stop)) {
     try {
       return simulate(database, options, stop);

@@ -22,10 +22,6 @@ std::array<double, 3> as_array(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-double seconds(std::int64_t ns) {
-  return static_cast<double>(ns) / kNanosecondsPerSecond;
-}
-
 }  // namespace
 
 bool GrowingElements::Sent::has(std::int32_t t) const noexcept {
@@ -289,7 +285,7 @@ std::size_t GrowingElements::update(const ToolState& tool, std::int64_t now_ns,
     sent.count = std::min(sent.count, last);
     sent.triangle[sent.count++] = tool.triangle;
   }
-  const double passed_s = sequence_ == 0 ? 0.0 : seconds(now_ns - last_ns_);
+  const double passed_s = sequence_ == 0 ? 0.0 : seconds_in(now_ns - last_ns_);
   const double share = kStepShare * std::clamp(passed_s / kStepS, 0.0, 1.0);
   constexpr double kNearM = 1e-3;  // where the fast process may see the contact point
   const double moved_m =
@@ -337,7 +333,7 @@ void GrowingElements::count(const ToolState& tool, const SurfacePoint& at,
   const auto passed =
       static_cast<std::int64_t>(tool.sequence - (again ? 0 : last_.sequence));
   const auto second =
-      static_cast<std::size_t>(std::max(0.0, seconds(now_ns - first_ns_)));
+      static_cast<std::size_t>(std::max(0.0, seconds_in(now_ns - first_ns_)));
   if (by_second_.size() <= second) {
     by_second_.resize(second + 1, {});
   }
@@ -348,7 +344,7 @@ void GrowingElements::count(const ToolState& tool, const SurfacePoint& at,
 
 void GrowingElements::tell_hand(const ToolState& tool) {
   constexpr double kSmoothS = 0.05;  // over which the velocity is taken
-  const double dt_s = seconds(tool.time_ns - last_.time_ns);
+  const double dt_s = seconds_in(tool.time_ns - last_.time_ns);
   if (last_.sequence > 0 && dt_s > 0.0) {
     const double part = std::min(1.0, dt_s / kSmoothS);
     velocity_m_per_s_ +=

@@ -14,10 +14,9 @@ namespace {
 constexpr double kResolutionM = 5e-5;  // one count on every leg
 // A position is measured in one exchange, answered with a force by the fast loop while
 // the next runs, and the force goes out with the one after it.
-constexpr double kDelayS = 2e-3;
-constexpr int kSlewMax = 200;  // counts in an exchange: 1 m/s is about 50
-constexpr int kMissedMax = 20;
-constexpr int kRejectedMax = 20;
+constexpr double kFalconDelayS = 2e-3;
+constexpr int kSlewMax = 200;    // counts in an exchange: 1 m/s is about 50
+constexpr int kUnheardMax = 20;  // exchanges that widen what a leg may have turned
 
 }  // namespace
 
@@ -35,7 +34,7 @@ DeviceLimits FalconLink::limits() const {
   return {.damping_n_s_per_m = config_.damping_n_s_per_m,
           .coulomb_n = config_.coulomb_n,
           .resolution_m = kResolutionM,
-          .delay_s = kDelayS,
+          .delay_s = kFalconDelayS,
           .force_max_n = config_.force_max_n};
 }
 
@@ -75,7 +74,7 @@ bool FalconLink::plausible(const FalconReply& reply) const noexcept {
   if (!known_) {
     return true;
   }
-  const int unheard = std::clamp(missed_ - rejected_, 0, kMissedMax);
+  const int unheard = std::clamp(missed_ - rejected_, 0, kUnheardMax);
   const int slew_max = kSlewMax * (1 + 2 * unheard);
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::abs(reply.encoder[i] - reply_.encoder[i]) > slew_max) {

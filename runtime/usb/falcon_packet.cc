@@ -10,7 +10,7 @@ constexpr std::uint8_t kEnd = '>';
 constexpr std::uint8_t kZero = 'A';
 constexpr std::size_t kNibbles = 4;
 
-void put(FalconPacket& packet, std::size_t which, std::int16_t value) noexcept {
+void put_nibbles(FalconPacket& packet, std::size_t which, std::int16_t value) noexcept {
   auto bits = static_cast<std::uint16_t>(value);
   for (std::size_t i = 0; i < kNibbles; ++i) {
     packet[1 + kNibbles * which + i] = static_cast<std::uint8_t>(kZero + (bits & 0xF));
@@ -18,8 +18,9 @@ void put(FalconPacket& packet, std::size_t which, std::int16_t value) noexcept {
   }
 }
 
-std::optional<std::int16_t> get(std::span<const std::uint8_t, kFalconPacketBytes> bytes,
-                                std::size_t which) noexcept {
+std::optional<std::int16_t> get_nibbles(
+    std::span<const std::uint8_t, kFalconPacketBytes> bytes,
+    std::size_t which) noexcept {
   unsigned bits = 0;
   for (std::size_t i = kNibbles; i-- > 0;) {
     const std::uint8_t byte = bytes[1 + kNibbles * which + i];
@@ -36,7 +37,7 @@ FalconPacket framed(const std::array<std::int16_t, 3>& values,
   FalconPacket packet{};
   packet.front() = kStart;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    put(packet, i, values[i]);
+    put_nibbles(packet, i, values[i]);
   }
   packet[13] = static_cast<std::uint8_t>(kZero + state);
   packet[14] = kZero;
@@ -51,7 +52,7 @@ std::optional<std::array<std::int16_t, 3>> values_of(
   }
   std::array<std::int16_t, 3> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto value = get(bytes, i);
+    const auto value = get_nibbles(bytes, i);
     if (!value) {
       return std::nullopt;
     }

@@ -13,9 +13,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kDelayS = 5e-4;
-constexpr int kRejectedMax = 20;
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+constexpr double kHaplyDelayS = 5e-4;
 constexpr int kOpenTries = 10;
 // An arm in one exchange: 0.3 rad in 0.5 ms are 30 m/s at the tool, no hand's. [rad]
 constexpr double kTurnMax = 0.3;
@@ -40,7 +39,7 @@ DeviceLimits HaplyLink::limits() const {
           .coulomb_n = config_.coulomb_n,
           .resolution_m = 2.0 * std::numbers::pi * config_.links.driven_m /
                           config_.setup.counts_per_turn,
-          .delay_s = kDelayS,
+          .delay_s = kHaplyDelayS,
           .force_max_n = config_.force_max_n};
 }
 
@@ -113,8 +112,9 @@ LinkStatus HaplyLink::exchange(const std::array<double, 2>& torque_nm) noexcept 
   }
   const auto angles = whole ? decode_angles(config_.setup.id, reply) : std::nullopt;
   const Eigen::Vector2d theta =
-      angles ? Eigen::Vector2d(kDegree * Eigen::Vector2d((*angles)[0], (*angles)[1]))
-             : Eigen::Vector2d::Zero();
+      angles
+          ? Eigen::Vector2d(kRadPerDegree * Eigen::Vector2d((*angles)[0], (*angles)[1]))
+          : Eigen::Vector2d::Zero();
   // A reply that is whole and wrong would move the tool anywhere. Links that were not
   // heard for a while may have turned meanwhile.
   const bool jumped =

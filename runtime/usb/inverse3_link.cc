@@ -12,10 +12,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kDelayS = 5e-4;
+constexpr double kInverse3DelayS = 5e-4;
 constexpr double kQuietS = 0.003;  // after which nothing late is expected
 constexpr int kMissedMax = 20;
-constexpr int kRejectedMax = 20;
 // In one exchange: 30 m/s in a millisecond, no hand's. [m]
 constexpr double kMoveMaxM = 0.03;
 
@@ -35,7 +34,7 @@ DeviceLimits Inverse3Link::limits() const {
   return {.damping_n_s_per_m = config_.damping_n_s_per_m,
           .coulomb_n = config_.coulomb_n,
           .resolution_m = config_.resolution_m,
-          .delay_s = kDelayS,
+          .delay_s = kInverse3DelayS,
           .force_max_n = config_.force_max_n};
 }
 

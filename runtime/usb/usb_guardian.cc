@@ -15,11 +15,12 @@ namespace palpate {
 namespace {
 
 constexpr unsigned kWaitMs = 20;
-constexpr int kTries = 3;  // what was half sent when the renderer died spoils the first
+// What was half sent when the renderer died spoils the first.
+constexpr int kBulkTries = 3;
 
 void write_bulk(int descriptor, std::uint8_t endpoint,
                 std::span<std::uint8_t> bytes) noexcept {
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kBulkTries; ++i) {
     usbdevfs_bulktransfer transfer{.ep = endpoint,
                                    .len = static_cast<unsigned>(bytes.size()),
                                    .timeout = kWaitMs,

@@ -18,6 +18,9 @@ enum class UsbStatus : std::uint8_t {
   kLost,     ///< gone, or errors without end; stays
 };
 
+/// Answers one after another that a link rejects before it gives up.
+constexpr int kRejectedMax = 20;
+
 struct UsbPair {
   int interface = 0;
   std::uint8_t out = 0x02;

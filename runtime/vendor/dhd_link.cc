@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 constexpr unsigned char kWatchdogSteps = 160;  // of 125 us: 20 ms
-constexpr double kDelayS = 1e-3;
+constexpr double kDhdDelayS = 1e-3;
 
 // The library's axes: x towards the person, y right, z up. Ours: y up, z towards the
 // person.
@@ -30,7 +30,7 @@ DeviceLimits DhdLink::limits() const {
   return {.damping_n_s_per_m = config_.damping_n_s_per_m,
           .coulomb_n = config_.coulomb_n,
           .resolution_m = config_.resolution_m,
-          .delay_s = kDelayS,
+          .delay_s = kDhdDelayS,
           .force_max_n = config_.force_max_n};
 }
 

@@ -22,7 +22,7 @@ constexpr unsigned short kPriority = 0xFFFF;
 constexpr unsigned kGoOn = 1;
 constexpr std::int64_t kSilentNs = 20'000'000;
 constexpr int kMissedMax = 10;
-constexpr double kDelayS = 1e-3;
+constexpr double kHdDelayS = 1e-3;
 constexpr double kMillimetre = 1e-3;
 
 }  // namespace
@@ -35,7 +35,7 @@ DeviceLimits HdLink::limits() const {
   return {.damping_n_s_per_m = config_.damping_n_s_per_m,
           .coulomb_n = config_.coulomb_n,
           .resolution_m = config_.resolution_m,
-          .delay_s = kDelayS,
+          .delay_s = kHdDelayS,
           .force_max_n = config_.force_max_n};
 }
 

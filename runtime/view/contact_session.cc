@@ -20,8 +20,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kTicksKept = 8191;
-
 std::vector<const ResponseTable*> tables_of(const ResponseDatabase& database,
                                             const std::vector<std::string>& tools) {
   std::vector<const ResponseTable*> tables;

@@ -1,6 +1,7 @@
 // What a live view shows and steers: the runtime behind the pages, on simulated time.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "runtime/view/view_message.h"
 
 namespace palpate {
+
+/// Ticks that wait to be taken, at most: the latest.
+constexpr std::size_t kTicksKept = 8191;
 
 /// One thread. Time passes in advance() alone.
 class LiveSession {
@@ -47,7 +51,7 @@ class LiveSession {
   /// All that the session shows by itself, with what passed since the last frame.
   [[nodiscard]] virtual ViewFrame frame() = 0;
 
-  /// All ticks since the last call, at most the 8191 latest.
+  /// All ticks since the last call, at most the kTicksKept latest.
   [[nodiscard]] virtual std::vector<TickRecord> take_ticks() = 0;
 };
 

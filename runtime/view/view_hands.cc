@@ -14,41 +14,41 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json list(const Eigen::Vector3d& v) {
+Json xyz(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-Json as_json(const ViewHand& hand) {
+Json item_json(const ViewHand& hand) {
   const Eigen::Quaterniond& q = hand.turn;
-  return {{"tool_m", list(hand.tool_m)},
+  return {{"tool_m", xyz(hand.tool_m)},
           {"turn", std::array<double, 4>{q.x(), q.y(), q.z(), q.w()}},
-          {"hand_m", list(hand.hand_m)},
-          {"pointer_m", list(hand.pointer_m)},
+          {"hand_m", xyz(hand.hand_m)},
+          {"pointer_m", xyz(hand.pointer_m)},
           {"holding", hand.holding},
-          {"force_n", list(hand.force_n)},
-          {"torque_n_m", list(hand.torque_n_m)},
-          {"coupled_n", list(hand.coupled_n)},
-          {"added_up_n", list(hand.added_up_n)}};
+          {"force_n", xyz(hand.force_n)},
+          {"torque_n_m", xyz(hand.torque_n_m)},
+          {"coupled_n", xyz(hand.coupled_n)},
+          {"added_up_n", xyz(hand.added_up_n)}};
 }
 
-Json as_json(const ViewTouch& touch) {
+Json item_json(const ViewTouch& touch) {
   return {{"hand", touch.hand},
           {"radius_m", touch.radius_m},
-          {"centre_m", list(touch.centre_m)},
-          {"point_m", list(touch.point_m)},
-          {"normal", list(touch.normal)},
-          {"force_n", list(touch.force_n)},
+          {"centre_m", xyz(touch.centre_m)},
+          {"point_m", xyz(touch.point_m)},
+          {"normal", xyz(touch.normal)},
+          {"force_n", xyz(touch.force_n)},
           {"depth_m", touch.depth_m},
           {"own_m", touch.own_m},
           {"nodes", touch.node},
-          {"shares", list(touch.share)}};
+          {"shares", xyz(touch.share)}};
 }
 
 template <typename Items>
 Json as_list(const Items& items) {
   Json all = Json::array();
   for (const auto& item : items) {
-    all.push_back(as_json(item));
+    all.push_back(item_json(item));
   }
   return all;
 }
@@ -72,7 +72,7 @@ Json spheres(const ToolShape& tool) {
   for (std::size_t i = 0; i < tool.contact.radius_m.size(); ++i) {
     const Eigen::Vector3d centre =
         tool.contact.point_m.row(static_cast<Eigen::Index>(i)).transpose();
-    all.push_back({{"centre_m", list(centre)}, {"radius_m", tool.contact.radius_m[i]}});
+    all.push_back({{"centre_m", xyz(centre)}, {"radius_m", tool.contact.radius_m[i]}});
   }
   return all;
 }

@@ -13,8 +13,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kTicksKept = 8191;
-
 const ResponseTable& one_contact(const ResponseTable& table) {
   if (!table.tool.contact.empty()) {
     throw InputError(
@@ -44,8 +42,8 @@ Eigen::Vector3d above_start(const ResponseDatabase& database,
                   database.normal.row(node).transpose());
 }
 
-FastProcessConfig fast_config(const ViewSessionOptions& options,
-                              const ToolShape& tool) {
+FastProcessConfig process_config(const ViewSessionOptions& options,
+                                 const ToolShape& tool) {
   FastProcessConfig config;
   config.fast.model = options.model;
   config.fast.tool_radius_m = nominal_height_m(tool);
@@ -100,7 +98,7 @@ void ViewSession::start(const Eigen::Vector3d& at_m) {
                                               SimulatedMotion{.position_m = at_m});
   telemetry_ = std::make_unique<Telemetry>();
   device_->open();
-  const FastProcessConfig config = fast_config(options_, table_.tool);
+  const FastProcessConfig config = process_config(options_, table_.tool);
   body_ = std::make_unique<OneContact>(config.fast, adjusted_);
   body_->begin_with(options_.surface);
   fast_ = std::make_unique<FastProcess>(config, *device_, *body_,
