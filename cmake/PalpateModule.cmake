@@ -1,3 +1,42 @@
+option(PALPATE_UNITY "Compile the sources of a folder together; for cold builds" ON)
+set(PALPATE_UNIT_SOURCES 16 CACHE STRING "How many sources one translation unit joins at most")
+# palpate_units(<target> <source>...): with PALPATE_UNITY the sources of each folder become
+# a few translation units: headers, and what they instantiate, are paid once a unit.
+# `.ci/unity` keeps the names of a folder's sources apart.
+function(palpate_units target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${PALPATE_UNITY} UNITY_BUILD_MODE GROUP)
+  list(FILTER ARGN INCLUDE REGEX "\\.cc$")
+  set(folders "")
+  foreach(source ${ARGN})
+    get_filename_component(folder ${source} DIRECTORY)
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
+    string(MAKE_C_IDENTIFIER ${folder} folder)
+    list(APPEND folders ${folder})
+    list(APPEND sources_${folder} ${source})
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  foreach(folder ${folders})
+    list(LENGTH sources_${folder} count)
+    # The fewest parts that are no larger than allowed, of equal size.
+    math(EXPR parts "(${count} + ${PALPATE_UNIT_SOURCES} - 1) / ${PALPATE_UNIT_SOURCES}")
+    math(EXPR size "(${count} + ${parts} - 1) / ${parts}")
+    set(index 0)
+    foreach(source ${sources_${folder}})
+      math(EXPR part "${index} / ${size}")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${part})
+      math(EXPR index "${index} + 1")
+    endforeach()
+  endforeach()
+endfunction()
+
+# palpate_reuse(<target> <kind>): compiles with the precompiled header palpate_pch_<kind>.
+# GCC wants the same definitions of what the header holds.
+function(palpate_reuse target kind)
+  target_precompile_headers(${target} REUSE_FROM palpate_pch_${kind})
+  target_compile_definitions(${target} PRIVATE
+    $<TARGET_PROPERTY:palpate_pch_${kind},COMPILE_DEFINITIONS>)
+endfunction()
+
 # palpate_library(<name> [PIC] ROOMS <folder>... [DEPENDS ...] [PRIVATE_DEPENDS ...])
 # One static library palpate::<name> from the sources of some sub-rooms.
 # PIC: it goes into a shared library, too.
@@ -18,7 +57,12 @@ function(palpate_library name)
     POSITION_INDEPENDENT_CODE ${ARG_PIC})
   target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPENDS}
                                         PRIVATE palpate_warnings ${ARG_PRIVATE_DEPENDS})
-  target_precompile_headers(palpate_${name} PRIVATE <Eigen/Core> <Eigen/Geometry> <vector>)
+  if(ARG_PIC)
+    palpate_reuse(palpate_${name} pic)
+  else()
+    palpate_reuse(palpate_${name} pie)
+  endif()
+  palpate_units(palpate_${name} ${sources})
 endfunction()
 
 # palpate_tool(<tool> ROOM <room> LIBRARIES <name>...): the command-line tool from
@@ -30,8 +74,8 @@ function(palpate_tool tool)
   list(TRANSFORM ARG_LIBRARIES PREPEND palpate::)
   target_link_libraries(${tool} PRIVATE ${ARG_LIBRARIES} palpate_warnings
                                         nlohmann_json::nlohmann_json)
-  target_precompile_headers(${tool} PRIVATE <Eigen/Core> <fmt/format.h> <nlohmann/json.hpp>
-                                            <filesystem> <string> <vector>)
+  palpate_reuse(${tool} pie)
+  palpate_units(${tool} ${commands})
 endfunction()
 
 # palpate_test_program(<folder> [LIBRARIES ...]): one program from tests/<folder>/*_test.cc
@@ -44,7 +88,8 @@ function(palpate_test_program folder)
   add_executable(${target} ${tests})
   target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} palpate_test_support
                                           palpate_warnings GTest::gtest_main)
-  target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
+  palpate_reuse(${target} tests)
+  palpate_units(${target} ${tests})
   set(taken "")
   foreach(test ${tests})
     # A new suite must not go unnoticed: its file's change configures anew.

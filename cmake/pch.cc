@@ -1,0 +1,1 @@
+// Anchor of a precompiled header that many targets share.
