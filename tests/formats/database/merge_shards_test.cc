@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class MergeShards : public testing::Test {
  protected:
   // A shard of some of the sample's units.
@@ -61,7 +56,7 @@ TEST_F(MergeShards, GivesTheBytesOfTheWhole) {
   ResponseDatabase whole = assemble(sample_plan(), sample_units()).database;
   choose_precision(whole, {});
   write_database(folder_ / "whole.h5", whole);
-  EXPECT_TRUE(read(folder_ / "out.h5") == read(folder_ / "whole.h5"));
+  EXPECT_TRUE(bytes_of(folder_ / "out.h5") == bytes_of(folder_ / "whole.h5"));
 }
 
 TEST_F(MergeShards, RefusesShardsOfDifferentComputations) {
