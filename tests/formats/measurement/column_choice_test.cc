@@ -6,7 +6,7 @@
 #include "formats/base/error.h"
 #include "formats/measurement/machine_table.h"
 #include "formats/measurement/text_table.h"
-#include "tests/support/refusal.h"
+#include "tests/support/said.h"
 
 namespace palpate {
 namespace {

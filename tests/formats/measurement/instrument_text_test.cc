@@ -9,7 +9,7 @@
 #include "formats/measurement/instrument_file.h"
 #include "formats/measurement/mach1_map.h"
 #include "tests/formats/measurement/expect_near.h"
-#include "tests/support/refusal.h"
+#include "tests/support/said.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

@@ -8,9 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/base/error.h"
 #include "tests/support/quiet_exit.h"
-#include "tests/support/refusal.h"
+#include "tests/support/said.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

@@ -6,11 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/base/error.h"
 #include "formats/recording/recording.h"
 #include "formats/recording/recording_writer.h"
 #include "tests/support/quiet_exit.h"
-#include "tests/support/refusal.h"
+#include "tests/support/said.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {

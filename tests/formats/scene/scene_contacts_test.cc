@@ -1,7 +1,7 @@
 // [[tool]] of shape "spheres", and which tools couple.
 #include "formats/scene/scene.h"
 #include "tests/formats/scene/scene_text.h"
-#include "tests/support/refusal.h"
+#include "tests/support/said.h"
 
 namespace palpate {
 namespace {

@@ -4,13 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/runtime/fast/power_law.h"
+
 namespace palpate {
 namespace {
-
-SlowValue power_law(double a, double p, double x) {
-  const double f = a * std::pow(x, p);
-  return {x, f, p * f / x, f * x / (p + 1.0)};
-}
 
 TEST(LocalCurve, IsTheResponseWhereThatIsLinearQuadraticOrCubic) {
   for (const double p : {1.0, 2.0, 3.0}) {

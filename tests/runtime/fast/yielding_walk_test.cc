@@ -6,16 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/walk_ticks.h"
 #include "tests/support/yielding_body.h"
 
 namespace palpate {
 namespace {
-
-// Or PALPATE_WALK_TICKS of them.
-std::int64_t walk_ticks(std::int64_t otherwise) {
-  const char* wanted = std::getenv("PALPATE_WALK_TICKS");
-  return wanted != nullptr ? std::atoll(wanted) : otherwise;
-}
 
 struct Walk {
   const char* name;

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/database/table_memory.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 
@@ -15,8 +16,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 ResponseDatabase body(double stiffness_n_per_m) {
   return sample_database(

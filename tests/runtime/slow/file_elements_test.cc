@@ -3,18 +3,19 @@
 #include "runtime/slow/file_elements.h"
 
 #include <cstring>
+#include <fstream>
 #include <random>
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_io.h"
 #include "runtime/slow/memory_elements.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 constexpr double kRadius = 0.05;
 

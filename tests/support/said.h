@@ -1,4 +1,4 @@
-// What the program says where it refuses.
+// What the program says.
 #pragma once
 
 #include <string>
@@ -18,6 +18,10 @@ std::string refusal(const Call& call) {
     return error.what();
   }
   return "";
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
 }
 
 inline void expect_says(const std::string& text, const std::string& part) {
