@@ -1,7 +1,6 @@
 #include "runtime/fast/fast_step.h"
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <random>
 

@@ -1,6 +1,5 @@
 #include "runtime/fast/relaxing_contact.h"
 
-#include <array>
 #include <cmath>
 #include <random>
 

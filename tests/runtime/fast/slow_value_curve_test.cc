@@ -1,7 +1,5 @@
 #include "runtime/fast/slow_value_curve.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "tests/runtime/fast/power_law.h"

@@ -3,7 +3,6 @@
 #include "runtime/fast/yield_step.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
 

@@ -1,7 +1,6 @@
 // The energy of a body that yields: no walk gets any out of it.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
 #include "runtime/served/growing_elements.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <thread>

@@ -10,6 +10,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/slow/memory_elements.h"
+#include "tests/runtime/slow/drained_fifo.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
@@ -28,15 +29,6 @@ ResponseDatabase sphere_body(Precision precision, int samples) {
       icosphere(kRadius, 5), ball(0.005, 0.3, 5e-4), wavy, 0.01, samples);
   database.storage = {.precision = precision, .chunk_nodes = 64};
   return database;
-}
-
-std::vector<Element> drain(ElementFifo& fifo) {
-  std::vector<Element> all;
-  while (const Element* front = fifo.front()) {
-    all.push_back(*front);
-    fifo.pop();
-  }
-  return all;
 }
 
 void expect_equal(const ElementNode& a, const ElementNode& b) {

@@ -6,7 +6,6 @@
 // --gtest_filter='DriverAccount*').
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <random>
 
