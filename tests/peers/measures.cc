@@ -27,12 +27,6 @@ std::vector<std::int32_t> nearest_triangles(const SurfaceMesh& surface,
   return nearest;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // First and last tick with a true force; the whole hand without one.
 std::pair<std::size_t, std::size_t> in_contact(const Hand& hand) {
   std::size_t first = hand.centre_m.size();
@@ -56,6 +50,12 @@ std::vector<double> steps_n(std::span<const Eigen::Vector3d> force_n) {
 }
 
 }  // namespace
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 ForceError force_error(std::span<const RenderedHand> rendered) {
   ForceError e;

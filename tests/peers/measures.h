@@ -11,6 +11,9 @@
 
 namespace palpate::peers {
 
+/// The upper one of two in the middle. @param values at least one
+[[nodiscard]] double median(std::vector<double> values);
+
 /// Forces against the truth where it is known. Relative ones: sum |dF| over sum |F|, of
 /// the true forces. NaN without a point.
 struct ForceError {

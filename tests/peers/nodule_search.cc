@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "tests/peers/measures.h"
+
 namespace palpate::peers {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double distance_m(const PressPlace& a, const PressPlace& b) {
   return (a.at_m - b.at_m).norm();

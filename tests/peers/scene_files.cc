@@ -54,13 +54,13 @@ void write_hand(const fs::path& folder, const ToldHand& hand, double radius_m) {
 using ReadValue = std::function<void(std::istream&)>;
 
 template <class Number>
-ReadValue number(Number& to) {
+ReadValue read_number(Number& to) {
   return [&to](std::istream& in) {
     in >> to;
   };
 }
 
-ReadValue vector(Eigen::Vector3d& to) {
+ReadValue read_vector(Eigen::Vector3d& to) {
   return [&to](std::istream& in) {
     in >> to.x() >> to.y() >> to.z();
   };
@@ -68,28 +68,28 @@ ReadValue vector(Eigen::Vector3d& to) {
 
 ReadValue optional(std::optional<Eigen::Vector3d>& to) {
   return [&to](std::istream& in) {
-    vector(to.emplace())(in);
+    read_vector(to.emplace())(in);
   };
 }
 
 std::map<std::string, ReadValue> recipe_values(SceneRecipe& r) {
-  return {{"site_m", vector(r.site_m)},
-          {"along", vector(r.along)},
+  return {{"site_m", read_vector(r.site_m)},
+          {"along", read_vector(r.along)},
           {"circle_centre_m", optional(r.circle_centre_m)},
-          {"circle_radius_m", number(r.hand.circle_radius_m)},
-          {"half_slide_m", number(r.hand.half_slide_m)},
-          {"slide_points", number(r.hand.slide_points)},
-          {"circle_points", number(r.hand.circle_points)},
-          {"walk_points", number(r.hand.walk_points)},
-          {"raster_along_m", number(r.raster_along_m)},
-          {"raster_across_m", number(r.raster_across_m)},
-          {"raster_step_m", number(r.raster_step_m)},
-          {"raster_depth_m", number(r.raster_depth_m)},
+          {"circle_radius_m", read_number(r.hand.circle_radius_m)},
+          {"half_slide_m", read_number(r.hand.half_slide_m)},
+          {"slide_points", read_number(r.hand.slide_points)},
+          {"circle_points", read_number(r.hand.circle_points)},
+          {"walk_points", read_number(r.hand.walk_points)},
+          {"raster_along_m", read_number(r.raster_along_m)},
+          {"raster_across_m", read_number(r.raster_across_m)},
+          {"raster_step_m", read_number(r.raster_step_m)},
+          {"raster_depth_m", read_number(r.raster_depth_m)},
           {"nodule_m", optional(r.nodule_m)},
-          {"nodule_radius_m", number(r.nodule_radius_m)},
-          {"friction", number(r.friction)},
-          {"presliding_m", number(r.presliding_m)},
-          {"times_finer", number(r.times_finer)}};
+          {"nodule_radius_m", read_number(r.nodule_radius_m)},
+          {"friction", read_number(r.friction)},
+          {"presliding_m", read_number(r.presliding_m)},
+          {"times_finer", read_number(r.times_finer)}};
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
   return __libc_memalign(alignment, size);
 }
 
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
   palpate::test::note_allocation();
   *memory = __libc_memalign(alignment, size);
   return *memory == nullptr ? 12 : 0;  // ENOMEM

@@ -11,10 +11,10 @@
 #include "runtime/fast/coupled_step.h"
 #include "runtime/slow/coupled_storage.h"
 #include "tests/bench/runtime/contact_walk.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 
-inline constexpr double kTickS = 0.0005;
 inline constexpr double kRadiusM = 0.003;
 
 inline FastConfig free_of_clamps() {

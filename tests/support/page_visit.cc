@@ -28,11 +28,6 @@ const std::string kEnd = R"js(
 }, 300));
 </script></body>)js";
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 }  // namespace
 
 std::string page_browser() {
@@ -56,8 +51,8 @@ PageVisit visit_page(const std::string& page, const std::string& script) {
       "2>'{0}/log'",
       folder.path().string(), page_browser());
   PageVisit result;
-  EXPECT_EQ(std::system(command.c_str()), 0) << text_of(folder / "log");
-  const std::string dom = text_of(folder / "dom");
+  EXPECT_EQ(std::system(command.c_str()), 0) << bytes_of(folder / "log");
+  const std::string dom = bytes_of(folder / "dom");
   const std::string begin = "<pre id=\"seen\">";
   const std::size_t at = dom.rfind(begin);
   if (at != std::string::npos) {
@@ -65,7 +60,7 @@ PageVisit visit_page(const std::string& page, const std::string& script) {
     result.seen = nlohmann::json::parse(
         dom.substr(from, dom.find("</pre>", from) - from), nullptr, false);
   }
-  std::istringstream log(text_of(folder / "log"));
+  std::istringstream log(bytes_of(folder / "log"));
   for (std::string line; std::getline(log, line);) {
     if (line.find("CONSOLE") != std::string::npos) {
       result.complaints += line + '\n';

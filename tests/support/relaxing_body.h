@@ -1,6 +1,7 @@
 // Bodies that relax, and a hand on them: what the tests of the fast step share.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -57,6 +58,12 @@ class PressedPlace {
   FastCommand command_;
   int ticks_ = 0;
 };
+
+/// For PressedPlace: a node, an edge's middle, a centroid, and anywhere.
+inline const std::array<Eigen::Vector2d, 4> kPressedPlaces{
+    Eigen::Vector2d(0.03, 0.03), Eigen::Vector2d(0.0325, 0.03),
+    Eigen::Vector2d(0.03 + 0.01 / 3.0, 0.03 + 0.005 / 3.0),
+    Eigen::Vector2d(0.031, 0.0306)};
 
 /// Difference of forces, over the reference's.
 struct ForceError {

@@ -224,4 +224,14 @@ SurfaceMesh cylinder(double radius_m, double height_m, int rings) {
   return builder.mesh();
 }
 
+SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
+  SurfaceMesh both;
+  both.position_m.resize(a.position_m.rows() + b.position_m.rows(), 3);
+  both.position_m << a.position_m, b.position_m;
+  both.triangle.resize(a.triangle.rows() + b.triangle.rows(), 3);
+  both.triangle << a.triangle,
+      (b.triangle.array() + static_cast<int>(a.position_m.rows())).matrix();
+  return both;
+}
+
 }  // namespace palpate

@@ -2,9 +2,13 @@
 // self-intersections, and counter-clockwise from outside. Arguments are not checked.
 #pragma once
 
+#include <numbers>
+
 #include "formats/mesh/surface_mesh.h"
 
 namespace palpate {
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 
 /// Ellipsoid about the origin with the given half axes, from icosphere(1, levels).
 [[nodiscard]] SurfaceMesh ellipsoid(const Eigen::Vector3d& half_axes_m, int levels);
@@ -21,5 +25,8 @@ namespace palpate {
 /// Upright cylinder about the z axis, from z = 0 to height_m, with triangles of about
 /// radius_m / rings. @param rings >= 1.
 [[nodiscard]] SurfaceMesh cylinder(double radius_m, double height_m, int rings);
+
+/// Both in one mesh, whether or not they touch.
+[[nodiscard]] SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b);
 
 }  // namespace palpate

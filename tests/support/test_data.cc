@@ -1,6 +1,8 @@
 #include "tests/support/test_data.h"
 
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 
 namespace palpate {
 
@@ -14,6 +16,11 @@ std::optional<std::filesystem::path> test_data(const std::string& name) {
     return std::nullopt;
   }
   return root / name;
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 ScratchFolder::ScratchFolder() {

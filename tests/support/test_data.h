@@ -13,6 +13,9 @@ namespace palpate {
 ///   if (!mesh) GTEST_SKIP() << "no test data";
 [[nodiscard]] std::optional<std::filesystem::path> test_data(const std::string& name);
 
+/// All that a file holds; empty where there is none.
+[[nodiscard]] std::string bytes_of(const std::filesystem::path& file);
+
 /// A fresh empty folder for one test, taken away when the object dies.
 class ScratchFolder {
  public:

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // One territory and three checks.
-constexpr const char* kScene = R"([[tool]]
+constexpr const char* kUnitsScene = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
 radius_m = 0.03
@@ -33,17 +33,12 @@ depths = 4
 verify = 3
 )";
 
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // One undisturbed build, by every core.
 class BuildUnits : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
-    std::ofstream(path("scene.toml")) << organ_on_table("neo-hookean") << kScene;
+    std::ofstream(path("scene.toml")) << organ_on_table("neo-hookean") << kUnitsScene;
     const ToolRun body =
         run_tool_process("palpate-precompute",
                          {"body", "organ", "--levels", "2", "-o", path("organ.obj")});
@@ -76,7 +71,7 @@ class BuildUnits : public testing::Test {
                          });
   }
   static void expect_whole(const std::string& output) {
-    EXPECT_TRUE(read(path(output)) == read(path("whole.h5"))) << output;
+    EXPECT_TRUE(bytes_of(path(output)) == bytes_of(path("whole.h5"))) << output;
     EXPECT_FALSE(fs::exists(path(output) + ".partial"));
   }
   static std::unique_ptr<ScratchFolder> folder_;
@@ -153,7 +148,7 @@ TEST_F(BuildUnits, KilledAgainAndAgainAndResumedGivesTheSameBytes) {
 // A kept unit whose first node has failed, as if its press had.
 void fail_first_node(const fs::path& unit) {
   constexpr std::size_t kDigest = 64;
-  const std::string kept = read(unit);
+  const std::string kept = bytes_of(unit);
   WorkUnitOutcome outcome =
       unit_from_bytes(std::as_bytes(std::span(kept)).subspan(kDigest), unit.string());
   ASSERT_FALSE(outcome.is_check);

@@ -65,11 +65,6 @@ void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file) << text;
 }
 
-std::string read(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // A database of a small cube, built once for all tests of this file.
 class Chain : public testing::Test {
  protected:
@@ -105,7 +100,7 @@ TEST_F(Chain, TheSameSceneGivesTheSameBytes) {
   const ToolRun second =
       run_tool_process("palpate-precompute", {"build", scene(), "-o", again});
   ASSERT_EQ(second.exit_code, 0) << second.err;
-  EXPECT_TRUE(read(database()) == read(again));
+  EXPECT_TRUE(bytes_of(database()) == bytes_of(again));
 }
 
 // Each on a mesh of its own, both within the scene's budget.
@@ -172,7 +167,7 @@ TEST_F(Chain, AnInterruptedBuildLeavesNoFileAndGoesOnToTheSameBytes) {
   const ToolRun rest = run_tool_process("palpate-precompute",
                                         {"build", scene(), "-o", file, "--resume"});
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
-  EXPECT_TRUE(read(file) == read(database()));
+  EXPECT_TRUE(bytes_of(file) == bytes_of(database()));
   EXPECT_FALSE(std::filesystem::exists(partial));
 }
 

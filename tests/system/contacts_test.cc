@@ -1,7 +1,4 @@
 // Tools of several contacts from the command line.
-#include <fstream>
-#include <iterator>
-
 #include <gtest/gtest.h>
 
 #include "formats/database/response_database.h"
@@ -35,10 +32,7 @@ class Contacts : public testing::Test {
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   }
 
-  static std::string text(const char* name) {
-    std::ifstream in(*folder_ / name);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
+  static std::string text(const char* name) { return bytes_of(*folder_ / name); }
 
  private:
   static inline ScratchFolder* folder_ = nullptr;

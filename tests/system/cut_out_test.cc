@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = R"([[tool]]
+constexpr const char* kFingertipScene = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
 radius_m = 0.02
@@ -41,17 +41,14 @@ constexpr const char* kWhole = R"(verify = 0
 refine = "global"
 )";
 
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class CutOutBuild : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
-    std::ofstream(path("parts.toml")) << organ_on_table("linear") << kScene << kCutOut;
-    std::ofstream(path("whole.toml")) << organ_on_table("linear") << kScene << kWhole;
+    std::ofstream(path("parts.toml"))
+        << organ_on_table("linear") << kFingertipScene << kCutOut;
+    std::ofstream(path("whole.toml"))
+        << organ_on_table("linear") << kFingertipScene << kWhole;
     const ToolRun body =
         run_tool_process("palpate-precompute",
                          {"body", "organ", "--levels", "2", "-o", path("organ.obj")});
@@ -126,7 +123,7 @@ TEST_F(CutOutBuild, ShardsAndWorkersDoNotChangeTheBytes) {
   const ToolRun merge = run_tool_process(
       "palpate-db", {"merge", path("part1"), path("part0"), "-o", path("merged.h5")});
   ASSERT_EQ(merge.exit_code, 0) << merge.err;
-  EXPECT_TRUE(read(path("merged.h5")) == read(path("parts.h5")));
+  EXPECT_TRUE(bytes_of(path("merged.h5")) == bytes_of(path("parts.h5")));
 }
 
 TEST_F(CutOutBuild, IndentRefusesIt) {

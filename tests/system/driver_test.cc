@@ -8,8 +8,8 @@
 #include <poll.h>
 
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
 #include "runtime/device/socket_device.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
@@ -18,8 +18,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 class DeviceTool : public testing::Test {
  protected:

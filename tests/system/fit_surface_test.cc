@@ -19,7 +19,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRadius = 0.04;      // [m] of the body
+constexpr double kBodyRadius = 0.04;  // [m] of the body
 constexpr double kToolRadius = 5e-3;  // [m]
 constexpr int kRuns = 40;
 
@@ -53,7 +53,7 @@ void write_curve(const std::filesystem::path& file, double K, std::mt19937& gene
 class FitSession : public testing::Test {
  protected:
   FitSession() {
-    write_obj(folder_ / "body.obj", icosphere(kRadius, 3));
+    write_obj(folder_ / "body.obj", icosphere(kBodyRadius, 3));
     std::mt19937 generator(5);
     std::normal_distribution<double> normal;
     std::string text =
@@ -63,7 +63,7 @@ class FitSession : public testing::Test {
         "[body]\nmesh = \"body.obj\"\nlength_unit = \"mm\"\n";
     for (int i = 0; i < kRuns; ++i) {
       Eigen::Vector3d p(normal(generator), normal(generator), normal(generator));
-      p = kRadius * p.normalized();
+      p = kBodyRadius * p.normalized();
       const std::string name = fmt::format("run{}.csv", i);
       write_curve(folder_ / name, (i == 9 ? 6.0 : 1.0) * coefficient(p), generator);
       text += fmt::format(
@@ -109,8 +109,7 @@ TEST_F(FitSession, BecomesADatabaseOfTheWholeBody) {
 }
 
 TEST_F(FitSession, NeedsAToolThatCanBeRendered) {
-  std::ifstream in(folder_ / "session.toml");
-  std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::string text = bytes_of(folder_ / "session.toml");
   text.erase(text.find("[indenter]"), text.find("[body]") - text.find("[indenter]"));
   std::ofstream(folder_ / "bare.toml") << text;
   const ToolRun result = run_tool_process(

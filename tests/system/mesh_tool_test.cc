@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kScene = R"([reach]
+constexpr const char* kBoxScene = R"([reach]
 box_m = [[-1.0, -1.0, 0.040], [1.0, 1.0, 1.0]]
 depth_max_m = 0.003
 [accuracy]
@@ -50,7 +50,7 @@ TEST(MeshTool, PressesTheBody) {
   const auto path = [&](const char* name) {
     return (folder / name).string();
   };
-  std::ofstream(path("scene.toml")) << organ_on_table("linear") << kScene;
+  std::ofstream(path("scene.toml")) << organ_on_table("linear") << kBoxScene;
   std::ofstream(path("box.obj")) << kBox;
   const ToolRun body =
       run_tool_process("palpate-precompute",

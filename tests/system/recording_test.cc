@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/quiet_exit.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
@@ -19,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 class RecordedRun : public testing::Test {
  protected:

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 // One territory and three checks.
-const std::string kScene = organ_on_table("linear") + kBallOnTop + "verify = 3\n";
+const std::string kServedScene = organ_on_table("linear") + kBallOnTop + "verify = 3\n";
 
 // Everything that a service says, as one who joined hears it.
 struct Heard {
@@ -72,8 +72,8 @@ class ServiceTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
-    std::ofstream(path("scene.toml")) << kScene;
-    std::ofstream(path("other.toml")) << kScene << "# another text\n";
+    std::ofstream(path("scene.toml")) << kServedScene;
+    std::ofstream(path("other.toml")) << kServedScene << "# another text\n";
     const ToolRun body =
         run_tool_process("palpate-precompute",
                          {"body", "organ", "--levels", "2", "-o", path("organ.obj")});

@@ -7,14 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/hdf5/hdf5_io.h"
 #include "tests/support/padded_plate.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/view_page.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 using Json = nlohmann::json;
 

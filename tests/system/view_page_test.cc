@@ -10,17 +10,15 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {
 namespace {
 
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
-
-constexpr double kStiffness = 200.0;  // [N/m] of every node, without friction
-constexpr double kRadius = 0.008;     // [m] of the ball
+constexpr double kStiffness = 200.0;   // [N/m] of every node, without friction
+constexpr double kBallRadius = 0.008;  // [m] of the ball
 
 ResponseDatabase pressed_plate(const ToolShape& tool) {
   return sample_database(
@@ -35,7 +33,8 @@ TEST(ViewPage, PressesByMouseAndByKeysAndShowsTheRuntimesNumbers) {
   if (!has_browser()) {
     GTEST_SKIP() << "no chromium, chromium-driver, python3-selenium, python3-websocket";
   }
-  const nlohmann::json seen = seen_on_page(pressed_plate(ball(kRadius, 0.0, 0.0)), "");
+  const nlohmann::json seen =
+      seen_on_page(pressed_plate(ball(kBallRadius, 0.0, 0.0)), "");
   ASSERT_TRUE(seen.is_object());
   EXPECT_EQ(seen["errors"], nlohmann::json::array());
   EXPECT_EQ(seen["watcher"], "watcher");
@@ -68,7 +67,7 @@ constexpr double kFieldsToM = -0.044;
 
 // Fields of the plate's first two rows of nodes: mixtures of three waves, 2 mm high.
 ResponseDatabase plate_with_fields() {
-  ResponseDatabase database = pressed_plate(ball(kRadius, 0.0, 0.0));
+  ResponseDatabase database = pressed_plate(ball(kBallRadius, 0.0, 0.0));
   const Points& position = database.body.position_m;
   DisplacementField& field = database.tools[0].displacement;
   field.basis.resize(3 * position.rows(), 3);
@@ -152,9 +151,9 @@ TEST(ViewPage, TheSurfaceMovesByTheStoredDisplacementAndElseByATemplate) {
       const Eigen::Vector3d rest_m = database.body.position_m.row(i).transpose();
       const double r = (rest_m - contact_m).norm();
       Eigen::Vector3d at_m = expected_m.segment<3>(3 * i);
-      at_m.z() -= (1.0 - shares) * (depth_m - r * r / (2.0 * kRadius));
+      at_m.z() -= (1.0 - shares) * (depth_m - r * r / (2.0 * kBallRadius));
       Eigen::Vector3d off_m = moved_m(drawn, static_cast<std::size_t>(i)) - at_m;
-      if (shares < 1.0 - 1e-6 && r > std::sqrt(kRadius * depth_m)) {
+      if (shares < 1.0 - 1e-6 && r > std::sqrt(kBallRadius * depth_m)) {
         off_m.z() = 0.0;
       }
       EXPECT_LT(off_m.cwiseAbs().maxCoeff(), kDigitsM) << place << " " << i;
@@ -164,7 +163,7 @@ TEST(ViewPage, TheSurfaceMovesByTheStoredDisplacementAndElseByATemplate) {
     EXPECT_EQ(says(drawn, "computed displacement"), place <= kMiddle) << drawn["label"];
     EXPECT_EQ(says(drawn, "template"), place >= kMiddle) << drawn["label"];
     EXPECT_NEAR(drawn["lowest_m"].get<double>(),
-                drawn["tool_m"][2].get<double>() - kRadius, 1e-6);
+                drawn["tool_m"][2].get<double>() - kBallRadius, 1e-6);
   }
 }
 
@@ -209,7 +208,7 @@ TEST(ViewPage, WithoutWebGlNumbersAndKeysRemain) {
     GTEST_SKIP() << "no chromium, chromium-driver, python3-selenium, python3-websocket";
   }
   const nlohmann::json seen =
-      seen_on_page(pressed_plate(ball(kRadius, 0.0, 0.0)), "--no-3d");
+      seen_on_page(pressed_plate(ball(kBallRadius, 0.0, 0.0)), "--no-3d");
   ASSERT_TRUE(seen.is_object());
   EXPECT_TRUE(seen["no_webgl"]);
   EXPECT_GT(seen["keys_force_n"], 0.01);

@@ -7,7 +7,7 @@ namespace palpate {
 namespace {
 
 // Computed once: two models, 20000 ticks, below 1 s.
-const PotentialBenchReport& report() {
+const PotentialBenchReport& potential_report() {
   static const PotentialBenchReport kReport = [] {
     PotentialBenchOptions options;
     options.ticks = 20000;
@@ -20,7 +20,7 @@ const PotentialBenchReport& report() {
 
 TEST(PotentialBench, TheFieldNeedsNoLedgerAndRendersTheCurve) {
   int rows = 0;
-  for (const PotentialBenchRow& row : report().rows) {
+  for (const PotentialBenchRow& row : potential_report().rows) {
     EXPECT_GT(row.contact_ticks, 1000);
     EXPECT_LE(row.created_j, 1e-12) << name(row.model);
     if (row.model == LocalModel::kPotential) {
@@ -33,7 +33,7 @@ TEST(PotentialBench, TheFieldNeedsNoLedgerAndRendersTheCurve) {
 }
 
 TEST(PotentialBench, TheElementModelPaysForItsDirections) {
-  for (const PotentialBenchRow& row : report().rows) {
+  for (const PotentialBenchRow& row : potential_report().rows) {
     if (row.model == LocalModel::kElement && row.friction == 0.0) {
       EXPECT_GT(row.interventions, 100U);
       EXPECT_GT(row.normal_error_rms, 0.05);
@@ -42,7 +42,7 @@ TEST(PotentialBench, TheElementModelPaysForItsDirections) {
 }
 
 TEST(PotentialBench, ReportHasItsKeys) {
-  const auto json = nlohmann::json::parse(to_json(report()));
+  const auto json = nlohmann::json::parse(to_json(potential_report()));
   ASSERT_EQ(json["rows"].size(), 4U);
   for (const char* key : {"body", "contrast", "friction", "model", "interventions",
                           "energy_created_j", "normal_error_max"}) {

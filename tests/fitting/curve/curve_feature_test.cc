@@ -1,5 +1,6 @@
 #include "fitting/curve/curve_feature.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>

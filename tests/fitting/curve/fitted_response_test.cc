@@ -13,17 +13,17 @@
 namespace palpate {
 namespace {
 
-FamilyFit fit(const Measurement& m, const std::string& family = "power-law") {
+FamilyFit fit_family(const Measurement& m, const std::string& family = "power-law") {
   const Approach approach = select_approach(m);
   return fit_families(approach, fit_contact(approach), {family}, "aicc").fits.front();
 }
-FamilyFit fit(const SyntheticCurve& curve) {
-  return fit(synthetic(curve, 1));
+FamilyFit fit_family(const SyntheticCurve& curve) {
+  return fit_family(synthetic(curve, 1));
 }
 
 TEST(FittedResponse, StoredCubicStaysOnThePowerLaw) {
   for (const double exponent : {1.0, 1.5, 2.5, 4.0}) {
-    const FamilyFit law = fit({.exponent = exponent});
+    const FamilyFit law = fit_family({.exponent = exponent});
     const NodeResponse response = fitted_response(law, Eigen::Vector3d::UnitZ());
     const ResponseCurve curve(response.depth_m, response.force_n);
     const double largest = response.force_n.back();
@@ -42,7 +42,7 @@ TEST(FittedResponse, CubicsAreStoredAtTheirKnots) {
     const double d = std::max(0.0, m.depth_m[i] - 2e-3) / kSyntheticDepth;
     m.force_n[i] += std::min(2.0 * d, 1.0) - std::pow(d, 1.5);
   }
-  const FamilyFit law = fit(m, "monotone-cubic");
+  const FamilyFit law = fit_family(m, "monotone-cubic");
   const NodeResponse response = fitted_response(law, Eigen::Vector3d::UnitZ());
   const ResponseCurve curve(response.depth_m, response.force_n);
   for (int i = 0; i <= 1000; ++i) {
@@ -57,8 +57,9 @@ TEST(FittedResponse, StatedErrorsCoverTheTrueOnes) {
   int covered = 0;
   double stated = 0.0, true_ones = 0.0;
   for (unsigned seed = 1; seed <= kRuns; ++seed) {
-    const NodeResponse response = fitted_response(
-        fit(synthetic({.noise_n = 0.01, .rho = 0.5}, seed)), Eigen::Vector3d::UnitZ());
+    const NodeResponse response =
+        fitted_response(fit_family(synthetic({.noise_n = 0.01, .rho = 0.5}, seed)),
+                        Eigen::Vector3d::UnitZ());
     const ResponseCurve curve(response.depth_m, response.force_n);
     double worst = 0.0;
     for (double share = 0.1; share <= 0.98; share += 0.02) {
@@ -79,7 +80,7 @@ TEST(SamplePatch, IsAValidDatabaseThatSurvivesItsFile) {
   const ScratchFolder folder;
   std::ofstream(folder / "curve.csv") << "x,f\n";
   const Measurement measured = synthetic({}, 1);
-  const FamilyFit law = fit(SyntheticCurve{});
+  const FamilyFit law = fit_family(SyntheticCurve{});
   const ToolShape ball{"probe", "sphere", 0.01, 0.0, 0.0};
   const ResponseDatabase patch =
       sample_patch(law, measured, ball, folder / "curve.csv");
@@ -100,7 +101,7 @@ TEST(SamplePatch, IsAValidDatabaseThatSurvivesItsFile) {
 }
 
 TEST(SamplePatch, NeedsAToolThatCanBeRendered) {
-  EXPECT_THROW((void)sample_patch(fit(SyntheticCurve{}), {},
+  EXPECT_THROW((void)sample_patch(fit_family(SyntheticCurve{}), {},
                                   {"probe", "sphere", -1.0, 0.0, 0.0}, ""),
                InputError);
 }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include <gtest/gtest.h>
+
 namespace palpate {
 namespace {
 

@@ -20,7 +20,7 @@ struct Loop {
 };
 
 // Press and release of an elastic sample, 10 samples a second.
-Measurement loop(const Loop& c, unsigned seed) {
+Measurement drifting_loop(const Loop& c, unsigned seed) {
   const Measurement press = synthetic({.noise_n = 0.0}, 1);
   Measurement m;
   std::mt19937 generator(seed);
@@ -44,7 +44,8 @@ Measurement loop(const Loop& c, unsigned seed) {
 }
 
 TEST(TimeDrift, OfALoopIsFoundAndTakenOff) {
-  const CorrectedPress press = correct_press(loop({.drift_n_per_s = 2e-3}, 1), nullptr);
+  const CorrectedPress press =
+      correct_press(drifting_loop({.drift_n_per_s = 2e-3}, 1), nullptr);
   const TimeDrift& drift = press.corrections.drift;
   EXPECT_EQ(drift.refused, "");
   EXPECT_TRUE(drift.significant);
@@ -57,7 +58,7 @@ TEST(TimeDrift, OfALoopIsFoundAndTakenOff) {
 }
 
 TEST(TimeDrift, IsFoundWithTheForceTurned) {
-  Measurement m = loop({.drift_n_per_s = 2e-3}, 1);
+  Measurement m = drifting_loop({.drift_n_per_s = 2e-3}, 1);
   for (double& f : m.force_n) {
     f = -f;
   }
@@ -68,7 +69,7 @@ TEST(TimeDrift, IsFoundWithTheForceTurned) {
 TEST(TimeDrift, IsNotFoundWhereThereIsNone) {
   int found = 0;
   for (unsigned seed = 1; seed <= 30; ++seed) {
-    const Measurement m = loop({}, seed);
+    const Measurement m = drifting_loop({}, seed);
     const CorrectedPress press = correct_press(m, nullptr);
     found += press.corrections.drift.significant ? 1 : 0;
     if (!press.corrections.drift.significant) {
@@ -80,7 +81,8 @@ TEST(TimeDrift, IsNotFoundWhereThereIsNone) {
 
 TEST(TimeDrift, IsFoundInADwellBeforeAPress) {
   const CorrectedPress press = correct_press(
-      loop({.drift_n_per_s = 2e-3, .retract = false, .dwell = 100}, 2), nullptr);
+      drifting_loop({.drift_n_per_s = 2e-3, .retract = false, .dwell = 100}, 2),
+      nullptr);
   EXPECT_TRUE(press.corrections.drift.significant);
   EXPECT_NEAR(press.corrections.drift.n_per_s, 2e-3,
               4.0 * press.corrections.drift.sd_n_per_s);
@@ -90,11 +92,11 @@ TEST(TimeDrift, IsRefusedWhereItCannotBeTold) {
   const auto refused = [](const Measurement& m) {
     return correct_press(m, nullptr).corrections.drift.refused;
   };
-  EXPECT_NE(refused(loop({.drift_n_per_s = 2e-3, .retract = false}, 3))
+  EXPECT_NE(refused(drifting_loop({.drift_n_per_s = 2e-3, .retract = false}, 3))
                 .find("cannot be told from one with displacement"),
             std::string::npos);
   EXPECT_EQ(refused(synthetic({}, 1)), "no time column");
-  const CorrectedPress leap = correct_press(loop({.leap_n = 0.1}, 4), nullptr);
+  const CorrectedPress leap = correct_press(drifting_loop({.leap_n = 0.1}, 4), nullptr);
   EXPECT_TRUE(leap.corrections.drift.leaps);
   EXPECT_NE(leap.corrections.drift.refused.find("leaps by 0.0"), std::string::npos)
       << leap.corrections.drift.refused;

@@ -54,7 +54,7 @@ TEST(Relaxation, StatesTheSpeedOfThePressBeforeTheHold) {
 }
 
 // Press and release at 10 mm/s along a law with damping.
-Measurement loop(double lambda_s_per_m, double release_gain) {
+Measurement damped_loop(double lambda_s_per_m, double release_gain) {
   Measurement m;
   for (int i = 0; i <= 800; ++i) {
     const bool press = i <= 400;
@@ -69,7 +69,7 @@ Measurement loop(double lambda_s_per_m, double release_gain) {
 }
 
 TEST(Loop, HuntAndCrossleysLawIsRecovered) {
-  const Measurement m = loop(20.0, 1.0);
+  const Measurement m = damped_loop(20.0, 1.0);
   const Approach approach = select_approach(m);
   const LoopFit fit = find_loop(m, approach, fit_contact(approach));
   ASSERT_EQ(fit.refused, "");
@@ -80,7 +80,7 @@ TEST(Loop, HuntAndCrossleysLawIsRecovered) {
 }
 
 TEST(Loop, ThatGivesMoreThanItTookIsNotFitted) {
-  const Measurement m = loop(0.0, 1.02);
+  const Measurement m = damped_loop(0.0, 1.02);
   const Approach approach = select_approach(m);
   const LoopFit fit = find_loop(m, approach, fit_contact(approach));
   EXPECT_NE(fit.refused.find("more work"), std::string::npos);

@@ -26,7 +26,7 @@ Eigen::MatrixXd covariance(const CorrelatedNoise& noise, Eigen::Index n) {
 }
 
 // A line through samples in a row.
-Eigen::MatrixXd line(Eigen::Index n) {
+Eigen::MatrixXd line_jacobian(Eigen::Index n) {
   Eigen::MatrixXd J(n, 2);
   J.col(0).setOnes();
   J.col(1).setLinSpaced(n, -1.0, 1.0);
@@ -81,7 +81,7 @@ TEST(CorrelatedNoise, LongRunVarianceIsThatOfAMean) {
 // How often a parameter, zero in truth, lies within 1.96 of its stated deviations.
 TEST(CorrelatedNoise, IntervalsHoldTheTruthAsOftenAsTheySay) {
   std::mt19937 generator(7);
-  const Eigen::MatrixXd J = line(kSamples);
+  const Eigen::MatrixXd J = line_jacobian(kSamples);
   constexpr int kDraws = 400;
   for (const double rho : {0.0, 0.5, 0.9}) {
     const CorrelatedNoise truth{rho > 0.0 ? 0.2 : 1.0, rho > 0.0 ? 1.0 : 0.0, rho};
@@ -102,7 +102,7 @@ TEST(CorrelatedNoise, IntervalsHoldTheTruthAsOftenAsTheySay) {
 
 // A bow that the line does not follow is shared by all samples.
 TEST(CorrelatedNoise, WhatALawMissesWidensIntervalsToItsOwnSizeAtMost) {
-  const Eigen::MatrixXd J = line(kSamples);
+  const Eigen::MatrixXd J = line_jacobian(kSamples);
   const Eigen::VectorXd bow = J.col(1).array().square();
   const Eigen::VectorXd r = residual_of_fit(J, bow);
   const Eigen::Vector2d sd =
@@ -118,7 +118,7 @@ TEST(CorrelatedNoise, WhatALawMissesWidensIntervalsToItsOwnSizeAtMost) {
 // far the line's end is off.
 TEST(CorrelatedNoise, SmoothShapesThatALawMissesAreCounted) {
   std::mt19937 generator(11);
-  const Eigen::MatrixXd J = line(kSamples);
+  const Eigen::MatrixXd J = line_jacobian(kSamples);
   const Eigen::Vector2d end(1.0, 1.0);
   const Eigen::MatrixXd L = Eigen::MatrixXd(
       covariance({0.1, 1.0, std::exp(-1.0 / 8.0), true}, kSamples).llt().matrixL());
@@ -141,7 +141,7 @@ TEST(CorrelatedNoise, SmoothShapesThatALawMissesAreCounted) {
 
 TEST(CorrelatedNoise, AFewSamplesAreTakenForWhite) {
   std::mt19937 generator(2);
-  const Eigen::MatrixXd J = line(12);
+  const Eigen::MatrixXd J = line_jacobian(12);
   const Eigen::VectorXd r = residual_of_fit(J, drawn({0.2, 1.0, 0.9}, 12, generator));
   const Eigen::MatrixXd white =
       (J.transpose() * J).inverse() * r.squaredNorm() / (12 - 2);
@@ -152,7 +152,7 @@ TEST(CorrelatedNoise, VeryManySamplesAreAveragedFirst) {
   std::mt19937 generator(3);
   constexpr Eigen::Index kMany = 20000;
   const CorrelatedNoise truth{1.0, 0.5, 0.99};
-  const Eigen::MatrixXd J = line(kMany);
+  const Eigen::MatrixXd J = line_jacobian(kMany);
   const Eigen::MatrixXd bread = (J.transpose() * J).inverse();
   const Eigen::MatrixXd wanted =
       bread * J.transpose() * times_covariance(truth, J) * bread;

@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kRead =
+constexpr const char* kReadInMetres =
     "[read]\ndepth_column = \"x\"\ndepth_unit = \"m\"\nforce_column = \"f\"\n"
     "force_unit = \"N\"\n[fit]\nfamilies = [\"power-law\"]\n";
 constexpr double kStiffness = 800.0;  // [N/m]
@@ -53,7 +53,7 @@ class SessionMachineTest : public testing::Test {
   }
 
   Session read(const std::string& rest) const {
-    write("session.toml", kRead + rest);
+    write("session.toml", kReadInMetres + rest);
     return read_session(folder_ / "session.toml");
   }
 
@@ -161,7 +161,7 @@ TEST_F(SessionMachineTest, FitsTheCycleThatIsWanted) {
 
 TEST_F(SessionMachineTest, ReadsTheCycleAsTextOrNumber) {
   const auto cycle = [&](const std::string& value) {
-    write("session.toml", kRead + ("cycle = " + value + "\n") + kRun);
+    write("session.toml", kReadInMetres + ("cycle = " + value + "\n") + kRun);
     return cycle_text(*read_session(folder_ / "session.toml").fit.cycle);
   };
   EXPECT_EQ(cycle("\"last\""), "last");

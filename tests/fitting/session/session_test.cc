@@ -7,14 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "tests/support/batch_folder.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-constexpr const char* kRead =
-    "[read]\ndepth_column = \"x\"\ndepth_unit = \"mm\"\nforce_column = \"f\"\n"
-    "force_unit = \"N\"\n";
 
 // A session that reads columns x and f, and has these tables too.
 std::string with(const std::string& rest) {

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRadius = 0.05;
+constexpr double kBodyRadius = 0.05;
 constexpr double kDepth = 4e-3;
 
 // [N/m^1.5] of the sphere's surface at p.
@@ -41,7 +41,7 @@ class MeasuredSphere : public testing::Test {
     std::normal_distribution<double> normal;
     for (int i = 0; i < 60; ++i) {
       Eigen::Vector3d p(normal(generator), normal(generator), normal(generator));
-      p = kRadius * p.normalized();
+      p = kBodyRadius * p.normalized();
       SurfaceProbe probe;
       probe.name = fmt::format("probe {}", i);
       probe.position_m = p;
@@ -53,7 +53,7 @@ class MeasuredSphere : public testing::Test {
     }
   }
 
-  SurfaceMesh body_ = icosphere(kRadius, 3);
+  SurfaceMesh body_ = icosphere(kBodyRadius, 3);
   ToolShape tool_ = ball(5e-3, 0.2, 1e-4);
   std::vector<SurfaceProbe> probes_;
 };
@@ -218,7 +218,7 @@ TEST_F(MeasuredSphere, TakesTheLawThatFitsEachProbe) {
 }
 
 // Of a press at 2 mm/s; the amplitudes' scatter has median 1.
-Relaxation hold_of(double amplitude, double seconds) {
+Relaxation relaxing_hold(double amplitude, double seconds) {
   Relaxation r;
   r.g = {0.25 * amplitude, 0.15 * amplitude};
   r.tau_s = {0.4, 5.0};
@@ -232,9 +232,9 @@ TEST_F(MeasuredSphere, KeepsEachProbesRelaxationAndTheMedianAtTheNodes) {
   for (std::size_t i = 0; i < 9; ++i) {
     const double off = 0.1 * (static_cast<double>(i) - 4.0);
     probes_[i].relaxation =
-        hold_of(1.0 + off * off * off, 10.0 + static_cast<double>(i));
+        relaxing_hold(1.0 + off * off * off, 10.0 + static_cast<double>(i));
   }
-  probes_[9].relaxation = hold_of(2.0, 1.0);  // too short to be compared
+  probes_[9].relaxation = relaxing_hold(2.0, 1.0);  // too short to be compared
   const SurfaceFit fit = fit_surface(body_, tool_, probes_);
   check(fit.database);
   const ResponseRelaxation& nodes = fit.database.tools.at(0).relaxation;
@@ -255,7 +255,7 @@ TEST_F(MeasuredSphere, KeepsEachProbesRelaxationAndTheMedianAtTheNodes) {
 
 // Also fitted together with its press, which tells the terms to 0.01.
 Relaxation hold_with_press(double g_1, double g_2, double seconds) {
-  Relaxation hold = hold_of(1.0, seconds);
+  Relaxation hold = relaxing_hold(1.0, seconds);
   hold.joint.refused.clear();
   hold.joint.terms.resize(2);
   hold.joint.terms[0].g = g_1;

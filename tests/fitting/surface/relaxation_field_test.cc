@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRadius = 0.05, kHold = 10.0;
+constexpr double kSphereRadius = 0.05, kHold = 10.0;
 const std::vector<double> kTau{0.4, 4.0};
 
 using TermsAt = std::function<Eigen::Vector2d(const Eigen::Vector3d&)>;
@@ -50,7 +50,7 @@ class HeldSphere : public testing::Test {
     probes_.resize(count);
     for (SurfaceProbe& probe : probes_) {
       const Eigen::Vector3d p(normal(generator), normal(generator), normal(generator));
-      probe.position_m = kRadius * p.normalized();
+      probe.position_m = kSphereRadius * p.normalized();
       Eigen::Vector2d g = terms(probe.position_m);
       g += sd * Eigen::Vector2d(normal(generator), normal(generator));
       g = g.cwiseMax(0.0);
@@ -69,7 +69,7 @@ class HeldSphere : public testing::Test {
                             common_viscoelasticity(all()));
   }
 
-  SurfaceMesh body_ = icosphere(kRadius, 2);
+  SurfaceMesh body_ = icosphere(kSphereRadius, 2);
   std::vector<SurfaceProbe> probes_;
 };
 
@@ -80,7 +80,8 @@ TEST_F(HeldSphere, TwoHalvesAreRecoveredWithinTheStatedError) {
   ASSERT_EQ(found.g.rows(), body_.position_m.rows());
   ASSERT_EQ(found.error_relative.size(), static_cast<std::size_t>(found.g.rows()));
   const Eigen::MatrixXd of_terms = shares_of_terms(report.time_s, kTau);
-  const double spacing_m = kRadius * std::sqrt(4.0 * 3.14159265 / 80.0);  // of probes
+  const double spacing_m =
+      kSphereRadius * std::sqrt(4.0 * 3.14159265 / 80.0);  // of probes
   double covered = 0.0, away = 0.0, squares = 0.0;
   for (Eigen::Index i = 0; i < found.g.rows(); ++i) {
     const Eigen::Vector3d p = body_.position_m.row(i);

@@ -1,7 +1,9 @@
 #include "formats/base/atomic_file.h"
 
 #include <csignal>
+#include <fstream>
 
+#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include "formats/base/error.h"
@@ -11,11 +13,6 @@
 
 namespace palpate {
 namespace {
-
-std::string content(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file) << text;
@@ -31,7 +28,7 @@ TEST(AtomicFile, AppearsWholeAtCommit) {
   write(file.temporary(), "new");
   EXPECT_FALSE(std::filesystem::exists(folder / "a"));
   file.commit();
-  EXPECT_EQ(content(folder / "a"), "new");
+  EXPECT_EQ(bytes_of(folder / "a"), "new");
   EXPECT_EQ(entries(folder.path()), 1);
 }
 
@@ -42,7 +39,7 @@ TEST(AtomicFile, LeavesNothingBehindWithoutCommit) {
     const AtomicFile file(folder / "a");
     write(file.temporary(), "half");
   }
-  EXPECT_EQ(content(folder / "a"), "old");
+  EXPECT_EQ(bytes_of(folder / "a"), "old");
   EXPECT_EQ(entries(folder.path()), 1);
 }
 
@@ -52,7 +49,7 @@ TEST(AtomicFile, WritesExactlyTheseBytes) {
   file.write(std::as_bytes(std::span("longer than what comes next", 27)));
   file.write(std::as_bytes(std::span("new\0!", 5)));
   file.commit();
-  EXPECT_EQ(content(folder / "a"), std::string("new\0!", 5));
+  EXPECT_EQ(bytes_of(folder / "a"), std::string("new\0!", 5));
 }
 
 TEST(AtomicFile, AFullDiskIsTheUsersErrorAndLeavesNothing) {
@@ -88,7 +85,7 @@ TEST(AtomicFile, KeepsASymbolicLinkAndReplacesWhatItPointsAt) {
   write(file.temporary(), "new");
   file.commit();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
-  EXPECT_EQ(content(folder / "real"), "new");
+  EXPECT_EQ(bytes_of(folder / "real"), "new");
 }
 
 TEST(AtomicFile, RefusesAMissingFolderAFolderAndADevice) {

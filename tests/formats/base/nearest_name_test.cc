@@ -1,5 +1,7 @@
 #include "formats/base/nearest_name.h"
 
+#include <gtest/gtest.h>
+
 namespace palpate {
 namespace {
 

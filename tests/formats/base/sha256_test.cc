@@ -1,5 +1,9 @@
 #include "formats/base/sha256.h"
 
+#include <fstream>
+
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "tests/support/test_data.h"
 

@@ -1,5 +1,7 @@
 #include "formats/base/units.h"
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 
 namespace palpate {

@@ -2,23 +2,21 @@
 #include "formats/database/chunk_reader.h"
 
 #include <algorithm>
+#include <fstream>
 #include <thread>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_reader.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 class EveryStorage : public testing::TestWithParam<StorageOptions> {};
 

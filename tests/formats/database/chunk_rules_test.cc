@@ -3,25 +3,23 @@
 #include <array>
 #include <cstdlib>
 #include <functional>
-#include <limits>
 #include <random>
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <hdf5.h>
 
 #include "formats/base/error.h"
 #include "formats/database/database_rules.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "tests/formats/database/violation.h"
 #include "tests/support/database_changes.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // What a renderer streams; empty or why it is refused.
 std::string streamed(const std::filesystem::path& file) {

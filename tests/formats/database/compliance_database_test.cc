@@ -1,7 +1,8 @@
 // Contact sets and compliances over distance through a database file: written, read
 // whole and by chunks, sliced, compared, described, refused.
-#include <functional>
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "formats/base/error.h"
 #include "formats/database/chunk_reader.h"
@@ -9,6 +10,7 @@
 #include "formats/database/database_slice.h"
 #include "formats/database/database_summary.h"
 #include "formats/database/work_unit.h"
+#include "tests/formats/database/violation.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
@@ -50,7 +52,7 @@ ResponseDatabase coupled_sphere() {
   return database;
 }
 
-void expect_equal(const ComplianceTable& a, const ComplianceTable& b) {
+void expect_equal_compliance(const ComplianceTable& a, const ComplianceTable& b) {
   EXPECT_EQ(a.distance_m, b.distance_m);
   EXPECT_EQ(a.value, b.value);
   EXPECT_EQ(a.mode, b.mode);
@@ -64,7 +66,7 @@ TEST(DatabaseCompliance, ReadsWhatWasWritten) {
   const ResponseDatabase written = coupled_sphere();
   write_database(folder / "a.h5", written);
   const ResponseTable read = read_database(folder / "a.h5").tools[0];
-  expect_equal(read.compliance, written.tools[0].compliance);
+  expect_equal_compliance(read.compliance, written.tools[0].compliance);
   EXPECT_EQ(read.tool.contact.point_m, two_pads().contact.point_m);
   EXPECT_EQ(read.tool.contact.radius_m, two_pads().contact.radius_m);
 }
@@ -152,15 +154,9 @@ TEST(DatabaseCompliance, UnitsCarryTheContactsOfTheirTools) {
   EXPECT_EQ(tool.contact.radius_m, two_pads().contact.radius_m);
 }
 
-struct Violation {
-  const char* name;
-  std::function<void(ResponseDatabase&)> make;
-  const char* message;
-};
-
 TEST(DatabaseCompliance, SaysWhatIsWrong) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const std::vector<Violation> violations{
+  const std::vector<Violation<ResponseDatabase>> violations{
       {"few knots",
        [](ResponseDatabase& db) {
          db.tools[0].compliance.distance_m = {0.001, 0.002, 0.004};
@@ -213,7 +209,7 @@ TEST(DatabaseCompliance, SaysWhatIsWrong) {
          db.tools[1].tool = {.name = "pads.2", .radius_m = 0.003};
        },
        "is a sphere of radius 0.003, must be a sphere of radius 0.004"}};
-  for (const Violation& violation : violations) {
+  for (const Violation<ResponseDatabase>& violation : violations) {
     ResponseDatabase database = coupled_sphere();
     violation.make(database);
     try {

@@ -1,32 +1,17 @@
 // The rules for optional parts, broken one at a time.
 #include "formats/database/database_check_optional.h"
 
-#include <functional>
-#include <limits>
+#include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "tests/formats/database/violation.h"
 #include "tests/support/small_database.h"
 
 namespace palpate {
 namespace {
 
-struct Violation {
-  const char* name;
-  std::function<void(ResponseDatabase&)> make;
-  const char* message;  // beginning of the error
+class BrokenOptionalRule : public testing::TestWithParam<Violation<ResponseDatabase>> {
 };
-
-void PrintTo(const Violation& violation, std::ostream* out) {
-  *out << violation.name;
-}
-
-ResponseTable& tip(ResponseDatabase& database) {
-  return database.tools[0];
-}
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-class BrokenOptionalRule : public testing::TestWithParam<Violation> {};
 
 TEST_P(BrokenOptionalRule, IsNamedWithElementAndValue) {
   ResponseDatabase database = small_database();
@@ -40,7 +25,7 @@ TEST_P(BrokenOptionalRule, IsNamedWithElementAndValue) {
   }
 }
 
-const std::vector<Violation> kViolations = {
+const std::vector<Violation<ResponseDatabase>> kOptionalViolations = {
     {"VerifiedErrorNegative",
      [](ResponseDatabase& d) {
        tip(d).verified_error_relative.assign(6, -0.5);
@@ -123,7 +108,7 @@ const std::vector<Violation> kViolations = {
     {"RelaxationNotANumber",
      [](ResponseDatabase& d) {
        tip(d).relaxation = relaxing();
-       tip(d).relaxation.terms = {{kNan}, {kNan}, {kNan}, {kNan}};
+       tip(d).relaxation.terms = {{kNaN}, {kNaN}, {kNaN}, {kNaN}};
      },
      "/tools/tip/relaxation: row 0 has g_1 nan"},
     {"TimesFall",
@@ -165,7 +150,7 @@ const std::vector<Violation> kViolations = {
     {"KnownRunWithoutHold",
      [](ResponseDatabase& d) {
        d.measurement = held();
-       d.measurement.relaxation.seconds[0] = kNan;
+       d.measurement.relaxation.seconds[0] = kNaN;
      },
      "/measurement/relaxation/seconds: run 0 has nan, must be finite"},
     {"RunsDoNotEnd",
@@ -175,7 +160,8 @@ const std::vector<Violation> kViolations = {
      },
      "/measurement/run_begin runs from 0 to 1, must rise from 0 to 2"},
 };
-INSTANTIATE_TEST_SUITE_P(Optional, BrokenOptionalRule, testing::ValuesIn(kViolations));
+INSTANTIATE_TEST_SUITE_P(Optional, BrokenOptionalRule,
+                         testing::ValuesIn(kOptionalViolations));
 
 }  // namespace
 }  // namespace palpate

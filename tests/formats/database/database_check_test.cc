@@ -1,32 +1,18 @@
 // Every rule of FORMAT.md, broken one at a time.
 #include <cmath>
-#include <functional>
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "formats/base/error.h"
 #include "formats/database/response_database.h"
+#include "tests/formats/database/violation.h"
 #include "tests/support/small_database.h"
 
 namespace palpate {
 namespace {
 
-struct Violation {
-  const char* name;
-  std::function<void(ResponseDatabase&)> make;
-  const char* message;  // beginning of the error
-};
-
-void PrintTo(const Violation& violation, std::ostream* out) {
-  *out << violation.name;
-}
-
-ResponseTable& tip(ResponseDatabase& database) {
-  return database.tools[0];
-}
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-class BrokenRule : public testing::TestWithParam<Violation> {};
+class BrokenRule : public testing::TestWithParam<Violation<ResponseDatabase>> {};
 
 TEST_P(BrokenRule, IsNamedWithElementAndValue) {
   ResponseDatabase database = small_database();
@@ -42,7 +28,7 @@ TEST_P(BrokenRule, IsNamedWithElementAndValue) {
   }
 }
 
-const std::vector<Violation> kBody = {
+const std::vector<Violation<ResponseDatabase>> kBody = {
     {"NoNodes",
      [](ResponseDatabase& d) {
        d.body.position_m.resize(0, 3);
@@ -50,7 +36,7 @@ const std::vector<Violation> kBody = {
      "/body has 0 nodes and 8 triangles"},
     {"NanPosition",
      [](ResponseDatabase& d) {
-       d.body.position_m(3, 1) = kNan;
+       d.body.position_m(3, 1) = kNaN;
      },
      "/body/position_m: node 3 is at (0, nan, 0)"},
     {"IndexTooLarge",
@@ -82,7 +68,7 @@ const std::vector<Violation> kBody = {
 };
 INSTANTIATE_TEST_SUITE_P(Body, BrokenRule, testing::ValuesIn(kBody));
 
-const std::vector<Violation> kTool = {
+const std::vector<Violation<ResponseDatabase>> kTool = {
     {"NoTools",
      [](ResponseDatabase& d) {
        d.tools.clear();
@@ -110,7 +96,7 @@ const std::vector<Violation> kTool = {
      "/tools/tip/direction: node 2 has length 0.5, must be 1"},
     {"DirectionNan",
      [](ResponseDatabase& d) {
-       tip(d).direction(2, 0) = kNan;
+       tip(d).direction(2, 0) = kNaN;
      },
      "/tools/tip/direction: node 2 has length nan, must be 1"},
     {"FrictionRange",
@@ -147,7 +133,7 @@ const std::vector<Violation> kTool = {
 INSTANTIATE_TEST_SUITE_P(Tool, BrokenRule, testing::ValuesIn(kTool));
 
 // Node 0 owns samples 0 to 3, node 1 samples 4 to 8.
-const std::vector<Violation> kCurve = {
+const std::vector<Violation<ResponseDatabase>> kCurve = {
     {"BeginNotZero",
      [](ResponseDatabase& d) {
        tip(d).sample_begin[0] = 1;
@@ -186,7 +172,7 @@ const std::vector<Violation> kCurve = {
      "/tools/tip/depth_m: node 1 sample 2 is"},
     {"DepthNan",
      [](ResponseDatabase& d) {
-       tip(d).depth_m[6] = kNan;
+       tip(d).depth_m[6] = kNaN;
      },
      "/tools/tip/depth_m: node 1 sample 2 is nan"},
     {"ForceNegative",
@@ -227,7 +213,7 @@ const std::vector<Violation> kCurve = {
 };
 INSTANTIATE_TEST_SUITE_P(Curve, BrokenRule, testing::ValuesIn(kCurve));
 
-const std::vector<Violation> kRest = {
+const std::vector<Violation<ResponseDatabase>> kRest = {
     {"MeasurementLengths",
      [](ResponseDatabase& d) {
        d.measurement.depth_m = {0.0, 0.1};
@@ -237,7 +223,7 @@ const std::vector<Violation> kRest = {
     {"MeasurementNan",
      [](ResponseDatabase& d) {
        d.measurement.depth_m = {0.0, 0.1};
-       d.measurement.force_n = {0.0, kNan};
+       d.measurement.force_n = {0.0, kNaN};
      },
      "/measurement: sample 1 is (0.1 m, nan N)"},
     {"DigestShort",

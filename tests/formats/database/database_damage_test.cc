@@ -1,8 +1,10 @@
 // A database file that is damaged, foreign or hostile is refused with one line, and
 // never read wrongly.
+#include <fstream>
 #include <functional>
 #include <random>
 
+#include <gtest/gtest.h>
 #include <hdf5.h>
 #include <sys/stat.h>
 
@@ -10,18 +12,12 @@
 #include "formats/base/error.h"
 #include "formats/database/response_database.h"
 #include "formats/hdf5/hdf5_io.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void put_bytes(const std::filesystem::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;

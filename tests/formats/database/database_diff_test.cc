@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
 #include "tests/support/small_database.h"

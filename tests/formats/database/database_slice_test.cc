@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
 #include "tests/support/small_database.h"

@@ -1,4 +1,5 @@
 // palpate-db as a user runs it.
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/database/response_database.h"

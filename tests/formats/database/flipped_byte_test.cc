@@ -1,20 +1,21 @@
 // Single-byte damage inside the data of a database is always noticed.
 #include <array>
+#include <fstream>
 #include <random>
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <hdf5.h>
 
 #include "formats/base/error.h"
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
 #include "formats/response/memory_sites.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 struct Range {
   std::size_t begin;

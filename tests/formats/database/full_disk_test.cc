@@ -4,7 +4,9 @@
 // The full and the read-only disk are small ones in memory, mounted for this process
 // alone; skipped where that is not allowed.
 #include <algorithm>
+#include <fstream>
 
+#include <gtest/gtest.h>
 #include <hdf5.h>
 #include <sched.h>
 #include <sys/mount.h>
@@ -12,7 +14,7 @@
 #include "formats/base/error.h"
 #include "formats/database/chunk_reader.h"
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
@@ -20,13 +22,6 @@
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 std::size_t files_in(const std::filesystem::path& folder) {
   return static_cast<std::size_t>(

@@ -1,26 +1,21 @@
 // A writer that dies at any moment leaves the old file or the new one.
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <random>
 #include <thread>
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 TEST(KilledWriter, LeavesTheOldFileOrTheNewOne) {
   const ScratchFolder folder;

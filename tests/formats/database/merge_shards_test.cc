@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -17,11 +16,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 class MergeShards : public testing::Test {
  protected:
@@ -61,7 +55,7 @@ TEST_F(MergeShards, GivesTheBytesOfTheWhole) {
   ResponseDatabase whole = assemble(sample_plan(), sample_units()).database;
   choose_precision(whole, {});
   write_database(folder_ / "whole.h5", whole);
-  EXPECT_TRUE(read(folder_ / "out.h5") == read(folder_ / "whole.h5"));
+  EXPECT_TRUE(bytes_of(folder_ / "out.h5") == bytes_of(folder_ / "whole.h5"));
 }
 
 TEST_F(MergeShards, RefusesShardsOfDifferentComputations) {

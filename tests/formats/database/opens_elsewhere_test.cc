@@ -2,18 +2,19 @@
 // reader. Debian's python3-h5py and python3-vtk9; skipped where they are absent.
 #include <array>
 #include <cstdio>
+#include <fstream>
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/database/response_database.h"
-#include "formats/hdf5/hdf5_io.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 constexpr const char* kPython = "/usr/bin/python3";  // Debian's, with its modules
 
@@ -38,11 +39,6 @@ std::string output_of(const std::filesystem::path& script,
   return ::pclose(pipe) == 0 ? text : "";
 }
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // The lines between "```<kind>" and "```".
 std::string block_of(const std::string& document, const std::string& kind) {
   const std::string begin = "```" + kind + "\n";
@@ -60,7 +56,7 @@ TEST(OpensElsewhere, TheLinesOfTheDocumentEvaluateAResponse) {
   }
   const ScratchFolder folder;
   write_database(folder / "example.h5", small_database());
-  const std::string lines = block_of(text_of("formats/database/FORMAT.md"), "python");
+  const std::string lines = block_of(bytes_of("formats/database/FORMAT.md"), "python");
   ASSERT_FALSE(lines.empty());
   EXPECT_LE(std::count(lines.begin(), lines.end(), '\n'), 12);
   std::ofstream(folder / "evaluate.py") << lines;
@@ -71,7 +67,7 @@ TEST(OpensElsewhere, TheLinesOfTheDocumentEvaluateAResponse) {
   ASSERT_FALSE(printed.empty());
   EXPECT_NEAR(std::stod(printed), force_n, 1e-12 * force_n);
   EXPECT_NE(
-      text_of("formats/database/FORMAT.md").find(fmt::format("{:.6f} N", force_n)),
+      bytes_of("formats/database/FORMAT.md").find(fmt::format("{:.6f} N", force_n)),
       std::string::npos)
       << fmt::format("{:.6f} N", force_n);
 }

@@ -1,5 +1,7 @@
 #include "formats/database/precision_choice.h"
 
+#include <gtest/gtest.h>
+
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
 

@@ -2,6 +2,9 @@
 
 #include <limits>
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "formats/database/select_nodes.h"
 #include "tests/support/small_database.h"
@@ -10,11 +13,6 @@
 
 namespace palpate {
 namespace {
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void expect_equal(const ToolShape& a, const ToolShape& b) {
   EXPECT_EQ(a.name, b.name);

@@ -4,12 +4,15 @@
 #include <functional>
 #include <limits>
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "formats/database/chunk_reader.h"
 #include "formats/database/database_diff.h"
 #include "formats/database/database_slice.h"
 #include "formats/database/database_summary.h"
 #include "formats/response/memory_sites.h"
+#include "tests/formats/database/violation.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
@@ -17,7 +20,7 @@
 namespace palpate {
 namespace {
 
-void expect_equal(const Viscoelasticity& a, const Viscoelasticity& b) {
+void expect_equal_relaxation(const Viscoelasticity& a, const Viscoelasticity& b) {
   EXPECT_EQ(a.rule, b.rule);
   EXPECT_EQ(a.probes, b.probes);
   EXPECT_EQ(a.instantaneous, b.instantaneous);
@@ -44,7 +47,8 @@ TEST(DatabaseViscoelasticity, ReadsWhatWasWritten) {
   write_database(folder / "a.h5", written);
   const ResponseDatabase read = read_database(folder / "a.h5");
   EXPECT_TRUE(read.tools[0].viscoelasticity.empty());
-  expect_equal(read.tools[1].viscoelasticity, written.tools[1].viscoelasticity);
+  expect_equal_relaxation(read.tools[1].viscoelasticity,
+                          written.tools[1].viscoelasticity);
 }
 
 TEST(DatabaseViscoelasticity, OneRowOfSharesIsForAllNodesAndSitesAreOptional) {
@@ -60,7 +64,8 @@ TEST(DatabaseViscoelasticity, OneRowOfSharesIsForAllNodesAndSitesAreOptional) {
   relaxation.speed_m_per_s = 0.0;
   relaxation.probes = 0;
   write_database(folder / "a.h5", written);
-  expect_equal(read_database(folder / "a.h5").tools[1].viscoelasticity, relaxation);
+  expect_equal_relaxation(read_database(folder / "a.h5").tools[1].viscoelasticity,
+                          relaxation);
   const ChunkReader reader(folder / "a.h5");
   EXPECT_EQ(reader.index().tools[1].memory_sha256.size(), 0);
   EXPECT_EQ(reader.responses(1, 0).viscoelasticity.g, relaxation.g);
@@ -178,15 +183,9 @@ TEST(DatabaseViscoelasticity, ASummaryDoubtsSitesThatAreNotTwoContactRadiiApart)
             "s; curves are of a press at 1 mm/s; 7 probes; made up");
 }
 
-struct Violation {
-  const char* name;
-  std::function<void(Viscoelasticity&)> make;
-  const char* says;
-};
+class BrokenViscoelasticity
+    : public testing::TestWithParam<Violation<Viscoelasticity>> {};
 
-class BrokenViscoelasticity : public testing::TestWithParam<Violation> {};
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 TEST_P(BrokenViscoelasticity, IsRefusedByNameWhenWrittenAndWhenRead) {
@@ -197,12 +196,12 @@ TEST_P(BrokenViscoelasticity, IsRefusedByNameWhenWrittenAndWhenRead) {
     write_database(folder / "a.h5", database);
     FAIL() << "written";
   } catch (const FormatError& error) {
-    EXPECT_NE(std::string(error.what()).find(GetParam().says), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find(GetParam().message), std::string::npos)
         << error.what();
   }
 }
 
-const std::vector<Violation> kViolations{
+const std::vector<Violation<Viscoelasticity>> kViscoelasticityViolations{
     {"SharesAboveOne",
      [](auto& v) {
        v.g(3, 1) = 0.9F;
@@ -215,7 +214,7 @@ const std::vector<Violation> kViolations{
      "/tools/ball/relaxation/g: row 2 has -0.1"},
     {"ShareNotANumber",
      [](auto& v) {
-       v.g(2, 0) = kNaN;
+       v.g(2, 0) = std::numeric_limits<float>::quiet_NaN();
      },
      "/tools/ball/relaxation/g: row 2 has nan, must be at least 0"},
     {"TimeOfZero",
@@ -323,7 +322,8 @@ const std::vector<Violation> kViolations{
      "/tools/ball/memory/bundle_depth_m: element 1 is 0.001 after 0.002"},
 };
 INSTANTIATE_TEST_SUITE_P(Viscoelasticity, BrokenViscoelasticity,
-                         testing::ValuesIn(kViolations), [](const auto& violation) {
+                         testing::ValuesIn(kViscoelasticityViolations),
+                         [](const auto& violation) {
                            return violation.param.name;
                          });
 

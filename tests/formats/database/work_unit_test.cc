@@ -170,8 +170,7 @@ TEST(ShardFile, WithAnyByteChangedIsRefused) {
   const ScratchFolder folder;
   const auto file = folder / "part";
   write_shard(file, {sample_plan(), sample_units()});
-  std::ifstream in(file, std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const std::string whole = bytes_of(file);
   for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 200) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
@@ -245,11 +244,7 @@ TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {
   write_database(folder / "a.h5", assemble(sample_plan(), units).database);
   std::reverse(units.begin(), units.end());
   write_database(folder / "b.h5", assemble(sample_plan(), units).database);
-  const auto read = [](const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return std::string{std::istreambuf_iterator<char>(in), {}};
-  };
-  EXPECT_TRUE(read(folder / "a.h5") == read(folder / "b.h5"));
+  EXPECT_TRUE(bytes_of(folder / "a.h5") == bytes_of(folder / "b.h5"));
 }
 
 std::string refusal(const JobDescription& plan,

@@ -1,7 +1,8 @@
 // How responses yield, through a database file: written, read whole and by chunks,
 // sliced, compared, described, refused.
 #include <cmath>
-#include <functional>
+
+#include <gtest/gtest.h>
 
 #include "formats/base/error.h"
 #include "formats/database/chunk_reader.h"
@@ -9,6 +10,7 @@
 #include "formats/database/database_slice.h"
 #include "formats/database/database_summary.h"
 #include "formats/database/table_memory.h"
+#include "tests/formats/database/violation.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
 #include "tests/support/test_data.h"
@@ -16,7 +18,7 @@
 namespace palpate {
 namespace {
 
-void expect_equal(const Yielding& a, const Yielding& b) {
+void expect_equal_yielding(const Yielding& a, const Yielding& b) {
   EXPECT_EQ(a.yield_depth_m, b.yield_depth_m);
   EXPECT_EQ(a.share, b.share);
   EXPECT_EQ(a.onset_m, b.onset_m);
@@ -52,7 +54,7 @@ TEST(DatabaseYielding, ReadsWhatWasWritten) {
         read_database(folder / "a.h5").tools[0].viscoelasticity;
     EXPECT_TRUE(read.empty());
     EXPECT_TRUE(read.remembers());
-    expect_equal(read.yielding, written.tools[0].viscoelasticity.yielding);
+    expect_equal_yielding(read.yielding, written.tools[0].viscoelasticity.yielding);
     EXPECT_EQ(read.sites.site, written.tools[0].viscoelasticity.sites.site);
     EXPECT_GT(read.sites.node.size(), 20U);
   }
@@ -72,7 +74,7 @@ TEST(DatabaseYielding, ChunksHaveTheRowsOfTheWhole) {
       const Viscoelasticity same =
           rows_of(all, reader.index().node_begin[static_cast<std::size_t>(k)],
                   reader.index().node_begin[static_cast<std::size_t>(k) + 1]);
-      expect_equal(part.yielding, same.yielding);
+      expect_equal_yielding(part.yielding, same.yielding);
       EXPECT_EQ(part.sites.site, same.sites.site);
     }
     EXPECT_EQ(summarise(reader.index().tools[0]).yielding,
@@ -116,13 +118,7 @@ TEST(DatabaseYielding, ASummaryDoubtsItsSitesToo) {
   EXPECT_NE(doubts_of_memory(summarise(database.tools[0])), "");
 }
 
-struct Violation {
-  const char* name;
-  std::function<void(Yielding&)> make;
-  const char* says;
-};
-
-class BrokenYielding : public testing::TestWithParam<Violation> {};
+class BrokenYielding : public testing::TestWithParam<Violation<Yielding>> {};
 
 TEST_P(BrokenYielding, IsRefusedByName) {
   ResponseDatabase database = small_database();
@@ -139,12 +135,12 @@ TEST_P(BrokenYielding, IsRefusedByName) {
     write_database(folder / "a.h5", database);
     FAIL() << "written";
   } catch (const FormatError& error) {
-    EXPECT_NE(std::string(error.what()).find(GetParam().says), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find(GetParam().message), std::string::npos)
         << error.what();
   }
 }
 
-const std::vector<Violation> kViolations{
+const std::vector<Violation<Yielding>> kYieldingViolations{
     {"ShareOfOne",
      [](Yielding& y) {
        y.share[3] = 1.0;
@@ -191,7 +187,8 @@ const std::vector<Violation> kViolations{
      },
      "/tools/ball/damage has 2 of its 3 datasets, must have all"},
 };
-INSTANTIATE_TEST_SUITE_P(Yielding, BrokenYielding, testing::ValuesIn(kViolations),
+INSTANTIATE_TEST_SUITE_P(Yielding, BrokenYielding,
+                         testing::ValuesIn(kYieldingViolations),
                          [](const auto& violation) {
                            return violation.param.name;
                          });

@@ -1,10 +1,12 @@
 #include "formats/measurement/column_choice.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
 #include "formats/measurement/machine_table.h"
 #include "formats/measurement/text_table.h"
+#include "tests/support/said.h"
 
 namespace palpate {
 namespace {
@@ -26,10 +28,6 @@ Chosen choose(const std::string& text, const MeasurementColumns& told = {}) {
     chosen.asked = error.what();
   }
   return chosen;
-}
-
-void expect_says(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
 TEST(ColumnChoice, TheHeaderTellsDepthAndForceByTheirUnits) {

@@ -8,6 +8,8 @@
 #include "formats/base/error.h"
 #include "formats/measurement/instrument_file.h"
 #include "formats/measurement/mach1_map.h"
+#include "tests/formats/measurement/expect_near.h"
+#include "tests/support/said.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -46,17 +48,6 @@ class InstrumentText : public testing::Test {
 
   ScratchFolder folder_;
 };
-
-void expect_near(const std::vector<double>& found, const std::vector<double>& exact) {
-  ASSERT_EQ(found.size(), exact.size());
-  for (std::size_t i = 0; i < exact.size(); ++i) {
-    EXPECT_NEAR(found[i], exact[i], 1e-12 * std::abs(exact[i]) + 1e-18) << i;
-  }
-}
-
-void expect_says(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text;
-}
 
 std::string mach1_block(const std::string& function, const std::string& keys,
                         const std::string& rows,

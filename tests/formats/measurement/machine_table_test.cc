@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "tests/formats/measurement/expect_near.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -48,13 +49,6 @@ class MachineTable : public testing::Test {
  private:
   ScratchFolder folder_;
 };
-
-void expect_near(const std::vector<double>& found, const std::vector<double>& exact) {
-  ASSERT_EQ(found.size(), exact.size());
-  for (std::size_t i = 0; i < exact.size(); ++i) {
-    EXPECT_NEAR(found[i], exact[i], 1e-12 * std::abs(exact[i])) << i;
-  }
-}
 
 // A table of results without times, then raw data of two specimens.
 const std::string kBluehill =

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/mesh/obj_writer.h"
+#include "tests/support/said.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 
@@ -30,10 +31,6 @@ class SurfaceReader : public ::testing::Test {
   }
   ScratchFolder folder_;
 };
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 const std::string kObj =
     "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\n"

@@ -2,21 +2,18 @@
 
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "formats/base/error.h"
+#include "tests/support/quiet_exit.h"
+#include "tests/support/said.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-// Damaged files are opened on purpose.
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 ContactRecording two_hands() {
   ContactRecording r;
@@ -41,16 +38,6 @@ ContactRecording two_hands() {
     *column = {0.1, 1.0 / 3.0, -1e-3};
   }
   return r;
-}
-
-template <typename Reads>
-std::string refusal(const Reads& reads) {
-  try {
-    reads();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(ContactRecordingFile, ReadsWhatWasWritten) {
@@ -127,8 +114,7 @@ TEST(ContactRecordingFile, ForeignAndDamagedFilesAreRefused) {
             }),
             "");
   write_contact_recording(folder / "r.h5", two_hands());
-  std::ifstream in(folder / "r.h5", std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  std::string bytes = bytes_of(folder / "r.h5");
   // One bit of a stored number.
   const double number = 1.0 / 7.0;
   const std::string raw(reinterpret_cast<const char*>(&number), sizeof number);

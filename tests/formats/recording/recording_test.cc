@@ -1,12 +1,14 @@
 #include "formats/recording/recording.h"
 
 #include <chrono>
+#include <fstream>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
 #include "formats/recording/recording_writer.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
 #include "tests/support/test_data.h"
 
@@ -14,9 +16,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Damaged files are opened on purpose.
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 RecordingHeader header() {
   return {.writer = "palpate-run 0.1.0",
@@ -113,11 +112,6 @@ class RecordingFile : public testing::Test {
     return "";
   }
 
-  static std::string bytes(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-
   fs::path with_bytes(const std::string& content) {
     const fs::path file = scratch_ / "damaged.h5";
     std::ofstream(file, std::ios::binary) << content;
@@ -201,7 +195,7 @@ TEST_F(RecordingFile, CanBeEmpty) {
 }
 
 TEST_F(RecordingFile, IsRefusedWhenItIsCutAnywhere) {
-  const std::string whole = bytes(written());
+  const std::string whole = bytes_of(written());
   for (const double part : {0.0, 0.001, 0.1, 0.5, 0.9, 0.999}) {
     const auto size =
         static_cast<std::size_t>(part * static_cast<double>(whole.size()));
@@ -212,7 +206,7 @@ TEST_F(RecordingFile, IsRefusedWhenItIsCutAnywhere) {
 // HDF5 would read the superblock of what another process writes again and again, with
 // growing sleeps: a minute and more.
 TEST_F(RecordingFile, ADamagedSuperblockIsRefusedAtOnce) {
-  const std::string whole = bytes(written());
+  const std::string whole = bytes_of(written());
   for (const std::size_t at : {9U, 20U, 30U, 40U, 44U}) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
@@ -224,7 +218,7 @@ TEST_F(RecordingFile, ADamagedSuperblockIsRefusedAtOnce) {
 }
 
 TEST_F(RecordingFile, IsRefusedOrTheSameWithAFlippedBit) {
-  const std::string whole = bytes(written());
+  const std::string whole = bytes_of(written());
   const Recording sound = read_recording(written());
   std::mt19937 generator(7);
   std::uniform_int_distribution<std::size_t> place(0, whole.size() - 1);

@@ -2,23 +2,20 @@
 
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <span>
 
 #include <gtest/gtest.h>
 
-#include "formats/base/error.h"
 #include "formats/recording/recording.h"
 #include "formats/recording/recording_writer.h"
+#include "tests/support/quiet_exit.h"
+#include "tests/support/said.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Damaged files are opened on purpose.
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 SurfaceState state() {
   return {.writer = "palpate-run 0.1.0",
@@ -27,16 +24,6 @@ SurfaceState state() {
           .tool = {{"ball", {{0, 0.001, 0.003}, {7, 0.0, 0.002}}},
                    {"a tip", {{2'000'000'000, 1.0 / 3.0, 0.0}}},
                    {"unused", {}}}};
-}
-
-template <typename Reads>
-std::string refusal(const Reads& reads) {
-  try {
-    reads();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(SurfaceStateFile, ReadsWhatWasWritten) {
@@ -91,8 +78,7 @@ TEST(SurfaceStateFile, ForeignAndDamagedFilesAreRefused) {
   std::ofstream(folder / "s.h5") << "text";
   EXPECT_NE(said(), "");
   write_surface_state(folder / "s.h5", state());
-  std::ifstream in(folder / "s.h5", std::ios::binary);
-  std::string bytes(std::istreambuf_iterator<char>(in), {});
+  std::string bytes = bytes_of(folder / "s.h5");
   // The 0.001 of the first dent, once.
   const double dent_m = 0.001;
   const std::string wanted(reinterpret_cast<const char*>(&dent_m), sizeof dent_m);

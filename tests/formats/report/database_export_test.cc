@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/small_database.h"

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/hdf5/hdf5_io.h"
 #include "formats/report/display_mesh.h"
 #include "tests/support/page_visit.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/small_database.h"
 #include "tests/support/sphere_database.h"
@@ -15,8 +16,6 @@
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 // What a user does, and what there is to be seen then.
 constexpr const char* kVisit = R"js(

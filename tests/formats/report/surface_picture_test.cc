@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "formats/report/axis_ticks.h"
 #include "formats/report/colour_map.h"

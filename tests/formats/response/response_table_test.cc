@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "tests/support/small_database.h"
 

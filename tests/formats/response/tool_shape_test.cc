@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
 #include "formats/mesh/convex_mesh.h"
 #include "tests/support/tool_shapes.h"

@@ -5,20 +5,12 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kIsotropic =
-    "law = \"linear\"\nyoungs_modulus_pa = 5000.0\npoissons_ratio = 0.45\n";
 constexpr const char* kPlace = "box_m = [[-1.0, -1.0, -1.0], [1.0, 1, -0.0199]]\n";
 
 constexpr const char* kLinearFibre =
     "law = \"transversely-isotropic\"\nfibre_law = \"linear\"\nfibre = [0, 3, 4]\n"
     "youngs_modulus_fibre_pa = 20\nyoungs_modulus_pa = 10\n"
     "shear_modulus_fibre_pa = 4\npoissons_ratio_fibre = 0.3\npoissons_ratio = 0.4\n";
-
-SceneMaterial material_of(const std::string& law) {
-  const Scene scene = read_scene_text(scene_with(kIsotropic, law));
-  EXPECT_EQ(scene.material.size(), 1u);
-  return scene.material.at(0);
-}
 
 SceneSupport support_at(const std::string& place) {
   return read_scene_text(scene_with(kPlace, place)).support.at(0);

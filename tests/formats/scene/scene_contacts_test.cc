@@ -1,15 +1,10 @@
 // [[tool]] of shape "spheres", and which tools couple.
 #include "formats/scene/scene.h"
 #include "tests/formats/scene/scene_text.h"
+#include "tests/support/said.h"
 
 namespace palpate {
 namespace {
-
-constexpr const char* kSphere = "shape = \"sphere\"\nradius_m = 0.005\n";
-
-void expect_says(const std::string& error, const std::string& what) {
-  EXPECT_NE(error.find(what), std::string::npos) << error;
-}
 
 constexpr const char* kThree =
     "shape = \"spheres\"\ncentre_m = [[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0.002]]\n";

@@ -45,6 +45,11 @@ force_relative = 0.04
 contact_resolution = 3
 )";
 
+// Its material and its tool, as scene_with() finds them.
+inline constexpr const char* kIsotropic =
+    "law = \"linear\"\nyoungs_modulus_pa = 5000.0\npoissons_ratio = 0.45\n";
+inline constexpr const char* kSphere = "shape = \"sphere\"\nradius_m = 0.005\n";
+
 inline Scene read_scene_text(const std::string& text) {
   const ScratchFolder folder;
   std::ofstream(folder / "scene.toml") << text;
@@ -57,6 +62,13 @@ inline std::string scene_with(const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
+}
+
+// The material of the scene under another law.
+inline SceneMaterial material_of(const std::string& law) {
+  const Scene scene = read_scene_text(scene_with(kIsotropic, law));
+  EXPECT_EQ(scene.material.size(), 1u);
+  return scene.material.at(0);
 }
 
 inline std::string error_of(const std::string& text) {

@@ -9,8 +9,6 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kSphere = "shape = \"sphere\"\nradius_m = 0.005\n";
-
 ToolShape tool_of(const std::string& keys) {
   return read_scene_text(scene_with(kSphere, keys)).tool.at(0);
 }

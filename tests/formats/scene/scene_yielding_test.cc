@@ -5,15 +5,8 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kIsotropic =
-    "law = \"linear\"\nyoungs_modulus_pa = 5000.0\npoissons_ratio = 0.45\n";
 constexpr const char* kNeoHookean =
     "law = \"neo-hookean\"\nyoungs_modulus_pa = 5000.0\npoissons_ratio = 0.45\n";
-constexpr const char* kSphere = "shape = \"sphere\"\nradius_m = 0.005\n";
-
-SceneMaterial material_of(const std::string& law) {
-  return read_scene_text(scene_with(kIsotropic, law)).material.at(0);
-}
 
 TEST(SceneYieldingKeys, AnyMaterialMayYield) {
   EXPECT_FALSE(material_of(kIsotropic).yielding.plastic);

@@ -1,6 +1,8 @@
 // Meshes that are made for a press.
 #include "precompute/body/meshed_body.h"
 
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 #include "precompute/tets/tet_mesh.h"

@@ -2,6 +2,7 @@
 #include "precompute/body/scene_body.h"
 
 #include <algorithm>
+#include <fstream>
 
 #include <gtest/gtest.h>
 

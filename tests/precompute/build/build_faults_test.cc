@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -59,11 +58,6 @@ Database stored(const ResponseDatabase& database) {
     nodes.emplace(static_cast<std::int32_t>(i), std::move(node));
   }
   return nodes;
-}
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 class BuildFaults : public testing::Test {
@@ -236,7 +230,7 @@ TEST_F(BuildFaults, EveryNodeFailingIsSaidWithTheReason) {
 // A unit of an older version, or of a disk that lied: whole by its SHA-256, and wrong.
 void spoil_unit(const fs::path& file, std::int32_t vertex) {
   constexpr std::size_t kDigest = 64;
-  const std::string kept = read(file);
+  const std::string kept = bytes_of(file);
   WorkUnitOutcome outcome =
       unit_from_bytes(std::as_bytes(std::span(kept)).subspan(kDigest), file.string());
   for (WorkUnitNode& node : outcome.node) {
@@ -256,7 +250,7 @@ void spoil_unit(const fs::path& file, std::int32_t vertex) {
 TEST_F(BuildFaults, ABadUnitOfACheckpointIsComputedAgain) {
   verify_ = 1;  // a second unit, of one vertex that is pressed again
   const BuildReport whole = build_one("linear", true);
-  const std::string bytes = read(folder_ / "out.h5");
+  const std::string bytes = bytes_of(folder_ / "out.h5");
   fs::remove(folder_ / "out.h5");
   std::map<std::int32_t, int> presses;
   set_fault_maker([&](FaultPlace at, std::int32_t vertex, std::span<double>) {
@@ -272,7 +266,7 @@ TEST_F(BuildFaults, ABadUnitOfACheckpointIsComputedAgain) {
   const BuildReport again = build_one("linear", true, true);
   EXPECT_EQ(again.resumed, 0);
   EXPECT_EQ(again.assembly.failed, 0);
-  EXPECT_TRUE(read(folder_ / "out.h5") == bytes);
+  EXPECT_TRUE(bytes_of(folder_ / "out.h5") == bytes);
 }
 
 }  // namespace

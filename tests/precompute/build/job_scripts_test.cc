@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -23,11 +22,6 @@ namespace fs = std::filesystem;
 
 void write(const fs::path& file, const std::string& text) {
   std::ofstream(file) << text;
-}
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 int shell(const std::string& line) {
@@ -67,7 +61,7 @@ class JobScripts : public testing::Test {
                  shell_word((place_ / "log").string()) + " 2>&1");
   }
   std::string attempts(int shard) {
-    return read(job_.folder / fmt::format("shard-{}.attempts", shard));
+    return bytes_of(job_.folder / fmt::format("shard-{}.attempts", shard));
   }
 
   ScratchFolder scratch_;
@@ -76,8 +70,8 @@ class JobScripts : public testing::Test {
 };
 
 TEST_F(JobScripts, EveryShardIsBuiltOnceAndMergedInOrder) {
-  EXPECT_EQ(start(), 0) << read(place_ / "log");
-  EXPECT_EQ(read(job_.output), "0/3\n1/3\n2/3\n");
+  EXPECT_EQ(start(), 0) << bytes_of(place_ / "log");
+  EXPECT_EQ(bytes_of(job_.output), "0/3\n1/3\n2/3\n");
   EXPECT_EQ(attempts(1), "x\n");
 }
 
@@ -85,14 +79,14 @@ TEST_F(JobScripts, ShardsThatAreThereAreNotBuiltAgain) {
   ASSERT_EQ(start(), 0);
   fs::remove(job_.output);
   EXPECT_EQ(start(), 0);
-  EXPECT_EQ(read(job_.output), "0/3\n1/3\n2/3\n");
+  EXPECT_EQ(bytes_of(job_.output), "0/3\n1/3\n2/3\n");
   EXPECT_EQ(attempts(0), "x\n");
 }
 
 TEST_F(JobScripts, KilledShardIsTriedAgainAndNoOther) {
   build_does("if [ $4 = shard-1 ] && ((attempts < 3)); then kill -9 $$; fi");
-  EXPECT_EQ(start(), 0) << read(place_ / "log");
-  EXPECT_EQ(read(job_.output), "0/3\n1/3\n2/3\n");
+  EXPECT_EQ(start(), 0) << bytes_of(place_ / "log");
+  EXPECT_EQ(bytes_of(job_.output), "0/3\n1/3\n2/3\n");
   EXPECT_EQ(attempts(1), "x\nx\nx\n");
   EXPECT_EQ(attempts(2), "x\n");
 }
@@ -101,7 +95,7 @@ TEST_F(JobScripts, ShardThatNeverEndsWellIsNamed) {
   build_does("if [ $4 = shard-1 ]; then kill -9 $$; fi");
   EXPECT_EQ(start(), 75);
   EXPECT_EQ(attempts(1), "x\nx\nx\n");
-  EXPECT_NE(read(place_ / "log").find("shards 1 are missing"), std::string::npos);
+  EXPECT_NE(bytes_of(place_ / "log").find("shards 1 are missing"), std::string::npos);
   EXPECT_FALSE(fs::exists(job_.output));
 }
 
@@ -109,9 +103,9 @@ TEST_F(JobScripts, WrongInputIsNotTriedAgain) {
   build_does("if [ $4 = shard-2 ]; then exit 3; fi");
   EXPECT_EQ(start(), 3);
   EXPECT_EQ(attempts(2), "x\n");
-  EXPECT_NE(read(place_ / "log").find("shard 2 failed"), std::string::npos);
+  EXPECT_NE(bytes_of(place_ / "log").find("shard 2 failed"), std::string::npos);
   build_does(":");  // mended: the next start takes it up
-  EXPECT_EQ(start(), 0) << read(place_ / "log");
+  EXPECT_EQ(start(), 0) << bytes_of(place_ / "log");
 }
 
 TEST_F(JobScripts, SceneThatChangedSinceIsRefused) {
@@ -125,7 +119,7 @@ TEST_F(JobScripts, SceneThatChangedSinceIsRefused) {
 
 TEST_F(JobScripts, AnotherCopyOfATaskThatWasFasterIsNoFailure) {
   build_does("if [ $4 = shard-0 ]; then echo 0/3 > $4; exit 2; fi");
-  EXPECT_EQ(start(), 0) << read(place_ / "log");
+  EXPECT_EQ(start(), 0) << bytes_of(place_ / "log");
 }
 
 // serve SCENE -o OUTPUT --socket SOCKET ...: the last service writes the output.
@@ -141,12 +135,12 @@ class JobServices : public JobScripts {
     tool("palpate-precompute", "echo \"$6\" >> \"$4.sockets\"; " + trouble +
                                    "\n[ \"$1\" = serve ] && echo whole > \"$4\"");
   }
-  std::string sockets() const { return read(job_.output.string() + ".sockets"); }
+  std::string sockets() const { return bytes_of(job_.output.string() + ".sockets"); }
 };
 
 TEST_F(JobServices, EachHasASocketOfItsOwn) {
-  EXPECT_EQ(start(), 0) << read(place_ / "log");
-  EXPECT_EQ(read(job_.output), "whole\n");
+  EXPECT_EQ(start(), 0) << bytes_of(place_ / "log");
+  EXPECT_EQ(bytes_of(job_.output), "whole\n");
   const std::string all = sockets();
   const std::string first = all.substr(0, all.find('\n'));
   EXPECT_NE(first.find("palpate.socket"), std::string::npos) << all;
@@ -158,15 +152,15 @@ TEST_F(JobServices, EachHasASocketOfItsOwn) {
 
 TEST_F(JobServices, AreStartedAgainUntilTheOutputIsThere) {
   serve_does("if (($(wc -l < \"$4.sockets\") < 4)); then kill -9 $$; fi");
-  EXPECT_EQ(start(), 0) << read(place_ / "log");
-  EXPECT_EQ(read(job_.output), "whole\n");
+  EXPECT_EQ(start(), 0) << bytes_of(place_ / "log");
+  EXPECT_EQ(bytes_of(job_.output), "whole\n");
 }
 
 TEST_F(JobServices, OutputOfAnotherSceneIsNoSuccess) {
   write(job_.output, "of another scene");
   serve_does("exit 2");
   EXPECT_EQ(start(), 2);
-  EXPECT_EQ(read(job_.output), "of another scene");
+  EXPECT_EQ(bytes_of(job_.output), "of another scene");
   serve_does("kill -9 $$");
   fs::remove(job_.output);
   EXPECT_EQ(start(), 75);

@@ -21,8 +21,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kEdge = 0.01;
-constexpr double kStep = 1e-5 * kEdge;
+constexpr double kTetEdge = 0.01;
+constexpr double kStep = 1e-5 * kTetEdge;
 
 double largest(const Eigen::MatrixXd& m) {
   return m.cwiseAbs().maxCoeff();
@@ -30,14 +30,14 @@ double largest(const Eigen::MatrixXd& m) {
 
 ElementGeometry tet() {
   Eigen::Matrix<double, 4, 3> corner;
-  corner << 0, 0, 0, kEdge, 0, 0, 0.2 * kEdge, 0.9 * kEdge, 0, 0.1 * kEdge, 0.3 * kEdge,
-      kEdge;
+  corner << 0, 0, 0, kTetEdge, 0, 0, 0.2 * kTetEdge, 0.9 * kTetEdge, 0, 0.1 * kTetEdge,
+      0.3 * kTetEdge, kTetEdge;
   return element_geometry(corner, 0);
 }
 
 // u = stretch x e_x at the ten nodes: corners, then edges 01 12 02 03 13 23.
 ElementVector pulled_along_x(double stretch) {
-  const std::array<double, 4> x{0.0, kEdge, 0.2 * kEdge, 0.1 * kEdge};
+  const std::array<double, 4> x{0.0, kTetEdge, 0.2 * kTetEdge, 0.1 * kTetEdge};
   constexpr std::array<std::array<std::size_t, 2>, 6> kEnds{
       {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
   ElementVector u = ElementVector::Zero();
@@ -71,7 +71,8 @@ TEST_P(ElementOfLaw, ForceAndStiffnessAreDerivativesOfTheEnergy) {
   const Material& law = GetParam().law;
   for (const double share : {0.005, 0.05}) {
     // Pulled along x as well, so that fibres there are engaged at every point.
-    ElementVector u = pulled_along_x(5.0 * share) + random_vector(30, share * kEdge, 7);
+    ElementVector u =
+        pulled_along_x(5.0 * share) + random_vector(30, share * kTetEdge, 7);
     const ElementLinearisation at = element_response(geometry, law, u);
     EXPECT_NEAR(at.energy_j, element_energy(geometry, law, u), 1e-12 * at.energy_j);
     ElementVector force;
@@ -99,13 +100,13 @@ TEST_P(ElementOfLaw, ForceAndStiffnessAreDerivativesOfTheEnergy) {
 }
 
 // A block on a floor, half of it near; its contact nodes are those of the top.
-struct Block {
-  explicit Block(const Material& material) : law{material} {
-    const std::vector<double> x{-kEdge, 0.0, kEdge};
-    const BoxTets box = box_tets(x, x, {-kEdge, -0.5 * kEdge, 0.0});
+struct SmallBlock {
+  explicit SmallBlock(const Material& material) : law{material} {
+    const std::vector<double> x{-kTetEdge, 0.0, kTetEdge};
+    const BoxTets box = box_tets(x, x, {-kTetEdge, -0.5 * kTetEdge, 0.0});
     mesh = make_quadratic(box.tets, box.surface);
     const Eigen::AlignedBox3d floor(Eigen::Vector3d::Constant(-1),
-                                    Eigen::Vector3d(1, 1, -kEdge + 1e-9));
+                                    Eigen::Vector3d(1, 1, -kTetEdge + 1e-9));
     supports = hold_boxes(mesh, std::span(&floor, 1));
     surface = make_contact_surface(mesh);
     std::vector<std::int32_t> nodes;
@@ -121,8 +122,8 @@ struct Block {
     std::iota(tets.begin(), tets.end(), Eigen::Index{0});
     near = std::make_unique<NearField>(mesh, law, supports, tets, nodes);
   }
-  Block(const Block&) = delete;
-  Block& operator=(const Block&) = delete;
+  SmallBlock(const SmallBlock&) = delete;
+  SmallBlock& operator=(const SmallBlock&) = delete;
 
   Eigen::VectorXd free_vector(double size, unsigned seed) const {
     Eigen::VectorXd v = random_vector(near->size(), size, seed);
@@ -152,9 +153,9 @@ INSTANTIATE_TEST_SUITE_P(Laws, NearFieldOfLaw, testing::ValuesIn(every_law()),
                          });
 
 TEST_P(NearFieldOfLaw, ForceAndChangeAreDerivativesOfTheExcess) {
-  const Block block(GetParam().law);
+  const SmallBlock block(GetParam().law);
   NearField& near = *block.near;
-  const Eigen::VectorXd u = block.free_vector(0.01 * kEdge, 3);
+  const Eigen::VectorXd u = block.free_vector(0.01 * kTetEdge, 3);
   const auto force = [&](const Eigen::VectorXd& at) {
     Eigen::VectorXd f = Eigen::VectorXd::Zero(near.size());
     near.linearise(at, f, false);
@@ -185,16 +186,16 @@ TEST_P(NearFieldOfLaw, ForceAndChangeAreDerivativesOfTheExcess) {
 class ContactDerivatives
     : public testing::TestWithParam<std::tuple<ToolShape, double>> {};
 INSTANTIATE_TEST_SUITE_P(Tools, ContactDerivatives,
-                         testing::Combine(testing::Values(sphere(1.3 * kEdge),
-                                                          capsule(kEdge, kEdge),
-                                                          cone(1.1, 0.4 * kEdge)),
+                         testing::Combine(testing::Values(sphere(1.3 * kTetEdge),
+                                                          capsule(kTetEdge, kTetEdge),
+                                                          cone(1.1, 0.4 * kTetEdge)),
                                           testing::Values(0.0, 0.7)));
 
 TEST_P(ContactDerivatives, ForceIsTheGradientAndCurvatureItsDerivative) {
-  const Block block(neo_hookean(5e3, 0.45));
+  const SmallBlock block(neo_hookean(5e3, 0.45));
   const ToolSurface tool{std::get<0>(GetParam())};
   const PlacedTool placed = place_on_path(tool, Eigen::Vector3d::Zero(),
-                                          Eigen::Vector3d::UnitZ(), 0.15 * kEdge);
+                                          Eigen::Vector3d::UnitZ(), 0.15 * kTetEdge);
   ContactPotential contact(block.surface, block.mesh, block.patch, *block.near);
   const Eigen::Index n = contact.nodes();
   const Multipliers multipliers{
@@ -204,7 +205,7 @@ TEST_P(ContactDerivatives, ForceIsTheGradientAndCurvatureItsDerivative) {
       .tie_n = Eigen::MatrixX3d::Zero(n, 3),
       .anchor_m = Eigen::MatrixX3d::Zero(n, 3),
       .tied = {}};
-  const Eigen::VectorXd u = block.free_vector(0.01 * kEdge, 3);
+  const Eigen::VectorXd u = block.free_vector(0.01 * kTetEdge, 3);
   const auto force = [&](const Eigen::VectorXd& at) {
     Eigen::VectorXd f = Eigen::VectorXd::Zero(block.near->size());
     contact.linearise(at, placed, multipliers, f);

@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 // All of it near.
-struct Block : SoftBlock {
-  Block() : SoftBlock(neo_hookean(5e3, 0.48)) {
+struct AllNearBlock : SoftBlock {
+  AllNearBlock() : SoftBlock(neo_hookean(5e3, 0.48)) {
     std::vector<std::int32_t> nodes;
     for (const std::int32_t v : patch) {
       for (const NodalForce& entry : surface.node[static_cast<std::size_t>(v)].load) {
@@ -62,13 +62,13 @@ class Equilibria : public testing::Test {
   // At 2.5 mm, and then at another depth by one that has seen the first, or has not.
   EquilibriumReport from_there(double depth_m, bool has_seen) const {
     Equilibrium before = fresh();
-    Block::Start at = block_.rest();
+    AllNearBlock::Start at = block_.rest();
     EXPECT_TRUE(block_.press(before, 0.0025, at).converged);
     Equilibrium other = fresh();
     return block_.press(has_seen ? before : other, depth_m, at);
   }
 
-  const Block block_;
+  const AllNearBlock block_;
 };
 
 TEST(SpringGive, IsTheMeanOfGapsAndSlipsWeightedByForces) {
@@ -95,7 +95,7 @@ TEST_F(Equilibria, EndWhereForcesAreInBalanceWhateverStepsPromise) {
       .decrement_relative = 0.9, .update_relative = 0.9, .multiplier_relative = 100.0};
   const auto imbalance = [&](const EquilibriumOptions& options) {
     Equilibrium equilibrium(*block_.near, *block_.contact, block_.solve, options);
-    Block::Start at = block_.rest();
+    AllNearBlock::Start at = block_.rest();
     const EquilibriumReport report = block_.press(equilibrium, 0.0025, at);
     EXPECT_TRUE(report.converged);
     return report.imbalance_n / report.contact.force_n.norm();

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kEdge = 0.01;
 constexpr double kYoungs = 5e3;
-constexpr double kPoisson = 0.45;
+constexpr double kPoissonsRatio = 0.45;
 
 class StretchedBlock : public testing::Test {
  protected:
@@ -56,16 +56,17 @@ class StretchedBlock : public testing::Test {
     return response(kGel.front(), F).energy_density;
   }
   static double linear_j(double stretch) {
-    const double lame =
-        kYoungs * kPoisson / ((1.0 + kPoisson) * (1.0 - 2.0 * kPoisson));
-    return 0.5 * (lame + kYoungs / (1.0 + kPoisson)) * stretch * stretch;
+    const double lame = kYoungs * kPoissonsRatio /
+                        ((1.0 + kPoissonsRatio) * (1.0 - 2.0 * kPoissonsRatio));
+    return 0.5 * (lame + kYoungs / (1.0 + kPoissonsRatio)) * stretch * stretch;
   }
 
   static constexpr double kHalfVolume = 4.0 * kEdge * kEdge * kEdge;
   static const std::array<Material, 1> kGel;
   QuadraticMesh mesh_;
 };
-const std::array<Material, 1> StretchedBlock::kGel{neo_hookean(kYoungs, kPoisson)};
+const std::array<Material, 1> StretchedBlock::kGel{
+    neo_hookean(kYoungs, kPoissonsRatio)};
 
 TEST_F(StretchedBlock, StrainedTetsAreThoseWhoseGradientReachesTheThreshold) {
   const Eigen::VectorXd u = stretched(0.08, 0.02);
@@ -85,7 +86,7 @@ TEST_F(StretchedBlock, TheFarExcessIsWhatTheLawAddsOutsideTheNearField) {
   EXPECT_NEAR(far_excess_j(mesh_, kGel, tets(false), u), right, 1e-9 * right);
   EXPECT_NEAR(far_excess_j(mesh_, kGel, {}, u), left + right, 1e-9 * left)
       << "what one half adds and another lacks do not cancel";
-  const std::array<Material, 1> rubber{linear(kYoungs, kPoisson)};
+  const std::array<Material, 1> rubber{linear(kYoungs, kPoissonsRatio)};
   EXPECT_EQ(far_excess_j(mesh_, rubber, {}, u), 0.0);
 }
 

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kDepth = 0.0025;
+constexpr double kPressDepth = 0.0025;
 constexpr int kSteps = 32;
 // A sample at an eighth of the depth. At shallower ones hats are wider than the
 // contact, and it matters that their gaps are averaged along the press in the linear
@@ -32,7 +32,7 @@ class PressedBlock {
     path_ = {.vertex_m = Eigen::Vector3d::Zero(),
              .outward = Eigen::Vector3d::UnitZ(),
              .tool = block_.ball,
-             .depth_max_m = kDepth,
+             .depth_max_m = kPressDepth,
              .force_max_n = 1e3,
              .samples = kSteps};
     linear_ = indent(block_.surface, columns, block_.patch, path_);
@@ -173,8 +173,8 @@ TEST_F(PressIntoGel, TheMomentIsThatOfTheForceAtTheContact) {
 TEST_F(PressIntoGel, MultipliersCarryThePressureAndNothingSinksIn) {
   for (const NonlinearSample& sample : exact_.sample) {
     EXPECT_LE(sample.multiplier_relative, 1e-4);
-    EXPECT_LT(sample.give_m, 1e-3 * kDepth);
-    EXPECT_LT(sample.largest_overlap_m, 1e-2 * kDepth);
+    EXPECT_LT(sample.give_m, 1e-3 * kPressDepth);
+    EXPECT_LT(sample.largest_overlap_m, 1e-2 * kPressDepth);
   }
   double give_m = 0.0;
   for (const NonlinearSample& sample : usual_.sample) {

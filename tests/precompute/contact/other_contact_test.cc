@@ -16,8 +16,8 @@ const IndentationPath kPath{.vertex_m = Eigen::Vector3d::Zero(),
                             .tool = std::make_shared<const ToolSurface>(sphere(0.005)),
                             .depth_max_m = 0.002};
 
-ContactSurface one_node(const Eigen::Vector3d& position_mm,
-                        const Eigen::Vector3d& normal) {
+ContactSurface node_at(const Eigen::Vector3d& position_mm,
+                       const Eigen::Vector3d& normal) {
   ContactNode node;
   node.position_m = 1e-3 * position_mm;
   node.normal = normal;
@@ -26,7 +26,7 @@ ContactSurface one_node(const Eigen::Vector3d& position_mm,
 
 bool is_met(const Eigen::Vector3d& position_mm, const Eigen::Vector3d& normal,
             double touch_m = 0.0) {
-  return reaches_elsewhere(one_node(position_mm, normal), {}, kPath, touch_m);
+  return reaches_elsewhere(node_at(position_mm, normal), {}, kPath, touch_m);
 }
 
 TEST(OtherContact, AWallBesideTheBallIsMetWhereItLiesInTheBallInTheEnd) {
@@ -50,7 +50,7 @@ TEST(OtherContact, APressThatTouchesEarlyStartsThere) {
 }
 
 TEST(OtherContact, NodesOfThePatchAreKnown) {
-  const ContactSurface surface = one_node({0.0, 0.0, 0.0}, Eigen::Vector3d::UnitZ());
+  const ContactSurface surface = node_at({0.0, 0.0, 0.0}, Eigen::Vector3d::UnitZ());
   const std::int32_t known[] = {0};
   EXPECT_TRUE(reaches_elsewhere(surface, {}, kPath, 0.0));
   EXPECT_FALSE(reaches_elsewhere(surface, known, kPath, 0.0));

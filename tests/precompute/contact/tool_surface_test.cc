@@ -15,15 +15,13 @@
 namespace palpate {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 std::vector<ToolShape> all_kinds() {
   return {sphere(0.01),
           flat_punch(0.01, 0.0),
           flat_punch(0.01, 0.003),
-          cone(kPi / 6, 0.0),
+          cone(std::numbers::pi / 6, 0.0),
           cone(1.2, 0.002),
-          cone(kPi / 6, 0.002, 0.03),
+          cone(std::numbers::pi / 6, 0.002, 0.03),
           capsule(0.006, 0.02),
           box_tool({0.02, 0.012, 0.016})};
 }
@@ -150,16 +148,16 @@ TEST(ToolSurface, ClosedFormsOfTheDistance) {
   EXPECT_NEAR(punch.distance({0.0, 0.013, 0.05}).distance_m, 0.003, 1e-17);
   EXPECT_NEAR(punch.distance({0.011, 0.0, -0.002}).distance_m, 0.005 - 0.002, 1e-17);
   EXPECT_EQ(punch.distance({0.0, 0.0, -0.005}).curvature_per_m.norm(), 0.0);
-  const ToolSurface pointed(cone(kPi / 6, 0.0));
+  const ToolSurface pointed(cone(std::numbers::pi / 6, 0.0));
   EXPECT_NEAR(pointed.distance({0.0, 0.0, -0.004}).distance_m, 0.004, 1e-17);
-  EXPECT_NEAR(pointed.distance({0.01, 0.0, 0.0}).distance_m, 0.01 * std::cos(kPi / 6),
-              1e-17);
+  EXPECT_NEAR(pointed.distance({0.01, 0.0, 0.0}).distance_m,
+              0.01 * std::cos(std::numbers::pi / 6), 1e-17);
   // The rounded cone's flank lies where a sphere of the tip's radius is tangent to it.
-  const ToolSurface rounded(cone(kPi / 6, 0.002));
+  const ToolSurface rounded(cone(std::numbers::pi / 6, 0.002));
   EXPECT_NEAR(rounded.distance({0.0, 0.0, 0.0}).distance_m, 0.0, 1e-17);
   EXPECT_NEAR(rounded.distance({0.0, 0.0, -0.003}).distance_m, 0.003, 1e-17);
   EXPECT_NEAR(rounded.distance({0.01, 0.0, 0.002}).distance_m,
-              0.01 * std::cos(kPi / 6) - 0.002, 1e-17);
+              0.01 * std::cos(std::numbers::pi / 6) - 0.002, 1e-17);
   const ToolSurface rod(capsule(0.006, 0.02));
   EXPECT_NEAR(rod.distance({0.01, 0.0, 0.013}).distance_m, 0.004, 1e-17);
   EXPECT_NEAR(rod.distance({0.0, 0.0, 0.03}).distance_m, 0.004, 1e-17);
@@ -176,8 +174,9 @@ TEST(ToolSurface, SupportIsInfiniteWhereAToolHasNoEnd) {
 TEST(ToolSurface, WidthIsAcrossTheAxis) {
   EXPECT_NEAR(ToolSurface(sphere(0.01)).extent_m(), 0.02, 1e-17);
   EXPECT_NEAR(ToolSurface(flat_punch(0.01, 0.002)).extent_m(), 0.02, 1e-17);
-  EXPECT_NEAR(ToolSurface(cone(kPi / 4, 0.001)).extent_m(), 0.002, 1e-17);
-  EXPECT_NEAR(ToolSurface(cone(kPi / 4, 0.0, 0.03)).extent_m(), 0.06, 1e-16);
+  EXPECT_NEAR(ToolSurface(cone(std::numbers::pi / 4, 0.001)).extent_m(), 0.002, 1e-17);
+  EXPECT_NEAR(ToolSurface(cone(std::numbers::pi / 4, 0.0, 0.03)).extent_m(), 0.06,
+              1e-16);
   EXPECT_NEAR(ToolSurface(box_tool({0.03, 0.04, 1})).extent_m(), 0.05, 1e-16);
 }
 
@@ -217,11 +216,13 @@ TEST(ExpectedContactRadius, IsThatOfTheClosedForms) {
   EXPECT_NEAR(expected_contact_radius_m(sphere(0.01), 1e-4), 1e-3, 1e-17);
   EXPECT_EQ(expected_contact_radius_m(sphere(0.01), 1.0), 0.01);
   EXPECT_EQ(expected_contact_radius_m(flat_punch(0.01, 0.002), 1e-4), 0.01);
-  EXPECT_NEAR(expected_contact_radius_m(cone(kPi / 4, 0.0), 1e-3), 2e-3 / kPi, 1e-17);
-  EXPECT_NEAR(expected_contact_radius_m(cone(kPi / 4, 0.01), 1e-4), 1e-3, 1e-17);
+  EXPECT_NEAR(expected_contact_radius_m(cone(std::numbers::pi / 4, 0.0), 1e-3),
+              2e-3 / std::numbers::pi, 1e-17);
+  EXPECT_NEAR(expected_contact_radius_m(cone(std::numbers::pi / 4, 0.01), 1e-4), 1e-3,
+              1e-17);
   EXPECT_NEAR(expected_contact_radius_m(capsule(0.01, 0.1), 1e-4), 1e-3, 1e-17);
   EXPECT_NEAR(expected_contact_radius_m(box_tool({0.02, 0.03, 1}), 1e-4),
-              std::sqrt(6e-4 / kPi), 1e-16);
+              std::sqrt(6e-4 / std::numbers::pi), 1e-16);
 }
 
 TEST(ShadowArea, OfATipGrowsAsItsSection) {

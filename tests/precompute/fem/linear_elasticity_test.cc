@@ -28,8 +28,8 @@ QuadraticMesh skewed_block() {
   return make_quadratic(box.tets, box.surface);
 }
 
-Eigen::VectorXd field(const QuadraticMesh& mesh, const Eigen::Matrix3d& gradient,
-                      const Eigen::Vector3d& shift) {
+Eigen::VectorXd linear_field(const QuadraticMesh& mesh, const Eigen::Matrix3d& gradient,
+                             const Eigen::Vector3d& shift) {
   Eigen::VectorXd u(3 * mesh.position_m.rows());
   for (Eigen::Index v = 0; v < mesh.position_m.rows(); ++v) {
     u.segment<3>(3 * v) = gradient * mesh.position_m.row(v).transpose() + shift;
@@ -46,7 +46,7 @@ TEST(LinearElasticity, RigidMotionsCostNothing) {
   const Stiffness K = assemble_stiffness(mesh, kGel);
   Eigen::Matrix3d spin;
   spin << 0, -0.3, 0.7, 0.3, 0, -0.2, -0.7, 0.2, 0;
-  const Eigen::VectorXd motion = field(mesh, spin, {0.4, -1.0, 2.0});
+  const Eigen::VectorXd motion = linear_field(mesh, spin, {0.4, -1.0, 2.0});
   // Rounding of sums of terms of the size of the largest entry of K.
   const double scale = K.coeffs().cwiseAbs().maxCoeff() * motion.cwiseAbs().maxCoeff();
   EXPECT_LT(apply(K, motion).cwiseAbs().maxCoeff(), 1e-12 * scale);
@@ -74,7 +74,7 @@ TEST(LinearElasticity, EnergyOfAConstantStrainIsTheClosedForm) {
   }
   const double expected = volume * (0.5 * lambda * strain.trace() * strain.trace() +
                                     G * strain.squaredNorm());
-  const Eigen::VectorXd u = field(mesh, H, Eigen::Vector3d::Zero());
+  const Eigen::VectorXd u = linear_field(mesh, H, Eigen::Vector3d::Zero());
   EXPECT_NEAR(0.5 * u.dot(apply(K, u)), expected, 1e-12 * expected);
 }
 
@@ -85,7 +85,7 @@ TEST(LinearElasticity, PatchTest) {
   const Stiffness K = assemble_stiffness(mesh, kGel);
   Eigen::Matrix3d H;
   H << 0.01, 0.02, -0.005, 0.003, -0.02, 0.01, 0.0, 0.007, 0.015;
-  const Eigen::VectorXd exact = field(mesh, H, {0.1, 0.2, -0.3});
+  const Eigen::VectorXd exact = linear_field(mesh, H, {0.1, 0.2, -0.3});
   const Eigen::AlignedBox3d everything(Eigen::Vector3d::Constant(-9),
                                        Eigen::Vector3d::Constant(9));
   const Supports supports = hold_boxes(mesh, std::span(&everything, 1));

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-double field(const Eigen::Vector3d& p) {
+double quadratic_field(const Eigen::Vector3d& p) {
   return 0.3 + p.x() - 2.0 * p.y() + p.x() * p.z() - 0.7 * p.y() * p.y() +
          p.z() * p.z();
 }
@@ -27,9 +27,9 @@ TEST(TetLocator, ReproducesAQuadraticFieldInsideAndJustOutside) {
     double value = 0.0;
     for (std::size_t a = 0; a < 10; ++a) {
       value += place.shape[static_cast<Eigen::Index>(a)] *
-               field(mesh.position_m.row(place.node[a]).transpose());
+               quadratic_field(mesh.position_m.row(place.node[a]).transpose());
     }
-    EXPECT_NEAR(value, field(p), 1e-12);
+    EXPECT_NEAR(value, quadratic_field(p), 1e-12);
     EXPECT_NEAR(place.shape.sum(), 1.0, 1e-13);
     // A tet that the point is far outside of has large shape functions.
     EXPECT_LT(place.shape.cwiseAbs().maxCoeff(), 2.0);

@@ -17,8 +17,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kHalf = 0.02;
-constexpr int kCells = 8;
+constexpr double kBlockHalf = 0.02;
+constexpr int kBlockCells = 8;
 constexpr int kDepths = 12;
 
 // The middle of a soft block's top, under a ball.
@@ -26,7 +26,7 @@ class PressedMiddle : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const ScratchFolder folder;
-    write_obj(relief(kHalf, -0.02, kCells,
+    write_obj(relief(kBlockHalf, -0.02, kBlockCells,
                      [](double, double) {
                        return 0.0;
                      }),
@@ -103,7 +103,8 @@ verify = 0
     return error;
   }
 
-  static constexpr std::int32_t kMiddle = kCells / 2 * (kCells + 1) + kCells / 2;
+  static constexpr std::int32_t kMiddle =
+      kBlockCells / 2 * (kBlockCells + 1) + kBlockCells / 2;
   static std::unique_ptr<Scene> scene_;
   static std::unique_ptr<BodySource> body_;
   static std::unique_ptr<BodyModel> model_;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "formats/mesh/obj_writer.h"

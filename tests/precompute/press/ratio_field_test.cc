@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kAnyForce = std::numeric_limits<double>::infinity();
 
-Indentation path(double k_n_per_m) {
+Indentation straight_path(double k_n_per_m) {
   Indentation path;
   for (int i = 0; i <= 10; ++i) {
     const double d = 0.001 * i;
@@ -44,8 +44,8 @@ class RatioFields : public testing::Test {
 
 TEST_F(RatioFields, VerticesThatFaceElsewhereOrAreStifferAreFartherAway) {
   const RatioField field(body_, normal_, 0.002);
-  const Indentation soft = path(100.0);
-  const Indentation stiff = path(1000.0);
+  const Indentation soft = straight_path(100.0);
+  const Indentation stiff = straight_path(1000.0);
   EXPECT_NEAR(field.distance_m(place(0, soft), place(1, soft)), 0.001, 1e-12);
   EXPECT_GT(field.distance_m(place(0, soft), place(2, soft)), 0.005);
   EXPECT_DOUBLE_EQ(field.unlikeness(place(0, soft), place(1, soft)), 0.0);
@@ -60,10 +60,10 @@ TEST_F(RatioFields, VerticesThatFaceElsewhereOrAreStifferAreFartherAway) {
 
 TEST_F(RatioFields, TakeTheRatioOfTheAlikeNeighbour) {
   RatioField field(body_, normal_, 0.002);
-  const Indentation soft = path(100.0);
-  const Indentation stiff = path(1000.0);
-  field.add(1, soft, path_ratio(path(110.0), soft));
-  field.add(3, stiff, path_ratio(path(5000.0), stiff));
+  const Indentation soft = straight_path(100.0);
+  const Indentation stiff = straight_path(1000.0);
+  field.add(1, soft, path_ratio(straight_path(110.0), soft));
+  field.add(3, stiff, path_ratio(straight_path(5000.0), stiff));
   const RatioModel ratios(field);
   // Nearer in space to the stiff one.
   EXPECT_NEAR(ratios.at(0, soft).force[9], 1.1, 0.02);
@@ -76,22 +76,22 @@ TEST_F(RatioFields, TakeTheRatioOfTheAlikeNeighbour) {
 }
 
 TEST_F(RatioFields, SayThatPathsAreHardWhereMostOfTheRatioIsOfSuch) {
-  const Indentation soft = path(100.0);
-  Indentation hard = path(110.0);
+  const Indentation soft = straight_path(100.0);
+  Indentation hard = straight_path(110.0);
   hard.hard_path = true;
   RatioField field(body_, normal_, 0.002);
   field.add(0, soft, path_ratio(hard, soft));
-  field.add(2, soft, path_ratio(path(110.0), soft));
+  field.add(2, soft, path_ratio(straight_path(110.0), soft));
   const RatioModel ratios(field);
-  EXPECT_TRUE(scaled(soft, ratios.at(1, soft), kInfinity).hard_path);
-  EXPECT_FALSE(scaled(soft, ratios.from_others(0, soft), kInfinity).hard_path);
+  EXPECT_TRUE(scaled(soft, ratios.at(1, soft), kAnyForce).hard_path);
+  EXPECT_FALSE(scaled(soft, ratios.from_others(0, soft), kAnyForce).hard_path);
 }
 
 TEST_F(RatioFields, KeepAConstantRatioExactly) {
   RatioField field(body_, normal_, 0.002);
-  const Indentation soft = path(100.0);
+  const Indentation soft = straight_path(100.0);
   for (const std::int32_t v : {1, 2, 3}) {
-    field.add(v, soft, path_ratio(path(110.0), soft));
+    field.add(v, soft, path_ratio(straight_path(110.0), soft));
   }
   const RatioModel ratios(field);
   const PathRatio ratio = ratios.at(0, soft);
@@ -104,22 +104,23 @@ TEST_F(RatioFields, KeepAConstantRatioExactly) {
 
 TEST_F(RatioFields, GoOnWithTheLastRatioWherePathsEnd) {
   RatioField field(body_, normal_, 0.002);
-  Indentation shallow = path(100.0);
+  Indentation shallow = straight_path(100.0);
   shallow.sample.resize(6);
-  field.add(0, shallow, path_ratio(path(120.0), shallow));
-  field.add(1, path(100.0), path_ratio(path(120.0), path(100.0)));
-  const PathRatio ratio = RatioModel(field).at(2, path(100.0));
+  field.add(0, shallow, path_ratio(straight_path(120.0), shallow));
+  field.add(1, straight_path(100.0),
+            path_ratio(straight_path(120.0), straight_path(100.0)));
+  const PathRatio ratio = RatioModel(field).at(2, straight_path(100.0));
   ASSERT_EQ(ratio.force.size(), 10);
   EXPECT_NEAR(ratio.force[9], 1.2, 1e-12);
 }
 
 TEST_F(RatioFields, ExpectErrorsNearPressesThatAreNotAlike) {
   RatioField field(body_, normal_, 0.002);
-  const Indentation soft = path(100.0);
-  field.add(1, soft, path_ratio(path(110.0), soft));
+  const Indentation soft = straight_path(100.0);
+  field.add(1, soft, path_ratio(straight_path(110.0), soft));
   EXPECT_DOUBLE_EQ(RatioModel(field).left_out_errors()[0], 1.0);  // nobody predicts it
   EXPECT_DOUBLE_EQ(RatioModel(field).error_at(0, soft), 1.0);
-  field.add(3, soft, path_ratio(path(110.0), soft));
+  field.add(3, soft, path_ratio(straight_path(110.0), soft));
   EXPECT_NEAR(RatioModel(field).error_at(0, soft), 0.0, 1e-9);
   field.add(2, soft, std::nullopt);
   EXPECT_EQ(field.size(), 2U);
@@ -160,10 +161,11 @@ class Sheet : public testing::Test {
   };
   [[nodiscard]] Found every_fifth(double wave) const {
     RatioField field(body_, normal_, kContact);
-    const Indentation cheap = path(100.0);
+    const Indentation cheap = straight_path(100.0);
     for (std::int32_t v = 0; v < kSide * kSide; v += 5) {
       field.add(v + (v / kSide) % 5, cheap,
-                path_ratio(path(100.0 * ratio_at(v + (v / kSide) % 5, wave)), cheap));
+                path_ratio(straight_path(100.0 * ratio_at(v + (v / kSide) % 5, wave)),
+                           cheap));
     }
     const RatioModel ratios(field);
     Found found;

@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 constexpr double kFrom = -1e-4;
-const Eigen::Vector3d kAlong(0.3, -0.1, 0.2);
+const Eigen::Vector3d kDirection(0.3, -0.1, 0.2);
 using Knot = RelativeCorrection::Knot;
 
 // Through f at some penetrations.
@@ -18,7 +18,7 @@ RelativeCorrection through(const Function& f) {
   std::array<Knot, 4> knots;
   const std::array<double, 4> at{0.4e-3, 0.7e-3, 1.3e-3, 2e-3};
   for (std::size_t i = 0; i < 4; ++i) {
-    knots[i] = {at[i], f(at[i]) * kAlong};
+    knots[i] = {at[i], f(at[i]) * kDirection};
   }
   return {kFrom, knots};
 }
@@ -29,7 +29,7 @@ TEST(RelativeCorrection, OfAStraightLineIsTheLine) {
   };
   const RelativeCorrection correction = through(line);
   for (double x = kFrom; x <= 2e-3; x += 5e-5) {
-    EXPECT_LT((correction.at(x) - line(x) * kAlong).norm(), 1e-15) << x;
+    EXPECT_LT((correction.at(x) - line(x) * kDirection).norm(), 1e-15) << x;
   }
 }
 
@@ -66,7 +66,7 @@ TEST(RelativeCorrection, IsSmoothGoesThroughItsKnotsAndFollowsACurve) {
   const RelativeCorrection correction = through(curve);
   constexpr double kStep = 1e-9;
   for (const double knot : {0.4e-3, 0.7e-3, 1.3e-3}) {
-    EXPECT_LT((correction.at(knot) - curve(knot) * kAlong).norm(), 1e-14);
+    EXPECT_LT((correction.at(knot) - curve(knot) * kDirection).norm(), 1e-14);
     const Eigen::Vector3d before =
         (correction.at(knot) - correction.at(knot - kStep)) / kStep;
     const Eigen::Vector3d after =
@@ -74,36 +74,36 @@ TEST(RelativeCorrection, IsSmoothGoesThroughItsKnotsAndFollowsACurve) {
     EXPECT_LT((after - before).norm(), 1e-4 * before.norm()) << knot;
   }
   for (double x = 0.4e-3; x <= 1.3e-3; x += 5e-5) {
-    EXPECT_NEAR(correction.at(x).x() / (curve(x) * kAlong.x()), 1.0, 0.02) << x;
+    EXPECT_NEAR(correction.at(x).x() / (curve(x) * kDirection.x()), 1.0, 0.02) << x;
   }
 }
 
 // Fritsch and Butland 1984: secants 1 over a width of 1, 2 over a width of 2, weighted
 // 2 * 2 + 1 and 2 + 2 * 1: 9 / (5 / 1 + 4 / 2).
 TEST(RelativeCorrection, SlopesAreHarmonicMeansWeightedByWidths) {
-  const std::array<Knot, 2> knots{Knot{1e-3, kAlong}, Knot{3e-3, 5.0 * kAlong}};
+  const std::array<Knot, 2> knots{Knot{1e-3, kDirection}, Knot{3e-3, 5.0 * kDirection}};
   const RelativeCorrection correction(0.0, knots);
   constexpr double kStep = 1e-8;
   const Eigen::Vector3d slope =
       (correction.at(1e-3 + kStep) - correction.at(1e-3 - kStep)) / (2.0 * kStep);
-  EXPECT_LT((slope - 9.0 / 7.0 * 1e3 * kAlong).norm(), 1e-4 * slope.norm());
+  EXPECT_LT((slope - 9.0 / 7.0 * 1e3 * kDirection).norm(), 1e-4 * slope.norm());
 }
 
 TEST(RelativeCorrection, DoesNotOvershootWhereKnotsTurn) {
-  const std::array<Knot, 3> knots{Knot{1e-3, kAlong}, Knot{2e-3, 3.0 * kAlong},
-                                  Knot{3e-3, 1.0 * kAlong}};
+  const std::array<Knot, 3> knots{Knot{1e-3, kDirection}, Knot{2e-3, 3.0 * kDirection},
+                                  Knot{3e-3, 1.0 * kDirection}};
   const RelativeCorrection correction(0.0, knots);
   for (double x = 0.0; x <= 3e-3; x += 1e-5) {
-    EXPECT_LE(correction.at(x).x(), 3.0 * kAlong.x() * (1.0 + 1e-12));
+    EXPECT_LE(correction.at(x).x(), 3.0 * kDirection.x() * (1.0 + 1e-12));
     EXPECT_GE(correction.at(x).x(), 0.0);
   }
 }
 
 TEST(RelativeCorrection, OfOneKnotIsTheLineToIt) {
-  const std::array<Knot, 1> knots{Knot{1e-3, kAlong}};
+  const std::array<Knot, 1> knots{Knot{1e-3, kDirection}};
   const RelativeCorrection correction(0.0, knots);
-  EXPECT_LT((correction.at(0.25e-3) - 0.25 * kAlong).norm(), 1e-15);
-  EXPECT_LT((correction.at(0.5e-3) - 0.5 * kAlong).norm(), 1e-15);
+  EXPECT_LT((correction.at(0.25e-3) - 0.25 * kDirection).norm(), 1e-15);
+  EXPECT_LT((correction.at(0.5e-3) - 0.5 * kDirection).norm(), 1e-15);
 }
 
 }  // namespace

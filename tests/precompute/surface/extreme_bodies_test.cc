@@ -1,6 +1,5 @@
 // Bodies at the ends of what can be meshed: right, or refused in one sentence.
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -14,8 +13,6 @@
 
 namespace palpate {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 SurfaceMesh box(const Eigen::RowVector3d& size_m, int levels) {
   SurfaceMesh mesh;

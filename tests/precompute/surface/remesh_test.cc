@@ -1,7 +1,5 @@
 #include "precompute/surface/remesh.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
@@ -11,8 +9,6 @@
 
 namespace palpate {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(Remesh, MakesEdgesOfTheWantedLength) {
   const SurfaceMesh mesh = organ(3);

@@ -10,20 +10,11 @@
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/surface_soup.h"
 #include "precompute/surface/winding_number.h"
+#include "tests/support/study_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
-  SurfaceMesh both;
-  both.position_m.resize(a.position_m.rows() + b.position_m.rows(), 3);
-  both.position_m << a.position_m, b.position_m;
-  both.triangle.resize(a.triangle.rows() + b.triangle.rows(), 3);
-  both.triangle << a.triangle,
-      (b.triangle.array() + static_cast<int>(a.position_m.rows())).matrix();
-  return both;
-}
 
 // Every triangle with corners of its own, as some files list them.
 SurfaceMesh exploded(const SurfaceMesh& mesh) {

@@ -18,16 +18,6 @@ SurfaceMesh moved(SurfaceMesh mesh, const Eigen::RowVector3d& by_m) {
   return mesh;
 }
 
-SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
-  SurfaceMesh both;
-  both.position_m.resize(a.position_m.rows() + b.position_m.rows(), 3);
-  both.position_m << a.position_m, b.position_m;
-  both.triangle.resize(a.triangle.rows() + b.triangle.rows(), 3);
-  both.triangle << a.triangle,
-      (b.triangle.array() + static_cast<int>(a.position_m.rows())).matrix();
-  return both;
-}
-
 SurfaceMesh inside_out(SurfaceMesh mesh) {
   mesh.triangle.col(1).swap(mesh.triangle.col(2));
   return mesh;

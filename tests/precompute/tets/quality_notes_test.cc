@@ -1,7 +1,5 @@
 #include "precompute/tets/quality_notes.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
 
 #include "precompute/surface/primitive_bodies.h"
@@ -9,8 +7,6 @@
 
 namespace palpate {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(QualityNotes, AreSilentOnAGoodSurface) {
   EXPECT_TRUE(quality_notes(check_surface(organ(2)).report).empty());

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -18,21 +17,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 SurfaceMesh moved(SurfaceMesh mesh, const Eigen::RowVector3d& by_m) {
   mesh.position_m.rowwise() += by_m;
   return mesh;
-}
-
-SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
-  SurfaceMesh both;
-  both.position_m.resize(a.position_m.rows() + b.position_m.rows(), 3);
-  both.position_m << a.position_m, b.position_m;
-  both.triangle.resize(a.triangle.rows() + b.triangle.rows(), 3);
-  both.triangle << a.triangle,
-      (b.triangle.array() + static_cast<int>(a.position_m.rows())).matrix();
-  return both;
 }
 
 TEST(Tetrahedralise, KeepsTheSurfaceVerticesBitForBit) {

@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kMassKg = 0.15;
+constexpr double kHungMassKg = 0.15;
 constexpr WeighOptions kQuick{.period_s = 0.5, .periods = 3, .settle_s = 2.4};
 
 // A weak spring from far below pulls like a weight.
@@ -52,8 +52,8 @@ TEST(Weigh, FindsTheFactorThatUndoesTheMotorsGainAndNotTheMechanismsWeight) {
     double sd = 0.0;
     const Weight bare = weighed(falcon_that_carries(0.3, gain), false);
     const Weight loaded =
-        weighed(falcon_that_carries(0.3 + kMassKg * 9.80665, gain), false);
-    const double factor = factor_of(bare, loaded, kMassKg, sd);
+        weighed(falcon_that_carries(0.3 + kHungMassKg * 9.80665, gain), false);
+    const double factor = factor_of(bare, loaded, kHungMassKg, sd);
     EXPECT_NEAR(factor * gain, 1.0, 0.02);
     EXPECT_LT(sd, 0.05);
   }

@@ -11,13 +11,13 @@ namespace {
 // Rounding of the account: 8 s at 2 kHz, energies of 0.01 J.
 constexpr double kRoundingJ = 1e-14;
 
-const std::vector<FidelityRow>& rows() {
+const std::vector<FidelityRow>& fidelity_rows() {
   static const std::vector<FidelityRow> kRows = run_fidelity({});
   return kRows;
 }
 
 TEST(Fidelity, EnergyTankIsWithinHalfAPercent) {
-  for (const FidelityRow& row : rows()) {
+  for (const FidelityRow& row : fidelity_rows()) {
     if (row.model == LocalModel::kEnergyTank) {
       EXPECT_LE(row.rms_relative_error, 0.005)
           << row.exponent << ' ' << row.frequency_hz;
@@ -27,7 +27,7 @@ TEST(Fidelity, EnergyTankIsWithinHalfAPercent) {
 
 TEST(Fidelity, ModelsOfTheSurfaceAreTheCurveItself) {
   // Left is the cubic through 33 samples against a x^p near zero, p = 1.5.
-  for (const FidelityRow& row : rows()) {
+  for (const FidelityRow& row : fidelity_rows()) {
     if (follows_surface(row.model)) {
       EXPECT_LE(row.rms_relative_error, 2e-4)
           << row.exponent << ' ' << row.frequency_hz;
@@ -36,7 +36,7 @@ TEST(Fidelity, ModelsOfTheSurfaceAreTheCurveItself) {
 }
 
 TEST(Fidelity, EqualEnergyIsExactForALineOnly) {
-  for (const FidelityRow& row : rows()) {
+  for (const FidelityRow& row : fidelity_rows()) {
     if (row.model == LocalModel::kEqualEnergy) {
       const bool line = row.exponent == 1.0;
       EXPECT_EQ(row.rms_relative_error < 0.01, line) << row.exponent;
@@ -45,7 +45,7 @@ TEST(Fidelity, EqualEnergyIsExactForALineOnly) {
 }
 
 TEST(Fidelity, PassiveModelsNeverGiveEnergyAway) {
-  for (const FidelityRow& row : rows()) {
+  for (const FidelityRow& row : fidelity_rows()) {
     if (passive(row.model)) {
       EXPECT_GE(row.lowest_energy_j, -kRoundingJ) << name(row.model);
       EXPECT_GE(row.net_energy_j, -kRoundingJ) << name(row.model);
@@ -54,7 +54,7 @@ TEST(Fidelity, PassiveModelsNeverGiveEnergyAway) {
 }
 
 TEST(Fidelity, HoldsDoGiveEnergyAway) {
-  for (const FidelityRow& row : rows()) {
+  for (const FidelityRow& row : fidelity_rows()) {
     if (!passive(row.model)) {
       EXPECT_LT(row.net_energy_j, -1e-3 * row.stored_energy_j) << name(row.model);
     }
@@ -62,7 +62,7 @@ TEST(Fidelity, HoldsDoGiveEnergyAway) {
 }
 
 TEST(Fidelity, ReportHasItsKeys) {
-  const auto json = nlohmann::json::parse(to_json(rows()));
+  const auto json = nlohmann::json::parse(to_json(fidelity_rows()));
   ASSERT_EQ(json["rows"].size(), 48U);
   for (const char* key : {"exponent", "frequency_hz", "model", "rms_relative_error",
                           "net_energy_j", "stored_energy_j"}) {

@@ -13,16 +13,17 @@ namespace palpate {
 namespace {
 
 // Computed once: about 10 s.
-const Table1Report& report() {
+const Table1Report& table1_report() {
   static const Table1Report kReport = run_table1({});
   return kReport;
 }
 
 const std::vector<double>& column(LocalModel model) {
-  const auto found = std::find_if(report().columns.begin(), report().columns.end(),
-                                  [&](const Table1Column& c) {
-                                    return c.model == model;
-                                  });
+  const auto found =
+      std::find_if(table1_report().columns.begin(), table1_report().columns.end(),
+                   [&](const Table1Column& c) {
+                     return c.model == model;
+                   });
   return found->stiffness_n_per_m;
 }
 
@@ -116,7 +117,7 @@ TEST(Table1, PassiveColumnsReachWhatTheFastRateAllows) {
 }
 
 TEST(Table1, ReportNamesItsColumnsAndPrintsThePaper) {
-  const auto json = nlohmann::json::parse(to_json(report()));
+  const auto json = nlohmann::json::parse(to_json(table1_report()));
   EXPECT_EQ(json["rates_hz"].size(), 9U);
   for (const char* name : {"single", "first-order-hold", "equal-energy", "energy-tank",
                            "element", "potential"}) {

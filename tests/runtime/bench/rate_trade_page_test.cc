@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 // Two devices, two models, three slow rates; the stiffness is the row's number.
-std::vector<RateTradeRow> rows() {
+std::vector<RateTradeRow> rate_rows() {
   std::vector<RateTradeRow> all;
   for (const char* device : {"pencat", "falcon"}) {
     for (const LocalModel model : {LocalModel::kSingle, LocalModel::kPotential}) {
@@ -51,7 +51,7 @@ TEST(TradePage, ShowsTheRowsOfWhatIsChosen) {
   if (page_browser().empty()) {
     GTEST_SKIP() << "no chromium-headless-shell and no chromium";
   }
-  const PageVisit visit = visit_page(trade_page(rows()), kVisit);
+  const PageVisit visit = visit_page(trade_page(rate_rows()), kVisit);
   EXPECT_EQ(visit.complaints, "");
   ASSERT_TRUE(visit.seen.is_object());
   const nlohmann::json& seen = visit.seen;
@@ -71,7 +71,7 @@ TEST(TradePage, ShowsTheRowsOfWhatIsChosen) {
 }
 
 TEST(TradePage, AsksForNothingFromElsewhere) {
-  const std::string page = trade_page(rows());
+  const std::string page = trade_page(rate_rows());
   for (const char* way : {"http:", "https:", "src=", "href=", "import(", "fetch("}) {
     EXPECT_EQ(page.find(way), std::string::npos) << way;
   }

@@ -1,18 +1,12 @@
 // Orientations that devices say: what is one, and whose zero it has.
 #include "runtime/device/device_turn.h"
 
-#include <limits>
-
 #include <gtest/gtest.h>
+
+#include "tests/runtime/device/turns.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle_rad) {
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, axis));
-}
 
 TEST(ExactTurn, DividesByANormNearOneAndRefusesTheRest) {
   const Eigen::Quaterniond turn = about(Eigen::Vector3d(1, 2, 3).normalized(), 0.4);

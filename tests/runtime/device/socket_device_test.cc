@@ -2,7 +2,6 @@
 #include "runtime/device/socket_device.h"
 
 #include <array>
-#include <limits>
 #include <random>
 #include <thread>
 
@@ -12,15 +11,10 @@
 
 #include "runtime/device/device_driver.h"
 #include "runtime/realtime/clock.h"
+#include "tests/runtime/device/turns.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle_rad) {
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, axis));
-}
 
 class DriverSocket : public testing::Test {
  protected:

@@ -19,7 +19,7 @@ HaplyModelConfig held() {
   return config;
 }
 
-HaplyConfig driver() {
+HaplyConfig haply_driver() {
   HaplyConfig config;
   config.answer_s = 0.05;  // a test machine may pause
   return config;
@@ -29,7 +29,7 @@ TEST(EmulatedHaply, IsSetUpRendersAndIsLeftWithoutTorque) {
   HaplyModelConfig config = held();
   config.split_bytes = 4;
   const auto haply = std::make_shared<EmulatedHaply>(config, UsbFaults{});
-  const auto link = EmulatedHaply::link(haply, driver());
+  const auto link = EmulatedHaply::link(haply, haply_driver());
   link->open();
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   int answered = 0;
@@ -50,7 +50,7 @@ TEST(EmulatedHaply, UnpluggedAtAnyByteIsALossWithAName) {
   for (int byte = 1; byte <= 600; byte += 3) {  // 200 of them
     const auto haply = std::make_shared<EmulatedHaply>(
         held(), UsbFaults{.unplug_at_byte = byte, .unplug_is_io_error = byte % 2 == 0});
-    const auto link = EmulatedHaply::link(haply, driver());
+    const auto link = EmulatedHaply::link(haply, haply_driver());
     std::string why;
     try {
       link->open();
@@ -68,7 +68,7 @@ TEST(EmulatedHaply, UnpluggedAtAnyByteIsALossWithAName) {
 }
 
 TEST(EmulatedHaply, ABoardThatDoesNotAnswerIsNotOpened) {
-  HaplyConfig config = driver();
+  HaplyConfig config = haply_driver();
   config.answer_s = 0.002;
   const auto link = EmulatedHaply::link(
       std::make_shared<EmulatedHaply>(held(), UsbFaults{.silent_from_byte = 0}),
@@ -78,7 +78,7 @@ TEST(EmulatedHaply, ABoardThatDoesNotAnswerIsNotOpened) {
 
 TEST(EmulatedHaply, AsksWhereTheArmsStandBeforeItsSetUpAtEveryOpen) {
   const auto haply = std::make_shared<EmulatedHaply>(held(), UsbFaults{});
-  HaplyConfig config = driver();
+  HaplyConfig config = haply_driver();
   int asked = 0;
   bool answers = true;
   config.ask = [&](const std::string& text) {
@@ -101,7 +101,7 @@ TEST(EmulatedHaply, AsksWhereTheArmsStandBeforeItsSetUpAtEveryOpen) {
 
 TEST(EmulatedHaply, SaysWhatItSendsWhereItsMotorsSaturate) {
   const auto haply = std::make_shared<EmulatedHaply>(held(), UsbFaults{});
-  HaplyConfig config = driver();
+  HaplyConfig config = haply_driver();
   config.force_max_n = 50.0;  // more than 0.123 N m give
   const auto link = EmulatedHaply::link(haply, config);
   link->open();
@@ -139,7 +139,7 @@ struct Lied {
   LyingHaply board{held()};
   FaultyUsb bus{board, UsbFaults{}};
   std::unique_ptr<EmulatedUsb> usb;
-  HaplyLink link{driver(),
+  HaplyLink link{haply_driver(),
                  [this] {
                    usb = std::make_unique<EmulatedUsb>(bus);
                    return usb->descriptor();
@@ -186,7 +186,7 @@ TEST(EmulatedHaply, OneWholeWrongReplyMovesNothing) {
 }
 
 TEST(EmulatedHaply, LinksThatCannotBeAreRefused) {
-  HaplyConfig config = driver();
+  HaplyConfig config = haply_driver();
   config.links.driven_m = -1.0;
   EXPECT_THROW(HaplyLink(config, nullptr, nullptr), InputError);
 }

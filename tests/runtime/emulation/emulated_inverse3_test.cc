@@ -20,7 +20,7 @@ Inverse3ModelConfig model_config() {
   return config;
 }
 
-Inverse3Config driver() {
+Inverse3Config inverse3_driver() {
   Inverse3Config config;
   config.answer_s = 0.05;  // a test machine may pause
   config.wake_s = 0.01;
@@ -39,7 +39,7 @@ TEST(EmulatedInverse3, WakesUpRendersAndIsLeftWithoutForce) {
     config.newer = newer;
     config.split_bytes = newer ? 7 : 64;
     const auto device = std::make_shared<EmulatedInverse3>(config, UsbFaults{});
-    const auto link = EmulatedInverse3::link(device, driver());
+    const auto link = EmulatedInverse3::link(device, inverse3_driver());
     link->open();
     Eigen::Vector3d position_m;
     ASSERT_EQ(link->transact(kPush, position_m), LinkStatus::kOk);
@@ -61,7 +61,7 @@ TEST(EmulatedInverse3, NonsenseTakesTheForceAwayAndIsGotOver) {
   Inverse3ModelConfig config = model_config();
   config.garbage_at = 20;
   const auto device = std::make_shared<EmulatedInverse3>(config, UsbFaults{});
-  const auto link = EmulatedInverse3::link(device, driver());
+  const auto link = EmulatedInverse3::link(device, inverse3_driver());
   link->open();
   Eigen::Vector3d position_m;
   int missed = 0;
@@ -83,7 +83,7 @@ TEST(EmulatedInverse3, NonsenseForGoodIsALossWithZeroForce) {
   config.garbage_at = 20;
   config.garbage_count = 100'000;
   const auto device = std::make_shared<EmulatedInverse3>(config, UsbFaults{});
-  const auto link = EmulatedInverse3::link(device, driver());
+  const auto link = EmulatedInverse3::link(device, inverse3_driver());
   link->open();
   Eigen::Vector3d position_m;
   LinkStatus status = LinkStatus::kOk;
@@ -100,14 +100,14 @@ TEST(EmulatedInverse3, ThatIsDeafOrSilentHasAName) {
   config.deaf = 1000;
   const auto deaf = std::make_shared<EmulatedInverse3>(config, UsbFaults{});
   try {
-    EmulatedInverse3::link(deaf, driver())->open();
+    EmulatedInverse3::link(deaf, inverse3_driver())->open();
     FAIL() << "opened";
   } catch (const DeviceError& error) {
     EXPECT_NE(std::string(error.what()).find("does not wake up"), std::string::npos);
   }
   const auto silent = std::make_shared<EmulatedInverse3>(
       model_config(), UsbFaults{.silent_from_byte = 2000});
-  Inverse3Config quick = driver();
+  Inverse3Config quick = inverse3_driver();
   quick.answer_s = 0.005;
   const auto link = EmulatedInverse3::link(silent, quick);
   link->open();
@@ -129,7 +129,7 @@ TEST(EmulatedInverse3, UnpluggedAtAnyByteIsALossWithAName) {
     const auto device = std::make_shared<EmulatedInverse3>(
         config,
         UsbFaults{.unplug_at_byte = byte(random), .unplug_is_io_error = i % 2 == 0});
-    const auto link = EmulatedInverse3::link(device, driver());
+    const auto link = EmulatedInverse3::link(device, inverse3_driver());
     std::string why;
     try {
       link->open();

@@ -16,21 +16,21 @@
 #include "runtime/fast/fast_step.h"
 #include "runtime/slow/memory_elements.h"
 #include "tests/support/sample_bodies.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTickS = 0.0005;
-constexpr double kStepM = 5e-5;  // 0.1 m/s
+constexpr double kPathStepM = 5e-5;  // 0.1 m/s
 constexpr double kStiffnessNPerM = 500.0;
 constexpr double kDepthMaxM = 0.01;
-constexpr double kRadiusM = 0.003;
+constexpr double kToolRadiusM = 0.003;
 
 double linear(Eigen::Index /*node*/, double d) {
   return kStiffnessNPerM * d;
 }
 
-ResponseDatabase body(const SurfaceMesh& mesh, double radius_m = kRadiusM) {
+ResponseDatabase body(const SurfaceMesh& mesh, double radius_m = kToolRadiusM) {
   return sample_database(mesh, ball(radius_m, 0.0, 5e-4), linear, kDepthMaxM);
 }
 
@@ -106,9 +106,9 @@ SurfaceMesh moved(SurfaceMesh mesh, const Eigen::Vector3d& by_m) {
 }
 
 // Both processes at 2 kHz and 100 Hz, on a path of straight lines.
-class Rendered {
+class RenderedPath {
  public:
-  Rendered(const ResponseDatabase& database, LocalModel model)
+  RenderedPath(const ResponseDatabase& database, LocalModel model)
       : stream_(database, database.tools[0]) {
     state_->config.model = model;
     state_->config.tool_radius_m = database.tools[0].tool.radius_m;
@@ -125,7 +125,7 @@ class Rendered {
 
   void go(const Eigen::Vector3d& to, const Look& look = {}) {
     const Eigen::Vector3d from = x_;
-    const int steps = static_cast<int>(std::ceil((to - from).norm() / kStepM));
+    const int steps = static_cast<int>(std::ceil((to - from).norm() / kPathStepM));
     for (int i = 1; i <= steps; ++i) {
       const double t = static_cast<double>(i) / steps;
       const Eigen::Vector3d x = (1.0 - t) * from + t * to;
@@ -204,7 +204,7 @@ TEST_P(ContactExtremes, NeverPopsThroughASheetOfOneMillimetre) {
     const ResponseDatabase database = body(sheet(0.001), radius);
     for (const double side : {1.0, -1.0}) {
       const double surface_m = side > 0.0 ? 0.0 : -0.001;
-      Rendered r(database, GetParam());
+      RenderedPath r(database, GetParam());
       const auto at = [&](double x, double y, double depth) {
         return Eigen::Vector3d(x, y, surface_m + side * (radius - depth));
       };
@@ -238,12 +238,12 @@ TEST_P(ContactExtremes, NeverPopsThroughASheetOfOneMillimetre) {
 
 TEST_P(ContactExtremes, SlidesOffTheRimOfASheetWithoutLosingItsSigns) {
   const ResponseDatabase database = body(sheet(0.001));
-  Rendered r(database, GetParam());
-  r.start({0.02, 0.001, kRadiusM + 0.001});
-  r.go({0.02, 0.001, kRadiusM - 0.002});
-  r.go({0.04, 0.001, kRadiusM - 0.002});
-  r.go({0.02, 0.001, kRadiusM - 0.002});
-  r.go({0.02, 0.001, kRadiusM + 0.002});
+  RenderedPath r(database, GetParam());
+  r.start({0.02, 0.001, kToolRadiusM + 0.001});
+  r.go({0.02, 0.001, kToolRadiusM - 0.002});
+  r.go({0.04, 0.001, kToolRadiusM - 0.002});
+  r.go({0.02, 0.001, kToolRadiusM - 0.002});
+  r.go({0.02, 0.001, kToolRadiusM + 0.002});
   r.expect_sound("rim");
   // 2 mm of depth are 1 N; where the surface turns by 90 degrees within one cell the
   // gradient is longer than the curve's slope.
@@ -267,12 +267,12 @@ TEST_P(ContactExtremes, ForceStaysBoundedAndOnThePressedSideAcrossEdges) {
     const ResponseDatabase database = body(surface(bend.cells, [&](double x, double) {
       return bend.slope * std::abs(x);
     }));
-    Rendered r(database, GetParam());
+    RenderedPath r(database, GetParam());
     const double lean = 1.0 / std::sqrt(1.0 + bend.slope * bend.slope);
     const auto at = [&](double x, double depth) {  // over the flank of that side
       const double n_x = (x > 0.0 ? -bend.slope : bend.slope) * lean;
-      return Eigen::Vector3d(x + (kRadiusM - depth) * n_x, 0.0012,
-                             bend.slope * std::abs(x) + (kRadiusM - depth) * lean);
+      return Eigen::Vector3d(x + (kToolRadiusM - depth) * n_x, 0.0012,
+                             bend.slope * std::abs(x) + (kToolRadiusM - depth) * lean);
     };
     r.start(at(0.012, -0.002));
     const auto look = [&](const Eigen::Vector3d& x, const FastCommand& command) {
@@ -297,10 +297,10 @@ TEST_P(ContactExtremes, ForceStaysBoundedAndOnThePressedSideAcrossEdges) {
 // More triangles than a slow update sends, less than a step across at the apex.
 TEST_P(ContactExtremes, RendersTheCurveAroundAVertexOfHighValence) {
   const ResponseDatabase database = body(fan(200, 0.03));
-  Rendered r(database, GetParam());
+  RenderedPath r(database, GetParam());
   const double depth = 0.002;
-  r.start({0.004, 0.001, kRadiusM + 0.002});
-  r.go({0.004, 0.001, kRadiusM - depth});
+  r.start({0.004, 0.001, kToolRadiusM + 0.002});
+  r.go({0.004, 0.001, kToolRadiusM - depth});
   const auto look = [&](const Eigen::Vector3d&, const FastCommand& command) {
     ASSERT_NEAR(command.force_n.z(), kStiffnessNPerM * depth, 1e-9);
     ASSERT_LT(command.force_n.head<2>().norm(), 1e-9);
@@ -308,11 +308,11 @@ TEST_P(ContactExtremes, RendersTheCurveAroundAVertexOfHighValence) {
   for (const double radius : {1e-5, 2e-4, 4e-3}) {
     for (int i = 0; i <= 36; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / 36.0;
-      r.go({radius * std::cos(angle), radius * std::sin(angle), kRadiusM - depth},
+      r.go({radius * std::cos(angle), radius * std::sin(angle), kToolRadiusM - depth},
            look);
     }
   }
-  r.go({-0.004, 1e-4, kRadiusM - depth}, look);  // over the apex
+  r.go({-0.004, 1e-4, kToolRadiusM - depth}, look);  // over the apex
   r.expect_sound("fan");
 }
 
@@ -323,10 +323,10 @@ TEST_P(ContactExtremes, StaysOnTheComponentThatItPressesUntilItIsReleased) {
   const SurfaceMesh sphere = icosphere(kBodyM, 3);
   const ResponseDatabase database =
       body(both(moved(sphere, left), moved(sphere, right)));
-  Rendered r(database, GetParam());
+  RenderedPath r(database, GetParam());
   const auto over = [&](const Eigen::Vector3d& centre, double angle, double depth) {
     const Eigen::Vector3d n(std::sin(angle), 0.0, std::cos(angle));
-    return Eigen::Vector3d(centre + (kBodyM + kRadiusM - depth) * n);
+    return Eigen::Vector3d(centre + (kBodyM + kToolRadiusM - depth) * n);
   };
   const auto pressed = [&](const Eigen::Vector3d& centre) {
     return [&, centre](const Eigen::Vector3d& x, const FastCommand& command) {
@@ -362,17 +362,17 @@ TEST_P(ContactExtremes, GoesOnAcrossTheSeamOfTouchingComponents) {
   const SurfaceMesh half = plate(0.04, 8);
   const ResponseDatabase database =
       body(both(moved(half, {-0.02, 0.0, 0.0}), moved(half, {0.02, 0.0, 0.0})));
-  Rendered r(database, GetParam());
+  RenderedPath r(database, GetParam());
   const auto look = [&](const Eigen::Vector3d& x, const FastCommand& command) {
-    const double depth = std::max(0.0, kRadiusM - x.z());
+    const double depth = std::max(0.0, kToolRadiusM - x.z());
     ASSERT_NEAR(command.force_n.z(), kStiffnessNPerM * depth, 1e-9) << x.transpose();
     ASSERT_LT(command.force_n.head<2>().norm(), 1e-9);
   };
-  r.start({-0.01, 0.001, kRadiusM + 0.002});
-  r.go({-0.01, 0.001, kRadiusM - 0.003}, look);
-  r.go({0.01, 0.002, kRadiusM - 0.003}, look);
-  r.go({0.01, 0.002, kRadiusM + 0.002}, look);
-  r.go({0.01, 0.002, kRadiusM - 0.003}, look);
+  r.start({-0.01, 0.001, kToolRadiusM + 0.002});
+  r.go({-0.01, 0.001, kToolRadiusM - 0.003}, look);
+  r.go({0.01, 0.002, kToolRadiusM - 0.003}, look);
+  r.go({0.01, 0.002, kToolRadiusM + 0.002}, look);
+  r.go({0.01, 0.002, kToolRadiusM - 0.003}, look);
   r.expect_sound("seam");
 }
 

@@ -1,28 +1,19 @@
 #include "runtime/fast/fast_step.h"
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "runtime/bench/bench_body.h"
+#include "tests/runtime/fast/pressed_middle.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/energy_account.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kTickS = 0.0005;
-
-FastState element_state(double radius_m = 0.005) {
-  FastState state;
-  state.config.tool_radius_m = radius_m;
-  state.config.force_max_n = 1e6;
-  state.config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
-  return state;
-}
 
 struct WalkResult {
   double lowest_net_j = 0.0;
@@ -140,17 +131,6 @@ TEST(AllocationGuard, CountsNewMallocAndDynamicMatrices) {
   const Eigen::VectorXd vector = Eigen::VectorXd::Constant(100, *owned);
   EXPECT_EQ(guard.count(), 2U) << vector.sum();
 #endif
-}
-
-// A flat body of one stiffness with a tool of no size, pressed at its middle.
-FastState pressed(const BenchBody& body, const Eigen::Vector3d& x) {
-  FastState state = element_state(0.0);
-  send(state, body, x);
-  return state;
-}
-
-Eigen::Vector3d over_middle(const BenchBody& body, double depth_m) {
-  return {0.52 * body.side_m(), 0.51 * body.side_m(), -depth_m};
 }
 
 TEST(FastStep, StraightPokeRendersTheCurve) {

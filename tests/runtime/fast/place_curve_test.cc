@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kDepthM = 0.008;
+constexpr double kCurveDepthM = 0.008;
 
 // Three nodes of another stiffness, lean and touch each.
 class PlaceCurveTest : public testing::Test {
@@ -18,7 +18,7 @@ class PlaceCurveTest : public testing::Test {
   explicit PlaceCurveTest(double exponent = 1.5, int bundles = 1)
       : body_(make_bench_body({.cells = 1,
                                .exponent = exponent,
-                               .depth_m = kDepthM,
+                               .depth_m = kCurveDepthM,
                                .contrast = 9.0,
                                .relaxing = {0.5},
                                .relaxation_s = {1.0},
@@ -146,7 +146,7 @@ TEST_F(CutCurve, PiecesOfOneDepthServeTheNext) {
 
 TEST(RisingPiece, IsTheCurveWhereItDoesNotFall) {
   ElementNode node;
-  set_power_law(node, 1.5, 2.0, kDepthM);
+  set_power_law(node, 1.5, 2.0, kCurveDepthM);
   for (double d = 1e-6; d < 0.012; d += 9.1e-6) {
     const ElementSample own = node.curve().at(d);
     const ElementSample rising = rising_piece_around(node.curve(), d).at(d);

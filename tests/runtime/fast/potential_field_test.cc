@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRadiusM = 0.005;
+constexpr double kSphereRadiusM = 0.005;
 
 Eigen::Vector3d random_vector(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -56,7 +56,7 @@ FieldPlace place_at(const ElementCache& cache, int slot, const PrismPoint& at) {
 
 FieldResponse response_at(const ElementCache& cache, const FieldPlace& place) {
   CurvePieces pieces;
-  return respond(place, cache, kRadiusM, 0.0, pieces);
+  return respond(place, cache, kSphereRadiusM, 0.0, pieces);
 }
 
 TEST(Prism, CoordinatesAreFoundAgain) {
@@ -67,7 +67,7 @@ TEST(Prism, CoordinatesAreFoundAgain) {
     PrismPoint wanted;
     wanted.area = Eigen::Vector3d(unit(random), unit(random), unit(random));
     wanted.area /= wanted.area.sum();
-    wanted.height_m = kRadiusM - 0.006 * unit(random);
+    wanted.height_m = kSphereRadiusM - 0.006 * unit(random);
     const Eigen::Vector3d x = frame_at(prism, wanted, Beyond::kAnalytic).position_m;
     PrismPoint found{Eigen::Vector3d::Constant(1.0 / 3.0), 0.003};
     PrismFrame frame;
@@ -88,7 +88,7 @@ TEST(PotentialField, ForceIsTheNegativeGradient) {
     PrismPoint at;
     at.area = Eigen::Vector3d(unit(random), unit(random), unit(random));
     at.area /= at.area.sum();
-    at.height_m = kRadiusM - 0.006 * unit(random);
+    at.height_m = kSphereRadiusM - 0.006 * unit(random);
     const FieldPlace place = place_at(*cache, 0, at);
     const FieldResponse response = response_at(*cache, place);
     constexpr double kStepM = 1e-7;
@@ -121,7 +121,7 @@ TEST(PotentialField, ForceIsTheGradientInTheContinuedPlaneToo) {
     PrismPoint at;
     at.area = Eigen::Vector3d(1.0, 0.0, 0.0) + 0.8 * random_vector(random);
     at.area(2) = 1.0 - at.area(0) - at.area(1);
-    at.height_m = kRadiusM - 0.004 * unit(random);
+    at.height_m = kSphereRadiusM - 0.004 * unit(random);
     FieldPlace place = place_at(*cache, 0, at);
     place.frame = frame_at(place.prism, at, Beyond::kHeld);
     place.outside = at.area.minCoeff() < 0.0;
@@ -152,7 +152,7 @@ TEST(PotentialField, NormalForceIsTheInterpolatedCurve) {
     *cache = {};
     const Element element = random_element(random);
     store(*cache, element);
-    const PrismPoint at{{0.2, 0.5, 0.3}, kRadiusM - 0.004};
+    const PrismPoint at{{0.2, 0.5, 0.3}, kSphereRadiusM - 0.004};
     const FieldPlace place = place_at(*cache, 0, at);
     const FieldResponse response = response_at(*cache, place);
     double wanted = 0.0;
@@ -201,7 +201,7 @@ TEST(PotentialField, EnergyIsContinuousAcrossEdges) {
         PrismPoint at;
         at.area((corner + 1) % 3) = along;
         at.area((corner + 2) % 3) = 1.0 - along;
-        at.height_m = kRadiusM - 0.005;
+        at.height_m = kSphereRadiusM - 0.005;
         const FieldPlace place = place_at(*here, 0, at);
         FieldPlace other =
             place_at(*there, 0, {Eigen::Vector3d::Constant(1.0 / 3.0), at.height_m});
@@ -224,7 +224,7 @@ TEST(PotentialField, EnergyIsContinuousAroundVertices) {
     for (const Element& element : body.element) {
       const auto cache = cache_of(element);
       for (int j = 0; j < 3; ++j) {
-        PrismPoint at{Eigen::Vector3d::Constant(aside / 2.0), kRadiusM - 0.005};
+        PrismPoint at{Eigen::Vector3d::Constant(aside / 2.0), kSphereRadiusM - 0.005};
         at.area(j) = 1.0 - aside;
         const double energy = response_at(*cache, place_at(*cache, 0, at)).energy_j;
         const auto node =

@@ -10,14 +10,14 @@
 #include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
 #include "tests/support/energy_account.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTickS = 0.0005;
-constexpr double kRadiusM = 0.005;
+constexpr double kBallRadiusM = 0.005;
 
-std::unique_ptr<FastState> potential_state(double radius_m = kRadiusM) {
+std::unique_ptr<FastState> potential_state(double radius_m = kBallRadiusM) {
   auto state = std::make_unique<FastState>();
   state->config.model = LocalModel::kPotential;
   state->config.tool_radius_m = radius_m;
@@ -94,11 +94,11 @@ double closed_walk_j(double friction, std::uint32_t seed, double& trapezoid_j) {
   const auto state = potential_state();
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const Eigen::Vector3d start(0.008, 0.008, kRadiusM + 0.003);
+  const Eigen::Vector3d start(0.008, 0.008, kBallRadiusM + 0.003);
   std::vector<Eigen::Vector3d> corner{start};
   for (int i = 0; i < 8; ++i) {
     corner.emplace_back(0.008 + 0.004 * unit(random), 0.008 + 0.004 * unit(random),
-                        kRadiusM - 0.003 + 0.002 * unit(random));
+                        kBallRadiusM - 0.003 + 0.002 * unit(random));
   }
   corner.push_back(start);
   Account account;
@@ -350,7 +350,7 @@ TEST(PotentialModel, ZeroResponseGivesZeroForce) {
 TEST(PotentialModel, NanIsAFaultAndZeroForce) {
   const BenchBody body = make_bench_body(small_body(0.3));
   const auto state = potential_state();
-  const Eigen::Vector3d x(0.008, 0.008, kRadiusM - 0.002);
+  const Eigen::Vector3d x(0.008, 0.008, kBallRadiusM - 0.002);
   send_all(*state, body, x);
   (void)step(*state, {x, 0}, kTickS);
   const Eigen::Vector3d nan(0.0, std::numeric_limits<double>::quiet_NaN(), 0.0);
@@ -369,7 +369,7 @@ TEST(PotentialModel, TeleportsCreateNoEnergy) {
   for (int n = 0; n < 20000; ++n) {
     const double far = n % 50 == 0 ? 1.0 : 0.006;
     const Eigen::Vector3d x(0.008 + far * unit(random), 0.008 + far * unit(random),
-                            kRadiusM + far * unit(random));
+                            kBallRadiusM + far * unit(random));
     if (n % 10 == 0) {
       send_all(*state, body, x);
     }
@@ -383,7 +383,7 @@ TEST(PotentialModel, TeleportsCreateNoEnergy) {
 TEST(PotentialModel, ToolThatStartsInsideFeelsNothingUntilItMoves) {
   const BenchBody body = make_bench_body(small_body(0.0));
   const auto state = potential_state();
-  const Eigen::Vector3d x(0.008, 0.0079, kRadiusM - 0.003);
+  const Eigen::Vector3d x(0.008, 0.0079, kBallRadiusM - 0.003);
   send_all(*state, body, x);
   EXPECT_NEAR(step(*state, {x, 0}, kTickS).force_n.norm(), 0.0, 1e-6);
   const FastCommand deeper =

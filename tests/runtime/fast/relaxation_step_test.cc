@@ -3,13 +3,13 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/relaxing_body.h"
+#include "tests/support/walk_ticks.h"
 
 namespace palpate {
 namespace {
@@ -28,12 +28,6 @@ long double stored_j(const FastState& state, long double stiffness,
   }
   const long double above_m = std::max(0.0L, depth_m - s / stiffness);
   return 0.5L * stiffness * above_m * above_m + (squares - s * s) / (2.0L * stiffness);
-}
-
-// Or PALPATE_WALK_TICKS of them.
-std::int64_t walk_ticks(std::int64_t otherwise) {
-  const char* wanted = std::getenv("PALPATE_WALK_TICKS");
-  return wanted != nullptr ? std::atoll(wanted) : otherwise;
 }
 
 TEST(RelaxationStep, NeverRaisesWhatAPlaceStoresWhateverTheClockDoes) {
@@ -76,7 +70,7 @@ TEST(RelaxationStep, NeverRaisesWhatAPlaceStoresWhateverTheClockDoes) {
   }
 }
 
-struct Walk {
+struct RelaxingWalkCase {
   double contrast = 1.0;
   PronyTerms2 terms;
   int bundles = 1;
@@ -84,10 +78,10 @@ struct Walk {
   LocalModel model = LocalModel::kPotential;
 };
 
-class RelaxingWalk : public testing::TestWithParam<Walk> {
+class RelaxingWalk : public testing::TestWithParam<RelaxingWalkCase> {
  protected:
   RelaxingWalk() {
-    const Walk& walk = GetParam();
+    const RelaxingWalkCase& walk = GetParam();
     BenchBodyOptions options{.wave_m = 0.004,
                              .contrast = walk.contrast,
                              .tilt_rad = 0.2,
@@ -128,15 +122,17 @@ class RelaxingWalk : public testing::TestWithParam<Walk> {
 
 INSTANTIATE_TEST_SUITE_P(
     Bodies, RelaxingWalk,
-    testing::Values(Walk{1.0, kPork}, Walk{9.0, kPork}, Walk{100.0, kPork, 1, 1.0},
-                    Walk{1.0, kShortTimes, 1, 0.5}, Walk{100.0, kShortTimes},
-                    Walk{100.0, kShortTimes, 8, 0.5},
-                    Walk{9.0, {{0.4, 0.6}, {1e-5, 2.0}}, 1, 0.3},
-                    Walk{9.0, kPork, 1, 0.5, LocalModel::kElement},
-                    Walk{100.0, kShortTimes, 1, 0.5, LocalModel::kElement},
-                    Walk{9.0, kShortTimes, 1, 0.0, LocalModel::kEnergyTank},
-                    Walk{9.0, kPork, 1, 0.0, LocalModel::kEnergyTank},
-                    Walk{9.0, kPork, 1, 0.0, LocalModel::kEqualEnergy}));
+    testing::Values(RelaxingWalkCase{1.0, kPork}, RelaxingWalkCase{9.0, kPork},
+                    RelaxingWalkCase{100.0, kPork, 1, 1.0},
+                    RelaxingWalkCase{1.0, kShortTimes, 1, 0.5},
+                    RelaxingWalkCase{100.0, kShortTimes},
+                    RelaxingWalkCase{100.0, kShortTimes, 8, 0.5},
+                    RelaxingWalkCase{9.0, {{0.4, 0.6}, {1e-5, 2.0}}, 1, 0.3},
+                    RelaxingWalkCase{9.0, kPork, 1, 0.5, LocalModel::kElement},
+                    RelaxingWalkCase{100.0, kShortTimes, 1, 0.5, LocalModel::kElement},
+                    RelaxingWalkCase{9.0, kShortTimes, 1, 0.0, LocalModel::kEnergyTank},
+                    RelaxingWalkCase{9.0, kPork, 1, 0.0, LocalModel::kEnergyTank},
+                    RelaxingWalkCase{9.0, kPork, 1, 0.0, LocalModel::kEqualEnergy}));
 
 TEST_P(RelaxingWalk, CreatesNoEnergy) {
   wander(40000);

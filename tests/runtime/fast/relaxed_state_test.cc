@@ -10,11 +10,11 @@
 #include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
 #include "tests/support/energy_account.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTickS = 5e-4;
 constexpr double kStiffness = 250.0;  // [N/m] of every node
 constexpr double kDepth = 3e-3;       // [m]
 

@@ -1,6 +1,5 @@
 #include "runtime/fast/relaxing_contact.h"
 
-#include <array>
 #include <cmath>
 #include <random>
 
@@ -18,12 +17,6 @@ BenchBodyOptions flat(const PronyTerms2& terms) {
   set_terms(options, terms);
   return options;
 }
-
-// A node, an edge's middle, a centroid, and anywhere.
-const std::array<Eigen::Vector2d, 4> kPlaces{
-    Eigen::Vector2d(0.03, 0.03), Eigen::Vector2d(0.0325, 0.03),
-    Eigen::Vector2d(0.03 + 0.01 / 3.0, 0.03 + 0.005 / 3.0),
-    Eigen::Vector2d(0.031, 0.0306)};
 
 // Ticks of some substeps of the reference.
 template <typename Substeps>
@@ -59,7 +52,7 @@ TEST_P(RelaxingContactTest, IsTheConvolutionWithinHalfAThousandth) {
   for (const PronyTerms2& terms : {kPork, kShortTimes}) {
     const BenchBody body = make_bench_body(flat(terms));
     for (const DepthProgramme& programme : depth_programmes()) {
-      PressedPlace place(body, GetParam(), kPlaces[3]);
+      PressedPlace place(body, GetParam(), kPressedPlaces[3]);
       const ForceError error =
           render(place, body.element[0].node[0].curve(), terms, programme, [] {
             return 10;
@@ -76,7 +69,7 @@ TEST_P(RelaxingContactTest, AndWithinAThousandthWhereTicksAreIrregular) {
     std::mt19937 random(3);
     std::uniform_int_distribution<int> substeps(1, 25);  // 0.05 to 1.25 ms
     for (const DepthProgramme& programme : depth_programmes()) {
-      PressedPlace place(body, GetParam(), kPlaces[3]);
+      PressedPlace place(body, GetParam(), kPressedPlaces[3]);
       const ForceError error =
           render(place, body.element[0].node[0].curve(), terms, programme, [&] {
             return substeps(random);
@@ -89,7 +82,7 @@ TEST_P(RelaxingContactTest, AndWithinAThousandthWhereTicksAreIrregular) {
 TEST_P(RelaxingContactTest, AHeldToolRelaxesTheSameAtANodeAnEdgeAndACentroid) {
   const BenchBody body = make_bench_body(flat(kPork));
   const DepthProgramme hold{"hold", line_path({{0.0, -0.001}, {0.12, 0.005}}), 10.0};
-  for (const Eigen::Vector2d& at : kPlaces) {
+  for (const Eigen::Vector2d& at : kPressedPlaces) {
     PressedPlace place(body, GetParam(), at);
     const ForceError error =
         render(place, body.element[0].node[0].curve(), kPork, hold, [] {
@@ -101,7 +94,7 @@ TEST_P(RelaxingContactTest, AHeldToolRelaxesTheSameAtANodeAnEdgeAndACentroid) {
 
 TEST_P(RelaxingContactTest, EndsAtTheSlowLimitOfTheCurve) {
   const BenchBody body = make_bench_body(flat(kShortTimes));
-  PressedPlace place(body, GetParam(), kPlaces[3]);
+  PressedPlace place(body, GetParam(), kPressedPlaces[3]);
   double force_n = 0.0;
   for (int i = 0; i < 4000; ++i) {
     force_n = place.press(std::min(0.005, 1e-5 * i), 0.0005);
@@ -132,7 +125,7 @@ TEST_P(RelaxingContactTest, WithoutSharesItIsTheStaticResponse) {
 
 TEST_P(RelaxingContactTest, NeverPulls) {
   const BenchBody body = make_bench_body(flat(kShortTimes));
-  PressedPlace place(body, GetParam(), kPlaces[2]);
+  PressedPlace place(body, GetParam(), kPressedPlaces[2]);
   const DepthPath shake = sine_path(0.004, 0.001, 7.0);
   int free = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -146,7 +139,7 @@ TEST_P(RelaxingContactTest, NeverPulls) {
 TEST_P(RelaxingContactTest, ADentIsFeltUntilItHasGoneBack) {
   const BenchBody body = make_bench_body(flat(kPork));
   const auto touch_m = [&](double wait_s) {
-    PressedPlace place(body, GetParam(), kPlaces[3]);
+    PressedPlace place(body, GetParam(), kPressedPlaces[3]);
     for (int i = 0; i < 20000; ++i) {
       place.press(std::min(0.005, 1e-5 * i), 0.0005);
     }

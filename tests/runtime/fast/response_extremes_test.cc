@@ -10,11 +10,10 @@
 #include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
 #include "tests/support/energy_account.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kTickS = 0.0005;
 
 std::unique_ptr<FastState> make_state(LocalModel model, double radius_m) {
   auto state = std::make_unique<FastState>();

@@ -2,12 +2,13 @@
 
 #include <limits>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 namespace palpate {
 namespace {
 
-constexpr double kTickS = 0.001;
+constexpr double kMillisecondS = 0.001;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 const Eigen::Vector3d kStill = Eigen::Vector3d::Zero();
 
@@ -16,7 +17,7 @@ TEST(Safety, ClampsTheWholeVectorAndKeepsItsDirection) {
   const Eigen::Vector3d wanted(3.0, -6.0, 6.0);
   const Eigen::Vector3d f =
       make_safe(state, {.force_max_n = 3.0, .slew_max_n_per_s = kInf}, {}, wanted,
-                kStill, kTickS);
+                kStill, kMillisecondS);
   EXPECT_NEAR(f.norm(), 3.0, 1e-12);
   EXPECT_NEAR(f.cross(wanted).norm(), 0.0, 1e-12);
 }
@@ -26,7 +27,7 @@ TEST(Safety, ClampsTheChangeOfForce) {
   const SafetyLimits limits{.force_max_n = 10.0, .slew_max_n_per_s = 1000.0};
   for (int n = 1; n <= 5; ++n) {
     const Eigen::Vector3d f =
-        make_safe(state, limits, {}, {0.0, 0.0, 4.5}, kStill, kTickS);
+        make_safe(state, limits, {}, {0.0, 0.0, 4.5}, kStill, kMillisecondS);
     EXPECT_NEAR(f.z(), std::min(4.5, n * 1.0), 1e-12);
   }
 }
@@ -35,17 +36,19 @@ TEST(Safety, NotFiniteForceIsZeroAndLatched) {
   SafetyState state;
   const SafetyLimits limits;
   const Eigen::Vector3d good(0.0, 0.0, 1.0);
-  (void)make_safe(state, limits, {}, good, kStill, kTickS);
-  EXPECT_EQ(make_safe(state, limits, {}, {0.0, kInf, 0.0}, kStill, kTickS).norm(), 0.0);
+  (void)make_safe(state, limits, {}, good, kStill, kMillisecondS);
+  EXPECT_EQ(
+      make_safe(state, limits, {}, {0.0, kInf, 0.0}, kStill, kMillisecondS).norm(),
+      0.0);
   EXPECT_EQ(state.fault, Fault::kNotFinite);
-  EXPECT_EQ(make_safe(state, limits, {}, good, kStill, kTickS).norm(), 0.0);
+  EXPECT_EQ(make_safe(state, limits, {}, good, kStill, kMillisecondS).norm(), 0.0);
 }
 
 TEST(Safety, AnAccountThatDoesNotCloseIsAnEnergyFault) {
   SafetyState state;
   const PassivityLedger ledger{.work_j = 0.0, .stored_j = 1e-6};
   const Eigen::Vector3d f =
-      make_safe(state, {}, ledger, {0.0, 0.0, 1.0}, kStill, kTickS);
+      make_safe(state, {}, ledger, {0.0, 0.0, 1.0}, kStill, kMillisecondS);
   EXPECT_EQ(state.fault, Fault::kEnergy);
   EXPECT_EQ(f.norm(), 0.0);
 }
@@ -54,11 +57,11 @@ TEST(Safety, EnergyThatASlewLagCreatesIsAFault) {
   // The force follows a withdrawal late and pushes where the model has let go.
   SafetyState state;
   const SafetyLimits limits{.force_max_n = 10.0, .slew_max_n_per_s = 1e4};
-  (void)make_safe(state, limits, {}, {0.0, 0.0, 8.0}, kStill, kTickS);
+  (void)make_safe(state, limits, {}, {0.0, 0.0, 8.0}, kStill, kMillisecondS);
   const SafetyLimits slow{.force_max_n = 10.0, .slew_max_n_per_s = 1.0};
   int ticks = 0;
   for (; ticks < 100 && state.fault == Fault::kNone; ++ticks) {
-    (void)make_safe(state, slow, {}, kStill, {0.0, 0.0, 1e-4}, kTickS);
+    (void)make_safe(state, slow, {}, kStill, {0.0, 0.0, 1e-4}, kMillisecondS);
   }
   EXPECT_EQ(state.fault, Fault::kEnergy);
   // 8 N over 0.1 mm a tick pass the floor of 10 mJ in the 13th movement after it.
@@ -70,8 +73,9 @@ TEST(Safety, WhatTheClampsTookIsNotLent) {
   // out again. The user lost energy on the way out, which pays for nothing later.
   SafetyState state;
   const SafetyLimits limits{.force_max_n = 1.0, .slew_max_n_per_s = kInf};
-  (void)make_safe(state, limits, {}, {0.0, 0.0, 400.0}, {0.0, 0.0, -1.0}, kTickS);
-  (void)make_safe(state, limits, {}, kStill, {0.0, 0.0, 1.0}, kTickS);
+  (void)make_safe(state, limits, {}, {0.0, 0.0, 400.0}, {0.0, 0.0, -1.0},
+                  kMillisecondS);
+  (void)make_safe(state, limits, {}, kStill, {0.0, 0.0, 1.0}, kMillisecondS);
   EXPECT_EQ(state.owed_j, 0.0);
   EXPECT_EQ(state.fault, Fault::kNone);
 }
@@ -82,7 +86,8 @@ TEST(Safety, ClampThatHoldsWhilePressingAndReleasingGainsNothing) {
   double largest = 0.0;
   for (const double way : {-1e-4, 1e-4}) {
     for (int n = 0; n < 50; ++n) {  // 3 N of the model, 5 mm in, 5 mm out
-      (void)make_safe(state, limits, {}, {0.0, 0.0, 3.0}, {0.0, 0.0, way}, kTickS);
+      (void)make_safe(state, limits, {}, {0.0, 0.0, 3.0}, {0.0, 0.0, way},
+                      kMillisecondS);
       largest = std::max(largest, state.owed_j);
     }
   }
@@ -97,7 +102,7 @@ TEST(Safety, RampRaisesTheClampFromZeroInProportionToTime) {
       .force_max_n = 4.0, .slew_max_n_per_s = kInf, .ramp_s = 0.01};
   for (int n = 1; n <= 20; ++n) {
     const Eigen::Vector3d f =
-        make_safe(state, limits, {}, {0.0, 0.0, 3.0}, kStill, kTickS);
+        make_safe(state, limits, {}, {0.0, 0.0, 3.0}, kStill, kMillisecondS);
     EXPECT_NEAR(f.z(), std::min(3.0, 0.4 * n), 1e-12) << n;
   }
 }

@@ -4,19 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/runtime/fast/power_law.h"
+#include "tests/support/tick.h"
+
 namespace palpate {
 namespace {
-
-constexpr double kTickS = 0.0005;
-
-// f = a x^p.
-SlowValue power_law(double a, double p, double x) {
-  if (!(x > 0.0)) {
-    return {x, 0.0, 0.0, 0.0};
-  }
-  const double f = a * std::pow(x, p);
-  return {x, f, p * f / x, f * x / (p + 1.0)};
-}
 
 ScalarModel make(LocalModel kind) {
   ScalarModel model;

@@ -1,16 +1,11 @@
 #include "runtime/fast/slow_value_curve.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include "tests/runtime/fast/power_law.h"
 
 namespace palpate {
 namespace {
-
-SlowValue power_law(double a, double p, double x) {
-  const double f = a * std::pow(x, p);
-  return {x, f, p * f / x, f * x / (p + 1.0)};
-}
 
 TEST(LocalCurve, IsTheResponseWhereThatIsLinearQuadraticOrCubic) {
   for (const double p : {1.0, 2.0, 3.0}) {

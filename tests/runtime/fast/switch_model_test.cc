@@ -6,12 +6,12 @@
 #include <memory>
 
 #include "tests/support/pressed_plate.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTickS = 5e-4;
-constexpr double kDepthM = 0.004;
+constexpr double kWallDepthM = 0.004;
 
 // Pressed by hand: every element around the tool arrives every tenth tick.
 class SwitchModel : public testing::Test {
@@ -43,7 +43,7 @@ class SwitchModel : public testing::Test {
   void start(LocalModel model) {
     state_->config.model = model;
     state_->config.tool_radius_m = kRadius;
-    ramp(-0.001, kDepthM);
+    ramp(-0.001, kWallDepthM);
   }
 
   ResponseDatabase database_ =
@@ -59,13 +59,13 @@ class SwitchModel : public testing::Test {
 
 TEST_F(SwitchModel, BetweenTheSurfaceModelsTheForceStays) {
   start(LocalModel::kElement);
-  const double expected = wall(0, kDepthM);
-  EXPECT_NEAR(to(kDepthM).force_n.norm(), expected, 0.01 * expected);
+  const double expected = wall(0, kWallDepthM);
+  EXPECT_NEAR(to(kWallDepthM).force_n.norm(), expected, 0.01 * expected);
   for (const LocalModel model : {LocalModel::kPotential, LocalModel::kElement}) {
     switch_model(*state_, model);
     FastCommand command;
     for (int i = 0; i < 3; ++i) {
-      command = to(kDepthM);
+      command = to(kWallDepthM);
     }
     EXPECT_NEAR(command.force_n.norm(), expected, 0.01 * expected) << name(model);
     EXPECT_EQ(command.fault, 0) << name(model);
@@ -78,26 +78,26 @@ TEST_F(SwitchModel, NoOrderOfPassiveModelsGivesTheHandEnergy) {
        {LocalModel::kEnergyTank, LocalModel::kEqualEnergy, LocalModel::kElement,
         LocalModel::kEnergyTank, LocalModel::kPotential, LocalModel::kEqualEnergy}) {
     switch_model(*state_, model);
-    ramp(kDepthM, 0.5 * kDepthM);
-    ramp(0.5 * kDepthM, kDepthM);
+    ramp(kWallDepthM, 0.5 * kWallDepthM);
+    ramp(0.5 * kWallDepthM, kWallDepthM);
   }
-  const FastCommand free = ramp(kDepthM, -0.002);
+  const FastCommand free = ramp(kWallDepthM, -0.002);
   EXPECT_EQ(free.fault, 0);
   EXPECT_EQ(free.force_n.norm(), 0.0);
   // A force held over a tick gives back up to K v T dx more than the curve: 1 part in
   // a thousand of what was stored, over fourteen ramps.
-  EXPECT_GT(net_j_, -0.02 * wall(0, kDepthM) * kDepthM / 3.0);
+  EXPECT_GT(net_j_, -0.02 * wall(0, kWallDepthM) * kWallDepthM / 3.0);
   EXPECT_LT(std::abs(imbalance_j(state_->ledger)), 1e-9);
 }
 
 TEST_F(SwitchModel, AfterAHoldTheAccountIsSoundAgain) {
   start(LocalModel::kSingle);
   switch_model(*state_, LocalModel::kPotential);
-  const FastCommand pressed = to(kDepthM);
+  const FastCommand pressed = to(kWallDepthM);
   EXPECT_EQ(pressed.fault, 0);
   EXPECT_GE(state_->ledger.tank_j, 0.0);
-  EXPECT_LE(pressed.force_n.norm(), 1.001 * wall(0, kDepthM));
-  const FastCommand free = ramp(kDepthM, -0.002);
+  EXPECT_LE(pressed.force_n.norm(), 1.001 * wall(0, kWallDepthM));
+  const FastCommand free = ramp(kWallDepthM, -0.002);
   EXPECT_EQ(free.fault, 0);
   EXPECT_EQ(free.force_n.norm(), 0.0);
   EXPECT_GE(state_->ledger.work_j, -1e-9);

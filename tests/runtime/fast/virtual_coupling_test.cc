@@ -8,11 +8,10 @@
 
 #include "runtime/slow/coupled_storage.h"
 #include "tests/bench/runtime/contact_walk.h"
+#include "tests/support/tick.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kTickS = 0.0005;
 
 Real nothing(void* /*of*/, const PortPose& /*pose*/, Wrench* /*wrench*/) {
   return 0.0;
@@ -118,12 +117,12 @@ TEST(VirtualCoupling, EnergyIsAccountedForTickByTick) {
 }
 
 // On a plate of coupled contacts: the body that the fast step renders is the potential.
-struct Rendered {
+struct RenderedPort {
   CoupledState* state;
   CoupledModel* moved;
 
   static Real energy(void* of, const PortPose& pose, Wrench* wrench) {
-    auto& self = *static_cast<Rendered*>(of);
+    auto& self = *static_cast<RenderedPort*>(of);
     const PortPoses poses{pose, PortPose{}};
     const Real energy = potential_j(*self.state, *self.moved, poses);
     if (wrench != nullptr) {
@@ -142,7 +141,7 @@ TEST(VirtualCoupling, CarriesAPlateOfContacts) {
   CoupledStorage storage(make_plate(body, 4, 0.006, 0.003), config);
   CoupledState& state = storage.state();
   const auto moved = std::make_unique<CoupledModel>();
-  Rendered rendered{&state, moved.get()};
+  RenderedPort rendered{&state, moved.get()};
   const VirtualCoupling coupling;
   PoseWalk walk(body, 1, {.depth_m = 0.003, .seed = 4});
   VirtualBody tool;
@@ -171,8 +170,8 @@ TEST(VirtualCoupling, CarriesAPlateOfContacts) {
     for (int i = 0; i < 4 && tick % 20 == 1; ++i) {
       send(state, body, pose, i);
     }
-    const VirtualTick made =
-        advance(coupling, tool, before, device, {&rendered, &Rendered::energy}, kTickS);
+    const VirtualTick made = advance(coupling, tool, before, device,
+                                     {&rendered, &RenderedPort::energy}, kTickS);
     pose[0] = tool.pose();
     contacts += step(state, {pose, 0}, kTickS).contacts > 1 ? 1 : 0;
     work += made.work_j;

@@ -3,7 +3,6 @@
 #include "runtime/fast/yield_step.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
 
@@ -13,12 +12,6 @@
 
 namespace palpate {
 namespace {
-
-// A node, an edge's middle, a centroid, and anywhere.
-const std::array<Eigen::Vector2d, 4> kPlaces{
-    Eigen::Vector2d(0.03, 0.03), Eigen::Vector2d(0.0325, 0.03),
-    Eigen::Vector2d(0.03 + 0.01 / 3.0, 0.03 + 0.005 / 3.0),
-    Eigen::Vector2d(0.031, 0.0306)};
 
 BenchBodyOptions uneven() {
   return {.depth_m = 0.008, .samples = 25, .contrast = 9.0, .touch_offset_m = 2e-4};
@@ -51,7 +44,7 @@ double first_press_error(LocalModel model, const BenchBody& stored,
 TEST_P(YieldStep, AFirstPressIsTheStoredResponseToRounding) {
   const BenchBody stored = make_bench_body(uneven());
   const BenchBody yields = mixed_body(uneven(), kDenting);
-  for (const Eigen::Vector2d& at : kPlaces) {
+  for (const Eigen::Vector2d& at : kPressedPlaces) {
     EXPECT_LE(first_press_error(GetParam(), stored, yields, at, 1.3e-5), 1e-14)
         << at.transpose();
   }
@@ -62,7 +55,7 @@ TEST_P(YieldStep, AFirstPressOfASofteningBodyIsWithinItsCubics) {
   const BenchBody stored = make_bench_body(uneven());
   for (const NodeYielding& around : {kSoftening, kBoth}) {
     const BenchBody yields = mixed_body(uneven(), around);
-    for (const Eigen::Vector2d& at : kPlaces) {
+    for (const Eigen::Vector2d& at : kPressedPlaces) {
       EXPECT_LE(first_press_error(GetParam(), stored, yields, at, 1.3e-5), 2e-6)
           << at.transpose();
     }
@@ -74,7 +67,7 @@ TEST(YieldStepSamples, AtItsSamplesASofteningFirstPressIsTheStoredForceToRoundin
   const BenchBody stored = make_bench_body(options);
   options.yielding = kBoth;
   const BenchBody yields = make_bench_body(options);
-  PressedPlace place(yields, LocalModel::kElement, kPlaces[3]);
+  PressedPlace place(yields, LocalModel::kElement, kPressedPlaces[3]);
   const ElementNode& node = stored.element[0].node[0];
   place.press(-1e-4, 0.0005);
   for (std::size_t i = 1; i < 24; ++i) {
@@ -87,7 +80,7 @@ TEST_P(YieldStep, WhatFollowsIsElasticFromTheDentOn) {
   const ElementNode node = make_bench_body(options).element[0].node[0];
   options.yielding = kDenting;
   const BenchBody body = make_bench_body(options);
-  for (const Eigen::Vector2d& at : kPlaces) {
+  for (const Eigen::Vector2d& at : kPressedPlaces) {
     PressedPlace place(body, GetParam(), at);
     const auto go = [&](double from_m, double to_m, const auto& check) {
       for (int i = 0; i <= 200; ++i) {
@@ -127,7 +120,7 @@ TEST_P(YieldStep, ASoftenedResponseIsAShareOfTheUndamagedOne) {
   const auto omega = [](double m) {
     return 0.5 * (1.0 - std::exp(-std::max(m - 0.001, 0.0) / 0.002));
   };
-  PressedPlace place(body, GetParam(), kPlaces[3]);
+  PressedPlace place(body, GetParam(), kPressedPlaces[3]);
   for (int i = 0; i <= 100; ++i) {
     place.press(4e-5 * i, 0.0005);
   }
@@ -143,7 +136,7 @@ TEST_P(YieldStep, APressDissipatesWhatItDoesNotGiveBack) {
   BenchBodyOptions options{.exponent = 1.0, .force_n = 3.2, .samples = 2};
   options.yielding = kDenting;
   const BenchBody body = make_bench_body(options);
-  PressedPlace place(body, GetParam(), kPlaces[3]);
+  PressedPlace place(body, GetParam(), kPressedPlaces[3]);
   for (int i = 0; i <= 1000; ++i) {
     place.press(5e-6 * i, 0.0005);
   }
@@ -203,7 +196,7 @@ TEST(YieldStepSites, APlaceWithoutARowStaysAsItIs) {
   const BenchBody stored = make_bench_body(options);
   options.yielding = kBoth;
   const BenchBody body = make_bench_body(options);
-  PressedPlace place(body, LocalModel::kPotential, kPlaces[3]);
+  PressedPlace place(body, LocalModel::kPotential, kPressedPlaces[3]);
   YieldedSites& sites = place.state().memory.yielded;
   for (int i = 0; i < kYieldedSites; ++i) {
     sites.row[static_cast<std::size_t>(i)] = {.site = 1'000'000 + i, .dent_m = 0.001};
@@ -227,7 +220,7 @@ TEST(YieldStepElements, NoElementTakesADentAway) {
   options.yielding = kBoth;
   const BenchBody body = make_bench_body(options);
   for (const LocalModel model : {LocalModel::kPotential, LocalModel::kElement}) {
-    PressedPlace place(body, model, kPlaces[3]);
+    PressedPlace place(body, model, kPressedPlaces[3]);
     for (int i = 0; i <= 100; ++i) {
       place.press(4e-5 * i, 0.0005);
     }

@@ -1,21 +1,15 @@
 // The energy of a body that yields: no walk gets any out of it.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/walk_ticks.h"
 #include "tests/support/yielding_body.h"
 
 namespace palpate {
 namespace {
-
-// Or PALPATE_WALK_TICKS of them.
-std::int64_t walk_ticks(std::int64_t otherwise) {
-  const char* wanted = std::getenv("PALPATE_WALK_TICKS");
-  return wanted != nullptr ? std::atoll(wanted) : otherwise;
-}
 
 struct Walk {
   const char* name;

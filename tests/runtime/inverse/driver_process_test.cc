@@ -19,17 +19,14 @@
 #include "runtime/inverse/emulated_inverse.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/run/reconnect.h"
+#include "tests/runtime/inverse/free_tool.h"
 
 namespace palpate {
 namespace {
 
-const Eigen::Vector3d kPush(0.5, 0.25, -1.0);
-
-// Forces stay until somebody ends them, and nobody holds the tool.
-EmulatedInverseConfig service_config() {
-  EmulatedInverseConfig config;
-  config.dynamics.hand_n_per_m = 0.0;
-  config.dynamics.hand_n_s_per_m = 5.0;
+// Forces stay until somebody ends them.
+EmulatedInverseConfig patient_config() {
+  EmulatedInverseConfig config = free_tool_config();
   config.idle_ns = 60'000'000'000;
   return config;
 }
@@ -42,15 +39,6 @@ DriverProgram program(const EmulatedInverse& service) {
       .command = {(bin / "palpate-run").string(), "driver", "--device",
                   "haply-inverse:" + std::to_string(service.port()), "--events-port",
                   std::to_string(service.events_port()), "--no-sign-test"}};
-}
-
-bool becomes(const std::function<bool()>& what) {
-  MonotonicClock clock;
-  const std::int64_t until_ns = clock.now_ns() + 5'000'000'000;
-  while (!what() && clock.now_ns() < until_ns) {
-    clock.sleep_until_ns(clock.now_ns() + 200'000);
-  }
-  return what();
 }
 
 bool is_let_go(const EmulatedInverse& service) {
@@ -81,7 +69,7 @@ std::function<bool()> pushed(const EmulatedInverse& service) {
 }
 
 TEST(DriverProcess, RendersAndLetsGoAtTheEnd) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(patient_config());
   DrivenDevice device(program(service));
   for (int session = 0; session < 2; ++session) {
     device.open();
@@ -95,7 +83,7 @@ TEST(DriverProcess, RendersAndLetsGoAtTheEnd) {
 }
 
 TEST(DriverProcess, SaysWhyItCannotOpenAndWhyItWasLost) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = patient_config();
   wanted.in_use = true;
   {
     EmulatedInverse service(wanted);
@@ -125,7 +113,7 @@ TEST(DriverProcess, SaysWhyItCannotOpenAndWhyItWasLost) {
 }
 
 TEST(DriverProcess, KilledLetsGo) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(patient_config());
   DrivenDevice device(program(service));
   device.open();
   ASSERT_EQ(push_until(device, pushed(service)), DeviceStatus::kOk);
@@ -141,7 +129,7 @@ TEST(DriverProcess, KilledLetsGo) {
 
 // Its silence is a fault to the render loop, which then closes it.
 TEST(DriverProcess, ThatHangsIsKilled) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(patient_config());
   DrivenDevice device(program(service));
   device.open();
   ASSERT_EQ(push_until(device, pushed(service)), DeviceStatus::kOk);
@@ -156,7 +144,7 @@ TEST(DriverProcess, ThatHangsIsKilled) {
 }
 
 TEST(DriverProcess, ARendererThatFallsSilentLetsGo) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(patient_config());
   DrivenDevice device(program(service));
   device.open();
   ASSERT_EQ(push_until(device, pushed(service)), DeviceStatus::kOk);
@@ -164,7 +152,7 @@ TEST(DriverProcess, ARendererThatFallsSilentLetsGo) {
 }
 
 TEST(DriverProcess, ARendererThatIsKilledLetsGo) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(patient_config());
   const pid_t renderer = ::fork();
   if (renderer == 0) {
     DrivenDevice device(program(service));
@@ -181,7 +169,7 @@ TEST(DriverProcess, ARendererThatIsKilledLetsGo) {
 }
 
 TEST(DriverProcess, RendersOnOnceTheServiceIsBack) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = patient_config();
   auto service = std::make_unique<EmulatedInverse>(wanted);
   wanted.port = service->port();
   wanted.events_port = service->events_port();

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <random>
 #include <string>
@@ -15,36 +14,17 @@
 
 #include "formats/base/error.h"
 #include "runtime/inverse/emulated_inverse.h"
-#include "runtime/realtime/clock.h"
+#include "tests/runtime/inverse/free_tool.h"
 #include "tests/support/allocation_guard.h"
 
 namespace palpate {
 namespace {
-
-const Eigen::Vector3d kPush(0.5, 0.25, -1.0);
-
-// Nobody holds the tool.
-EmulatedInverseConfig service_config() {
-  EmulatedInverseConfig config;
-  config.dynamics.hand_n_per_m = 0.0;
-  config.dynamics.hand_n_s_per_m = 5.0;
-  return config;
-}
 
 InverseConfig client_config(const EmulatedInverse& service) {
   InverseConfig config;
   config.port = service.port();
   config.events_port = service.events_port();
   return config;
-}
-
-bool becomes(const std::function<bool()>& what) {
-  MonotonicClock clock;
-  const std::int64_t until_ns = clock.now_ns() + 2'000'000'000;
-  while (!what() && clock.now_ns() < until_ns) {
-    clock.sleep_until_ns(clock.now_ns() + 200'000);
-  }
-  return what();
 }
 
 // Pushes until the link is lost, at the rate of a fast loop. @returns exchanges.
@@ -76,7 +56,7 @@ std::string opening_error(const EmulatedInverseConfig& wanted,
 
 TEST(InverseLink, RendersForcesInBothSpellingsInOurAxes) {
   for (const char* version : {"3.5.1", "3.1.1"}) {
-    EmulatedInverseConfig wanted = service_config();
+    EmulatedInverseConfig wanted = free_tool_config();
     wanted.version = version;
     EmulatedInverse service(wanted);
     InverseLink link(client_config(service));
@@ -102,7 +82,7 @@ TEST(InverseLink, RendersForcesInBothSpellingsInOurAxes) {
 }
 
 TEST(InverseLink, SaysWhatAltersWhatIsFelt) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(free_tool_config());
   InverseConfig config = client_config(service);
   std::string told;
   config.tell = [&told](const std::string& text) {
@@ -116,7 +96,7 @@ TEST(InverseLink, SaysWhatAltersWhatIsFelt) {
 }
 
 TEST(InverseLink, ExchangesWithoutAllocation) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(free_tool_config());
   InverseLink link(client_config(service));
   link.open();
   Eigen::Vector3d position_m;
@@ -129,21 +109,21 @@ TEST(InverseLink, ExchangesWithoutAllocation) {
 }
 
 TEST(InverseLink, OpensOnlyWhatIsThereAndFree) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = free_tool_config();
   wanted.version = "2.1.0";
   EXPECT_NE(opening_error(wanted).find("version of the service is 2.1"),
             std::string::npos);
-  wanted = service_config();
+  wanted = free_tool_config();
   wanted.in_use = true;
   EXPECT_NE(opening_error(wanted).find("in use by another session"), std::string::npos);
-  wanted = service_config();
+  wanted = free_tool_config();
   wanted.devices = 0;
   EXPECT_NE(opening_error(wanted).find("plugged in?"), std::string::npos);
   wanted.devices = 2;
   EXPECT_NE(opening_error(wanted).find("--device-id"), std::string::npos);
   EXPECT_EQ(opening_error(wanted, "049D"), "");
   EXPECT_NE(opening_error(wanted, "XX").find("no device XX"), std::string::npos);
-  wanted = service_config();
+  wanted = free_tool_config();
   wanted.faults = {.fault = InverseFault::kNotReady, .from = 0};
   EXPECT_NE(opening_error(wanted).find("not ready"), std::string::npos);
   wanted.faults = {.fault = InverseFault::kNoPower, .from = 0};
@@ -199,7 +179,7 @@ TEST(InverseLink, EveryFaultHasItsNameAndLeavesZeroForceAtOnce) {
        "number should be"},
   };
   for (const NamedFault& fault : faults) {
-    EmulatedInverseConfig wanted = service_config();
+    EmulatedInverseConfig wanted = free_tool_config();
     wanted.faults = fault.faults;
     wanted.idle_ns = 60'000'000'000;  // forces stay: the client has to end them
     EmulatedInverse service(wanted);
@@ -220,7 +200,7 @@ TEST(InverseLink, EveryFaultHasItsNameAndLeavesZeroForceAtOnce) {
 
 // Whoever is not heard of for a while is asleep; for longer, gone.
 TEST(InverseLink, AGripThatIsGoneIsAFaultAfterAWhile) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = free_tool_config();
   wanted.grip_turn = [](double time_s) {
     return Eigen::Quaterniond(Eigen::AngleAxisd(time_s, Eigen::Vector3d::UnitY()));
   };
@@ -247,7 +227,7 @@ TEST(InverseLink, AGripThatIsGoneIsAFaultAfterAWhile) {
 }
 
 TEST(InverseLink, ChoosesAGripOrSaysWhyNot) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = free_tool_config();
   const auto open = [&wanted](const std::string& grip) {
     EmulatedInverse service(wanted);
     InverseConfig config = client_config(service);
@@ -276,7 +256,7 @@ TEST(InverseLink, ChoosesAGripOrSaysWhyNot) {
 
 // A tool pushed along x moves on; a position that answers an older message lies behind.
 TEST(InverseLink, ALateAnswerTakesTheForceAwayAndIsPassedOver) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = free_tool_config();
   wanted.faults = {
       .fault = InverseFault::kLate, .from = 50, .count = 1, .late_ns = 60'000'000};
   EmulatedInverse service(wanted);
@@ -304,7 +284,7 @@ TEST(InverseLink, ALateAnswerTakesTheForceAwayAndIsPassedOver) {
 }
 
 TEST(InverseLink, AMissingAnswerIsGotOver) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = free_tool_config();
   wanted.faults = {.fault = InverseFault::kMissing, .from = 30, .count = 2};
   EmulatedInverse service(wanted);
   InverseLink link(client_config(service));
@@ -320,7 +300,7 @@ TEST(InverseLink, AMissingAnswerIsGotOver) {
 }
 
 TEST(InverseLink, ForceEndsWithAClientThatFallsSilent) {
-  EmulatedInverse service(service_config());
+  EmulatedInverse service(free_tool_config());
   InverseLink link(client_config(service));
   link.open();
   Eigen::Vector3d position_m;
@@ -334,7 +314,7 @@ TEST(InverseLink, ForceEndsWithAClientThatFallsSilent) {
 }
 
 TEST(InverseLink, OpensAgainAfterTheServiceHasRestarted) {
-  EmulatedInverseConfig wanted = service_config();
+  EmulatedInverseConfig wanted = free_tool_config();
   auto service = std::make_unique<EmulatedInverse>(wanted);
   wanted.port = service->port();
   wanted.events_port = service->events_port();
@@ -358,7 +338,7 @@ TEST(InverseLink, UnpluggedAtAnyFrameLeavesZeroForce) {
   constexpr std::array kWays{InverseFault::kUnplugged, InverseFault::kSilentUnplug,
                              InverseFault::kCutFrame, InverseFault::kClosed};
   for (int i = 0; i < 200; ++i) {
-    EmulatedInverseConfig wanted = service_config();
+    EmulatedInverseConfig wanted = free_tool_config();
     wanted.idle_ns = 60'000'000'000;
     wanted.faults = {.fault = kWays[static_cast<std::size_t>(i) % kWays.size()],
                      .from = frame(random)};

@@ -6,14 +6,13 @@
 #include <sys/resource.h>
 
 #include "formats/base/error.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 RecordingHeader header() {
   return {.fast_hz = 2000.0, .slow_hz = 100.0};

@@ -36,7 +36,7 @@ struct Unplugged {
   }
 };
 
-SimulationOptions options(AttachedDevice device) {
+SimulationOptions real_time_run(AttachedDevice device) {
   SimulationOptions run;
   run.duration_s = 1.5;
   run.fast_hz = 1000.0;
@@ -49,15 +49,15 @@ TEST(Reconnect, RendersTheRestOfTheTimeOnceTheDeviceIsBack) {
   Unplugged falcon;
   std::string told;
   const std::atomic<bool> stop = false;
-  const auto runs =
-      simulate_and_reconnect(cylinder_body({.friction = 0.0}), options(falcon.device()),
-                             {.patience_s = 30.0,
-                              .look_s = 0.01,
-                              .tell =
-                                  [&told](const std::string& text) {
-                                    told += text;
-                                  }},
-                             stop);
+  const auto runs = simulate_and_reconnect(cylinder_body({.friction = 0.0}),
+                                           real_time_run(falcon.device()),
+                                           {.patience_s = 30.0,
+                                            .look_s = 0.01,
+                                            .tell =
+                                                [&told](const std::string& text) {
+                                                  told += text;
+                                                }},
+                                           stop);
   ASSERT_EQ(runs.size(), 2U);
   EXPECT_EQ(runs[0].render.fault, Fault::kDeviceLost);
   EXPECT_EQ(runs[1].render.fault, Fault::kNone);
@@ -74,14 +74,14 @@ TEST(Reconnect, GivesUpADeviceThatDoesNotComeBack) {
   Unplugged falcon{.away = 1'000'000};
   const std::atomic<bool> stop = false;
   EXPECT_THROW((void)simulate_and_reconnect(
-                   cylinder_body({.friction = 0.0}), options(falcon.device()),
+                   cylinder_body({.friction = 0.0}), real_time_run(falcon.device()),
                    {.patience_s = 0.05, .look_s = 0.01, .tell = {}}, stop),
                DeviceError);
   EXPECT_GE(falcon.opened, 3);
 }
 
 TEST(Reconnect, DoesNotWaitForADeviceThatWasNeverThere) {
-  SimulationOptions run = options({});
+  SimulationOptions run = real_time_run({});
   run.attached->limits = {.damping_n_s_per_m = 10.0, .force_max_n = 8.0};
   run.attached->make = [](const HandScript&) -> std::unique_ptr<Device> {
     throw DeviceError("falcon: none is attached");

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/database/table_memory.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 
@@ -16,9 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
-
-ResponseDatabase body(double stiffness_n_per_m) {
+ResponseDatabase bumpy_body(double stiffness_n_per_m) {
   return sample_database(
       icosphere(0.04, 3), ball(0.005, 0.3, 5e-4),
       [=](Eigen::Index node, double d) {
@@ -57,7 +56,7 @@ class Replay : public testing::Test {
   ScratchFolder scratch_;
   fs::path file_ = scratch_ / "body.h5";
   fs::path recording_ = scratch_ / "run.h5";
-  ResponseDatabase database_ = body(100.0);
+  ResponseDatabase database_ = bumpy_body(100.0);
 };
 
 TEST_F(Replay, ReproducesEveryLocalModelBitForBit) {
@@ -76,7 +75,7 @@ TEST_F(Replay, ReproducesEveryLocalModelBitForBit) {
 
 // A body that relaxes, in bundles; its curves are of a press.
 ResponseDatabase relaxing_body() {
-  ResponseDatabase database = body(100.0);
+  ResponseDatabase database = bumpy_body(100.0);
   Viscoelasticity relaxation;
   relaxation.speed_m_per_s = 0.001;
   relaxation.tau_s = {0.1, 2.0};
@@ -204,7 +203,7 @@ TEST_F(Replay, ReproducesAStreamedRunFromTheWholeDatabase) {
 }
 
 TEST_F(Replay, ReproducesScaledForces) {
-  database_ = body(4000.0);
+  database_ = bumpy_body(4000.0);
   SimulationOptions o = options(LocalModel::kElement);
   o.device.damping_n_s_per_m = 0.1;
   const Recording recording = recorded(o);
@@ -249,7 +248,7 @@ TEST_F(Replay, OfAStifferBodyShowsForcesInProportion) {
   const Recording recording = recorded(options(LocalModel::kElement));
   const ReplayReport same = render_again(recording, database_, LocalModel::kElement);
   const ReplayReport stiffer =
-      render_again(recording, body(120.0), LocalModel::kElement);
+      render_again(recording, bumpy_body(120.0), LocalModel::kElement);
   EXPECT_LT(same.force_rms_n, 2e-3 * same.force_max_n);  // elements a tick earlier
   EXPECT_NEAR(stiffer.replayed_max_n, 1.2 * same.replayed_max_n,
               1e-3 * same.replayed_max_n);

@@ -7,13 +7,12 @@
 #include "runtime/run/render_run.h"
 #include "runtime/run/replay.h"
 #include "tests/support/pressed_plate.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 class SeveralTools : public testing::Test {
  protected:

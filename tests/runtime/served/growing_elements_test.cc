@@ -1,7 +1,6 @@
 #include "runtime/served/growing_elements.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <thread>
@@ -11,6 +10,7 @@
 #include "formats/base/error.h"
 #include "tests/bench/runtime/growing_walk.h"
 #include "tests/support/sample_bodies.h"
+#include "tests/support/walk_ticks.h"
 
 namespace palpate {
 namespace {
@@ -185,12 +185,6 @@ TEST_F(GrowingPlate, TellsWhereTheHandIsAndHowFastItGoes) {
   EXPECT_FALSE(elements_.fetch_hand(hand));
 }
 
-// Or PALPATE_WALK_TICKS of them.
-std::int64_t walk_ticks() {
-  const char* wanted = std::getenv("PALPATE_WALK_TICKS");
-  return wanted != nullptr ? std::stoll(wanted) : 40'000;
-}
-
 ResponseDatabase walked_ball(double friction) {
   return sample_database(
       icosphere(0.05, 3), ball(0.005, friction, 5e-4),
@@ -205,7 +199,7 @@ TEST(GrowingWalk, ExchangesUnderTheToolCreateNoEnergyAndKeepTheBound) {
     const ResponseDatabase database = walked_ball(friction);
     for (const LocalModel model : {LocalModel::kPotential, LocalModel::kElement}) {
       const GrowingWalkReport r =
-          run_growing_walk(database, {.model = model, .ticks = walk_ticks()});
+          run_growing_walk(database, {.model = model, .ticks = walk_ticks(40'000)});
       std::printf("%s, friction %.1f: %s", name(model).data(), friction,
                   table_text(r).c_str());
       EXPECT_EQ(r.fault, Fault::kNone) << name(model);
@@ -213,9 +207,9 @@ TEST(GrowingWalk, ExchangesUnderTheToolCreateNoEnergyAndKeepTheBound) {
       // Sums of energies below 1e-1 J, each rounded at 1e-17 J.
       EXPECT_LT(r.created_j, 1e-12);
       EXPECT_LT(r.drift_j, 1e-10);
-      EXPECT_GT(r.contact_ticks, walk_ticks() / 6);
-      EXPECT_GT(r.exchanges, walk_ticks() / 200);
-      EXPECT_GT(r.compared, walk_ticks() / 200);
+      EXPECT_GT(r.contact_ticks, walk_ticks(40'000) / 6);
+      EXPECT_GT(r.exchanges, walk_ticks(40'000) / 200);
+      EXPECT_GT(r.compared, walk_ticks(40'000) / 200);
       EXPECT_GT(r.step_along_of_bound, 0.1);
       if (model == LocalModel::kPotential) {
         EXPECT_LE(r.step_along_of_bound, 1.0);

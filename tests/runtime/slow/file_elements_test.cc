@@ -3,18 +3,20 @@
 #include "runtime/slow/file_elements.h"
 
 #include <cstring>
+#include <fstream>
 #include <random>
 
+#include <gtest/gtest.h>
+
 #include "formats/base/error.h"
-#include "formats/hdf5/hdf5_io.h"
 #include "runtime/slow/memory_elements.h"
+#include "tests/runtime/slow/drained_fifo.h"
+#include "tests/support/quiet_exit.h"
 #include "tests/support/sample_bodies.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
-
-[[maybe_unused]] const bool kQuietExit = (skip_hdf5_exit_cleanup(), true);
 
 constexpr double kRadius = 0.05;
 
@@ -27,15 +29,6 @@ ResponseDatabase sphere_body(Precision precision, int samples) {
       icosphere(kRadius, 5), ball(0.005, 0.3, 5e-4), wavy, 0.01, samples);
   database.storage = {.precision = precision, .chunk_nodes = 64};
   return database;
-}
-
-std::vector<Element> drain(ElementFifo& fifo) {
-  std::vector<Element> all;
-  while (const Element* front = fifo.front()) {
-    all.push_back(*front);
-    fifo.pop();
-  }
-  return all;
 }
 
 void expect_equal(const ElementNode& a, const ElementNode& b) {

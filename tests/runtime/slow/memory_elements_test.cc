@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "tests/runtime/slow/drained_fifo.h"
 #include "tests/support/sample_bodies.h"
 
 namespace palpate {
@@ -19,15 +20,6 @@ double linear(Eigen::Index /*node*/, double depth_m) {
 
 ToolState tool_at(const Eigen::Vector3d& position_m) {
   return {.sequence = 1, .position_m = position_m};
-}
-
-std::vector<Element> drain(ElementFifo& fifo) {
-  std::vector<Element> all;
-  while (const Element* front = fifo.front()) {
-    all.push_back(*front);
-    fifo.pop();
-  }
-  return all;
 }
 
 class ElementStreamOnSphere : public testing::Test {

@@ -6,7 +6,6 @@
 // --gtest_filter='DriverAccount*').
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <random>
 
@@ -18,16 +17,12 @@
 #include "runtime/usb/falcon_motors.h"
 #include "runtime/usb/haply_packet.h"
 #include "runtime/usb/pantograph.h"
+#include "tests/support/walk_ticks.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kTickS = 1e-3;
-
-std::int64_t ticks() {
-  const char* wanted = std::getenv("PALPATE_WALK_TICKS");
-  return wanted == nullptr ? 100'000 : std::atoll(wanted);
-}
 
 // Force on the tool that a device makes of a command, in the device's frame.
 using Motors = Eigen::Vector3d (*)(const Eigen::Vector3d& device_m,
@@ -121,7 +116,7 @@ Walk walk(Motors motors, const Eigen::Matrix3d& to_device,
   Walk result;
   // What the hand has put in and may get back: never more than the model holds.
   double left_j = 0.0;
-  for (std::int64_t n = 0; n < ticks(); ++n) {
+  for (std::int64_t n = 0; n < walk_ticks(100'000); ++n) {
     const Eigen::Vector3d to = middle + hand.next();
     const Eigen::Vector3d moved = to - x;
     const double change_j = potential_j(*state, to) - potential_j(*state, x);
@@ -168,8 +163,8 @@ Eigen::Matrix3d columns(const Eigen::Vector3d& x, const Eigen::Vector3d& y,
 }
 
 void expect_bounded(const Walk& told, const Walk& untold, double floor_j) {
-  EXPECT_GT(told.contacts, ticks() / 10);
-  EXPECT_GT(told.clamped, ticks() / 1000);
+  EXPECT_GT(told.contacts, walk_ticks(100'000) / 10);
+  EXPECT_GT(told.clamped, walk_ticks(100'000) / 1000);
   EXPECT_GT(told.clamped_n, 1.0);
   EXPECT_LE(told.worst_j, floor_j);
   EXPECT_GT(told.faults, 0);

@@ -1,5 +1,6 @@
 #include "runtime/usb/haply_packet.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr int kPoses = 20'000;
+constexpr int kPantographPoses = 20'000;
 
 class Pantograph : public ::testing::TestWithParam<PantographLinks> {
  protected:
@@ -33,7 +33,7 @@ class Pantograph : public ::testing::TestWithParam<PantographLinks> {
 
 TEST_P(Pantograph, AnyReachablePositionIsOneOfTheTwoSidesOfItsAngles) {
   int tried = 0;
-  while (tried < kPoses) {
+  while (tried < kPantographPoses) {
     const Eigen::Vector2d p(0.08 * unit_(random_), 0.11 * unit_(random_));
     Eigen::Vector2d theta;
     if (!inverse(GetParam(), p, theta)) {
@@ -56,7 +56,7 @@ TEST_P(Pantograph, AnyReachablePositionIsOneOfTheTwoSidesOfItsAngles) {
 
 TEST_P(Pantograph, JacobianIsTheDifferenceOfPositions) {
   constexpr double kStep = 1e-6;
-  for (int i = 0; i < kPoses; ++i) {
+  for (int i = 0; i < kPantographPoses; ++i) {
     const PantographPose at = pose();
     for (int leg = 0; leg < 2; ++leg) {
       PantographPose more;

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-const Eigen::Vector3d kPush(0.1, 0.2, -0.3);
+const Eigen::Vector3d kTouchPush(0.1, 0.2, -0.3);
 
 class HdDevice : public testing::Test {
  protected:
@@ -21,13 +21,14 @@ class HdDevice : public testing::Test {
     library_.function<void(unsigned)>("stand_in_push_error")(code);
   }
 
-  // Exchanges until the motors give kPush, which is the tick after the next at most.
+  // Exchanges until the motors give kTouchPush, which is the tick after the next at
+  // most.
   void push(HdLink& link) {
     Eigen::Vector3d position_m;
     for (int i = 0; i < 5; ++i) {
-      ASSERT_NE(link.transact(kPush, position_m), LinkStatus::kLost);
+      ASSERT_NE(link.transact(kTouchPush, position_m), LinkStatus::kLost);
     }
-    ASSERT_EQ(library_.force_n(), kPush);
+    ASSERT_EQ(library_.force_n(), kTouchPush);
   }
 
   void sleep_ms(int milliseconds) {
@@ -46,10 +47,10 @@ TEST_F(HdDevice, IsPushedFromTheLibrarysThreadAndLetGo) {
     EXPECT_EQ(link.limits().force_max_n, 0.88);  // the library's nominal force
     Eigen::Vector3d first_m;
     Eigen::Vector3d then_m;
-    ASSERT_EQ(link.transact(kPush, first_m), LinkStatus::kOk);
+    ASSERT_EQ(link.transact(kTouchPush, first_m), LinkStatus::kOk);
     push(link);
-    ASSERT_EQ(link.transact(kPush, then_m), LinkStatus::kOk);
-    EXPECT_GT((then_m - first_m).dot(kPush), 0.0);
+    ASSERT_EQ(link.transact(kTouchPush, then_m), LinkStatus::kOk);
+    EXPECT_GT((then_m - first_m).dot(kTouchPush), 0.0);
     EXPECT_LT((then_m - first_m).norm(), 1e-3);  // millimetres there, metres here
     link.close();
     EXPECT_EQ(library_.force_n(), Eigen::Vector3d::Zero());
@@ -79,7 +80,7 @@ TEST_F(HdDevice, TurnsTheToolAsItsStylusIsTurned) {
   Eigen::Vector3d position_m;
   LinkStatus status = LinkStatus::kOk;
   for (int i = 0; i < 5 && status != LinkStatus::kLost; ++i) {
-    status = link.transact(kPush, position_m);
+    status = link.transact(kTouchPush, position_m);
   }
   EXPECT_EQ(status, LinkStatus::kLost);
   EXPECT_EQ(link.failure(), "its library says an orientation that is none");
@@ -108,7 +109,7 @@ TEST_F(HdDevice, AnythingOnTheStackOfErrorsEndsIt) {
   Eigen::Vector3d position_m;
   LinkStatus status = LinkStatus::kOk;
   for (int i = 0; i < 5 && status != LinkStatus::kLost; ++i) {
-    status = link.transact(kPush, position_m);
+    status = link.transact(kTouchPush, position_m);
   }
   EXPECT_EQ(status, LinkStatus::kLost);
   EXPECT_EQ(link.failure(), "Warm motors");
@@ -124,12 +125,12 @@ TEST_F(HdDevice, UnpluggedAtAnyTickIsALossWithZeroForce) {
     link.open();
     Eigen::Vector3d position_m;
     for (int k = many(random); k > 0; --k) {
-      ASSERT_NE(link.transact(kPush, position_m), LinkStatus::kLost);
+      ASSERT_NE(link.transact(kTouchPush, position_m), LinkStatus::kLost);
     }
     push_error(0x0201);
     LinkStatus status = LinkStatus::kOk;
     for (int k = 0; k < 5 && status != LinkStatus::kLost; ++k) {
-      status = link.transact(kPush, position_m);
+      status = link.transact(kTouchPush, position_m);
     }
     ASSERT_EQ(status, LinkStatus::kLost);
     EXPECT_EQ(link.failure(), "Device fault");
@@ -144,10 +145,10 @@ TEST_F(HdDevice, ASchedulerThatStandsStillIsLost) {
   library_.variable<int>("stand_in_stalls") = 1;
   sleep_ms(5);
   Eigen::Vector3d position_m;
-  EXPECT_EQ(link.transact(kPush, position_m), LinkStatus::kMissed);
+  EXPECT_EQ(link.transact(kTouchPush, position_m), LinkStatus::kMissed);
   EXPECT_EQ(link.sent_n(), Eigen::Vector3d::Zero());
   int more = 0;
-  while (link.transact(kPush, position_m) == LinkStatus::kMissed && more < 100) {
+  while (link.transact(kTouchPush, position_m) == LinkStatus::kMissed && more < 100) {
     ++more;
   }
   EXPECT_EQ(more, 9);

@@ -15,6 +15,7 @@
 #include "runtime/view/live_view.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/padded_plate.h"
+#include "tests/support/said.h"
 
 namespace palpate {
 namespace {
@@ -274,7 +275,7 @@ TEST_F(ContactSessionTest, TwoHandsBeginClearOfTheBodyAndOfEachOther) {
   EXPECT_FALSE(session.touching());
 }
 
-class Outbox : public ViewOutbox {
+class OnePageOutbox : public ViewOutbox {
  public:
   void send(ViewClient /*client*/, std::string text) override {
     sent.push_back(std::move(text));
@@ -287,15 +288,11 @@ class Outbox : public ViewOutbox {
   std::string frame;
 };
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST_F(ContactSessionTest, APageSteersBothHandsAndARecordingDoesItAgain) {
   ContactSession session(database_, options({"ball", "pads"}));
   FakeClock wall(1);
   LiveView view(session, wall);
-  Outbox outbox;
+  OnePageOutbox outbox;
   view.answer_through(outbox);
   view.opened(1);
   const auto pass = [&](const std::vector<std::string>& says) {

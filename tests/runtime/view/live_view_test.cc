@@ -10,12 +10,14 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
 #include "runtime/view/view_json.h"
 #include "runtime/view/view_session.h"
 #include "tests/support/fake_clock.h"
+#include "tests/support/said.h"
 #include "tests/support/sample_bodies.h"
 
 namespace palpate {
@@ -36,10 +38,6 @@ class Outbox : public ViewOutbox {
   std::map<ViewClient, std::string> sent;
   std::map<ViewClient, std::string> frame;
 };
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class LiveViewTest : public testing::Test {
  protected:

@@ -30,7 +30,7 @@ using Json = nlohmann::json;
 
 const std::atomic<bool> kNever = false;
 
-class Outbox : public ViewOutbox {
+class NewsOutbox : public ViewOutbox {
  public:
   void send(ViewClient, std::string text) override {
     sent.push_back(Json::parse(text));
@@ -107,7 +107,7 @@ class ServedPage : public testing::Test {
   ServedNews news_{client_, elements_, scene_, SceneWatch(file_)};
   SimulatedClock wall_;
   LiveView live_{session_, wall_, &news_};
-  Outbox outbox_;
+  NewsOutbox outbox_;
 };
 
 TEST_F(ServedPage, PressesGreyPlacesWithoutAForceAndSaysSo) {
@@ -207,7 +207,7 @@ TEST(ServedNews, ABodyThatIsWholeIsNotStartedAnew) {
   ViewSession session(database, {});
   SimulatedClock wall;
   LiveView live(session, wall);
-  Outbox outbox;
+  NewsOutbox outbox;
   live.answer_through(outbox);
   live.opened(1);
   live.received(1, R"({"type":"run","do":"anew"})");

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-class Outbox : public ViewOutbox {
+class JsonOutbox : public ViewOutbox {
  public:
   void send(ViewClient client, std::string text) override {
     sent[client] = nlohmann::json::parse(text);
@@ -52,7 +52,7 @@ class WatchViewTest : public testing::Test {
   }
   std::unique_ptr<TickQueue> ticks_ = std::make_unique<TickQueue>();
   WatchView view_{body_, options(), *ticks_};
-  Outbox outbox_;
+  JsonOutbox outbox_;
 };
 
 TEST_F(WatchViewTest, ShowsEveryTickAndCountsTheLateOnes) {

@@ -1,0 +1,20 @@
+// Measured numbers, to rounding.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+
+inline void expect_near(const std::vector<double>& found,
+                        const std::vector<double>& exact) {
+  ASSERT_EQ(found.size(), exact.size());
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    EXPECT_NEAR(found[i], exact[i], 1e-12 * std::abs(exact[i]) + 1e-18) << i;
+  }
+}
+
+}  // namespace palpate
