@@ -56,8 +56,8 @@ void print_lines(const char* label, const std::string& text) {
   }
 }
 
-void print_report(const Session& session, const BatchReport& report,
-                  const std::string& output) {
+void print_batch(const Session& session, const BatchReport& report,
+                 const std::string& output) {
   if (report.frame) {
     fmt::print("frame  {}\n", describe_frame(report.frame));
   }
@@ -84,7 +84,7 @@ void print_report(const Session& session, const BatchReport& report,
       output);
 }
 
-void run(const BatchOptions& options) {
+void run_batch(const BatchOptions& options) {
   Session session = read_session(options.session);
   if (!options.cycle.empty()) {
     session.fit.cycle = parse_cycle(options.cycle);
@@ -109,7 +109,7 @@ void run(const BatchOptions& options) {
     fmt::print("{}\n", json);
   } else {
     fmt::print("{}", describe_notes(session));
-    print_report(session, report, options.output);
+    print_batch(session, report, options.output);
   }
 }
 
@@ -132,7 +132,7 @@ void add_batch_command(Command app) {
   command.add_flag("--quiet", options->quiet, "no progress on stderr");
   command.add_flag("--json", options->json, "print results.json as well");
   command.callback([options] {
-    run(*options);
+    run_batch(*options);
   });
 }
 

@@ -37,8 +37,8 @@ struct CurveResult {
   PressFit press;
 };
 
-void compute(const CurveOptions& options, const Indenter& indenter,
-             CurveResult& result) {
+void compute_curve(const CurveOptions& options, const Indenter& indenter,
+                   CurveResult& result) {
   PressFitOptions wanted{.range = options.range, .indenter = indenter, .frame = {}};
   wanted.frame = frame_of(options.machine, [&](const std::string& file) {
     CurveFile plate = options.file;
@@ -116,8 +116,8 @@ void print_corrections(const CurveResult& r, const Indenter& indenter) {
   }
 }
 
-void print_report(const CurveResult& r, const CurveOptions& options,
-                  const Indenter& indenter) {
+void print_curve(const CurveResult& r, const CurveOptions& options,
+                 const Indenter& indenter) {
   const auto& approach = r.press.approach;
   print_columns(r, options);
   fmt::print(
@@ -159,7 +159,7 @@ void print_report(const CurveResult& r, const CurveOptions& options,
   }
 }
 
-void run(CurveOptions& options) {
+void run_curve(CurveOptions& options) {
   options.file.header_units =
       options.ignore_header_units ? HeaderUnits::kIgnored : HeaderUnits::kMustAgree;
   options.file.told.time = told_time(options.machine);
@@ -174,13 +174,13 @@ void run(CurveOptions& options) {
         "sphere, flat-punch or cone",
         indenter.shape == "plate" ? "a plate on a cylinder is none" : "none is told"));
   }
-  compute(options, indenter, result);
+  compute_curve(options, indenter, result);
   if (!options.output.empty()) {
     write_database(options.output,
                    sample_patch(best_of(result.press), result.read.measurement.samples,
                                 *tool, options.file.file));
   }
-  options.json ? print_json(result, indenter) : print_report(result, options, indenter);
+  options.json ? print_json(result, indenter) : print_curve(result, options, indenter);
 }
 
 }  // namespace
@@ -217,7 +217,7 @@ void add_curve_command(Command app) {
                      "response database of a flat sample with this response");
   command.add_flag("--json", options->json, "report for programs");
   command.callback([options] {
-    run(*options);
+    run_curve(*options);
   });
 }
 

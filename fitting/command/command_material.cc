@@ -73,7 +73,7 @@ MaterialCurve curve_of(const ResponseSweep& sweep, const SurfaceMesh& body,
   return curve;
 }
 
-MaterialResult compute(const MaterialOptions& options) {
+MaterialResult compute_material(const MaterialOptions& options) {
   const ResponseSweep sweep = read_sweep(options.sweep);
   const Session session = read_session(options.session);
   const SurfaceMesh body =
@@ -135,7 +135,7 @@ nlohmann::ordered_json to_json(const MaterialResult& result) {
   return json;
 }
 
-void print_report(const MaterialResult& result) {
+void print_material(const MaterialResult& result) {
   const MaterialFit& fit = result.fit;
   for (const MaterialParameter& p : fit.parameter) {
     fmt::print("{:<32} {:>12.6g}  95 % [{:.6g}, {:.6g}]  {}\n", p.name, p.value, p.low,
@@ -158,12 +158,12 @@ void print_report(const MaterialResult& result) {
   }
 }
 
-void run(const MaterialOptions& options) {
-  const MaterialResult result = compute(options);
+void run_material(const MaterialOptions& options) {
+  const MaterialResult result = compute_material(options);
   if (options.json) {
     fmt::print("{}\n", to_json(result).dump());
   } else {
-    print_report(result);
+    print_material(result);
   }
 }
 
@@ -181,7 +181,7 @@ void add_material_command(Command app) {
   command.add_option("SESSION", options->session, "session file (TOML)").required();
   command.add_flag("--json", options->json, "report for programs");
   command.callback([options] {
-    run(*options);
+    run_material(*options);
   });
 }
 

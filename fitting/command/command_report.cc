@@ -19,7 +19,7 @@ struct ReportOptions {
   std::size_t plots = 200;
 };
 
-void run(const ReportOptions& options) {
+void run_report(const ReportOptions& options) {
   Session session = read_session(options.session);
   if (!options.cycle.empty()) {
     session.fit.cycle = parse_cycle(options.cycle);
@@ -46,7 +46,7 @@ void add_fit_report_command(Command app) {
                      "default: the session's, else all");
   command.add_option("--plots", options->plots, "runs drawn at most").show_default();
   command.callback([options] {
-    run(*options);
+    run_report(*options);
   });
 }
 

@@ -19,7 +19,7 @@ struct SurfaceOptions {
   bool json = false;
 };
 
-void run(const SurfaceOptions& options) {
+void run_surface(const SurfaceOptions& options) {
   Session session = read_session(options.session);
   if (!options.cycle.empty()) {
     session.fit.cycle = parse_cycle(options.cycle);
@@ -53,7 +53,7 @@ void add_surface_command(Command app) {
                      "session's, else first");
   command.add_flag("--json", options->json, "report for programs");
   command.callback([options] {
-    run(*options);
+    run_surface(*options);
   });
 }
 

@@ -10,7 +10,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kFreeMin = 10;
 constexpr std::size_t kFreeAfterMin = 5;
 
 constexpr double kSlopeDeviations = 4.0;

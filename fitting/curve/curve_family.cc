@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "fitting/numerics/least_squares.h"
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 Eigen::VectorXd vector_of(std::initializer_list<double> values) {
   return Eigen::Map<const Eigen::VectorXd>(values.begin(),

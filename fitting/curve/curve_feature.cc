@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFallNoises = 2.0, kFallShare = 0.01;
 constexpr double kWindow = 0.1;       // [-] of the depth
-constexpr double kStill = 0.1;        // [-] slope over the mean
+constexpr double kStillSlope = 0.1;   // [-] slope over the mean
 constexpr double kGivesWay = 0.5;     // [-] slope over the largest before
 constexpr double kForceShare = 0.05;  // [-] of the largest: before, it is the start
 constexpr double kSlopeNoises = 3.0;
@@ -51,13 +51,13 @@ std::optional<CurveFeature> plateau_of(const Curve& curve) {
       most * static_cast<double>(curve.window) /
       static_cast<double>(std::max<std::size_t>(1, curve.force.size() - 1));
   const double enough = mean - kSlopeNoises * curve.noise;
-  const double falls = -std::max(kStill * mean, kSlopeNoises * curve.noise);
+  const double falls = -std::max(kStillSlope * mean, kSlopeNoises * curve.noise);
   std::size_t begin = 0, length = 0, longest = 0, at = 0;
   double sum = 0.0, sum_longest = 0.0;
   for (std::size_t i = 0; i < curve.windows(); ++i) {
     const double rise = curve.rise(i);
-    if (curve.force[i] > kForceShare * most && rise < kStill * mean && rise > falls &&
-        rise < enough) {
+    if (curve.force[i] > kForceShare * most && rise < kStillSlope * mean &&
+        rise > falls && rise < enough) {
       begin = length == 0 ? i : begin;
       sum = length == 0 ? rise : sum + rise;
       if (++length > longest) {

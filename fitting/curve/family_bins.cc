@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kBins = 16, kHalvings = 8;
 constexpr std::size_t kSamplesPerBin = 1;
-constexpr double kFirstSamples = 3.0;
+constexpr double kBaselineSamples = 3.0;
 constexpr double kOffMax = 8.0;  // times the median: 1 of 250 for chi squared of two
 
 // Samples in contact in the order of their depth, cut into bins.
@@ -165,12 +165,12 @@ std::pair<double, double> baseline_of(const FamilyData& data, double contact) {
       count += 1.0;
     }
   }
-  if (count >= kFirstSamples) {
+  if (count >= kBaselineSamples) {
     return {sum / count, count};
   }
-  const auto few = static_cast<Eigen::Index>(kFirstSamples);
+  const auto few = static_cast<Eigen::Index>(kBaselineSamples);
   return {median({data.f.data(), data.f.data() + few}) - slope * data.x[0],
-          kFirstSamples};
+          kBaselineSamples};
 }
 
 }  // namespace

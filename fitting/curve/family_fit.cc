@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
 
@@ -10,6 +11,7 @@
 #include "fitting/curve/family_solve.h"
 #include "fitting/curve/power_law_solve.h"
 #include "fitting/curve/power_law_start.h"
+#include "fitting/numerics/least_squares.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/base/error.h"
 
@@ -17,7 +19,6 @@ namespace palpate {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kOutlierDeviations = 5.0;
 constexpr int kFeaturePoints = 200;
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
@@ -27,11 +28,6 @@ constexpr double kDecisive = 30.0;  // of AICc: exp(-15) times as likely
 double reference_force(const ContactFit& reference, double x) {
   return reference.parameters[0].value + reference.parameters[1].value * x +
          contact_force_n(reference, x - reference.contact_point_m);
-}
-
-double extent(const std::vector<double>& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
 }
 
 // The approach without the reference's outliers.
@@ -105,7 +101,6 @@ double sum_of_squares(const std::vector<double>& values) {
 }
 
 FamilyParameter joint_parameter(const CurveFamily& family, Eigen::Index j) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   static constexpr FamilyParameter kShared[] = {
       {"baseline_force", "N", -kInf, kInf, 1, 0},
       {"baseline_slope", "N/m", -kInf, kInf, 1, -1},
@@ -116,8 +111,8 @@ FamilyParameter joint_parameter(const CurveFamily& family, Eigen::Index j) {
 }
 
 // Scaled parameters and their covariance in SI units.
-void unscale(const FamilyData& data, const std::vector<std::string>& held,
-             FamilyFit& fit) {
+void unscale_family(const FamilyData& data, const std::vector<std::string>& held,
+                    FamilyFit& fit) {
   const double F = data.force_n, L = data.length_m;
   for (Eigen::Index j = 0; j < fit.scaled.size(); ++j) {
     const FamilyParameter p = joint_parameter(*fit.curve, j);
@@ -152,13 +147,13 @@ void unscale(const FamilyData& data, const std::vector<std::string>& held,
 }
 
 // What follows from the scaled parameters.
-void describe(const FamilyData& data, const std::vector<std::string>& held,
-              FamilyFit& fit) {
+void finish_fit(const FamilyData& data, const std::vector<std::string>& held,
+                FamilyFit& fit) {
   const std::vector<double> r = residuals(data, *fit.curve, fit.scaled);
   fit.rms_n =
       data.force_n * std::sqrt(sum_of_squares(r) / static_cast<double>(r.size()));
   fit.depth_max_m = data.length_m * (data.x.maxCoeff() - fit.scaled[kFamilyContact]);
-  unscale(data, held, fit);
+  unscale_family(data, held, fit);
 }
 
 FamilyFit fit_one(const FamilyData& data, std::string_view name, double contact,
@@ -175,7 +170,7 @@ FamilyFit fit_one(const FamilyData& data, std::string_view name, double contact,
   fit.force_n = data.force_n;
   fit.free_parameters = solution.free_parameters;
   fit.covariance = solution.covariance;
-  describe(data, solution.held, fit);
+  finish_fit(data, solution.held, fit);
   return fit;
 }
 
@@ -213,7 +208,7 @@ FamilyFit power_law(const FamilyData& data, const ContactFit& reference) {
     fit.free_parameters += parameter.held.empty() ? 1 : 0;
   }
   std::swap(held[kExponent], held[kCoefficient]);  // the family's order
-  describe(data, held, fit);
+  finish_fit(data, held, fit);
   fit.contact_point_sd_m = std::hypot(reference.contact.sd_m,
                                       reference.contact.m - reference.contact_point_m);
   return fit;
@@ -281,7 +276,7 @@ bool falls_decisively(const std::vector<FamilyFit>& fits) {
   return falling + kDecisive < rising;
 }
 
-void judge(FamilyChoice& choice) {
+void rank_fits(FamilyChoice& choice) {
   const auto n = static_cast<double>(choice.force_n.size());
   for (FamilyFit& fit : choice.fits) {
     const double k = fit.free_parameters;
@@ -363,7 +358,7 @@ FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
     choice.fits.push_back(fit_named(name, data, law, start.contact.sd_m, with));
   }
   find_misfits(data, choice);
-  judge(choice);
+  rank_fits(choice);
   choice.features = features_of(choice, approach);
   return choice;
 }

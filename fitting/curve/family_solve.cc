@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "fitting/curve/family_bins.h"
@@ -15,7 +14,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr Eigen::Index kStartSamples = 200;
 constexpr double kContactMax = 0.9;  // [-] of the depth
 
@@ -98,8 +96,8 @@ std::vector<Eigen::VectorXd> joint_starts(const FamilyData& data,
 }
 
 // What held each parameter, the number of those that nothing held, and covariance.
-void describe(const LeastSquaresProblem& problem, const FamilyData& data,
-              FamilySolution& solution) {
+void finish_solution(const LeastSquaresProblem& problem, const FamilyData& data,
+                     FamilySolution& solution) {
   const std::vector<bool> bound = at_bound(problem, solution.q);
   solution.free_parameters = 0;
   for (std::size_t j = 0; j < bound.size(); ++j) {
@@ -142,7 +140,7 @@ void solve_joint(const FamilyData& data, double contact, bool contact_free,
   solution.converged = last.converged;
   solution.iterations += last.iterations;
   if (warm == nullptr) {
-    describe(problem, data, solution);
+    finish_solution(problem, data, solution);
   }
 }
 
@@ -172,7 +170,7 @@ void solve_linear(const FamilyData& data, double contact, FamilySolution& soluti
   solution.q = q;
   solution.converged = q.allFinite();
   solution.iterations = 1;
-  describe(joint_problem(data, family, false), data, solution);
+  finish_solution(joint_problem(data, family, false), data, solution);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/numerics/robust_statistics.h"
+
 namespace palpate {
 namespace {
 
@@ -24,14 +26,6 @@ double runs_z(const std::vector<double>& residuals) {
   return variance > 0.0 ? (runs - expected) / std::sqrt(variance) : 0.0;
 }
 
-double rms(const std::vector<double>& values) {
-  double squares = 0.0;
-  for (const double value : values) {
-    squares += value * value;
-  }
-  return std::sqrt(squares / static_cast<double>(values.size()));
-}
-
 double correlation_max(const Eigen::MatrixXd& covariance) {
   double most = 0.0;
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
@@ -45,7 +39,7 @@ double correlation_max(const Eigen::MatrixXd& covariance) {
   return most;
 }
 
-RatingFeatures features_of(const FamilyChoice& choice) {
+RatingFeatures rating_features(const FamilyChoice& choice) {
   const FamilyFit& fit = choice.fits.front();
   RatingFeatures features;
   std::vector<double> residual, near;
@@ -93,7 +87,7 @@ Rating rate(const ContactFit& fit, const FamilyChoice& choice) {
     return rating;
   }
   const FamilyFit& best = choice.fits.front();
-  rating.features = features_of(choice);
+  rating.features = rating_features(choice);
   if (rating.features.samples_in_contact < kSamplesMin) {
     rating.gates.emplace_back("too_few_samples");
   }

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr int kIntervals = 48, kErrorDepths = 46;
+constexpr int kCurveIntervals = 48, kErrorDepths = 46;
 constexpr double kDepthShareMin = 0.1, kForceShareMin = 0.1;
 constexpr double kNormal95 = 1.959964;
 constexpr double kHalfWidth = 0.05;  // [m]
@@ -26,8 +26,8 @@ std::vector<double> depths_of(const FamilyFit& fit) {
     depth_m.push_back(fit.depth_max_m);
     return depth_m;
   }
-  for (int i = 0; i <= kIntervals; ++i) {
-    const double t = static_cast<double>(i) / kIntervals;
+  for (int i = 0; i <= kCurveIntervals; ++i) {
+    const double t = static_cast<double>(i) / kCurveIntervals;
     depth_m.push_back(fit.depth_max_m * t * t);  // a power law bends most at its start
   }
   return depth_m;

@@ -16,9 +16,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kFromForce = 0.005;  // [-] of the largest: below it contact forms
-constexpr std::size_t kReach = 2;     // neighbours on each side of a median
-constexpr double kApart = 0.02;       // [-] of the largest force
+constexpr double kFromForce = 0.005;   // [-] of the largest: below it contact forms
+constexpr std::size_t kReach = 2;      // neighbours on each side of a median
+constexpr double kPiecesApart = 0.02;  // [-] of the largest force
 constexpr double kSignificance = 1e-3;
 
 // Samples in contact.
@@ -77,14 +77,14 @@ Pieces fit_pieces(const Contact& c, int pieces) {
   return fit;
 }
 
-double rms(const Eigen::VectorXd& residual) {
+double residual_rms(const Eigen::VectorXd& residual) {
   return residual.norm() / std::sqrt(static_cast<double>(residual.size()));
 }
 
 bool pieces_fit_better(const Contact& c, const Pieces& line, const Pieces& pieces,
                        double largest_n) {
   const double apart = ((line.residual - pieces.residual).cwiseAbs()).maxCoeff();
-  if (!(apart > kApart * largest_n)) {
+  if (!(apart > kPiecesApart * largest_n)) {
     return false;
   }
   const auto samples = static_cast<std::size_t>(c.x.size());
@@ -142,7 +142,7 @@ FrameRun frame_of_run(const Measurement& measurement) {
   FrameRun run;
   run.force_max_n = samples.f.maxCoeff();
   run.samples = static_cast<std::size_t>(samples.x.size());
-  run.straight_rms_n = rms(line.residual);
+  run.straight_rms_n = residual_rms(line.residual);
   // What was taken off for the baseline's slope is as uncertain as that.
   const double told_sd = contact.parameters[1].sd;
   const double slope_sd = std::isfinite(told_sd) ? told_sd : 0.0;
@@ -152,7 +152,7 @@ FrameRun frame_of_run(const Measurement& measurement) {
           "the frame's run begins in contact, and the stiffness is not constant: begin "
           "it before the plate is met");
     }
-    run.rms_n = rms(pieces.residual);
+    run.rms_n = residual_rms(pieces.residual);
     run.frame = bent_frame(pieces);
     run.frame.stiffness_sd_n_per_m =
         std::hypot(run.frame.stiffness_sd_n_per_m, slope_sd);

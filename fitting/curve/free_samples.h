@@ -15,6 +15,9 @@ struct FreeSamples {
   std::vector<std::size_t> after;   ///< of the retract, the later half of those beyond
 };
 
+/// Fewer say nothing of what is there without contact.
+inline constexpr std::size_t kFreeMin = 10;
+
 /// Those shallower than the contact point by 3 of its standard deviations and 2 % of
 /// the largest depth. Of the retract the earlier half is left out: the tool may still
 /// stick. Both empty without a contact point.

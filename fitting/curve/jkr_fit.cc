@@ -62,12 +62,12 @@ struct Jkr {
 };
 
 // Samples from the jump into contact on, forces over the baseline.
-struct Contact {
+struct SinceJump {
   std::vector<double> x, f;
 };
 
-Contact in_contact(const Approach& approach, const Adhesion& adhesion) {
-  Contact contact;
+SinceJump since_jump(const Approach& approach, const Adhesion& adhesion) {
+  SinceJump contact;
   std::vector<double> f;
   for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
     f.push_back(approach.force_n[i] - adhesion.zero_n -
@@ -82,7 +82,7 @@ Contact in_contact(const Approach& approach, const Adhesion& adhesion) {
 
 // q: contact point from the first sample over the travel, ln of E and W over their
 // starts.
-LeastSquaresProblem problem_of(const Contact& c, const Jkr& start) {
+LeastSquaresProblem problem_of(const SinceJump& c, const Jkr& start) {
   LeastSquaresProblem problem;
   problem.residuals = problem.in_a_row = static_cast<int>(c.x.size());
   problem.lower = Eigen::Vector3d(-1.0, -7.0, -7.0);
@@ -118,7 +118,7 @@ JkrFit refused(std::string why) {
   return fit;
 }
 
-JkrFit solve(const Contact& c, const Jkr& start) {
+JkrFit solve_jkr(const SinceJump& c, const Jkr& start) {
   const LeastSquaresProblem problem = problem_of(c, start);
   const auto report = solve_from_starts(
       problem, {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(-0.05, 0.5, 0.0),
@@ -178,7 +178,7 @@ JkrFit fit_jkr(const Approach& approach, const Adhesion& adhesion, double radius
     return refused(adhesion.pulls_off ? "no jump into contact is seen"
                                       : "no pull-off is seen");
   }
-  const Contact contact = in_contact(approach, adhesion);
+  const SinceJump contact = since_jump(approach, adhesion);
   if (contact.x.size() < kContactMin) {
     return refused(fmt::format("{} samples after the jump into contact, need {}",
                                contact.x.size(), kContactMin));
@@ -190,7 +190,7 @@ JkrFit fit_jkr(const Approach& approach, const Adhesion& adhesion, double radius
   }
   const Jkr start{radius_m, 0.75 * force / (std::sqrt(radius_m) * std::pow(depth, 1.5)),
                   jkr_work_of_adhesion(adhesion.pull_off_n, radius_m)};
-  JkrFit fit = solve(contact, start);
+  JkrFit fit = solve_jkr(contact, start);
   fit.pull_off_work_j_per_m2 = start.W;
   if (fit.refused.empty()) {
     fit.refused = why_not(fit, approach, adhesion, radius_m);

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kPressSamplesMin = 8, kHoldSamplesMin = 12;
+constexpr std::size_t kPressSamplesMin = 8;
 constexpr std::size_t kRowsEnough = 800;      // more are averaged, ...
 constexpr std::size_t kPressRowsEnough = 60;  // ... but not those of a fast press, ...
 constexpr std::size_t kRowsMax = 2500;        // ... up to here
@@ -28,7 +28,7 @@ constexpr double kReleaseWorse = 1.25;  // [-] of the residuals' rms
 constexpr double kRise = 0.03;          // [-] of the force: surely in contact
 constexpr double kContactRise = 0.25;   // [-] of the force: surely after contact
 constexpr double kLengthsOfHold = 10.0;
-constexpr double kIntervals = 0.3;
+constexpr double kTauIntervals = 0.3;
 
 struct Rows {
   PressSamples all;                  // scaled
@@ -114,7 +114,7 @@ Candidate fitted(const Rows& rows, int nodes, int terms,
   c.shape = {.nodes = nodes,
              .terms = terms,
              .contact_max = depth_at_rise(rows, kContactRise),
-             .tau_min_s = kIntervals * rows.interval_s,
+             .tau_min_s = kTauIntervals * rows.interval_s,
              .tau_max_s = kLengthsOfHold * rows.hold_s};
   c.model.emplace(first_rows(rows.all, rows.hold), c.shape);
   c.rows = static_cast<std::size_t>(rows.hold);
@@ -181,7 +181,7 @@ Candidate chosen_model(const Rows& rows) {
   return chosen(by_terms);
 }
 
-double rms(const Candidate& c) {
+double rms_relative(const Candidate& c) {
   return std::sqrt(2.0 * c.report.cost / static_cast<double>(c.rows));
 }
 
@@ -200,7 +200,7 @@ void add_release(const Rows& rows, Candidate& c, JointRelaxation& result) {
   problem.evaluate(c.report.q, r, nullptr);
   const Eigen::VectorXd after = r.tail(n - rows.hold);
   all.report = solve_least_squares(problem, c.report.q);
-  if (all.report.converged && rms(all) <= kReleaseWorse * rms(c)) {
+  if (all.report.converged && rms_relative(all) <= kReleaseWorse * rms_relative(c)) {
     c = std::move(all);
     result.release = true;
   } else {
@@ -281,7 +281,7 @@ double seen_from_s(const Rows& rows, const JointRelaxation& result, double press
   constexpr double kShare = 0.1, kSeen = 4.0;
   const double travel_m = result.displacement_m.back() - rows.origin_m;
   const double speed = travel_m / press_s;
-  double tau_s = kIntervals * rows.interval_s;
+  double tau_s = kTauIntervals * rows.interval_s;
   for (; tau_s < rows.hold_s; tau_s *= 1.1) {
     const RelaxationTerm term{kShare, 0.0, tau_s, 0.0, {}};
     const double end_n = result.force_n.back();
@@ -337,7 +337,7 @@ JointRelaxation fit_press_and_hold(const PressAndHold& measured) {
   take_curve(rows, best, covariance, result);
   result.curve = best.shape.nodes == 0 ? "power-law" : "monotone-spline";
   result.baseline_n = rows.force_n * best.report.q[0];
-  result.rms_relative = rms(best);
+  result.rms_relative = rms_relative(best);
   result.samples = best.rows;
   result.seen_from_s = seen_from_s(
       rows, result, measured.time_s[measured.hold_begin] - measured.time_s.front());

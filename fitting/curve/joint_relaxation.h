@@ -41,6 +41,9 @@ struct JointRelaxation {
   bool converged = false;
 };
 
+/// A hold of fewer samples tells nothing.
+inline constexpr std::size_t kHoldSamplesMin = 12;
+
 /// Least squares over all samples (press_model.h). The curve is a power law or a
 /// monotone spline, the terms one to three, by the smallest n ln(squares) + p ln(n), n
 /// the number of independent samples, p that of the parameters. Standard deviations

@@ -44,11 +44,6 @@ void turn(std::vector<double>& values) {
   std::transform(values.begin(), values.end(), values.begin(), std::negate<>());
 }
 
-double extent(const std::vector<double>& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
-
 // Work of the force over displacement [J], where the displacement exceeds `lower`;
 // trapezoids, the one that crosses `lower` cut there.
 double work_above(std::span<const double> x, std::span<const double> f, double lower) {

@@ -12,11 +12,11 @@
 namespace palpate {
 namespace {
 
-constexpr double kSureDeviations = 5.0, kDoubtDeviations = 3.0;
+constexpr double kSureMisfitDeviations = 5.0, kDoubtDeviations = 3.0;
 constexpr double kSureShareMin = 1e-4, kShareMin = 1e-3;  // [-] of the forces' range
 constexpr double kClip = 5.0;                             // robust standard deviations
 constexpr Eigen::Index kIntervals = 24;
-constexpr Eigen::Index kRowsMax = 400;
+constexpr Eigen::Index kMisfitRowsMax = 400;
 constexpr Eigen::Index kRowsPerInterval = 14;
 
 // Displacements at even shares of the samples, equal ones once.
@@ -94,7 +94,7 @@ bool may_miss(const Misfit& misfit, double force_range) {
 }
 
 bool is_sure(const Misfit& misfit, double force_range) {
-  return misfit.deviations > kSureDeviations && may_miss(misfit, force_range);
+  return misfit.deviations > kSureMisfitDeviations && may_miss(misfit, force_range);
 }
 
 bool matters(const Misfit& misfit, double force_range) {
@@ -113,7 +113,8 @@ Eigen::VectorXd ResidualNoise::averaged(std::span<const double> values) const {
 
 ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> all)
     : samples_(std::ssize(all)),
-      together_(std::max<Eigen::Index>(1, (samples_ + kRowsMax - 1) / kRowsMax)) {
+      together_(
+          std::max<Eigen::Index>(1, (samples_ + kMisfitRowsMax - 1) / kMisfitRowsMax)) {
   const std::vector<double> residual = clipped(all);
   const Eigen::VectorXd r = averaged(residual);
   Q_ = orthonormal(spline_basis(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
@@ -16,24 +17,11 @@ namespace {
 
 constexpr double kBeginnings[] = {0.4, 0.15, 0.05};  // [-] of the force's range
 constexpr double kContactSdShareMax = 0.1;           // [-] of the depth
-constexpr double kSureDeviations = 3.0;
+constexpr double kFreeDeviations = 3.0;
 constexpr double kFlatShares[] = {1.0 / 6, 1.0 / 12, 1.0 / 24,
                                   1.0 / 48};  // of the travel
 constexpr double kFlatSlope = 0.05;           // [-] of the force range over the travel
 constexpr std::ptrdiff_t kFlatSamplesMin = 8;
-
-double extent(const std::vector<double>& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
-
-double rms(const std::vector<double>& residuals) {
-  double squares = 0.0;
-  for (const double r : residuals) {
-    squares += r * r;
-  }
-  return std::sqrt(squares / static_cast<double>(residuals.size()));
-}
 
 // Slope of the least-squares line through the samples in contact [N/m].
 double mean_stiffness(const ScaledApproach& s, const PowerLawSolution& solution) {
@@ -130,7 +118,8 @@ bool is_known(const ContactFit& fit) {
   return fit.contact.sd_m <= kContactSdShareMax * fit.depth_max_m;
 }
 
-void judge(const ScaledApproach& s, const PowerLawSolution& solution, ContactFit& fit) {
+void raise_flags(const ScaledApproach& s, const PowerLawSolution& solution,
+                 ContactFit& fit) {
   fit.mean_stiffness_n_per_m = mean_stiffness(s, solution);
   if (solution.from_first_sample) {
     fit.flags.push_back(FitFlag::kAlreadyInContact);
@@ -170,7 +159,7 @@ ContactFit fit_once(const Approach& approach, const ContactFitOptions& options,
   const PowerLawSolution solution = search_power_law(s, options.exponent, drift_max);
   compare_with_samples(s, solution, fit);
   unscale(s, solution, options, fit);
-  judge(s, solution, fit);
+  raise_flags(s, solution, fit);
   fit.converged = solution.converged;
   fit.iterations = solution.iterations;
   return fit;
@@ -293,7 +282,7 @@ std::optional<double> flat_until_m(const Approach& approach) {
 std::optional<double> free_until_m(const Approach& approach,
                                    const std::shared_ptr<const ContactFit>& beginning) {
   return beginning ? std::optional(beginning->contact_point_m -
-                                   kSureDeviations * beginning->contact_point_sd_m)
+                                   kFreeDeviations * beginning->contact_point_sd_m)
                    : flat_until_m(approach);
 }
 

@@ -14,15 +14,9 @@ namespace {
 
 constexpr std::size_t kStarts = 3;
 constexpr double kEmptyDeviations = 5.0;
-constexpr double kOutlierDeviations = 5.0;
 constexpr double kSureDeviations = 3.0;
 constexpr double kNoDrift = 2.0 * kDriftShareMax;  // however uncertain
 constexpr double kFlatRmsMax = 1.05;  // [-] rms without drift over rms with it
-
-double extent(const std::vector<double>& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
 
 // 1 over the standard deviation of a force, in units of the white noise.
 std::vector<double> weights(const Approach& approach, double noise_relative,
@@ -96,13 +90,8 @@ bool has_free_samples(const ScaledApproach& s, const PowerLawSolution& solution)
          }) >= static_cast<std::ptrdiff_t>(kFreeSamplesMin);
 }
 
-double rms(const PowerLawSolution& solution) {
-  double squares = 0.0;
-  const auto residuals = contact_residuals(solution.used, solution.model);
-  for (const double r : residuals) {
-    squares += r * r;
-  }
-  return std::sqrt(squares / static_cast<double>(residuals.size()));
+double rms_of(const PowerLawSolution& solution) {
+  return rms(contact_residuals(solution.used, solution.model));
 }
 
 // No drift but the body.
@@ -174,7 +163,7 @@ PowerLawSolution solve_without_drift(const ScaledApproach& s,
   held[kExponent] = exponent.has_value();
   PowerLawSolution flat = solve(s.curve, flat_starts(starts), held, s.noise);
   const bool found = has_free_samples(s, flat) &&
-                     (drift_max || rms(flat) <= kFlatRmsMax * rms(with)) &&
+                     (drift_max || rms_of(flat) <= kFlatRmsMax * rms_of(with)) &&
                      !rises_before_contact(s, flat);
   return found ? flat : solve_from_first_sample(s, exponent);
 }

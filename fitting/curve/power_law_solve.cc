@@ -1,7 +1,6 @@
 #include "fitting/curve/power_law_solve.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "fitting/numerics/least_squares.h"
@@ -57,7 +56,6 @@ LeastSquaresProblem contact_problem(const ScaledCurve& curve,
     }
     return true;
   };
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   problem.lower.resize(int{kContactParameters});
   problem.upper.resize(int{kContactParameters});
   problem.lower << -kInf, -kInf, curve.contact_min, kExponentMin, kCoefficientMin;

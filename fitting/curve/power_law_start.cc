@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-constexpr int kGrid = 32;        // contact points
-constexpr double kApart = 0.05;  // [-] of the travel
+constexpr int kGrid = 32;              // contact points
+constexpr double kStartsApart = 0.05;  // [-] of the travel
 constexpr double kExponents[] = {1.0, 1.5, 2.0, 3.0};
 
 struct RankedModel {
@@ -160,7 +160,7 @@ std::vector<ContactModel> contact_starts(const ScaledCurve& curve,
   for (const RankedModel& next : ranked) {
     const bool apart =
         std::all_of(starts.begin(), starts.end(), [&](const ContactModel& start) {
-          return std::abs(start.contact - next.model.contact) >= kApart;
+          return std::abs(start.contact - next.model.contact) >= kStartsApart;
         });
     if (apart && starts.size() < count) {
       starts.push_back(next.model);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "fitting/curve/quasi_linear.h"
 #include "fitting/numerics/bounded_linear.h"
@@ -14,7 +13,6 @@ constexpr double kStepMax = 0.02;    // [-] of the travel: a curve is straight o
 constexpr double kCloseNodes = 1.5;  // nodes are closer near the contact point
 constexpr double kDifference = 1e-4;
 constexpr double kRatioMax = 1e3;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 double node_of(int j, int nodes, double contact) {
   return contact +

@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kStill = 2e-3;  // [-] of the travel: a stage's position noise
+constexpr double kPositionNoise = 2e-3;  // [-] of the travel: a stage's position noise
 
 double sign_of_compression(const std::vector<double>& x) {
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
@@ -33,7 +33,7 @@ std::vector<std::size_t> later_begins(const std::vector<double>& x) {
       low = at;
       lowest = i;
     } else if (releasing) {
-      lowest = at < low - kStill * travel ? i : lowest;
+      lowest = at < low - kPositionNoise * travel ? i : lowest;
       low = std::min(low, at);
       if (at > low + turn) {
         if (pressed) {

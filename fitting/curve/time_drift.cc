@@ -10,7 +10,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kFreeMin = 10;
 constexpr double kTooUncertain = 0.1;  // [-] of the force's range, over the whole time
 
 // Columns 1, x, t scaled to about 1, and with `leap` one that is 1 after the retract.
@@ -43,12 +42,12 @@ Eigen::VectorXd forces(const Measurement& m, const FreeSamples& free) {
   return f;
 }
 
-struct Line {
+struct DriftLine {
   Eigen::VectorXd q, sd;  // sd NaN where the columns cannot be told apart
 };
 
-Line fit_line(const Eigen::MatrixXd& J, const Eigen::VectorXd& f) {
-  Line line;
+DriftLine fit_line(const Eigen::MatrixXd& J, const Eigen::VectorXd& f) {
+  DriftLine line;
   line.q = J.completeOrthogonalDecomposition().solve(f);
   const Eigen::MatrixXd covariance =
       covariance_under_noise(J, f - J * line.q, J.rows());
@@ -82,13 +81,13 @@ TimeDrift find_time_drift(const Measurement& measurement, const Approach& approa
     return drift;
   }
   const Eigen::VectorXd f = forces(m, free);
-  const Line steady = fit_line(design(m, free, drift.seconds, false), f);
+  const DriftLine steady = fit_line(design(m, free, drift.seconds, false), f);
   if (!(steady.sd[2] < kTooUncertain * range(m.force_n))) {
     drift.refused = "a drift with time cannot be told from one with displacement";
     return drift;
   }
   if (!free.after.empty()) {
-    const Line leap = fit_line(design(m, free, drift.seconds, true), f);
+    const DriftLine leap = fit_line(design(m, free, drift.seconds, true), f);
     if (std::abs(leap.q[3]) > kDriftDeviations * leap.sd[3]) {
       drift.leaps = true;
       drift.refused = fmt::format(

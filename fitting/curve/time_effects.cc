@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -13,11 +14,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kHoldSamplesMin = 12;
-constexpr double kShallow = 0.05;     // [-] of the travel
-constexpr double kTurn = 0.01;        // [-] of the travel: a new press
+constexpr double kFreeTravel = 0.05;  // [-] of the travel
+constexpr double kNewPress = 0.01;    // [-] of the travel: a new press
 constexpr double kLeft = 1.0 / 30.0;  // [-] of the largest force
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // q: g_inf, g_1, g_2 in units of the first force, ln of the times in units of the hold.
 LeastSquaresProblem relaxation_problem(const std::vector<double>& t,
@@ -135,7 +134,7 @@ double press_speed_m_per_s(const std::vector<double>& x, const std::vector<doubl
 // free, with what is free before it.
 std::size_t press_begin(const std::vector<double>& x, std::size_t end) {
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
-  const double shallow = *low + kShallow * (*high - *low);
+  const double shallow = *low + kFreeTravel * (*high - *low);
   std::size_t begin = end;
   while (begin > 0 && x[begin] > shallow) {
     --begin;
@@ -149,8 +148,8 @@ std::size_t press_begin(const std::vector<double>& x, std::size_t end) {
 // One past the last sample of the release from `begin` on that is surely in contact.
 std::size_t release_end(const std::vector<double>& x, const std::vector<double>& force,
                         std::size_t begin) {
-  const double turn = kTurn * (*std::max_element(x.begin(), x.end()) -
-                               *std::min_element(x.begin(), x.end()));
+  const double turn = kNewPress * (*std::max_element(x.begin(), x.end()) -
+                                   *std::min_element(x.begin(), x.end()));
   const double most = *std::max_element(force.begin(), force.end());
   double lowest = begin < x.size() ? x[begin] : 0.0;
   std::size_t end = begin;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "fitting/material/moduli.h"
 #include "fitting/numerics/least_squares.h"
@@ -77,7 +76,6 @@ LayerCurve scaled(const Approach& approach, const ContactFit& start,
 LayerFit fit_sphere_on_layer(const Approach& approach, const ContactFit& start,
                              const Indenter& indenter) {
   const LayerCurve curve = scaled(approach, start, indenter);
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   LeastSquaresProblem problem;
   problem.residuals = problem.in_a_row = static_cast<int>(curve.x.size());
   problem.evaluate = [&curve](const Eigen::VectorXd& q,

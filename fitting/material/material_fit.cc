@@ -19,7 +19,8 @@ constexpr double kDevianceMax = 30.0;    // farther out a profile says nothing n
 constexpr double kBeyondSweepMax = 2.0;  // [-] of the sweep's depth
 constexpr std::size_t kSamples = 200;    // per curve; more say no more
 
-ScaledMaterialCurve scaled(const ResponseSweep& sweep, const MaterialCurve& curve) {
+ScaledMaterialCurve scaled_curve(const ResponseSweep& sweep,
+                                 const MaterialCurve& curve) {
   const Approach& a = curve.approach;
   const auto [low, high] = std::minmax_element(a.force_n.begin(), a.force_n.end());
   const auto deepest =
@@ -182,7 +183,7 @@ MaterialFit fit_material(const ResponseSweep& sweep,
   }
   std::vector<ScaledMaterialCurve> scaled_curves;
   for (const MaterialCurve& curve : curves) {
-    scaled_curves.push_back(scaled(sweep, curve));
+    scaled_curves.push_back(scaled_curve(sweep, curve));
   }
   const MaterialBox box = box_of(sweep);
   const double factor_sd = std::log1p(sweep.error_relative);

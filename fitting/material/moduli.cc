@@ -12,6 +12,7 @@
 #include "fitting/curve/law_error.h"
 #include "fitting/material/layer_fit.h"
 #include "fitting/numerics/correlated_noise.h"
+#include "fitting/numerics/least_squares.h"
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -21,7 +22,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDepthShareMax = 0.25;  // [-] of a sphere's radius
 constexpr double kStrainMax = 0.1;       // [-] of a cylinder under a plate
 constexpr double kExponentApart = 0.1;
-constexpr double kStep = 0.5;  // [-] of a standard deviation, for derivatives
+constexpr double kSdStep = 0.5;  // [-] of a standard deviation, for derivatives
 constexpr double kDeviations = 3.0;
 constexpr double kContactSdShareMax = 0.1;  // [-] of the depth
 constexpr const char* kNotIdentified =
@@ -109,7 +110,6 @@ std::vector<ModulusError> geometry_errors(
     double Indenter::*value;
     double sd, low, high;
   };
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   const Number numbers[] = {
       {"radius", &Indenter::radius_m, indenter.radius_sd_m, 0.0, kInf},
       {"half_angle", &Indenter::half_angle_rad, indenter.half_angle_sd_rad, 0.0,
@@ -124,7 +124,7 @@ std::vector<ModulusError> geometry_errors(
       continue;
     }
     Indenter less = indenter, more = indenter;
-    const double step = kStep * number.sd, value = indenter.*number.value;
+    const double step = kSdStep * number.sd, value = indenter.*number.value;
     less.*number.value = std::max(value - step, number.low + 0.1 * step);
     more.*number.value = std::min(value + step, number.high);
     const double slope = (modulus_pa(more) - modulus_pa(less)) /

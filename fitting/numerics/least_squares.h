@@ -19,6 +19,9 @@ namespace palpate {
 using RowMajorMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// The bound of a parameter that has none.
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+
 struct LeastSquaresProblem {
   int residuals = 0;
   /// Residuals (n) at q (p), and dr/dq (n x p) where it is not null; false where the

@@ -13,6 +13,19 @@ constexpr double kNormalMad = 1.4826;  // standard deviation over median deviati
 
 }  // namespace
 
+double extent(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+double rms(const std::vector<double>& values) {
+  double squares = 0.0;
+  for (const double value : values) {
+    squares += value * value;
+  }
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) {
     return std::numeric_limits<double>::quiet_NaN();

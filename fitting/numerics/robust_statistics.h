@@ -1,4 +1,5 @@
-// Estimates of size and noise that single wild readings cannot move.
+// Estimates of size and noise that single wild readings cannot move; and the plain
+// ones.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +7,16 @@
 #include <vector>
 
 namespace palpate {
+
+/// Standard deviations on either side of the mean that hold 95 % of a normal
+/// distribution.
+inline constexpr double kNormal95 = 1.959964;
+
+/// Largest minus smallest of at least one value.
+[[nodiscard]] double extent(const std::vector<double>& values);
+
+/// Root mean square. NaN for no values.
+[[nodiscard]] double rms(const std::vector<double>& values);
 
 /// Middle value, mean of the two middle ones for an even count. NaN for no values.
 [[nodiscard]] double median(std::vector<double> values);
@@ -18,6 +29,9 @@ namespace palpate {
 /// f[i-1] - 2 f[i] + f[i+1], whose variance is 6 times that of the noise. 0 for fewer
 /// than 3 values.
 [[nodiscard]] double noise_standard_deviation(std::span<const double> values);
+
+/// Standard deviations that make a usual limit of without_outliers().
+inline constexpr double kOutlierDeviations = 5.0;
 
 /// Indices of the residuals that are no outliers: within `limit`, or in a run of more
 /// than three beyond it on one side, which is a shape and no glitch. All, where more

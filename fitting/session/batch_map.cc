@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMostNodes = 12000;  // of the body; more are thinned
 
-constexpr const char* kStyle = R"css(
+constexpr const char* kMapStyle = R"css(
 #body{display:block;width:100%;height:460px;cursor:grab;touch-action:none;background:#f4f6f8;border-radius:6px}
 #map{margin:1.5em 0}#map p{color:#555}
 #legend{display:flex;flex-wrap:wrap;gap:4px 14px;align-items:center;margin:.5em 0}
@@ -150,7 +150,7 @@ std::string section(const SurfaceMesh& body,
   return fmt::format(
       "<section id=\"map\"><style>{}</style><h2>Measured places</h2>{}</section>\n{}{}"
       "{}",
-      kStyle, kBody, page_info(info),
+      kMapStyle, kBody, page_info(info),
       page_body(body, vertex_normals(body), thin_body(body, kMostNodes)),
       page_script({figures_script, turnable_script, kScript}));
 }

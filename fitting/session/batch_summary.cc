@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 // An empty cell where the number is not known.
-std::string cell(double value, int digits = 4) {
+std::string number_cell(double value, int digits = 4) {
   return std::isfinite(value)
              ? fmt::format("<td class=\"n\">{:.{}g}</td>", value, digits)
              : "<td></td>";
@@ -39,13 +39,13 @@ std::string cycle_row(const std::string& run, std::size_t press,
                       const CycleSummary& c) {
   return fmt::format("<tr><td>{}</td><td class=\"n\">{}</td>", markup_escaped(run),
                      press) +
-         (c.bad.empty()
-              ? cell(c.peak_force_n) + cell(c.press_work_j) + cell(c.loss_j) +
-                    cell(c.loss_factor, 3) + cell(1e3 * c.contact_point_m, 5) +
-                    cell(1e3 * c.contact_point_sd_m, 2) +
-                    cell(1e3 * c.contact_shift_m, 3) +
-                    cell(1e3 * c.contact_shift_sd_m, 2)
-              : "<td colspan=\"8\">" + markup_escaped(c.bad) + "</td>") +
+         (c.bad.empty() ? number_cell(c.peak_force_n) + number_cell(c.press_work_j) +
+                              number_cell(c.loss_j) + number_cell(c.loss_factor, 3) +
+                              number_cell(1e3 * c.contact_point_m, 5) +
+                              number_cell(1e3 * c.contact_point_sd_m, 2) +
+                              number_cell(1e3 * c.contact_shift_m, 3) +
+                              number_cell(1e3 * c.contact_shift_sd_m, 2)
+                        : "<td colspan=\"8\">" + markup_escaped(c.bad) + "</td>") +
          "</tr>\n";
 }
 
@@ -76,9 +76,9 @@ std::string means(const BatchReport& report) {
     const RandomEffects& e = mean.force_n.back();
     rows += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td>",
                         markup_escaped(mean.name), mean.runs) +
-            cell(1e3 * mean.depth_m.back()) + cell(e.mean) + cell(e.lower) +
-            cell(e.upper) + cell(e.repeat_sd, 3) + cell(e.point_sd, 3) +
-            cell(e.specimen_sd, 3) + "</tr>\n";
+            number_cell(1e3 * mean.depth_m.back()) + number_cell(e.mean) +
+            number_cell(e.lower) + number_cell(e.upper) + number_cell(e.repeat_sd, 3) +
+            number_cell(e.point_sd, 3) + number_cell(e.specimen_sd, 3) + "</tr>\n";
   }
   return rows.empty()
              ? ""

@@ -7,13 +7,12 @@
 #include <fmt/format.h>
 
 #include "fitting/curve/law_error.h"
+#include "fitting/numerics/robust_statistics.h"
 #include "fitting/session/csv_cell.h"
 #include "fitting/session/mean_curves.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kNormal95 = 1.959964;
 
 std::string cells(std::initializer_list<double> values) {
   std::string text;

@@ -13,8 +13,8 @@ namespace {
 constexpr double kSteps = 25.0;
 
 using Runs = std::vector<const RunResult*>;
-using Points = std::map<std::string, Runs>;
-using Specimens = std::map<std::string, Points>;
+using PointRuns = std::map<std::string, Runs>;
+using Specimens = std::map<std::string, PointRuns>;
 
 bool can_be_averaged(const RunResult& run) {
   return run.best() != nullptr && run.rating.verdict != Verdict::kSkip &&
@@ -41,7 +41,7 @@ Specimens sorted(const BatchReport& report, bool (*takes)(const RunResult&)) {
 }
 
 // Every point a specimen of its own.
-Specimens one_by_one(const Points& points) {
+Specimens one_by_one(const PointRuns& points) {
   Specimens specimens;
   for (const auto& [name, runs] : points) {
     specimens[name][name] = runs;
@@ -108,13 +108,13 @@ MeanCurve curve_of(std::string name, const Specimens& specimens, Level level) {
   return curve;
 }
 
-void append_points(const std::string& specimen, const Points& points,
+void append_points(const std::string& specimen, const PointRuns& points,
                    std::vector<MeanCurve>& curves) {
   for (const auto& [point, runs] : points) {
     if (runs.size() < 2) {
       continue;
     }
-    Points repeats;
+    PointRuns repeats;
     for (std::size_t k = 0; k < runs.size(); ++k) {
       repeats[fmt::format("{:06}", k)] = {runs[k]};
     }
@@ -131,17 +131,17 @@ void name_the_unnamed(Specimens& specimens) {
   if (unnamed == specimens.end()) {
     return;
   }
-  const Points points = unnamed->second;
+  const PointRuns points = unnamed->second;
   specimens.erase(unnamed);
   for (const auto& [point, runs] : points) {
     specimens["point " + point][point] = runs;
   }
 }
 
-std::vector<MeanCurve> curves_of(Specimens specimens) {
+std::vector<MeanCurve> mean_curves_of(Specimens specimens) {
   std::vector<MeanCurve> curves;
   const auto points_of = [&](const std::string& name, const std::string& specimen,
-                             const Points& points) {
+                             const PointRuns& points) {
     if (points.size() > 1) {
       curves.push_back(curve_of(name, one_by_one(points), Level::kPoints));
     }
@@ -192,7 +192,7 @@ MeanCurves mean_curves(const BatchReport& report) {
   }
   means.left_out = report.runs.size() - count(takes);
   if (count(takes) > 1) {
-    means.curves = curves_of(sorted(report, takes));
+    means.curves = mean_curves_of(sorted(report, takes));
   }
   return means;
 }

@@ -48,14 +48,6 @@ constexpr NumberRule kAny{[](double) {
                             return true;
                           },
                           "finite"};
-constexpr NumberRule kPositive{[](double v) {
-                                 return v > 0.0;
-                               },
-                               "positive and finite"};
-constexpr NumberRule kNotNegative{[](double v) {
-                                    return v >= 0.0;
-                                  },
-                                  "zero or more and finite"};
 constexpr NumberRule kShare{[](double v) {
                               return v >= 0.0 && v < 1.0;
                             },

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "fitting/session/session_runs.h"
 #include "formats/base/units.h"
 #include "formats/measurement/column_name.h"
 #include "formats/measurement/delimited_text.h"
@@ -13,21 +14,8 @@ namespace palpate {
 namespace session_parts {
 namespace {
 
-constexpr NumberRule kPositive{[](double v) {
-                                 return v > 0.0;
-                               },
-                               "positive and finite"};
-constexpr NumberRule kNotNegative{[](double v) {
-                                    return v >= 0.0;
-                                  },
-                                  "zero or more and finite"};
 constexpr std::string_view kPairColumns[] = {
     "name", "machine_x", "machine_y", "machine_z", "mesh_x", "mesh_y", "mesh_z"};
-
-std::filesystem::path beside(const Session& session, const std::string& name) {
-  const std::filesystem::path path(name);
-  return path.is_absolute() ? path : session.file.parent_path() / path;
-}
 
 // Where the pairs' columns are, in the order of kPairColumns.
 struct PairTable {
@@ -36,7 +24,7 @@ struct PairTable {
   std::vector<std::size_t> column;
 };
 
-PairTable find_columns(const std::string& file, const TextLine& header) {
+PairTable find_pair_columns(const std::string& file, const TextLine& header) {
   for (const char delimiter : {'\t', ';', ','}) {
     PairTable table{file, delimiter, {}};
     const auto cells = split_cells(header.text, delimiter);
@@ -103,7 +91,7 @@ void read_registration(const SceneSection& section, Session& session) {
   if (lines.empty()) {
     throw InputError(fmt::format("{}: is empty, must be a table of pairs", file));
   }
-  const PairTable table = find_columns(file, lines.front());
+  const PairTable table = find_pair_columns(file, lines.front());
   std::vector<RegistrationPair> pairs;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     pairs.push_back(read_pair(table, lines[i], metres));

@@ -17,11 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path beside(const Session& session, const std::string& name) {
-  const fs::path path(name);
-  return path.is_absolute() ? path : session.file.parent_path() / path;
-}
-
 bool is_pattern(const std::string& name) {
   return name.find_first_of("*?[") != std::string::npos;
 }
@@ -284,6 +279,11 @@ double radius_of_files(const Session& session) {
 }
 
 }  // namespace
+
+fs::path beside(const Session& session, const std::string& name) {
+  const fs::path path(name);
+  return path.is_absolute() ? path : session.file.parent_path() / path;
+}
 
 void take_from_files(Session& session) {
   if (session.layout != SessionLayout::kAuto) {

@@ -1,6 +1,9 @@
 // [[run]] and [points] of a session file. Only for session*.cc.
 #pragma once
 
+#include <filesystem>
+#include <string>
+
 #include "fitting/session/session.h"
 #include "formats/scene/toml_section.h"
 
@@ -9,6 +12,10 @@ namespace palpate::session_parts {
 inline constexpr std::string_view kRunKeys[] = {"file",     "files",      "point",
                                                 "specimen", "position_m", "normal"};
 inline constexpr std::string_view kPointKeys[] = {"table", "length_unit"};
+
+/// A file that the session names: relative to where the session lies.
+[[nodiscard]] std::filesystem::path beside(const Session& session,
+                                           const std::string& name);
 
 /// Appends the runs of one [[run]].
 void append_runs(const SceneSection& section, Session& session);

@@ -20,9 +20,7 @@ constexpr double kErrorMin = 1e-3;  // [-] of log force: no curve is known bette
 constexpr double kErrorMax = 1.0;   // a worse one says nothing
 constexpr double kReach = 0.9;      // share of probes that reach the largest depth
 constexpr double kAttachmentShareMax = 0.1;          // of the body's diagonal
-constexpr double kSamePlace = 1e-6;                  // of the body's diagonal
 constexpr int kScreened[] = {5, kCommonDepths - 1};  // a quarter of, and full, depth
-constexpr double kScoreZ = 1.959964;                 // 95 % of a normal distribution
 constexpr int kFirstScored = 2;  // the shallowest depths are a thousandth of the force
 
 std::vector<const SurfaceProbe*> usable(std::span<const SurfaceProbe> probes,
@@ -174,7 +172,7 @@ DepthScore score_of(const FieldModel& model, const FieldData& set,
     ++score.probes;
     score.rms += residual * residual;
     score.nearest_rms += nearest * nearest;
-    score.coverage += std::abs(residual) <= kScoreZ * sd ? 1.0 : 0.0;
+    score.coverage += std::abs(residual) <= kNormal95 * sd ? 1.0 : 0.0;
   }
   const auto count = static_cast<double>(score.probes);
   score.rms = std::sqrt(score.rms / count);

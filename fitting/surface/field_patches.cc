@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "fitting/numerics/robust_statistics.h"
 #include "fitting/surface/probe_screen.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kZ = 1.959964;  // 95 % of a normal distribution
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Sums {
@@ -38,7 +38,7 @@ void predict(const FieldModel& model, std::span<const FieldData> data,
         sums.count += 1.0;
         sums.squares += residual * residual;
         sums.covered +=
-            std::abs(residual) <= kZ * posterior.left_out_sd[row] ? 1.0 : 0.0;
+            std::abs(residual) <= kNormal95 * posterior.left_out_sd[row] ? 1.0 : 0.0;
       }
     }
   }

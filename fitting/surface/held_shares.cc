@@ -14,10 +14,10 @@
 namespace palpate {
 namespace {
 
-constexpr double kErrorMin = 1e-3;  // [-] no share is known better
-constexpr double kErrorMax = 0.5;   // a worse one says nothing
-constexpr int kTimes = 32;          // from a thousandth of the holds
-constexpr double kFarthest = 1.1;   // a factor of 3 between times, as logarithm
+constexpr double kShareErrorMin = 1e-3;  // [-] no share is known better
+constexpr double kShareErrorMax = 0.5;   // a worse one says nothing
+constexpr int kTimes = 32;               // from a thousandth of the holds
+constexpr double kFarthest = 1.1;        // a factor of 3 between times, as logarithm
 
 RelaxedShare share_of(const SurfaceProbe& probe, double time_s) {
   return relaxed_within(probe.relaxation->joint, time_s);
@@ -114,8 +114,8 @@ std::vector<FieldData> held_shares(const std::vector<const SurfaceProbe*>& held,
       const auto row = static_cast<Eigen::Index>(i);
       data[s].value[row] = share.value;
       data[s].sd[row] =
-          std::isnan(share.sd) ? kErrorMin : std::max(share.sd, kErrorMin);
-      data[s].used[i] = data[s].sd[row] < kErrorMax ? 1 : 0;
+          std::isnan(share.sd) ? kShareErrorMin : std::max(share.sd, kShareErrorMin);
+      data[s].used[i] = data[s].sd[row] < kShareErrorMax ? 1 : 0;
     }
   }
   for (FieldData& set : data) {  // screening uses all that is finite

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShortShare = 0.5;  // [-] of the median hold
-constexpr int kTimes = 96;           // from a thousandth of the hold, evenly in its log
+constexpr int kHoldTimes = 96;       // from a thousandth of the hold, evenly in its log
 
 void append(PronyTerms& terms, const Relaxation* r) {
   terms.g_1.push_back(r != nullptr ? r->g[0] : kUnknown);
@@ -51,8 +51,9 @@ Relaxation median_relaxation(std::size_t holds, double seconds, const Share& sha
                              std::vector<double>& last) {
   std::vector<double> time_s{0.0}, share{1.0};
   last.assign(holds, 1.0);
-  for (int k = 0; k <= kTimes; ++k) {
-    time_s.push_back(seconds * std::pow(1e-3, 1.0 - static_cast<double>(k) / kTimes));
+  for (int k = 0; k <= kHoldTimes; ++k) {
+    time_s.push_back(seconds *
+                     std::pow(1e-3, 1.0 - static_cast<double>(k) / kHoldTimes));
     for (std::size_t i = 0; i < holds; ++i) {
       last[i] = share_of(i, time_s.back());
     }

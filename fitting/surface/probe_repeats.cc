@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fitting/numerics/robust_statistics.h"
 
@@ -9,7 +10,6 @@ namespace palpate {
 namespace {
 
 constexpr double kFarScore = 4.5;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double value_of(const FieldData& set, std::size_t i) {
   return set.value[static_cast<Eigen::Index>(i)];
@@ -56,7 +56,7 @@ double repeatability_of(const FieldData& set,
     }
   }
   if (degrees < kRepeatsMin) {
-    return kNaN;
+    return std::numeric_limits<double>::quiet_NaN();
   }
   const double spread = robust_standard_deviation(off);
   return std::sqrt(
@@ -84,8 +84,9 @@ FieldData joined(const FieldData& set,
                  double repeatability, const std::vector<char>& far) {
   const double own = std::isnan(repeatability) ? 0.0 : repeatability;
   const auto m = std::ssize(places);
-  FieldData result{Eigen::VectorXd::Constant(m, kNaN), Eigen::VectorXd::Ones(m),
-                   std::vector<char>(places.size(), 0)};
+  FieldData result{
+      Eigen::VectorXd::Constant(m, std::numeric_limits<double>::quiet_NaN()),
+      Eigen::VectorXd::Ones(m), std::vector<char>(places.size(), 0)};
   for (std::size_t p = 0; p < places.size(); ++p) {
     double weights = 0.0, sum = 0.0;
     for (const std::size_t i : used_of(set, places[p])) {

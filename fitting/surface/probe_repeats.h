@@ -13,6 +13,9 @@
 
 namespace palpate {
 
+/// [-] of the body's diagonal: places are the same within it.
+inline constexpr double kSamePlace = 1e-6;
+
 /// Presses of one place, by index, places in the order of their first press.
 /// @param position_m of all presses. @param apart_m the same place within it.
 [[nodiscard]] std::vector<std::vector<std::size_t>> places_of(

@@ -16,9 +16,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kSamePlace = 1e-6;  // of the body's diagonal
-constexpr double kZ = 1.959964;      // 95 % of a normal distribution
-
 struct Held {
   std::vector<std::vector<std::size_t>> place;  // probes, by index
   JoinedPresses joined;                         // a set a share, a datum a place
@@ -37,7 +34,7 @@ Held joined_holds(const SurfaceMesh& body,
   return held;
 }
 
-double shortest_s(const std::vector<const SurfaceProbe*>& probes) {
+double shortest_hold_s(const std::vector<const SurfaceProbe*>& probes) {
   double seconds = probes.front()->relaxation->seconds;
   for (const SurfaceProbe* probe : probes) {
     seconds = std::min(seconds, probe->relaxation->seconds);
@@ -132,7 +129,7 @@ Misses misses_of(const FieldData& set, const FieldPosterior& posterior,
     misses.median += w * std::pow(y - middle, 2);
     misses.mean += w * std::pow(y - (sum - w * y) / (all - w), 2);
     misses.count += 1.0;
-    misses.covered += std::abs(off) <= kZ * posterior.left_out_sd[i] ? 1.0 : 0.0;
+    misses.covered += std::abs(off) <= kNormal95 * posterior.left_out_sd[i] ? 1.0 : 0.0;
   }
   return misses;
 }
@@ -217,7 +214,7 @@ RelaxationField relaxation_field(const SurfaceMesh& body,
   if (common.empty() || probes.empty()) {
     return result;
   }
-  const double seconds = shortest_s(probes);
+  const double seconds = shortest_hold_s(probes);
   const std::vector<double> tau_s =
       times_that_miss_least_s(probes, common.tau_s, seconds);
   report.time_s = share_times_s(tau_s, seconds);

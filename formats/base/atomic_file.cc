@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& file, const char* what, int error) {
+[[noreturn]] void cannot_be(const fs::path& file, const char* what, int error) {
   throw InputError(
       fmt::format("{}: cannot be {}: {}", file.string(), what, std::strerror(error)));
 }
@@ -35,7 +35,7 @@ void sync(const fs::path& path, int flags, const fs::path& target) {
     if (error == EINVAL && (flags & O_DIRECTORY) != 0) {
       return;
     }
-    fail(target, "made durable", error);
+    cannot_be(target, "made durable", error);
   }
   ::close(fd);
 }
@@ -67,7 +67,7 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
       break;
     }
   }
-  fail(target, "written", errno);
+  cannot_be(target, "written", errno);
 }
 
 AtomicFile::~AtomicFile() {
@@ -92,14 +92,14 @@ void AtomicFile::write(std::span<const std::byte> bytes) const {
     error = errno;
   }
   if (error != 0) {
-    fail(target_, "written", error);
+    cannot_be(target_, "written", error);
   }
 }
 
 void AtomicFile::commit() {
   sync(temporary_, O_RDONLY, target_);
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
-    fail(target_, "written", errno);
+    cannot_be(target_, "written", errno);
   }
   committed_ = true;
   sync(folder_of(target_), O_RDONLY | O_DIRECTORY, target_);

@@ -13,7 +13,8 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& why) {
+[[noreturn]] void cannot_be_read(const std::filesystem::path& file,
+                                 const std::string& why) {
   throw InputError(fmt::format("{}: cannot be read: {}", file.string(), why));
 }
 
@@ -23,16 +24,16 @@ void require_regular_file(const std::filesystem::path& file) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) {
-    fail(file, "no such file");
+    cannot_be_read(file, "no such file");
   }
   if (error) {
-    fail(file, error.message());
+    cannot_be_read(file, error.message());
   }
   if (std::filesystem::is_directory(status)) {
-    fail(file, "it is a folder");
+    cannot_be_read(file, "it is a folder");
   }
   if (!std::filesystem::is_regular_file(status)) {
-    fail(file, "it is not a regular file");
+    cannot_be_read(file, "it is not a regular file");
   }
 }
 
@@ -42,7 +43,7 @@ std::string read_file(const std::filesystem::path& file, std::size_t most_bytes,
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(file, error);
   if (error) {
-    fail(file, error.message());
+    cannot_be_read(file, error.message());
   }
   if (bytes > most_bytes) {
     throw InputError(fmt::format("{}: is larger than {} bytes, must be {}",
@@ -53,7 +54,7 @@ std::string read_file(const std::filesystem::path& file, std::size_t most_bytes,
   std::string content(bytes, '\0');
   in.read(content.data(), static_cast<std::streamsize>(bytes));
   if (!in) {
-    fail(file, errno == 0 ? "it became shorter" : std::strerror(errno));
+    cannot_be_read(file, errno == 0 ? "it became shorter" : std::strerror(errno));
   }
   return content;
 }

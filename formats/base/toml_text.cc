@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kKeyPartsMax = 64;
 
-[[noreturn]] void fail(std::string_view name, std::size_t line, std::string_view why) {
+[[noreturn]] void not_toml(std::string_view name, std::size_t line,
+                           std::string_view why) {
   throw InputError(fmt::format("{}:{}: is not TOML: {}", name, line, why));
 }
 
@@ -53,7 +54,7 @@ void require_short_keys(std::string_view text, std::string_view name) {
       dots = 0;
     }
     if (dots >= kKeyPartsMax) {
-      fail(name, line, fmt::format("a key has more than {} parts", kKeyPartsMax));
+      not_toml(name, line, fmt::format("a key has more than {} parts", kKeyPartsMax));
     }
     line += static_cast<std::size_t>(
         std::count(text.begin() + static_cast<std::ptrdiff_t>(i),
@@ -69,7 +70,7 @@ toml::table parse_toml(std::string_view text, std::string_view name) {
   try {
     return toml::parse(text, name);
   } catch (const toml::parse_error& error) {
-    fail(name, error.source().begin.line, error.description());
+    not_toml(name, error.source().begin.line, error.description());
   }
 }
 

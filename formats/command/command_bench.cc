@@ -13,29 +13,29 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Flags {
+struct BenchFlags {
   std::string file;
   double budget_relative = 0.0;
   bool json = false;
 };
 
-Json to_json(const RelativeError& error) {
+Json precision_json(const RelativeError& error) {
   return {{"largest", error.largest}, {"rms", error.rms}};
 }
 
-Json to_json(const PrecisionRow& row) {
+Json precision_json(const PrecisionRow& row) {
   return {{"precision", name_of(row.storage.precision)},
           {"compressed", row.storage.compress},
           {"possible", row.possible},
           {"bytes", row.bytes},
           {"load_s", row.load_s},
           {"evaluate_s", row.evaluate_s},
-          {"force", to_json(row.force)},
-          {"stiffness", to_json(row.stiffness)},
-          {"energy", to_json(row.energy)}};
+          {"force", precision_json(row.force)},
+          {"stiffness", precision_json(row.stiffness)},
+          {"energy", precision_json(row.energy)}};
 }
 
-void print(const PrecisionRow& row) {
+void print_row(const PrecisionRow& row) {
   const std::string name = fmt::format("{}{}", name_of(row.storage.precision),
                                        row.storage.compress ? " deflate" : "");
   if (!row.possible) {
@@ -50,7 +50,7 @@ void print(const PrecisionRow& row) {
       row.energy.rms);
 }
 
-void run(const Flags& flags) {
+void run_bench(const BenchFlags& flags) {
   const ResponseDatabase database = read_database(flags.file);
   const double budget =
       flags.budget_relative > 0.0 ? flags.budget_relative : budget_relative(database);
@@ -62,7 +62,7 @@ void run(const Flags& flags) {
                    {"cheapest", choice},
                    {"rows", Json::array()}};
     for (const PrecisionRow& row : rows) {
-      report["rows"].push_back(to_json(row));
+      report["rows"].push_back(precision_json(row));
     }
     fmt::print("{}\n", report.dump());
     return;
@@ -73,7 +73,7 @@ void run(const Flags& flags) {
              "load ms", "eval ns", "force max, rms", "slope max, rms",
              "energy max, rms");
   for (const PrecisionRow& row : rows) {
-    print(row);
+    print_row(row);
   }
   fmt::print("cheapest under a tenth of the budget {}: {}\n", budget, choice);
 }
@@ -85,7 +85,7 @@ void add_bench_command(Command app) {
   command.require_subcommand();
   Command precision = command.add_subcommand(
       "precision", "Size, time and error of every way to store a database");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<BenchFlags>();
   precision.add_option("file", flags->file, "Response database (HDF5)").required();
   precision
       .add_option(
@@ -94,7 +94,7 @@ void add_bench_command(Command app) {
       .positive();
   precision.add_flag("--json", flags->json, "Print the report as one JSON object");
   precision.callback([flags] {
-    run(*flags);
+    run_bench(*flags);
   });
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Flags {
+struct CheckFlags {
   std::string file;
   bool json = false;
 };
@@ -23,7 +23,7 @@ void print_json(const Json& report) {
   fmt::print("{}\n", report.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-void run(const Flags& flags) {
+void run_check(const CheckFlags& flags) {
   try {
     const ResponseDatabase database = read_in_file_order(flags.file);
     std::int64_t responses = 0;
@@ -56,11 +56,11 @@ void run(const Flags& flags) {
 void add_check_command(Command app) {
   Command command = app.add_subcommand(
       "check", "Verify a response database: format, digest, physics of every curve");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<CheckFlags>();
   command.add_option("file", flags->file, "Response database (HDF5)").required();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_check(*flags);
   });
 }
 

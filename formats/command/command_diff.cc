@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Flags {
+struct DiffFlags {
   std::string first;
   std::string second;
   double tolerance_relative = 0.0;
@@ -23,7 +23,7 @@ struct Flags {
   bool json = false;
 };
 
-Json to_json(const ToolDifference& tool) {
+Json difference_json(const ToolDifference& tool) {
   Json worst = Json::array();
   for (const NodeDifference& node : tool.worst) {
     worst.push_back({{"node", node.node},
@@ -54,7 +54,7 @@ Json to_json(const ToolDifference& tool) {
           {"worst", worst}};
 }
 
-void print(const ToolDifference& tool) {
+void print_difference(const ToolDifference& tool) {
   fmt::print(
       "tool       {}: {} nodes compared, {} only in the first, {} only in the second\n",
       tool.tool, tool.compared, tool.only_first, tool.only_second);
@@ -86,7 +86,7 @@ void print(const ToolDifference& tool) {
   }
 }
 
-void run(const Flags& flags) {
+void run_diff(const DiffFlags& flags) {
   const std::vector<ToolDifference> tools =
       difference(read_database(flags.first), read_database(flags.second), flags.worst);
   const bool agree = std::all_of(tools.begin(), tools.end(), [&](const auto& tool) {
@@ -97,9 +97,9 @@ void run(const Flags& flags) {
                  {"tools", Json::array()}};
   for (const ToolDifference& tool : tools) {
     if (flags.json) {
-      report["tools"].push_back(to_json(tool));
+      report["tools"].push_back(difference_json(tool));
     } else {
-      print(tool);
+      print_difference(tool);
     }
   }
   if (flags.json) {
@@ -116,7 +116,7 @@ void run(const Flags& flags) {
 void add_diff_command(Command app) {
   Command command = app.add_subcommand(
       "diff", "Compare the forces of two databases of one body; exit 6 if they differ");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<DiffFlags>();
   command.add_option("first", flags->first, "Response database (HDF5)").required();
   command.add_option("second", flags->second, "Response database (HDF5)").required();
   command
@@ -126,7 +126,7 @@ void add_diff_command(Command app) {
   command.add_option("--worst", flags->worst, "How many nodes to list per tool");
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_diff(*flags);
   });
 }
 

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct ExportFlags {
   std::string file;
   std::string output;
   std::string tool;
@@ -39,7 +39,7 @@ Export export_of(const std::string& output) {
                                output, extension));
 }
 
-void run(const Flags& flags) {
+void run_export(const ExportFlags& flags) {
   const Export text_of = export_of(flags.output);
   const ResponseDatabase database = read_database(flags.file);
   const std::string text = text_of(database, find_tool(database, flags.tool));
@@ -63,14 +63,14 @@ void run(const Flags& flags) {
 void add_export_command(Command app) {
   Command command =
       app.add_subcommand("export", "Write a tool's responses as VTU, CSV or JSON");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ExportFlags>();
   command.add_option("file", flags->file, "Response database (HDF5)").required();
   command.add_option("-o,--output", flags->output, "File to write: .vtu, .csv or .json")
       .required();
   command.add_option("--tool", flags->tool, "Tool, if there are several");
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_export(*flags);
   });
 }
 

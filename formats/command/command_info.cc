@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Flags {
+struct InfoFlags {
   std::string file;
   bool json = false;
 };
@@ -226,7 +226,7 @@ void print(const DatabaseIndex& index) {
   }
 }
 
-void run(const Flags& flags) {
+void run_info(const InfoFlags& flags) {
   const DatabaseIndex index = read_index(flags.file);
   if (flags.json) {
     // Texts come from a file: what is not UTF-8 is replaced, not refused.
@@ -241,11 +241,11 @@ void run(const Flags& flags) {
 
 void add_info_command(Command app) {
   Command command = app.add_subcommand("info", "Say what a response database holds");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<InfoFlags>();
   command.add_option("file", flags->file, "Response database (HDF5)").required();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_info(*flags);
   });
 }
 

@@ -19,14 +19,14 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct MergeFlags {
   std::vector<std::string> files;
   std::string output;
   std::string precision;
   bool json = false;
 };
 
-void print(const nlohmann::ordered_json& report) {
+void print_merged(const nlohmann::ordered_json& report) {
   fmt::print("{}\n",
              report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
@@ -39,12 +39,12 @@ nlohmann::ordered_json names_of(const ResponseDatabase& database) {
   return names;
 }
 
-std::optional<Precision> wanted_precision(const Flags& flags) {
+std::optional<Precision> wanted_precision(const MergeFlags& flags) {
   return flags.precision.empty() ? std::nullopt
                                  : std::optional(precision_of(flags.precision));
 }
 
-void run_databases(const Flags& flags) {
+void run_databases(const MergeFlags& flags) {
   const std::optional<Precision> precision = wanted_precision(flags);
   std::vector<ResponseDatabase> databases;
   for (const std::string& file : flags.files) {
@@ -55,14 +55,15 @@ void run_databases(const Flags& flags) {
   write_database(flags.output, merged);
   const std::uintmax_t bytes = std::filesystem::file_size(flags.output);
   if (flags.json) {
-    print({{"output", flags.output}, {"tools", names_of(merged)}, {"bytes", bytes}});
+    print_merged(
+        {{"output", flags.output}, {"tools", names_of(merged)}, {"bytes", bytes}});
   } else {
     fmt::print("wrote {}: {} tools, {} bytes\n", flags.output, merged.tools.size(),
                bytes);
   }
 }
 
-void run_shards(const Flags& flags) {
+void run_shards(const MergeFlags& flags) {
   const std::vector<std::filesystem::path> files(flags.files.begin(),
                                                  flags.files.end());
   const std::optional<Precision> precision = wanted_precision(flags);
@@ -71,24 +72,24 @@ void run_shards(const Flags& flags) {
   write_database(flags.output, all.database);
   const std::uintmax_t bytes = std::filesystem::file_size(flags.output);
   if (flags.json) {
-    print({{"output", flags.output},
-           {"tools", names_of(all.database)},
-           {"bytes", bytes},
-           {"precision", name_of(all.database.storage.precision)},
-           {"shards", files.size()},
-           {"solved", all.solved},
-           {"interpolated", all.interpolated},
-           {"failed", all.failed},
-           {"truncated", all.truncated},
-           {"ended_at_support", all.ended_at_support},
-           {"untouched", all.untouched},
-           {"outside_reach", all.outside_reach},
-           {"over_budget", all.over_budget},
-           {"checked", all.checked},
-           {"error_factor", all.error_factor},
-           {"hard_error_factor", all.hard_error_factor},
-           {"hard_path", all.hard_path},
-           {"failures", all.failures}});
+    print_merged({{"output", flags.output},
+                  {"tools", names_of(all.database)},
+                  {"bytes", bytes},
+                  {"precision", name_of(all.database.storage.precision)},
+                  {"shards", files.size()},
+                  {"solved", all.solved},
+                  {"interpolated", all.interpolated},
+                  {"failed", all.failed},
+                  {"truncated", all.truncated},
+                  {"ended_at_support", all.ended_at_support},
+                  {"untouched", all.untouched},
+                  {"outside_reach", all.outside_reach},
+                  {"over_budget", all.over_budget},
+                  {"checked", all.checked},
+                  {"error_factor", all.error_factor},
+                  {"hard_error_factor", all.hard_error_factor},
+                  {"hard_path", all.hard_path},
+                  {"failures", all.failures}});
   } else {
     fmt::print(
         "wrote {} from {} shards: {} responses solved, {} interpolated, {} failed, {} "
@@ -106,7 +107,7 @@ void run_shards(const Flags& flags) {
   }
 }
 
-void run(const Flags& flags) {
+void run_merge(const MergeFlags& flags) {
   const bool any_shard =
       std::any_of(flags.files.begin(), flags.files.end(), [](const std::string& file) {
         return is_shard(file);
@@ -125,7 +126,7 @@ void add_merge_command(Command app) {
       app.add_subcommand("merge",
                          "Put the tools of databases of one body in one file, or the "
                          "shards of one build in a database");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<MergeFlags>();
   command
       .add_option("files", flags->files,
                   "Response databases, numbered from 0, or shards")
@@ -137,7 +138,7 @@ void add_merge_command(Command app) {
                      "for shards the cheapest within a tenth of the accuracy budget");
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_merge(*flags);
   });
 }
 

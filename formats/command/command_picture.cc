@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct PictureFlags {
   std::string file;
   std::string output;
   std::string tool;
@@ -25,7 +25,7 @@ Shown shown_by(const std::string& name) {
   return static_cast<Shown>(at - kShownNames.begin());
 }
 
-void run(const Flags& flags) {
+void run_picture(const PictureFlags& flags) {
   const ResponseDatabase database = read_database(flags.file);
   const std::string svg =
       surface_picture(database, find_tool(database, flags.tool), shown_by(flags.shown));
@@ -40,7 +40,7 @@ void run(const Flags& flags) {
 void add_picture_command(Command app) {
   Command command = app.add_subcommand(
       "picture", "Draw the body in colours and a few curves as an SVG picture");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<PictureFlags>();
   command.add_option("file", flags->file, "Response database (HDF5)").required();
   command.add_option("-o,--output", flags->output, "Picture to write (SVG)").required();
   command.add_option("--tool", flags->tool, "Tool, if the database holds several");
@@ -52,7 +52,7 @@ void add_picture_command(Command app) {
       .one_of({kShownNames.begin(), kShownNames.end()})
       .show_default();
   command.callback([flags] {
-    run(*flags);
+    run_picture(*flags);
   });
 }
 

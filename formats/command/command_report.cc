@@ -14,14 +14,14 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct ReportFlags {
   std::string file;
   std::string output;
   std::int64_t nodes = kReportNodes;
   bool json = false;
 };
 
-void run(const Flags& flags) {
+void run_report(const ReportFlags& flags) {
   const ResponseDatabase database = read_database(flags.file);
   const std::string page = report_page(
       database, std::filesystem::path(flags.file).filename().string(), flags.nodes);
@@ -43,7 +43,7 @@ void run(const Flags& flags) {
 void add_report_command(Command app) {
   Command command = app.add_subcommand(
       "report", "Write a page for a browser: turnable body, curves, provenance");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ReportFlags>();
   command.add_option("file", flags->file, "Response database (HDF5)").required();
   command.add_option("-o,--output", flags->output, "Page to write (HTML)").required();
   command
@@ -53,7 +53,7 @@ void add_report_command(Command app) {
       .show_default();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_report(*flags);
   });
 }
 

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct SliceFlags {
   std::string file;
   std::string output;
   std::vector<std::string> tools;
@@ -26,7 +26,7 @@ struct Flags {
   bool json = false;
 };
 
-SliceOptions options_of(const Flags& flags) {
+SliceOptions options_of(const SliceFlags& flags) {
   SliceOptions options;
   options.tools = flags.tools;
   if (flags.box_m.size() == 6) {
@@ -40,7 +40,7 @@ SliceOptions options_of(const Flags& flags) {
   return options;
 }
 
-void set_storage(const Flags& flags, StorageOptions& storage) {
+void set_storage(const SliceFlags& flags, StorageOptions& storage) {
   if (!flags.precision.empty()) {
     storage.precision = precision_of(flags.precision);
   }
@@ -52,7 +52,7 @@ void set_storage(const Flags& flags, StorageOptions& storage) {
   }
 }
 
-void run(const Flags& flags) {
+void run_slice(const SliceFlags& flags) {
   ResponseDatabase part = slice(read_database(flags.file), options_of(flags));
   set_storage(flags, part.storage);
   write_database(flags.output, part);
@@ -76,7 +76,7 @@ void run(const Flags& flags) {
 void add_slice_command(Command app) {
   Command command =
       app.add_subcommand("slice", "Write a part of a database, or store it otherwise");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<SliceFlags>();
   command.add_option("file", flags->file, "Response database (HDF5)").required();
   command.add_option("-o,--output", flags->output, "Database to write").required();
   command.add_option("--tool", flags->tools, "Tool to keep; may be repeated");
@@ -91,7 +91,7 @@ void add_slice_command(Command app) {
       .in_range(std::int64_t{1}, kLargestChunkNodes);
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_slice(*flags);
   });
 }
 

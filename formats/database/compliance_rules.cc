@@ -2,24 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
-#include "formats/base/error.h"
+#include "formats/database/format_error.h"
 #include "formats/response/contact_set.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kLargest = std::numeric_limits<double>::max();
 // Rounding of distances that are evenly spaced in ln.
 constexpr double kSpacingTolerance = 1e-9;
-
-template <typename... Values>
-[[noreturn]] void fail(fmt::format_string<Values...> what, Values&&... values) {
-  throw FormatError(fmt::format(what, std::forward<Values>(values)...));
-}
 
 void check_rows(const std::string& path, const RowsOf<float>& values, std::int64_t rows,
                 std::int64_t columns, std::int64_t first) {

@@ -2,23 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
-#include "formats/base/error.h"
 #include "formats/database/compliance_rules.h"
+#include "formats/database/format_error.h"
 #include "formats/database/viscoelasticity_rules.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kUnitTolerance = 1e-6;
-
-template <typename... Values>
-[[noreturn]] void fail(fmt::format_string<Values...> what, Values&&... values) {
-  throw FormatError(fmt::format(what, std::forward<Values>(values)...));
-}
 
 void require_rows(const std::string& path, std::size_t rows, std::size_t wanted,
                   bool may_be_absent) {
@@ -48,8 +40,6 @@ void require_lines(const std::string& path, const std::vector<std::string>& line
     }
   }
 }
-
-constexpr double kLargest = std::numeric_limits<double>::max();
 
 void check_failures(const std::string& group, const ResponseTable& table,
                     std::size_t n) {

@@ -30,8 +30,8 @@ void set_row(Sha256Rows& rows, std::int64_t row, const std::vector<std::uint8_t>
   std::copy(to.begin(), to.end(), rows.row(row).data());
 }
 
-double largest(const std::vector<double>& values, std::int64_t begin,
-               std::int64_t end) {
+double largest_between(const std::vector<double>& values, std::int64_t begin,
+                       std::int64_t end) {
   return begin == end ? 0.0
                       : *std::max_element(values.begin() + begin, values.begin() + end);
 }
@@ -301,10 +301,11 @@ TableMaxima maxima_of(const ResponseTable& table, std::int64_t begin,
                       std::int64_t end) {
   const std::int64_t first = table.sample_begin[static_cast<std::size_t>(begin)];
   const std::int64_t last = table.sample_begin[static_cast<std::size_t>(end)];
-  return {largest(table.depth_m, first, last), largest(table.force_n, first, last),
-          largest(table.stiffness_max_n_per_m, begin, end),
-          largest(table.error_relative, begin, end),
-          largest(table.direction_spread_rad, begin, end)};
+  return {largest_between(table.depth_m, first, last),
+          largest_between(table.force_n, first, last),
+          largest_between(table.stiffness_max_n_per_m, begin, end),
+          largest_between(table.error_relative, begin, end),
+          largest_between(table.direction_spread_rad, begin, end)};
 }
 
 DatabaseIndex make_index(const ResponseDatabase& ordered, const StorageOrder& order) {

@@ -7,23 +7,16 @@
 
 #include <fmt/format.h>
 
-#include "formats/base/error.h"
 #include "formats/database/compliance_rules.h"
 #include "formats/database/database_check_optional.h"
+#include "formats/database/format_error.h"
 #include "formats/response/response_curve.h"
 
 namespace palpate {
 namespace {
 
-// A unit vector to this accuracy: rounding of a normalisation, with room for float32.
-constexpr double kUnitTolerance = 1e-6;
 // What rounding may leave between stored and recomputed slopes and energies.
 constexpr double kRounding = 1e-9;
-
-template <typename... Values>
-[[noreturn]] void fail(fmt::format_string<Values...> what, Values&&... values) {
-  throw FormatError(fmt::format(what, std::forward<Values>(values)...));
-}
 
 bool is_in(double value, double low, double high) {
   return value >= low && value <= high;

@@ -15,8 +15,6 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kDigestName = "content_sha256";
-
 // Tool names in the order of the database: groups themselves are not ordered.
 std::string join_names(const std::vector<ResponseTable>& tools) {
   std::vector<std::string> names;

@@ -3,24 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "formats/base/error.h"
+#include "formats/database/format_error.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kLargest = std::numeric_limits<double>::max();
 // What single precision may add to sums of shares.
 constexpr double kSumTolerance = 1e-5;
-
-template <typename... Values>
-[[noreturn]] void fail(fmt::format_string<Values...> what, Values&&... values) {
-  throw FormatError(fmt::format(what, std::forward<Values>(values)...));
-}
 
 // Positive, finite, each larger than the one before.
 void require_rising(const std::string& path, const std::vector<double>& values) {

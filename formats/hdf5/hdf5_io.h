@@ -53,6 +53,9 @@ using RowMajor3 = Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor>;
 template <typename T>
 using RowMajor = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// The file's attribute that holds its digest.
+inline constexpr const char* kDigestName = "content_sha256";
+
 /// SHA-256 over the logical content, item by item (FORMAT.md, "Digest").
 class ContentDigest {
  public:

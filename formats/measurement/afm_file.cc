@@ -20,8 +20,6 @@ using hdf5::Handle;
 using UnitSize = std::optional<double> (*)(std::string_view);
 
 constexpr hsize_t kSamplesMax = 100'000'000;
-constexpr const char* kPositions[] = {"tip position", "height (measured)",
-                                      "height (piezo)"};
 
 class AfmFile {
  public:
@@ -172,13 +170,13 @@ MeasurementFile read_afm_curve(const std::filesystem::path& file, int number) {
   MeasurementFile result;
   result.force_column = "force";
   result.samples.force_n = afm.values(group + "/force", &force_unit_si);
-  const auto* const position =
-      std::find_if(std::begin(kPositions), std::end(kPositions), [&](const char* name) {
+  const auto* const position = std::find_if(
+      std::begin(kAfmPositions), std::end(kAfmPositions), [&](const char* name) {
         return afm.has(group, name);
       });
-  if (position == std::end(kPositions)) {
+  if (position == std::end(kAfmPositions)) {
     afm.fail(fmt::format("group \"{}\" has no dataset \"{}\", \"{}\" or \"{}\"", group,
-                         kPositions[0], kPositions[1], kPositions[2]));
+                         kAfmPositions[0], kAfmPositions[1], kAfmPositions[2]));
   }
   result.depth_column = *position;
   auto& depth = result.samples.depth_m;
@@ -194,7 +192,7 @@ MeasurementFile read_afm_curve(const std::filesystem::path& file, int number) {
                          samples, depth.size(), result.samples.time_s.size()));
   }
   const double bending_per_n =
-      position == std::begin(kPositions) ? 0.0 : 1.0 / afm.spring_n_per_m(group);
+      position == std::begin(kAfmPositions) ? 0.0 : 1.0 / afm.spring_n_per_m(group);
   for (std::size_t i = 0; i < samples; ++i) {
     depth[i] = -(depth[i] + bending_per_n * result.samples.force_n[i]);
   }

@@ -15,6 +15,10 @@
 
 namespace palpate {
 
+/// Names of the position, the wanted one first.
+inline constexpr const char* kAfmPositions[] = {"tip position", "height (measured)",
+                                                "height (piezo)"};
+
 /// Numbers of the curves that the file holds, ascending.
 /// @throws FormatError if it is no HDF5 file or holds none.
 [[nodiscard]] std::vector<int> afm_curves(const std::filesystem::path& file);

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/measurement/afm_file.h"
 #include "formats/measurement/delimited_text.h"
 #include "formats/measurement/text_table.h"
 
@@ -15,8 +16,6 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view kBegin = "BEGIN METADATA", kEnd = "END METADATA";
-constexpr const char* kPositions[] = {"tip position", "height (measured)",
-                                      "height (piezo)"};
 
 struct TabFile {
   std::string name;
@@ -92,12 +91,12 @@ MeasurementFile read_afm_tab(const std::filesystem::path& file, const Instrument
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   const auto* const position =
-      std::find_if(std::begin(kPositions), std::end(kPositions), has);
-  if (!has("force") || position == std::end(kPositions)) {
+      std::find_if(std::begin(kAfmPositions), std::end(kAfmPositions), has);
+  if (!has("force") || position == std::end(kAfmPositions)) {
     throw FormatError(fmt::format(
         "{}: line {} does not name the columns force and \"{}\", \"{}\" or \"{}\"",
-        tab.name, tab.lines.front().number, kPositions[0], kPositions[1],
-        kPositions[2]));
+        tab.name, tab.lines.front().number, kAfmPositions[0], kAfmPositions[1],
+        kAfmPositions[2]));
   }
   MeasurementColumns columns{{*position, "m"}, {"force", "N"}, std::nullopt};
   if (request.with_time && has("time")) {
@@ -113,7 +112,7 @@ MeasurementFile read_afm_tab(const std::filesystem::path& file, const Instrument
                     tab.name, depth.size(), *count));
   }
   double bending_per_n = 0.0;
-  if (position != std::begin(kPositions)) {
+  if (position != std::begin(kAfmPositions)) {
     const auto spring = tab.number("spring constant");
     if (!spring || !(*spring > 0.0)) {
       throw FormatError(fmt::format(

@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kFirstLine = "<Mach-1 File>";
+constexpr std::string_view kMach1FirstLine = "<Mach-1 File>";
 // Functions that hold still, swing or search; and those that may press.
 constexpr std::array<std::string_view, 4> kNoPress{"Wait", "Zero Load", "Sinusoid",
                                                    "Tare"};
@@ -243,7 +243,7 @@ bool is_mach1(const std::filesystem::path&, std::string_view head) {
   if (head.starts_with("\xEF\xBB\xBF")) {
     head.remove_prefix(3);
   }
-  return trimmed(head.substr(0, head.find('\n'))) == kFirstLine;
+  return trimmed(head.substr(0, head.find('\n'))) == kMach1FirstLine;
 }
 
 InstrumentFile list_mach1(const std::filesystem::path& file) {

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kNames[] = {"PixelX", "PixelY", "PointID", "PointType"};
 
 // The line of names among lines; their number where there is none.
-std::size_t find_names(std::span<const TextLine> lines) {
+std::size_t find_map_names(std::span<const TextLine> lines) {
   const auto has_all = [](const TextLine& line) {
     const auto cells = split_cells(line.text, '\t');
     return std::all_of(std::begin(kNames), std::end(kNames), [&](const char* name) {
@@ -42,12 +42,12 @@ double number_in(const std::string& file, const TextLine& line,
 }  // namespace
 
 bool is_mach1_map(std::span<const TextLine> lines) {
-  return find_names(lines) < lines.size();
+  return find_map_names(lines) < lines.size();
 }
 
 std::vector<MapPoint> read_mach1_map(const std::string& file,
                                      std::span<const TextLine> lines) {
-  const std::size_t top = find_names(lines);
+  const std::size_t top = find_map_names(lines);
   const auto names = split_cells(lines[top].text, '\t');
   const auto column = [&](const char* name) {
     const auto found = matching_columns(names, name);

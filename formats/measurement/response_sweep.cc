@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kFirstLine = "# palpate response sweep 1";
+constexpr const char* kSweepFirstLine = "# palpate response sweep 1";
 constexpr std::string_view kErrorLine = "# error_relative ";
 
 bool rises(const std::vector<double>& values) {
@@ -24,9 +24,9 @@ bool rises(const std::vector<double>& values) {
          }) == values.end();
 }
 
-std::vector<std::vector<double>> read_rows(const std::vector<TextLine>& lines,
-                                           std::size_t columns,
-                                           const std::string& name) {
+std::vector<std::vector<double>> read_sweep_rows(const std::vector<TextLine>& lines,
+                                                 std::size_t columns,
+                                                 const std::string& name) {
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     std::vector<double> row;
@@ -98,12 +98,12 @@ std::vector<std::string> read_names(const std::filesystem::path& file,
   const std::string first = content.substr(0, content.find('\n'));
   const auto names =
       lines.empty() ? std::vector<std::string>() : split_cells(lines[0].text, ',');
-  if (first != kFirstLine || names.size() < 4 || names.front() != "vertex" ||
+  if (first != kSweepFirstLine || names.size() < 4 || names.front() != "vertex" ||
       names[names.size() - 2] != "depth_m" || names.back() != "force_n") {
     throw FormatError(
         fmt::format("{}: is not a response sweep of version 1, whose "
                     "first line is \"{}\"",
-                    file.string(), kFirstLine));
+                    file.string(), kSweepFirstLine));
   }
   return names;
 }
@@ -172,7 +172,7 @@ void check(const ResponseSweep& sweep) {
 
 void write_sweep(const std::filesystem::path& file, const ResponseSweep& sweep) {
   check(sweep);
-  std::string text = fmt::format("{}\n", kFirstLine);
+  std::string text = fmt::format("{}\n", kSweepFirstLine);
   if (sweep.error_relative > 0.0) {
     text += fmt::format("{}{}\n", kErrorLine, sweep.error_relative);
   }
@@ -201,7 +201,7 @@ void write_sweep(const std::filesystem::path& file, const ResponseSweep& sweep) 
 ResponseSweep read_sweep(const std::filesystem::path& file) {
   const std::vector<TextLine> lines = read_text_lines(file);
   const std::vector<std::string> names = read_names(file, lines);
-  const auto rows = read_rows(lines, names.size(), file.string());
+  const auto rows = read_sweep_rows(lines, names.size(), file.string());
   ResponseSweep sweep;
   for (std::size_t j = 1; j + 2 < names.size(); ++j) {
     sweep.parameter.push_back({names[j], distinct(rows, j)});

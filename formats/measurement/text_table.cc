@@ -17,7 +17,7 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-struct Table {
+struct TableLayout {
   char delimiter = ',';
   Cells header;                     // empty where the file has none
   Cells unit;                       // as many; empty texts where none is stated
@@ -54,8 +54,9 @@ std::optional<std::size_t> resolve(const Request& request, std::size_t which,
 }
 
 // All columns by number: the first line in which all are numbers begins the data.
-std::optional<Table> find_by_numbers(const Request& request,
-                                     std::span<const TextLine> lines, char delimiter) {
+std::optional<TableLayout> find_by_numbers(const Request& request,
+                                           std::span<const TextLine> lines,
+                                           char delimiter) {
   std::vector<std::size_t> column;
   for (const MeasurementColumn* choice : request.column) {
     column.push_back(*column_number(choice->column) - 1);
@@ -68,16 +69,17 @@ std::optional<Table> find_by_numbers(const Request& request,
       const auto above =
           find_header(lines.first(i + 1), delimiter, i - std::min(i, std::size_t{2}));
       const bool named = above && above->begin == i;
-      return Table{delimiter, named ? above->name : Cells{},
-                   named ? above->unit : Cells{}, i, column};
+      return TableLayout{delimiter, named ? above->name : Cells{},
+                         named ? above->unit : Cells{}, i, column};
     }
   }
   return std::nullopt;
 }
 
 // A column by name: the first line that holds the name begins the table.
-std::optional<Table> find_by_names(const Request& request,
-                                   std::span<const TextLine> lines, char delimiter) {
+std::optional<TableLayout> find_by_names(const Request& request,
+                                         std::span<const TextLine> lines,
+                                         char delimiter) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Cells cells = split_cells(lines[i].text, delimiter);
     if (cells.size() < 2) {
@@ -94,7 +96,7 @@ std::optional<Table> find_by_names(const Request& request,
       for (const std::string& cell : cells) {
         units.push_back(parse_column_name(cell).unit);
       }
-      return Table{delimiter, cells, units, i + 1, column};
+      return TableLayout{delimiter, cells, units, i + 1, column};
     }
   }
   return std::nullopt;
@@ -129,7 +131,7 @@ std::optional<Table> find_by_names(const Request& request,
                   request.file));
 }
 
-Table find_table(const Request& request, std::span<const TextLine> lines) {
+TableLayout find_table(const Request& request, std::span<const TextLine> lines) {
   const bool numbers = std::all_of(request.column.begin(), request.column.end(),
                                    [](const MeasurementColumn* choice) {
                                      return column_number(choice->column).has_value();
@@ -175,7 +177,7 @@ void check_one_unit(const Request& request, std::size_t which, const std::string
 
 // The line below the header, if it holds units; no cell is a number then. Its units
 // are the table's.
-bool take_unit_line(const Request& request, const TextLine& line, Table& table) {
+bool take_unit_line(const Request& request, const TextLine& line, TableLayout& table) {
   const Cells cells = split_cells(line.text, table.delimiter);
   Cells units;
   for (const std::size_t column : table.column) {
@@ -200,7 +202,7 @@ bool take_unit_line(const Request& request, const TextLine& line, Table& table) 
 }
 
 // SI units in one of the column's: as it was given, or as header or unit line state it.
-double unit_size(const Request& request, const Table& table, std::size_t which) {
+double unit_size(const Request& request, const TableLayout& table, std::size_t which) {
   const std::size_t column = table.column[which];
   const std::string stated = column < table.unit.size() ? table.unit[column] : "";
   if (request.column[which]->unit != kUnitFromHeader) {
@@ -219,8 +221,8 @@ double unit_size(const Request& request, const Table& table, std::size_t which) 
   return *size;
 }
 
-double cell_number(const Request& request, const Table& table, const TextLine& line,
-                   const Cells& cells, std::size_t which) {
+double cell_number(const Request& request, const TableLayout& table,
+                   const TextLine& line, const Cells& cells, std::size_t which) {
   const std::size_t column = table.column[which];
   const std::string name =
       column < table.header.size() ? fmt::format(" \"{}\"", table.header[column]) : "";
@@ -249,7 +251,7 @@ bool is_missing(const std::string& cell) {
   return cell.empty() || (value && std::isnan(*value));
 }
 
-bool all_missing(const Table& table, const Cells& cells) {
+bool all_missing(const TableLayout& table, const Cells& cells) {
   return std::all_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
     return column < cells.size() && is_missing(cells[column]);
   });
@@ -273,7 +275,7 @@ Request make_request(const std::string& file, const MeasurementColumns& columns,
   return request;
 }
 
-bool has_empty_cell(const Table& table, const TextLine& line) {
+bool has_empty_cell(const TableLayout& table, const TextLine& line) {
   const Cells cells = split_cells(line.text, table.delimiter);
   return std::any_of(table.column.begin(), table.column.end(), [&](std::size_t column) {
     return column >= cells.size() || cells[column].empty();
@@ -282,7 +284,7 @@ bool has_empty_cell(const Table& table, const TextLine& line) {
 
 // Without the rows behind the table: those below an empty line of which none fills all
 // columns, as a mean below its column does not.
-std::span<const TextLine> within_table(const Table& table,
+std::span<const TextLine> within_table(const TableLayout& table,
                                        std::span<const TextLine> lines) {
   std::size_t end = lines.size();
   while (end > 0 && has_empty_cell(table, lines[end - 1])) {
@@ -295,7 +297,7 @@ std::span<const TextLine> within_table(const Table& table,
   return lines.first(end == 0 ? lines.size() : end);
 }
 
-void read_rows(const Request& request, const Table& table,
+void read_rows(const Request& request, const TableLayout& table,
                std::span<const TextLine> lines, const std::vector<double>& size,
                Measurement& measurement) {
   std::vector<double>* samples[] = {&measurement.depth_m, &measurement.force_n,
@@ -321,7 +323,7 @@ MeasurementFile read_table(const std::string& file, std::span<const TextLine> li
                            const MeasurementColumns& columns,
                            HeaderUnits header_units) {
   const Request request = make_request(file, columns, header_units);
-  Table table = find_table(request, lines);
+  TableLayout table = find_table(request, lines);
   std::size_t begin = table.begin;
   if (begin < lines.size() && take_unit_line(request, lines[begin], table)) {
     ++begin;

@@ -13,8 +13,8 @@ namespace {
 
 // Corners are numbered from 1; those that lie before the first or are beyond any count
 // become one that no vertex has.
-std::vector<std::size_t> read_face(std::string_view line, std::size_t vertices,
-                                   std::size_t face, int number) {
+std::vector<std::size_t> read_obj_face(std::string_view line, std::size_t vertices,
+                                       std::size_t face, int number) {
   std::vector<std::size_t> corners;
   for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
     std::int64_t corner = 0;
@@ -49,7 +49,8 @@ PolygonSoup read_obj(std::string bytes) {
     if (statement == "v") {
       soup.point.push_back(read_point(rest, soup.point.size() + 1, first));
     } else if (statement == "f") {
-      soup.face.push_back(read_face(rest, soup.point.size(), soup.face.size(), first));
+      soup.face.push_back(
+          read_obj_face(rest, soup.point.size(), soup.face.size(), first));
     }
   }
   if (soup.point.empty() || soup.face.empty()) {

@@ -79,8 +79,8 @@ Counts read_counts(Lines& lines) {
   return counts;
 }
 
-std::vector<std::size_t> read_face(std::string_view words, std::size_t face,
-                                   int number) {
+std::vector<std::size_t> read_off_face(std::string_view words, std::size_t face,
+                                       int number) {
   std::size_t count = 0;
   bool is_face = parse_number(take_word(words), count);
   std::vector<std::size_t> corners;
@@ -105,7 +105,7 @@ PolygonSoup read_off(std::string bytes) {
     soup.point.push_back(read_point(words, soup.point.size() + 1, lines.number()));
   }
   while (soup.face.size() < counts.faces && lines.next(words)) {
-    soup.face.push_back(read_face(words, soup.face.size() + 1, lines.number()));
+    soup.face.push_back(read_off_face(words, soup.face.size() + 1, lines.number()));
   }
   if (soup.point.size() < counts.points || soup.face.size() < counts.faces) {
     throw FormatError(fmt::format("cut short: {} of {} vertices and {} of {} faces",

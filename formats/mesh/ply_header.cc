@@ -31,9 +31,9 @@ constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
 }};
 
 // Header lines one after the other.
-class Lines {
+class HeaderLines {
  public:
-  explicit Lines(std::string_view bytes) : bytes_(bytes) {}
+  explicit HeaderLines(std::string_view bytes) : bytes_(bytes) {}
 
   // The words of the next line that is no comment.
   std::vector<std::string_view> next() {
@@ -78,7 +78,7 @@ class Lines {
   int number_ = 0;
 };
 
-PlyType type_of(const Lines& lines, std::string_view name) {
+PlyType type_of(const HeaderLines& lines, std::string_view name) {
   for (const auto& [known, type] : kTypes) {
     if (name == known) {
       return type;
@@ -90,7 +90,8 @@ PlyType type_of(const Lines& lines, std::string_view name) {
       name.substr(0, 40));
 }
 
-PlyEncoding encoding_of(const Lines& lines, const std::vector<std::string_view>& word) {
+PlyEncoding encoding_of(const HeaderLines& lines,
+                        const std::vector<std::string_view>& word) {
   if (word.size() == 3 && word[0] == "format") {
     if (word[1] == "ascii") {
       return PlyEncoding::kText;
@@ -107,7 +108,8 @@ PlyEncoding encoding_of(const Lines& lines, const std::vector<std::string_view>&
       "binary_big_endian, then 1.0");
 }
 
-PlyElement element_of(const Lines& lines, const std::vector<std::string_view>& word,
+PlyElement element_of(const HeaderLines& lines,
+                      const std::vector<std::string_view>& word,
                       std::size_t file_bytes) {
   PlyElement element;
   const char* end = word.size() == 3 ? word[2].data() + word[2].size() : nullptr;
@@ -126,7 +128,8 @@ PlyElement element_of(const Lines& lines, const std::vector<std::string_view>& w
   return element;
 }
 
-PlyProperty property_of(const Lines& lines, const std::vector<std::string_view>& word) {
+PlyProperty property_of(const HeaderLines& lines,
+                        const std::vector<std::string_view>& word) {
   PlyProperty property;
   property.is_list = word.size() == 5 && word[1] == "list";
   if (!property.is_list && word.size() != 3) {
@@ -174,7 +177,7 @@ PlyHeader read_ply_header(std::string_view bytes) {
     throw FormatError("not PLY: the first line must be \"ply\"");
   }
   PlyHeader header;
-  Lines lines(bytes);
+  HeaderLines lines(bytes);
   (void)lines.next();
   header.encoding = encoding_of(lines, lines.next());
   for (;;) {

@@ -159,7 +159,7 @@ Eigen::Vector3d read_vertex(Values& values, const Row& row) {
   return point;
 }
 
-std::vector<std::size_t> read_face(Values& values, const Row& row) {
+std::vector<std::size_t> read_ply_face(Values& values, const Row& row) {
   std::vector<std::size_t> corner;
   read_row(values, row, [&](const PlyProperty& property, double value) {
     if (is_corner_list(property)) {
@@ -202,7 +202,7 @@ PolygonSoup read_ply(std::string_view bytes) {
       if (element.name == "vertex") {
         soup.point.push_back(read_vertex(values, row));
       } else if (element.name == "face") {
-        soup.face.push_back(read_face(values, row));
+        soup.face.push_back(read_ply_face(values, row));
       } else {
         read_row(values, row, [](const PlyProperty&, double) {});
       }

@@ -13,8 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kFormat = "palpate-contact-recording";
-constexpr const char* kDigest = "content_sha256";
+constexpr const char* kContactFormat = "palpate-contact-recording";
 constexpr std::size_t kMostHands = 2;
 
 // What a file holds, for both ways.
@@ -98,11 +97,11 @@ void write_contact_recording(const std::filesystem::path& file,
   const Hdf5Lock lock;
   AtomicFile atomic(file);
   Hdf5Writer out;
-  out.attribute("/", "format", std::string(kFormat));
+  out.attribute("/", "format", std::string(kContactFormat));
   out.attribute("/", "format_version", kContactRecordingVersion);
   out.attribute("/", "tools", join_lines(recording.tools));
   exchange(out, recording);
-  out.remark("/", kDigest, out.digest());
+  out.remark("/", kDigestName, out.digest());
   atomic.write(out.image());
   atomic.commit();
 }
@@ -111,7 +110,8 @@ bool is_contact_recording(const std::filesystem::path& file) {
   const Hdf5Lock lock;
   try {
     const Hdf5Reader in(file);
-    return in.has_attribute("/", "format") && in.remark("/", "format") == kFormat;
+    return in.has_attribute("/", "format") &&
+           in.remark("/", "format") == kContactFormat;
   } catch (const Error&) {
     return false;  // who reads it says what is wrong
   }
@@ -124,7 +124,7 @@ ContactRecording read_contact_recording(const std::filesystem::path& file) {
   if (in.has_attribute("/", "format")) {
     in.attribute("/", "format", format);
   }
-  if (format != kFormat) {
+  if (format != kContactFormat) {
     in.fail("is not a recording of contacts");
   }
   std::int64_t version = 0;
@@ -138,7 +138,7 @@ ContactRecording read_contact_recording(const std::filesystem::path& file) {
   in.attribute("/", "tools", tools);
   recording.tools = split_lines(tools);
   exchange(in, recording);
-  if (in.remark("/", kDigest) != in.digest()) {
+  if (in.remark("/", kDigestName) != in.digest()) {
     in.fail("is damaged: its SHA-256 is not the one it states");
   }
   check_head(in, recording);

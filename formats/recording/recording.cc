@@ -325,7 +325,7 @@ Recording read_recording(const fs::path& file) {
 std::string database_sha256(const fs::path& database) {
   const Hdf5Lock lock;
   const Hdf5Reader reader(database);
-  return reader.remark("/", "content_sha256");
+  return reader.remark("/", kDigestName);
 }
 
 }  // namespace palpate

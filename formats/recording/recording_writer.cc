@@ -76,11 +76,45 @@ void make_column(const fs::path& file, hid_t id, const Column& column) {
   put_text(file, made.get(), "units", column.units);
 }
 
+// Same run, same bytes, whenever it is written.
+Handle without_times(hid_t kind) {
+  Handle create(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(create.get(), false);
+  return create;
+}
+
+Handle open_file(const fs::path& file, bool create) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  const Handle made = without_times(H5P_FILE_CREATE);
+  Handle id(create ? H5Fcreate(file.c_str(), H5F_ACC_TRUNC, made.get(), access.get())
+                   : H5Fopen(file.c_str(), H5F_ACC_RDWR, access.get()),
+            H5Fclose);
+  if (!id) {
+    fail(file, errno != 0 ? std::strerror(errno) : hdf5::last_failure());
+  }
+  return id;
+}
+
+void sync(const fs::path& path, int flags, const fs::path& target) {
+  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
+  const bool done = fd >= 0 && (::fsync(fd) == 0 || errno == EINVAL);
+  const int error = errno;
+  if (fd >= 0) {
+    ::close(fd);
+  }
+  if (!done) {
+    fail(target, std::strerror(error));
+  }
+}
+
+}  // namespace
+
 // One table of rows: its datasets, and rows that do not fill a block yet.
 template <typename Row, std::size_t kColumns>
-class Table {
+class RecordingTable {
  public:
-  Table(fs::path file, hid_t id, const std::array<Column, kColumns>& columns)
+  RecordingTable(fs::path file, hid_t id, const std::array<Column, kColumns>& columns)
       : file_(std::move(file)), columns_(columns) {
     for (const Column& column : columns_) {
       dataset_.emplace_back(H5Dopen2(id, column.path, H5P_DEFAULT), H5Dclose);
@@ -148,40 +182,6 @@ class Table {
   std::vector<std::byte> packed_;
   std::int64_t rows_ = 0;
 };
-
-// Same run, same bytes, whenever it is written.
-Handle without_times(hid_t kind) {
-  Handle create(H5Pcreate(kind), H5Pclose);
-  H5Pset_obj_track_times(create.get(), false);
-  return create;
-}
-
-Handle open_file(const fs::path& file, bool create) {
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-  const Handle made = without_times(H5P_FILE_CREATE);
-  Handle id(create ? H5Fcreate(file.c_str(), H5F_ACC_TRUNC, made.get(), access.get())
-                   : H5Fopen(file.c_str(), H5F_ACC_RDWR, access.get()),
-            H5Fclose);
-  if (!id) {
-    fail(file, errno != 0 ? std::strerror(errno) : hdf5::last_failure());
-  }
-  return id;
-}
-
-void sync(const fs::path& path, int flags, const fs::path& target) {
-  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
-  const bool done = fd >= 0 && (::fsync(fd) == 0 || errno == EINVAL);
-  const int error = errno;
-  if (fd >= 0) {
-    ::close(fd);
-  }
-  if (!done) {
-    fail(target, std::strerror(error));
-  }
-}
-
-}  // namespace
 
 class RecordingWriter::File {
  public:
@@ -252,7 +252,7 @@ class RecordingWriter::File {
     for (const Column& column : recording::kSurfaceColumns) {
       make_column(target_, id_->get(), column);
     }
-    Table<YieldedRow, recording::kSurfaceColumns.size()> table(
+    RecordingTable<YieldedRow, recording::kSurfaceColumns.size()> table(
         target_, id_->get(), recording::kSurfaceColumns);
     table.append(rows);
     table.write();
@@ -265,8 +265,9 @@ class RecordingWriter::File {
 
  public:
   // Closed before the file.
-  std::optional<Table<TickRecord, recording::kTickColumns.size()>> ticks;
-  std::optional<Table<ArrivalRecord, recording::kArrivalColumns.size()>> arrivals;
+  std::optional<RecordingTable<TickRecord, recording::kTickColumns.size()>> ticks;
+  std::optional<RecordingTable<ArrivalRecord, recording::kArrivalColumns.size()>>
+      arrivals;
 };
 
 RecordingWriter::RecordingWriter(const fs::path& file, const RecordingHeader& header) {

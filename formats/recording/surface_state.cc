@@ -13,8 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kFormat = "palpate-surface";
-constexpr const char* kDigest = "content_sha256";
+constexpr const char* kSurfaceFormat = "palpate-surface";
 
 // The state's columns, as a file has them.
 struct Columns {
@@ -61,7 +60,7 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
   const Hdf5Lock lock;
   AtomicFile atomic(file);
   Hdf5Writer out;
-  out.attribute("/", "format", std::string(kFormat));
+  out.attribute("/", "format", std::string(kSurfaceFormat));
   out.attribute("/", "format_version", kSurfaceStateVersion);
   exchange_head(out, state);
   std::vector<std::string> names;
@@ -79,7 +78,7 @@ void write_surface_state(const std::filesystem::path& file, const SurfaceState& 
     }
     exchange_columns(out, tool, columns);
   }
-  out.remark("/", kDigest, out.digest());
+  out.remark("/", kDigestName, out.digest());
   atomic.write(out.image());
   atomic.commit();
 }
@@ -93,9 +92,9 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
   std::string format;
   std::int64_t version = 0;
   in.attribute("/", "format", format);
-  if (format != kFormat) {
+  if (format != kSurfaceFormat) {
     in.fail(fmt::format("attribute /@format is {:?}, must be {:?}",
-                        format.substr(0, 80), kFormat));
+                        format.substr(0, 80), kSurfaceFormat));
   }
   in.attribute("/", "format_version", version);
   if (version != kSurfaceStateVersion) {
@@ -113,7 +112,7 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
     state.tool[tool] = rows_of(in, tool, columns);
     check_yielded(state.tool[tool], fmt::format("{}: /tools/{}", file.string(), tool));
   }
-  if (in.remark("/", kDigest) != in.digest()) {
+  if (in.remark("/", kDigestName) != in.digest()) {
     in.fail("is damaged: its SHA-256 is not the one it states");
   }
   return state;

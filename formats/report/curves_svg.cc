@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 // From millimetres and newtons to the panel.
-struct Axes {
+struct CurveAxes {
   Panel panel;
   double depth_max_mm;
   double force_max_n;
@@ -25,9 +25,9 @@ struct Axes {
   }
 };
 
-Axes axes_for(const ResponseTable& table, const std::vector<ShownCurve>& shown,
-              const Panel& panel) {
-  Axes axes{panel, 0.0, 0.0};
+CurveAxes axes_for(const ResponseTable& table, const std::vector<ShownCurve>& shown,
+                   const Panel& panel) {
+  CurveAxes axes{panel, 0.0, 0.0};
   for (const ShownCurve& curve : shown) {
     const CurveView view = table.curve(curve.node);
     axes.depth_max_mm = std::max(axes.depth_max_mm, 1e3 * view.depth_max_m());
@@ -40,7 +40,7 @@ Axes axes_for(const ResponseTable& table, const std::vector<ShownCurve>& shown,
   return axes;
 }
 
-std::string draw_grid(const Axes& axes) {
+std::string draw_grid(const CurveAxes& axes) {
   const Panel& panel = axes.panel;
   const double bottom = panel.y + panel.height;
   std::string svg;
@@ -68,7 +68,7 @@ std::string draw_grid(const Axes& axes) {
 
 // A Hermite cubic over an interval of width h is the Bezier curve whose inner control
 // points lie h/3 inside, on the tangents: the picture shows the stored curve itself.
-std::string bezier_path(const Axes& axes, const CurveView& curve) {
+std::string bezier_path(const CurveAxes& axes, const CurveView& curve) {
   const auto point = [&](double depth_m, double force_n) {
     return fmt::format("{:.2f} {:.2f}", axes.x(1e3 * depth_m), axes.y(force_n));
   };
@@ -86,7 +86,7 @@ std::string bezier_path(const Axes& axes, const CurveView& curve) {
   return path;
 }
 
-std::string draw_curve(const Axes& axes, const CurveView& curve,
+std::string draw_curve(const CurveAxes& axes, const CurveView& curve,
                        const std::string& colour) {
   std::string svg = draw_line(bezier_path(axes, curve), colour);
   for (std::size_t i = 1; i < curve.depth_m.size(); ++i) {
@@ -176,7 +176,7 @@ std::string draw_legend(const SurfaceMap& map, const std::vector<ShownCurve>& sh
 
 std::string draw_curves(const ResponseTable& table, const SurfaceMap& map,
                         const std::vector<ShownCurve>& shown, const Panel& panel) {
-  const Axes axes = axes_for(table, shown, panel);
+  const CurveAxes axes = axes_for(table, shown, panel);
   std::string svg = draw_grid(axes);
   for (const ShownCurve& curve : shown) {
     const double value = map.value[static_cast<std::size_t>(curve.node)];

@@ -54,7 +54,7 @@ struct Axis {
   }
 };
 
-struct Axes {
+struct LogAxes {
   Axis horizontal;
   Axis vertical;
 
@@ -76,8 +76,8 @@ std::string tick_text(double value) {
                                       : fmt::format("{:.0e}", value);
 }
 
-Axes axes_for(const LogPicture& picture) {
-  Axes axes;
+LogAxes log_axes_for(const LogPicture& picture) {
+  LogAxes axes;
   for (const LogSeries& series : picture.series) {
     for (const LogPoint& point : series.point) {
       if (can_be_shown(point)) {
@@ -94,7 +94,7 @@ Axes axes_for(const LogPicture& picture) {
   return axes;
 }
 
-std::string draw_axes(const LogPicture& picture, const Axes& axes) {
+std::string draw_axes(const LogPicture& picture, const LogAxes& axes) {
   std::string svg = fmt::format(
       "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" "
       "stroke=\"#1d2430\"/>\n",
@@ -127,7 +127,7 @@ std::string draw_axes(const LogPicture& picture, const Axes& axes) {
                    markup_escaped(picture.y_name));
 }
 
-std::string draw_series(const LogSeries& series, const Axes& axes,
+std::string draw_series(const LogSeries& series, const LogAxes& axes,
                         const std::string& colour) {
   std::string line;
   std::string dots;
@@ -171,7 +171,7 @@ double width_of(const LogPicture& picture) {
 }  // namespace
 
 std::string log_picture(const LogPicture& picture) {
-  const Axes axes = axes_for(picture);
+  const LogAxes axes = log_axes_for(picture);
   const double width = width_of(picture);
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} 600\" "

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 // From seconds, by their logarithm, and percent to the panel.
-struct Axes {
+struct RelaxationAxes {
   Panel panel;
   double log_first;  // of 10, of the first second shown
   double log_last;
@@ -25,7 +25,7 @@ struct Axes {
   }
 };
 
-std::string draw_grid(const Axes& axes) {
+std::string draw_time_grid(const RelaxationAxes& axes) {
   const Panel& panel = axes.panel;
   const double bottom = panel.y + panel.height;
   std::string svg;
@@ -52,7 +52,7 @@ std::string draw_grid(const Axes& axes) {
                    bottom + 42.0, panel.x - 30.0, panel.y - 12.0);
 }
 
-std::string path_of(const Axes& axes, const Viscoelasticity& relaxation,
+std::string path_of(const RelaxationAxes& axes, const Viscoelasticity& relaxation,
                     std::int64_t node) {
   constexpr int kPoints = 120;
   std::string path;
@@ -71,9 +71,10 @@ std::string path_of(const Axes& axes, const Viscoelasticity& relaxation,
 std::string draw_relaxation(const ResponseTable& table, const SurfaceMap& map,
                             const std::vector<ShownCurve>& shown, const Panel& panel) {
   const Viscoelasticity& relaxation = table.viscoelasticity;
-  const Axes axes{panel, std::floor(std::log10(0.03 * relaxation.tau_s.front())),
-                  std::ceil(std::log10(5.0 * relaxation.tau_s.back()))};
-  std::string svg = draw_grid(axes);
+  const RelaxationAxes axes{panel,
+                            std::floor(std::log10(0.03 * relaxation.tau_s.front())),
+                            std::ceil(std::log10(5.0 * relaxation.tau_s.back()))};
+  std::string svg = draw_time_grid(axes);
   for (const ShownCurve& curve : shown) {
     const double value = map.value[static_cast<std::size_t>(curve.node)];
     svg += draw_line(path_of(axes, relaxation, curve.node),

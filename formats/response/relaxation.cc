@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-std::string extent(const std::vector<double>& values, double size = 1.0) {
+std::string range_of(const std::vector<double>& values, double size = 1.0) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return *low == *high ? fmt::format("{:.3g}", size * *low)
                        : fmt::format("{:.3g}..{:.3g}", size * *low, size * *high);
@@ -32,9 +32,9 @@ std::string describe(const ResponseRelaxation& relaxation) {
   return fmt::format(
       "held, {} % of the force stay after {:.3g} s: g {}, {}, tau {}, {} s; curves are "
       "of a press at {:.3g} mm/s; {} probes; {}",
-      extent(left, 100.0), relaxation.seconds, extent(terms.g_1), extent(terms.g_2),
-      extent(terms.tau_1_s), extent(terms.tau_2_s), 1e3 * relaxation.speed_m_per_s,
-      relaxation.probes, relaxation.rule);
+      range_of(left, 100.0), relaxation.seconds, range_of(terms.g_1),
+      range_of(terms.g_2), range_of(terms.tau_1_s), range_of(terms.tau_2_s),
+      1e3 * relaxation.speed_m_per_s, relaxation.probes, relaxation.rule);
 }
 
 }  // namespace palpate

@@ -12,7 +12,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // An endless edge across the direction ends there, whatever rounding says.
 constexpr double kAcross = 1e-12;
 
@@ -27,7 +26,7 @@ double support_m(const ToolShape& tool, const Eigen::Vector3d& d) {
   }
   if (tool.kind == "flat-punch") {
     const double edge = tool.edge_radius_m;
-    return d.z() > kAcross ? kInfinite
+    return d.z() > kAcross ? std::numeric_limits<double>::infinity()
                            : (tool.radius_m - edge) * across + edge * d.z() + edge;
   }
   if (tool.kind == "cone") {
@@ -38,7 +37,8 @@ double support_m(const ToolShape& tool, const Eigen::Vector3d& d) {
       return tip;
     }
     const double flank_m = tool.length_m / reproducible::cos(tool.half_angle_rad);
-    return tool.length_m > 0.0 ? tip + flank_m * rise : kInfinite;
+    return tool.length_m > 0.0 ? tip + flank_m * rise
+                               : std::numeric_limits<double>::infinity();
   }
   return tool.radius_m;
 }

@@ -13,7 +13,6 @@ namespace palpate {
 namespace {
 
 using scene_parts::kFraction;
-using scene_parts::kPositive;
 using scene_parts::read_inclusions;
 using scene_parts::read_materials;
 using scene_parts::read_mesh_keys;

@@ -31,8 +31,8 @@ constexpr std::string_view kMaterialKeys[] = {"region",
                                               "relaxation",
                                               "plastic",
                                               "damage"};
-constexpr std::string_view kSharedKeys[] = {"region", "law", "relaxation", "plastic",
-                                            "damage"};
+constexpr std::string_view kSharedLawKeys[] = {"region", "law", "relaxation", "plastic",
+                                               "damage"};
 constexpr std::string_view kIsotropicKeys[] = {"youngs_modulus_pa", "poissons_ratio"};
 constexpr std::string_view kMooneyKeys[] = {"c10_pa", "c01_pa", "poissons_ratio"};
 constexpr std::string_view kOgdenKeys[] = {"mu_pa", "alpha", "poissons_ratio"};
@@ -121,7 +121,7 @@ void read_fibre(const SceneSection& section, SceneMaterial& material) {
   const bool linear = material.fibre_law == "linear";
   section.require_own(
       fmt::format("law {:?} with fibre_law {:?}", material.law, material.fibre_law),
-      linear ? Names(kLinearFibreKeys) : Names(kExponentialFibreKeys), kSharedKeys);
+      linear ? Names(kLinearFibreKeys) : Names(kExponentialFibreKeys), kSharedLawKeys);
   material.fibre = section.direction("fibre");
   if (linear) {
     read_linear_fibre(section, material);
@@ -134,7 +134,7 @@ void read_fibre(const SceneSection& section, SceneMaterial& material) {
 
 void read_law(const SceneSection& section, SceneMaterial& material) {
   const auto require_own = [&](Names own) {
-    section.require_own(fmt::format("law {:?}", material.law), own, kSharedKeys);
+    section.require_own(fmt::format("law {:?}", material.law), own, kSharedLawKeys);
   };
   if (material.law == "transversely-isotropic") {
     read_fibre(section, material);

@@ -52,14 +52,6 @@ void read_tools(const Sections& sections, Scene& scene);
 /// { center_m = [x, y, z], radius_m = r }
 [[nodiscard]] SceneBall read_ball(const SceneSection& section, std::string_view key);
 
-inline constexpr NumberRule kPositive{[](double v) {
-                                        return v > 0.0;
-                                      },
-                                      "positive and finite"};
-inline constexpr NumberRule kNotNegative{[](double v) {
-                                           return v >= 0.0;
-                                         },
-                                         "zero or more and finite"};
 inline constexpr NumberRule kPoisson{[](double v) {
                                        return v > -1.0 && v < 0.5;
                                      },

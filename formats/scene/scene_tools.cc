@@ -20,9 +20,9 @@ constexpr std::string_view kToolKeys[] = {
 constexpr std::string_view kSpheres = "spheres";
 constexpr std::string_view kShapes[] = {"sphere", "spheres", "flat-punch",
                                         "cone",   "capsule", "mesh"};
-constexpr std::string_view kSharedKeys[] = {"name",    "shape",    "axis",
-                                            "contact", "friction", "presliding_m",
-                                            "plastic", "damage"};
+constexpr std::string_view kSharedShapeKeys[] = {"name",    "shape",    "axis",
+                                                 "contact", "friction", "presliding_m",
+                                                 "plastic", "damage"};
 constexpr std::string_view kSphereKeys[] = {"radius_m", "compliance"};
 constexpr std::string_view kSpheresKeys[] = {"centre_m", "radius_m"};
 constexpr std::string_view kPunchKeys[] = {"radius_m", "edge_radius_m"};
@@ -55,7 +55,7 @@ Names keys_of(const std::string& kind) {
 
 void read_lengths(const SceneSection& section, ToolShape& tool) {
   section.require_own(fmt::format("shape {:?}", tool.kind), keys_of(tool.kind),
-                      kSharedKeys);
+                      kSharedShapeKeys);
   if (tool.kind == "cone") {
     tool.half_angle_rad =
         section.number("half_angle_deg", kHalfAngle) * std::numbers::pi / 180.0;
@@ -72,7 +72,7 @@ void read_lengths(const SceneSection& section, ToolShape& tool) {
 
 // radius_m is a number for all spheres, or a list of one for each.
 ContactSet read_contacts(const SceneSection& section) {
-  section.require_own("shape \"spheres\"", kSpheresKeys, kSharedKeys);
+  section.require_own("shape \"spheres\"", kSpheresKeys, kSharedShapeKeys);
   constexpr auto kMost = static_cast<std::size_t>(kMostContacts);
   ContactSet contact;
   contact.point_m = section.points("centre_m", kMost);

@@ -26,6 +26,15 @@ struct NumberRule {
   const char* text;  ///< "positive and finite"
 };
 
+inline constexpr NumberRule kPositive{[](double v) {
+                                        return v > 0.0;
+                                      },
+                                      "positive and finite"};
+inline constexpr NumberRule kNotNegative{[](double v) {
+                                           return v >= 0.0;
+                                         },
+                                         "zero or more and finite"};
+
 /// Every method @throws InputError "scene.toml:12: ..." with the key, its value and
 /// what is allowed.
 class SceneSection {

@@ -27,7 +27,7 @@ std::string words(const std::vector<std::string>& flags) {
   return text;
 }
 
-void write(const fs::path& file, const std::string& text) {
+void write_text(const fs::path& file, const std::string& text) {
   AtomicFile target(file);
   target.write(std::as_bytes(std::span(text)));
   target.commit();
@@ -210,10 +210,10 @@ void write_job(const Job& job) {
   for (const auto& [file, sha256] : job.input) {
     inputs += fmt::format("{}  {}\n", sha256, file.string());
   }
-  write(job.folder / "inputs.sha256", inputs);
-  write(job.folder / "shard.sh", shard_script(job));
-  write(job.folder / "merge.sh", merge_script(job));
-  write(job.folder / "start.sh", start_script(job));
+  write_text(job.folder / "inputs.sha256", inputs);
+  write_text(job.folder / "shard.sh", shard_script(job));
+  write_text(job.folder / "merge.sh", merge_script(job));
+  write_text(job.folder / "start.sh", start_script(job));
 }
 
 }  // namespace palpate

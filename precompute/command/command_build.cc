@@ -21,7 +21,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct BuildFlags {
   std::string scene;
   std::string output;
   std::string shard;
@@ -39,7 +39,7 @@ bool misses_budget(const Assembly& assembly, double budget) {
          quantile(assembly.checked, 1.0) > budget;
 }
 
-nlohmann::ordered_json to_json(const BuildReport& report) {
+nlohmann::ordered_json report_json(const BuildReport& report) {
   const Assembly& all = report.assembly;
   return {{"nodes", report.nodes},
           {"tets", report.tets},
@@ -134,7 +134,7 @@ void print_errors(const Assembly& all, double budget) {
   }
 }
 
-void print(const BuildReport& report, const Flags& flags, double budget) {
+void print_report(const BuildReport& report, const BuildFlags& flags, double budget) {
   const Assembly& all = report.assembly;
   fmt::print("wrote {} as {}\n", flags.output, name_of(all.database.storage.precision));
   fmt::print(
@@ -175,7 +175,7 @@ void parse_shard(const std::string& text, BuildOptions& options) {
   options.shards = shards;
 }
 
-void run(const Flags& flags) {
+void run_build(const BuildFlags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   BuildOptions options{.output = flags.output,
@@ -190,12 +190,12 @@ void run(const Flags& flags) {
   Progress progress(stderr);
   const BuildReport report = build(scene, options, progress);
   if (flags.json) {
-    fmt::print("{}\n", to_json(report).dump());
+    fmt::print("{}\n", report_json(report).dump());
   } else if (options.shards > 1) {
     fmt::print("wrote {}: shard {} of {}, {} units\n", flags.output, options.shard,
                options.shards, report.units);
   } else {
-    print(report, flags, scene.force_relative);
+    print_report(report, flags, scene.force_relative);
   }
   if (options.shards == 1 && report.assembly.failed + report.assembly.truncated > 0) {
     fmt::print(
@@ -218,7 +218,7 @@ void run(const Flags& flags) {
 void add_build_command(Command app) {
   Command command = app.add_subcommand(
       "build", "Compute the responses at every reachable node of a scene's body");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<BuildFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command.add_option("-o,--output", flags->output, "Response database to write (HDF5)")
       .required();
@@ -244,10 +244,10 @@ void add_build_command(Command app) {
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
     const int code = run_supervised([&](bool resume) {
-      Flags wanted = *flags;
+      BuildFlags wanted = *flags;
       wanted.resume = wanted.resume || resume;
       return run_reporting("palpate-precompute", [&] {
-        run(wanted);
+        run_build(wanted);
         return 0;
       });
     });

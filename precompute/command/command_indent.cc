@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct IndentFlags {
   std::string scene;
   std::int64_t vertex = -1;
   std::vector<double> at_m;
@@ -61,8 +61,9 @@ nlohmann::ordered_json checks_json(const NodeDetail& detail) {
           {"theory_moment_relative", figure(checks.theory_moment)}};
 }
 
-nlohmann::ordered_json to_json(const NodeDetail& detail, const NodeResponse& response,
-                               const std::vector<std::string>& notes) {
+nlohmann::ordered_json response_json(const NodeDetail& detail,
+                                     const NodeResponse& response,
+                                     const std::vector<std::string>& notes) {
   const PressedNode& result = detail.pressed;
   nlohmann::ordered_json report{{"vertex", result.vertex},
                                 {"position_m", list(result.path.vertex_m)},
@@ -132,7 +133,7 @@ void print_checks(const NodeDetail& detail) {
       checks.force, checks.moment, checks.theory_force, checks.theory_moment);
 }
 
-void print(const NodeDetail& detail, const NodeResponse& response) {
+void print_response(const NodeDetail& detail, const NodeResponse& response) {
   const PressedNode& result = detail.pressed;
   const Eigen::Vector3d& p = result.path.vertex_m;
   const Eigen::Vector3d n = -result.path.outward;
@@ -154,7 +155,7 @@ void print(const NodeDetail& detail, const NodeResponse& response) {
   }
 }
 
-void run(const Flags& flags) {
+void run_indent(const IndentFlags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   Progress progress(stderr);
@@ -172,9 +173,9 @@ void run(const Flags& flags) {
               detail.body.near);
   }
   if (flags.json) {
-    fmt::print("{}\n", to_json(detail, response, body.notes).dump());
+    fmt::print("{}\n", response_json(detail, response, body.notes).dump());
   } else {
-    print(detail, response);
+    print_response(detail, response);
     for (const std::string& note : body.notes) {
       fmt::print("note: {}\n", note);
     }
@@ -186,7 +187,7 @@ void run(const Flags& flags) {
 void add_indent_command(Command app) {
   Command command =
       app.add_subcommand("indent", "Print the response of one node of a scene's body");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<IndentFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   Command where = command.add_choice("where");
   where.add_option("--vertex", flags->vertex, "Index of a vertex of the mesh");
@@ -200,7 +201,7 @@ void add_indent_command(Command app) {
                      "Write the deformed body at the last depth (VTK, for ParaView)");
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_indent(*flags);
   });
 }
 

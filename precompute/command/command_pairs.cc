@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Flags {
+struct PairsFlags {
   std::string scene;
   std::string tool;
   JointOptions options;
@@ -42,7 +42,7 @@ std::string percents(const std::vector<double>& errors) {
                            100 * quantile(errors, 0.5), 100 * quantile(errors, 0.95));
 }
 
-void print(const CouplingStudy& study) {
+void print_study(const CouplingStudy& study) {
   for (const CouplingErrors& of : study.by_count) {
     fmt::print("contacts      {} at once, {} sets\n", of.contacts, of.sets);
     fmt::print("  not coupled {}\n", percents(of.alone));
@@ -67,7 +67,7 @@ std::size_t named_tool(const Scene& scene, const std::string& name) {
                    : fmt::format("the scene has no tool {:?}", name));
 }
 
-void run(const Flags& flags) {
+void run_pairs(const PairsFlags& flags) {
   Scene scene = read_scene(flags.scene);
   const std::size_t t = named_tool(scene, flags.tool);
   if (scene.tool[t].kind != "sphere") {
@@ -86,7 +86,7 @@ void run(const Flags& flags) {
                                               coupling, flags.options, progress);
   progress.finish();
   if (!flags.json) {
-    print(study);
+    print_study(study);
     return;
   }
   Json report = Json::array();
@@ -109,7 +109,7 @@ void add_pairs_command(Command app) {
   Command command = app.add_subcommand(
       "pairs",
       "Press several places at once: how right are forces that couple by distance?");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<PairsFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command.add_option("--tool", flags->tool,
                      "Sphere to press with; else the first that couples");
@@ -127,7 +127,7 @@ void add_pairs_command(Command app) {
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
     std::sort(flags->options.contacts.begin(), flags->options.contacts.end());
-    run(*flags);
+    run_pairs(*flags);
   });
 }
 

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct PlanFlags {
   std::string scene;
   bool solve_all = false;
   int workers = 0;
@@ -21,7 +21,7 @@ struct Flags {
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const PlanReport& plan) {
+nlohmann::ordered_json plan_json(const PlanReport& plan) {
   nlohmann::ordered_json costs = nlohmann::ordered_json::array();
   for (const PlanCost& cost : plan.cost) {
     costs.push_back({{"work", cost.work},
@@ -85,7 +85,7 @@ void print_meshes(const PlanReport& plan) {
       plan.nonlinear ? fmt::format(" ({} nonlinear)", plan.nonlinear_depths) : "");
 }
 
-void print(const PlanReport& plan) {
+void print_plan(const PlanReport& plan) {
   fmt::print("nodes         {} ({} reachable, {} held, {} outside reach), {} tools\n",
              plan.nodes, plan.reachable, plan.held, plan.outside_reach, plan.tools);
   print_meshes(plan);
@@ -107,7 +107,7 @@ void print(const PlanReport& plan) {
   }
 }
 
-void run(const Flags& flags) {
+void run_plan(const PlanFlags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   Progress progress(stderr);
@@ -117,9 +117,9 @@ void run(const Flags& flags) {
                                   .repair = repair_mode(flags.repair)},
                                  progress);
   if (flags.json) {
-    fmt::print("{}\n", to_json(report).dump());
+    fmt::print("{}\n", plan_json(report).dump());
   } else {
-    print(report);
+    print_plan(report);
   }
 }
 
@@ -128,7 +128,7 @@ void run(const Flags& flags) {
 void add_plan_command(Command app) {
   Command command = app.add_subcommand(
       "plan", "Say what a build will compute and leave out, its time and memory");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<PlanFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command.add_flag("--solve-all", flags->solve_all,
                    "Every node solved, none interpolated");
@@ -138,7 +138,7 @@ void add_plan_command(Command app) {
                      "off, safe or wrap: mend the body's surface first");
   command.add_flag("--json", flags->json, "Print the plan as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_plan(*flags);
   });
 }
 

@@ -23,7 +23,7 @@ struct RemeshFlags {
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const RemeshedSurface& made) {
+nlohmann::ordered_json remeshed_json(const RemeshedSurface& made) {
   const RemeshReport& report = made.report;
   return {{"vertices", made.mesh.position_m.rows()},
           {"triangles", made.mesh.triangle.rows()},
@@ -36,7 +36,7 @@ nlohmann::ordered_json to_json(const RemeshedSurface& made) {
           {"features", report.features}};
 }
 
-void print(const RemeshedSurface& made, const std::string& output) {
+void print_remeshed(const RemeshedSurface& made, const std::string& output) {
   const RemeshReport& report = made.report;
   fmt::print("wrote {}: {} vertices, {} triangles, in metres\n", output,
              made.mesh.position_m.rows(), made.mesh.triangle.rows());
@@ -57,9 +57,9 @@ void run_remesh(const RemeshFlags& flags) {
             fmt::format("made by palpate-precompute remesh {} --edge-m {}", flags.mesh,
                         flags.edge_m));
   if (flags.json) {
-    fmt::print("{}\n", to_json(made).dump(2));
+    fmt::print("{}\n", remeshed_json(made).dump(2));
   } else {
-    print(made, flags.output);
+    print_remeshed(made, flags.output);
   }
 }
 

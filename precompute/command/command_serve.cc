@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kNicer = 10;  // a hand's forces come first
 
-struct Flags {
+struct ServeFlags {
   std::string scene;
   std::string output;
   std::string socket;
@@ -31,7 +31,7 @@ struct Flags {
 };
 
 // @returns an exit code.
-int run(const Flags& flags, bool after_crash) {
+int run_serve(const ServeFlags& flags, bool after_crash) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   ServeOptions options{.output = flags.output,
@@ -68,7 +68,7 @@ void add_serve_command(Command app) {
       "serve",
       "Compute a scene's responses where a hand needs them first, and hand them out "
       "meanwhile: palpate-run view SCENE.toml");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ServeFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command.add_option("-o,--output", flags->output,
                      "Response database to write (HDF5); by default the scene's name "
@@ -90,7 +90,7 @@ void add_serve_command(Command app) {
     (void)nice(kNicer);
     const auto work = [&](bool after_crash) {
       return run_reporting("palpate-precompute", [&] {
-        return run(*flags, after_crash);
+        return run_serve(*flags, after_crash);
       });
     };
     const int code = run_supervised(work, "the same command");

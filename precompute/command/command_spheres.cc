@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct SpheresFlags {
   std::string mesh;
   std::string length_unit;
   std::size_t count = 16;
@@ -21,7 +21,7 @@ struct Flags {
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const ContactSpheres& spheres) {
+nlohmann::ordered_json spheres_json(const ContactSpheres& spheres) {
   nlohmann::ordered_json centres = nlohmann::ordered_json::array();
   for (const auto& centre : spheres.centre_m.rowwise()) {
     centres.push_back({centre.x(), centre.y(), centre.z()});
@@ -33,7 +33,7 @@ nlohmann::ordered_json to_json(const ContactSpheres& spheres) {
 }
 
 // As a scene has it.
-void print(const Flags& flags, const ContactSpheres& spheres) {
+void print_spheres(const SpheresFlags& flags, const ContactSpheres& spheres) {
   fmt::print("# {} spheres for {}: {:.3g} mm off at most, {:.3g} mm rms\n",
              spheres.centre_m.rows(), flags.mesh, 1e3 * spheres.largest_error_m,
              1e3 * spheres.rms_error_m);
@@ -46,7 +46,7 @@ void print(const Flags& flags, const ContactSpheres& spheres) {
   fmt::print("]\n");
 }
 
-void run(const Flags& flags) {
+void run_spheres(const SpheresFlags& flags) {
   if (!(flags.radius_m >= 0.0 && flags.radius_m < 1e3)) {
     throw InputError(fmt::format(
         "--radius-m {}: must lie in [0, 1000); 0 finds the one that fits best",
@@ -55,9 +55,9 @@ void run(const Flags& flags) {
   const SurfaceMesh tool = read_surface(flags.mesh, flags.length_unit);
   const ContactSpheres spheres = contact_spheres(tool, flags.count, flags.radius_m);
   if (flags.json) {
-    fmt::print("{}\n", to_json(spheres).dump());
+    fmt::print("{}\n", spheres_json(spheres).dump());
   } else {
-    print(flags, spheres);
+    print_spheres(flags, spheres);
   }
 }
 
@@ -66,7 +66,7 @@ void run(const Flags& flags) {
 void add_spheres_command(Command app) {
   Command command = app.add_subcommand(
       "spheres", "Find spheres by which a tool's mesh touches, for a scene");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<SpheresFlags>();
   command.add_option("mesh", flags->mesh, "Surface of the tool (OBJ, STL, PLY, OFF)")
       .required();
   command.add_option("--length-unit", flags->length_unit, "Of the mesh file: m, cm, mm")
@@ -78,7 +78,7 @@ void add_spheres_command(Command app) {
                      "Their radius [m]; else the one that fits best");
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_spheres(*flags);
   });
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Flags {
+struct SubmitFlags {
   std::string scene;
   std::string output;
   std::string engine;
@@ -60,7 +60,7 @@ std::vector<std::pair<fs::path, std::string>> inputs_of(const fs::path& file,
   return inputs;
 }
 
-Job job_of(const Flags& flags, const Scene& scene, const PlanReport& plan) {
+Job job_of(const SubmitFlags& flags, const Scene& scene, const PlanReport& plan) {
   Job job;
   job.engine = job_engine(flags.engine);
   job.serve = flags.serve;
@@ -99,7 +99,7 @@ int run_start(const Job& job) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
-void print(const Job& job, const PlanReport& plan, const Flags& flags) {
+void print_job(const Job& job, const PlanReport& plan, const SubmitFlags& flags) {
   if (flags.json) {
     fmt::print("{}\n",
                nlohmann::ordered_json{{"folder", job.folder.string()},
@@ -128,7 +128,7 @@ void print(const Job& job, const PlanReport& plan, const Flags& flags) {
   }
 }
 
-void run(const Flags& flags) {
+void run_submit(const SubmitFlags& flags) {
   note_interrupts();
   static_cast<void>(job_engine(flags.engine));
   if (flags.serve && (flags.solve_all || flags.shards > 0)) {
@@ -145,7 +145,7 @@ void run(const Flags& flags) {
                                  progress);
   const Job job = job_of(flags, scene, report);
   write_job(job);
-  print(job, report, flags);
+  print_job(job, report, flags);
   std::fflush(stdout);
   if (flags.run) {
     const int code = run_start(job);
@@ -162,7 +162,7 @@ void run(const Flags& flags) {
 void add_submit_command(Command app) {
   Command command = app.add_subcommand(
       "submit", "Share a build out among machines: job scripts, shards and merge");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<SubmitFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command.add_option("-o,--output", flags->output, "Response database to write (HDF5)")
       .required();
@@ -195,7 +195,7 @@ void add_submit_command(Command app) {
   command.add_flag("--run", flags->run, "Start it: submit the jobs, or run them here");
   command.add_flag("--json", flags->json, "Print what was written as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_submit(*flags);
   });
 }
 

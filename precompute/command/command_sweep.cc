@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct SweepFlags {
   std::string scene;
   std::vector<std::string> parameter;
   std::vector<double> from, to;
@@ -30,7 +30,7 @@ struct Flags {
   bool json = false;
 };
 
-std::vector<SweepParameter> parameters_of(const Flags& flags) {
+std::vector<SweepParameter> parameters_of(const SweepFlags& flags) {
   const std::size_t n = flags.parameter.size();
   if (flags.from.size() != n || flags.to.size() != n || flags.count.size() != n) {
     throw InputError(fmt::format(
@@ -46,7 +46,7 @@ std::vector<SweepParameter> parameters_of(const Flags& flags) {
   return parameters;
 }
 
-const SharedTool& chosen_tool(const BodySource& body, const std::string& name) {
+const SharedTool& swept_tool(const BodySource& body, const std::string& name) {
   for (const SharedTool& tool : body.tool) {
     if (name.empty() || tool->shape().name == name) {
       return tool;
@@ -56,7 +56,7 @@ const SharedTool& chosen_tool(const BodySource& body, const std::string& name) {
                                body.tool.front()->shape().name));
 }
 
-std::vector<std::int32_t> vertices_of(const Flags& flags, const Scene& scene,
+std::vector<std::int32_t> vertices_of(const SweepFlags& flags, const Scene& scene,
                                       const BodySource& body) {
   std::vector<std::int32_t> vertices = flags.vertex;
   if (!flags.at_m.empty()) {
@@ -75,7 +75,7 @@ std::vector<std::int32_t> vertices_of(const Flags& flags, const Scene& scene,
   return vertices;
 }
 
-void print(const ResponseSweep& sweep, const Flags& flags, double seconds) {
+void print_sweep(const ResponseSweep& sweep, const SweepFlags& flags, double seconds) {
   if (flags.json) {
     nlohmann::ordered_json report{{"combinations", sweep.combinations()},
                                   {"vertices", sweep.vertex},
@@ -96,7 +96,7 @@ void print(const ResponseSweep& sweep, const Flags& flags, double seconds) {
       100.0 * sweep.error_relative, flags.output);
 }
 
-void run(const Flags& flags) {
+void run_sweep(const SweepFlags& flags) {
   note_interrupts();
   const auto begin = std::chrono::steady_clock::now();
   std::vector<SweepParameter> parameters = parameters_of(flags);
@@ -106,10 +106,10 @@ void run(const Flags& flags) {
   const std::vector<std::int32_t> vertices = vertices_of(flags, scene, body);
   Progress progress(stderr);
   const ResponseSweep sweep =
-      sweep_materials(scene, body, chosen_tool(body, flags.tool), vertices,
+      sweep_materials(scene, body, swept_tool(body, flags.tool), vertices,
                       std::move(parameters), progress);
   write_sweep(flags.output, sweep);
-  print(
+  print_sweep(
       sweep, flags,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 }
@@ -119,7 +119,7 @@ void run(const Flags& flags) {
 void add_sweep_command(Command app) {
   Command command = app.add_subcommand(
       "sweep", "Press nodes of a scene's body for a grid of material parameters");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<SweepFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command
       .add_option("--parameter", flags->parameter,
@@ -146,7 +146,7 @@ void add_sweep_command(Command app) {
   command.add_option("-o,--output", flags->output, "Sweep file (CSV)").required();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_sweep(*flags);
   });
 }
 

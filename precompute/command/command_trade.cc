@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-struct Flags {
+struct TradeFlags {
   std::string scene;
   std::string output;
   AccuracyTradeOptions options;
@@ -24,7 +24,7 @@ struct Flags {
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const TradeReport& report) {
+nlohmann::ordered_json trade_json(const TradeReport& report) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const AccuracyTradeRow& row : report.row) {
     rows.push_back({{"contact_resolution", row.resolution},
@@ -49,7 +49,7 @@ nlohmann::ordered_json to_json(const TradeReport& report) {
           {"notes", report.notes}};
 }
 
-void print(const TradeReport& report) {
+void print_trade(const TradeReport& report) {
   fmt::print(
       "{} reachable nodes; {} of them pressed in every way, compared with resolution "
       "{:.3g}, every depth of {}\n",
@@ -83,7 +83,7 @@ void write_text(const std::string& path, const std::string& text) {
   file.commit();
 }
 
-void run(const Flags& flags) {
+void run_trade(const TradeFlags& flags) {
   note_interrupts();
   const Scene scene = read_scene(flags.scene);
   require_whole_body(scene, "trade");
@@ -95,9 +95,9 @@ void run(const Flags& flags) {
   write_text(flags.output + ".csv", trade_csv(report));
   write_text(flags.output + ".svg", trade_picture(report));
   if (flags.json) {
-    fmt::print("{}\n", to_json(report).dump());
+    fmt::print("{}\n", trade_json(report).dump());
   } else {
-    print(report);
+    print_trade(report);
   }
 }
 
@@ -106,7 +106,7 @@ void run(const Flags& flags) {
 void add_trade_command(Command app) {
   Command command = app.add_subcommand(
       "trade", "Compute a scene's responses in many ways: error beside cost");
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<TradeFlags>();
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command
       .add_option("-o,--output", flags->output,
@@ -136,7 +136,7 @@ void add_trade_command(Command app) {
       .show_default();
   command.add_flag("--json", flags->json, "Print the report as one JSON object");
   command.callback([flags] {
-    run(*flags);
+    run_trade(*flags);
   });
 }
 

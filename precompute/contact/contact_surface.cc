@@ -10,10 +10,6 @@
 namespace palpate {
 namespace {
 
-// Corner, edge-middle nodes of the four sub-triangles.
-constexpr std::array<std::array<int, 3>, 4> kSubTriangle{
-    {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
-
 void add_load(ContactNode& node, std::int32_t mesh_node, const Eigen::Vector3d& force) {
   for (NodalForce& entry : node.load) {
     if (entry.node == mesh_node) {
@@ -22,11 +18,6 @@ void add_load(ContactNode& node, std::int32_t mesh_node, const Eigen::Vector3d& 
     }
   }
   node.load.push_back({mesh_node, force});
-}
-
-void sort_unique(std::vector<std::int32_t>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 // From integrals over the hat to averages: everything is divided by the hat's area.
@@ -38,7 +29,9 @@ void normalise(ContactNode& node) {
     entry.force /= node.area_m2;
   }
   node.normal.normalize();
-  sort_unique(node.neighbours);
+  std::vector<std::int32_t>& list = node.neighbours;
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 // A contact node for every node of the mesh's surface, still without area.

@@ -10,6 +10,7 @@
 // the tool is the derivative of the stored energy with the tool's position.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,6 +50,11 @@ struct ContactSurface {
   std::vector<ContactNode> node;
   std::vector<std::int32_t> of_mesh_node;  ///< (n_mesh_nodes) contact node, or -1
 };
+
+[[nodiscard]] inline const ContactNode& node_of(const ContactSurface& surface,
+                                                std::int32_t v) {
+  return surface.node[static_cast<std::size_t>(v)];
+}
 
 [[nodiscard]] ContactSurface make_contact_surface(const QuadraticMesh& mesh);
 

@@ -1,20 +1,15 @@
 #include "precompute/contact/face_quadrature.h"
 
-#include <array>
-
 namespace palpate {
 namespace {
 
 using Bary = Eigen::Vector3d;
 
-// The six nodes of a face and its four sub-triangles, all of equal area.
+// Barycentric coordinates of the six nodes of a face.
 Bary face_node(int j) {
   return j < 3 ? Bary(Bary::Unit(j))
                : Bary(0.5 * (Bary::Unit(j - 3) + Bary::Unit((j - 2) % 3)));
 }
-
-constexpr std::array<std::array<int, 3>, 4> kSubTriangle{
-    {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
 
 struct RulePoint {
   Bary at;

@@ -5,10 +5,6 @@
 namespace palpate {
 namespace {
 
-const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
-  return surface.node[static_cast<std::size_t>(v)];
-}
-
 // Beyond what a press can close, as a share of its largest depth.
 constexpr double kOpen = 2.0;
 

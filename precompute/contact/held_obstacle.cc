@@ -11,7 +11,7 @@ namespace {
 constexpr int kPointsOfEdge = 7;
 constexpr double kOverlap = 0.02;    // [-] of the largest depth
 constexpr double kLeastDepth = 0.1;  // [-] of the largest depth
-constexpr int kSteps = 32;           // of the search along the path
+constexpr int kSearchSteps = 32;     // of the search along the path
 constexpr int kHalvings = 12;        // of the step that meets something
 
 bool is_met(std::span<const HeldPoint> held, const IndentationPath& path,
@@ -75,8 +75,8 @@ double depth_until_held_m(std::span<const HeldPoint> held,
                           const IndentationPath& path) {
   const std::vector<HeldPoint> near = near_path(held, path);
   double free_m = 0.0;
-  for (int k = 1; k <= kSteps; ++k) {
-    double met_m = path.depth_max_m * k / kSteps;
+  for (int k = 1; k <= kSearchSteps; ++k) {
+    double met_m = path.depth_max_m * k / kSearchSteps;
     if (!is_met(near, path, met_m)) {
       free_m = met_m;
       continue;

@@ -22,10 +22,6 @@ namespace {
 // Faces turned more than this from the press are another side of the body.
 constexpr double kFacingCosine = 0.1;
 
-const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
-  return surface.node[static_cast<std::size_t>(v)];
-}
-
 bool is_held(const Supports& supports, const ContactNode& node) {
   return supports.free_index[3 * static_cast<std::size_t>(node.mesh_node)] < 0;
 }

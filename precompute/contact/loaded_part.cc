@@ -27,10 +27,6 @@ void for_each_load(const ContactNode& node, const Supports& supports,
   }
 }
 
-const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
-  return surface.node[static_cast<std::size_t>(v)];
-}
-
 }  // namespace
 
 LoadedPart loaded_part(const CholeskyFactor& factor, const Supports& supports,

@@ -4,14 +4,6 @@
 #include <cmath>
 
 namespace palpate {
-namespace {
-
-void sort_unique(std::vector<std::int32_t>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-}
-
-}  // namespace
 
 NearField::NearField(const QuadraticMesh& mesh, std::span<const Material> materials,
                      const Supports& supports, std::span<const Eigen::Index> tets,
@@ -31,7 +23,8 @@ NearField::NearField(const QuadraticMesh& mesh, std::span<const Material> materi
       }
     }
   }
-  sort_unique(node_);
+  std::sort(node_.begin(), node_.end());
+  node_.erase(std::unique(node_.begin(), node_.end()), node_.end());
   dof_.reserve(3 * node_.size());
   for (const std::int32_t node : node_) {
     for (std::size_t axis = 0; axis < 3; ++axis) {

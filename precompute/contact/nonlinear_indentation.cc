@@ -21,10 +21,6 @@ constexpr int kPatience = 2;
 constexpr int kWidened = 2;
 constexpr double kWider = 0.3;
 
-const ContactNode& node_of(const ContactSurface& surface, std::int32_t v) {
-  return surface.node[static_cast<std::size_t>(v)];
-}
-
 // Nodes of every face that carries one of the patch's hats.
 std::vector<std::int32_t> contact_mesh_nodes(const NonlinearBody& body,
                                              std::span<const std::int32_t> patch) {

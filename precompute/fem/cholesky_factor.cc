@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/fem/at.h"
 #include "precompute/fem/permuted_stiffness.h"
 #include "precompute/fem/symbolic_factor.h"
 #include "precompute/lanes/factor_kernels.h"
@@ -15,11 +16,6 @@
 
 namespace palpate {
 namespace {
-
-template <typename T>
-std::size_t at(T i) {
-  return static_cast<std::size_t>(i);
-}
 
 // What the columns of a supernode's descendants take out of it, and which they are.
 class Descendants {

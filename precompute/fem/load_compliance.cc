@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "precompute/fem/at.h"
 #include "precompute/lanes/factor_kernels.h"
 #include "precompute/process/reused_memory.h"
 
@@ -17,11 +18,6 @@ namespace {
 constexpr std::ptrdiff_t kBlock = 64;
 // Columns of Y'Y that are summed up at a time.
 constexpr std::ptrdiff_t kStrip = 128;
-
-template <typename T>
-std::size_t at(T i) {
-  return static_cast<std::size_t>(i);
-}
 
 struct Entry {
   std::int32_t row, load;

@@ -1,14 +1,11 @@
 #include "precompute/fem/permuted_stiffness.h"
 
+#include "precompute/fem/at.h"
+
 namespace palpate {
 namespace {
 
 constexpr std::ptrdiff_t kAxes = 3;
-
-template <typename T>
-std::size_t at(T i) {
-  return static_cast<std::size_t>(i);
-}
 
 bool has_blocks(const Stiffness& lower) {
   const std::int64_t* begin = lower.outerIndexPtr();

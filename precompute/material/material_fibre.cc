@@ -16,8 +16,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 Eigen::Vector3d checked_fibre(const Eigen::Vector3d& fibre) {
   const double length = fibre.stableNorm();
   if (!(length > 0.0) || !std::isfinite(length)) {
@@ -201,7 +199,7 @@ SmallStrainModuli small_strain_moduli(const TransverselyIsotropic& law) {
 double distortion_energy(const FibreExponential& law, const Eigen::Matrix3d& F) {
   const auto [J, log_J] = volume_change(F);
   if (!(J > 0.0)) {
-    return kInfinity;
+    return std::numeric_limits<double>::infinity();
   }
   const double energy = distortion_energy(matrix_of(law), F) +
                         fibre_energy(law, fibre_excess(law, F, log_J)).value;

@@ -13,8 +13,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // I1 - 3
 double first_excess(const Eigen::Matrix3d& F) {
   const Eigen::Matrix3d H = F - Eigen::Matrix3d::Identity();
@@ -71,7 +69,7 @@ MooneyRivlin mooney_rivlin(double c10_pa, double c01_pa, double poissons_ratio) 
 double distortion_energy(const NeoHookean& law, const Eigen::Matrix3d& F) {
   const auto [J, log_J] = volume_change(F);
   if (!(J > 0.0)) {
-    return kInfinity;
+    return std::numeric_limits<double>::infinity();
   }
   const double scale_excess = reproducible::expm1(-2.0 / 3.0 * log_J);
   return finite_or_infinite(0.5 * law.shear_modulus_pa *
@@ -104,7 +102,7 @@ SmallStrainModuli small_strain_moduli(const NeoHookean& law) {
 double distortion_energy(const MooneyRivlin& law, const Eigen::Matrix3d& F) {
   const auto [J, log_J] = volume_change(F);
   if (!(J > 0.0)) {
-    return kInfinity;
+    return std::numeric_limits<double>::infinity();
   }
   const Eigen::Matrix3d D = twice_green_strain(F);
   const double trace = D.trace();

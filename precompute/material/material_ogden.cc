@@ -15,8 +15,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // F = sum_a stretch_a n_a N_a'.
 struct PrincipalFrame {
   Eigen::Vector3d stretch;  // l_a
@@ -155,7 +153,7 @@ Ogden ogden(std::span<const double> mu_pa, std::span<const double> alpha,
 
 double distortion_energy(const Ogden& law, const Eigen::Matrix3d& F) {
   const auto frame = principal_frame(F);
-  return frame ? energy_in(law, *frame) : kInfinity;
+  return frame ? energy_in(law, *frame) : std::numeric_limits<double>::infinity();
 }
 
 LocalResponse distortion_response(const Ogden& law, const Eigen::Matrix3d& F) {

@@ -1,4 +1,4 @@
-// A forked child that does not outlive its parent.
+// A forked child: it does not outlive its parent, which waits for it.
 #pragma once
 
 #include <sys/types.h>
@@ -9,5 +9,9 @@ namespace palpate {
 /// ends. Ends it here and now where that has happened already.
 /// @param parent getpid() before the fork.
 void die_with_parent(pid_t parent) noexcept;
+
+/// Waits until a child has ended, whatever signals arrive meanwhile.
+/// @return its status, as waitpid() has it.
+int wait_for_child(pid_t child) noexcept;
 
 }  // namespace palpate

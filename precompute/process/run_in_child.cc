@@ -71,9 +71,9 @@ pid_t fork_alone() {
   return fork();
 }
 
-[[noreturn]] void child(pid_t parent, int pipe,
-                        const std::function<std::vector<char>()>& work,
-                        std::size_t memory_bytes) {
+[[noreturn]] void send_from_child(pid_t parent, int pipe,
+                                  const std::function<std::vector<char>()>& work,
+                                  std::size_t memory_bytes) {
   die_with_parent(parent);
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGABRT, SIGSEGV, SIGFPE}) {
     std::signal(signal, SIG_DFL);
@@ -122,13 +122,6 @@ bool read_until_closed(int pipe, double time_s, std::vector<char>& bytes) {
   }
 }
 
-int wait_for(pid_t pid) {
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
-}
-
 std::string failure_of(int status, const ChildLimits& limits) {
   if (WIFSIGNALED(status)) {
     if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM) {
@@ -168,7 +161,7 @@ ChildResult run_in_child(const std::function<std::vector<char>()>& work,
   }
   if (pid == 0) {
     close(ends[0]);
-    child(parent, ends[1], work, memory_bytes);
+    send_from_child(parent, ends[1], work, memory_bytes);
   }
   close(ends[1]);
   ChildResult result;
@@ -177,7 +170,7 @@ ChildResult run_in_child(const std::function<std::vector<char>()>& work,
   if (!in_time) {
     kill(pid, SIGKILL);
   }
-  const int status = wait_for(pid);
+  const int status = wait_for_child(pid);
   result.done = in_time && WIFEXITED(status) && WEXITSTATUS(status) == 0;
   result.at_limit =
       !in_time || (WIFEXITED(status) && WEXITSTATUS(status) == kOutOfMemory);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -92,8 +91,8 @@ void hold_interrupts(bool held) {
   sigprocmask(held ? SIG_BLOCK : SIG_UNBLOCK, &interrupts, nullptr);
 }
 
-[[noreturn]] void child(pid_t parent, const std::function<int(bool)>& work,
-                        bool resume) {
+[[noreturn]] void build_in_child(pid_t parent, const std::function<int(bool)>& work,
+                                 bool resume) {
   die_with_parent(parent);
   std::signal(SIGINT, SIG_DFL);  // until the work has its own handler
   std::signal(SIGTERM, SIG_DFL);
@@ -104,13 +103,6 @@ void hold_interrupts(bool held) {
   const int code = work(resume);
   std::fflush(nullptr);
   _exit(code);
-}
-
-int wait_for(pid_t pid) {
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
 }
 
 }  // namespace
@@ -150,12 +142,12 @@ int run_supervised(const std::function<int(bool)>& work,
       return work(resume);
     }
     if (pid == 0) {
-      child(parent, work, resume);
+      build_in_child(parent, work, resume);
     }
     g_child = pid;
     hand_on_unsent();
     hold_interrupts(false);
-    const int status = wait_for(pid);
+    const int status = wait_for_child(pid);
     g_child = 0;
     if (WIFEXITED(status)) {
       return WEXITSTATUS(status);

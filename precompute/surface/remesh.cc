@@ -22,7 +22,7 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 
 constexpr double kFeatureDegrees = 60.0;
 constexpr double kTrianglesMax = 2e6;
-constexpr double kVolumeChange = 0.1;  // [-]
+constexpr double kRemeshVolumeChange = 0.1;  // [-]
 constexpr unsigned kSweeps = 5;
 
 SurfaceAndCounts remeshed(const SurfaceMesh& mesh, double edge_m) {
@@ -70,7 +70,8 @@ void check_result(const SurfaceReport& before, const SurfaceReport& after,
         fmt::format("remesh: edges of {} m spoil the surface, try shorter ones: {}",
                     edge_m, after.verdict()));
   }
-  if (after.components != before.components || !(std::abs(change) <= kVolumeChange)) {
+  if (after.components != before.components ||
+      !(std::abs(change) <= kRemeshVolumeChange)) {
     throw InputError(fmt::format(
         "remesh: edges of {} m are too long for the body: {} of {} parts are left, the "
         "volume changes by {:.3g} %",

@@ -208,7 +208,7 @@ void check_parts(SurfaceMesh& mesh, SurfaceReport& report) {
   }
 }
 
-std::string place(const Eigen::Vector3d& p) {
+std::string place_text(const Eigen::Vector3d& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
 }
 
@@ -218,7 +218,7 @@ std::string described(const SurfaceDefect& defect, const char* one, const char* 
   }
   std::string places;
   for (const Eigen::Vector3d& p : defect.where_m) {
-    places += (places.empty() ? "" : ", ") + place(p);
+    places += (places.empty() ? "" : ", ") + place_text(p);
   }
   return fmt::format("{} {} at {}{} m", defect.count, defect.count == 1 ? one : many,
                      places, defect.count > defect.where_m.size() ? ", ..." : "");

@@ -12,13 +12,13 @@
 namespace palpate {
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Triangle = Kernel::Triangle_3;
+using PlainKernel = CGAL::Simple_cartesian<double>;
+using Triangle = PlainKernel::Triangle_3;
 using Primitive =
-    CGAL::AABB_triangle_primitive<Kernel, std::vector<Triangle>::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+    CGAL::AABB_triangle_primitive<PlainKernel, std::vector<Triangle>::const_iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<PlainKernel, Primitive>>;
 
-Kernel::Point_3 point(const SurfaceMesh& mesh, Eigen::Index t, Eigen::Index j) {
+PlainKernel::Point_3 point(const SurfaceMesh& mesh, Eigen::Index t, Eigen::Index j) {
   const auto p = mesh.position_m.row(mesh.triangle(t, j));
   return {p.x(), p.y(), p.z()};
 }
@@ -42,10 +42,10 @@ double distance_to_surface_m(const SurfaceMesh& from, const SurfaceMesh& to) {
   const Tree tree(target.begin(), target.end());
   double largest2 = 0.0;
   for (Eigen::Index t = 0; t < from.triangle.rows(); ++t) {
-    const Kernel::Point_3 a = point(from, t, 0);
-    const Kernel::Point_3 b = point(from, t, 1);
-    const Kernel::Point_3 c = point(from, t, 2);
-    for (const Kernel::Point_3& p : {a, b, c, CGAL::centroid(a, b, c)}) {
+    const PlainKernel::Point_3 a = point(from, t, 0);
+    const PlainKernel::Point_3 b = point(from, t, 1);
+    const PlainKernel::Point_3 c = point(from, t, 2);
+    for (const PlainKernel::Point_3& p : {a, b, c, CGAL::centroid(a, b, c)}) {
       largest2 = std::max(largest2, tree.squared_distance(p));
     }
   }

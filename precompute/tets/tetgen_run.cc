@@ -108,7 +108,7 @@ void move(double by, tetgenio& in) {
 }
 
 template <typename T>
-void append(std::vector<char>& bytes, const T* data, std::size_t count) {
+void append_bytes(std::vector<char>& bytes, const T* data, std::size_t count) {
   const auto* first = reinterpret_cast<const char*>(data);
   bytes.insert(bytes.end(), first, first + count * sizeof(T));
 }
@@ -147,9 +147,9 @@ std::vector<char> tetgen_run(const SurfaceMesh& surface, const TetOptions& optio
     header.code = code;
   }
   std::vector<char> bytes;
-  append(bytes, &header, 1);
-  append(bytes, out.pointlist, static_cast<std::size_t>(header.points) * 3);
-  append(bytes, out.tetrahedronlist, static_cast<std::size_t>(header.tets) * 4);
+  append_bytes(bytes, &header, 1);
+  append_bytes(bytes, out.pointlist, static_cast<std::size_t>(header.points) * 3);
+  append_bytes(bytes, out.tetrahedronlist, static_cast<std::size_t>(header.tets) * 4);
   return bytes;
 }
 
