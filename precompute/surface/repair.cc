@@ -47,16 +47,10 @@ double diagonal_m(const SurfaceMesh& mesh) {
   return bounding_box(mesh).diagonal().norm();
 }
 
-// Replaces crossing triangles, twice at most: a third pass rarely helps.
-SurfaceMesh without_intersections(SurfaceMesh mesh, std::size_t& replaced) {
-  std::size_t left = self_intersections(mesh).size();
-  const std::size_t first = left;
-  for (int pass = 0; pass < 2 && left > 0; ++pass) {
-    mesh = repair_intersections(mesh);
-    left = self_intersections(mesh).size();
-  }
-  replaced = left < first ? first - left : 0;
-  return mesh;
+SurfaceMesh without_intersections(const SurfaceMesh& mesh, std::size_t& replaced) {
+  SurfaceMesh result = repair_intersections(mesh);
+  replaced = self_intersections(mesh).size() - self_intersections(result).size();
+  return result;
 }
 
 SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
@@ -66,7 +60,7 @@ SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
   result = repair_topology(result, kHoleMax * diagonal_m(mesh), topology);
   std::size_t replaced = 0;
   if (check_surface(result).report.closed()) {
-    result = without_intersections(std::move(result), replaced);
+    result = without_intersections(result, replaced);
   }
   return {.mesh = in_original_order(result, mesh),
           .count = {soup.welded_vertices, soup.collapsed_triangles,

@@ -5,9 +5,12 @@
 
 namespace palpate {
 
-/// One pass: the triangles around each crossing are replaced by others between the
-/// vertices at the rim, or, where that fails, by a smooth patch with new vertices. The
-/// result may still cross itself. Only for a closed manifold.
+/// Cuts out the triangles of each crossing, with rings of neighbours where that is not
+/// enough, and fills the holes between the vertices at the rim: no vertex is new. Parts
+/// of a component that a cut leaves go, but for the largest. The result is a closed
+/// manifold of as many components, with the fewest crossings that were reached; with as
+/// many as before, it is the surface as it was.
+/// @param mesh a closed manifold.
 [[nodiscard]] SurfaceMesh repair_intersections(const SurfaceMesh& mesh);
 
 }  // namespace palpate
