@@ -1,17 +1,21 @@
 #include "runtime/inverse/emulated_inverse.h"
 
-#include <chrono>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/eventfd.h>
 
-#include "formats/base/error.h"
 #include "runtime/inverse/emulated_inverse_parts.h"
+#include "runtime/inverse/inverse_message.h"
 #include "runtime/realtime/real_time.h"
 #include "runtime/usb/haply_axes.h"
 
 namespace palpate {
+
+using Json = nlohmann::json;
+
 namespace {
 
 Json as_json(const Eigen::Vector3d& v) {
@@ -20,31 +24,16 @@ Json as_json(const Eigen::Vector3d& v) {
 
 }  // namespace
 
-void EmulatedInverse::Parts::listen(tcp::acceptor& acceptor, std::uint16_t port) {
-  try {
-    const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
-    acceptor.open(endpoint.protocol());
-    acceptor.set_option(tcp::acceptor::reuse_address(true));
-    acceptor.bind(endpoint);
-    acceptor.listen();
-  } catch (const boost::system::system_error& error) {
-    throw DeviceError(fmt::format("emulated Inverse service: port {}: {}", port,
-                                  error.code().message()));
-  }
+EmulatedInverse::Parts::Parts(const EmulatedInverseConfig& wanted)
+    : config(wanted),
+      tool(config.dynamics, config.hand, clock, {.position_m = config.start_m}) {
+  key = force_key(inverse_version(config.version).value_or(InverseVersion{3, 5}));
+  key = key == nullptr ? "values" : key;
+  tool.open();
 }
 
-void EmulatedInverse::Parts::accept(tcp::acceptor& acceptor, bool of_events) {
-  acceptor.async_accept(
-      [this, &acceptor, of_events](Failure failure, tcp::socket socket) {
-        if (!failure) {
-          Failure ignored;
-          socket.set_option(tcp::no_delay(true), ignored);
-          std::make_shared<Session>(*this, std::move(socket), of_events)->start();
-        }
-        if (acceptor.is_open()) {
-          accept(acceptor, of_events);
-        }
-      });
+std::string EmulatedInverse::Parts::version() const {
+  return Json{{"version", config.version}}.dump();
 }
 
 std::string EmulatedInverse::Parts::first_message() {
@@ -52,6 +41,11 @@ std::string EmulatedInverse::Parts::first_message() {
   Json all = state(true);
   all["session_id"] = 7;
   return all.dump();
+}
+
+std::string EmulatedInverse::Parts::answer() {
+  const std::lock_guard lock(mutex);
+  return state(false).dump();
 }
 
 // @param whole with what is said once.
@@ -167,12 +161,6 @@ void EmulatedInverse::Parts::obey(const std::string& text) {
   }
 }
 
-void EmulatedInverse::Parts::tell(const std::string& event) {
-  for (const std::shared_ptr<Session>& listener : listeners) {
-    listener->send(event);
-  }
-}
-
 void EmulatedInverse::Parts::push(const Eigen::Vector3d& force_n) {
   const bool was_pushed = tool.acting_force_n() != Eigen::Vector3d::Zero();
   static_cast<void>(tool.write(force_n));
@@ -183,42 +171,30 @@ void EmulatedInverse::Parts::push(const Eigen::Vector3d& force_n) {
   if (trace.size() < config.trace_max) {
     trace.push_back(motor_record(tool, now_ns));
   }
-  idle.cancel();
-  if (force_n != Eigen::Vector3d::Zero()) {
-    idle.expires_after(std::chrono::nanoseconds(config.idle_ns));
-    idle.async_wait([this](Failure failure) {
-      if (!failure) {
-        release();
-      }
-    });
-  }
+  idle_due_ns = force_n == Eigen::Vector3d::Zero() ? kNever : now_ns + config.idle_ns;
 }
 
 EmulatedInverse::EmulatedInverse(const EmulatedInverseConfig& config)
     : parts_(std::make_unique<Parts>(config)) {
   parts_->trace.reserve(config.trace_max);
-  parts_->listen(parts_->states, config.port);
-  parts_->listen(parts_->events, config.events_port);
-  parts_->accept(parts_->states, false);
-  parts_->accept(parts_->events, true);
+  parts_->listen();
   parts_->thread = std::thread([parts = parts_.get()] {
     static_cast<void>(request_real_time(-1));  // as punctual as a device, if permitted
-    parts->io.run();
+    parts->run();
   });
 }
 
 EmulatedInverse::~EmulatedInverse() {
-  parts_->io.stop();
+  static_cast<void>(::eventfd_write(parts_->wake, 1));
   parts_->thread.join();
-  parts_->listeners.clear();  // they must not outlive what they wait in
 }
 
 std::uint16_t EmulatedInverse::port() const {
-  return parts_->states.local_endpoint().port();
+  return parts_->config.port;
 }
 
 std::uint16_t EmulatedInverse::events_port() const {
-  return parts_->events.local_endpoint().port();
+  return parts_->config.events_port;
 }
 
 Eigen::Vector3d EmulatedInverse::force_n() const {

@@ -3,8 +3,7 @@
 // there at its deadline goes on arriving in the next call.
 //
 // Boost.Beast's WebSocket streams are not used: a read of theirs that runs into a
-// deadline spoils the stream, and one that is left pending allocates. It reads the
-// handshake (service_connection.h).
+// deadline spoils the stream, and one that is left pending allocates.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +12,8 @@
 #include <span>
 #include <string_view>
 #include <vector>
+
+#include "runtime/inverse/websocket_frame.h"
 
 namespace palpate {
 
@@ -44,24 +45,14 @@ class InverseSocket {
   [[nodiscard]] const char* failure() const noexcept { return failure_; }
 
  private:
-  enum class Frame : std::uint8_t { kMessage, kControl, kIncomplete, kLost };
-
-  [[nodiscard]] Frame take_frame() noexcept;
-  [[nodiscard]] Frame take_payload(unsigned opcode, bool final,
-                                   std::span<const char> payload) noexcept;
   [[nodiscard]] SocketRead read_more(std::int64_t deadline_ns) noexcept;
-  [[nodiscard]] bool send_frame(unsigned opcode, std::span<const char> payload,
+  [[nodiscard]] bool send_frame(FrameOpcode opcode, std::span<const char> payload,
                                 std::int64_t deadline_ns) noexcept;
   void give_up(const char* why) noexcept;
 
   int descriptor_ = -1;
   const char* failure_ = nullptr;
-  std::vector<char> arrived_;  // bytes not looked at yet: [begin_, end_)
-  std::size_t begin_ = 0;
-  std::size_t end_ = 0;
-  std::vector<char> message_;  // frames of a message so far
-  std::size_t message_size_ = 0;
-  bool message_begun_ = false;
+  FrameReader frames_;
   std::vector<char> leaving_;
   std::minstd_rand mask_;
 };

@@ -3,29 +3,29 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <random>
-#include <span>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include <arpa/inet.h>
-#include <boost/beast/http.hpp>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <openssl/evp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "runtime/inverse/websocket_handshake.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {
 namespace {
 
-namespace http = boost::beast::http;
+constexpr std::size_t kBodyBytes = 4096;
 
 [[noreturn]] void fail(std::uint16_t port, const std::string& why) {
   throw DeviceError(fmt::format("no Inverse service at 127.0.0.1:{}: {}", port, why));
@@ -83,66 +83,100 @@ void send_request(int descriptor, std::uint16_t port, const std::string& target,
   }
 }
 
-// Reads until the parser has what it wants. @returns bytes after that.
-template <typename Parser>
-std::string read_answer(int descriptor, std::uint16_t port, Parser& parser, bool whole,
-                        std::int64_t deadline_ns) {
-  constexpr std::size_t kMost = 16384;
-  std::string bytes;
+// Appends what comes. False at the end of the connection.
+bool read_more(int descriptor, std::uint16_t port, std::string& bytes,
+               std::int64_t deadline_ns) {
+  if (!wait_for_socket(descriptor, POLLIN, deadline_ns)) {
+    fail(port, "does not answer a request in time");
+  }
   std::array<char, 2048> piece{};
-  const auto enough = [&] {
-    return whole ? parser.is_done() : parser.is_header_done();
-  };
-  while (!enough()) {
-    if (!wait_for_socket(descriptor, POLLIN, deadline_ns)) {
-      fail(port, "does not answer a request in time");
-    }
-    const ssize_t got = ::recv(descriptor, piece.data(), piece.size(), 0);
-    boost::beast::error_code failure;
-    if (got == 0 && whole && parser.is_header_done()) {
-      parser.put_eof(failure);  // a body that ends with the connection
-      if (failure || !parser.is_done()) {
-        fail(port, "ends in the middle of its answer");
-      }
-      break;
-    }
-    if (got <= 0) {
+  const ssize_t got = ::recv(descriptor, piece.data(), piece.size(), 0);
+  if (got < 0) {
+    fail(port, "closes the connection instead of an answer");
+  }
+  bytes.append(piece.data(), static_cast<std::size_t>(got));
+  return got > 0;
+}
+
+// "HTTP/1.1 200 OK": 200. Zero for what is no status line.
+unsigned status_of(const std::string& head) {
+  const std::string line = head.substr(0, head.find("\r\n"));
+  if (line.size() < 12 || (line[7] != '0' && line[7] != '1') || line[8] != ' ' ||
+      (line.size() > 12 && line[12] != ' ')) {
+    return 0;
+  }
+  unsigned status = 0;
+  const char* const end = line.data() + 12;
+  return std::from_chars(end - 3, end, status).ptr == end ? status : 0;
+}
+
+struct HttpAnswer {
+  unsigned status = 0;
+  std::string head{};
+  std::string rest{};  // bytes after it
+};
+
+HttpAnswer read_answer(int descriptor, std::uint16_t port, std::int64_t deadline_ns) {
+  constexpr std::string_view kVersion = "HTTP/1.";
+  std::string bytes;
+  std::optional<std::string> head;
+  while (!head) {
+    if (!read_more(descriptor, port, bytes, deadline_ns)) {
       fail(port, "closes the connection instead of an answer");
     }
-    bytes.append(piece.data(), static_cast<std::size_t>(got));
-    while (!bytes.empty() && !enough()) {
-      const std::size_t used =
-          parser.put(boost::asio::buffer(bytes.data(), bytes.size()), failure);
-      bytes.erase(0, used);
-      if (failure == http::error::need_more || (!failure && used == 0)) {
-        break;
-      }
-      if (failure) {
-        fail(port, "what answers speaks no HTTP (" + failure.message() + ")");
-      }
+    if (bytes.compare(0, kVersion.size(), kVersion, 0, bytes.size()) != 0) {
+      fail(port, "what answers speaks no HTTP (its version)");
     }
-    if (bytes.size() > kMost) {
+    if (bytes.size() > kHttpHeadBytes) {
       fail(port, "its answer is too long");
     }
+    head = take_http_head(bytes);
   }
-  return bytes;
+  const unsigned status = status_of(*head);
+  if (status == 0) {
+    fail(port, "what answers speaks no HTTP (its status)");
+  }
+  return {.status = status, .head = std::move(*head), .rest = std::move(bytes)};
 }
 
-std::string base64(std::span<const unsigned char> bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
-  const int size = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
-                                   bytes.data(), static_cast<int>(bytes.size()));
-  text.resize(static_cast<std::size_t>(size));
-  return text;
+std::size_t body_size(std::uint16_t port, std::string_view digits, int base) {
+  std::size_t size = 0;
+  if (std::from_chars(digits.data(), digits.data() + digits.size(), size, base).ec !=
+      std::errc{}) {
+    fail(port, "what answers speaks no HTTP (its body)");
+  }
+  return size;
 }
 
-// What the other side must answer to a key (RFC 6455, section 1.3).
-std::string accept_of(const std::string& key) {
-  const std::string text = key + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned size = 0;
-  EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha1(), nullptr);
-  return base64(std::span(digest).first(size));
+// A body in chunks (RFC 9112, section 7.1); null while it is not whole.
+std::optional<std::string> join_chunks(std::uint16_t port, std::string_view bytes) {
+  std::string body;
+  for (std::size_t end = 0; (end = bytes.find("\r\n")) != std::string_view::npos;) {
+    const std::size_t size = body_size(port, bytes.substr(0, end), 16);
+    if (size == 0) {
+      return body;
+    }
+    bytes.remove_prefix(end + 2);
+    if (bytes.size() < 2 || bytes.size() - 2 < size) {
+      break;
+    }
+    body += bytes.substr(0, size);
+    bytes.remove_prefix(size + 2);
+  }
+  return std::nullopt;
+}
+
+// The same of any body (section 6.3). @param ended whether the connection did.
+std::optional<std::string> body_of(std::uint16_t port, const HttpAnswer& answer,
+                                   bool ended) {
+  if (lower_case(http_field(answer.head, "transfer-encoding")) == "chunked") {
+    return join_chunks(port, answer.rest);
+  }
+  const std::string length = http_field(answer.head, "content-length");
+  const std::size_t have = answer.rest.size();
+  const std::size_t size =
+      length.empty() ? have + (ended ? 0 : 1) : body_size(port, length, 10);
+  return have < size ? std::nullopt : std::optional(answer.rest.substr(0, size));
 }
 
 }  // namespace
@@ -152,15 +186,14 @@ std::int64_t inverse_deadline_ns(double wait_s) noexcept {
   return clock.now_ns() + std::llround(wait_s * kNanosecondsPerSecond);
 }
 
-bool wait_for_socket(int descriptor, short events, std::int64_t deadline_ns) noexcept {
+bool wait_for_sockets(std::span<pollfd> ends, std::int64_t deadline_ns) noexcept {
   MonotonicClock clock;
-  pollfd end{.fd = descriptor, .events = events, .revents = 0};
   for (;;) {
     const std::int64_t left_ns =
         std::max<std::int64_t>(deadline_ns - clock.now_ns(), 0);
     const timespec left{.tv_sec = left_ns / 1'000'000'000,
                         .tv_nsec = left_ns % 1'000'000'000};
-    const int ready = ::ppoll(&end, 1, &left, nullptr);
+    const int ready = ::ppoll(ends.data(), ends.size(), &left, nullptr);
     if (ready > 0 || (ready < 0 && errno != EINTR)) {
       return true;
     }
@@ -170,45 +203,48 @@ bool wait_for_socket(int descriptor, short events, std::int64_t deadline_ns) noe
   }
 }
 
+bool wait_for_socket(int descriptor, short events, std::int64_t deadline_ns) noexcept {
+  pollfd end{.fd = descriptor, .events = events, .revents = 0};
+  return wait_for_sockets(std::span(&end, 1), deadline_ns);
+}
+
 std::string http_get(std::uint16_t port, const std::string& target, double wait_s) {
   const std::int64_t deadline_ns = inverse_deadline_ns(wait_s);
   const Connection connection(port, deadline_ns);
   send_request(connection.descriptor, port, target, "Connection: close\r\n");
-  http::response_parser<http::string_body> parser;
-  parser.body_limit(4096);
-  parser.eager(true);
-  read_answer(connection.descriptor, port, parser, true, deadline_ns);
-  if (parser.get().result() != http::status::ok) {
-    fail(port,
-         fmt::format("GET {} is answered by {}", target, parser.get().result_int()));
+  HttpAnswer answer = read_answer(connection.descriptor, port, deadline_ns);
+  if (answer.status != 200) {
+    fail(port, fmt::format("GET {} is answered by {}", target, answer.status));
   }
-  return parser.get().body();
+  bool ended = false;
+  std::optional<std::string> body;
+  while (!(body = body_of(port, answer, ended))) {
+    if (ended) {
+      fail(port, "ends in the middle of its answer");
+    }
+    ended = !read_more(connection.descriptor, port, answer.rest, deadline_ns);
+    if (answer.rest.size() > kBodyBytes) {
+      fail(port, "its answer is too long");
+    }
+  }
+  return *body;
 }
 
 OpenedWebSocket open_websocket(std::uint16_t port, double wait_s) {
   const std::int64_t deadline_ns = inverse_deadline_ns(wait_s);
   Connection connection(port, deadline_ns);
-  std::random_device random;
-  std::array<unsigned char, 16> nonce{};
-  for (unsigned char& byte : nonce) {
-    byte = static_cast<unsigned char>(random());
-  }
-  const std::string key = base64(nonce);
+  const std::string key = websocket_key();
   send_request(connection.descriptor, port, "/",
                "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: "
                "13\r\nSec-WebSocket-Key: " +
                    key + "\r\n");
-  http::response_parser<http::empty_body> parser;
-  parser.skip(true);  // what follows are frames
-  std::string rest =
-      read_answer(connection.descriptor, port, parser, false, deadline_ns);
-  const auto& answer = parser.get();
-  if (answer.result() != http::status::switching_protocols ||
-      answer["Sec-WebSocket-Accept"] != accept_of(key)) {
-    fail(port, fmt::format("no WebSocket there: answered by {}", answer.result_int()));
+  HttpAnswer answer = read_answer(connection.descriptor, port, deadline_ns);
+  if (answer.status != 101 ||
+      http_field(answer.head, "sec-websocket-accept") != websocket_accept(key)) {
+    fail(port, fmt::format("no WebSocket there: answered by {}", answer.status));
   }
   return {.descriptor = std::exchange(connection.descriptor, -1),
-          .rest = std::move(rest)};
+          .rest = std::move(answer.rest)};
 }
 
 }  // namespace palpate

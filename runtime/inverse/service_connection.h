@@ -1,9 +1,12 @@
 // Reaching a service on this machine: connections with deadlines, a request by HTTP,
-// the handshake of a WebSocket (RFC 6455). Boost.Beast reads the answers.
+// the handshake of a WebSocket (RFC 6455).
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+
+#include <poll.h>
 
 namespace palpate {
 
@@ -12,6 +15,7 @@ namespace palpate {
 
 /// Waits for poll()'s events. False when the deadline passed first. An error counts as
 /// ready: the next call tells it.
+bool wait_for_sockets(std::span<pollfd> ends, std::int64_t deadline_ns) noexcept;
 [[nodiscard]] bool wait_for_socket(int descriptor, short events,
                                    std::int64_t deadline_ns) noexcept;
 

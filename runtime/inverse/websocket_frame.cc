@@ -1,0 +1,129 @@
+#include "runtime/inverse/websocket_frame.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+constexpr unsigned kControl = 8;  // opcodes from here on
+
+constexpr unsigned code(FrameOpcode opcode) {
+  return static_cast<unsigned>(opcode);
+}
+
+}  // namespace
+
+std::size_t write_frame(std::span<char> to, FrameOpcode opcode, bool last,
+                        std::span<const char> payload, const FrameMask* mask) noexcept {
+  std::size_t size = 0;
+  const auto put = [&](std::size_t byte) {
+    to[size++] = static_cast<char>(byte);
+  };
+  const std::size_t masked = mask == nullptr ? 0 : 0x80;
+  put((last ? 0x80U : 0U) | code(opcode));
+  if (payload.size() < 126) {
+    put(masked | payload.size());
+  } else {
+    const bool wide = payload.size() > 0xFFFF;
+    put(masked | (wide ? 127U : 126U));
+    for (unsigned shift = wide ? 64 : 16; shift > 0; shift -= 8) {
+      put(std::uint64_t{payload.size()} >> (shift - 8) & 0xFFU);
+    }
+  }
+  const FrameMask zeros{};
+  const FrameMask& with = mask == nullptr ? zeros : *mask;
+  if (mask != nullptr) {
+    size = static_cast<std::size_t>(
+        std::copy(with.begin(), with.end(), to.data() + size) - to.data());
+  }
+  for (std::size_t i = 0; i < payload.size(); ++i) {
+    to[size++] = static_cast<char>(payload[i] ^ with[i % 4]);
+  }
+  return size;
+}
+
+std::span<char> FrameReader::room() noexcept {
+  std::copy(arrived_.data() + begin_, arrived_.data() + end_, arrived_.data());
+  end_ -= std::exchange(begin_, 0);
+  return std::span(arrived_).subspan(end_);
+}
+
+FrameRead FrameReader::refuse(const char* why) noexcept {
+  failure_ = why;
+  return FrameRead::kInvalid;
+}
+
+FrameRead FrameReader::read() noexcept {
+  if (failure_ != nullptr) {
+    return FrameRead::kInvalid;
+  }
+  const std::span<char> bytes(arrived_.data() + begin_, end_ - begin_);
+  const auto byte = [&bytes](std::size_t i) {
+    return static_cast<unsigned>(static_cast<unsigned char>(bytes[i]));
+  };
+  if (bytes.size() < 2) {
+    return FrameRead::kIncomplete;
+  }
+  const unsigned opcode = byte(0) & 0x0FU;
+  const bool last = (byte(0) & 0x80U) != 0;
+  std::uint64_t length = byte(1) & 0x7FU;
+  const std::size_t extra = length == 126 ? 2 : length == 127 ? 8 : 0;
+  if ((byte(0) & 0x70U) != 0 || ((byte(1) & 0x80U) != 0) != masked_ ||
+      (opcode >= kControl && (!last || extra > 0))) {
+    return refuse("a frame that is none of the protocol's");
+  }
+  const std::size_t header = 2 + extra + (masked_ ? 4 : 0);
+  if (bytes.size() < header) {
+    return FrameRead::kIncomplete;
+  }
+  if (extra > 0) {
+    length = 0;
+    for (std::size_t i = 0; i < extra; ++i) {
+      length = length << 8U | byte(2 + i);
+    }
+  }
+  if (length > kInverseMessageBytes) {
+    return refuse("a message of more than 64 KiB");
+  }
+  if (bytes.size() < header + length) {
+    return FrameRead::kIncomplete;
+  }
+  const std::span<char> payload = bytes.subspan(header, length);
+  for (std::size_t i = 0; masked_ && i < length; ++i) {
+    payload[i] = static_cast<char>(payload[i] ^ bytes[header - 4 + i % 4]);
+  }
+  begin_ += header + length;
+  return take(opcode, last, payload);
+}
+
+FrameRead FrameReader::take(unsigned opcode, bool last,
+                            std::span<const char> payload) noexcept {
+  payload_ = {payload.data(), payload.size()};
+  if (opcode == code(FrameOpcode::kPing)) {
+    return FrameRead::kPing;
+  }
+  if (opcode == code(FrameOpcode::kPong)) {
+    return FrameRead::kPart;
+  }
+  if (opcode == code(FrameOpcode::kClose)) {
+    return FrameRead::kClose;
+  }
+  if (opcode !=
+      code(message_begun_ ? FrameOpcode::kContinuation : FrameOpcode::kText)) {
+    return refuse("a message that is no text");
+  }
+  if (message_size_ + payload.size() > kInverseMessageBytes) {
+    return refuse("a message of more than 64 KiB");
+  }
+  std::copy(payload.begin(), payload.end(), message_.data() + message_size_);
+  message_size_ += payload.size();
+  message_begun_ = !last;
+  if (!last) {
+    return FrameRead::kPart;
+  }
+  payload_ = {message_.data(), std::exchange(message_size_, 0)};
+  return FrameRead::kMessage;
+}
+
+}  // namespace palpate
