@@ -227,7 +227,7 @@ class EmulatedInverse::Parts::Session {
   bool opened_ = false;
   Phase phase_ = Phase::kHead;
   std::string head_;
-  FrameReader frames_{true};
+  WebsocketReader frames_{true};
   std::deque<std::pair<std::int64_t, std::string>> waiting_;  // due [ns], text
   std::string leaving_;
 };

@@ -52,7 +52,7 @@ class InverseSocket {
 
   int descriptor_ = -1;
   const char* failure_ = nullptr;
-  FrameReader frames_;
+  WebsocketReader frames_;
   std::vector<char> leaving_;
   std::minstd_rand mask_;
 };

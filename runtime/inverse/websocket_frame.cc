@@ -43,18 +43,18 @@ std::size_t write_frame(std::span<char> to, FrameOpcode opcode, bool last,
   return size;
 }
 
-std::span<char> FrameReader::room() noexcept {
+std::span<char> WebsocketReader::room() noexcept {
   std::copy(arrived_.data() + begin_, arrived_.data() + end_, arrived_.data());
   end_ -= std::exchange(begin_, 0);
   return std::span(arrived_).subspan(end_);
 }
 
-FrameRead FrameReader::refuse(const char* why) noexcept {
+FrameRead WebsocketReader::refuse(const char* why) noexcept {
   failure_ = why;
   return FrameRead::kInvalid;
 }
 
-FrameRead FrameReader::read() noexcept {
+FrameRead WebsocketReader::read() noexcept {
   if (failure_ != nullptr) {
     return FrameRead::kInvalid;
   }
@@ -97,8 +97,8 @@ FrameRead FrameReader::read() noexcept {
   return take(opcode, last, payload);
 }
 
-FrameRead FrameReader::take(unsigned opcode, bool last,
-                            std::span<const char> payload) noexcept {
+FrameRead WebsocketReader::take(unsigned opcode, bool last,
+                                std::span<const char> payload) noexcept {
   payload_ = {payload.data(), payload.size()};
   if (opcode == code(FrameOpcode::kPing)) {
     return FrameRead::kPing;

@@ -42,10 +42,10 @@ enum class FrameRead : std::uint8_t {
 
 /// Takes frames out of bytes that arrive, and text messages of at most
 /// kInverseMessageBytes out of frames.
-class FrameReader {
+class WebsocketReader {
  public:
   /// @param masked whether the other end masks, which clients do.
-  explicit FrameReader(bool masked)
+  explicit WebsocketReader(bool masked)
       : masked_(masked),
         arrived_(2 * kInverseMessageBytes),
         message_(kInverseMessageBytes) {}

@@ -20,14 +20,14 @@ Bytes written(FrameOpcode opcode, bool last, const Bytes& payload,
   return bytes;
 }
 
-FrameRead read_all(FrameReader& reader, const Bytes& bytes) {
+FrameRead read_all(WebsocketReader& reader, const Bytes& bytes) {
   std::copy(bytes.begin(), bytes.end(), reader.room().begin());
   reader.add(bytes.size());
   return reader.read();
 }
 
-std::string refusal(const Bytes& bytes, bool masked) {
-  FrameReader reader(masked);
+std::string refused_part(const Bytes& bytes, bool masked) {
+  WebsocketReader reader(masked);
   FrameRead read = read_all(reader, bytes);
   while (read == FrameRead::kPart) {
     read = reader.read();
@@ -44,13 +44,13 @@ TEST(WebsocketFrame, WritesAndReadsTheStandardsExamples) {
   EXPECT_EQ(written(FrameOpcode::kText, true, "Hello", nullptr), plain);
   EXPECT_EQ(written(FrameOpcode::kText, true, "Hello", &mask), masked);
   for (const bool by_client : {false, true}) {
-    FrameReader reader(by_client);
+    WebsocketReader reader(by_client);
     ASSERT_EQ(read_all(reader, by_client ? masked : plain), FrameRead::kMessage);
     EXPECT_EQ(reader.payload(), "Hello");
     EXPECT_EQ(reader.read(), FrameRead::kIncomplete);
   }
   // In two frames, with a ping between them.
-  FrameReader reader(false);
+  WebsocketReader reader(false);
   EXPECT_EQ(read_all(reader, "\x01\x03Hel"), FrameRead::kPart);
   EXPECT_EQ(read_all(reader, "\x89\x05World"), FrameRead::kPing);
   EXPECT_EQ(reader.payload(), "World");
@@ -73,7 +73,7 @@ TEST(WebsocketFrame, ReadsWhatWasWrittenHoweverItArrives) {
       const Bytes frame = written(FrameOpcode::kText, true, text, with);
       const std::size_t header = size < 126 ? 2 : size < 65536 ? 4 : 10;
       ASSERT_EQ(frame.size(), size + header + (with == nullptr ? 0 : 4));
-      FrameReader reader(with != nullptr);
+      WebsocketReader reader(with != nullptr);
       for (std::size_t i = 0; i + 1 < frame.size(); i += i < 20 ? 1 : 4096) {
         const std::size_t next = std::min(i < 20 ? i + 1 : i + 4096, frame.size() - 1);
         ASSERT_EQ(read_all(reader, frame.substr(i, next - i)), FrameRead::kIncomplete);
@@ -89,19 +89,19 @@ TEST(WebsocketFrame, RefusesWhatIsNoFrameOrTooLong) {
   const char* const kNone = "a frame that is none of the protocol's";
   const char* const kLong = "a message of more than 64 KiB";
   const char* const kNoText = "a message that is no text";
-  EXPECT_EQ(refusal("\x81\x05Hello", false), "");
-  EXPECT_EQ(refusal("\x81\x05Hello", true), kNone);  // clients mask
-  EXPECT_EQ(refusal("\x81\x85Hello", false), kNone);
-  EXPECT_EQ(refusal("\xc1\x05Hello", false), kNone);  // compressed
-  EXPECT_EQ(refusal("\x09\x05Hello", false), kNone);  // half a ping
-  EXPECT_EQ(refusal("\x89\x7e\x01\x01", false), kNone);
-  EXPECT_EQ(refusal("\x82\x05Hello", false), kNoText);
-  EXPECT_EQ(refusal("\x80\x05Hello", false), kNoText);
-  EXPECT_EQ(refusal("\x01\x01H\x81\x01H", false), kNoText);
-  EXPECT_EQ(refusal(Bytes("\x81\x7f\0\0\0\0\0\x01\0\x01", 10), false), kLong);
-  EXPECT_EQ(refusal("\x81\x7f\xff\xff\xff\xff\xff\xff\xff\xff", false), kLong);
+  EXPECT_EQ(refused_part("\x81\x05Hello", false), "");
+  EXPECT_EQ(refused_part("\x81\x05Hello", true), kNone);  // clients mask
+  EXPECT_EQ(refused_part("\x81\x85Hello", false), kNone);
+  EXPECT_EQ(refused_part("\xc1\x05Hello", false), kNone);  // compressed
+  EXPECT_EQ(refused_part("\x09\x05Hello", false), kNone);  // half a ping
+  EXPECT_EQ(refused_part("\x89\x7e\x01\x01", false), kNone);
+  EXPECT_EQ(refused_part("\x82\x05Hello", false), kNoText);
+  EXPECT_EQ(refused_part("\x80\x05Hello", false), kNoText);
+  EXPECT_EQ(refused_part("\x01\x01H\x81\x01H", false), kNoText);
+  EXPECT_EQ(refused_part(Bytes("\x81\x7f\0\0\0\0\0\x01\0\x01", 10), false), kLong);
+  EXPECT_EQ(refused_part("\x81\x7f\xff\xff\xff\xff\xff\xff\xff\xff", false), kLong);
   const Bytes half(40000, 'a');
-  EXPECT_EQ(refusal(written(FrameOpcode::kText, false, half, nullptr) +
+  EXPECT_EQ(refused_part(written(FrameOpcode::kText, false, half, nullptr) +
                         written(FrameOpcode::kContinuation, true, half, nullptr),
                     false),
             kLong);
