@@ -9,11 +9,24 @@
 #include "runtime/view/view_socket.h"
 
 namespace palpate {
+namespace {
+
+// Beast's own writing of responses takes some seconds more to compile.
+std::string as_sent(const Response& response) {
+  std::string text = fmt::format("HTTP/1.{} {} {}\r\n", response.version() % 10,
+                                 response.result_int(), view(response.reason()));
+  for (const auto& field : response) {
+    text += fmt::format("{}: {}\r\n", view(field.name_string()), view(field.value()));
+  }
+  return text + "\r\n" + response.body();
+}
+
+}  // namespace
 
 // One TCP connection as long as it speaks HTTP.
 class ViewServer::Parts::Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(Parts& parts, tcp::socket socket)
+  Connection(Parts& parts, TcpSocket socket)
       : parts_(parts), stream_(std::move(socket)) {
     ++parts_.connections;
   }
@@ -58,20 +71,23 @@ class ViewServer::Parts::Connection : public std::enable_shared_from_this<Connec
       socket->start(request);
       return;
     }
-    response_ = parts_.answer(request);
-    http::async_write(stream_, response_,
-                      [self = shared_from_this()](Failure failure, std::size_t) {
-                        if (!failure && self->response_.keep_alive()) {
-                          self->read();
-                        }
-                      });
+    const Response response = parts_.answer(request);
+    leaving_ = as_sent(response);
+    boost::asio::async_write(
+        stream_, boost::asio::buffer(leaving_),
+        [self = shared_from_this(), goes_on = response.keep_alive()](Failure failure,
+                                                                     std::size_t) {
+          if (!failure && goes_on) {
+            self->read();
+          }
+        });
   }
 
   Parts& parts_;
-  beast::tcp_stream stream_;
+  TcpStream stream_;
   beast::flat_buffer buffer_{kHeaderBytes + 1024};
   std::optional<http::request_parser<http::empty_body>> parser_;
-  Response response_;
+  std::string leaving_;
   bool handed_over_ = false;
 };
 
@@ -85,7 +101,7 @@ void ViewServer::Parts::listen() {
     }
   };
   in_order([&] {
-    acceptor.set_option(tcp::acceptor::reuse_address(true), failure);
+    acceptor.set_option(boost::asio::socket_base::reuse_address(true), failure);
   });
   in_order([&] {
     acceptor.bind(endpoint, failure);
@@ -102,7 +118,7 @@ void ViewServer::Parts::listen() {
 }
 
 void ViewServer::Parts::accept() {
-  acceptor.async_accept([this](Failure failure, tcp::socket socket) {
+  acceptor.async_accept([this](Failure failure, TcpSocket socket) {
     if (!acceptor.is_open()) {
       return;
     }

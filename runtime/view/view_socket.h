@@ -11,8 +11,10 @@
 #include <optional>
 #include <utility>  // before asio, which forgets it
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -28,10 +30,17 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 using tcp = boost::asio::ip::tcp;
+// With the executor of a context: a type-erased one takes longer to compile.
+using Executor = boost::asio::io_context::executor_type;
+using TcpSocket = boost::asio::basic_stream_socket<tcp, Executor>;
+using TcpStream = beast::basic_stream<tcp, Executor>;
 using Failure = beast::error_code;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 using SocketClock = std::chrono::steady_clock;
+using SocketTimer =
+    boost::asio::basic_waitable_timer<SocketClock,
+                                      boost::asio::wait_traits<SocketClock>, Executor>;
 
 inline constexpr std::size_t kHeaderBytes = 8192;
 inline constexpr std::size_t kWaitingMax = 64;      // messages for one client
@@ -87,14 +96,14 @@ struct ViewServer::Parts {
   std::size_t connections = 0;
   std::list<Connection*> silent;  ///< that wait for a request, oldest first
   boost::asio::io_context io{1};  // after what its connections touch when they end
-  tcp::acceptor acceptor;
-  boost::asio::steady_timer timer;
+  boost::asio::basic_socket_acceptor<tcp, Executor> acceptor;
+  SocketTimer timer;
 };
 
 // One WebSocket, from its handshake to its end.
 class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Parts& parts, beast::tcp_stream stream, ViewClient client)
+  Socket(Parts& parts, TcpStream stream, ViewClient client)
       : parts_(parts),
         stream_(std::move(stream)),
         client_(client),
@@ -219,7 +228,7 @@ class ViewServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
   }
 
   Parts& parts_;
-  websocket::stream<beast::tcp_stream, false> stream_;
+  websocket::stream<TcpStream, false> stream_;
   beast::flat_buffer buffer_{kViewMessageBytes};
   ViewClient client_;
   MessageRate rate_;
