@@ -26,7 +26,7 @@ FrameRead read_all(WebsocketReader& reader, const Bytes& bytes) {
   return reader.read();
 }
 
-std::string refused_part(const Bytes& bytes, bool masked) {
+std::string why_refused(const Bytes& bytes, bool masked) {
   WebsocketReader reader(masked);
   FrameRead read = read_all(reader, bytes);
   while (read == FrameRead::kPart) {
@@ -89,19 +89,19 @@ TEST(WebsocketFrame, RefusesWhatIsNoFrameOrTooLong) {
   const char* const kNone = "a frame that is none of the protocol's";
   const char* const kLong = "a message of more than 64 KiB";
   const char* const kNoText = "a message that is no text";
-  EXPECT_EQ(refused_part("\x81\x05Hello", false), "");
-  EXPECT_EQ(refused_part("\x81\x05Hello", true), kNone);  // clients mask
-  EXPECT_EQ(refused_part("\x81\x85Hello", false), kNone);
-  EXPECT_EQ(refused_part("\xc1\x05Hello", false), kNone);  // compressed
-  EXPECT_EQ(refused_part("\x09\x05Hello", false), kNone);  // half a ping
-  EXPECT_EQ(refused_part("\x89\x7e\x01\x01", false), kNone);
-  EXPECT_EQ(refused_part("\x82\x05Hello", false), kNoText);
-  EXPECT_EQ(refused_part("\x80\x05Hello", false), kNoText);
-  EXPECT_EQ(refused_part("\x01\x01H\x81\x01H", false), kNoText);
-  EXPECT_EQ(refused_part(Bytes("\x81\x7f\0\0\0\0\0\x01\0\x01", 10), false), kLong);
-  EXPECT_EQ(refused_part("\x81\x7f\xff\xff\xff\xff\xff\xff\xff\xff", false), kLong);
+  EXPECT_EQ(why_refused("\x81\x05Hello", false), "");
+  EXPECT_EQ(why_refused("\x81\x05Hello", true), kNone);  // clients mask
+  EXPECT_EQ(why_refused("\x81\x85Hello", false), kNone);
+  EXPECT_EQ(why_refused("\xc1\x05Hello", false), kNone);  // compressed
+  EXPECT_EQ(why_refused("\x09\x05Hello", false), kNone);  // half a ping
+  EXPECT_EQ(why_refused("\x89\x7e\x01\x01", false), kNone);
+  EXPECT_EQ(why_refused("\x82\x05Hello", false), kNoText);
+  EXPECT_EQ(why_refused("\x80\x05Hello", false), kNoText);
+  EXPECT_EQ(why_refused("\x01\x01H\x81\x01H", false), kNoText);
+  EXPECT_EQ(why_refused(Bytes("\x81\x7f\0\0\0\0\0\x01\0\x01", 10), false), kLong);
+  EXPECT_EQ(why_refused("\x81\x7f\xff\xff\xff\xff\xff\xff\xff\xff", false), kLong);
   const Bytes half(40000, 'a');
-  EXPECT_EQ(refused_part(written(FrameOpcode::kText, false, half, nullptr) +
+  EXPECT_EQ(why_refused(written(FrameOpcode::kText, false, half, nullptr) +
                         written(FrameOpcode::kContinuation, true, half, nullptr),
                     false),
             kLong);
