@@ -30,11 +30,14 @@ function(palpate_units target)
 endfunction()
 
 # palpate_reuse(<target> <kind>): compiles with the precompiled header palpate_pch_<kind>.
-# GCC wants the same definitions of what the header holds.
+# GCC wants the same definitions of the libraries that the header holds.
 function(palpate_reuse target kind)
   target_precompile_headers(${target} REUSE_FROM palpate_pch_${kind})
-  target_compile_definitions(${target} PRIVATE
-    $<TARGET_PROPERTY:palpate_pch_${kind},COMPILE_DEFINITIONS>)
+  get_target_property(held palpate_pch_${kind} LINK_LIBRARIES)
+  foreach(library ${held})
+    target_compile_definitions(${target} PRIVATE
+      $<TARGET_PROPERTY:${library},INTERFACE_COMPILE_DEFINITIONS>)
+  endforeach()
 endfunction()
 
 # palpate_library(<name> [PIC] ROOMS <folder>... [DEPENDS ...] [PRIVATE_DEPENDS ...])

@@ -12,6 +12,7 @@
 #include "precompute/surface/repair.h"
 #include "precompute/surface/self_intersections.h"
 #include "precompute/surface/surface_check.h"
+#include "tests/support/study_bodies.h"
 
 namespace palpate {
 namespace {
@@ -24,16 +25,6 @@ std::size_t at(std::int32_t i) {
 
 SurfaceMesh ball() {
   return icosphere(kRadius, 4);
-}
-
-SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
-  SurfaceMesh both;
-  both.position_m.resize(a.position_m.rows() + b.position_m.rows(), 3);
-  both.position_m << a.position_m, b.position_m;
-  both.triangle.resize(a.triangle.rows() + b.triangle.rows(), 3);
-  both.triangle << a.triangle,
-      (b.triangle.array() + static_cast<int>(a.position_m.rows())).matrix();
-  return both;
 }
 
 // A vertex is pushed in by a share of an edge's length, and those around it change
