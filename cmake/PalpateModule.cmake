@@ -30,13 +30,15 @@ function(palpate_units target)
 endfunction()
 
 # palpate_reuse(<target> <kind>): compiles with the precompiled header palpate_pch_<kind>.
-# GCC wants the same definitions of the libraries that the header holds.
+# GCC wants the same definitions and options of the libraries that the header holds.
 function(palpate_reuse target kind)
   target_precompile_headers(${target} REUSE_FROM palpate_pch_${kind})
   get_target_property(held palpate_pch_${kind} LINK_LIBRARIES)
   foreach(library ${held})
     target_compile_definitions(${target} PRIVATE
       $<TARGET_PROPERTY:${library},INTERFACE_COMPILE_DEFINITIONS>)
+    target_compile_options(${target} PRIVATE
+      $<TARGET_PROPERTY:${library},INTERFACE_COMPILE_OPTIONS>)
   endforeach()
 endfunction()
 
