@@ -262,8 +262,8 @@ void study_all(const Plan& plan) {
     counts = {probes};
   }
   const Body bodies[] = {
-      {"sphere", icosphere(0.05, refinements)},
-      {"ellipsoid", stretched(icosphere(1.0, refinements), {0.08, 0.05, 0.03})},
+      {"sphere", sphere_surface(0.05, refinements)},
+      {"ellipsoid", stretched(sphere_surface(1.0, refinements), {0.08, 0.05, 0.03})},
       {"organ", organ_like(refinements)}};
   fmt::print(
       "means of {} runs each; rms of log force at the nodes; coverage of 95 % "

@@ -194,8 +194,8 @@ struct Plan {
 
 void study_all(const Plan& plan) {
   const std::vector<SurfaceMesh> bodies = {
-      icosphere(0.05, plan.refinements),
-      stretched(icosphere(1.0, plan.refinements), {0.08, 0.05, 0.03}),
+      sphere_surface(0.05, plan.refinements),
+      stretched(sphere_surface(1.0, plan.refinements), {0.08, 0.05, 0.03}),
       organ_like(plan.refinements)};
   fmt::print("{:<20} {:>6} {:>5} {:>6} {:>7} {:>6} {:>7} {:>8} {:>7} {:>7} {:>7}\n",
              "kind", "probes", "runs", "taken", "end", "s.e.", "worst", "out", "stated",

@@ -85,7 +85,7 @@ SurfaceMesh cut_in_four(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-SurfaceMesh icosphere(double radius_m, int refinements) {
+SurfaceMesh sphere_surface(double radius_m, int refinements) {
   SurfaceMesh mesh = icosahedron();
   for (int i = 0; i < refinements; ++i) {
     mesh = cut_in_four(mesh);
@@ -102,7 +102,7 @@ SurfaceMesh stretched(SurfaceMesh mesh, const Eigen::Vector3d& by) {
 }
 
 SurfaceMesh organ_like(int refinements) {
-  SurfaceMesh mesh = icosphere(1.0, refinements);
+  SurfaceMesh mesh = sphere_surface(1.0, refinements);
   for (Eigen::Index i = 0; i < mesh.position_m.rows(); ++i) {
     const Eigen::Vector3d p = mesh.position_m.row(i);
     const double r = 0.06 * (1.0 + 0.25 * p.x() * p.y() + 0.2 * std::cos(3.0 * p.x()));

@@ -12,7 +12,7 @@ using NodeForce = std::function<double(Eigen::Index node, double depth_m)>;
 
 /// A closed sphere about the origin: an icosahedron, each triangle cut in four
 /// `refinements` times; 10 * 4^r + 2 vertices.
-[[nodiscard]] SurfaceMesh icosphere(double radius_m, int refinements);
+[[nodiscard]] SurfaceMesh sphere_surface(double radius_m, int refinements);
 
 /// The same, its coordinates times `by`.
 [[nodiscard]] SurfaceMesh stretched(SurfaceMesh mesh, const Eigen::Vector3d& by);

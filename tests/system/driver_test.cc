@@ -23,7 +23,7 @@ class DeviceTool : public testing::Test {
  protected:
   void SetUp() override {
     write_database(body(), sample_database(
-                               icosphere(0.04, 2), ball(0.005, 0.3, 5e-4),
+                               sphere_surface(0.04, 2), ball(0.005, 0.3, 5e-4),
                                [](Eigen::Index, double d) {
                                  return 100.0 * d * (0.5 + 50.0 * d);
                                },

@@ -53,7 +53,7 @@ void write_curve(const std::filesystem::path& file, double K, std::mt19937& gene
 class FitSession : public testing::Test {
  protected:
   FitSession() {
-    write_obj(folder_ / "body.obj", icosphere(kBodyRadius, 3));
+    write_obj(folder_ / "body.obj", sphere_surface(kBodyRadius, 3));
     std::mt19937 generator(5);
     std::normal_distribution<double> normal;
     std::string text =

@@ -34,7 +34,7 @@ class RecordedRun : public testing::Test {
 
   static ResponseDatabase body(double stiffness_n_per_m) {
     return sample_database(
-        icosphere(0.04, 2), ball(0.005, 0.3, 5e-4),
+        sphere_surface(0.04, 2), ball(0.005, 0.3, 5e-4),
         [=](Eigen::Index, double d) {
           return stiffness_n_per_m * d * (0.5 + 50.0 * d);
         },

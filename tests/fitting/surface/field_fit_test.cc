@@ -53,7 +53,7 @@ class MeasuredSphere : public testing::Test {
     }
   }
 
-  SurfaceMesh body_ = icosphere(kBodyRadius, 3);
+  SurfaceMesh body_ = sphere_surface(kBodyRadius, 3);
   ToolShape tool_ = ball(5e-3, 0.2, 1e-4);
   std::vector<SurfaceProbe> probes_;
 };

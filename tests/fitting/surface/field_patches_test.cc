@@ -36,7 +36,7 @@ class OnBall : public testing::Test {
     }
   }
 
-  SurfaceMesh mesh_ = icosphere(0.05, 2);
+  SurfaceMesh mesh_ = sphere_surface(0.05, 2);
   FieldModel model_{mesh_, points(mesh_)};
   FieldData data_;
   FieldParameters near_{.length_m = 0.05, .sd = 0.5, .nugget_sd = 0.02};

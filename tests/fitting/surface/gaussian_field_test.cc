@@ -71,7 +71,7 @@ struct Dense {
 
 class OnSphere : public testing::Test {
  protected:
-  SurfaceMesh mesh_ = icosphere(0.05, 2);  // 162 nodes
+  SurfaceMesh mesh_ = sphere_surface(0.05, 2);  // 162 nodes
   FieldModel model_{mesh_, scattered(mesh_, 40, 1)};
   FieldData data_ = data_of(model_, 2);
 };
@@ -168,7 +168,7 @@ TEST_P(FieldPrior, VarianceOnASphereConvergesToTheSumOverHarmonics) {
       series * nu * std::pow(kappa2, nu) * p.sd * p.sd / (kRadius * kRadius);
   double previous = 1.0;
   for (const int refinements : {2, 3, 4}) {
-    const SurfaceMesh mesh = icosphere(kRadius, refinements);
+    const SurfaceMesh mesh = sphere_surface(kRadius, refinements);
     const FieldModel model(mesh, {});
     SparseFactor factor(model.prior_precision(p));
     const double error =
@@ -183,12 +183,12 @@ INSTANTIATE_TEST_SUITE_P(Smoothness, FieldPrior, testing::Values(1, 2));
 
 TEST(FieldPosterior, ConvergesUnderRefinement) {
   const auto sd_and_mean = [](int refinements) {
-    const SurfaceMesh mesh = icosphere(0.05, refinements);
-    const FieldModel model(mesh, scattered(icosphere(0.05, 1), 30, 4));
+    const SurfaceMesh mesh = sphere_surface(0.05, refinements);
+    const FieldModel model(mesh, scattered(sphere_surface(0.05, 1), 30, 4));
     std::vector<AttachedPoint> points;
     for (const AttachedPoint& p : model.point()) {
       points.push_back(closest_surface_point(
-          mesh, 0.05 * position_m(icosphere(0.05, 1), p).normalized()));
+          mesh, 0.05 * position_m(sphere_surface(0.05, 1), p).normalized()));
     }
     const FieldModel attached(mesh, points);
     const FieldPosterior posterior =
@@ -246,7 +246,7 @@ TEST(FieldPosterior, ASagBetweenNodesIsTakenOff) {
 }
 
 TEST(FieldModelInput, NamesWhatIsWrong) {
-  const SurfaceMesh mesh = icosphere(0.05, 1);
+  const SurfaceMesh mesh = sphere_surface(0.05, 1);
   const FieldModel model(mesh, scattered(mesh, 5, 1));
   FieldData data = data_of(model, 1);
   EXPECT_THROW((void)model.posterior({0.0, 1.0, 0.1}, data), InputError);

@@ -69,7 +69,7 @@ class HeldSphere : public testing::Test {
                             common_viscoelasticity(all()));
   }
 
-  SurfaceMesh body_ = icosphere(kSphereRadius, 2);
+  SurfaceMesh body_ = sphere_surface(kSphereRadius, 2);
   std::vector<SurfaceProbe> probes_;
 };
 

@@ -41,7 +41,7 @@ TEST(SurfaceOperator, IntegratesLinearFunctionsExactly) {
 TEST(SurfaceOperator, HasTheSpheresSecondEigenvalue) {
   double previous = 1.0;
   for (const int refinements : {1, 2, 3}) {
-    const SurfaceMesh mesh = icosphere(0.05, refinements);
+    const SurfaceMesh mesh = sphere_surface(0.05, refinements);
     const SurfaceOperator op = surface_operator(mesh);
     const Eigen::VectorXd x =
         mesh.position_m.col(0).cwiseProduct(mesh.position_m.col(1));
@@ -61,7 +61,7 @@ TEST(SurfaceOperator, RefusesATriangleWithoutArea) {
 TEST(GeodesicDistance, IsTheArcOnASphereToFirstOrder) {
   double previous = 1.0;
   for (const int refinements : {2, 3, 4}) {
-    const SurfaceMesh mesh = icosphere(1.0, refinements);
+    const SurfaceMesh mesh = sphere_surface(1.0, refinements);
     const Eigen::Vector3d pole = mesh.position_m.row(0);
     const AttachedPoint source[] = {closest_surface_point(mesh, pole)};
     const Eigen::VectorXd distance = geodesic_distance_m(mesh, source);
@@ -78,7 +78,7 @@ TEST(GeodesicDistance, IsTheArcOnASphereToFirstOrder) {
 }
 
 TEST(GeodesicDistance, IsInfiniteWhereNoSourceReaches) {
-  SurfaceMesh mesh = icosphere(1.0, 0);
+  SurfaceMesh mesh = sphere_surface(1.0, 0);
   const SurfaceMesh other = mesh;
   mesh.position_m.conservativeResize(24, Eigen::NoChange);
   mesh.position_m.bottomRows(12) = other.position_m.array() + 5.0;

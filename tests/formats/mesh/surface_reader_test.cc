@@ -77,7 +77,7 @@ TEST_F(SurfaceReader, ConvertsToMetres) {
 }
 
 TEST_F(SurfaceReader, KeepsVerticesAndTrianglesInOrder) {
-  const SurfaceMesh body = icosphere(0.05, 2);
+  const SurfaceMesh body = sphere_surface(0.05, 2);
   write_obj(body, folder_ / "organ.obj", "a test");
   const SurfaceMesh read = read_surface(folder_ / "organ.obj", "m");
   EXPECT_EQ(read.position_m, body.position_m);  // bit for bit
@@ -133,7 +133,7 @@ TEST_F(SurfaceReader, RefusesObjIndicesThatNameNoVertex) {
 }
 
 TEST_F(SurfaceReader, ReadsStlTextAsPeopleWriteIt) {
-  const SurfaceMesh body = icosphere(1.0, 0);
+  const SurfaceMesh body = sphere_surface(1.0, 0);
   std::string text = ascii_stl(body, "solid a facet of it\n");
   const SurfaceMesh plain = read_surface(file("a.stl", text), "cm");
   EXPECT_EQ(plain.triangle.rows(), body.triangle.rows());
@@ -205,7 +205,7 @@ TEST_F(SurfaceReader, ReadsAsciiPly) {
 }
 
 TEST_F(SurfaceReader, MergesTheEqualPointsOfStl) {
-  const SurfaceMesh body = icosphere(1.0, 1);
+  const SurfaceMesh body = sphere_surface(1.0, 1);
   const std::string texts[] = {ascii_stl(body, "solid ball\n"),
                                ascii_stl(body, "solid\tball\n"), binary_stl(body)};
   for (const std::string& text : texts) {
@@ -218,11 +218,11 @@ TEST_F(SurfaceReader, MergesTheEqualPointsOfStl) {
 }
 
 TEST_F(SurfaceReader, RefusesStlThatIsCutShort) {
-  const std::string binary = binary_stl(icosphere(1.0, 1));
+  const std::string binary = binary_stl(sphere_surface(1.0, 1));
   EXPECT_TRUE(contains(message("a.stl", 'x' + binary.substr(1, binary.size() - 30)),
                        "announces 80 triangles, 4084 bytes, but the file has 4055"))
       << message("a.stl", 'x' + binary.substr(1, binary.size() - 30));
-  const std::string text = ascii_stl(icosphere(1.0, 1), "solid\n");
+  const std::string text = ascii_stl(sphere_surface(1.0, 1), "solid\n");
   EXPECT_TRUE(
       contains(message("b.stl", text.substr(0, text.find("outer", text.size() / 2))),
                "cut short"));
@@ -242,7 +242,7 @@ TEST_F(SurfaceReader, RefusesOtherFilesThatAreCutShort) {
 TEST_F(SurfaceReader, NamesTheVertexThatIsNotFinite) {
   EXPECT_TRUE(contains(message("a.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"),
                        "line 2: vertex 2 is not three finite numbers"));
-  SurfaceMesh body = icosphere(1.0, 1);
+  SurfaceMesh body = sphere_surface(1.0, 1);
   body.position_m(body.triangle(0, 1), 2) = std::nan("");
   EXPECT_TRUE(contains(message("b.stl", binary_stl(body)), "must be finite"));
 }
@@ -298,7 +298,8 @@ TEST_F(SurfaceReader, RefusesABodyOfImpossibleSize) {
 }
 
 TEST_F(SurfaceReader, WriterRefusesOtherFormats) {
-  EXPECT_THROW(write_obj(icosphere(0.05, 1), folder_ / "a.stl", "a test"), InputError);
+  EXPECT_THROW(write_obj(sphere_surface(0.05, 1), folder_ / "a.stl", "a test"),
+               InputError);
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ TEST(NearestInTriangle, TakesATriangleWithoutAreaAsItsEdges) {
 
 TEST(SurfaceSearch, FindsWhatLookingAtEveryTriangleFinds) {
   RandomPoints random;
-  for (const SurfaceMesh& mesh : {icosphere(0.05, 3), plate(0.1, 12)}) {
+  for (const SurfaceMesh& mesh : {sphere_surface(0.05, 3), plate(0.1, 12)}) {
     const SurfaceSearch search(mesh);
     for (int trial = 0; trial < 500; ++trial) {
       const Eigen::Vector3d p = random.in_cube(0.1);
@@ -96,7 +96,7 @@ TEST(SurfaceSearch, FindsWhatLookingAtEveryTriangleFinds) {
 
 TEST(SurfaceSearch, WalksToTheGlobalAnswerOnAConvexBody) {
   RandomPoints random;
-  const SurfaceMesh mesh = icosphere(0.05, 3);
+  const SurfaceMesh mesh = sphere_surface(0.05, 3);
   const SurfaceSearch search(mesh);
   std::mt19937 generator(7);
   std::uniform_int_distribution<std::int32_t> any(
@@ -129,7 +129,7 @@ TEST(SurfaceSearch, StaysOnItsSideOfAThinBodyWhenWalking) {
 }
 
 TEST(SurfaceSearch, ListsTheTrianglesAroundATriangleEdgeNeighboursFirst) {
-  const SurfaceMesh mesh = icosphere(1.0, 2);
+  const SurfaceMesh mesh = sphere_surface(1.0, 2);
   const SurfaceSearch search(mesh);
   for (std::int32_t t = 0; t < mesh.triangle.rows(); ++t) {
     std::array<std::int32_t, 32> ring{};

@@ -61,7 +61,7 @@ TEST(MemorySites, OfAFinePlateLieTheSpacingApartAndAreInterpolatedLinearly) {
 }
 
 TEST(MemorySites, OfASphereAreSpreadOverAllOfIt) {
-  const SurfaceMesh body = icosphere(0.05, 4);
+  const SurfaceMesh body = sphere_surface(0.05, 4);
   const MemorySites sites = sites_of(body, 0.02);
   expect_partition(sites);
   // A triangle of that side for each half of its sites.
@@ -130,7 +130,7 @@ TEST(ContactRadius, IsThatOfTheTool) {
 TEST(ContactRadius, OfAMeshThatIsASphereIsTheSpheres) {
   ToolShape tool;
   tool.kind = "mesh";
-  tool.mesh = icosphere(0.004, 4);
+  tool.mesh = sphere_surface(0.004, 4);
   EXPECT_NEAR(contact_radius_m(tool, 0.001), 0.002, 2e-4);
 }
 

@@ -14,7 +14,7 @@ namespace {
 // A ball whose nodes differ ninefold, to 6 mm.
 ResponseDatabase body() {
   return sample_database(
-      icosphere(0.05, 3), ball(0.005, 0.3, 5e-4),
+      sphere_surface(0.05, 3), ball(0.005, 0.3, 5e-4),
       [](Eigen::Index node, double d) {
         return static_cast<double>(node % 9 + 1) * 500.0 * std::pow(d, 1.5);
       },

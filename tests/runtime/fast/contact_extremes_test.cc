@@ -320,7 +320,7 @@ TEST_P(ContactExtremes, StaysOnTheComponentThatItPressesUntilItIsReleased) {
   constexpr double kBodyM = 0.02;
   const Eigen::Vector3d left(-kBodyM, 0.0, 0.0);
   const Eigen::Vector3d right(kBodyM, 0.0, 0.0);
-  const SurfaceMesh sphere = icosphere(kBodyM, 3);
+  const SurfaceMesh sphere = sphere_surface(kBodyM, 3);
   const ResponseDatabase database =
       body(both(moved(sphere, left), moved(sphere, right)));
   RenderedPath r(database, GetParam());

@@ -24,7 +24,7 @@ std::vector<bool> upper(const SurfaceMesh& body) {
 }
 
 TEST(WanderingHand, GoesOnAtItsSpeedWhereItMayAndStaysPressed) {
-  const SurfaceMesh body = icosphere(kRadius, 3);
+  const SurfaceMesh body = sphere_surface(kRadius, 3);
   const Points normal = vertex_normals(body);
   const WanderOptions options{
       .speed_m_per_s = 0.05, .touch_m = 0.006, .press_m = 0.002};
@@ -58,7 +58,7 @@ TEST(WanderingHand, GoesOnAtItsSpeedWhereItMayAndStaysPressed) {
 }
 
 TEST(WanderingHand, RefusesABodyWithNowhereToGo) {
-  const SurfaceMesh body = icosphere(kRadius, 1);
+  const SurfaceMesh body = sphere_surface(kRadius, 1);
   const Points normal = vertex_normals(body);
   EXPECT_THROW(
       WanderingHand(body, normal,

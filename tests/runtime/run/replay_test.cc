@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 ResponseDatabase bumpy_body(double stiffness_n_per_m) {
   return sample_database(
-      icosphere(0.04, 3), ball(0.005, 0.3, 5e-4),
+      sphere_surface(0.04, 3), ball(0.005, 0.3, 5e-4),
       [=](Eigen::Index node, double d) {
         const double local = 1.0 + 0.1 * static_cast<double>(node % 7);
         return stiffness_n_per_m * local * d * (0.5 + 50.0 * d);

@@ -187,7 +187,7 @@ TEST_F(GrowingPlate, TellsWhereTheHandIsAndHowFastItGoes) {
 
 ResponseDatabase walked_ball(double friction) {
   return sample_database(
-      icosphere(0.05, 3), ball(0.005, friction, 5e-4),
+      sphere_surface(0.05, 3), ball(0.005, friction, 5e-4),
       [](Eigen::Index node, double d) {
         return static_cast<double>(node % 3 + 1) * 500.0 * std::pow(d, 1.5);
       },

@@ -26,7 +26,7 @@ double wavy(Eigen::Index node, double d) {
 
 ResponseDatabase sphere_body(Precision precision, int samples) {
   ResponseDatabase database = sample_database(
-      icosphere(kRadius, 5), ball(0.005, 0.3, 5e-4), wavy, 0.01, samples);
+      sphere_surface(kRadius, 5), ball(0.005, 0.3, 5e-4), wavy, 0.01, samples);
   database.storage = {.precision = precision, .chunk_nodes = 64};
   return database;
 }

@@ -25,7 +25,7 @@ ToolState tool_at(const Eigen::Vector3d& position_m) {
 class ElementStreamOnSphere : public testing::Test {
  protected:
   const ResponseDatabase database_ =
-      sample_database(icosphere(0.05, 3), ball(0.005, 0.3, 5e-4), linear, 0.01);
+      sample_database(sphere_surface(0.05, 3), ball(0.005, 0.3, 5e-4), linear, 0.01);
   ElementStream stream_{database_, database_.tools[0]};
   std::unique_ptr<ElementFifo> fifo_ = std::make_unique<ElementFifo>();
 };

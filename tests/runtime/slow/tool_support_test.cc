@@ -125,7 +125,7 @@ TEST(ToolHeight, EveryToolRendersTheCurveOfTheNodeThatItPresses) {
     tool.name = tool.kind;
     for (const bool stands : {false, true}) {
       const ResponseDatabase database = sample_database(
-          icosphere(0.05, 2), stands ? standing(tool) : tool,
+          sphere_surface(0.05, 2), stands ? standing(tool) : tool,
           [](Eigen::Index, double d) {
             return 400.0 * d;
           },

@@ -18,7 +18,7 @@ class ViewContactTest : public testing::Test {
     return view_contact(database_, tool, search_, x_m, -1);
   }
   ResponseDatabase database_ = sample_database(
-      icosphere(0.05, 3), ball(0.005, 0.0, 0.0),
+      sphere_surface(0.05, 3), ball(0.005, 0.0, 0.0),
       [](Eigen::Index, double d) {
         return d;
       },
