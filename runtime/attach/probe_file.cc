@@ -26,7 +26,7 @@ Json as_list(const Eigen::Vector3d& v) {
 }
 
 // In whole microseconds and nanometres: finer than any device.
-Json as_json(const std::vector<ProbeSample>& push) {
+Json push_json(const std::vector<ProbeSample>& push) {
   Json time_us = Json::array();
   Json way_nm = Json::array();
   for (const ProbeSample& sample : push) {
@@ -36,7 +36,7 @@ Json as_json(const std::vector<ProbeSample>& push) {
   return {{"time_us", time_us}, {"way_nm", way_nm}};
 }
 
-Json as_json(const ProbedAxis& a) {
+Json axis_json(const ProbedAxis& a) {
   Json json = {{"axis", kAxes[static_cast<std::size_t>(a.axis)]}};
   if (!a.failure.empty()) {
     json["failure"] = a.failure;
@@ -51,7 +51,7 @@ Json as_json(const ProbedAxis& a) {
                {"delay_resolution_s", a.delay_resolution_s},
                {"pushes", Json::array()}});
   for (const std::vector<ProbeSample>& push : a.push) {
-    json["pushes"].push_back(as_json(push));
+    json["pushes"].push_back(push_json(push));
   }
   return json;
 }
@@ -221,7 +221,7 @@ std::string probe_json(const ProbeReport& r) {
                {"highest_m", as_list(r.highest_m)},
                {"axes", Json::array()}};
   for (const ProbedAxis& axis : r.axis) {
-    json["axes"].push_back(as_json(axis));
+    json["axes"].push_back(axis_json(axis));
   }
   return json.dump() + "\n";
 }

@@ -73,14 +73,14 @@ std::vector<Scene> scenes() {
 }
 
 // The walk and the messages that the slow process would send along it.
-struct Recording {
+struct StepRecording {
   std::vector<Eigen::Vector3d> position_m;
   std::vector<std::vector<Element>> messages;  // one entry per slow tick
 };
 
-Recording record(const StepBenchOptions& options, const Scene& scene) {
+StepRecording record(const StepBenchOptions& options, const Scene& scene) {
   const BenchBody body = make_bench_body(scene.body);
-  Recording recording;
+  StepRecording recording;
   recording.position_m =
       make_bench_walk(body, {.ticks = options.ticks,
                              .tool_radius_m = kToolRadiusM,
@@ -103,7 +103,7 @@ std::vector<std::unique_ptr<FastState>> make_states(LocalModel model, int tools)
   return states;
 }
 
-StepBenchRow run(const Recording& recording, LocalModel model, const Scene& scene,
+StepBenchRow run(const StepRecording& recording, LocalModel model, const Scene& scene,
                  int ticks_per_slow, std::uint64_t (*allocations)()) {
   const auto states = make_states(model, scene.tools);
   std::vector<double> step_ns;
@@ -146,7 +146,7 @@ std::vector<StepBenchRow> run_step_bench(const StepBenchOptions& options,
                                          std::uint64_t (*allocations)()) {
   std::vector<StepBenchRow> rows;
   for (const Scene& scene : scenes()) {
-    const Recording recording = record(options, scene);
+    const StepRecording recording = record(options, scene);
     for (const LocalModel model : kLocalModels) {
       rows.push_back(run(recording, model, scene, options.ticks_per_slow, allocations));
     }

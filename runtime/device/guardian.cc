@@ -18,12 +18,12 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 namespace {
 
-constexpr int kPriority = 81;  // SCHED_FIFO, one above the fast thread
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr int kGuardianPriority = 81;  // SCHED_FIFO, one above the fast thread
 constexpr int kLookMs = 5;
 constexpr int kLooks = 8;  // a patience
 
@@ -55,7 +55,7 @@ timespec after(std::int64_t duration_ns) noexcept {
   timespec time{};
   ::clock_gettime(CLOCK_MONOTONIC, &time);
   const std::int64_t ns = time.tv_nsec + duration_ns;
-  return {.tv_sec = time.tv_sec + ns / kSecond, .tv_nsec = ns % kSecond};
+  return {.tv_sec = time.tv_sec + ns / kSecondNs, .tv_nsec = ns % kSecondNs};
 }
 
 }  // namespace
@@ -81,7 +81,8 @@ Guardian::Guardian(int device_descriptor, ZeroForce zero_force, double silent_s)
   child_ = init(shared_->held) ? ::fork() : -1;
   if (child_ == 0) {
     ::close(ends[0]);
-    const double silent_ns = std::min(silent_s, 3600.0) * static_cast<double>(kSecond);
+    const double silent_ns =
+        std::min(silent_s, 3600.0) * static_cast<double>(kSecondNs);
     guard(*shared_, ends[1], device_descriptor, zero_force, std::llround(silent_ns));
   }
   ::close(ends[1]);
@@ -135,7 +136,7 @@ void Guardian::guard(Shared& shared, int lifeline, int device_descriptor,
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
     ::signal(signal, SIG_IGN);
   }
-  const sched_param priority{.sched_priority = kPriority};
+  const sched_param priority{.sched_priority = kGuardianPriority};
   ::sched_setscheduler(0, SCHED_FIFO, &priority);  // where permitted
   close_others(lifeline, device_descriptor);
   // Until somebody holds the mutex, look at the socket alone.

@@ -29,7 +29,7 @@ Eigen::Matrix4d exponential(const Eigen::Matrix4d& a) {
   return sum;
 }
 
-void check_range(const char* what, double value, bool zero_allowed) {
+void check_device_value(const char* what, double value, bool zero_allowed) {
   const bool ok = zero_allowed ? value >= 0.0 : value > 0.0;
   if (!ok || !std::isfinite(value)) {
     throw InputError(fmt::format("simulated device: {} is {}, must be {} and finite",
@@ -45,16 +45,16 @@ double quantised(double value, double resolution) noexcept {
 }  // namespace
 
 void check(const SimulatedDeviceConfig& config) {
-  check_range("mass_kg", config.mass_kg, false);
-  check_range("damping_n_s_per_m", config.damping_n_s_per_m, true);
-  check_range("coulomb_n", config.coulomb_n, true);
-  check_range("load_n_per_m", config.load_n_per_m, true);
-  check_range("load_n_s_per_m", config.load_n_s_per_m, false);
-  check_range("resolution_m", config.resolution_m, true);
-  check_range("hand_n_per_m", config.hand_n_per_m, true);
-  check_range("hand_n_s_per_m", config.hand_n_s_per_m, true);
-  check_range("force_max_n", config.force_max_n, false);
-  check_range("tick_s", config.tick_s, false);
+  check_device_value("mass_kg", config.mass_kg, false);
+  check_device_value("damping_n_s_per_m", config.damping_n_s_per_m, true);
+  check_device_value("coulomb_n", config.coulomb_n, true);
+  check_device_value("load_n_per_m", config.load_n_per_m, true);
+  check_device_value("load_n_s_per_m", config.load_n_s_per_m, false);
+  check_device_value("resolution_m", config.resolution_m, true);
+  check_device_value("hand_n_per_m", config.hand_n_per_m, true);
+  check_device_value("hand_n_s_per_m", config.hand_n_s_per_m, true);
+  check_device_value("force_max_n", config.force_max_n, false);
+  check_device_value("tick_s", config.tick_s, false);
   if (config.delay_ticks < 0 || config.delay_ticks > static_cast<int>(kDelayTicksMax)) {
     throw InputError(
         fmt::format("simulated device: delay_ticks is {}, must lie in [0, {}]",

@@ -4,21 +4,16 @@
 #include <ctime>
 
 namespace palpate {
-namespace {
-
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-}  // namespace
 
 std::int64_t MonotonicClock::now_ns() noexcept {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * kSecond + now.tv_nsec;
+  return now.tv_sec * kSecondNs + now.tv_nsec;
 }
 
 void MonotonicClock::sleep_until_ns(std::int64_t deadline_ns) noexcept {
-  const timespec until{.tv_sec = deadline_ns / kSecond,
-                       .tv_nsec = deadline_ns % kSecond};
+  const timespec until{.tv_sec = deadline_ns / kSecondNs,
+                       .tv_nsec = deadline_ns % kSecondNs};
   // A signal handler may end the sleep early.
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }

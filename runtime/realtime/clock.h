@@ -7,6 +7,7 @@
 namespace palpate {
 
 constexpr double kNanosecondsPerSecond = 1e9;
+constexpr std::int64_t kSecondNs = 1'000'000'000;  ///< one second [ns], whole
 
 [[nodiscard]] constexpr double seconds_in(std::int64_t duration_ns) noexcept {
   return static_cast<double>(duration_ns) / kNanosecondsPerSecond;

@@ -11,7 +11,7 @@ constexpr auto kPause = std::chrono::milliseconds(20);
 
 // Takes what is in a queue now.
 template <typename Ring, typename Record>
-void take(Ring& ring, std::vector<Record>& batch) {
+void take_all(Ring& ring, std::vector<Record>& batch) {
   while (const Record* record = ring.front()) {
     batch.push_back(*record);
     ring.pop();
@@ -40,9 +40,9 @@ void Recorder::drain() noexcept {
   try {
     std::vector<TickRecord> ticks;
     std::vector<ArrivalRecord> arrivals;
-    take(telemetry_->ticks, ticks);
+    take_all(telemetry_->ticks, ticks);
     // What these ticks took in is in its queue by now, and is written before them.
-    take(telemetry_->arrivals, arrivals);
+    take_all(telemetry_->arrivals, arrivals);
     if (writer_ != nullptr) {
       writer_->append(arrivals);
       writer_->append(ticks);

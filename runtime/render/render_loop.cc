@@ -245,7 +245,7 @@ std::vector<RenderReport> reports(const ToolRuns& runs) {
   return all;
 }
 
-void check(std::span<const RenderedTool> tools) {
+void check_tools(std::span<const RenderedTool> tools) {
   if (tools.empty()) {
     throw InputError("a scene without a tool cannot be rendered");
   }
@@ -296,7 +296,7 @@ RenderReport render_in_real_time(const RenderConfig& config, const RenderSetup& 
 
 std::vector<RenderReport> render_in_turns(std::span<const RenderedTool> tools,
                                           Clock& clock) {
-  check(tools);
+  check_tools(tools);
   const ToolRuns runs = make_runs(tools);
   const std::int64_t start_ns = clock.now_ns();
   for (const auto& run : runs) {
@@ -317,7 +317,7 @@ std::vector<RenderReport> render_in_turns(std::span<const RenderedTool> tools,
 }
 
 std::vector<RenderReport> render_in_real_time(std::span<const RenderedTool> tools) {
-  check(tools);
+  check_tools(tools);
   const ToolRuns runs = make_runs(tools);
   for (const RenderedTool& tool : tools) {
     if (tool.setup.recorder != nullptr) {

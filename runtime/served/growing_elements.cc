@@ -18,10 +18,6 @@ namespace {
 // and the one in use; more of them where some were lost on the way.
 constexpr std::size_t kHeld = 2 * kCacheSlots;
 
-std::array<double, 3> as_array(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 }  // namespace
 
 bool GrowingElements::Sent::has(std::int32_t t) const noexcept {
@@ -108,8 +104,8 @@ ElementNode GrowingElements::message(std::int32_t node) const {
   }
   ElementNode none;
   none.node = node;
-  none.position_m = as_array(body_.position_m.row(node).transpose());
-  none.normal = as_array(normal_.row(node).transpose());
+  none.position_m = row_array(body_.position_m, node);
+  none.normal = row_array(normal_, node);
   none.friction = tool_.friction;
   none.presliding_m = tool_.presliding_m;
   return none;

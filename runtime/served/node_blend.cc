@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "runtime/slow/thinned_curve.h"
+
 namespace palpate {
 namespace {
 
@@ -68,13 +70,6 @@ void add_samples(const ElementNode& node, std::vector<double>& at_m) {
 
 // Knots nearer than this are one: a millionth of the whole.
 constexpr double kSame = 1e-6;
-
-// Between zero and three secants: a cubic with such slopes at both ends stays between
-// its ends (Fritsch & Carlson 1980), so that no force and no energy falls below zero.
-double limited(double slope, double secant) {
-  return secant >= 0.0 ? std::clamp(slope, 0.0, 3.0 * secant)
-                       : std::clamp(slope, 3.0 * secant, 0.0);
-}
 
 // Sorted, none twice, at most kElementSamples: of too many, those go whose neighbours
 // are nearest.
@@ -197,8 +192,9 @@ void NodeBlend::set_now() {
   for (std::size_t k = 0; k + 1 < knots_; ++k) {
     const double secant = (now_.force_n[k + 1] - now_.force_n[k]) /
                           (now_.depth_m[k + 1] - now_.depth_m[k]);
-    now_.stiffness_n_per_m[k] = limited(now_.stiffness_n_per_m[k], secant);
-    now_.stiffness_n_per_m[k + 1] = limited(now_.stiffness_n_per_m[k + 1], secant);
+    now_.stiffness_n_per_m[k] = monotone_slope(now_.stiffness_n_per_m[k], secant);
+    now_.stiffness_n_per_m[k + 1] =
+        monotone_slope(now_.stiffness_n_per_m[k + 1], secant);
   }
   for (std::size_t k = 0; k + 1 < knots_; ++k) {
     // The Hermite cubic's own integral: E' = f to rounding.

@@ -13,10 +13,6 @@
 namespace palpate {
 namespace {
 
-std::array<double, 3> as_array(const Points& points, Eigen::Index row) {
-  return {points(row, 0), points(row, 1), points(row, 2)};
-}
-
 // The touch offset of a node for a tool that counts depths from its nominal height.
 double touch_offset_m(const NodeRows& rows, std::int64_t row) {
   const ToolShape& tool = rows.table.tool;
@@ -36,12 +32,16 @@ double touch_offset_m(const NodeRows& rows, std::int64_t row) {
 
 }  // namespace
 
+std::array<double, 3> row_array(const Points& points, Eigen::Index row) {
+  return {points(row, 0), points(row, 1), points(row, 2)};
+}
+
 ElementNode node_message(const NodeRows& rows, std::int64_t row, double* loss_n) {
   const ResponseTable& table = rows.table;
   const auto i = static_cast<std::size_t>(row);
   ElementNode message;
-  message.position_m = as_array(rows.position_m, row);
-  message.normal = as_array(rows.normal, row);
+  message.position_m = row_array(rows.position_m, row);
+  message.normal = row_array(rows.normal, row);
   message.friction = table.friction[i];
   message.presliding_m = table.presliding_m[i];
   const CurveView curve = table.curve(row);
@@ -49,7 +49,7 @@ ElementNode node_message(const NodeRows& rows, std::int64_t row, double* loss_n)
     return message;
   }
   message.touch_offset_m = touch_offset_m(rows, row);
-  message.direction = as_array(table.direction, row);
+  message.direction = row_array(table.direction, row);
   const double lost_n = set_curve(message, curve) * rows.force_scale;
   if (loss_n != nullptr) {
     *loss_n = lost_n;

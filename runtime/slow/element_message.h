@@ -32,6 +32,9 @@ struct NodeRows {
   double force_scale = 1.0;    ///< [-] forces are multiplied by it
 };
 
+/// A row of positions or directions, as messages hold it.
+[[nodiscard]] std::array<double, 3> row_array(const Points& points, Eigen::Index row);
+
 /// The message of a row, whose node the caller names. Without response: no samples, no
 /// direction, no touch offset, zero force. Its touch offset is that of a tool whose
 /// reference point stands at nominal_height_m(tool) over a flat surface, so that a tool

@@ -50,13 +50,6 @@ std::vector<std::size_t> choose_samples(const CurveView& curve, std::size_t coun
   return kept;
 }
 
-double limited(double slope, double secant) {
-  if (!(slope * secant > 0.0)) {
-    return 0.0;
-  }
-  return std::copysign(std::min(std::abs(slope), 3.0 * std::abs(secant)), slope);
-}
-
 void set_samples(ElementNode& node, const CurveView& curve,
                  const std::vector<std::size_t>& kept) {
   const std::size_t n = kept.size();
@@ -70,8 +63,9 @@ void set_samples(ElementNode& node, const CurveView& curve,
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double h = node.depth_m[i + 1] - node.depth_m[i];
     const double secant = (node.force_n[i + 1] - node.force_n[i]) / h;
-    node.stiffness_n_per_m[i] = limited(node.stiffness_n_per_m[i], secant);
-    node.stiffness_n_per_m[i + 1] = limited(node.stiffness_n_per_m[i + 1], secant);
+    node.stiffness_n_per_m[i] = monotone_slope(node.stiffness_n_per_m[i], secant);
+    node.stiffness_n_per_m[i + 1] =
+        monotone_slope(node.stiffness_n_per_m[i + 1], secant);
   }
   for (std::size_t i = 0; i + 1 < n; ++i) {
     // Exact integral of the Hermite cubic over the interval.
@@ -83,6 +77,13 @@ void set_samples(ElementNode& node, const CurveView& curve,
 }
 
 }  // namespace
+
+double monotone_slope(double slope, double secant) noexcept {
+  if (!(slope * secant > 0.0)) {
+    return 0.0;
+  }
+  return std::copysign(std::min(std::abs(slope), 3.0 * std::abs(secant)), slope);
+}
 
 double set_curve(ElementNode& node, const CurveView& curve) {
   const std::size_t n = curve.depth_m.size();

@@ -14,4 +14,8 @@ namespace palpate {
 /// @returns largest difference of force [N] at the samples and halfway between them.
 double set_curve(ElementNode& node, const CurveView& curve);
 
+/// `slope` limited to [0, 3 secant]: a cubic with such slopes at both ends stays
+/// between its ends (Fritsch & Carlson 1980).
+[[nodiscard]] double monotone_slope(double slope, double secant) noexcept;
+
 }  // namespace palpate

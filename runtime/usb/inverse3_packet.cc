@@ -30,7 +30,7 @@ void put(std::uint8_t* at, const Eigen::Vector3d& v) noexcept {
   }
 }
 
-Eigen::Vector3d vector(const std::uint8_t* at) noexcept {
+Eigen::Vector3d vector_at(const std::uint8_t* at) noexcept {
   return {real(at), real(at + 4), real(at + 8)};
 }
 
@@ -45,7 +45,7 @@ std::array<std::uint8_t, kInverse3ForceBytes> encode_inverse3_force(
 
 Eigen::Vector3d decode_inverse3_force(
     std::span<const std::uint8_t, kInverse3ForceBytes> bytes) noexcept {
-  return vector(bytes.data() + 1);
+  return vector_at(bytes.data() + 1);
 }
 
 Inverse3State encode_inverse3_state(const Eigen::Vector3d& position_m,
@@ -58,8 +58,8 @@ Inverse3State encode_inverse3_state(const Eigen::Vector3d& position_m,
 
 std::optional<Eigen::Vector3d> decode_inverse3_position(
     std::span<const std::uint8_t, kInverse3StateBytes> bytes) noexcept {
-  const Eigen::Vector3d position_m = vector(bytes.data() + 1);
-  const Eigen::Vector3d velocity_m_per_s = vector(bytes.data() + 13);
+  const Eigen::Vector3d position_m = vector_at(bytes.data() + 1);
+  const Eigen::Vector3d velocity_m_per_s = vector_at(bytes.data() + 13);
   const bool can_be = bytes[0] == kInverse3State && position_m.allFinite() &&
                       velocity_m_per_s.allFinite() &&
                       position_m.cwiseAbs().maxCoeff() <= kPositionMaxM &&
