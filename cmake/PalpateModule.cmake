@@ -1,31 +1,19 @@
-option(PALPATE_UNITY "Compile the sources of a folder together; for cold builds" ON)
-set(PALPATE_UNIT_SOURCES 16 CACHE STRING "How many sources one translation unit joins at most")
-# palpate_units(<target> <source>...): with PALPATE_UNITY the sources of each folder become
-# a few translation units: headers, and what they instantiate, are paid once a unit.
-# `.ci/unity` keeps the names of a folder's sources apart.
+option(PALPATE_UNITY "Compile the sources of a target together; for cold builds" ON)
+set(PALPATE_UNIT_SOURCES 64 CACHE STRING "How many sources one translation unit joins at most")
+# palpate_units(<target> <source>...): with PALPATE_UNITY the sources become the fewest
+# translation units of equal size: headers, and what they instantiate, are paid once a unit.
+# `.ci/unity` keeps the names of a target's sources apart.
 function(palpate_units target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${PALPATE_UNITY} UNITY_BUILD_MODE GROUP)
   list(FILTER ARGN INCLUDE REGEX "\\.cc$")
-  set(folders "")
+  list(LENGTH ARGN count)
+  math(EXPR parts "(${count} + ${PALPATE_UNIT_SOURCES} - 1) / ${PALPATE_UNIT_SOURCES}")
+  math(EXPR size "(${count} + ${parts} - 1) / ${parts}")
+  set(index 0)
   foreach(source ${ARGN})
-    get_filename_component(folder ${source} DIRECTORY)
-    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
-    string(MAKE_C_IDENTIFIER ${folder} folder)
-    list(APPEND folders ${folder})
-    list(APPEND sources_${folder} ${source})
-  endforeach()
-  list(REMOVE_DUPLICATES folders)
-  foreach(folder ${folders})
-    list(LENGTH sources_${folder} count)
-    # The fewest parts that are no larger than allowed, of equal size.
-    math(EXPR parts "(${count} + ${PALPATE_UNIT_SOURCES} - 1) / ${PALPATE_UNIT_SOURCES}")
-    math(EXPR size "(${count} + ${parts} - 1) / ${parts}")
-    set(index 0)
-    foreach(source ${sources_${folder}})
-      math(EXPR part "${index} / ${size}")
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${part})
-      math(EXPR index "${index} + 1")
-    endforeach()
+    math(EXPR part "${index} / ${size}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${part})
+    math(EXPR index "${index} + 1")
   endforeach()
 endfunction()
 
