@@ -5,15 +5,13 @@
 #include <limits>
 #include <numeric>
 
+#include "formats/base/at.h"
+
 namespace palpate {
 namespace {
 
 constexpr std::int32_t kLeafTriangles = 4;
 constexpr std::size_t kStack = 64;  // median splits: depth <= log2(2^31)
-
-constexpr std::size_t at(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 // Nearest point of edge (j, j+1), a share t of it from corner j.
 SurfacePoint in_edge(const Eigen::Matrix3d& corner, int j, double t,

@@ -52,7 +52,7 @@ void check_size(const Scene& scene, const BodySource& body) {
   }
 }
 
-const SceneMaterial& material_of(const Scene& scene, std::string_view region) {
+const SceneMaterial& scene_material(const Scene& scene, std::string_view region) {
   const auto at = std::find_if(scene.material.begin(), scene.material.end(),
                                [&](const SceneMaterial& m) {
                                  return m.region == region;
@@ -94,12 +94,12 @@ void read_inclusions(const Scene& scene, BodySource& body) {
 }  // namespace
 
 std::vector<Material> materials_of(const Scene& scene) {
-  std::vector<Material> materials{make_material(material_of(scene, kBodyRegion))};
+  std::vector<Material> materials{make_material(scene_material(scene, kBodyRegion))};
   for (const SceneInclusion& inclusion : scene.inclusion) {
     // A cavity has no tets; its material is never asked for.
     materials.push_back(inclusion.cavity
                             ? materials.front()
-                            : make_material(material_of(scene, inclusion.name)));
+                            : make_material(scene_material(scene, inclusion.name)));
   }
   return materials;
 }

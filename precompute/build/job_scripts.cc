@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Attempts of a merge that misses shards, after the first.
-constexpr int kRounds = 2;
+constexpr int kMergeRetries = 2;
 
 std::string words(const std::vector<std::string>& flags) {
   std::string text;
@@ -186,7 +186,7 @@ std::string merge_script(const Job& job) {
              "  exit 75\n"
              "fi\n"
              "{}",
-             job.serve ? shell_word(job.output.string()) : "", kRounds,
+             job.serve ? shell_word(job.output.string()) : "", kMergeRetries,
              merge_line(job));
 }
 

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kSamples = 3;  // that every worker presses
+constexpr std::size_t kPressesPerWorker = 3;
 // What would take longer is told from something smaller, so that a plan takes seconds.
 constexpr double kFactorCpuS = 1.5;
 constexpr double kColumnsCpuS = 2.0;
@@ -114,7 +114,7 @@ void PlanSharedMesh::time_columns(std::span<const PressedNode> placed,
       static_cast<double>(strategy_.surface.triangle.rows()) / times_larger_;
   // As many vertices' columns as take seconds, one vertex's at least.
   ColumnSample sample;
-  for (std::size_t count = kSamples * workers_; count > 0; --count) {
+  for (std::size_t count = kPressesPerWorker * workers_; count > 0; --count) {
     sample_ = spread_over(vertex_, count);
     sample = column_sample(*model_, placed, sample_);
     if (expected_cpu_s({triangles, static_cast<double>(sample.solved)}) <

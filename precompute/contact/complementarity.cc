@@ -25,8 +25,8 @@ struct Sides {
 };
 
 // Forces that close the gap exactly on the active nodes, zero elsewhere.
-Eigen::VectorXd forces_of(const Eigen::MatrixXd& A, const Eigen::VectorXd& t,
-                          const Sides& sides) {
+Eigen::VectorXd closing_forces(const Eigen::MatrixXd& A, const Eigen::VectorXd& t,
+                               const Sides& sides) {
   Eigen::VectorXd f = Eigen::VectorXd::Zero(t.size());
   if (!sides.in.empty()) {
     const Eigen::MatrixXd Aii = A(sides.in, sides.in);
@@ -72,7 +72,7 @@ ComplementarityReport solve_complementarity(const Eigen::MatrixXd& A,
   while (report.iterations < most_iterations) {
     ++report.iterations;
     const Sides sides(active);
-    f = forces_of(A, t, sides);
+    f = closing_forces(A, t, sides);
     const Eigen::VectorXd w = gaps_of(A, t, f, sides);
     std::vector<std::size_t> infeasible;
     report.residual = 0.0;

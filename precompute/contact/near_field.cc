@@ -81,8 +81,8 @@ void NearField::linearise(const Eigen::VectorXd& u_m, Eigen::VectorXd& force_n,
 
 namespace {
 
-const Material& material_of(const QuadraticMesh& mesh,
-                            std::span<const Material> materials, Eigen::Index tet) {
+const Material& tet_material(const QuadraticMesh& mesh,
+                             std::span<const Material> materials, Eigen::Index tet) {
   return materials[static_cast<std::size_t>(region_of(mesh, tet))];
 }
 
@@ -93,7 +93,7 @@ std::vector<Eigen::Index> strained_tets(const QuadraticMesh& mesh,
                                         const Eigen::VectorXd& u_m, double threshold) {
   std::vector<Eigen::Index> tets;
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
-    if (has_kink(material_of(mesh, materials, t)) ||
+    if (has_kink(tet_material(mesh, materials, t)) ||
         largest_gradient(element_geometry(tet_corners(mesh, t), t),
                          nodal_values(mesh, t, u_m)) >= threshold) {
       tets.push_back(t);
@@ -106,7 +106,7 @@ double far_excess_j(const QuadraticMesh& mesh, std::span<const Material> materia
                     std::span<const Eigen::Index> near, const Eigen::VectorXd& u_m) {
   double excess = 0.0;
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
-    const Material& material = material_of(mesh, materials, t);
+    const Material& material = tet_material(mesh, materials, t);
     if (is_linear(material) || std::binary_search(near.begin(), near.end(), t)) {
       continue;
     }
@@ -135,7 +135,7 @@ double nonlinearity(const QuadraticMesh& mesh, std::span<const Material> materia
     if (gradient[static_cast<std::size_t>(t)] < least) {
       continue;
     }
-    const Material& material = material_of(mesh, materials, t);
+    const Material& material = tet_material(mesh, materials, t);
     const ElementGeometry geometry = element_geometry(tet_corners(mesh, t), t);
     const ElementVector u = nodal_values(mesh, t, u_m);
     const ElementMatrix rest =

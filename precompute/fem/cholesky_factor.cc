@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "formats/base/at.h"
 #include "formats/base/error.h"
-#include "precompute/fem/at.h"
 #include "precompute/fem/permuted_stiffness.h"
 #include "precompute/fem/symbolic_factor.h"
 #include "precompute/lanes/factor_kernels.h"

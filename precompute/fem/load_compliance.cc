@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "precompute/fem/at.h"
+#include "formats/base/at.h"
 #include "precompute/lanes/factor_kernels.h"
 #include "precompute/process/reused_memory.h"
 

@@ -1,6 +1,6 @@
 #include "precompute/fem/permuted_stiffness.h"
 
-#include "precompute/fem/at.h"
+#include "formats/base/at.h"
 
 namespace palpate {
 namespace {

@@ -8,17 +8,13 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/surface/edge_key.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::array<std::array<int, 2>, 6> kTetEdges{
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-
-std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
-  const auto [low, high] = std::minmax(a, b);
-  return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
-}
 
 }  // namespace
 
@@ -36,7 +32,7 @@ QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
       const std::int32_t b = tets.tet(t, kTetEdges[static_cast<std::size_t>(e)][1]);
       const auto next = static_cast<std::int32_t>(mesh.corners) +
                         static_cast<std::int32_t>(ends.size());
-      const auto [at, inserted] = middle.try_emplace(edge_key(a, b), next);
+      const auto [at, inserted] = middle.try_emplace(edge_key({a, b}), next);
       if (inserted) {
         ends.emplace_back(a, b);
       }
@@ -54,7 +50,7 @@ QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
     for (int j = 0; j < 3; ++j) {
       mesh.surface(t, j) = surface(t, j);
-      const auto at = middle.find(edge_key(surface(t, j), surface(t, (j + 1) % 3)));
+      const auto at = middle.find(edge_key({surface(t, j), surface(t, (j + 1) % 3)}));
       if (at == middle.end()) {
         throw NumericalError(
             fmt::format("surface triangle {} is not a face of the tetrahedra", t));

@@ -20,7 +20,7 @@ Symmetric clipped(const Symmetric& matrix) {
 }
 
 // Index of a row and a column in a tangent.
-constexpr int at(int row, int column) {
+constexpr int entry(int row, int column) {
   return row + 3 * column;
 }
 
@@ -33,7 +33,7 @@ Tangent principal_dyads(const Eigen::Matrix3d& F) {
   Tangent dyads;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      Eigen::Map<Eigen::Matrix3d>(dyads.col(at(i, j)).data()) =
+      Eigen::Map<Eigen::Matrix3d>(dyads.col(entry(i, j)).data()) =
           U.col(i) * V.col(j).transpose();
     }
   }
@@ -54,10 +54,10 @@ void clip_negative(const Eigen::Matrix3d& F, Tangent& tangent) {
     clipped_blocks(which, which) = clipped(block);
     rest(which, which).setZero();
   };
-  const Eigen::Array3i stretches(at(0, 0), at(1, 1), at(2, 2));
+  const Eigen::Array3i stretches(entry(0, 0), entry(1, 1), entry(2, 2));
   clip(stretches, Eigen::Matrix3d(rest(stretches, stretches)));
   for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
-    const Eigen::Array2i shears(at(i, j), at(j, i));
+    const Eigen::Array2i shears(entry(i, j), entry(j, i));
     clip(shears, Small(rest(shears, shears)));
   }
   if (rest.norm() <= kRounding * tangent.norm()) {

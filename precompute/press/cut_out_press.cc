@@ -17,7 +17,7 @@ namespace {
 // Neighbours that share a part lie in a disc of this share of its radius: a wider part
 // costs more than it saves.
 constexpr double kGroupShare = 0.5;
-constexpr double kMostInGroup = 64.0;
+constexpr double kMostOnPart = 64.0;
 
 // Tets of the part and its nodes on the cut, all of them.
 QuadraticMesh with_cut(const CutOut& part, std::vector<std::int32_t>& cut) {
@@ -96,7 +96,7 @@ std::vector<std::vector<std::int32_t>> CutOutSolver::groups(
                          surface_area_m2(body_.surface);
   return in_neighbourhoods(
       body_.surface, vertices,
-      static_cast<std::size_t>(std::clamp(in_disc, 1.0, kMostInGroup)));
+      static_cast<std::size_t>(std::clamp(in_disc, 1.0, kMostOnPart)));
 }
 
 ClampedPart CutOutSolver::part(std::span<const std::int32_t> group,

@@ -14,8 +14,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kBlock = 32;    // presses side by side, columns per solve
-constexpr double kDrawnAcross = 4.0;  // contact nodes across a contact's radius
+constexpr std::size_t kPressesPerSolve = 32;  // presses side by side, columns per solve
+constexpr double kDrawnAcross = 4.0;          // contact nodes across a contact's radius
 
 // The last state of a nonlinear press, if there is one.
 const NonlinearIndentation* state_of(const PressedNode& node) {
@@ -30,8 +30,8 @@ bool can_be_drawn(const PressedNode& node) {
 }
 
 // What holds the linear body in the press's shape, on the free degrees of freedom.
-void add_load(const BodyModel& model, const PressedNode& node,
-              Eigen::Ref<Eigen::VectorXd> b) {
+void add_holding_load(const BodyModel& model, const PressedNode& node,
+                      Eigen::Ref<Eigen::VectorXd> b) {
   if (const NonlinearIndentation* state = state_of(node)) {
     for (std::size_t i = 0; i < state->near_dof.size(); ++i) {
       if (state->near_dof[i] >= 0) {
@@ -119,9 +119,9 @@ PressFields in_blocks(const std::vector<Group>& block, Eigen::Index vertices,
 
 std::vector<Group> blocks_of(std::span<const std::int32_t> vertices) {
   std::vector<Group> blocks;
-  for (std::size_t first = 0; first < vertices.size(); first += kBlock) {
+  for (std::size_t first = 0; first < vertices.size(); first += kPressesPerSolve) {
     const auto block =
-        vertices.subspan(first, std::min(kBlock, vertices.size() - first));
+        vertices.subspan(first, std::min(kPressesPerSolve, vertices.size() - first));
     blocks.emplace_back(block.begin(), block.end());
   }
   return blocks;
@@ -183,7 +183,7 @@ Eigen::MatrixXd displaced_m(const BodyModel& model,
   Eigen::MatrixXd B = Eigen::MatrixXd::Zero(model.factor->size(),
                                             static_cast<Eigen::Index>(nodes.size()));
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    add_load(model, *nodes[k], B.col(static_cast<Eigen::Index>(k)));
+    add_holding_load(model, *nodes[k], B.col(static_cast<Eigen::Index>(k)));
   }
   return model.factor->solve(B);
 }

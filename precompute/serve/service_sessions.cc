@@ -12,7 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kPatience{10000};
+constexpr milliseconds kSendTimeout{10000};
 constexpr milliseconds kTurn{20};     // between looks at what a hand says
 constexpr milliseconds kAlive{1000};  // progress is said at least as often
 constexpr milliseconds kFarewell{5000};
@@ -30,7 +30,7 @@ struct Heard {
 bool tell_news(const AnswerLog::News& news, Heard& heard,
                ServiceConnection& connection) {
   for (const AnswerLog::Frame& frame : news.frame) {
-    if (!connection.send(*frame, kPatience)) {
+    if (!connection.send(*frame, kSendTimeout)) {
       return false;
     }
     ++heard.frames;
@@ -40,7 +40,7 @@ bool tell_news(const AnswerLog::News& news, Heard& heard,
   const bool due = news.progress || Clock::now() - heard.said > kAlive;
   if (!news.ended && due && heard.latest) {
     heard.said = Clock::now();
-    return connection.send(*heard.latest, kPatience);
+    return connection.send(*heard.latest, kSendTimeout);
   }
   return true;
 }

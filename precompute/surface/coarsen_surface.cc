@@ -21,8 +21,8 @@ Eigen::Vector3d vector_of(const CgalKernel::Point_3& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-Eigen::Vector3d normal_of(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                          const Eigen::Vector3d& c) {
+Eigen::Vector3d triangle_normal(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                const Eigen::Vector3d& c) {
   return (b - a).cross(c - a);
 }
 
@@ -73,11 +73,11 @@ class Placement {
       const auto at = [&](auto v) {
         return v == profile.v0() || v == profile.v1() ? p : vector_of(mesh.point(v));
       };
-      const Eigen::Vector3d before = normal_of(vector_of(mesh.point(triangle.v0)),
-                                               vector_of(mesh.point(triangle.v1)),
-                                               vector_of(mesh.point(triangle.v2)));
+      const Eigen::Vector3d before = triangle_normal(
+          vector_of(mesh.point(triangle.v0)), vector_of(mesh.point(triangle.v1)),
+          vector_of(mesh.point(triangle.v2)));
       const Eigen::Vector3d after =
-          normal_of(at(triangle.v0), at(triangle.v1), at(triangle.v2));
+          triangle_normal(at(triangle.v0), at(triangle.v1), at(triangle.v2));
       const bool gone = (triangle.v0 == profile.v0() || triangle.v1 == profile.v0() ||
                          triangle.v2 == profile.v0()) &&
                         (triangle.v0 == profile.v1() || triangle.v1 == profile.v1() ||

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/surface/edge_key.h"
 
 namespace palpate {
 namespace {
@@ -18,11 +19,6 @@ using Corners = std::array<std::int32_t, 3>;
 // Edge j of a triangle is opposite its corner j.
 std::array<std::int32_t, 2> edge(const Corners& t, std::size_t j) {
   return {t[(j + 1) % 3], t[(j + 2) % 3]};
-}
-
-std::uint64_t edge_key(const std::array<std::int32_t, 2>& e) {
-  const auto [low, high] = std::minmax(e[0], e[1]);
-  return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
 }
 
 class Refinement {

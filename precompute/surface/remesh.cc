@@ -23,7 +23,7 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 constexpr double kFeatureDegrees = 60.0;
 constexpr double kTrianglesMax = 2e6;
 constexpr double kRemeshVolumeChange = 0.1;  // [-]
-constexpr unsigned kSweeps = 5;
+constexpr unsigned kRemeshSweeps = 5;
 
 SurfaceAndCounts remeshed(const SurfaceMesh& mesh, double edge_m) {
   CgalMesh surface = to_cgal(mesh);
@@ -41,7 +41,7 @@ SurfaceAndCounts remeshed(const SurfaceMesh& mesh, double edge_m) {
   pmp::split_long_edges(sharp, 4.0 / 3.0 * edge_m, surface,
                         CGAL::parameters::edge_is_constrained_map(feature));
   pmp::isotropic_remeshing(surface.faces(), edge_m, surface,
-                           CGAL::parameters::number_of_iterations(kSweeps)
+                           CGAL::parameters::number_of_iterations(kRemeshSweeps)
                                .edge_is_constrained_map(feature)
                                .protect_constraints(true));
   return {.mesh = from_cgal(std::move(surface)), .count = {features}};

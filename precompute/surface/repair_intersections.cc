@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/base/at.h"
 #include "precompute/surface/disjoint_sets.h"
 #include "precompute/surface/repair_topology.h"
 #include "precompute/surface/self_intersections.h"
@@ -19,10 +20,6 @@ using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
 constexpr int kRingsMax = 4;    // a wider cut moves the surface too far
 constexpr int kPassesMax = 20;  // of some seconds each on a surface of 50 000 triangles
-
-constexpr std::size_t at(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 double area_m2(const SurfaceMesh& mesh, std::int32_t t) {
   const Eigen::Matrix3d corner = mesh.position_m(mesh.triangle.row(t), Eigen::all);

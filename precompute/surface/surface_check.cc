@@ -29,10 +29,6 @@ Eigen::Vector3d corner_m(const SurfaceMesh& mesh, Eigen::Index t, int j) {
   return vertex_m(mesh, mesh.triangle(t, j % 3));
 }
 
-Eigen::Vector3d middle_m(const SurfaceMesh& mesh, Eigen::Index t) {
-  return (corner_m(mesh, t, 0) + corner_m(mesh, t, 1) + corner_m(mesh, t, 2)) / 3.0;
-}
-
 // How often an edge is run through upwards and downwards in vertex numbers.
 struct EdgeUse {
   int up = 0;
@@ -77,11 +73,12 @@ void find_triangle_defects(const SurfaceMesh& mesh, SurfaceReport& report) {
     report.smallest_angle_rad =
         std::min(report.smallest_angle_rad, smallest_angle_rad(mesh, t));
     if (degenerate(mesh, t)) {
-      report.degenerate_triangles.add(middle_m(mesh, t));
+      report.degenerate_triangles.add(triangle_middle_m(mesh, t));
     }
   }
   for (const auto& [a, b] : self_intersections(mesh)) {
-    report.self_intersections.add(0.5 * (middle_m(mesh, a) + middle_m(mesh, b)));
+    report.self_intersections.add(
+        0.5 * (triangle_middle_m(mesh, a) + triangle_middle_m(mesh, b)));
   }
 }
 
@@ -208,10 +205,6 @@ void check_parts(SurfaceMesh& mesh, SurfaceReport& report) {
   }
 }
 
-std::string place_text(const Eigen::Vector3d& p) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
-}
-
 std::string described(const SurfaceDefect& defect, const char* one, const char* many) {
   if (defect.count == 0) {
     return {};
@@ -241,6 +234,14 @@ std::string accepted_verdict(const SurfaceReport& report) {
 }
 
 }  // namespace
+
+std::string place_text(const Eigen::Vector3d& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
+}
+
+Eigen::Vector3d triangle_middle_m(const SurfaceMesh& mesh, Eigen::Index t) {
+  return (corner_m(mesh, t, 0) + corner_m(mesh, t, 1) + corner_m(mesh, t, 2)) / 3.0;
+}
 
 double smallest_angle_rad(const SurfaceMesh& mesh, Eigen::Index t) {
   double smallest = std::numbers::pi;

@@ -52,6 +52,13 @@ struct SurfaceReport {
   [[nodiscard]] std::string verdict() const;
 };
 
+/// A place as messages give it, without the unit: "(x, y, z)".
+[[nodiscard]] std::string place_text(const Eigen::Vector3d& p);
+
+/// Mean of a triangle's three corners [m].
+[[nodiscard]] Eigen::Vector3d triangle_middle_m(const SurfaceMesh& mesh,
+                                                Eigen::Index triangle);
+
 /// Smallest of a triangle's three angles [rad].
 [[nodiscard]] double smallest_angle_rad(const SurfaceMesh& mesh, Eigen::Index triangle);
 

@@ -16,10 +16,6 @@
 namespace palpate {
 namespace {
 
-std::string place(const Eigen::RowVector3d& p) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z());
-}
-
 // The outer surface, then the inner ones, in one mesh; where the triangles of each end.
 struct Joined {
   SurfaceMesh mesh;
@@ -32,7 +28,7 @@ struct Joined {
   }
 };
 
-void append(const SurfaceMesh& part, Joined& joined) {
+void append_surface(const SurfaceMesh& part, Joined& joined) {
   SurfaceMesh& mesh = joined.mesh;
   const Eigen::Index vertices = mesh.position_m.rows();
   mesh.position_m.conservativeResize(vertices + part.position_m.rows(), 3);
@@ -44,28 +40,21 @@ void append(const SurfaceMesh& part, Joined& joined) {
   joined.end.push_back(mesh.triangle.rows());
 }
 
-Eigen::RowVector3d middle_m(const SurfaceMesh& mesh, std::int32_t t) {
-  return (mesh.position_m.row(mesh.triangle(t, 0)) +
-          mesh.position_m.row(mesh.triangle(t, 1)) +
-          mesh.position_m.row(mesh.triangle(t, 2))) /
-         3.0;
-}
-
 void check_apart(const SurfaceMesh& outer, std::span<const InnerSurface> inner) {
   Joined joined;
-  append(outer, joined);
+  append_surface(outer, joined);
   for (const InnerSurface& one : inner) {
-    append(one.surface, joined);
+    append_surface(one.surface, joined);
   }
   for (const auto& [a, b] : self_intersections(joined.mesh)) {
     const std::size_t first = joined.owner(a);
     const std::size_t second = joined.owner(b);
     if (first != second) {
       throw InputError(fmt::format(
-          "{} touches or crosses {} at {}; surfaces in a body must keep apart",
+          "{} touches or crosses {} at {} m; surfaces in a body must keep apart",
           inner_surface_name(inner, second - 1),
           first == 0 ? "the body's surface" : inner_surface_name(inner, first - 1),
-          place(middle_m(joined.mesh, b))));
+          place_text(triangle_middle_m(joined.mesh, b))));
     }
   }
 }
@@ -93,16 +82,15 @@ void check_place(const SurfaceMesh& outer, std::span<const InnerSurface> inner,
   for (const std::int32_t v : part_vertices(surface)) {
     const Eigen::Vector3d at_m = surface.position_m.row(v).transpose();
     if (std::abs(winding_number(outer, at_m)) < 0.5) {
-      throw InputError(fmt::format("{} is outside of the body: its vertex {} at {}",
-                                   inner_surface_name(inner, i), v,
-                                   place(at_m.transpose())));
+      throw InputError(fmt::format("{} is outside of the body: its vertex {} at {} m",
+                                   inner_surface_name(inner, i), v, place_text(at_m)));
     }
     for (std::size_t j = 0; j < inner.size(); ++j) {
       if (j != i && inner[j].cavity && winding_number(inner[j].surface, at_m) > 0.5) {
         throw InputError(
-            fmt::format("{} floats in the cavity of {}: its vertex {} at {}",
+            fmt::format("{} floats in the cavity of {}: its vertex {} at {} m",
                         inner_surface_name(inner, i), inner_surface_name(inner, j), v,
-                        place(at_m.transpose())));
+                        place_text(at_m)));
       }
     }
   }

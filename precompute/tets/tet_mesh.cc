@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-Eigen::Vector3d corner_m(const TetMesh& mesh, Eigen::Index t, int j) {
+Eigen::Vector3d tet_corner_m(const TetMesh& mesh, Eigen::Index t, int j) {
   return mesh.position_m.row(mesh.tet(t, j)).transpose();
 }
 
@@ -19,20 +19,20 @@ Eigen::Vector3d corner_m(const TetMesh& mesh, Eigen::Index t, int j) {
 double dihedral_rad(const TetMesh& mesh, Eigen::Index t, int i, int j) {
   const int k = i != 0 && j != 0 ? 0 : (i != 1 && j != 1 ? 1 : 2);
   const int l = 6 - i - j - k;
-  const Eigen::Vector3d p = corner_m(mesh, t, i);
-  const Eigen::Vector3d edge = corner_m(mesh, t, j) - p;
-  const Eigen::Vector3d u = edge.cross(corner_m(mesh, t, k) - p);
-  const Eigen::Vector3d v = edge.cross(corner_m(mesh, t, l) - p);
+  const Eigen::Vector3d p = tet_corner_m(mesh, t, i);
+  const Eigen::Vector3d edge = tet_corner_m(mesh, t, j) - p;
+  const Eigen::Vector3d u = edge.cross(tet_corner_m(mesh, t, k) - p);
+  const Eigen::Vector3d v = edge.cross(tet_corner_m(mesh, t, l) - p);
   return angle_between(u, v);
 }
 
 }  // namespace
 
 double tet_volume_m3(const TetMesh& mesh, Eigen::Index t) {
-  const Eigen::Vector3d a = corner_m(mesh, t, 0);
-  return (corner_m(mesh, t, 1) - a)
-             .cross(corner_m(mesh, t, 2) - a)
-             .dot(corner_m(mesh, t, 3) - a) /
+  const Eigen::Vector3d a = tet_corner_m(mesh, t, 0);
+  return (tet_corner_m(mesh, t, 1) - a)
+             .cross(tet_corner_m(mesh, t, 2) - a)
+             .dot(tet_corner_m(mesh, t, 3) - a) /
          6.0;
 }
 
@@ -40,8 +40,8 @@ double tet_shape(const TetMesh& mesh, Eigen::Index t) {
   double longest_m = 0.0;
   for (int i = 1; i < 4; ++i) {
     for (int j = 0; j < i; ++j) {
-      longest_m =
-          std::max(longest_m, (corner_m(mesh, t, i) - corner_m(mesh, t, j)).norm());
+      longest_m = std::max(
+          longest_m, (tet_corner_m(mesh, t, i) - tet_corner_m(mesh, t, j)).norm());
     }
   }
   return 6.0 * std::numbers::sqrt2 * tet_volume_m3(mesh, t) /

@@ -129,7 +129,7 @@ class Sets {
   std::vector<std::pair<std::int32_t, std::int32_t>> inside_;  // tet, surface
 };
 
-Triangles corners_of(const std::vector<Face>& faces) {
+Triangles triangles_of(const std::vector<Face>& faces) {
   Triangles triangle(std::ssize(faces), 3);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     std::copy_n(faces[i].corner.data(), 3,
@@ -181,11 +181,11 @@ Triangles boundary_faces(const Tets& tet) {
     }
     i = next;
   }
-  return corners_of(single);
+  return triangles_of(single);
 }
 
 Triangles sorted_faces(const Triangles& triangle) {
-  return corners_of(surface_faces({&triangle, 1}));
+  return triangles_of(surface_faces({&triangle, 1}));
 }
 
 void remove_regions(std::span<const bool> hollow, Eigen::Index kept_vertices,

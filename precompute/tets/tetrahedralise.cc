@@ -174,8 +174,8 @@ constexpr std::array<TetTry, 6> kTries{{{},
                                         {.graded = false},
                                         {.graded = false, .moved = 1e-9}}};
 
-TetMesh filled(const SurfaceMesh& surface, const Walls& walls,
-               const TetOptions& options, const TetTry& how) {
+TetMesh try_to_fill(const SurfaceMesh& surface, const Walls& walls,
+                    const TetOptions& options, const TetTry& how) {
   const double scale = scale_to_one(surface);
   const ChildResult result = run_in_child(
       [&] {
@@ -252,7 +252,7 @@ TetMesh tetrahedralise(const SurfaceMesh& surface, const TetOptions& options,
   std::string first_reason;
   for (const TetTry& how : kTries) {
     try {
-      return filled(surface, walls, options, how);
+      return try_to_fill(surface, walls, options, how);
     } catch (const HopelessTry& error) {
       first_reason = first_reason.empty() ? error.what() : first_reason;
       break;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/base/at.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/repair.h"
 #include "precompute/surface/self_intersections.h"
@@ -18,10 +19,6 @@ namespace palpate {
 namespace {
 
 constexpr double kRadius = 0.05;
-
-std::size_t at(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 SurfaceMesh ball() {
   return icosphere(kRadius, 4);
