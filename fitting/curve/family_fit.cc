@@ -18,7 +18,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kFeaturePoints = 200;
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
@@ -127,7 +126,7 @@ void unscale_family(const FamilyData& data, const std::vector<std::string>& held
     out.sd = si * std::sqrt(fit.covariance(j, j));
     out.held = held[static_cast<std::size_t>(j)];
     if (!out.held.empty()) {
-      out.sd = kNaN;
+      out.sd = std::nan("");
     }
     if (out.held.ends_with("bound")) {
       fit.at_bound.push_back(out.name);
@@ -325,7 +324,8 @@ FamilyFit fit_named(const std::string& name, const FamilyData& data,
   const bool free = !data.contact_held;
   const bool joint = free && has_contact_of_its_own(name);
   FamilyFit fit = name == law.family ? law : fit_one(data, name, 0.0, joint);
-  fit.cross_rms_n = options.cross_validate ? cross_validated(data, fit, joint) : kNaN;
+  fit.cross_rms_n =
+      options.cross_validate ? cross_validated(data, fit, joint) : std::nan("");
   if (free && !joint) {
     fit.contact_point_sd_m = contact_sd_m;
     fit.free_parameters += 1;  // the contact point that the power law found

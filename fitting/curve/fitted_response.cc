@@ -33,7 +33,7 @@ std::vector<double> depths_of(const FamilyFit& fit) {
   return depth_m;
 }
 
-double error_of(const FamilyFit& fit, const NodeResponse& response) {
+double error_relative_of(const FamilyFit& fit, const NodeResponse& response) {
   Eigen::VectorXd depth_m(kErrorDepths);
   for (int k = 0; k < kErrorDepths; ++k) {
     depth_m[k] = fit.depth_max_m *
@@ -63,7 +63,7 @@ NodeResponse fitted_response(const FamilyFit& fit, const Eigen::Vector3d& direct
   for (const double d : response.depth_m) {
     response.force_n.push_back(family_point(fit, d).force);
   }
-  response.error_relative = error_of(fit, response);
+  response.error_relative = error_relative_of(fit, response);
   return response;
 }
 

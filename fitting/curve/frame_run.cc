@@ -16,9 +16,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kFromForce = 0.005;   // [-] of the largest: below it contact forms
-constexpr std::size_t kReach = 2;      // neighbours on each side of a median
-constexpr double kPiecesApart = 0.02;  // [-] of the largest force
+constexpr double kFromForce = 0.005;     // [-] of the largest: below it contact forms
+constexpr std::size_t kMedianReach = 2;  // neighbours on each side of a median
+constexpr double kPiecesApart = 0.02;    // [-] of the largest force
 constexpr double kSignificance = 1e-3;
 
 // Samples in contact.
@@ -36,7 +36,7 @@ Contact in_contact(const Approach& approach, const ContactFit& fit) {
   }
   const double least = std::max(kFromForce * *std::max_element(f.begin(), f.end()),
                                 3.0 * approach.noise_sd_n);
-  const std::vector<double> smooth = running_median(f, kReach);
+  const std::vector<double> smooth = running_median(f, kMedianReach);
   const auto free = std::find_if(smooth.rbegin(), smooth.rend(), [&](double force) {
     return force < least;
   });

@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kContactMin = 12;  // samples
-constexpr double kDepthShareMax = 0.25;  // [-] of the radius
+constexpr std::size_t kContactMin = 12;     // samples
+constexpr double kJkrDepthShareMax = 0.25;  // [-] of the radius
 using std::numbers::pi;
 
 // Terms of the law at contact radius a: pushing and pulling parts of force and depth.
@@ -112,7 +112,7 @@ LeastSquaresProblem problem_of(const SinceJump& c, const Jkr& start) {
   return problem;
 }
 
-JkrFit refused(std::string why) {
+JkrFit refused_jkr(std::string why) {
   JkrFit fit;
   fit.refused = std::move(why);
   return fit;
@@ -126,7 +126,7 @@ JkrFit solve_jkr(const SinceJump& c, const Jkr& start) {
   const Eigen::Vector3d sd =
       least_squares_covariance(problem, report.q).diagonal().cwiseSqrt();
   if (!report.converged) {
-    return refused("the fit did not converge");
+    return refused_jkr("the fit did not converge");
   }
   const double length = c.x.back() - c.x.front();
   const double size = *std::max_element(c.f.begin(), c.f.end());
@@ -154,7 +154,7 @@ std::string why_not(const JkrFit& fit, const Approach& approach,
   const double depth = *std::max_element(approach.displacement_m.begin(),
                                          approach.displacement_m.end()) -
                        fit.contact_point_m;
-  if (depth > kDepthShareMax * radius_m) {
+  if (depth > kJkrDepthShareMax * radius_m) {
     return fmt::format("{:.3g} m deep: more than a quarter of the radius", depth);
   }
   if (fit.rms_n > kJkrMisfit * adhesion.noise_n) {
@@ -175,18 +175,18 @@ double jkr_force_n(double depth_m, double radius_m, double reduced_modulus_pa,
 
 JkrFit fit_jkr(const Approach& approach, const Adhesion& adhesion, double radius_m) {
   if (!adhesion.pulls_off || !adhesion.snaps_in) {
-    return refused(adhesion.pulls_off ? "no jump into contact is seen"
-                                      : "no pull-off is seen");
+    return refused_jkr(adhesion.pulls_off ? "no jump into contact is seen"
+                                          : "no pull-off is seen");
   }
   const SinceJump contact = since_jump(approach, adhesion);
   if (contact.x.size() < kContactMin) {
-    return refused(fmt::format("{} samples after the jump into contact, need {}",
-                               contact.x.size(), kContactMin));
+    return refused_jkr(fmt::format("{} samples after the jump into contact, need {}",
+                                   contact.x.size(), kContactMin));
   }
   const double depth = contact.x.back() - contact.x.front();
   const double force = *std::max_element(contact.f.begin(), contact.f.end());
   if (!(depth > 0.0) || !(force > 0.0)) {
-    return refused("the force never pushes");
+    return refused_jkr("the force never pushes");
   }
   const Jkr start{radius_m, 0.75 * force / (std::sqrt(radius_m) * std::pow(depth, 1.5)),
                   jkr_work_of_adhesion(adhesion.pull_off_n, radius_m)};

@@ -45,7 +45,7 @@ struct Candidate {
   std::size_t rows = 0;
 };
 
-Eigen::VectorXd means(std::span<const double> values, std::size_t of) {
+Eigen::VectorXd neighbour_means(std::span<const double> values, std::size_t of) {
   const auto n = static_cast<Eigen::Index>(values.size() / of);
   Eigen::VectorXd mean(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -61,9 +61,9 @@ Rows rows_of(const PressAndHold& m) {
       {std::size_t{1}, (n + kRowsMax - 1) / kRowsMax,
        std::min((n + kRowsEnough - 1) / kRowsEnough, m.hold_begin / kPressRowsEnough)});
   Rows rows;
-  rows.all.time_s = means(m.time_s, of);
-  rows.all.depth = means(m.displacement_m, of);
-  rows.all.force = means(m.force_n, of);
+  rows.all.time_s = neighbour_means(m.time_s, of);
+  rows.all.depth = neighbour_means(m.displacement_m, of);
+  rows.all.force = neighbour_means(m.force_n, of);
   rows.press = static_cast<Eigen::Index>(m.hold_begin / of);
   rows.hold =
       std::min(static_cast<Eigen::Index>(m.hold_end / of), rows.all.force.size());

@@ -16,7 +16,6 @@ namespace palpate {
 namespace {
 
 constexpr double kBeginnings[] = {0.4, 0.15, 0.05};  // [-] of the force's range
-constexpr double kContactSdShareMax = 0.1;           // [-] of the depth
 constexpr double kFreeDeviations = 3.0;
 constexpr double kFlatShares[] = {1.0 / 6, 1.0 / 12, 1.0 / 24,
                                   1.0 / 48};  // of the travel

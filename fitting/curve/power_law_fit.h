@@ -23,6 +23,9 @@
 
 namespace palpate {
 
+/// [-] of the depth: a contact point less sure than that is not identified.
+constexpr double kContactSdShareMax = 0.1;
+
 struct FitParameter {
   std::string name;
   double value = 0.0;

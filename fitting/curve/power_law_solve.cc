@@ -10,8 +10,8 @@ namespace {
 
 // Residuals at q, and their derivatives where asked for. ln d serves the power and its
 // derivative by the exponent.
-void evaluate(const ScaledCurve& curve, const double* q, double* r,
-              RowMajorMatrix* jacobian) {
+void power_law_residuals(const ScaledCurve& curve, const double* q, double* r,
+                         RowMajorMatrix* jacobian) {
   const double p = q[kExponent], K = q[kCoefficient];
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     const double x = curve.x[i], d = x - q[kContact];
@@ -45,7 +45,7 @@ LeastSquaresProblem contact_problem(const ScaledCurve& curve,
   problem.evaluate = [&curve, weighed](const Eigen::VectorXd& q,
                                        Eigen::Ref<Eigen::VectorXd> r,
                                        RowMajorMatrix* jacobian) {
-    evaluate(curve, q.data(), r.data(), jacobian);
+    power_law_residuals(curve, q.data(), r.data(), jacobian);
     const auto last = static_cast<Eigen::Index>(curve.x.size());
     if (weighed) {
       r[last] = curve.drift_weight * q[kBaselineSlope];
@@ -85,7 +85,7 @@ ContactSolveReport solve_contact(const ScaledCurve& curve, const ContactModel& s
 std::vector<double> contact_residuals(const ScaledCurve& curve,
                                       const ContactModel& model) {
   std::vector<double> residuals(curve.x.size());
-  evaluate(curve, as_vector(model).data(), residuals.data(), nullptr);
+  power_law_residuals(curve, as_vector(model).data(), residuals.data(), nullptr);
   return residuals;
 }
 

@@ -38,8 +38,8 @@ struct LayerCurve {
   }
 };
 
-bool evaluate(const LayerCurve& curve, const Eigen::VectorXd& q,
-              Eigen::Ref<Eigen::VectorXd> r, RowMajorMatrix* jacobian) {
+bool layer_residuals(const LayerCurve& curve, const Eigen::VectorXd& q,
+                     Eigen::Ref<Eigen::VectorXd> r, RowMajorMatrix* jacobian) {
   try {
     for (Eigen::Index i = 0; i < curve.x.size(); ++i) {
       const double d = curve.x[i] - q[kStart], g = curve.force(d);
@@ -81,7 +81,7 @@ LayerFit fit_sphere_on_layer(const Approach& approach, const ContactFit& start,
   problem.evaluate = [&curve](const Eigen::VectorXd& q,
                               const Eigen::Ref<Eigen::VectorXd>& r,
                               RowMajorMatrix* jacobian) {
-    return evaluate(curve, q, r, jacobian);
+    return layer_residuals(curve, q, r, jacobian);
   };
   problem.lower = Eigen::Vector4d(-kInf, -kInf, -kContactShare, 0.0);
   problem.upper = Eigen::Vector4d(kInf, kInf, kContactShare, kInf);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Core>
@@ -18,14 +17,12 @@
 namespace palpate {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDepthShareMax = 0.25;  // [-] of a sphere's radius
-constexpr double kStrainMax = 0.1;       // [-] of a cylinder under a plate
+constexpr double kHertzDepthShareMax = 0.25;  // [-] of a sphere's radius
+constexpr double kStrainMax = 0.1;            // [-] of a cylinder under a plate
 constexpr double kExponentApart = 0.1;
 constexpr double kSdStep = 0.5;  // [-] of a standard deviation, for derivatives
-constexpr double kDeviations = 3.0;
-constexpr double kContactSdShareMax = 0.1;  // [-] of the depth
-constexpr const char* kNotIdentified =
+constexpr double kExponentDeviations = 3.0;
+constexpr const char* kNoContactPoint =
     "contact point not identified: the depth is not known";
 
 // @param layer its own law finds the contact point then.
@@ -36,16 +33,16 @@ std::string reason_to_refuse(const ContactFit& fit, bool layer) {
   if (fit.has(FitFlag::kAlreadyInContact)) {
     return "already in contact at the first sample: the depth is not known";
   }
-  return !layer && fit.has(FitFlag::kContactPointNotIdentified) ? kNotIdentified : "";
+  return !layer && fit.has(FitFlag::kContactPointNotIdentified) ? kNoContactPoint : "";
 }
 
 bool on_a_layer(const Indenter& indenter) {
   return indenter.shape == "sphere" && indenter.thickness_m > 0.0;
 }
 
-Modulus refused(std::string why) {
+Modulus refused_modulus(std::string why) {
   Modulus modulus;
-  modulus.youngs_modulus_pa = modulus.sd_pa = kNaN;
+  modulus.youngs_modulus_pa = modulus.sd_pa = std::nan("");
   modulus.refused = std::move(why);
   return modulus;
 }
@@ -92,7 +89,7 @@ FromData contact_modulus(const Approach& approach, const ContactFit& held,
   if (on_a_layer(indenter)) {
     const LayerFit fit = fit_sphere_on_layer(approach, free, indenter);
     if (!(fit.contact_point_sd_m <= kContactSdShareMax * free.depth_max_m)) {
-      throw InputError(kNotIdentified);
+      throw InputError(kNoContactPoint);
     }
     return {fit.youngs_modulus_pa, fit.sd_pa};
   }
@@ -197,7 +194,7 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
   const ContactFit fit = fit_contact(
       approach, {.exponent = exponent, .noise_relative = free.noise_relative});
   if (const std::string reason = reason_to_refuse(fit, layer); !reason.empty()) {
-    return refused(reason);
+    return refused_modulus(reason);
   }
   const FromData found = contact_modulus(approach, fit, free, indenter);
   std::vector<ModulusError> errors = geometry_errors(indenter, [&](const Indenter& at) {
@@ -213,12 +210,12 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
   std::replace(modulus.flags.begin(), modulus.flags.end(), FitFlag::kMisfit,
                FitFlag::kModulusLawMisfit);
   if (indenter.shape == "sphere" &&
-      fit.depth_max_m > kDepthShareMax * indenter.radius_m) {
+      fit.depth_max_m > kHertzDepthShareMax * indenter.radius_m) {
     modulus.flags.push_back(FitFlag::kHertzDepthExceeded);
   }
   const double apart = std::abs(free.exponent - exponent);
   if (!layer && apart > kExponentApart &&
-      !(apart <= kDeviations * free.parameters[3].sd)) {
+      !(apart <= kExponentDeviations * free.parameters[3].sd)) {
     modulus.flags.push_back(FitFlag::kHertzExponentRefuted);
   }
   return modulus;
@@ -229,7 +226,7 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
 Modulus find_modulus(const Approach& approach, const ContactFit& free,
                      const Indenter& indenter) {
   if (indenter.shape == "unknown") {
-    return refused("the indenter's geometry is not known");
+    return refused_modulus("the indenter's geometry is not known");
   }
   try {
     if (indenter.shape == "plate") {
@@ -237,11 +234,11 @@ Modulus find_modulus(const Approach& approach, const ContactFit& free,
     }
     if (const std::string reason = reason_to_refuse(free, on_a_layer(indenter));
         !reason.empty()) {
-      return refused(reason);
+      return refused_modulus(reason);
     }
     return indented_modulus(approach, free, indenter);
   } catch (const Error& error) {
-    return refused(error.what());
+    return refused_modulus(error.what());
   }
 }
 

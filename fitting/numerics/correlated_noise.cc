@@ -13,14 +13,14 @@
 namespace palpate {
 namespace {
 
-constexpr Eigen::Index kRowsMax = 4000;
+constexpr Eigen::Index kNoiseRowsMax = 4000;
 // Noises that are tried: shares of all that neighbours share, and lengths [samples].
 constexpr std::array<double, 6> kShares{0.03, 0.12, 0.3, 0.6, 0.9, 1.0};
 constexpr double kShortest = 0.5, kShortestSmooth = 2.0;
 constexpr double kLongestPerSample = 0.25;
 constexpr int kLengths = 12;
 constexpr Eigen::Index kLeftMin = 20;  // fewer tell nothing of what they share
-constexpr double kWeightMin = 1e-3;
+constexpr double kNoiseWeightMin = 1e-3;
 constexpr double kSettled = 1e-13;  // of a variance from sample to sample
 constexpr double kSizeMin = 1e-3;   // of residuals near a sample, of that of all
 constexpr double kSure = 0.5;       // the grid is coarser than what samples tell
@@ -192,7 +192,7 @@ std::vector<ProbableNoise> weighed(const std::vector<Tried>& tried) {
     sum += noises.back().weight;
   }
   std::erase_if(noises, [&](const ProbableNoise& noise) {
-    return noise.weight < kWeightMin * sum;
+    return noise.weight < kNoiseWeightMin * sum;
   });
   sum = 0.0;
   for (const ProbableNoise& noise : noises) {
@@ -227,7 +227,7 @@ CorrelatedNoise refined(const Restricted& likelihood, const CorrelatedNoise& sta
 // Means of as many neighbours as leave few enough rows: what is shared over a few
 // samples of very many is white to the fit.
 Eigen::MatrixXd averaged(const Eigen::MatrixXd& rows) {
-  const Eigen::Index of = (rows.rows() + kRowsMax - 1) / kRowsMax;
+  const Eigen::Index of = (rows.rows() + kNoiseRowsMax - 1) / kNoiseRowsMax;
   if (of <= 1) {
     return rows;
   }

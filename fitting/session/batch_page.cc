@@ -26,7 +26,7 @@ constexpr const char* kStyle =
     "h2{font-size:16px;margin:0}p{margin:.3em 0}";
 constexpr double kWidth = 720.0, kLeft = 70.0, kRight = 12.0;
 constexpr std::size_t kDots = 400;  // samples drawn per plot
-constexpr int kCurvePoints = 160;   // of a drawn curve
+constexpr int kDrawnPoints = 160;   // of a drawn curve
 
 // A plot's frame: from values to places on the page.
 struct Frame {
@@ -100,8 +100,8 @@ std::pair<double, const char*> force_unit(double largest_n) {
 std::string curve_and_band(const Frame& frame, const FamilyFit& fit, double force_size,
                            double length_size) {
   std::string line, above, below;
-  for (int i = 0; i <= kCurvePoints; ++i) {
-    const double x = frame.x_low + (frame.x_high - frame.x_low) * i / kCurvePoints;
+  for (int i = 0; i <= kDrawnPoints; ++i) {
+    const double x = frame.x_low + (frame.x_high - frame.x_low) * i / kDrawnPoints;
     const double f = fitted_force_n(fit, x / length_size);
     const double sd = fitted_sd_n(fit, x / length_size);
     const double half = std::isfinite(sd) ? 1.96 * sd : 0.0;

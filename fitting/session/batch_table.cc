@@ -24,7 +24,7 @@ std::string joined_flags(const RunResult& run) {
   return text;
 }
 
-std::string joined(const std::vector<std::string>& words) {
+std::string joined_words(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) {
     text += (text.empty() ? "" : " ") + word;
@@ -46,10 +46,10 @@ std::string correction_cells(const RunResult& run) {
 
 std::string csv_row(const RunResult& run) {
   const RatingFeatures& f = run.rating.features;
-  std::string row =
-      fmt::format("{},{},{},{},{},{}", csv_text(run.name), csv_text(run.point),
-                  run.press, verdict_name(run.rating.verdict),
-                  csv_number(run.rating.score), csv_text(joined(run.rating.gates)));
+  std::string row = fmt::format(
+      "{},{},{},{},{},{}", csv_text(run.name), csv_text(run.point), run.press,
+      verdict_name(run.rating.verdict), csv_number(run.rating.score),
+      csv_text(joined_words(run.rating.gates)));
   const FamilyFit* best = run.best();
   if (best == nullptr) {
     return row + std::string(21, ',') + csv_text(run.bad) + "," +

@@ -8,7 +8,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kContactSdShareMax = 0.1;  // [-] of the depth
 constexpr const char* kInContact = "already in contact: its depths are not known";
 constexpr const char* kNotIdentified = "contact point not identified";
 

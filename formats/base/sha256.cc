@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 // OpenSSL's digest calls fail only when the library is broken or out of memory.
-void require(bool done) {
+void require_done(bool done) {
   if (!done) {
     throw std::runtime_error("OpenSSL could not compute a SHA-256 digest");
   }
@@ -24,8 +24,8 @@ void require(bool done) {
 }  // namespace
 
 Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
-  require(context_ != nullptr &&
-          EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) == 1);
+  require_done(context_ != nullptr &&
+               EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) == 1);
 }
 
 Sha256::~Sha256() {
@@ -33,7 +33,7 @@ Sha256::~Sha256() {
 }
 
 void Sha256::update(std::span<const std::byte> bytes) {
-  require(EVP_DigestUpdate(context_, bytes.data(), bytes.size()) == 1);
+  require_done(EVP_DigestUpdate(context_, bytes.data(), bytes.size()) == 1);
 }
 
 std::string Sha256::hex() const {
@@ -43,7 +43,7 @@ std::string Sha256::hex() const {
   const bool done = copy != nullptr && EVP_MD_CTX_copy_ex(copy, context_) == 1 &&
                     EVP_DigestFinal_ex(copy, digest.data(), &size) == 1;
   EVP_MD_CTX_free(copy);
-  require(done);
+  require_done(done);
   std::string text;
   for (unsigned int i = 0; i < size; ++i) {
     text += fmt::format("{:02x}", digest[i]);

@@ -14,8 +14,8 @@ namespace {
 // Rounding of distances that are evenly spaced in ln.
 constexpr double kSpacingTolerance = 1e-9;
 
-void check_rows(const std::string& path, const RowsOf<float>& values, std::int64_t rows,
-                std::int64_t columns, std::int64_t first) {
+void check_finite_rows(const std::string& path, const RowsOf<float>& values,
+                       std::int64_t rows, std::int64_t columns, std::int64_t first) {
   if (values.rows() != rows || (rows > 0 && values.cols() != columns)) {
     fail("{} is {} x {}, must be {} x {}", path, values.rows(), values.cols(), rows,
          columns);
@@ -64,7 +64,8 @@ void check_compliance_rows(const std::string& tool, const ComplianceTable& table
                            std::int64_t nodes, std::int64_t first) {
   const std::string group = tool + "/compliance";
   const auto knots = static_cast<std::int64_t>(table.knots());
-  check_rows(group + "/value", table.value, table.empty() ? 0 : nodes, knots, first);
+  check_finite_rows(group + "/value", table.value, table.empty() ? 0 : nodes, knots,
+                    first);
   const std::int64_t modes = table.mode.cols();
   if (modes > static_cast<std::int64_t>(kMostModes) || table.added_modes < 0 ||
       table.added_modes > modes) {
@@ -73,8 +74,8 @@ void check_compliance_rows(const std::string& tool, const ComplianceTable& table
         "than add",
         group, modes, table.added_modes, kMostModes);
   }
-  check_rows(group + "/mode", table.mode, table.empty() || modes == 0 ? 0 : nodes,
-             modes, first);
+  check_finite_rows(group + "/mode", table.mode,
+                    table.empty() || modes == 0 ? 0 : nodes, modes, first);
 }
 
 void check_contact_tables(const std::vector<ResponseTable>& tables) {

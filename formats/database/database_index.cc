@@ -26,7 +26,8 @@ std::vector<std::uint8_t> bytes_of(const Sha256& digest) {
   return bytes;
 }
 
-void set_row(Sha256Rows& rows, std::int64_t row, const std::vector<std::uint8_t>& to) {
+void set_digest(Sha256Rows& rows, std::int64_t row,
+                const std::vector<std::uint8_t>& to) {
   std::copy(to.begin(), to.end(), rows.row(row).data());
 }
 
@@ -138,7 +139,7 @@ void set_compliance(const ComplianceTable& table, const DatabaseIndex& index,
     if (table.mode.size() > 0) {
       part.mode = table.mode.middleRows(begin, end - begin);
     }
-    set_row(tool.compliance_sha256, k, compliance_digest(part));
+    set_digest(tool.compliance_sha256, k, compliance_digest(part));
   }
 }
 
@@ -177,7 +178,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
     tool.direction_spread_max_rad.push_back(of.direction_spread_rad);
     std::vector<std::int32_t> nodes(static_cast<std::size_t>(end - begin));
     std::iota(nodes.begin(), nodes.end(), static_cast<std::int32_t>(begin));
-    set_row(tool.sha256, k, chunk_digest(select_nodes(table, nodes)));
+    set_digest(tool.sha256, k, chunk_digest(select_nodes(table, nodes)));
   }
   tool.sample_begin.push_back(table.sample_begin.back());
   if (has_node_rows(table.viscoelasticity)) {
@@ -186,7 +187,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
       const auto c = static_cast<std::size_t>(k);
       const Viscoelasticity part =
           rows_of(table.viscoelasticity, index.node_begin[c], index.node_begin[c + 1]);
-      set_row(tool.memory_sha256, k, memory_digest(part));
+      set_digest(tool.memory_sha256, k, memory_digest(part));
     }
   }
   set_share_extents(table.viscoelasticity, index, tool);
@@ -320,7 +321,7 @@ DatabaseIndex make_index(const ResponseDatabase& ordered, const StorageOrder& or
     const Eigen::AlignedBox3d box = box_around(chunk, ordered.body.position_m);
     index.box_min_m.row(k) = box.min().transpose();
     index.box_max_m.row(k) = box.max().transpose();
-    set_row(index.sha256, k, chunk_digest(chunk));
+    set_digest(index.sha256, k, chunk_digest(chunk));
   }
   for (const ResponseTable& table : ordered.tools) {
     index.tools.push_back(make_tool_index(table, index));

@@ -23,7 +23,7 @@ bool is_in(double value, double low, double high) {
 }
 
 // A node as the file counts it.
-std::int64_t name_of(std::size_t row, std::int64_t first) {
+std::int64_t node_in_file(std::size_t row, std::int64_t first) {
   return first + static_cast<std::int64_t>(row);
 }
 
@@ -60,7 +60,7 @@ void check_sample_begin(const std::string& group, const ResponseTable& table,
     const std::int64_t count = begin[i + 1] - begin[i];
     if (begin[i + 1] < begin[i] || count == 1) {
       fail("{}/sample_begin: node {} owns samples {} to {}, must be none or 2 or more",
-           group, name_of(i, first), begin[i], begin[i + 1]);
+           group, node_in_file(i, first), begin[i], begin[i + 1]);
     }
   }
   if (begin.back() != static_cast<std::int64_t>(table.depth_m.size())) {
@@ -75,7 +75,7 @@ void check_node_values(const std::string& group, const ResponseTable& table,
   const auto require = [&](const char* name, double value, double low, double high) {
     if (!is_in(value, low, high)) {
       fail("{}/{}: node {} has {}, must lie in [{:.6g}, {:.6g}]", group, name,
-           name_of(i, first), value, low, high);
+           node_in_file(i, first), value, low, high);
     }
   };
   require("direction_spread_rad", table.direction_spread_rad[i], 0.0, std::numbers::pi);
@@ -87,7 +87,7 @@ void check_node_values(const std::string& group, const ResponseTable& table,
   require("flags", table.flags[i], 0.0, kAllResponseFlags);
   if (table.friction[i] > 0.0 && !(table.presliding_m[i] > 0.0)) {
     fail("{}/presliding_m: node {} has {}, must be positive where friction is", group,
-         name_of(i, first), table.presliding_m[i]);
+         node_in_file(i, first), table.presliding_m[i]);
   }
 }
 
@@ -104,8 +104,8 @@ void check_direction(const std::string& group, const ResponseTable& table,
                      std::size_t node, std::int64_t first) {
   const double length = table.direction.row(static_cast<Eigen::Index>(node)).norm();
   if (!is_direction(length, has_curve(table, node))) {
-    fail("{}/direction: node {} has length {}, must be 1", group, name_of(node, first),
-         length);
+    fail("{}/direction: node {} has length {}, must be 1", group,
+         node_in_file(node, first), length);
   }
 }
 
@@ -168,7 +168,7 @@ void check_energy(const std::string& group, const CurveView& curve, std::int64_t
 
 void check_curve(const std::string& group, const ResponseTable& table, std::size_t row,
                  std::int64_t first) {
-  const std::int64_t node = name_of(row, first);
+  const std::int64_t node = node_in_file(row, first);
   const CurveView curve = table.curve(static_cast<std::int64_t>(row));
   const bool has_origin =
       table.origin[row] != static_cast<std::uint8_t>(ResponseOrigin::kNone);
@@ -246,10 +246,11 @@ void check_nodes(const Points& position_m, const Points& normal, std::int64_t fi
     const double length = normal.row(static_cast<Eigen::Index>(i)).norm();
     if (!at.allFinite()) {
       fail("/body/position_m: node {} is at ({}, {}, {}), must be finite",
-           name_of(i, first), at.x(), at.y(), at.z());
+           node_in_file(i, first), at.x(), at.y(), at.z());
     }
     if (!is_direction(length, false)) {
-      fail("/body/normal: node {} has length {}, must be 1", name_of(i, first), length);
+      fail("/body/normal: node {} has length {}, must be 1", node_in_file(i, first),
+           length);
     }
   }
 }
@@ -291,7 +292,7 @@ void check_normals(const Points& normal, const ResponseTable& table,
     const auto row = static_cast<std::size_t>(i);
     if (const double length = normal.row(i).norm();
         !is_direction(length, has_curve(table, row))) {
-      fail("/body/normal: node {} has length {}, must be 1", name_of(row, first),
+      fail("/body/normal: node {} has length {}, must be 1", node_in_file(row, first),
            length);
     }
   }

@@ -20,7 +20,7 @@ std::size_t index(std::int32_t i) {
 
 // Per-node values; what is absent stays so.
 template <typename T>
-std::vector<T> rows_of(const std::vector<T>& values, Nodes nodes) {
+std::vector<T> rows_at(const std::vector<T>& values, Nodes nodes) {
   std::vector<T> rows;
   if (!values.empty()) {
     rows.reserve(nodes.size());
@@ -32,7 +32,7 @@ std::vector<T> rows_of(const std::vector<T>& values, Nodes nodes) {
 }
 
 template <typename Matrix>
-Matrix rows_of(const Matrix& values, Nodes nodes) {
+Matrix rows_at(const Matrix& values, Nodes nodes) {
   Matrix rows(static_cast<Eigen::Index>(nodes.size()), values.cols());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     rows.row(static_cast<Eigen::Index>(i)) = values.row(nodes[i]);
@@ -95,9 +95,9 @@ DisplacementField select_displacement(const DisplacementField& field, Nodes node
   if (kept.empty()) {
     return {};
   }
-  selected.coefficient = rows_of(field.coefficient, kept);
-  selected.depth_m = rows_of(field.depth_m, kept);
-  selected.error_relative = rows_of(field.error_relative, kept);
+  selected.coefficient = rows_at(field.coefficient, kept);
+  selected.depth_m = rows_at(field.depth_m, kept);
+  selected.error_relative = rows_at(field.error_relative, kept);
   selected.basis.resize(3 * static_cast<Eigen::Index>(nodes.size()),
                         field.basis.cols());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -108,8 +108,8 @@ DisplacementField select_displacement(const DisplacementField& field, Nodes node
 }
 
 PronyTerms select_terms(const PronyTerms& terms, Nodes nodes) {
-  return {rows_of(terms.g_1, nodes), rows_of(terms.g_2, nodes),
-          rows_of(terms.tau_1_s, nodes), rows_of(terms.tau_2_s, nodes)};
+  return {rows_at(terms.g_1, nodes), rows_at(terms.g_2, nodes),
+          rows_at(terms.tau_1_s, nodes), rows_at(terms.tau_2_s, nodes)};
 }
 
 // Sites of which some selected node reads one, in their order.
@@ -120,8 +120,8 @@ MemorySites select_sites(const MemorySites& sites, Nodes nodes,
     return selected;
   }
   selected.spacing_m = sites.spacing_m;
-  selected.site = rows_of(sites.site, nodes);
-  selected.weight = rows_of(sites.weight, nodes);
+  selected.site = rows_at(sites.site, nodes);
+  selected.weight = rows_at(sites.weight, nodes);
   std::vector<std::int32_t> row(sites.node.size(), -1);
   for (const std::int32_t site : selected.site.reshaped()) {
     if (site >= 0) {
@@ -145,14 +145,14 @@ Viscoelasticity select_viscoelasticity(const Viscoelasticity& all, Nodes nodes,
                                        std::size_t size) {
   Viscoelasticity selected = all;
   if (all.g.rows() > 1) {
-    selected.g = rows_of(all.g, nodes);
+    selected.g = rows_at(all.g, nodes);
   }
   if (all.error_relative.size() > 1) {
-    selected.error_relative = rows_of(all.error_relative, nodes);
+    selected.error_relative = rows_at(all.error_relative, nodes);
   }
   for_each_dataset(selected.yielding, [&](const auto&, const auto&, auto& values) {
     if (values.size() > 1) {
-      values = rows_of(values, nodes);
+      values = rows_at(values, nodes);
     }
   });
   selected.sites = select_sites(all.sites, nodes, places_of(nodes, size));
@@ -172,23 +172,23 @@ std::vector<std::int32_t> places_of(Nodes order, std::size_t size) {
 ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   ResponseTable selected;
   selected.tool = table.tool;
-  selected.direction = rows_of(table.direction, nodes);
-  selected.direction_spread_rad = rows_of(table.direction_spread_rad, nodes);
-  selected.touch_offset_m = rows_of(table.touch_offset_m, nodes);
-  selected.error_relative = rows_of(table.error_relative, nodes);
-  selected.friction = rows_of(table.friction, nodes);
-  selected.presliding_m = rows_of(table.presliding_m, nodes);
-  selected.stiffness_max_n_per_m = rows_of(table.stiffness_max_n_per_m, nodes);
-  selected.origin = rows_of(table.origin, nodes);
-  selected.flags = rows_of(table.flags, nodes);
+  selected.direction = rows_at(table.direction, nodes);
+  selected.direction_spread_rad = rows_at(table.direction_spread_rad, nodes);
+  selected.touch_offset_m = rows_at(table.touch_offset_m, nodes);
+  selected.error_relative = rows_at(table.error_relative, nodes);
+  selected.friction = rows_at(table.friction, nodes);
+  selected.presliding_m = rows_at(table.presliding_m, nodes);
+  selected.stiffness_max_n_per_m = rows_at(table.stiffness_max_n_per_m, nodes);
+  selected.origin = rows_at(table.origin, nodes);
+  selected.flags = rows_at(table.flags, nodes);
   selected.sample_begin = begins_of(table.sample_begin, nodes);
   selected.depth_m = runs_of(table.depth_m, table.sample_begin, nodes);
   selected.force_n = runs_of(table.force_n, table.sample_begin, nodes);
   selected.stiffness_n_per_m =
       runs_of(table.stiffness_n_per_m, table.sample_begin, nodes);
   selected.energy_j = runs_of(table.energy_j, table.sample_begin, nodes);
-  selected.verified_error_relative = rows_of(table.verified_error_relative, nodes);
-  selected.failure = rows_of(table.failure, nodes);
+  selected.verified_error_relative = rows_at(table.verified_error_relative, nodes);
+  selected.failure = rows_at(table.failure, nodes);
   selected.failure_reason = table.failure_reason;
   selected.force_errors_n = runs_of(table.force_errors_n, table.sample_begin, nodes);
   select_sample_directions(table, nodes, selected);
@@ -203,8 +203,8 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
       table.viscoelasticity, nodes, static_cast<std::size_t>(table.nodes()));
   selected.compliance = table.compliance;
   selected.compliance.value =
-      rows_of(table.compliance.value, table.compliance.empty() ? Nodes{} : nodes);
-  selected.compliance.mode = rows_of(
+      rows_at(table.compliance.value, table.compliance.empty() ? Nodes{} : nodes);
+  selected.compliance.mode = rows_at(
       table.compliance.mode, table.compliance.mode.size() == 0 ? Nodes{} : nodes);
   return selected;
 }
@@ -214,12 +214,12 @@ ResponseDatabase select_nodes(const ResponseDatabase& database, Nodes nodes,
   const auto n = static_cast<std::size_t>(database.body.position_m.rows());
   const std::vector<std::int32_t> place = places_of(nodes, n);
   ResponseDatabase selected;
-  selected.body.position_m = rows_of(database.body.position_m, nodes);
+  selected.body.position_m = rows_at(database.body.position_m, nodes);
   selected.body.triangle =
-      rows_of(database.body.triangle, triangles).unaryExpr([&](std::int32_t node) {
+      rows_at(database.body.triangle, triangles).unaryExpr([&](std::int32_t node) {
         return place[index(node)];
       });
-  selected.normal = rows_of(database.normal, nodes);
+  selected.normal = rows_at(database.normal, nodes);
   for (const ResponseTable& table : database.tools) {
     selected.tools.push_back(select_nodes(table, nodes));
   }

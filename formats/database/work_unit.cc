@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kMagic = "palpate-shard-2\n";
+constexpr std::string_view kShardMagic = "palpate-shard-2\n";
 constexpr std::size_t kDigestLength = 64;
 
 std::vector<std::byte> to_cbor(const nlohmann::json& json) {
@@ -50,8 +50,8 @@ void append(std::vector<std::byte>& bytes, std::string_view text) {
 }
 
 bool begins_as_shard(std::span<const std::byte> bytes) {
-  return bytes.size() >= kMagic.size() &&
-         std::equal(kMagic.begin(), kMagic.end(), bytes.begin(),
+  return bytes.size() >= kShardMagic.size() &&
+         std::equal(kShardMagic.begin(), kShardMagic.end(), bytes.begin(),
                     [](char c, std::byte b) {
                       return static_cast<std::byte>(c) == b;
                     });
@@ -97,7 +97,7 @@ JobDescription plan_from_bytes(std::span<const std::byte> bytes,
 void write_shard(const std::filesystem::path& file, const Shard& shard) {
   const auto body = to_cbor({{"plan", shard.plan}, {"unit", shard.unit}});
   std::vector<std::byte> bytes;
-  append(bytes, kMagic);
+  append(bytes, kShardMagic);
   append(bytes, digest_of(body));
   bytes.insert(bytes.end(), body.begin(), body.end());
   AtomicFile place(file);
@@ -111,7 +111,7 @@ Shard read_shard(const std::filesystem::path& file) {
   if (!begins_as_shard(bytes)) {
     throw FormatError(fmt::format("{} is no palpate shard", file.string()));
   }
-  const auto rest = bytes.subspan(kMagic.size());
+  const auto rest = bytes.subspan(kShardMagic.size());
   const auto body = rest.subspan(std::min(rest.size(), kDigestLength));
   const std::string digest = digest_of(body);
   const auto stored = rest.first(std::min(rest.size(), kDigestLength));
@@ -132,9 +132,9 @@ Shard read_shard(const std::filesystem::path& file) {
 
 bool is_shard(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  std::string head(kMagic.size(), '\0');
+  std::string head(kShardMagic.size(), '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return in && head == kMagic;
+  return in && head == kShardMagic;
 }
 
 }  // namespace palpate

@@ -5,10 +5,6 @@ namespace {
 
 using nlohmann::json;
 
-json list(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 Eigen::Vector3d vector_of(const json& j) {
   return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
 }
@@ -47,7 +43,7 @@ json to_json(const ToolShape& tool) {
          {"mesh", to_json(tool.mesh)},
          {"sticking", tool.sticking}};
   if (tool.axis) {
-    j["axis"] = list(*tool.axis);
+    j["axis"] = json_list(*tool.axis);
   }
   if (!tool.contact.empty()) {
     j["contact"] = {{"point_m", flat(tool.contact.point_m)},
@@ -83,13 +79,13 @@ json to_json(const WorkUnitNode& node) {
   const NodeResponse& response = node.response;
   json directions = json::array();
   for (const Eigen::Vector3d& direction : response.sample_direction) {
-    directions.push_back(list(direction));
+    directions.push_back(json_list(direction));
   }
   return {{"tool", node.tool},
           {"vertex", node.vertex},
           {"failure", node.failure},
           {"elsewhere", node.reaches_elsewhere},
-          {"direction", list(response.direction)},
+          {"direction", json_list(response.direction)},
           {"direction_spread_rad", response.direction_spread_rad},
           {"touch_offset_m", response.touch_offset_m},
           {"depth_m", response.depth_m},
@@ -121,6 +117,10 @@ WorkUnitNode node_of(const json& j) {
 }
 
 }  // namespace
+
+json json_list(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 void to_json(json& j, const WorkUnitOutcome& unit) {
   j = {{"index", unit.index}, {"is_check", unit.is_check}, {"node", json::array()}};

@@ -1,4 +1,4 @@
-// How units and plans stand in CBOR; only for response_shard.cc and its tests.
+// How units and plans stand in CBOR; only for shards and the service's messages.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -6,6 +6,8 @@
 #include "formats/database/work_unit.h"
 
 namespace palpate {
+
+[[nodiscard]] nlohmann::json json_list(const Eigen::Vector3d& v);
 
 void to_json(nlohmann::json& json, const WorkUnitOutcome& unit);
 void from_json(const nlohmann::json& json, WorkUnitOutcome& unit);

@@ -50,7 +50,7 @@ bool matches(const Hdf5Shape& shape, const Hdf5Shape& wanted) {
                     });
 }
 
-std::string name_of(const Hdf5Shape& wanted) {
+std::string shape_text(const Hdf5Shape& wanted) {
   std::string text;
   for (const std::int64_t size : wanted) {
     text += text.empty() ? "rows" : size < 0 ? " x any" : fmt::format(" x {}", size);
@@ -301,7 +301,7 @@ Hdf5Shape Hdf5Reader::checked_shape(const std::string& path, const char* units,
   const std::optional<Hdf5Shape> shape = extent_of(space.get());
   if (!shape || !matches(*shape, wanted)) {
     fail(fmt::format("dataset {} has the shape {}, must be {}", path,
-                     dimensions_of(space.get()), name_of(wanted)));
+                     dimensions_of(space.get()), shape_text(wanted)));
   }
   const Layout layout = layout_of(opened.get());
   if (layout == Layout::kForeign) {

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-std::string head_of(const std::string& path, const std::vector<double>& values) {
+std::string float64_head(const std::string& path, const std::vector<double>& values) {
   return hdf5::digest_head(path, "float64", static_cast<std::int64_t>(values.size()),
                            0);
 }
@@ -24,7 +24,8 @@ std::string scale_path(const std::string& path) {
 
 void Hdf5Writer::digest_only(const std::string& path,
                              const std::vector<double>& values) {
-  digest_.add(head_of(path, values), values.data(), values.size() * sizeof(double));
+  digest_.add(float64_head(path, values), values.data(),
+              values.size() * sizeof(double));
 }
 
 void Hdf5Writer::reals(const std::string& path, const char* units,
@@ -56,7 +57,8 @@ void Hdf5Writer::reals(const std::string& path, const char* units,
 
 void Hdf5Reader::digest_only(const std::string& path,
                              const std::vector<double>& values) {
-  digest_.add(head_of(path, values), values.data(), values.size() * sizeof(double));
+  digest_.add(float64_head(path, values), values.data(),
+              values.size() * sizeof(double));
 }
 
 void Hdf5Reader::reals(const std::string& path, const char* units,

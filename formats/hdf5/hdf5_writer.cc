@@ -16,7 +16,7 @@ using hdf5::Handle;
 constexpr unsigned kCompactEntries = 64;
 
 // In memory HDF5 fails only for want of memory, or for a mistake of ours.
-void require(bool done, const std::string& item) {
+void require_written(bool done, const std::string& item) {
   if (!done) {
     throw std::runtime_error(
         fmt::format("HDF5 cannot write {}: {}", item, hdf5::last_failure()));
@@ -53,8 +53,8 @@ bool put_attribute(hid_t file, const std::string& object, const char* name,
   return attribute && H5Awrite(attribute.get(), stored, value) >= 0;
 }
 
-bool put_text(hid_t file, const std::string& object, const char* name,
-              std::string_view value) {
+bool put_text_attribute(hid_t file, const std::string& object, const char* name,
+                        std::string_view value) {
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle type = hdf5::string_type(value.size());
   return put_attribute(file, object, name, type.get(),
@@ -74,7 +74,7 @@ Hdf5Writer::Hdf5Writer(const StorageOptions& storage) : storage_(storage) {
   // HDF5 tells open files apart by name; this one names no file.
   const std::string name = fmt::format("in memory {}", fmt::ptr(this));
   id_ = H5Fcreate(name.c_str(), H5F_ACC_TRUNC, create.get(), access.get());
-  require(id_ >= 0, "/");
+  require_written(id_ >= 0, "/");
 }
 
 Hdf5Writer::~Hdf5Writer() {
@@ -87,7 +87,7 @@ void Hdf5Writer::group(const std::string& path) {
   const Handle create = creation_properties(H5P_GROUP_CREATE);
   const Handle made(
       H5Gcreate2(id_, path.c_str(), H5P_DEFAULT, create.get(), H5P_DEFAULT), H5Gclose);
-  require(static_cast<bool>(made), path);
+  require_written(static_cast<bool>(made), path);
 }
 
 bool Hdf5Writer::optional_group(const std::string& path, bool wanted) {
@@ -107,8 +107,8 @@ void Hdf5Writer::attribute(const std::string& object, const char* name,
 
 void Hdf5Writer::attribute(const std::string& object, const char* name, double value) {
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  require(put_attribute(id_, object, name, H5T_IEEE_F64LE, &value, space.get()),
-          object + "@" + name);
+  require_written(put_attribute(id_, object, name, H5T_IEEE_F64LE, &value, space.get()),
+                  object + "@" + name);
   digest_.add(hdf5::digest_head(object + "@" + name, "float64", 1, 0), &value,
               sizeof value);
 }
@@ -131,8 +131,8 @@ void Hdf5Writer::flags(const std::string& dataset,
     done = done && put_attribute(id_, dataset, "flag_masks", H5T_STD_U8LE,
                                  values.data(), space.get());
   }
-  require(done && put_text(id_, dataset, "flag_meanings", meanings),
-          dataset + "@flag_meanings");
+  require_written(done && put_text_attribute(id_, dataset, "flag_meanings", meanings),
+                  dataset + "@flag_meanings");
 }
 
 void Hdf5Writer::text(const std::string& path, const std::string& value) {
@@ -142,9 +142,9 @@ void Hdf5Writer::text(const std::string& path, const std::string& value) {
   const Handle made(H5Dcreate2(id_, path.c_str(), type.get(), space.get(), H5P_DEFAULT,
                                create.get(), H5P_DEFAULT),
                     H5Dclose);
-  require(made && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                           value.c_str()) >= 0,
-          path);
+  require_written(made && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL,
+                                   H5P_DEFAULT, value.c_str()) >= 0,
+                  path);
   digest_.add(
       hdf5::digest_head(path, "text", static_cast<std::int64_t>(value.size()), 0),
       value.data(), value.size());
@@ -167,11 +167,11 @@ void Hdf5Writer::write(const std::string& path, const char* units, Hdf5Type type
   const Handle made(H5Dcreate2(id_, path.c_str(), stored, space.get(), H5P_DEFAULT,
                                create.get(), H5P_DEFAULT),
                     H5Dclose);
-  require(static_cast<bool>(made), path);
-  require(values == 0 ||
-              H5Dwrite(made.get(), stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0,
-          path);
-  require(put_text(id_, path, "units", units), path + "@units");
+  require_written(static_cast<bool>(made), path);
+  require_written(values == 0 || H5Dwrite(made.get(), stored, H5S_ALL, H5S_ALL,
+                                          H5P_DEFAULT, data) >= 0,
+                  path);
+  require_written(put_text_attribute(id_, path, "units", units), path + "@units");
   if (digested) {
     digest_.add(hdf5::digest_head(path, hdf5::name_of(type), shape.front(),
                                   hdf5::columns_of(shape)),
@@ -181,42 +181,43 @@ void Hdf5Writer::write(const std::string& path, const char* units, Hdf5Type type
 
 void Hdf5Writer::remark(const std::string& object, const char* name,
                         const std::string& value) {
-  require(put_text(id_, object, name, value), object + "@" + name);
+  require_written(put_text_attribute(id_, object, name, value), object + "@" + name);
 }
 
 void Hdf5Writer::remark(const std::string& object, const char* name,
                         std::int64_t value) {
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  require(put_attribute(id_, object, name, H5T_STD_I64LE, &value, space.get()),
-          object + "@" + name);
+  require_written(put_attribute(id_, object, name, H5T_STD_I64LE, &value, space.get()),
+                  object + "@" + name);
 }
 
 void Hdf5Writer::link(const std::string& path, const std::string& object) {
-  require(H5Lcreate_hard(id_, object.c_str(), id_, path.c_str(), H5P_DEFAULT,
-                         H5P_DEFAULT) >= 0,
-          path);
+  require_written(H5Lcreate_hard(id_, object.c_str(), id_, path.c_str(), H5P_DEFAULT,
+                                 H5P_DEFAULT) >= 0,
+                  path);
 }
 
 void Hdf5Writer::vtk_header(const std::string& group) {
   const Handle space(H5Screate_simple(1, &hdf5::kVtkVersionSize, nullptr), H5Sclose);
-  require(put_attribute(id_, group, "Version", H5T_STD_I64LE, hdf5::kVtkVersion.data(),
-                        space.get()),
-          group + "@Version");
+  require_written(put_attribute(id_, group, "Version", H5T_STD_I64LE,
+                                hdf5::kVtkVersion.data(), space.get()),
+                  group + "@Version");
   const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);  // VTK 9.1 knows ASCII only
   H5Tset_size(type.get(), std::strlen(hdf5::kVtkType));
   H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
-  require(put_attribute(id_, group, "Type", type.get(), hdf5::kVtkType, scalar.get()),
-          group + "@Type");
+  require_written(
+      put_attribute(id_, group, "Type", type.get(), hdf5::kVtkType, scalar.get()),
+      group + "@Type");
 }
 
 std::span<const std::byte> Hdf5Writer::image() {
-  require(H5Fflush(id_, H5F_SCOPE_GLOBAL) >= 0, "/");
+  require_written(H5Fflush(id_, H5F_SCOPE_GLOBAL) >= 0, "/");
   // Only the size of the image: its copy clears superblock flags, but leaves the
   // checksum over them. So the bytes are those of the driver's own memory.
   const ssize_t size = H5Fget_file_image(id_, nullptr, 0);
   void* memory = nullptr;
-  require(size > 0 && H5Fget_vfd_handle(id_, H5P_DEFAULT, &memory) >= 0, "/");
+  require_written(size > 0 && H5Fget_vfd_handle(id_, H5P_DEFAULT, &memory) >= 0, "/");
   const void* bytes = *static_cast<void**>(memory);
   return {static_cast<const std::byte*>(bytes), static_cast<std::size_t>(size)};
 }

@@ -55,7 +55,7 @@ void check_head(const Hdf5Reader& file, const ContactRecording& r) {
   }
 }
 
-void check_rows(const Hdf5Reader& file, const ContactRecording& r) {
+void check_tick_rows(const Hdf5Reader& file, const ContactRecording& r) {
   const auto rows = static_cast<Eigen::Index>(r.time_s.size());
   const auto expect = [&](const char* name, Eigen::Index has, Eigen::Index columns,
                           Eigen::Index wanted) {
@@ -142,7 +142,7 @@ ContactRecording read_contact_recording(const std::filesystem::path& file) {
     in.fail("is damaged: its SHA-256 is not the one it states");
   }
   check_head(in, recording);
-  check_rows(in, recording);
+  check_tick_rows(in, recording);
   return recording;
 }
 

@@ -96,7 +96,7 @@ Handle open_file(const fs::path& file, bool create) {
   return id;
 }
 
-void sync(const fs::path& path, int flags, const fs::path& target) {
+void flush_to_disk(const fs::path& path, int flags, const fs::path& target) {
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
   const bool done = fd >= 0 && (::fsync(fd) == 0 || errno == EINVAL);
   const int error = errno;
@@ -232,14 +232,14 @@ class RecordingWriter::File {
       fail(target_, hdf5::last_failure());
     }
     id_.reset();
-    sync(partial_, O_RDONLY, target_);
+    flush_to_disk(partial_, O_RDONLY, target_);
     std::error_code error;
     fs::rename(partial_, target_, error);
     if (error) {
       fail(target_, error.message());
     }
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
-    sync(folder, O_RDONLY | O_DIRECTORY, target_);
+    flush_to_disk(folder, O_RDONLY | O_DIRECTORY, target_);
   }
 
  private:

@@ -38,8 +38,8 @@ void exchange_head(File& file, State& state) {
   file.attribute("/", "database_sha256", state.database_sha256);
 }
 
-std::vector<YieldedRow> rows_of(const Hdf5Reader& file, const std::string& tool,
-                                const Columns& columns) {
+std::vector<YieldedRow> rows_of_tool(const Hdf5Reader& file, const std::string& tool,
+                                     const Columns& columns) {
   const std::size_t count = columns.site.size();
   if (columns.dent_m.size() != count || columns.softened_m.size() != count) {
     file.fail(
@@ -109,7 +109,7 @@ SurfaceState read_surface_state(const std::filesystem::path& file) {
   for (const std::string& tool : split_lines(names)) {
     Columns columns;
     exchange_columns(in, tool, columns);
-    state.tool[tool] = rows_of(in, tool, columns);
+    state.tool[tool] = rows_of_tool(in, tool, columns);
     check_yielded(state.tool[tool], fmt::format("{}: /tools/{}", file.string(), tool));
   }
   if (in.remark("/", kDigestName) != in.digest()) {

@@ -24,7 +24,7 @@ constexpr std::size_t kCandidates = 12;
 // Area coordinates this little below zero are inside; of circles, their radius.
 constexpr double kInside = 1e-9;
 
-std::size_t index(std::int32_t i) {
+std::size_t as_index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
@@ -44,7 +44,7 @@ class EdgeGraph {
       if (!visit(node, (position_m_.row(node) - position_m_.row(from)).norm())) {
         continue;
       }
-      for (const std::int32_t next : neighbours_[index(node)]) {
+      for (const std::int32_t next : neighbours_[as_index(node)]) {
         if ((position_m_.row(next) - position_m_.row(from)).norm() <= limit_m) {
           front.push_back(next);
         }
@@ -65,17 +65,18 @@ std::vector<std::int32_t> farthest_points(const EdgeGraph& graph,
   while (true) {
     std::int32_t farthest = -1;
     for (std::size_t i = 0; i < remembers.size(); ++i) {
-      if (remembers[i] && (farthest < 0 || distance[i] > distance[index(farthest)])) {
+      if (remembers[i] &&
+          (farthest < 0 || distance[i] > distance[as_index(farthest)])) {
         farthest = static_cast<std::int32_t>(i);
       }
     }
-    if (farthest < 0 || !(distance[index(farthest)] > covered_m)) {
+    if (farthest < 0 || !(distance[as_index(farthest)] > covered_m)) {
       return sites;
     }
     sites.push_back(farthest);
     graph.walk(farthest, kInfinite, [&](std::int32_t node, double reached) {
-      const bool nearer = reached < distance[index(node)];
-      distance[index(node)] = std::min(distance[index(node)], reached);
+      const bool nearer = reached < distance[as_index(node)];
+      distance[as_index(node)] = std::min(distance[as_index(node)], reached);
       return nearer;
     });
   }
@@ -160,7 +161,7 @@ std::vector<Seen> sites_around(const SurfaceMesh& body, const Points& normal,
   std::vector<Seen> seen;
   for (const std::int32_t site : around) {
     const Eigen::Vector3d r =
-        (body.position_m.row(sites[index(site)]) - body.position_m.row(node))
+        (body.position_m.row(sites[as_index(site)]) - body.position_m.row(node))
             .transpose();
     seen.push_back({site, {r.dot(along), r.dot(across)}});
   }
@@ -239,7 +240,7 @@ MemorySites place_sites(const SurfaceMesh& body, const Points& normal,
   std::vector<std::vector<std::int32_t>> around(remembers.size());
   for (std::size_t s = 0; s < sites.node.size(); ++s) {
     graph.walk(sites.node[s], kAround * spacing_m, [&](std::int32_t node, double) {
-      std::vector<std::int32_t>& known = around[index(node)];
+      std::vector<std::int32_t>& known = around[as_index(node)];
       const auto site = static_cast<std::int32_t>(s);
       const bool first = known.empty() || known.back() != site;
       if (first) {
@@ -252,11 +253,11 @@ MemorySites place_sites(const SurfaceMesh& body, const Points& normal,
     set_row(sites, sites.node[s], {{static_cast<std::int32_t>(s), 1.0}});
   }
   for (std::int32_t i = 0; i < n; ++i) {
-    if (!remembers[index(i)] || sites.site(i, 0) >= 0) {
+    if (!remembers[as_index(i)] || sites.site(i, 0) >= 0) {
       continue;
     }
     const std::vector<Seen> seen =
-        sites_around(body, normal, sites.node, around[index(i)], i);
+        sites_around(body, normal, sites.node, around[as_index(i)], i);
     const Weights inside = triangle_around(seen);
     set_row(sites, i, inside.empty() ? nearest_two(seen) : inside);
   }

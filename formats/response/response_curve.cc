@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-void check_samples(std::span<const double> d, std::span<const double> f) {
+void check_depths_and_forces(std::span<const double> d, std::span<const double> f) {
   if (d.size() != f.size() || d.size() < 2) {
     throw InputError(fmt::format(
         "response curve: {} depths and {} forces, need as many of both and at least 2",
@@ -85,7 +85,7 @@ double interval_energy_j(const CurveView& curve, std::size_t i) noexcept {
 ResponseCurve::ResponseCurve(std::span<const double> depth_m,
                              std::span<const double> force_n)
     : depth_(depth_m.begin(), depth_m.end()), force_(force_n.begin(), force_n.end()) {
-  check_samples(depth_m, force_n);
+  check_depths_and_forces(depth_m, force_n);
   const std::size_t n = depth_.size();
   const auto h = [&](std::size_t i) {
     return depth_[i + 1] - depth_[i];

@@ -16,13 +16,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::byte, 4> kMagic{std::byte{'P'}, std::byte{'L'},
-                                          std::byte{'P'}, std::byte{'S'}};
+constexpr std::array<std::byte, 4> kFrameMagic{std::byte{'P'}, std::byte{'L'},
+                                               std::byte{'P'}, std::byte{'S'}};
 constexpr std::size_t kHead = 8;
-
-json list(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 Eigen::Vector3d finite_vector(const json& j) {
   const auto v = j.get<std::array<double, 3>>();
@@ -65,8 +61,8 @@ void write(json& j, const ServedEnd& end) {
 void write(json& j, const HandPlace& hand) {
   j = {{"kind", "hand"},
        {"tool", hand.tool},
-       {"position_m", list(hand.position_m)},
-       {"velocity_m_per_s", list(hand.velocity_m_per_s)},
+       {"position_m", json_list(hand.position_m)},
+       {"velocity_m_per_s", json_list(hand.velocity_m_per_s)},
        {"touches", hand.touches}};
 }
 
@@ -202,7 +198,7 @@ std::vector<std::byte> to_frame(const ServiceMessage& message) {
       message);
   j["version"] = kServiceVersion;
   const std::vector<std::uint8_t> body = json::to_cbor(j);
-  std::vector<std::byte> frame(kMagic.begin(), kMagic.end());
+  std::vector<std::byte> frame(kFrameMagic.begin(), kFrameMagic.end());
   frame.reserve(kHead + body.size());
   for (int i = 0; i < 4; ++i) {
     frame.push_back(static_cast<std::byte>((body.size() >> (8 * i)) & 0xff));
@@ -230,10 +226,10 @@ ServiceMessage message_from_bytes(std::span<const std::byte> body) {
 
 void FrameReader::take(std::span<const std::byte> bytes) {
   waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
-  const std::size_t begun = std::min(waiting_.size(), kMagic.size());
+  const std::size_t begun = std::min(waiting_.size(), kFrameMagic.size());
   if (!std::equal(waiting_.begin(),
                   waiting_.begin() + static_cast<std::ptrdiff_t>(begun),
-                  kMagic.begin())) {
+                  kFrameMagic.begin())) {
     throw FormatError("what came over the socket is not of a palpate service");
   }
   if (waiting_.size() >= kHead && length() > kServiceFrameMax) {
