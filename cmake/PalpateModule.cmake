@@ -1,5 +1,5 @@
 option(PALPATE_UNITY "Compile the sources of a target together; for cold builds" ON)
-set(PALPATE_UNIT_SOURCES 64 CACHE STRING "How many sources one translation unit joins at most")
+set(PALPATE_UNIT_SOURCES 32 CACHE STRING "How many sources one translation unit joins at most")
 # palpate_units(<target> <source>...): with PALPATE_UNITY the sources become the fewest
 # translation units of equal size: headers, and what they instantiate, are paid once a unit.
 # `.ci/unity` keeps the names of a target's sources apart.
