@@ -56,7 +56,8 @@ class RoughFilter {
   [[nodiscard]] double variance() const { return variance_ + white_; }
   [[nodiscard]] const Eigen::VectorXd& expected() const { return state_; }
   void predict(const Eigen::Ref<const Eigen::VectorXd>& surprise) {
-    state_ = rho_ * (state_ + gain() * surprise);
+    state_ += gain() * surprise;
+    state_ *= rho_;
   }
   // Whether the variance no longer changes.
   bool settle() {
