@@ -130,8 +130,8 @@ std::string lost(double share) {
       100.0 * share);
 }
 
-void describe(const SurfaceMesh& mesh, RepairMode mode, const SurfaceAndCounts& made,
-              RepairedSurface& result) {
+void describe_repair(const SurfaceMesh& mesh, RepairMode mode,
+                     const SurfaceAndCounts& made, RepairedSurface& result) {
   const std::vector<std::size_t>& count = made.count;
   RepairReport& report = result.report;
   for (std::size_t i = 0; i < count.size(); ++i) {
@@ -207,7 +207,7 @@ RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode) {
         return mode == RepairMode::kSafe ? safe_repair(mesh) : wrap_repair(mesh);
       });
   result.mesh = std::move(made.mesh);
-  describe(mesh, mode, made, result);
+  describe_repair(mesh, mode, made, result);
   return result;
 }
 
