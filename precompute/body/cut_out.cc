@@ -86,8 +86,8 @@ Triangles as_triangles(const std::vector<std::array<std::int32_t, 3>>& faces) {
 }
 
 // Corners of the body that the tets have, ascending.
-std::vector<std::int32_t> corners_of(const TetMesh& mesh,
-                                     std::span<const std::int32_t> tets) {
+std::vector<std::int32_t> corners_of_tets(const TetMesh& mesh,
+                                          std::span<const std::int32_t> tets) {
   std::vector<std::int32_t> corner;
   for (const std::int32_t t : tets) {
     for (int j = 0; j < 4; ++j) {
@@ -135,7 +135,8 @@ CutOut cut_out(const ConnectedTets& body, std::span<const std::int32_t> vertices
                double radius_m) {
   const TetMesh& mesh = body.mesh;
   const std::vector<std::int32_t> tets = reached(body, vertices, radius_m);
-  CutOut part{.tets = {}, .surface = {}, .cut = {}, .corner = corners_of(mesh, tets)};
+  CutOut part{
+      .tets = {}, .surface = {}, .cut = {}, .corner = corners_of_tets(mesh, tets)};
   const auto local = [&](std::int32_t corner) {
     return static_cast<std::int32_t>(
         std::lower_bound(part.corner.begin(), part.corner.end(), corner) -

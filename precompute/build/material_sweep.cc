@@ -20,7 +20,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kTimesFiner = 2.0;
+constexpr double kMeshTimesFiner = 2.0;
 constexpr double kDepthShareMin = 0.1;  // [-] of the depth: before, touch decides
 constexpr double kErrorMax = 0.9;
 
@@ -227,8 +227,8 @@ ResponseSweep sweep_materials(const Scene& scene, const BodySource& body,
     set_constant(changed, sweep.parameter[j].name, sweep.values_at(middle)[j]);
   }
   changed_body.material = materials_of(changed);
-  const auto finer_presses =
-      pressed_with(changed, changed_body, tool, vertices, finer(focus, kTimesFiner));
+  const auto finer_presses = pressed_with(changed, changed_body, tool, vertices,
+                                          finer(focus, kMeshTimesFiner));
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const ResponseCurve better =
         curve_of(finer_presses[v], where_of(vertices[v], sweep, middle) + ", finer");

@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-void add_load(ContactNode& node, std::int32_t mesh_node, const Eigen::Vector3d& force) {
+void add_nodal_force(ContactNode& node, std::int32_t mesh_node,
+                     const Eigen::Vector3d& force) {
   for (NodalForce& entry : node.load) {
     if (entry.node == mesh_node) {
       entry.force += force;
@@ -75,7 +76,7 @@ void integrate(const QuadraticMesh& mesh, Eigen::Index face,
       node.normal += weight * normal;
       node.gap_points.push_back({corner * point.at, normal, weight});
       for (int a = 0; a < 6; ++a) {
-        add_load(node, mesh.surface(face, a), -weight * point.shape[a] * normal);
+        add_nodal_force(node, mesh.surface(face, a), -weight * point.shape[a] * normal);
       }
     }
   }

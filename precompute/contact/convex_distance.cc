@@ -47,14 +47,14 @@ double hull_area(Planar points) {
 
 }  // namespace
 
-Corners corners_of(const SurfaceMesh& mesh, Eigen::Index triangle) {
+TriangleCorners corners_of(const SurfaceMesh& mesh, Eigen::Index triangle) {
   return {mesh.position_m.row(mesh.triangle(triangle, 0)).transpose(),
           mesh.position_m.row(mesh.triangle(triangle, 1)).transpose(),
           mesh.position_m.row(mesh.triangle(triangle, 2)).transpose()};
 }
 
 void take_nearer(NearestPoint& nearest, const Eigen::Vector3d& p_m,
-                 const Corners& corner) {
+                 const TriangleCorners& corner) {
   const Eigen::Vector3d normal =
       (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
   const auto offer = [&](const Eigen::Vector3d& at, int corners,
@@ -84,7 +84,7 @@ double shadow_area_m2(const SurfaceMesh& mesh, double depth_m) {
   const double top = mesh.position_m.col(2).minCoeff() + depth_m;
   Planar points;
   for (Eigen::Index i = 0; i < mesh.triangle.rows(); ++i) {
-    const Corners corner = corners_of(mesh, i);
+    const TriangleCorners corner = corners_of(mesh, i);
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d& a = corner[k];
       const Eigen::Vector3d& b = corner[(k + 1) % 3];

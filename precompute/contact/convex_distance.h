@@ -10,9 +10,10 @@
 
 namespace palpate {
 
-using Corners = std::array<Eigen::Vector3d, 3>;
+using TriangleCorners = std::array<Eigen::Vector3d, 3>;
 
-[[nodiscard]] Corners corners_of(const SurfaceMesh& mesh, Eigen::Index triangle);
+[[nodiscard]] TriangleCorners corners_of(const SurfaceMesh& mesh,
+                                         Eigen::Index triangle);
 
 /// The point of a set of triangles nearest to another, and on what it lies.
 struct NearestPoint {
@@ -26,7 +27,7 @@ struct NearestPoint {
 /// Replaces `nearest` by the triangle's nearest point if that is nearer (Ericson 2005,
 /// section 5.1.5).
 void take_nearer(NearestPoint& nearest, const Eigen::Vector3d& p_m,
-                 const Corners& corner);
+                 const TriangleCorners& corner);
 
 /// Area [m^2] of the shadow along z of the part of a convex mesh that lies at most
 /// depth_m above its lowest point.

@@ -22,7 +22,7 @@ namespace {
 // Faces turned more than this from the press are another side of the body.
 constexpr double kFacingCosine = 0.1;
 
-bool is_held(const Supports& supports, const ContactNode& node) {
+bool is_supported(const Supports& supports, const ContactNode& node) {
   return supports.free_index[3 * static_cast<std::size_t>(node.mesh_node)] < 0;
 }
 
@@ -187,7 +187,7 @@ std::vector<std::int32_t> contact_patch(const ContactSurface& surface,
     const std::int32_t v = queue.back();
     queue.pop_back();
     const ContactNode& node = node_of(surface, v);
-    if (!is_held(supports, node) && faces_tool(node)) {
+    if (!is_supported(supports, node) && faces_tool(node)) {
       patch.push_back(v);
     }
     for (const std::int32_t w : node.neighbours) {

@@ -137,7 +137,7 @@ void ToolSurface::set_planes() {
   plane_normal_.resize(mesh.triangle.rows(), 3);
   plane_offset_m_.resize(mesh.triangle.rows());
   for (Eigen::Index i = 0; i < mesh.triangle.rows(); ++i) {
-    const Corners corner = corners_of(mesh, i);
+    const TriangleCorners corner = corners_of(mesh, i);
     const Eigen::Vector3d twice_area =
         (corner[1] - corner[0]).cross(corner[2] - corner[0]);
     // A triangle of no area is of no plane: infinitely far above every point.

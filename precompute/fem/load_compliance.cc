@@ -15,7 +15,7 @@ namespace {
 
 // Columns of a supernode that are eliminated at a time: loads that begin after them are
 // not touched.
-constexpr std::ptrdiff_t kBlock = 64;
+constexpr std::ptrdiff_t kColumnBlock = 64;
 // Columns of Y'Y that are summed up at a time.
 constexpr std::ptrdiff_t kStrip = 128;
 
@@ -169,9 +169,9 @@ class Elimination {
   // The front's own columns become Y'; those below lose what is eliminated.
   void eliminate(std::ptrdiff_t s) {
     const std::ptrdiff_t m = row_count(s);
-    double* const space = work(kernels_.product_work(loads(), m, kBlock));
-    for (std::ptrdiff_t first = 0; first < columns(s); first += kBlock) {
-      const std::ptrdiff_t k = std::min(kBlock, columns(s) - first);
+    double* const space = work(kernels_.product_work(loads(), m, kColumnBlock));
+    for (std::ptrdiff_t first = 0; first < columns(s); first += kColumnBlock) {
+      const std::ptrdiff_t k = std::min(kColumnBlock, columns(s) - first);
       kernels_.eliminate(begun_before(part_.begin[s] + first + k), m - first, k,
                          part_.number[s] + first * (m + 1), m,
                          front_.get() + first * ld_, ld_, space);

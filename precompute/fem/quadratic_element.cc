@@ -21,14 +21,12 @@ using Displacements = Eigen::Map<const Eigen::Matrix<double, 3, 10>>;
 // gradients of the barycentric coordinates: N_i = L_i (2 L_i - 1), N_ij = 4 L_i L_j.
 ShapeGradients shape_gradients(const Eigen::Vector4d& L,
                                const BarycentricGradients& d_L) {
-  constexpr std::array<std::array<int, 2>, 6> kEdges{
-      {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
   ShapeGradients gradient;
   for (int i = 0; i < 4; ++i) {
     gradient.row(i) = (4.0 * L[i] - 1.0) * d_L.row(i);
   }
   for (int e = 0; e < 6; ++e) {
-    const auto [i, j] = kEdges[static_cast<std::size_t>(e)];
+    const auto [i, j] = kTetEdges[static_cast<std::size_t>(e)];
     gradient.row(4 + e) = 4.0 * (L[i] * d_L.row(j) + L[j] * d_L.row(i));
   }
   return gradient;

@@ -1,7 +1,6 @@
 #include "precompute/fem/quadratic_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <unordered_map>
 #include <utility>
 
@@ -11,13 +10,6 @@
 #include "precompute/surface/edge_key.h"
 
 namespace palpate {
-namespace {
-
-constexpr std::array<std::array<int, 2>, 6> kTetEdges{
-    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-
-}  // namespace
-
 QuadraticMesh make_quadratic(const TetMesh& tets, const Triangles& surface) {
   QuadraticMesh mesh;
   mesh.corners = tets.position_m.rows();

@@ -1,6 +1,7 @@
 // Quadratic tetrahedra with straight edges, and the surface that a tool can press on.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,10 @@
 #include "precompute/tets/tetrahedralise.h"
 
 namespace palpate {
+
+/// Corners at the ends of the edges, in the order of the nodes in their middles.
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges{
+    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 using QuadraticTets = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 10, Eigen::RowMajor>;
 using QuadraticTriangles =

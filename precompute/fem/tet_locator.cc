@@ -11,16 +11,13 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<std::array<int, 2>, 6> kEdges{
-    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-
 Eigen::Matrix<double, 10, 1> shape_at(const Eigen::Vector4d& l) {
   Eigen::Matrix<double, 10, 1> shape;
   for (int j = 0; j < 4; ++j) {
     shape[j] = l[j] * (2.0 * l[j] - 1.0);
   }
   for (int e = 0; e < 6; ++e) {
-    const auto& [a, b] = kEdges[static_cast<std::size_t>(e)];
+    const auto& [a, b] = kTetEdges[static_cast<std::size_t>(e)];
     shape[4 + e] = 4.0 * l[a] * l[b];
   }
   return shape;

@@ -99,7 +99,7 @@ void add_term(double mu, double alpha, const PrincipalFrame& frame,
 
 // The tangent's eigenvectors outside the diagonal are flips (n_a N_b + n_b N_a)/sqrt 2
 // and twists (n_a N_b - n_b N_a)/sqrt 2.
-Tangent assemble(const PrincipalFrame& frame, const PrincipalDerivatives& W) {
+Tangent assembled_tangent(const PrincipalFrame& frame, const PrincipalDerivatives& W) {
   Tangent basis;
   const auto set_column = [&basis](int column, const Eigen::Matrix3d& tensor) {
     basis.col(column) = as_vector(tensor);
@@ -172,7 +172,7 @@ LocalResponse distortion_response(const Ogden& law, const Eigen::Matrix3d& F) {
   }
   LocalResponse response{energy_in(law, *frame),
                          frame->n * W.gradient.asDiagonal() * frame->N.transpose(),
-                         assemble(*frame, W)};
+                         assembled_tangent(*frame, W)};
   return std::isfinite(response.energy_density) ? response : inadmissible();
 }
 

@@ -24,8 +24,8 @@ struct Resultant {
   }
 };
 
-Eigen::VectorXd pressure_load_n(const BodyModel& model, const PressedNode& pressed,
-                                const Eigen::VectorXd& pressure_n) {
+Eigen::VectorXd pressed_load_n(const BodyModel& model, const PressedNode& pressed,
+                               const Eigen::VectorXd& pressure_n) {
   return pressure_load_n(model.contact, pressed.patch, pressure_n);
 }
 
@@ -59,7 +59,7 @@ DeformedBody deformed(const BodyModel& model, const PressedNode& pressed) {
   if (!pressed.nonlinear) {
     body.penetration_m = pressed.indentation.sample.back().penetration_m;
     body.displacement_m =
-        solved_m(model, pressure_load_n(model, pressed, last_pressure_n(pressed)));
+        solved_m(model, pressed_load_n(model, pressed, last_pressure_n(pressed)));
     return body;
   }
   const NonlinearIndentation& result = *pressed.nonlinear;
@@ -153,8 +153,7 @@ Resultant contact_of(const BodyModel& model, const PressedNode& pressed) {
     contact.moment_nm = last.moment_nm - pressed.path.vertex_m.cross(last.force_n);
     return contact;
   }
-  const Eigen::VectorXd load =
-      pressure_load_n(model, pressed, last_pressure_n(pressed));
+  const Eigen::VectorXd load = pressed_load_n(model, pressed, last_pressure_n(pressed));
   for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
     contact.add(model.mesh.position_m.row(node).transpose() - pressed.path.vertex_m,
                 -load.segment<3>(3 * node));
@@ -163,8 +162,7 @@ Resultant contact_of(const BodyModel& model, const PressedNode& pressed) {
 }
 
 bool loads_held_nodes(const BodyModel& model, const PressedNode& pressed) {
-  const Eigen::VectorXd load =
-      pressure_load_n(model, pressed, last_pressure_n(pressed));
+  const Eigen::VectorXd load = pressed_load_n(model, pressed, last_pressure_n(pressed));
   for (Eigen::Index node = 0; node < model.mesh.position_m.rows(); ++node) {
     if (is_held_node(model, node) && !load.segment<3>(3 * node).isZero(0.0)) {
       return true;
@@ -186,7 +184,7 @@ std::vector<DepthDetail> depths_of(const BodyModel& model, const PressedNode& pr
     }
     const Eigen::VectorXd u = solved_m(
         model,
-        pressure_load_n(model, pressed, pressed.indentation.sample[k].pressure_n));
+        pressed_load_n(model, pressed, pressed.indentation.sample[k].pressure_n));
     for (Eigen::Index t = 0; t < model.mesh.tet.rows(); ++t) {
       depth[k].smallest_jacobian =
           std::min(depth[k].smallest_jacobian,

@@ -183,8 +183,9 @@ NonlinearIndentation press_at(const BodyModel& model,
   return result;
 }
 
-void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
-                     PressedNode& node, const PressMode& mode, const RestSolve& solve) {
+void press_one_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
+                         PressedNode& node, const PressMode& mode,
+                         const RestSolve& solve) {
   const RestSolve noted = [&](std::span<const std::int64_t> dof,
                               const Eigen::VectorXd& source, SolveWith with) {
     Eigen::VectorXd u = solve(dof, source, with);
@@ -270,7 +271,7 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
     for (std::size_t i = first; i < last; ++i) {
       tasks.emplace_back([&, node = pressed[i]](const RestSolve& solve) {
         contain(*node, [&] {
-          press_nonlinear(model, compliance, *node, mode, solve);
+          press_one_nonlinear(model, compliance, *node, mode, solve);
         });
         drop_if_broken(*node, "nonlinear press");
         note_pressed_vertex(-1);

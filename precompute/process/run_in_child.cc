@@ -122,7 +122,7 @@ bool read_until_closed(int pipe, double time_s, std::vector<char>& bytes) {
   }
 }
 
-std::string failure_of(int status, const ChildLimits& limits) {
+std::string child_failure(int status, const ChildLimits& limits) {
   if (WIFSIGNALED(status)) {
     if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM) {
       throw Interrupted();
@@ -177,7 +177,7 @@ ChildResult run_in_child(const std::function<std::vector<char>()>& work,
   if (!in_time) {
     result.failure = fmt::format("it took longer than {:.3g} s", limits.time_s);
   } else if (!result.done) {
-    result.failure = failure_of(status, limits);
+    result.failure = child_failure(status, limits);
   }
   return result;
 }

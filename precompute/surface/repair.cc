@@ -30,7 +30,7 @@ constexpr double kLostMax = 0.1;  // [-] of what is enclosed, by a wrap
 
 // What each of the counts that the child sends back stands for.
 constexpr std::size_t kFilledHoles = 8;
-constexpr std::array<const char*, 10> kSteps{
+constexpr std::array<const char*, 10> kRepairSteps{
     "duplicate vertices welded",
     "collapsed triangles taken out",
     "duplicate triangles taken out",
@@ -79,7 +79,7 @@ SurfaceAndCounts wrap_repair(const SurfaceMesh& mesh) {
   SurfaceAndCounts result{
       .mesh = wrap_surface(closed, kWrapOpening * size_m, kWrapOffset * size_m),
       .count = {}};
-  result.count.resize(kSteps.size());
+  result.count.resize(kRepairSteps.size());
   result.count[kFilledHoles] = topology.filled_holes;
   result.lost_share = share_outside(closed, result.mesh);
   return result;
@@ -130,13 +130,13 @@ std::string lost(double share) {
       100.0 * share);
 }
 
-void describe(const SurfaceMesh& mesh, RepairMode mode, const SurfaceAndCounts& made,
-              RepairedSurface& result) {
+void describe_repair(const SurfaceMesh& mesh, RepairMode mode,
+                     const SurfaceAndCounts& made, RepairedSurface& result) {
   const std::vector<std::size_t>& count = made.count;
   RepairReport& report = result.report;
   for (std::size_t i = 0; i < count.size(); ++i) {
     if (count[i] > 0) {
-      report.changed.push_back({.what = kSteps[i], .count = count[i]});
+      report.changed.push_back({.what = kRepairSteps[i], .count = count[i]});
     }
   }
   if (mode == RepairMode::kWrap) {
@@ -207,7 +207,7 @@ RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode) {
         return mode == RepairMode::kSafe ? safe_repair(mesh) : wrap_repair(mesh);
       });
   result.mesh = std::move(made.mesh);
-  describe(mesh, mode, made, result);
+  describe_repair(mesh, mode, made, result);
   return result;
 }
 

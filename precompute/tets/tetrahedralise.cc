@@ -167,12 +167,12 @@ void check_boundary(const SurfaceMesh& surface, const Walls& walls,
   }
 }
 
-constexpr std::array<TetTry, 6> kTries{{{},
-                                        {.improved = false},
-                                        {.improved = false, .moved = 1e-9},
-                                        {.improved = false, .moved = 1e-7},
-                                        {.graded = false},
-                                        {.graded = false, .moved = 1e-9}}};
+constexpr std::array<TetTry, 6> kTetTries{{{},
+                                           {.improved = false},
+                                           {.improved = false, .moved = 1e-9},
+                                           {.improved = false, .moved = 1e-7},
+                                           {.graded = false},
+                                           {.graded = false, .moved = 1e-9}}};
 
 TetMesh try_to_fill(const SurfaceMesh& surface, const Walls& walls,
                     const TetOptions& options, const TetTry& how) {
@@ -250,7 +250,7 @@ TetMesh tetrahedralise(const SurfaceMesh& surface, const TetOptions& options,
   const std::vector<InnerSurface> checked = check_inner_surfaces(surface, inner);
   const Walls walls = make_walls(surface, checked);
   std::string first_reason;
-  for (const TetTry& how : kTries) {
+  for (const TetTry& how : kTetTries) {
     try {
       return try_to_fill(surface, walls, options, how);
     } catch (const HopelessTry& error) {
