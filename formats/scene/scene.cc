@@ -111,8 +111,8 @@ void read_cutout(const Sections& sections, Scene& scene) {
 
 Scene read_scene(const std::filesystem::path& file) {
   Scene scene;
-  constexpr std::size_t kLargest = 1 << 20;  // bytes
-  scene.text = read_file(file, kLargest, "a scene file");
+  constexpr std::size_t kLargestScene = 1 << 20;  // bytes
+  scene.text = read_file(file, kLargestScene, "a scene file");
   const std::string name = file.string();
   const toml::table root = parse_toml(scene.text, name);
   const SceneFile scene_file{name, file.parent_path()};
