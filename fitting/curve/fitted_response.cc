@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fitting/curve/law_error.h"
+#include "fitting/numerics/robust_statistics.h"
 #include "formats/base/sha256.h"
 
 namespace palpate {
@@ -12,7 +13,6 @@ namespace {
 
 constexpr int kCurveIntervals = 48, kErrorDepths = 46;
 constexpr double kDepthShareMin = 0.1, kForceShareMin = 0.1;
-constexpr double kNormal95 = 1.959964;
 constexpr double kHalfWidth = 0.05;  // [m]
 
 std::vector<double> depths_of(const FamilyFit& fit) {

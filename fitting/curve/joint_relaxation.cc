@@ -278,17 +278,17 @@ void take_curve(const Rows& rows, const Candidate& c, const Eigen::MatrixXd& cov
 // the hold by kSeen standard deviations: what is left of it at the end of the press,
 // times the root of the samples over which it dies away.
 double seen_from_s(const Rows& rows, const JointRelaxation& result, double press_s) {
-  constexpr double kShare = 0.1, kSeen = 4.0;
+  constexpr double kTermShare = 0.1, kSeen = 4.0;
   const double travel_m = result.displacement_m.back() - rows.origin_m;
   const double speed = travel_m / press_s;
   double tau_s = kTauIntervals * rows.interval_s;
   for (; tau_s < rows.hold_s; tau_s *= 1.1) {
-    const RelaxationTerm term{kShare, 0.0, tau_s, 0.0, {}};
+    const RelaxationTerm term{kTermShare, 0.0, tau_s, 0.0, {}};
     const double end_n = result.force_n.back();
     const auto shown =
         shown_by_press({&term, 1}, result.displacement_m, result.force_n, speed);
     // g (e - q), from g' = g (e - q) / (e - g q).
-    const double left = shown[0].g * (1.0 - kShare) / (1.0 - shown[0].g) * end_n;
+    const double left = shown[0].g * (1.0 - kTermShare) / (1.0 - shown[0].g) * end_n;
     const double samples = 0.5 * tau_s / rows.interval_s;
     if (left * std::sqrt(samples) > kSeen * result.rms_relative * rows.force_n) {
       break;

@@ -14,9 +14,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kFreeTravel = 0.05;  // [-] of the travel
-constexpr double kNewPress = 0.01;    // [-] of the travel: a new press
-constexpr double kLeft = 1.0 / 30.0;  // [-] of the largest force
+constexpr double kFreeTravel = 0.05;       // [-] of the travel
+constexpr double kNewPress = 0.01;         // [-] of the travel: a new press
+constexpr double kForceLeft = 1.0 / 30.0;  // [-] of the largest force
 
 // q: g_inf, g_1, g_2 in units of the first force, ln of the times in units of the hold.
 LeastSquaresProblem relaxation_problem(const std::vector<double>& t,
@@ -153,7 +153,7 @@ std::size_t release_end(const std::vector<double>& x, const std::vector<double>&
   const double most = *std::max_element(force.begin(), force.end());
   double lowest = begin < x.size() ? x[begin] : 0.0;
   std::size_t end = begin;
-  while (end < x.size() && force[end] > kLeft * most && x[end] <= lowest + turn) {
+  while (end < x.size() && force[end] > kForceLeft * most && x[end] <= lowest + turn) {
     lowest = std::min(lowest, x[end]);
     ++end;
   }

@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLimit = 3.841459;      // 95 % of chi squared, one degree of freedom
-constexpr int kHalvings = 12;            // smallest step of a profile, of its side
+constexpr int kProfileHalvings = 12;     // smallest step of a profile, of its side
 constexpr double kDevianceMax = 30.0;    // farther out a profile says nothing new
 constexpr double kBeyondSweepMax = 2.0;  // [-] of the sweep's depth
 constexpr std::size_t kSamples = 200;    // per curve; more say no more
@@ -96,7 +96,7 @@ std::vector<ProfilePoint> half_profile(const std::vector<ScaledMaterialCurve>& c
   std::vector<ProfilePoint> points;
   const double from = best.state.log_parameter[parameter];
   MaterialState state = best.state;
-  for (int k = kHalvings; k >= 0 && from != edge; --k) {
+  for (int k = kProfileHalvings; k >= 0 && from != edge; --k) {
     state.log_parameter[parameter] = from + (edge - from) * std::pow(0.5, k);
     const MaterialSolve solve =
         solve_material(curves, state, box, factor_sd, parameter);

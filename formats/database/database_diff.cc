@@ -76,10 +76,10 @@ double share_that_stays(const ResponseTable& table, std::int64_t node, double ti
 // Of it the largest difference at 64 times along the longer of both, denser early.
 double relaxation_difference(const ResponseTable& a, const ResponseTable& b,
                              std::int64_t node) {
-  constexpr int kTimes = 64;
+  constexpr int kTimesCompared = 64;
   double largest = 0.0;
-  for (int k = 1; k <= kTimes; ++k) {
-    const double part = static_cast<double>(k) / kTimes;
+  for (int k = 1; k <= kTimesCompared; ++k) {
+    const double part = static_cast<double>(k) / kTimesCompared;
     const double time_s = std::max(relaxing_s(a), relaxing_s(b)) * part * part * part;
     largest = std::max(largest, std::abs(share_that_stays(a, node, time_s) -
                                          share_that_stays(b, node, time_s)));

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using hdf5::Handle;
 using recording::Column;
 
-[[noreturn]] void fail(const fs::path& file, const std::string& why) {
+[[noreturn]] void cannot_write(const fs::path& file, const std::string& why) {
   throw InputError(fmt::format("{}: cannot be written: {}", file.string(), why));
 }
 
@@ -30,7 +30,7 @@ void put(const fs::path& file, hid_t object, const char* name, hid_t type,
   const Handle made(
       H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   if (!made || H5Awrite(made.get(), type, value) < 0) {
-    fail(file, hdf5::last_failure());
+    cannot_write(file, hdf5::last_failure());
   }
 }
 
@@ -71,7 +71,7 @@ void make_column(const fs::path& file, hid_t id, const Column& column) {
                                space.get(), H5P_DEFAULT, create.get(), H5P_DEFAULT),
                     H5Dclose);
   if (!made) {
-    fail(file, hdf5::last_failure());
+    cannot_write(file, hdf5::last_failure());
   }
   put_text(file, made.get(), "units", column.units);
 }
@@ -91,7 +91,7 @@ Handle open_file(const fs::path& file, bool create) {
                    : H5Fopen(file.c_str(), H5F_ACC_RDWR, access.get()),
             H5Fclose);
   if (!id) {
-    fail(file, errno != 0 ? std::strerror(errno) : hdf5::last_failure());
+    cannot_write(file, errno != 0 ? std::strerror(errno) : hdf5::last_failure());
   }
   return id;
 }
@@ -104,7 +104,7 @@ void flush_to_disk(const fs::path& path, int flags, const fs::path& target) {
     ::close(fd);
   }
   if (!done) {
-    fail(target, std::strerror(error));
+    cannot_write(target, std::strerror(error));
   }
 }
 
@@ -161,7 +161,7 @@ class RecordingTable {
     const std::array<hsize_t, 2> count{waiting_.size(), column.width};
     const std::array<hsize_t, 2> size{begin[0] + count[0], column.width};
     if (H5Dset_extent(dataset, size.data()) < 0) {
-      fail(file_, hdf5::last_failure());
+      cannot_write(file_, hdf5::last_failure());
     }
     const Handle in_file(H5Dget_space(dataset), H5Sclose);
     const Handle in_memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
@@ -171,7 +171,7 @@ class RecordingTable {
     if (H5Dwrite(dataset, type, in_memory.get(), in_file.get(), H5P_DEFAULT,
                  packed_.data()) < 0 ||
         H5Dflush(dataset) < 0) {
-      fail(file_, hdf5::last_failure());
+      cannot_write(file_, hdf5::last_failure());
     }
   }
 
@@ -189,7 +189,7 @@ class RecordingWriter::File {
       : target_(target), partial_(target.string() + ".partial") {
     if (!target.has_filename() ||
         (fs::exists(target) && !fs::is_regular_file(target))) {
-      fail(target, "is not a regular file");
+      cannot_write(target, "is not a regular file");
     }
     errno = 0;
     id_.emplace(open_file(partial_, true));
@@ -210,7 +210,7 @@ class RecordingWriter::File {
       put_surface(header.surface, create.get());
     }
     if (H5Fstart_swmr_write(id_->get()) < 0) {
-      fail(target_, hdf5::last_failure());
+      cannot_write(target_, hdf5::last_failure());
     }
     ticks.emplace(target_, id_->get(), recording::kTickColumns);
     arrivals.emplace(target_, id_->get(), recording::kArrivalColumns);
@@ -229,14 +229,14 @@ class RecordingWriter::File {
     put_text(target_, id_->get(), "fault", end.fault);
     put_number(target_, id_->get(), "ended", 1);
     if (H5Fflush(id_->get(), H5F_SCOPE_GLOBAL) < 0) {
-      fail(target_, hdf5::last_failure());
+      cannot_write(target_, hdf5::last_failure());
     }
     id_.reset();
     flush_to_disk(partial_, O_RDONLY, target_);
     std::error_code error;
     fs::rename(partial_, target_, error);
     if (error) {
-      fail(target_, error.message());
+      cannot_write(target_, error.message());
     }
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
     flush_to_disk(folder, O_RDONLY | O_DIRECTORY, target_);

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 // Steps between two samples, so that p is nearly linear in each.
-constexpr int kSteps = 16;
+constexpr int kInversionSteps = 16;
 
 // Relaxed forces of a press, step by step.
 class Press {
@@ -119,8 +119,8 @@ OwnedCurve instantaneous_curve(const CurveView& press, const Eigen::RowVectorXd&
   curve.stiffness_n_per_m[0] = press.stiffness_n_per_m[0];
   for (std::size_t i = 1; i < curve.depth_m.size(); ++i) {
     const double from = press.depth_m[i - 1];
-    const double h = (press.depth_m[i] - from) / kSteps;
-    for (int step = 1; step <= kSteps; ++step) {
+    const double h = (press.depth_m[i] - from) / kInversionSteps;
+    for (int step = 1; step <= kInversionSteps; ++step) {
       state.step(press.inside(i - 1, from + step * h).force_n, h / speed_m_per_s);
     }
     curve.force_n[i] = std::max(0.0, state.force_n());

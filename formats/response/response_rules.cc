@@ -9,10 +9,10 @@ namespace palpate {
 namespace {
 
 // A unit vector to this accuracy: rounding of a normalisation, with room for float32.
-constexpr double kUnitTolerance = 1e-6;
+constexpr double kUnitVectorTolerance = 1e-6;
 
 bool is_unit(const Eigen::Vector3d& v) {
-  return std::abs(v.norm() - 1.0) <= kUnitTolerance;
+  return std::abs(v.norm() - 1.0) <= kUnitVectorTolerance;
 }
 
 std::string broken_sample(const NodeResponse& response) {

@@ -50,7 +50,7 @@ constexpr std::string_view kLaws[] = {"linear",      "st-venant-kirchhoff",
                                       "neo-hookean", "mooney-rivlin",
                                       "ogden",       "transversely-isotropic"};
 constexpr std::string_view kFibreLaws[] = {"linear", "exponential"};
-constexpr std::size_t kMostTerms = 4;
+constexpr std::size_t kMostMaterialTerms = 4;
 
 constexpr NumberRule kNotZero{[](double v) {
                                 return v != 0.0;
@@ -77,8 +77,8 @@ void read_mooney(const SceneSection& section, SceneMaterial& material) {
 }
 
 void read_ogden(const SceneSection& section, SceneMaterial& material) {
-  material.mu_pa = section.numbers("mu_pa", kNotZero, kMostTerms);
-  material.alpha = section.numbers("alpha", kNotZero, kMostTerms);
+  material.mu_pa = section.numbers("mu_pa", kNotZero, kMostMaterialTerms);
+  material.alpha = section.numbers("alpha", kNotZero, kMostMaterialTerms);
   material.poissons_ratio = section.number("poissons_ratio", kPoisson);
   if (material.mu_pa.size() != material.alpha.size()) {
     section.fail(section.need("alpha"),
@@ -159,8 +159,8 @@ void read_relaxation(const SceneSection& section, SceneMaterial& material) {
   }
   const SceneSection terms = section.table("relaxation", kRelaxationKeys);
   SceneRelaxation& relaxation = material.relaxation;
-  relaxation.g = terms.numbers("g", kFraction, kMostTerms);
-  relaxation.tau_s = terms.numbers("tau_s", kPositive, kMostTerms);
+  relaxation.g = terms.numbers("g", kFraction, kMostMaterialTerms);
+  relaxation.tau_s = terms.numbers("tau_s", kPositive, kMostMaterialTerms);
   if (relaxation.g.size() != relaxation.tau_s.size()) {
     terms.fail(terms.need("tau_s"),
                "tau_s in {} has {} numbers, must have as many as g: {}", terms.title(),
