@@ -102,8 +102,8 @@ TEST(WebsocketFrame, RefusesWhatIsNoFrameOrTooLong) {
   EXPECT_EQ(why_refused("\x81\x7f\xff\xff\xff\xff\xff\xff\xff\xff", false), kLong);
   const Bytes half(40000, 'a');
   EXPECT_EQ(why_refused(written(FrameOpcode::kText, false, half, nullptr) +
-                        written(FrameOpcode::kContinuation, true, half, nullptr),
-                    false),
+                            written(FrameOpcode::kContinuation, true, half, nullptr),
+                        false),
             kLong);
 }
 
