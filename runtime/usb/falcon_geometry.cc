@@ -24,14 +24,14 @@ struct Leg {
 };
 
 bool solve_leg(const Eigen::Vector3d& p, double phi, Leg& leg) noexcept {
-  constexpr double a = 0.060;  // [m]
-  constexpr double b = 0.1025;
-  constexpr double c = 0.01443;
-  constexpr double d = 0.01125;
-  constexpr double e = 0.01125;
-  constexpr double f = -0.025;
-  constexpr double r = 0.040;
-  constexpr double s = -0.02309;
+  const double a = 0.060;  // [m]
+  const double b = 0.1025;
+  const double c = 0.01443;
+  const double d = 0.01125;
+  const double e = 0.01125;
+  const double f = -0.025;
+  const double r = 0.040;
+  const double s = -0.02309;
   const double cos_phi = std::cos(phi);
   const double sin_phi = std::sin(phi);
   const double u = cos_phi * p.x() + sin_phi * p.y() - r;
