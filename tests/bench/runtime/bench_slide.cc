@@ -24,8 +24,8 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr double kBodyRadiusM = 0.05;
 constexpr double kStiffnessNPerM = 1000.0;
 constexpr double kDepthMaxM = 0.006;
-constexpr double kTickS = 0.0005;
-constexpr double kStepM = 0.1 * kTickS;  // 0.1 m/s
+constexpr double kSlideTickS = 0.0005;
+constexpr double kStepM = 0.1 * kSlideTickS;  // 0.1 m/s
 constexpr int kTicksPerSlow = 20;
 constexpr double kClearM = 0.002;
 
@@ -142,7 +142,7 @@ class SlideRun {
       accept(*state_, *element);
       fifo_->pop();
     }
-    const FastCommand command = step(*state_, {x, 0}, kTickS);
+    const FastCommand command = step(*state_, {x, 0}, kSlideTickS);
     step_time_.add(elapsed_ns(from));
     felt_j_ -= ticks_ > 0 ? 0.5 * (force_n_ + command.force_n).dot(x - x_) : 0.0;
     x_ = x;
