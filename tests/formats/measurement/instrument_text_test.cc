@@ -81,7 +81,7 @@ TEST_F(InstrumentText, Mach1BlocksThatPressAreTheFilesPresses) {
   const MeasurementFile first = read(file, 0);  // its own axes, the divider passed over
   expect_near(first.samples.depth_m, {2e-3, 2.5e-3, 3e-3});
   expect_near(first.samples.force_n, {kGramForce, 3 * kGramForce, 4 * kGramForce});
-  expect_near(first.samples.time_s, {0.0, 0.5, 1.0});
+  expect_near(first.samples.time_s, {0.0, 0.5, 1.0}, 1e-18);
   const MeasurementFile second = read(file, 1);  // another unit in another block
   expect_near(second.samples.force_n, {0.25, 0.5});
   const MeasurementFile told =
@@ -206,7 +206,7 @@ TEST_F(InstrumentText, AfmTabDepthIsMinusHeightAndBending) {
   const MeasurementFile got = read(file);
   expect_near(got.samples.depth_m, {-(9e-6 + 2.0), -(8e-6 + 4.0)});
   expect_near(got.samples.force_n, {1.0, 2.0});
-  expect_near(got.samples.time_s, {0.0, 0.1});
+  expect_near(got.samples.time_s, {0.0, 0.1}, 1e-18);
   const InstrumentCurve curve = layout_of(file).list(file).curve.at(0);
   EXPECT_TRUE(curve.position_m->isApprox(Eigen::Vector3d(0.25, 0.5, 0.0)));
   expect_says(complaint(write(tab("3", "force\theight (measured)\tsegment\ttime"))),
