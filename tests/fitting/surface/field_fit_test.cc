@@ -34,32 +34,44 @@ Measurement pressed(double K, std::mt19937& generator) {
   return m;
 }
 
+std::vector<SurfaceProbe> probes_of_sphere() {
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal;
+  std::vector<SurfaceProbe> probes;
+  for (int i = 0; i < 60; ++i) {
+    Eigen::Vector3d p(normal(generator), normal(generator), normal(generator));
+    p = kBodyRadius * p.normalized();
+    SurfaceProbe probe;
+    probe.name = fmt::format("probe {}", i);
+    probe.position_m = p;
+    const double factor = i == 11 ? 5.0 : i == 30 ? 0.2 : 1.0;
+    probe.measurement = pressed(factor * coefficient(p), generator);
+    probe.approach = select_approach(probe.measurement);
+    probe.fit = fit_contact(probe.approach);
+    probes.push_back(std::move(probe));
+  }
+  return probes;
+}
+
+// Probes are fitted once, and so is the surface through all of them.
 class MeasuredSphere : public testing::Test {
  protected:
-  void SetUp() override {
-    std::mt19937 generator(7);
-    std::normal_distribution<double> normal;
-    for (int i = 0; i < 60; ++i) {
-      Eigen::Vector3d p(normal(generator), normal(generator), normal(generator));
-      p = kBodyRadius * p.normalized();
-      SurfaceProbe probe;
-      probe.name = fmt::format("probe {}", i);
-      probe.position_m = p;
-      const double factor = i == 11 ? 5.0 : i == 30 ? 0.2 : 1.0;
-      probe.measurement = pressed(factor * coefficient(p), generator);
-      probe.approach = select_approach(probe.measurement);
-      probe.fit = fit_contact(probe.approach);
-      probes_.push_back(std::move(probe));
-    }
+  static const std::vector<SurfaceProbe>& fitted_probes() {
+    static const std::vector<SurfaceProbe> probes = probes_of_sphere();
+    return probes;
+  }
+  const SurfaceFit& plain_fit() const {
+    static const SurfaceFit fit = fit_surface(body_, tool_, fitted_probes());
+    return fit;
   }
 
   SurfaceMesh body_ = sphere_surface(kBodyRadius, 3);
   ToolShape tool_ = ball(5e-3, 0.2, 1e-4);
-  std::vector<SurfaceProbe> probes_;
+  std::vector<SurfaceProbe> probes_ = fitted_probes();
 };
 
 TEST_F(MeasuredSphere, GivesEveryNodeItsForceWithinTheStatedError) {
-  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  const SurfaceFit& fit = plain_fit();
   check(fit.database);
   const ResponseTable& table = fit.database.tools.at(0);
   double covered = 0.0;
@@ -82,7 +94,7 @@ TEST_F(MeasuredSphere, GivesEveryNodeItsForceWithinTheStatedError) {
 }
 
 TEST_F(MeasuredSphere, ListsTheGlitchedProbesAndKeepsTheirCurves) {
-  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  const SurfaceFit& fit = plain_fit();
   ASSERT_EQ(fit.report.left_out.size(), 2U) << describe(fit.report);
   for (const LeftOutProbe& probe : fit.report.left_out) {
     EXPECT_TRUE(probe.name == "probe 11" || probe.name == "probe 30") << probe.name;
@@ -93,7 +105,7 @@ TEST_F(MeasuredSphere, ListsTheGlitchedProbesAndKeepsTheirCurves) {
 }
 
 TEST_F(MeasuredSphere, PredictsLeftOutProbesBetterThanTheNearest) {
-  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  const SurfaceFit& fit = plain_fit();
   const DepthScore& deepest = fit.report.depth.back();
   EXPECT_LT(2.0 * deepest.rms, deepest.nearest_rms);
   EXPECT_GT(deepest.coverage, 0.85);
@@ -326,7 +338,7 @@ TEST_F(MeasuredSphere, GivesNodesRelaxationOfTheirOwnWhereTheyDiffer) {
 }
 
 TEST_F(MeasuredSphere, SaysNothingOfRelaxationWithoutHolds) {
-  const SurfaceFit fit = fit_surface(body_, tool_, probes_);
+  const SurfaceFit& fit = plain_fit();
   EXPECT_TRUE(fit.database.tools.at(0).relaxation.empty());
   EXPECT_EQ(fit.database.measurement.relaxation.terms.size(), 0U);
 }
