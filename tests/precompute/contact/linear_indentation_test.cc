@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <tuple>
 
@@ -54,6 +55,15 @@ struct Block : HeldBlock {
   std::unique_ptr<SurfaceCompliance> compliance;
 };
 
+// A press of 30 samples on a block of such edges, made once for all tests.
+const Indentation& pressed_on_edges(double edge_m) {
+  static std::map<double, Indentation> made;
+  if (!made.contains(edge_m)) {
+    made[edge_m] = Block(edge_m).press(straight_down(30));
+  }
+  return made.at(edge_m);
+}
+
 double hertz_force_n(double depth_m) {
   const double E_star = kYoung / (1 - kPoisson * kPoisson);
   return 4.0 / 3.0 * E_star * std::sqrt(kRadius) * std::pow(depth_m, 1.5);
@@ -81,9 +91,9 @@ double deviation_from_hertz(const Indentation& indentation, double spacing_m) {
 }
 
 TEST(Indentation, SphereOnALargeBlockMeetsHertzWithinThreePercentAndConverges) {
-  const Indentation coarse = Block(0.0016).press(straight_down(30));
-  const Indentation middle = Block(0.0008).press(straight_down(30));
-  const Indentation fine = Block(0.0005333).press(straight_down(30));
+  const Indentation& coarse = pressed_on_edges(0.0016);
+  const Indentation& middle = pressed_on_edges(0.0008);
+  const Indentation& fine = pressed_on_edges(0.0005333);
   const double fine_ratio =
       fine.sample.back().force_n.z() / hertz_force_n(fine.sample.back().penetration_m);
   EXPECT_NEAR(fine_ratio, 1.0, 0.03);
@@ -121,8 +131,7 @@ double largest_error(const Indentation& indentation) {
 // twice as coarse a mesh has none there, and the estimate is all of the difference.
 TEST(Indentation, TheEstimateIsOfTheOrderOfTheErrorOnHertzsProblem) {
   for (const double edge_m : {0.0008, 0.0005333}) {
-    const IndentationPath path = straight_down(30);
-    const Indentation indentation = Block(edge_m).press(path);
+    const Indentation& indentation = pressed_on_edges(edge_m);
     const double error = largest_error(indentation);
     const double estimate = pressure_mesh_error(indentation);
     std::printf("edges of %.1f mm: error %.4f, estimate %.4f\n", edge_m * 1e3, error,
