@@ -65,7 +65,7 @@ class MeasuredSphere : public testing::Test {
     return fit;
   }
 
-  SurfaceMesh body_ = sphere_surface(kBodyRadius, 3);
+  SurfaceMesh body_ = sphere_surface(kBodyRadius, 2);
   ToolShape tool_ = ball(5e-3, 0.2, 1e-4);
   std::vector<SurfaceProbe> probes_ = fitted_probes();
 };
