@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "runtime/realtime/clock.h"
 
 namespace palpate {
 namespace {
@@ -19,12 +18,12 @@ constexpr double kWatchS = 0.01;  // over which a speed is measured
 class Pusher {
  public:
   Pusher(DeviceLink& link, const SignTestOptions& options,
-         const std::function<bool()>& stopped)
-      : link_(link), options_(options), stopped_(stopped) {}
+         const std::function<bool()>& stopped, Clock& clock)
+      : link_(link), options_(options), stopped_(stopped), clock_(clock) {}
 
   // W of two periods along an axis.
   double push_along(Eigen::Index axis) {
-    begin_.reset();
+    begun_ = false;
     double work_j = 0.0;
     const std::int64_t begin_ns = clock_.now_ns();
     Eigen::Vector3d held = Eigen::Vector3d::Zero();
@@ -72,12 +71,13 @@ class Pusher {
 
   void watch(const Eigen::Vector3d& position_m) {
     const double now_s = seconds_in(clock_.now_ns());
-    if (!begin_) {
+    if (!begun_) {
+      begun_ = true;
       begin_ = position_m;
       mark_ = position_m;
       mark_s_ = now_s;
     }
-    bool ran = (position_m - *begin_).norm() > options_.runaway_m;
+    bool ran = (position_m - begin_).norm() > options_.runaway_m;
     if (now_s - mark_s_ > kWatchS) {
       const double speed = (position_m - mark_).norm() / (now_s - mark_s_);
       ran = ran || speed > options_.runaway_m_per_s;
@@ -89,15 +89,16 @@ class Pusher {
       throw DeviceError(fmt::format(
           "{}: the tool ran away by {:.3g} mm under {} N: hold it loosely in the "
           "middle and try again; if it runs again, its motors push the wrong way",
-          link_.name(), 1e3 * (position_m - *begin_).norm(), options_.force_n));
+          link_.name(), 1e3 * (position_m - begin_).norm(), options_.force_n));
     }
   }
 
   DeviceLink& link_;
   const SignTestOptions& options_;
   const std::function<bool()>& stopped_;
-  MonotonicClock clock_;
-  std::optional<Eigen::Vector3d> begin_;
+  Clock& clock_;
+  bool begun_ = false;
+  Eigen::Vector3d begin_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d mark_ = Eigen::Vector3d::Zero();
   double mark_s_ = 0.0;
 };
@@ -105,8 +106,8 @@ class Pusher {
 }  // namespace
 
 SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
-                    const std::function<bool()>& stopped) {
-  Pusher pusher(link, options, stopped);
+                    const std::function<bool()>& stopped, Clock& clock) {
+  Pusher pusher(link, options, stopped, clock);
   SignWork work_j{};
   for (int axis = 0; axis < options.axes; ++axis) {
     double& sum_j = work_j[static_cast<std::size_t>(axis)];
@@ -151,8 +152,9 @@ void SignTestedLink::open() {
                     "feel that its motors push the right way",
                     name(), options_.force_n));
   }
+  MonotonicClock clock;
   try {
-    static_cast<void>(test_signs(*link_, options_, stopped_));
+    static_cast<void>(test_signs(*link_, options_, stopped_, clock));
   } catch (...) {
     link_->close();
     throw;

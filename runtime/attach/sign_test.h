@@ -14,6 +14,7 @@
 #include <string>
 
 #include "runtime/device/device_link.h"
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 
@@ -31,12 +32,13 @@ struct SignTestOptions {
 using SignWork = std::array<double, 3>;
 
 /// Tests an open link; leaves it at zero force. Takes 2.4 s where it is clear at once.
-/// @param stopped ends it; may be empty.
+/// @param stopped ends it; may be empty. @param clock which goes on while the link
+/// works.
 /// @throws DeviceError if an axis pushes the wrong way, the tool ran away, the link was
 /// lost, or nothing could be felt (the tool is held fast or lies at a stop);
 /// Interrupted when stopped.
 SignWork test_signs(DeviceLink& link, const SignTestOptions& options,
-                    const std::function<bool()>& stopped);
+                    const std::function<bool()>& stopped, Clock& clock);
 
 /// A link whose every open() ends with that test.
 class SignTestedLink : public DeviceLink {

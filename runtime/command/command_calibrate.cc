@@ -13,6 +13,7 @@
 #include "runtime/attach/sign_test.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/device_options.h"
+#include "runtime/realtime/clock.h"
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/usb/falcon_geometry.h"
 
@@ -57,7 +58,8 @@ void test_motor_signs(const CalibrateFlags& flags) {
   ask(flags, "hold its grip loosely in the middle: it is pushed to and fro a little");
   const std::unique_ptr<DeviceLink> link = calibration_link(flags.device, 0.0);
   link->open();
-  static_cast<void>(test_signs(*link, {}, flags.device.stopped));
+  MonotonicClock clock;
+  static_cast<void>(test_signs(*link, {}, flags.device.stopped, clock));
   link->close();
   release_stop_signals();
 }
