@@ -92,6 +92,7 @@ TEST(EmulatedFalcon, SaysWhatIsWrongWhenItCannotBeOpened) {
   EmulatedFalconConfig cold = held_loaded_falcon();
   cold.model.loaded = false;
   FalconConfig config = patient_driver();
+  config.answer_s = 0.005;  // for the hundreds of answers that never come
   config.firmware.clear();
   EXPECT_NE(message_of_open(cold, config).find("--firmware"), std::string::npos);
   config.firmware.assign(100, 7);
@@ -114,6 +115,7 @@ TEST(EmulatedFalcon, AWishToStopIsHeededWhileItOpens) {
     emulated.model.homing_ns = -1;  // nobody homes it
     const auto falcon = std::make_shared<EmulatedFalcon>(emulated);
     FalconConfig config = patient_driver();
+    config.answer_s = 0.01;
     config.homing_s = 60.0;
     int count = 0;
     config.stopped = [&] {
@@ -148,13 +150,13 @@ TEST(EmulatedFalcon, UnpluggedAtAnyByteIsALossWithAName) {
   int in_loop = 0;
   for (int i = 0; i < 200; ++i) {
     EmulatedFalconConfig config = held_loaded_falcon();
-    config.model.loaded = i % 4 >= 2;
+    config.model.loaded = i % 8 >= 2;
     config.model.homing_ns = 0;
     config.bus.unplug_at_byte = 1 + static_cast<std::int64_t>(random() % 1500);
     config.bus.unplug_is_io_error = i % 2 == 1;
     const auto falcon = std::make_shared<EmulatedFalcon>(config);
     FalconConfig quick = patient_driver();
-    quick.answer_s = 0.01;
+    quick.answer_s = 0.005;
     const auto link = EmulatedFalcon::link(falcon, quick);
     std::string why;
     try {
