@@ -53,7 +53,7 @@ void write_curve(const std::filesystem::path& file, double K, std::mt19937& gene
 class FitSession : public testing::Test {
  protected:
   FitSession() {
-    write_obj(folder_ / "body.obj", sphere_surface(kBodyRadius, 3));
+    write_obj(folder_ / "body.obj", sphere_surface(kBodyRadius, 2));
     std::mt19937 generator(5);
     std::normal_distribution<double> normal;
     std::string text =
@@ -96,7 +96,7 @@ TEST_F(FitSession, BecomesADatabaseOfTheWholeBody) {
   const ResponseTable& table = database.tools.at(0);
   EXPECT_EQ(table.tool.kind, "sphere");
   EXPECT_DOUBLE_EQ(table.tool.radius_m, kToolRadius);
-  EXPECT_EQ(table.nodes(), 642);
+  EXPECT_EQ(table.nodes(), 162);
   EXPECT_EQ(table.force_errors_n.size(), table.force_n.size());
   double squares = 0.0;
   for (Eigen::Index i = 0; i < database.body.position_m.rows(); ++i) {
@@ -105,7 +105,7 @@ TEST_F(FitSession, BecomesADatabaseOfTheWholeBody) {
                          std::pow(curve.depth_m.back(), 1.5);
     squares += std::pow(std::log(curve.force_n.back() / truth), 2);
   }
-  EXPECT_LT(std::sqrt(squares / 642.0), 0.06);
+  EXPECT_LT(std::sqrt(squares / 162.0), 0.06);
 }
 
 TEST_F(FitSession, NeedsAToolThatCanBeRendered) {
