@@ -200,6 +200,9 @@ force_max_n = 8.0
 [accuracy]
 force_relative = 0.2
 refine = "global"
+contact_resolution = 0.5
+depths = 6
+verify = 1
 )";
 }
 
