@@ -1,13 +1,13 @@
 """Drives the live view's page in headless Chromium and prints what it saw, as JSON.
 
-view_page.py PALPATE-RUN DATABASE [FOLDER for pictures] [--no-3d | --dimple | --contacts | --pinch]
+view_page.py PALPATE-RUN DATABASE [FOLDER for pictures]
+             [--no-3d | --dimple | --standing | --contacts | --pinch]
 """
 
 import json
 import signal
 import subprocess
 import sys
-import time
 
 import websocket
 from selenium import webdriver
@@ -98,12 +98,37 @@ class Page:
             self.driver.save_screenshot(f"{self.folder}/{name}.png")
 
 
+def in_a_frame(page, script):
+    """What a script returns after the page has drawn, before it hears anything new."""
+    return page.driver.execute_async_script(
+        "const done = arguments[0], read = () => {" + script + "};"
+        "requestAnimationFrame(() => requestAnimationFrame(() => done(read())));")
+
+
+# Where the tools are, to a micrometre.
+WHERE = """
+const { state } = window.palpate;
+return [state, ...state.hands ?? []].map((part) => part.tool_m?.map((x) => x.toFixed(6)).join()).join(";");
+"""
+
+
+def settled(page):
+    """Waits until the tools stand still."""
+    where = []
+
+    def same():
+        where.append(in_a_frame(page, WHERE))
+        return len(where) > 1 and where[-1] == where[-2]
+
+    page.wait(same)
+
+
 def paused_in_contact(page, watcher):
     """Pauses; once more where the page stalled just then and so let go."""
     for _ in range(5):
         page.keys(Keys.SPACE)
         page.wait(lambda: page.text("state") == "paused")
-        time.sleep(0.5)
+        settled(page)
         state = watcher.state()
         if any(state["force_n"]):
             return state
@@ -170,18 +195,20 @@ return {
 """
 
 
-def dimples(page, watcher, seen):
-    """Presses at three places, each further to the right."""
+PLACES = [("left", 2 * Keys.ARROW_RIGHT + Keys.ARROW_UP), ("middle", 2 * Keys.ARROW_RIGHT),
+          ("right", 4 * Keys.ARROW_RIGHT)]
+
+
+def dimples(page, watcher, seen, places):
+    """Presses at these places, each further to the right."""
     seen["dimples"] = []
-    for name, slide in [("left", 2 * Keys.ARROW_RIGHT + Keys.ARROW_UP), ("middle", 2 * Keys.ARROW_RIGHT),
-                        ("right", 4 * Keys.ARROW_RIGHT)]:
+    for name, slide in places:
         page.keys(slide)
         page.keys("p")
         page.steady()
         paused_in_contact(page, watcher)
-        time.sleep(1)
         page.picture(f"dimple_{name}")
-        seen["dimples"].append(page.driver.execute_script(DRAWN))
+        seen["dimples"].append(in_a_frame(page, DRAWN))
         page.keys(Keys.ESCAPE)
         page.keys(Keys.SPACE)
         page.wait(lambda: page.text("state") == "free")
@@ -216,9 +243,9 @@ def click_in_the_middle(page):
 
 
 def hands(page):
-    """The page's hands once the picture shows what was said last."""
-    time.sleep(1)
-    return page.driver.execute_script(HANDS)
+    """The page's hands once they stand still."""
+    settled(page)
+    return in_a_frame(page, HANDS)
 
 
 def contacts(page, watcher, seen):
@@ -302,7 +329,9 @@ def main():
         seen["watcher"], seen["refusal"] = watcher.refusal({"type": "run", "do": "reset"})
         seen["no_webgl"] = driver.find_element(By.ID, "no_webgl").is_displayed()
         if "--dimple" in more:
-            dimples(page, watcher, seen)
+            dimples(page, watcher, seen, PLACES)
+        elif "--standing" in more:
+            dimples(page, watcher, seen, PLACES[:1])
         elif "--contacts" in more:
             contacts(page, watcher, seen)
         elif "--pinch" in more:

@@ -170,9 +170,10 @@ TEST(ViewPage, TheSurfaceMovesByTheStoredDisplacementAndElseByATemplate) {
 // The lowest point of the drawn tool is as far below its pose as its height at touch,
 // which ends its way into the plate.
 void expect_drawn_standing(const ToolShape& tool, double height_m) {
-  const nlohmann::json seen = seen_on_page(pressed_plate(tool), "--dimple");
+  const nlohmann::json seen = seen_on_page(pressed_plate(tool), "--standing");
   ASSERT_TRUE(seen.is_object());
   EXPECT_EQ(seen["errors"], nlohmann::json::array());
+  ASSERT_EQ(seen["dimples"].size(), 1U);
   for (const nlohmann::json& drawn : seen["dimples"]) {
     const double tool_m = drawn["tool_m"][2];
     // Drawn with 64 sides, roundings of 1 mm as polygons of steps of 0.06 rad.
