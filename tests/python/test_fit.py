@@ -267,5 +267,5 @@ def test_a_session_tells_its_progress_and_ends_when_told(session, threads):
 def test_memory_is_steady(tmp_path, grown_kilobytes):
     curve = layouts.curve(1, 40)
     file, _ = layouts.plain(tmp_path)
-    assert grown_kilobytes(lambda: palpate.load(file), 3000) < 1024
-    assert grown_kilobytes(lambda: palpate.fit(curve, tool="sphere", radius_m=0.002).to_dict(), 300) < 2048
+    assert grown_kilobytes(lambda: palpate.load(file), 1200) < 400
+    assert grown_kilobytes(lambda: palpate.fit(curve, tool="sphere", radius_m=0.002).to_dict(), 150) < 1024
