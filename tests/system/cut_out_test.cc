@@ -26,7 +26,7 @@ name = "fingertip"
 shape = "sphere"
 radius_m = 0.02
 [reach]
-box_m = [[-0.03, -1.0, 0.041], [1.0, 1.0, 1.0]]
+box_m = [[-0.03, -1.0, 0.043], [1.0, 1.0, 1.0]]
 depth_max_m = 0.001
 [accuracy]
 force_relative = 0.3

@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr const char* kBoxScene = R"([reach]
-box_m = [[-1.0, -1.0, 0.040], [1.0, 1.0, 1.0]]
+box_m = [[-1.0, -1.0, 0.043], [1.0, 1.0, 1.0]]
 depth_max_m = 0.003
 [accuracy]
 force_relative = 0.5
