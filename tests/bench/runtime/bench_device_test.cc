@@ -15,7 +15,7 @@ namespace {
 TEST(DeviceBench, MotorsGiveNoMoreThanTheAgeOfForcesExplains) {
   for (const bool event_character : {false, true}) {
     const DeviceBenchReport report =
-        run_device_bench({.duration_s = 3.0, .event_character = event_character});
+        run_device_bench({.duration_s = 2.0, .event_character = event_character});
     EXPECT_GT(report.contact_ticks, 100);
     EXPECT_GT(report.force_max_n, 0.1);
     EXPECT_GE(report.model_work_j, 0.0);
@@ -44,7 +44,7 @@ TEST(DeviceBench, HoldsForTheOtherEmulationsToo) {
 
 TEST(DeviceBench, FrictionTakesEnergyOutOfTheLoop) {
   const DeviceBenchReport report =
-      run_device_bench({.duration_s = 4.0, .friction = 0.5});
+      run_device_bench({.duration_s = 2.0, .friction = 0.5});
   EXPECT_LT(report.energy.given_end_j, 0.0);
 }
 
