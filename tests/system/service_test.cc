@@ -24,8 +24,20 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-// One territory and three checks.
-const std::string kServedScene = organ_on_table("linear") + kBallOnTop + "verify = 3\n";
+// One territory of thirteen places and three checks.
+const std::string kServedScene = organ_on_table("linear") + R"([[tool]]
+name = "fingertip"
+shape = "sphere"
+radius_m = 0.03
+[reach]
+box_m = [[-1.0, -1.0, 0.043], [1.0, 1.0, 1.0]]
+depth_max_m = 0.004
+[accuracy]
+force_relative = 0.3
+contact_resolution = 1.0
+depths = 4
+verify = 3
+)";
 
 // Everything that a service says, as one who joined hears it.
 struct Heard {
