@@ -8,8 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -27,24 +25,11 @@ constexpr std::size_t kPieceBytes = 4096;  // of a message in one frame
 
 // @param port the one that was had, if any was wanted.
 int listening(std::uint16_t& port) {
-  const int descriptor =
-      ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const int on = 1;
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  auto* const any = reinterpret_cast<sockaddr*>(&address);
-  socklen_t size = sizeof address;
-  if (descriptor < 0 ||
-      ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
-      ::bind(descriptor, any, size) != 0 || ::listen(descriptor, SOMAXCONN) != 0 ||
-      ::getsockname(descriptor, any, &size) != 0) {
-    const std::string why = std::strerror(errno);
-    ::close(descriptor);
-    throw DeviceError(fmt::format("emulated Inverse service: port {}: {}", port, why));
+  const int descriptor = listen_on_loopback(port);
+  if (descriptor < 0) {
+    throw DeviceError(fmt::format("emulated Inverse service: port {}: {}", port,
+                                  std::strerror(errno)));
   }
-  port = ntohs(address.sin_port);
   return descriptor;
 }
 
@@ -245,13 +230,8 @@ EmulatedInverse::Parts::~Parts() {
 }
 
 void EmulatedInverse::Parts::accept(const pollfd& acceptor) {
-  const int descriptor =
-      acceptor.revents == 0
-          ? -1
-          : ::accept4(acceptor.fd, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  const int descriptor = acceptor.revents == 0 ? -1 : accept_connection(acceptor.fd);
   if (descriptor >= 0) {
-    const int on = 1;
-    ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     sessions.push_back(
         std::make_shared<Session>(*this, descriptor, acceptor.fd == events));
   }

@@ -31,15 +31,20 @@ constexpr std::size_t kBodyBytes = 4096;
   throw DeviceError(fmt::format("no Inverse service at 127.0.0.1:{}: {}", port, why));
 }
 
+sockaddr_in loopback(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return address;
+}
+
 // A connected socket that never waits.
 class Connection {
  public:
   Connection(std::uint16_t port, std::int64_t deadline_ns)
       : descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const sockaddr_in address = loopback(port);
     int error = 0;
     if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address),
                   sizeof address) != 0) {
@@ -206,6 +211,34 @@ bool wait_for_sockets(std::span<pollfd> ends, std::int64_t deadline_ns) noexcept
 bool wait_for_socket(int descriptor, short events, std::int64_t deadline_ns) noexcept {
   pollfd end{.fd = descriptor, .events = events, .revents = 0};
   return wait_for_sockets(std::span(&end, 1), deadline_ns);
+}
+
+int listen_on_loopback(std::uint16_t& port) noexcept {
+  const int descriptor =
+      ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int on = 1;
+  sockaddr_in address = loopback(port);
+  auto* const any = reinterpret_cast<sockaddr*>(&address);
+  socklen_t size = sizeof address;
+  if (descriptor < 0 ||
+      ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
+      ::bind(descriptor, any, size) != 0 || ::listen(descriptor, SOMAXCONN) != 0 ||
+      ::getsockname(descriptor, any, &size) != 0) {
+    const int why = errno;
+    ::close(descriptor);
+    errno = why;
+    return -1;
+  }
+  port = ntohs(address.sin_port);
+  return descriptor;
+}
+
+int accept_connection(int acceptor) noexcept {
+  const int descriptor =
+      ::accept4(acceptor, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  const int on = 1;
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  return descriptor;
 }
 
 std::string http_get(std::uint16_t port, const std::string& target, double wait_s) {

@@ -1,5 +1,5 @@
-// Reaching a service on this machine: connections with deadlines, a request by HTTP,
-// the handshake of a WebSocket (RFC 6455).
+// Reaching a service on this machine, and being one: connections with deadlines, a
+// request by HTTP, the handshake of a WebSocket (RFC 6455).
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,13 @@ namespace palpate {
 bool wait_for_sockets(std::span<pollfd> ends, std::int64_t deadline_ns) noexcept;
 [[nodiscard]] bool wait_for_socket(int descriptor, short events,
                                    std::int64_t deadline_ns) noexcept;
+
+/// Listens on 127.0.0.1:`port`, any free one for 0; tells which. @returns a descriptor
+/// that never waits, or -1: errno says why.
+[[nodiscard]] int listen_on_loopback(std::uint16_t& port) noexcept;
+
+/// The next connection there, which never waits; -1: there is none.
+[[nodiscard]] int accept_connection(int acceptor) noexcept;
 
 /// Body of GET `target` at 127.0.0.1:`port`, at most 4 KiB. @throws DeviceError.
 [[nodiscard]] std::string http_get(std::uint16_t port, const std::string& target,

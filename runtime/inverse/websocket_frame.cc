@@ -7,6 +7,7 @@ namespace palpate {
 namespace {
 
 constexpr unsigned kControl = 8;  // opcodes from here on
+constexpr const char* kTooLong = "a message that is too long";
 
 constexpr unsigned code(FrameOpcode opcode) {
   return static_cast<unsigned>(opcode);
@@ -31,14 +32,14 @@ std::size_t write_frame(std::span<char> to, FrameOpcode opcode, bool last,
       put(std::uint64_t{payload.size()} >> (shift - 8) & 0xFFU);
     }
   }
-  const FrameMask zeros{};
-  const FrameMask& with = mask == nullptr ? zeros : *mask;
-  if (mask != nullptr) {
-    size = static_cast<std::size_t>(
-        std::copy(with.begin(), with.end(), to.data() + size) - to.data());
+  if (mask == nullptr) {
+    std::copy(payload.begin(), payload.end(), to.data() + size);
+    return size + payload.size();
   }
+  size = static_cast<std::size_t>(
+      std::copy(mask->begin(), mask->end(), to.data() + size) - to.data());
   for (std::size_t i = 0; i < payload.size(); ++i) {
-    to[size++] = static_cast<char>(payload[i] ^ with[i % 4]);
+    to[size++] = static_cast<char>(payload[i] ^ (*mask)[i % 4]);
   }
   return size;
 }
@@ -49,7 +50,8 @@ std::span<char> WebsocketReader::room() noexcept {
   return std::span(arrived_).subspan(end_);
 }
 
-FrameRead WebsocketReader::refuse(const char* why) noexcept {
+FrameRead WebsocketReader::refuse(CloseCode code, const char* why) noexcept {
+  failure_code_ = code;
   failure_ = why;
   return FrameRead::kInvalid;
 }
@@ -71,7 +73,7 @@ FrameRead WebsocketReader::read() noexcept {
   const std::size_t extra = length == 126 ? 2 : length == 127 ? 8 : 0;
   if ((byte(0) & 0x70U) != 0 || ((byte(1) & 0x80U) != 0) != masked_ ||
       (opcode >= kControl && (!last || extra > 0))) {
-    return refuse("a frame that is none of the protocol's");
+    return refuse(CloseCode::kProtocol, "a frame that is none of the protocol's");
   }
   const std::size_t header = 2 + extra + (masked_ ? 4 : 0);
   if (bytes.size() < header) {
@@ -83,8 +85,8 @@ FrameRead WebsocketReader::read() noexcept {
       length = length << 8U | byte(2 + i);
     }
   }
-  if (length > kInverseMessageBytes) {
-    return refuse("a message of more than 64 KiB");
+  if (length > message_.size()) {
+    return refuse(CloseCode::kTooLong, kTooLong);
   }
   if (bytes.size() < header + length) {
     return FrameRead::kIncomplete;
@@ -111,10 +113,10 @@ FrameRead WebsocketReader::take(unsigned opcode, bool last,
   }
   if (opcode !=
       code(message_begun_ ? FrameOpcode::kContinuation : FrameOpcode::kText)) {
-    return refuse("a message that is no text");
+    return refuse(CloseCode::kNoText, "a message that is no text");
   }
-  if (message_size_ + payload.size() > kInverseMessageBytes) {
-    return refuse("a message of more than 64 KiB");
+  if (message_size_ + payload.size() > message_.size()) {
+    return refuse(CloseCode::kTooLong, kTooLong);
   }
   std::copy(payload.begin(), payload.end(), message_.data() + message_size_);
   message_size_ += payload.size();

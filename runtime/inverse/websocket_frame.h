@@ -21,6 +21,15 @@ enum class FrameOpcode : std::uint8_t {
   kPong = 10,
 };
 
+/// Why an end closes (RFC 6455, section 7.4.1).
+enum class CloseCode : std::uint16_t {
+  kProtocol = 1002,
+  kNoText = 1003,
+  kPolicy = 1008,
+  kTooLong = 1009,
+  kTryAgainLater = 1013,
+};
+
 using FrameMask = std::array<char, 4>;
 
 constexpr std::size_t kFrameHeaderBytes = 14;  ///< at most
@@ -40,15 +49,13 @@ enum class FrameRead : std::uint8_t {
   kInvalid,  ///< for good; failure() says why
 };
 
-/// Takes frames out of bytes that arrive, and text messages of at most
-/// kInverseMessageBytes out of frames.
+/// Takes frames out of bytes that arrive, and text messages out of frames.
 class WebsocketReader {
  public:
   /// @param masked whether the other end masks, which clients do.
-  explicit WebsocketReader(bool masked)
-      : masked_(masked),
-        arrived_(2 * kInverseMessageBytes),
-        message_(kInverseMessageBytes) {}
+  /// @param message_max bytes of a message.
+  explicit WebsocketReader(bool masked, std::size_t message_max = kInverseMessageBytes)
+      : masked_(masked), arrived_(2 * message_max), message_(message_max) {}
 
   /// Where bytes may arrive, and how many of them did. Ends what payload() said.
   [[nodiscard]] std::span<char> room() noexcept;
@@ -60,14 +67,16 @@ class WebsocketReader {
   /// Of the message, the ping or the close frame that read() has found.
   [[nodiscard]] std::string_view payload() const noexcept { return payload_; }
   [[nodiscard]] const char* failure() const noexcept { return failure_; }
+  [[nodiscard]] CloseCode failure_code() const noexcept { return failure_code_; }
 
  private:
-  [[nodiscard]] FrameRead refuse(const char* why) noexcept;
+  [[nodiscard]] FrameRead refuse(CloseCode code, const char* why) noexcept;
   [[nodiscard]] FrameRead take(unsigned opcode, bool last,
                                std::span<const char> payload) noexcept;
 
   bool masked_;
   const char* failure_ = nullptr;
+  CloseCode failure_code_ = CloseCode::kProtocol;
   std::vector<char> arrived_;  // bytes not looked at yet: [begin_, end_)
   std::size_t begin_ = 0;
   std::size_t end_ = 0;

@@ -1,212 +1,157 @@
 #include "runtime/view/view_server.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "formats/base/error.h"
-#include "runtime/view/view_socket.h"
+#include "runtime/inverse/service_connection.h"
+#include "runtime/view/view_server_parts.h"
 
 namespace palpate {
 namespace {
 
-// Beast's own writing of responses takes some seconds more to compile.
-std::string as_sent(const Response& response) {
-  std::string text = fmt::format("HTTP/1.{} {} {}\r\n", response.version() % 10,
-                                 response.result_int(), view(response.reason()));
-  for (const auto& field : response) {
-    text += fmt::format("{}: {}\r\n", view(field.name_string()), view(field.value()));
+constexpr const char* kOk = "200 OK";
+constexpr const char* kForbidden = "403 Forbidden";
+
+// What a request names; null if it is none of these.
+template <typename Item>
+const Item* at_path(const std::vector<Item>& items, std::string_view path) {
+  const auto found = std::find_if(items.begin(), items.end(), [&](const Item& one) {
+    return one.path == path;
+  });
+  return found == items.end() ? nullptr : &*found;
+}
+
+// Why a request is not served at all, before anybody looks at its path; null if it is.
+const char* refusal(const HttpRequest& request, std::string_view host) {
+  if (request.only("host") != host) {
+    return "421 Misdirected Request";
   }
-  return text + "\r\n" + response.body();
+  if (request.method != "GET" && request.method != "HEAD") {
+    return "405 Method Not Allowed";
+  }
+  return request.is_upgrade() ? kForbidden : nullptr;  // may_upgrade() has said no
 }
 
 }  // namespace
 
-// One TCP connection as long as it speaks HTTP.
-class ViewServer::Parts::Connection : public std::enable_shared_from_this<Connection> {
- public:
-  Connection(Parts& parts, TcpSocket socket)
-      : parts_(parts), stream_(std::move(socket)) {
-    ++parts_.connections;
-  }
-  ~Connection() {
-    be_heard();
-    parts_.connections -= handed_over_ ? 0 : 1;
-  }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
+ViewServer::Parts::Parts(ViewServerOptions wanted, ViewApplication& app)
+    : options(std::move(wanted)), application(app) {}
 
-  void read() {
-    parser_.emplace();
-    parser_->header_limit(kHeaderBytes);
-    parser_->body_limit(0);
-    stream_.expires_after(kRequestTime);
-    parts_.silent.push_back(this);
-    http::async_read(stream_, buffer_, *parser_,
-                     [self = shared_from_this()](Failure failure, std::size_t) {
-                       self->be_heard();
-                       if (!failure) {
-                         self->serve();
-                       }  // else gone, too slow or no HTTP: the stream closes
-                     });
-  }
-
-  // Another connection needs its place.
-  void close() {
-    Failure ignored;
-    stream_.socket().close(ignored);
-  }
-
- private:
-  void be_heard() { parts_.silent.remove(this); }
-
-  void serve() {
-    const Request request = parser_->release();
-    if (websocket::is_upgrade(request) && parts_.may_upgrade(request)) {
-      const ViewClient client = ++parts_.last;
-      auto socket = std::make_shared<Socket>(parts_, std::move(stream_), client);
-      handed_over_ = true;
-      parts_.sockets[client] = socket;
-      socket->start(request);
-      return;
-    }
-    const Response response = parts_.answer(request);
-    leaving_ = as_sent(response);
-    boost::asio::async_write(
-        stream_, boost::asio::buffer(leaving_),
-        [self = shared_from_this(), goes_on = response.keep_alive()](Failure failure,
-                                                                     std::size_t) {
-          if (!failure && goes_on) {
-            self->read();
-          }
-        });
-  }
-
-  Parts& parts_;
-  TcpStream stream_;
-  beast::flat_buffer buffer_{kHeaderBytes + 1024};
-  std::optional<http::request_parser<http::empty_body>> parser_;
-  std::string leaving_;
-  bool handed_over_ = false;
-};
+ViewServer::Parts::~Parts() {
+  ::close(acceptor);
+}
 
 void ViewServer::Parts::listen() {
-  const tcp::endpoint endpoint(boost::asio::ip::address_v4::loopback(), options.port);
-  Failure failure;
-  acceptor.open(endpoint.protocol(), failure);
-  const auto in_order = [&failure](auto&& call) {
-    if (!failure) {
-      call();
-    }
-  };
-  in_order([&] {
-    acceptor.set_option(boost::asio::socket_base::reuse_address(true), failure);
-  });
-  in_order([&] {
-    acceptor.bind(endpoint, failure);
-  });
-  in_order([&] {
-    acceptor.listen(8, failure);
-  });
-  if (failure) {
+  acceptor = listen_on_loopback(options.port);
+  if (acceptor < 0) {
     throw InputError(fmt::format("cannot listen on 127.0.0.1:{}: {}", options.port,
-                                 failure.message()));
+                                 std::strerror(errno)));
   }
-  host = fmt::format("127.0.0.1:{}", acceptor.local_endpoint().port());
+  host = fmt::format("127.0.0.1:{}", options.port);
   policy = content_policy(host);
 }
 
-void ViewServer::Parts::accept() {
-  acceptor.async_accept([this](Failure failure, TcpSocket socket) {
-    if (!acceptor.is_open()) {
-      return;
-    }
-    // Connections that say nothing must not keep the page's own requests out.
-    if (!failure && (connections < kConnectionsMax || close_idlest())) {
-      Failure ignored;
-      socket.set_option(tcp::no_delay(true), ignored);
-      std::make_shared<Connection>(*this, std::move(socket))->read();
-    }
+void ViewServer::Parts::serve_until(std::int64_t due_ns) {
+  std::vector<pollfd> ends = {{acceptor, POLLIN, 0}};
+  for (const auto& connection : connections) {
+    ends.push_back(connection->waits_for());
+    due_ns = std::min(due_ns, connection->due_ns());
+  }
+  wait_for_sockets(ends, due_ns);
+  for (std::size_t i = 0; i < connections.size(); ++i) {
+    connections[i]->serve(ends[i + 1].revents != 0);
+  }
+  sweep();
+  if (ends[0].revents != 0) {
     accept();
-  });
-}
-
-bool ViewServer::Parts::close_idlest() {
-  if (silent.empty()) {
-    return false;
   }
-  Connection* const idlest = silent.front();
-  silent.pop_front();
-  idlest->close();  // its read ends with a failure, and with it the connection
-  return true;
 }
 
-void ViewServer::Parts::schedule(const std::atomic<bool>& stop) {
-  timer.expires_after(std::chrono::nanoseconds(std::llround(1e9 / options.frame_hz)));
-  timer.async_wait([this, &stop](Failure) {
-    if (stop.load()) {
-      io.stop();
-      return;
+void ViewServer::Parts::accept() {
+  const int descriptor = accept_connection(acceptor);
+  if (descriptor < 0) {
+    return;
+  }
+  if (connections.size() >= kConnectionsMax) {
+    // Connections that say nothing must not keep the page's own requests out.
+    const auto idlest = std::min_element(connections.begin(), connections.end(),
+                                         [](const auto& a, const auto& b) {
+                                           return std::pair(a->client(), a->due_ns()) <
+                                                  std::pair(b->client(), b->due_ns());
+                                         });
+    (*idlest)->end();
+    sweep();
+  }
+  connections.push_back(std::make_unique<Connection>(*this, descriptor));
+}
+
+void ViewServer::Parts::sweep() {
+  for (const auto& connection : connections) {
+    if (connection->has_ended() && connection->client() != 0) {
+      application.closed(connection->client());
     }
-    application.frame();
-    schedule(stop);
+  }
+  std::erase_if(connections, [](const auto& connection) {
+    return connection->has_ended();
   });
 }
 
-// Why a request is not served at all, before anybody looks at its path.
-std::optional<http::status> ViewServer::Parts::refusal(const Request& request) const {
-  if (request.count(http::field::host) != 1 ||
-      request[http::field::host] != beast::string_view(host)) {
-    return http::status::misdirected_request;
-  }
-  if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    return http::status::method_not_allowed;
-  }
-  if (websocket::is_upgrade(request)) {
-    return http::status::forbidden;  // may_upgrade() has said no
-  }
-  return std::nullopt;
+std::size_t ViewServer::Parts::clients() const {
+  return static_cast<std::size_t>(
+      std::count_if(connections.begin(), connections.end(), [](const auto& connection) {
+        return connection->client() != 0;
+      }));
 }
 
-bool ViewServer::Parts::may_upgrade(const Request& request) const {
-  return request.count(http::field::host) == 1 &&
-         request[http::field::host] == beast::string_view(host) &&
-         request.count(http::field::origin) == 1 &&
-         view(request[http::field::origin]) == "http://" + host &&
-         view(request.target()) == "/live" && sockets.size() < options.clients_max &&
-         brings_token(view(request[http::field::sec_websocket_protocol]),
-                      options.token);
+ViewServer::Parts::Connection* ViewServer::Parts::connection(ViewClient client) const {
+  const auto found = std::find_if(connections.begin(), connections.end(),
+                                  [client](const auto& connection) {
+                                    return connection->client() == client;
+                                  });
+  return found == connections.end() ? nullptr : found->get();
 }
 
-Response ViewServer::Parts::answer(const Request& request) const {
-  Response response(http::status::not_found, request.version());
-  response.keep_alive(request.keep_alive());
-  response.set(http::field::content_type, "text/plain; charset=utf-8");
-  response.set(http::field::cache_control, "no-store");
-  response.set("Content-Security-Policy", policy);
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set("Cross-Origin-Opener-Policy", "same-origin");
-  if (const auto refused = refusal(request)) {
-    response.result(*refused);
-  } else if (const auto* asset = at_path(options.assets, request)) {
-    response.result(http::status::ok);
-    response.set(http::field::content_type, view(asset->content_type));
-    response.body() = asset->bytes;
-  } else if (const auto* data = at_path(options.data, request)) {
-    const bool known = same_token(view(request[http::field::authorization]),
-                                  "Bearer " + options.token);
-    response.result(known ? http::status::ok : http::status::forbidden);
-    response.set(http::field::content_type, data->content_type);
-    response.body() = known ? data->bytes : "";
+bool ViewServer::Parts::may_upgrade(const HttpRequest& request) const {
+  return request.is_upgrade() && request.only("host") == host &&
+         request.only("origin") == "http://" + host && request.target == "/live" &&
+         request.only("sec-websocket-version") == "13" &&
+         request.only("sec-websocket-key").size() == 24 &&
+         clients() < options.clients_max &&
+         brings_token(request.only("sec-websocket-protocol"), options.token);
+}
+
+std::string ViewServer::Parts::answer(const HttpRequest& request) const {
+  const char* status = refusal(request, host);
+  std::string_view type = "text/plain; charset=utf-8";
+  std::string_view body;
+  if (status != nullptr) {
+    // as it says
+  } else if (const auto* asset = at_path(options.assets, request.target)) {
+    status = kOk;
+    type = asset->content_type;
+    body = asset->bytes;
+  } else if (const auto* data = at_path(options.data, request.target)) {
+    const bool known =
+        same_token(request.only("authorization"), "Bearer " + options.token);
+    status = known ? kOk : kForbidden;
+    type = data->content_type;
+    body = known ? std::string_view(data->bytes) : "";
+  } else {
+    status = "404 Not Found";
   }
-  response.content_length(response.body().size());
-  if (request.method() == http::verb::head) {
-    response.body().clear();
-  }
-  return response;
+  return fmt::format(
+      "HTTP/1.1 {}\r\n{}Content-Type: {}\r\nCache-Control: no-store\r\n"
+      "Content-Security-Policy: {}\r\nX-Content-Type-Options: nosniff\r\n"
+      "Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n"
+      "Cross-Origin-Opener-Policy: same-origin\r\nContent-Length: {}\r\n\r\n{}",
+      status, request.goes_on ? "" : "Connection: close\r\n", type, policy, body.size(),
+      request.method == "HEAD" ? "" : body);
 }
 
 ViewServer::ViewServer(ViewServerOptions options, ViewApplication& application)
@@ -224,7 +169,7 @@ ViewServer::ViewServer(ViewServerOptions options, ViewApplication& application)
 ViewServer::~ViewServer() = default;
 
 std::uint16_t ViewServer::port() const {
-  return parts_->acceptor.local_endpoint().port();
+  return parts_->options.port;
 }
 
 std::string ViewServer::address() const {
@@ -232,21 +177,27 @@ std::string ViewServer::address() const {
 }
 
 void ViewServer::run(const std::atomic<bool>& stop) {
-  parts_->accept();
-  parts_->schedule(stop);
-  parts_->io.run();
+  const std::int64_t period_ns = nanoseconds_in(1.0 / parts_->options.frame_hz);
+  std::int64_t frame_ns = parts_->clock.now_ns() + period_ns;
+  while (!stop.load()) {
+    parts_->serve_until(frame_ns);
+    if (parts_->clock.now_ns() >= frame_ns) {
+      parts_->application.frame();
+      frame_ns = parts_->clock.now_ns() + period_ns;
+    }
+  }
 }
 
 void ViewServer::send(ViewClient client, std::string text) {
-  if (const auto socket = parts_->socket(client)) {
-    socket->send(std::move(text));
+  if (auto* const connection = parts_->connection(client)) {
+    connection->send(std::move(text));
   }
 }
 
 void ViewServer::send_latest(ViewClient client,
                              const std::shared_ptr<const std::string>& text) {
-  if (const auto socket = parts_->socket(client)) {
-    socket->send_latest(text);
+  if (auto* const connection = parts_->connection(client)) {
+    connection->send_latest(text);
   }
 }
 

@@ -87,7 +87,7 @@ TEST(WebsocketFrame, ReadsWhatWasWrittenHoweverItArrives) {
 
 TEST(WebsocketFrame, RefusesWhatIsNoFrameOrTooLong) {
   const char* const kNone = "a frame that is none of the protocol's";
-  const char* const kLong = "a message of more than 64 KiB";
+  const char* const kLong = "a message that is too long";
   const char* const kNoText = "a message that is no text";
   EXPECT_EQ(why_refused("\x81\x05Hello", false), "");
   EXPECT_EQ(why_refused("\x81\x05Hello", true), kNone);  // clients mask
@@ -105,6 +105,15 @@ TEST(WebsocketFrame, RefusesWhatIsNoFrameOrTooLong) {
                             written(FrameOpcode::kContinuation, true, half, nullptr),
                         false),
             kLong);
+}
+
+TEST(WebsocketFrame, AShorterMessageMayBeTheLongest) {
+  WebsocketReader reader(false, 16);
+  EXPECT_EQ(
+      read_all(reader, written(FrameOpcode::kText, true, Bytes(16, 'a'), nullptr)),
+      FrameRead::kMessage);
+  EXPECT_EQ(read_all(reader, "\x81\x11"), FrameRead::kInvalid);
+  EXPECT_EQ(reader.failure_code(), CloseCode::kTooLong);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -250,6 +251,41 @@ TEST_F(ViewServerTest, AnswersAMessageAndNoticesTheEnd) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_EQ(echo_.open, 0);
+}
+
+TEST_F(ViewServerTest, AnswersRequestsOneAfterTheOther) {
+  const Client one = client();
+  one.send(get("/") + get("/missing") + text(right()));
+  EXPECT_NE(one.read_until("the page").find(" 200 "), std::string::npos);
+  EXPECT_NE(one.read_until("\r\n\r\n").find(" 404 "), std::string::npos);
+  EXPECT_NE(one.read_until("\r\n\r\n").find(" 101 "), std::string::npos);
+  one.send_frame("hello");
+  EXPECT_EQ(one.read_frame(), "\x81\x05hello");
+}
+
+TEST_F(ViewServerTest, EndsWhereTheClientWantsNoMore) {
+  const Client one = client();
+  one.send(get("/", "Connection: close\r\n"));
+  EXPECT_NE(one.read_until("never").find("the page"), std::string::npos);
+  const Client two = client();
+  two.send(text(right()));
+  static_cast<void>(two.read_until("\r\n\r\n"));
+  two.send("\x88\x82" + std::string(4, '\0') + "\x03\xe8");  // 1000
+  EXPECT_EQ(two.read_frame(), "\x88\x02\x03\xe8");
+  EXPECT_EQ(two.read_frame(), "");
+}
+
+TEST_F(ViewServerTest, DropsWhatIsNoTextOfAClient) {
+  for (const auto& [frame, code] :
+       {std::pair{"\x82\x81" + std::string(4, '\0') + "x", "\x03\xeb"},  // 1003
+        std::pair{std::string("\x81\x01x"), "\x03\xea"}}) {  // 1002: no mask
+    const Client one = client();
+    one.send(text(right()));
+    static_cast<void>(one.read_until("\r\n\r\n"));
+    one.send(frame);
+    EXPECT_EQ(one.read_frame(), std::string("\x88\x02") + code);
+  }
+  EXPECT_EQ(echo_.messages, 0);
 }
 
 TEST_F(ViewServerTest, DropsAnOversizedMessageUnread) {
