@@ -17,6 +17,7 @@
 #include "fitting/session/press_fit.h"
 #include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -66,7 +67,7 @@ void print_json(const CurveResult& r, const Indenter& indenter) {
   json["notes"] = r.read.measurement.notes;
   json["tip"] = r.tip;
   json.update(to_json(r.press, indenter));
-  fmt::print("{}\n", json.dump());
+  fmt::print("{}\n", json_text(json));
 }
 
 void print_line(const std::string& name, double value, double sd,

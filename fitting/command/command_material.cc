@@ -14,6 +14,7 @@
 #include "fitting/session/session_machine.h"
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -161,7 +162,7 @@ void print_material(const MaterialResult& result) {
 void run_material(const MaterialOptions& options) {
   const MaterialResult result = compute_material(options);
   if (options.json) {
-    fmt::print("{}\n", to_json(result).dump());
+    fmt::print("{}\n", json_text(to_json(result)));
   } else {
     print_material(result);
   }

@@ -8,6 +8,7 @@
 #include "fitting/command/commands.h"
 #include "fitting/session/session_machine.h"
 #include "fitting/session/surface_session.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -28,7 +29,7 @@ void run_surface(const SurfaceOptions& options) {
   const SurfaceFit fit = fit_session_surface(session, notes);
   write_database(options.output, fit.database);
   if (options.json) {
-    fmt::print("{}\n", to_json(fit.report, notes).dump());
+    fmt::print("{}\n", json_text(to_json(fit.report, notes)));
   } else {
     fmt::print("{}{}", describe_notes(session), describe(fit.report));
     for (const std::string& note : notes) {

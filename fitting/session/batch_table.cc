@@ -10,6 +10,7 @@
 #include "fitting/session/corrections_report.h"
 #include "fitting/session/csv_cell.h"
 #include "fitting/session/mean_curves.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -318,7 +319,7 @@ std::string batch_json(const Session& session, const BatchReport& report) {
   for (const MeanCurve& mean : means.curves) {
     json["mean_curves"].push_back(mean_json(mean));
   }
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(json);
 }
 
 }  // namespace palpate

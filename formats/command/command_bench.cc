@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/database/precision_choice.h"
 
@@ -64,7 +65,7 @@ void run_bench(const BenchFlags& flags) {
     for (const PrecisionRow& row : rows) {
       report["rows"].push_back(precision_json(row));
     }
-    fmt::print("{}\n", report.dump());
+    fmt::print("{}\n", json_text(report));
     return;
   }
   fmt::print("errors against {}, relative to the curve's largest\n",

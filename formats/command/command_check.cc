@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/database/database_summary.h"
 #include "formats/database/response_database.h"
@@ -20,7 +21,7 @@ struct CheckFlags {
 };
 
 void print_json(const Json& report) {
-  fmt::print("{}\n", report.dump(-1, ' ', false, Json::error_handler_t::replace));
+  fmt::print("{}\n", json_text(report));
 }
 
 void run_check(const CheckFlags& flags) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/database/database_diff.h"
 
@@ -103,7 +104,7 @@ void run_diff(const DiffFlags& flags) {
     }
   }
   if (flags.json) {
-    fmt::print("{}\n", report.dump(-1, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n", json_text(report));
   }
   if (!agree) {
     throw Difference(fmt::format("{} and {} differ by more than {} of force",

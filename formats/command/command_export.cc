@@ -9,6 +9,7 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/report/database_export.h"
 
@@ -50,8 +51,7 @@ void run_export(const ExportFlags& flags) {
     const nlohmann::ordered_json report = {{"output", flags.output},
                                            {"nodes", database.body.position_m.rows()},
                                            {"bytes", text.size()}};
-    fmt::print("{}\n",
-               report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", json_text(report));
   } else {
     fmt::print("wrote {}: {} nodes, {} bytes\n", flags.output,
                database.body.position_m.rows(), text.size());

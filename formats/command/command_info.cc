@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/base/printable.h"
 #include "formats/command/commands.h"
 #include "formats/database/chunk_reader.h"
@@ -230,8 +231,7 @@ void run_info(const InfoFlags& flags) {
   const DatabaseIndex index = read_index(flags.file);
   if (flags.json) {
     // Texts come from a file: what is not UTF-8 is replaced, not refused.
-    fmt::print("{}\n",
-               to_json(index).dump(-1, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n", json_text(to_json(index)));
   } else {
     print(index);
   }

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/database/database_slice.h"
 #include "formats/database/merge_shards.h"
@@ -27,8 +28,7 @@ struct MergeFlags {
 };
 
 void print_merged(const nlohmann::ordered_json& report) {
-  fmt::print("{}\n",
-             report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  fmt::print("{}\n", json_text(report));
 }
 
 nlohmann::ordered_json names_of(const ResponseDatabase& database) {

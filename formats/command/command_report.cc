@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/atomic_file.h"
+#include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/report/database_page.h"
 
@@ -29,10 +30,8 @@ void run_report(const ReportFlags& flags) {
   atomic.write(std::as_bytes(std::span(page)));
   atomic.commit();
   if (flags.json) {
-    fmt::print(
-        "{}\n",
-        nlohmann::ordered_json{{"output", flags.output}, {"bytes", page.size()}}.dump(
-            -1, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", json_text(nlohmann::ordered_json{{"output", flags.output},
+                                                        {"bytes", page.size()}}));
   } else {
     fmt::print("wrote {} ({} bytes)\n", flags.output, page.size());
   }

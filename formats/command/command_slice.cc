@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/command/commands.h"
 #include "formats/database/database_slice.h"
 
@@ -63,8 +64,7 @@ void run_slice(const SliceFlags& flags) {
                                            {"triangles", part.body.triangle.rows()},
                                            {"tools", part.tools.size()},
                                            {"bytes", bytes}};
-    fmt::print("{}\n",
-               report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", json_text(report));
   } else {
     fmt::print("wrote {}: {} nodes, {} tools, {} bytes\n", flags.output,
                part.body.position_m.rows(), part.tools.size(), bytes);

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/json_text.h"
 #include "formats/measurement/afm_file.h"
 #include "formats/measurement/delimited_text.h"
 #include "formats/measurement/text_table.h"
@@ -49,7 +50,7 @@ TabFile read_tab(const std::filesystem::path& file) {
       names = {number, std::string(line)};
     }
   }
-  const nlohmann::json metadata = nlohmann::json::parse(json, nullptr, false);
+  const nlohmann::json metadata = parse_json(json);
   if (!metadata.is_object()) {
     throw FormatError(fmt::format("{}: the metadata are no JSON object", tab.name));
   }

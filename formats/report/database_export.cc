@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/vtk_cells.h"
 
 namespace palpate {
@@ -250,7 +251,7 @@ std::string to_json_text(const ResponseDatabase& database, const ResponseTable& 
   if (table.viscoelasticity.remembers()) {
     report["viscoelasticity"] = to_json(table.viscoelasticity);
   }
-  return report.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(report) + "\n";
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "formats/base/json_text.h"
 #include "formats/report/colour_map.h"
 
 namespace palpate {
@@ -50,7 +51,7 @@ nlohmann::ordered_json page_colours() {
 
 std::string page_info(nlohmann::ordered_json info) {
   info["colours"] = page_colours();
-  std::string text = info.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  std::string text = ascii_json_text(info);
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<')) {
     text.replace(at, 1, "\\u003c");  // no text ends the script
   }

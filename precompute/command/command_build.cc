@@ -11,6 +11,7 @@
 
 #include "formats/base/command_line.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/base/quantile.h"
 #include "formats/database/error_calibration.h"
 #include "precompute/build/build.h"
@@ -190,7 +191,7 @@ void run_build(const BuildFlags& flags) {
   Progress progress(stderr);
   const BuildReport report = build(scene, options, progress);
   if (flags.json) {
-    fmt::print("{}\n", report_json(report).dump());
+    fmt::print("{}\n", json_text(report_json(report)));
   } else if (options.shards > 1) {
     fmt::print("wrote {}: shard {} of {}, {} units\n", flags.output, options.shard,
                options.shards, report.units);

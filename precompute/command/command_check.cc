@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/mesh/obj_writer.h"
 #include "formats/mesh/surface_reader.h"
 #include "precompute/command/commands.h"
@@ -156,7 +157,7 @@ void run_check(const CheckFlags& flags) {
       failed ? fmt::format("repair \"{}\" failed: {}", flags.repair, report.refusal)
              : report.after.verdict();
   if (flags.json) {
-    fmt::print("{}\n", to_json(report).dump(2));
+    fmt::print("{}\n", json_text(to_json(report), 2));
   } else {
     fmt::print("{}: {}\n", flags.mesh, verdict);
     print_table(report.after);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "precompute/command/commands.h"
 #include "precompute/contact/indentation_response.h"
 #include "precompute/press/node_detail.h"
@@ -173,7 +174,7 @@ void run_indent(const IndentFlags& flags) {
               detail.body.near);
   }
   if (flags.json) {
-    fmt::print("{}\n", response_json(detail, response, body.notes).dump());
+    fmt::print("{}\n", json_text(response_json(detail, response, body.notes)));
   } else {
     print_response(detail, response);
     for (const std::string& note : body.notes) {

@@ -8,6 +8,7 @@
 
 #include "formats/base/command_line.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/base/quantile.h"
 #include "formats/database/error_calibration.h"
 #include "precompute/command/commands.h"
@@ -97,10 +98,9 @@ void run_pairs(const PairsFlags& flags) {
                       {"by_table", quantiles(of.by_table)},
                       {"by_spots", quantiles(of.by_spot)}});
   }
-  fmt::print("{}\n", Json{{"tool", scene.tool[t].name},
-                          {"errors", report},
-                          {"worst_of_sets", study.worst_by_table}}
-                         .dump());
+  fmt::print("{}\n", json_text(Json{{"tool", scene.tool[t].name},
+                                    {"errors", report},
+                                    {"worst_of_sets", study.worst_by_table}}));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "precompute/build/plan.h"
 #include "precompute/command/commands.h"
 #include "precompute/process/interrupt.h"
@@ -117,7 +118,7 @@ void run_plan(const PlanFlags& flags) {
                                   .repair = repair_mode(flags.repair)},
                                  progress);
   if (flags.json) {
-    fmt::print("{}\n", plan_json(report).dump());
+    fmt::print("{}\n", json_text(plan_json(report)));
   } else {
     print_plan(report);
   }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/mesh/obj_writer.h"
 #include "formats/mesh/surface_reader.h"
 #include "precompute/command/commands.h"
@@ -57,7 +58,7 @@ void run_remesh(const RemeshFlags& flags) {
             fmt::format("made by palpate-precompute remesh {} --edge-m {}", flags.mesh,
                         flags.edge_m));
   if (flags.json) {
-    fmt::print("{}\n", remeshed_json(made).dump(2));
+    fmt::print("{}\n", json_text(remeshed_json(made), 2));
   } else {
     print_remeshed(made, flags.output);
   }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/mesh/surface_reader.h"
 #include "formats/response/tool_shape.h"
 #include "precompute/command/commands.h"
@@ -55,7 +56,7 @@ void run_spheres(const SpheresFlags& flags) {
   const SurfaceMesh tool = read_surface(flags.mesh, flags.length_unit);
   const ContactSpheres spheres = contact_spheres(tool, flags.count, flags.radius_m);
   if (flags.json) {
-    fmt::print("{}\n", spheres_json(spheres).dump());
+    fmt::print("{}\n", json_text(spheres_json(spheres)));
   } else {
     print_spheres(flags, spheres);
   }

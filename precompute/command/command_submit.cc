@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/base/sha256.h"
 #include "formats/database/rounded_database.h"
 #include "precompute/build/job_scripts.h"
@@ -101,16 +102,15 @@ int run_start(const Job& job) {
 
 void print_job(const Job& job, const PlanReport& plan, const SubmitFlags& flags) {
   if (flags.json) {
-    fmt::print("{}\n",
-               nlohmann::ordered_json{{"folder", job.folder.string()},
-                                      {"start", (job.folder / "start.sh").string()},
-                                      {"engine", flags.engine},
-                                      {job.serve ? "services" : "shards", job.shards},
-                                      {"at_once", job.at_once},
-                                      {"seconds", plan.seconds},
-                                      {"shard_minutes_limit", job.minutes},
-                                      {"shard_memory_mb", job.memory_mb}}
-                   .dump());
+    fmt::print("{}\n", json_text(nlohmann::ordered_json{
+                           {"folder", job.folder.string()},
+                           {"start", (job.folder / "start.sh").string()},
+                           {"engine", flags.engine},
+                           {job.serve ? "services" : "shards", job.shards},
+                           {"at_once", job.at_once},
+                           {"seconds", plan.seconds},
+                           {"shard_minutes_limit", job.minutes},
+                           {"shard_memory_mb", job.memory_mb}}));
     return;
   }
   if (job.serve) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "precompute/build/material_sweep.h"
 #include "precompute/command/commands.h"
 #include "precompute/press/node_detail.h"
@@ -86,7 +87,7 @@ void print_sweep(const ResponseSweep& sweep, const SweepFlags& flags, double sec
     for (const SweepParameter& p : sweep.parameter) {
       report["parameters"].push_back({{"name", p.name}, {"values", p.value}});
     }
-    fmt::print("{}\n", report.dump());
+    fmt::print("{}\n", json_text(report));
     return;
   }
   fmt::print(

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/atomic_file.h"
+#include "formats/base/json_text.h"
 #include "precompute/build/accuracy_trade.h"
 #include "precompute/command/commands.h"
 #include "precompute/press/scene_solver.h"
@@ -95,7 +96,7 @@ void run_trade(const TradeFlags& flags) {
   write_text(flags.output + ".csv", trade_csv(report));
   write_text(flags.output + ".svg", trade_picture(report));
   if (flags.json) {
-    fmt::print("{}\n", trade_json(report).dump());
+    fmt::print("{}\n", json_text(trade_json(report)));
   } else {
     print_trade(report);
   }

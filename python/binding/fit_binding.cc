@@ -26,6 +26,7 @@
 #include "fitting/session/press_fit.h"
 #include "fitting/session/surface_session.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace py = pybind11;
 
@@ -193,7 +194,7 @@ py::tuple fit_surface_of(const std::filesystem::path& file, const std::string& c
     const py::gil_scoped_release released;
     std::vector<std::string> notes;
     SurfaceFit fit = fit_session_surface(session_of(file, cycle), notes);
-    report = to_json(fit.report, notes).dump();
+    report = json_text(to_json(fit.report, notes));
     held = std::make_shared<HeldDatabase>(HeldDatabase{std::move(fit.database)});
   }
   return py::make_tuple(held, loads(report));
@@ -227,7 +228,7 @@ void bind_press(py::module_& module) {
   type.def(
       "to_dict",
       [](const HeldFit& held) {
-        return loads(to_json(held.fit, held.indenter).dump());
+        return loads(json_text(to_json(held.fit, held.indenter)));
       },
       "What `palpate-fit curve --json` says of the press; None: not known.");
   type.def_property_readonly("family", [](const HeldFit& held) {

@@ -11,6 +11,7 @@
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -223,7 +224,7 @@ std::string probe_json(const ProbeReport& r) {
   for (const ProbedAxis& axis : r.axis) {
     json["axes"].push_back(axis_json(axis));
   }
-  return json.dump() + "\n";
+  return json_text(json) + "\n";
 }
 
 void write_probe(const std::filesystem::path& path, const ProbeReport& report) {
@@ -235,7 +236,7 @@ void write_probe(const std::filesystem::path& path, const ProbeReport& report) {
 
 ProbeReport read_probe(const std::filesystem::path& file) {
   constexpr std::size_t kLargest = 1 << 24;  // bytes
-  const Json json = Json::parse(read_file(file, kLargest, "a probe"), nullptr, false);
+  const Json json = parse_ordered_json(read_file(file, kLargest, "a probe"));
   return ProbeReader(file, json).report();
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
 
@@ -165,7 +166,7 @@ std::string to_json(const std::vector<FidelityRow>& rows) {
                             {"lowest_energy_j", row.lowest_energy_j},
                             {"stored_energy_j", row.stored_energy_j}});
   }
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace palpate

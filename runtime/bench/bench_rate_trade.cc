@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/report/log_plot.h"
 #include "runtime/bench/bench_table1.h"
 
@@ -162,7 +163,7 @@ std::string to_json(const std::vector<RateTradeRow>& rows) {
                             {"created_j", row.created_j},
                             {"cpu_s_per_s", row.cpu_s_per_s}});
   }
-  return json.dump();
+  return json_text(json);
 }
 
 std::string trade_picture(const std::vector<RateTradeRow>& rows, WallShape wall) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/base/quantile.h"
 #include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
@@ -177,7 +178,7 @@ std::string to_json(const std::vector<StepBenchRow>& rows) {
                             {"accept_median_ns", row.accept_median_ns},
                             {"allocations", row.allocations}});
   }
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace palpate

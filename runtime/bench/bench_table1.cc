@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/bench/rendered_wall.h"
 
 namespace palpate {
@@ -247,7 +248,7 @@ std::string to_json(const Table1Report& report) {
       values.push_back(paper_value(column, rate));  // NaN is written as null
     }
   }
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace palpate

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/response/tool_support.h"
 #include "runtime/bench/random_walk.h"
 #include "runtime/fast/fast_step.h"
@@ -207,7 +208,7 @@ std::string to_json(const WalkBenchReport& r) {
                               {"not_finite", r.not_finite},
                               {"fault", name(r.fault)},
                               {"seconds", r.seconds}};
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace palpate

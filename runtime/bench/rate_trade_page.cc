@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/report/html_page.h"
 #include "formats/report/page_text.h"
 
@@ -100,7 +101,7 @@ std::string trade_page(const std::vector<RateTradeRow>& rows) {
              "<style>{}{}</style></head><body>\n<h1>What rates and local model "
              "buy</h1>\n<p class=\"sub\">{} runs of palpate-run bench trade</p>\n",
              report_style, kStyle, rows.size()) +
-         kBody + page_info(nlohmann::ordered_json::parse(to_json(rows))) +
+         kBody + page_info(parse_ordered_json(to_json(rows))) +
          page_script({figures_script, kScript}) + "</body></html>\n";
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/attach/calibration.h"
 #include "runtime/attach/device_choice.h"
 #include "runtime/attach/hung_mass.h"
@@ -90,7 +91,7 @@ void calibrate(CalibrateFlags& flags) {
                                  {"bare_n", bare.force_n},
                                  {"loaded_n", loaded.force_n},
                                  {"file", flags.output}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json_text(json, 2));
     return;
   }
   fmt::print("asked for           {:.4g} N bare, {:.4g} N with {:.4g} kg\n",

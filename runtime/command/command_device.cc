@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/attach/probe_file.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
@@ -65,7 +66,7 @@ void print_runs(const DeviceRunFlags& flags,
       json["runs"].push_back(as_json(report));
     }
   }
-  fmt::print("{}\n", json.dump(2));
+  fmt::print("{}\n", json_text(json, 2));
 }
 
 ProbeOptions probe_options(const DeviceRunFlags& flags) {

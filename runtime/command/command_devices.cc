@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "runtime/command/commands.h"
 #include "runtime/usb/usb_devices.h"
 
@@ -42,7 +43,8 @@ void add_devices_command(Command app) {
       return;
     }
     const UsbReport report = find_usb_devices();
-    fmt::print("{}", *json ? devices_json(report).dump(2) + "\n" : describe(report));
+    fmt::print("{}",
+               *json ? json_text(devices_json(report), 2) + "\n" : describe(report));
   });
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/attach/probe_file.h"
 #include "runtime/command/commands.h"
 #include "runtime/device/stability_margin.h"
@@ -29,12 +30,12 @@ void print_probe(const ProbeFlags& flags) {
   const DeviceLimits limits = probed_limits(report, {});
   const StabilityBounds bounds = stability_bounds(limits, 1.0 / flags.fast_hz);
   if (flags.json) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::parse(probe_json(report));
+    nlohmann::ordered_json json = parse_ordered_json(probe_json(report));
     for (auto& axis : json["axes"]) {
       axis.erase("pushes");
     }
     json["renderable_n_per_m"] = bounds.renderable_n_per_m();
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json_text(json, 2));
     return;
   }
   fmt::print(

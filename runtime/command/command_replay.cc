@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/command/commands.h"
 #include "runtime/run/contact_replay.h"
 #include "runtime/run/replay.h"
@@ -104,7 +105,7 @@ void replay_recording(const ReplayFlags& flags) {
             : render_again(recording, database,
                            model.value_or(fast_config(recording.header).model));
   if (flags.json) {
-    fmt::print("{}\n", replay_json(report, recording).dump(2));
+    fmt::print("{}\n", json_text(replay_json(report, recording), 2));
   } else {
     fmt::print("{}{}", summary(report, exact), lacking(recording));
   }

@@ -11,6 +11,7 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/recording/recording.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
@@ -229,13 +230,13 @@ std::vector<SimulationReport> render_streamed(const SimulateFlags& flags,
 void print_tools(const SimulateFlags& flags,
                  const std::vector<SimulationReport>& reports) {
   if (flags.json && reports.size() == 1) {
-    fmt::print("{}\n", as_json(reports.front()).dump(2));
+    fmt::print("{}\n", json_text(as_json(reports.front()), 2));
   } else if (flags.json) {
     nlohmann::json all = nlohmann::json::array();
     for (const SimulationReport& report : reports) {
       all.push_back(as_json(report));
     }
-    fmt::print("{}\n", nlohmann::json{{"tools", all}}.dump(2));
+    fmt::print("{}\n", json_text(nlohmann::json{{"tools", all}}, 2));
   } else {
     for (std::size_t i = 0; i < reports.size(); ++i) {
       fmt::print("{}{}", i == 0 ? "" : "\n", summary(reports[i]));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/eventfd.h>
 
+#include "formats/base/json_text.h"
 #include "runtime/inverse/emulated_inverse_parts.h"
 #include "runtime/inverse/inverse_message.h"
 #include "runtime/realtime/real_time.h"
@@ -33,19 +34,19 @@ EmulatedInverse::Parts::Parts(const EmulatedInverseConfig& wanted)
 }
 
 std::string EmulatedInverse::Parts::version() const {
-  return Json{{"version", config.version}}.dump();
+  return json_text(Json{{"version", config.version}});
 }
 
 std::string EmulatedInverse::Parts::first_message() {
   const std::lock_guard lock(mutex);
   Json all = state(true);
   all["session_id"] = 7;
-  return all.dump();
+  return json_text(all);
 }
 
 std::string EmulatedInverse::Parts::answer() {
   const std::lock_guard lock(mutex);
-  return state(false).dump();
+  return json_text(state(false));
 }
 
 // @param whole with what is said once.
@@ -128,7 +129,7 @@ void EmulatedInverse::Parts::obey(const std::string& text) {
   }
   std::optional<Eigen::Vector3d> force_n;
   try {
-    const Json said = Json::parse(text);
+    const Json said = parse_json(text);
     if (said.contains("session")) {
       profile = said["session"]["configure"]["profile"]["name"].get<std::string>();
     }

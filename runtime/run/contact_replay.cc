@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/run/pose_trace.h"
 
 namespace palpate {
@@ -144,16 +145,16 @@ std::string summary(const ContactReplayReport& r) {
 }
 
 std::string to_json(const ContactReplayReport& r) {
-  return nlohmann::json{{"reproduced", r.is_reproduced()},
-                        {"ticks", r.ticks},
-                        {"identical_ticks", r.identical},
-                        {"different_tick", r.different_tick},
-                        {"force_difference_n", r.force_difference_n},
-                        {"torque_difference_n_m", r.torque_difference_n_m},
-                        {"net_energy_j", r.net_energy_j},
-                        {"replayed_net_j", r.replayed_net_j},
-                        {"fault", name(r.fault)}}
-      .dump(2);
+  return json_text(nlohmann::json{{"reproduced", r.is_reproduced()},
+                                  {"ticks", r.ticks},
+                                  {"identical_ticks", r.identical},
+                                  {"different_tick", r.different_tick},
+                                  {"force_difference_n", r.force_difference_n},
+                                  {"torque_difference_n_m", r.torque_difference_n_m},
+                                  {"net_energy_j", r.net_energy_j},
+                                  {"replayed_net_j", r.replayed_net_j},
+                                  {"fault", name(r.fault)}},
+                   2);
 }
 
 }  // namespace palpate

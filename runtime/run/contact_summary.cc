@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "runtime/run/contact_run.h"
 
 namespace palpate {
@@ -62,41 +63,41 @@ std::string summary(const ContactRunReport& r) {
 }
 
 std::string to_json(const ContactRunReport& r) {
-  return nlohmann::json{
-      {"tools", r.options.tools},
-      {"contacts", r.contacts},
-      {"nodes", r.node},
-      {"table_error", r.table_error},
-      {"convex", r.convex},
-      {"stability_share", r.margin.share},
-      {"stiffness_n_per_m", r.margin.stiffness_n_per_m},
-      {"stiffness_n_m_per_rad", r.margin.stiffness_n_m_per_rad},
-      {"force_scale", r.force_scale},
-      {"ticks", r.ticks},
-      {"contact_ticks", r.contact_ticks},
-      {"starved_ticks", r.starved_ticks},
-      {"scaled_ticks", r.scaled_ticks},
-      {"contacts_max", r.contacts_max},
-      {"depth_max_m", r.depth_max_m},
-      {"force_max_n", r.force_max_n},
-      {"torque_max_n_m", r.torque_max_n_m},
-      {"coupling", r.coupling ? as_json(*r.coupling) : nlohmann::json()},
-      {"hand_net_j", r.hand_net_j},
-      {"model_work_j", r.model_work_j},
-      {"lowest_work_j", r.lowest_work_j},
-      {"stored_j", r.stored_j},
-      {"tank_j", r.tank_j},
-      {"relaxes", r.relaxes},
-      {"memory_j", r.memory_j},
-      {"carried_max_n", r.carried_max_n},
-      {"dissipated_j", r.dissipated_j},
-      {"yields", r.yields},
-      {"yielded_j", r.yielded_j},
-      {"relaxed_shift_max_m", r.relaxed_shift_max_m},
-      {"interventions", r.interventions},
-      {"elements_dropped", r.elements_dropped},
-      {"fault", name(r.fault)}}
-      .dump(2);
+  return json_text(
+      nlohmann::json{{"tools", r.options.tools},
+                     {"contacts", r.contacts},
+                     {"nodes", r.node},
+                     {"table_error", r.table_error},
+                     {"convex", r.convex},
+                     {"stability_share", r.margin.share},
+                     {"stiffness_n_per_m", r.margin.stiffness_n_per_m},
+                     {"stiffness_n_m_per_rad", r.margin.stiffness_n_m_per_rad},
+                     {"force_scale", r.force_scale},
+                     {"ticks", r.ticks},
+                     {"contact_ticks", r.contact_ticks},
+                     {"starved_ticks", r.starved_ticks},
+                     {"scaled_ticks", r.scaled_ticks},
+                     {"contacts_max", r.contacts_max},
+                     {"depth_max_m", r.depth_max_m},
+                     {"force_max_n", r.force_max_n},
+                     {"torque_max_n_m", r.torque_max_n_m},
+                     {"coupling", r.coupling ? as_json(*r.coupling) : nlohmann::json()},
+                     {"hand_net_j", r.hand_net_j},
+                     {"model_work_j", r.model_work_j},
+                     {"lowest_work_j", r.lowest_work_j},
+                     {"stored_j", r.stored_j},
+                     {"tank_j", r.tank_j},
+                     {"relaxes", r.relaxes},
+                     {"memory_j", r.memory_j},
+                     {"carried_max_n", r.carried_max_n},
+                     {"dissipated_j", r.dissipated_j},
+                     {"yields", r.yields},
+                     {"yielded_j", r.yielded_j},
+                     {"relaxed_shift_max_m", r.relaxed_shift_max_m},
+                     {"interventions", r.interventions},
+                     {"elements_dropped", r.elements_dropped},
+                     {"fault", name(r.fault)}},
+      2);
 }
 
 }  // namespace palpate

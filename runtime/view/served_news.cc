@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/report/axis_ticks.h"
 #include "formats/response/response_curve.h"
 
@@ -123,7 +124,7 @@ std::optional<std::string> ServedNews::answers(ViewClient page, std::int64_t now
                                     : nlohmann::json());
     json["good"].push_back(answer && answer->quality == AnswerQuality::kGood ? 1 : 0);
   }
-  return json.dump();
+  return json_text(json);
 }
 
 std::string ServedNews::curve(std::int32_t node) const {

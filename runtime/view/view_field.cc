@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/report/html_page.h"
 
 namespace palpate {
@@ -49,7 +50,7 @@ std::string field_text(const ResponseTable& table, std::int32_t node) {
   nlohmann::json json{{"type", "field"}, {"node", node}, {"depth_m", nullptr}};
   const Eigen::Index row = row_of(field, node);
   if (row < 0) {
-    return json.dump();
+    return json_text(json);
   }
   const Eigen::VectorXd moved_m = displacement_m(field, row);
   constexpr double kSteps = std::numeric_limits<std::int16_t>::max();
@@ -65,7 +66,7 @@ std::string field_text(const ResponseTable& table, std::int32_t node) {
   json["error_relative"] = field.error_relative[static_cast<std::size_t>(row)];
   json["scale_m"] = scale_m;
   json["displacement"] = base64(std::as_bytes(std::span(steps)));
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace palpate

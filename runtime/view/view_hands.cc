@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/response/tool_shape.h"
 #include "formats/response/tool_support.h"
 
@@ -85,7 +86,7 @@ std::string hands_text(const ViewHands& hands) {
                   {"coupled", hands.coupled},
                   {"compared", hands.compared},
                   {"scaled", hands.scaled}};
-  std::string text = json.dump();
+  std::string text = json_text(json);
   text = text.substr(1, text.size() - 2);
   return text + ",\"loads\":{" +
          column(hands.loads, "force1_n", &ViewLoads::force_n, 0) + "," +
@@ -102,7 +103,7 @@ std::string tools_text(const std::vector<const ResponseTable*>& tables) {
                    {"spheres", spheres(table->tool)},
                    {"coupling_error", table->compliance.error_relative}});
   }
-  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(all);
 }
 
 }  // namespace palpate

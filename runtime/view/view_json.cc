@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/report/html_page.h"
 #include "formats/report/surface_map.h"
 #include "formats/response/tool_outline.h"
@@ -41,7 +42,7 @@ Eigen::Vector3d row(const Points& points, std::int32_t i) {
 
 // Text of a file may be no UTF-8; then its odd bytes are replaced, not thrown at.
 std::string dumped(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(json);
 }
 
 std::string_view origin_name(std::uint8_t origin) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -185,7 +186,7 @@ ViewRequest decode_view_message(std::string_view text_in) {
     throw InputError(fmt::format("message has {} bytes, at most {} are allowed",
                                  text_in.size(), kViewMessageBytes));
   }
-  const Json message = Json::parse(text_in, nullptr, false);
+  const Json message = parse_json(text_in);
   if (!message.is_object()) {
     throw InputError("message is not a JSON object");
   }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "formats/base/json_text.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -57,8 +58,7 @@ PageVisit visit_page(const std::string& page, const std::string& script) {
   const std::size_t at = dom.rfind(begin);
   if (at != std::string::npos) {
     const std::size_t from = at + begin.size();
-    result.seen = nlohmann::json::parse(
-        dom.substr(from, dom.find("</pre>", from) - from), nullptr, false);
+    result.seen = parse_json(dom.substr(from, dom.find("</pre>", from) - from));
   }
   std::istringstream log(bytes_of(folder / "log"));
   for (std::string line; std::getline(log, line);) {

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/support/test_data.h"
 
@@ -45,7 +46,7 @@ inline nlohmann::json seen_on_page(const ResponseDatabase& database,
     text.append(piece.data(), n);
   }
   EXPECT_EQ(::pclose(pipe), 0) << command;
-  return nlohmann::json::parse(text, nullptr, false);
+  return parse_json(text);
 }
 
 inline double norm(const nlohmann::json& v) {

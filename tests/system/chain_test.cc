@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
@@ -86,7 +87,7 @@ ToolRun Chain::build_;
 
 TEST_F(Chain, BuildReportsWhatItSolved) {
   ASSERT_EQ(build_.exit_code, 0) << build_.err;
-  const Json report = Json::parse(build_.out);
+  const Json report = parse_json(build_.out);
   EXPECT_EQ(report.at("nodes"), 9);
   EXPECT_EQ(report.at("solved"), 5);  // four corners and the middle of the top
   EXPECT_EQ(report.at("failed"), 0);
@@ -108,7 +109,7 @@ TEST_F(Chain, IndentAgreesWithWhatBuildStored) {
   const ToolRun run = run_tool_process(
       "palpate-precompute", {"indent", scene(), "--at", "0.02,0.02,0.04", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json report = Json::parse(run.out);
+  const Json report = parse_json(run.out);
   EXPECT_EQ(report.at("vertex"), 8);
   EXPECT_NEAR(report.at("inward_normal").at(2).get<double>(), -1.0, 1e-12);
   const ResponseDatabase stored = read_database(database());
@@ -130,7 +131,7 @@ TEST_F(Chain, IndentAgreesWithWhatBuildStored) {
 TEST_F(Chain, InfoAndCheckReadTheDatabase) {
   const ToolRun info = run_tool_process("palpate-db", {"info", database(), "--json"});
   ASSERT_EQ(info.exit_code, 0) << info.err;
-  const Json report = Json::parse(info.out);
+  const Json report = parse_json(info.out);
   EXPECT_EQ(report.at("format_version"), 2);
   EXPECT_EQ(report.at("nodes"), 9);
   EXPECT_EQ(report.at("triangles"), 14);
@@ -147,7 +148,7 @@ TEST_F(Chain, EveryLocalModelRendersTheDatabase) {
         "palpate-run", {"simulate", database(), "--model", model, "--seconds", "2",
                         "--clock", "simulated", "--json"});
     ASSERT_EQ(run.exit_code, 0) << model << ": " << run.err;
-    EXPECT_TRUE(Json::parse(run.out).is_object()) << model;
+    EXPECT_TRUE(parse_json(run.out).is_object()) << model;
   }
 }
 
@@ -218,7 +219,7 @@ TEST(RealOrgan, BuildsAndItsDatabaseHolds) {
       "palpate-precompute",
       {"build", (folder / "liver.toml").string(), "-o", database, "--json"});
   ASSERT_EQ(build.exit_code, 0) << build.err;
-  const Json report = Json::parse(build.out);
+  const Json report = parse_json(build.out);
   EXPECT_EQ(report.at("nodes"), 1170);
   EXPECT_GT(report.at("tets"), 1000) << "of the mesh that all nodes share";
   EXPECT_EQ(report.at("failed"), 0);

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
@@ -109,7 +110,7 @@ TEST_F(CutOutBuild, SaysWhatItLeftOut) {
                           "coarse body with edges of 0.013 m"),
             std::string::npos)
       << left_out;
-  const auto report = nlohmann::json::parse(parts_.out);
+  const auto report = parse_json(parts_.out);
   EXPECT_EQ(report.at("checked").size(), 1u);
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <poll.h>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "runtime/device/socket_device.h"
 #include "tests/support/quiet_exit.h"
@@ -58,7 +59,7 @@ class DeviceTool : public testing::Test {
       EXPECT_EQ(::pclose(pipe), 0);
     }
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    const auto report = nlohmann::json::parse(run.out, nullptr, false);
+    const auto report = parse_json(run.out);
     EXPECT_TRUE(report.is_object() && report.value("contact_ticks", 0) > 100)
         << run.out;
     EXPECT_TRUE(report.value("device_turns", false));
@@ -89,7 +90,7 @@ TEST_F(DeviceTool, RendersOnTheEmulatedInverseService) {
   const ToolRun run = render("emulated-inverse");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.err.find("force gate with gain 0.3"), std::string::npos) << run.err;
-  const auto report = nlohmann::json::parse(run.out, nullptr, false);
+  const auto report = parse_json(run.out);
   EXPECT_GT(report.value("contact_ticks", 0), 100) << run.out;
 }
 
@@ -107,7 +108,7 @@ TEST_F(DeviceTool, WritesWhatAProbeFindsAndRendersByIt) {
             std::string::npos)
       << run.err;
   const ToolRun printed = run_tool_process("palpate-run", {"probe", file, "--json"});
-  const auto found = nlohmann::json::parse(printed.out, nullptr, false);
+  const auto found = parse_json(printed.out);
   EXPECT_NEAR(found.value("/axes/0/mass_kg"_json_pointer, 0.0), 0.12, 0.012);
   EXPECT_EQ(found.value("device", ""), "emulated-inverse3");
   const ToolRun told = run_tool_process("palpate-run", {"probe", file});
@@ -118,8 +119,7 @@ TEST_F(DeviceTool, WritesWhatAProbeFindsAndRendersByIt) {
   const auto bound = [&](const std::vector<std::string>& more) {
     const ToolRun rendered = render("emulated-inverse3", more);
     EXPECT_EQ(rendered.exit_code, 0) << rendered.err;
-    return nlohmann::json::parse(rendered.out, nullptr, false)
-        .value("delay_bound_n_per_m", 0.0);
+    return parse_json(rendered.out).value("delay_bound_n_per_m", 0.0);
   };
   const double damping =
       found.value("/axes/0/damping_n_s_per_m"_json_pointer, 0.0) -

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
 
@@ -124,7 +125,7 @@ void expect_sound(const Response& r) {
 Response respond(const Press& press) {
   const ToolRun result = run(press);
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  const Json report = result.exit_code == 0 ? Json::parse(result.out) : Json();
+  const Json report = result.exit_code == 0 ? parse_json(result.out) : Json();
   if (report.empty()) {
     return {{0.0}, {NAN}, {NAN}, false, result.err};
   }

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "formats/measurement/response_sweep.h"
 #include "tests/support/run_tool.h"
@@ -83,7 +84,7 @@ TEST_F(FitSession, BecomesADatabaseOfTheWholeBody) {
   const ToolRun result = run_tool_process(
       "palpate-fit", {"surface", folder_ / "session.toml", "-o", out, "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
+  const auto json = parse_json(result.out);
   EXPECT_EQ(json.at("probes"), kRuns - 2);
   ASSERT_EQ(json.at("left_out").size(), 2U);  // unreadable, and six times too stiff
   EXPECT_EQ(json.at("left_out")[0].at("run"), "run3.csv");
@@ -141,7 +142,7 @@ TEST_F(FitSession, FindsTheMaterialInASweep) {
       "palpate-fit",
       {"material", folder_ / "sweep.csv", folder_ / "one.toml", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto modulus = nlohmann::json::parse(result.out).at("parameters").at(0);
+  const auto modulus = parse_json(result.out).at("parameters").at(0);
   EXPECT_TRUE(modulus.at("identifiable").get<bool>());
   EXPECT_NEAR(modulus.at("value").get<double>(), 3e4, 300.0);
 }

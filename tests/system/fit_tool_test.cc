@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/synthetic_curve.h"
@@ -56,7 +57,7 @@ TEST_F(FitTool, ReportsEveryKeyForPrograms) {
       run(columns({"--json", "--tool", "sphere", "--radius-m", "0.03"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
-  const auto json = nlohmann::json::parse(result.out);
+  const auto json = parse_json(result.out);
   EXPECT_EQ(json.at("family"), "power_law");
   EXPECT_EQ(json.at("parameters").size(), 5U);
   EXPECT_NEAR(json.at("contact_point_m"), 2e-3, 1e-4);
@@ -72,8 +73,8 @@ TEST_F(FitTool, TakesAFileByItsHeaderAndSaysWhatItTook) {
   EXPECT_NE(alone.out.find("depth \"Travel (mm)\", force \"Load (N)\""),
             std::string::npos)
       << alone.out;
-  const auto by_header = nlohmann::json::parse(run({"--json"}).out);
-  const auto told = nlohmann::json::parse(run(columns({"--json"})).out);
+  const auto by_header = parse_json(run({"--json"}).out);
+  const auto told = parse_json(run(columns({"--json"})).out);
   EXPECT_EQ(by_header.at("contact_point_m"), told.at("contact_point_m"));
 }
 
@@ -96,7 +97,7 @@ TEST_F(FitTool, AsksWhichOfSeveralPressesIsMeant) {
   const auto stiffness = [&](const char* press) {
     const ToolRun result = run({"--press", press, "--json"}, "two.csv");
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    return nlohmann::json::parse(result.out).at("mean_stiffness_n_per_m").get<double>();
+    return parse_json(result.out).at("mean_stiffness_n_per_m").get<double>();
   };
   EXPECT_NEAR(stiffness("2"), 2.0 * stiffness("1"), 0.02 * stiffness("1"));
   EXPECT_EQ(run({"--press", "3"}, "two.csv").exit_code, 2);
@@ -135,13 +136,13 @@ TEST_F(FitTool, TakesTheTipOfTheFileAndSaysSo) {
   file.close();
   const ToolRun alone = run({"--json"}, "tip.txt");
   ASSERT_EQ(alone.exit_code, 0) << alone.err;
-  const auto json = nlohmann::json::parse(alone.out);
+  const auto json = parse_json(alone.out);
   EXPECT_NE(json.at("tip").get<std::string>().find("as the file states"),
             std::string::npos);
   const auto modulus = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all = {"--json", "--tool", "sphere"};
     all.insert(all.end(), more.begin(), more.end());
-    return nlohmann::json::parse(run(all, "tip.txt").out).at("youngs_modulus_pa");
+    return parse_json(run(all, "tip.txt").out).at("youngs_modulus_pa");
   };
   EXPECT_EQ(json.at("youngs_modulus_pa"), modulus({}));
   EXPECT_EQ(json.at("youngs_modulus_pa"), modulus({"--radius-m", "0.03"}));
@@ -149,7 +150,7 @@ TEST_F(FitTool, TakesTheTipOfTheFileAndSaysSo) {
 }
 
 TEST_F(FitTool, ClaimsNoModulusWithoutATool) {
-  const auto json = nlohmann::json::parse(run(columns({"--json"})).out);
+  const auto json = parse_json(run(columns({"--json"})).out);
   EXPECT_TRUE(json.at("youngs_modulus_pa").is_null());
   EXPECT_NE(json.at("youngs_modulus_refused"), "");
 }
@@ -162,7 +163,7 @@ TEST_F(FitTool, TakesTheSphereThePunchTheConeAndThePlate) {
     tool.insert(tool.begin(), "--json");
     const ToolRun result = run(columns(tool), "own.csv");
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const auto json = nlohmann::json::parse(result.out);
+    const auto json = parse_json(result.out);
     EXPECT_EQ(json.at("youngs_modulus_refused"), "");
     return json.at("youngs_modulus_pa").get<double>();
   };

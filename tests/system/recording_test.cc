@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/sample_bodies.h"
@@ -77,7 +78,7 @@ TEST_F(RecordedRun, IsReproducedBitForBit) {
   const ToolRun run = replay();
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.out.find("reproduced: 4000 ticks bit for bit\n"), 0U) << run.out;
-  const Json report = Json::parse(replay({"--json"}).out);
+  const Json report = parse_json(replay({"--json"}).out);
   EXPECT_EQ(report.at("reproduced"), true);
   EXPECT_EQ(report.at("identical_ticks"), 4000);
   EXPECT_EQ(report.at("force_difference_n"), 0.0);
@@ -100,7 +101,7 @@ TEST_F(RecordedRun, IsRenderedWithAnotherModelAndOnAnotherDatabaseOnRequest) {
   record();
   const ToolRun model = replay({"--model", "energy-tank", "--json"});
   EXPECT_EQ(model.exit_code, 0) << model.err;
-  EXPECT_EQ(Json::parse(model.out).at("model"), "energy-tank");
+  EXPECT_EQ(parse_json(model.out).at("model"), "energy-tank");
   const ToolRun refused = replay({}, other());
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("is not the database of the recording, body.h5"),
@@ -108,7 +109,7 @@ TEST_F(RecordedRun, IsRenderedWithAnotherModelAndOnAnotherDatabaseOnRequest) {
       << refused.err;
   const ToolRun allowed = replay({"--other-database", "--json"}, other());
   EXPECT_EQ(allowed.exit_code, 0) << allowed.err;
-  EXPECT_GT(Json::parse(allowed.out).at("force_rms_n"), 0.0);
+  EXPECT_GT(parse_json(allowed.out).at("force_rms_n"), 0.0);
   EXPECT_EQ(replay({"--model", "magic"}).exit_code, 2);
 }
 

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/input_file.h"
+#include "formats/base/json_text.h"
 #include "tests/support/comes_true.h"
 #include "tests/support/organ_scene.h"
 #include "tests/support/run_tool.h"
@@ -68,7 +69,7 @@ TEST_F(SceneWhileComputed, WhatWasComputedBeforeIsFeltAtOnce) {
       "palpate-run",
       simulate({"--seconds", "3", "--quality-csv", (folder_ / "q.csv").string()}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parse_json(run.out);
   const auto& service = json["service"];
   EXPECT_EQ(service["state"], "done") << service;
   EXPECT_EQ(service["detail"], (folder_ / "out.h5").string());
@@ -116,7 +117,7 @@ TEST_F(SceneWhileComputed, GoesOnWhenItsServerIsKilled) {
       });
   ASSERT_TRUE(killed);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parse_json(run.out);
   EXPECT_EQ(json["service"]["state"], "lost") << json["service"];
   EXPECT_EQ(json["fault"], "none");
   EXPECT_GT(json["ticks"], 3000);

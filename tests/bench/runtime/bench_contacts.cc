@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/base/quantile.h"
 #include "runtime/slow/coupled_storage.h"
 #include "tests/bench/runtime/contact_walk.h"
@@ -163,7 +164,7 @@ std::string to_json(const std::vector<ContactsBenchRow>& rows) {
                     {"scaled", row.scaled},
                     {"allocations", row.allocations}});
   }
-  return nlohmann::json{{"rows", json}}.dump(2);
+  return json_text(nlohmann::json{{"rows", json}}, 2);
 }
 
 }  // namespace palpate

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
+
 namespace palpate {
 namespace {
 
@@ -41,7 +43,7 @@ TEST(ContactsBench, CouplingTakesForceAndGivesNoEnergy) {
 }
 
 TEST(ContactsBench, ReportHasItsKeys) {
-  const auto json = nlohmann::json::parse(to_json(contacts_rows()));
+  const auto json = parse_json(to_json(contacts_rows()));
   ASSERT_EQ(json["rows"].size(), 20U);
   for (const char* key : {"contacts", "coupled", "median_us", "p999_us", "factorings",
                           "lowest_work_j", "allocations"}) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/attach/device_choice.h"
 #include "runtime/attach/driven_devices.h"
 #include "runtime/bench/cylinder_body.h"
@@ -201,7 +202,7 @@ std::string to_json(const DeviceBenchReport& r) {
       {"work_max_j", r.energy.given_max_j},
       {"work_bound_j", r.energy.bound_end_j},
       {"absorbed_j", r.absorbed_j}};
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/bench/runtime/field_walk.h"
 
@@ -154,7 +155,7 @@ std::string to_json(const PotentialBenchReport& report) {
                    {"count", report.angle.count},
                    {"median_deg", report.angle.median_deg},
                    {"p95_deg", report.angle.p95_deg}};
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace palpate

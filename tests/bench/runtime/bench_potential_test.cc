@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
+
 namespace palpate {
 namespace {
 
@@ -42,7 +44,7 @@ TEST(PotentialBench, TheElementModelPaysForItsDirections) {
 }
 
 TEST(PotentialBench, ReportHasItsKeys) {
-  const auto json = nlohmann::json::parse(to_json(potential_report()));
+  const auto json = parse_json(to_json(potential_report()));
   ASSERT_EQ(json["rows"].size(), 4U);
   for (const char* key : {"body", "contrast", "friction", "model", "interventions",
                           "energy_created_j", "normal_error_max"}) {

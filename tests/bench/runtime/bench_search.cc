@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "formats/mesh/surface_search.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/step_histogram.h"
@@ -158,7 +159,7 @@ std::string to_json(const std::vector<SearchBenchRow>& rows) {
                             {"press_median_ns", row.press_median_ns},
                             {"press_p999_ns", row.press_p999_ns}});
   }
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -20,7 +21,7 @@ TEST(SearchBench, MeasuresEverySizeThatWasAskedFor) {
     EXPECT_GE(row.press_p999_ns, row.press_median_ns);
   }
   EXPECT_GT(rows[1].first_median_ns, 0.0);
-  EXPECT_EQ(nlohmann::json::parse(to_json(rows)).at("rows").size(), 2U);
+  EXPECT_EQ(parse_json(to_json(rows)).at("rows").size(), 2U);
 }
 
 TEST(SearchBench, RefusesSurfacesThatAreNone) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/fast/fast_step.h"
 #include "runtime/realtime/step_histogram.h"
 #include "runtime/slow/memory_elements.h"
@@ -301,7 +302,7 @@ std::string to_json(const std::vector<SlideBenchRow>& rows) {
                             {"interventions", r.interventions},
                             {"not_finite", r.not_finite}});
   }
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -58,7 +59,7 @@ TEST(SlideBench, RefusesWhatItCannotMake) {
 }
 
 TEST(SlideBench, ReportHasItsKeys) {
-  const auto json = nlohmann::json::parse(to_json(std::vector<SlideBenchRow>(1)));
+  const auto json = parse_json(to_json(std::vector<SlideBenchRow>(1)));
   for (const char* key : {"triangles", "p50_ns", "p999_ns", "created_j", "felt_j",
                           "rms_relative_error"}) {
     EXPECT_TRUE(json["rows"][0].contains(key)) << key;

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/deadlines.h"
 #include "runtime/slow/file_elements.h"
@@ -271,14 +272,14 @@ std::string to_json(const StreamBenchReport& report) {
                     {"update_max_ms", row.update_max_ms},
                     {"budget_used_bytes", row.budget_used_bytes}});
   }
-  return nlohmann::json{{"database", report.database.string()},
-                        {"nodes", report.nodes},
-                        {"file_bytes", report.file_bytes},
-                        {"speed_m_per_s", report.speed_m_per_s},
-                        {"budget_bytes", report.budget_bytes},
-                        {"resident_bytes", report.resident_bytes},
-                        {"rows", rows}}
-      .dump(2);
+  return json_text(nlohmann::json{{"database", report.database.string()},
+                                  {"nodes", report.nodes},
+                                  {"file_bytes", report.file_bytes},
+                                  {"speed_m_per_s", report.speed_m_per_s},
+                                  {"budget_bytes", report.budget_bytes},
+                                  {"resident_bytes", report.resident_bytes},
+                                  {"rows", rows}},
+                   2);
 }
 
 }  // namespace palpate

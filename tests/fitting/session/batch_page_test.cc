@@ -1,6 +1,7 @@
 // The page of a batch, in a browser.
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "tests/support/batch_folder.h"
 #include "tests/support/page_visit.h"
 
@@ -29,8 +30,7 @@ TEST_F(BatchPage, ThePageShowsWhereOnTheBodyItWasMeasured) {
   const std::size_t begin = page.find(head);
   ASSERT_NE(begin, std::string::npos);
   const std::size_t from = begin + head.size();
-  const auto info =
-      nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+  const auto info = parse_json(page.substr(from, page.find("</script>", from) - from));
   ASSERT_EQ(info["points"].size(), 2U);
   const auto& two = info["points"][0];
   EXPECT_NEAR(two["position_m"][2].get<double>(), 0.0, 1e-12);  // on the sheet

@@ -12,6 +12,7 @@
 #include "fitting/session/mean_curves.h"
 #include "fitting/session/session_probes.h"
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "tests/support/synthetic_curve.h"
 #include "tests/support/test_data.h"
 
@@ -239,7 +240,7 @@ TEST_F(SessionMachineTest, MeansTellWhatScattersWhere) {
   EXPECT_EQ(means[2].name, "point p of specimen S");
   EXPECT_NEAR(means[2].force_n.back().repeat_sd / unit, 0.01 / std::sqrt(2.0), 1e-3);
 
-  const auto json = nlohmann::json::parse(batch_json(Session{}, report));
+  const auto json = parse_json(batch_json(Session{}, report));
   EXPECT_EQ(json["mean_curves"].size(), 7U);
   EXPECT_EQ(json["machine"]["frame"]["stiffness_n_per_m"], 800.0);
   const std::string table = mean_curves_csv(report);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/small_database.h"
@@ -23,7 +24,7 @@ class DatabaseTool : public testing::Test {
 TEST_F(DatabaseTool, InfoSaysWhatIsInside) {
   const ToolRun run = run_tool_process("palpate-db", {"info", file_, "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json report = Json::parse(run.out);
+  const Json report = parse_json(run.out);
   EXPECT_EQ(report.at("format_version"), 2);
   EXPECT_EQ(report.at("nodes"), 6);
   EXPECT_EQ(report.at("triangles"), 8);
@@ -42,7 +43,7 @@ TEST_F(DatabaseTool, CheckPassesAGoodFileAndNamesWhatIsWrongWithAnother) {
   std::filesystem::resize_file(file_, 3000);
   const ToolRun cut = run_tool_process("palpate-db", {"check", file_, "--json"});
   EXPECT_EQ(cut.exit_code, 3);
-  EXPECT_FALSE(Json::parse(cut.out).at("ok").get<bool>());
+  EXPECT_FALSE(parse_json(cut.out).at("ok").get<bool>());
   EXPECT_NE(cut.err.find("is truncated or damaged (3000 bytes)"), std::string::npos)
       << cut.err;
   EXPECT_EQ(std::count(cut.err.begin(), cut.err.end(), '\n'), 1);
@@ -74,11 +75,11 @@ TEST_F(DatabaseTool, SliceMergeAndDiffComeBackToTheSameForces) {
   EXPECT_EQ(run({"merge", tip, ball, "-o", both}).exit_code, 0);
   const ToolRun same = run({"diff", file_, both, "--json"});
   EXPECT_EQ(same.exit_code, 0) << same.err;
-  EXPECT_TRUE(Json::parse(same.out).at("agree").get<bool>());
+  EXPECT_TRUE(parse_json(same.out).at("agree").get<bool>());
   EXPECT_EQ(run({"slice", file_, "-o", both, "--precision", "int16"}).exit_code, 0);
   const ToolRun rounded = run({"diff", file_, both, "--json"});
   EXPECT_EQ(rounded.exit_code, 6);
-  EXPECT_EQ(Json::parse(rounded.out).at("tools").at(0).at("worst").size(), 5u);
+  EXPECT_EQ(parse_json(rounded.out).at("tools").at(0).at("worst").size(), 5u);
   EXPECT_EQ(std::count(rounded.err.begin(), rounded.err.end(), '\n'), 1);
   EXPECT_EQ(run({"merge", tip, tip, "-o", both}).exit_code, 2);
 }
@@ -100,7 +101,7 @@ TEST_F(DatabaseTool, BenchPrecisionListsEveryWayOfStoring) {
   const ToolRun run =
       run_tool_process("palpate-db", {"bench", "precision", file_, "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(Json::parse(run.out).at("rows").size(), 6u);
+  EXPECT_EQ(parse_json(run.out).at("rows").size(), 6u);
 }
 
 TEST_F(DatabaseTool, AMissingFileAndAFolderAreTheUsersErrors) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/small_database.h"
@@ -83,7 +84,7 @@ TEST(OpensElsewhere, VtkShowsTheBodyAndItsResponses) {
       output_of(std::filesystem::absolute("tests/formats/database/open_with_vtk.py"),
                 folder.path(), "a.h5");
   ASSERT_FALSE(printed.empty());
-  const nlohmann::json report = nlohmann::json::parse(printed);
+  const nlohmann::json report = parse_json(printed);
   EXPECT_EQ(report.at("class"), "vtkUnstructuredGrid");
   ASSERT_EQ(report.at("points").size(), 6u);
   ASSERT_EQ(report.at("triangles").size(), 8u);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "tests/support/small_database.h"
 
 namespace palpate {
@@ -37,7 +38,7 @@ TEST(DatabaseExport, CsvNumbersReadBackAsTheyWere) {
 TEST(DatabaseExport, JsonHoldsEveryResponseOrNull) {
   const ResponseDatabase database = small_database();
   const ResponseTable& table = database.tools[1];
-  const auto report = nlohmann::json::parse(to_json_text(database, table));
+  const auto report = parse_json(to_json_text(database, table));
   EXPECT_EQ(report.at("tool").at("name"), "ball");
   EXPECT_EQ(report.at("position_m").size(), 6u);
   EXPECT_EQ(report.at("triangle").size(), 8u);
@@ -75,7 +76,7 @@ TEST(DatabaseExport, EveryFormatSaysHowResponsesRelax) {
   for (const char* name : {"relaxing_g_1", "relaxing_g_2", "relaxation_time_s"}) {
     EXPECT_NE(vtu.find(fmt::format("Name=\"{}\"", name)), std::string::npos) << name;
   }
-  const auto report = nlohmann::json::parse(to_json_text(database, table));
+  const auto report = parse_json(to_json_text(database, table));
   const auto& relaxation = report.at("viscoelasticity");
   EXPECT_EQ(relaxation.at("curve"), "press");
   EXPECT_EQ(relaxation.at("tau_s"), (std::vector<double>{0.5, 4.0}));

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/report/display_mesh.h"
 #include "tests/support/page_visit.h"
 #include "tests/support/quiet_exit.h"
@@ -152,7 +153,7 @@ TEST(ReportPage, IsWrittenByTheTool) {
   const ToolRun run = run_tool_process(
       "palpate-db", {"report", folder / "a.h5", "-o", folder / "a.html", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(nlohmann::json::parse(run.out).at("bytes"),
+  EXPECT_EQ(parse_json(run.out).at("bytes"),
             std::filesystem::file_size(folder / "a.html"));
   EXPECT_EQ(run_tool_process("palpate-db",
                              {"report", folder / "a.h5", "-o", folder / "no/a.html"})

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -62,7 +63,7 @@ TEST(Fidelity, HoldsDoGiveEnergyAway) {
 }
 
 TEST(Fidelity, ReportHasItsKeys) {
-  const auto json = nlohmann::json::parse(to_json(fidelity_rows()));
+  const auto json = parse_json(to_json(fidelity_rows()));
   ASSERT_EQ(json["rows"].size(), 48U);
   for (const char* key : {"exponent", "frequency_hz", "model", "rms_relative_error",
                           "net_energy_j", "stored_energy_j"}) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 
 namespace palpate {
 namespace {
@@ -66,7 +67,7 @@ TEST(Trade, ReportHasItsKeysAndAPicture) {
   row.fast_hz = 2000;
   row.slow_hz = 100;
   row.stable_stiffness_n_per_m = 170.0;
-  const auto json = nlohmann::json::parse(to_json({row}));
+  const auto json = parse_json(to_json({row}));
   for (const char* key :
        {"device", "wall", "model", "fast_hz", "slow_hz", "stable_stiffness_n_per_m",
         "rms_relative_error", "net_energy_j", "cpu_s_per_s"}) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/bench/paper_wall.h"
 
 namespace palpate {
@@ -125,7 +126,7 @@ TEST(Table1, PassiveColumnsReachWhatTheFastRateAllows) {
 }
 
 TEST(Table1, ReportNamesItsColumnsAndPrintsThePaper) {
-  const auto json = nlohmann::json::parse(to_json(table1_report()));
+  const auto json = parse_json(to_json(table1_report()));
   EXPECT_EQ(json["rates_hz"].size(), 9U);
   for (const char* name : {"single", "first-order-hold", "equal-energy", "energy-tank",
                            "element", "potential"}) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "tests/support/sample_bodies.h"
 
 namespace palpate {
@@ -54,7 +55,7 @@ TEST(WalkBench, RefusesSharesThatAreNone) {
 }
 
 TEST(WalkBench, ReportHasItsKeys) {
-  const auto json = nlohmann::json::parse(to_json(WalkBenchReport{}));
+  const auto json = parse_json(to_json(WalkBenchReport{}));
   for (const char* key :
        {"ticks", "created_j", "drift_j", "force_max_n", "not_finite"}) {
     EXPECT_TRUE(json.contains(key)) << key;

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/view_session.h"
 #include "runtime/view/watch_view.h"
@@ -32,12 +33,10 @@ const std::atomic<bool> kNever = false;
 
 class NewsOutbox : public ViewOutbox {
  public:
-  void send(ViewClient, std::string text) override {
-    sent.push_back(Json::parse(text));
-  }
+  void send(ViewClient, std::string text) override { sent.push_back(parse_json(text)); }
   void send_latest(ViewClient,
                    const std::shared_ptr<const std::string>& text) override {
-    frame = Json::parse(*text);
+    frame = parse_json(*text);
   }
   std::vector<Json> sent;
   Json frame;
@@ -81,7 +80,7 @@ class ServedPage : public testing::Test {
         {"type", "point"}, {"hold", true}, {"target_m", {0.001, 0.002, height_m}}};
     for (int k = 0; k < count; ++k) {
       wall_.sleep_until_ns(wall_.now_ns() + 50'000'000);
-      live_.received(1, point.dump());
+      live_.received(1, json_text(point));
       live_.frame();
     }
   }

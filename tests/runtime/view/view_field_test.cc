@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/base/json_text.h"
 #include "tests/support/base64_text.h"
 
 namespace palpate {
@@ -31,7 +32,7 @@ ResponseTable table() {
 
 TEST(ViewField, IsTheStoredDisplacementToHalfAStep) {
   const ResponseTable t = table();
-  const nlohmann::json field = nlohmann::json::parse(field_text(t, 2));
+  const nlohmann::json field = parse_json(field_text(t, 2));
   EXPECT_EQ(field["type"], "field");
   EXPECT_EQ(field["depth_m"], 0.005);  // the deeper of two
   EXPECT_EQ(field["error_relative"], 0.02);
@@ -51,14 +52,14 @@ TEST(ViewField, IsTheStoredDisplacementToHalfAStep) {
 }
 
 TEST(ViewField, OfASurfaceThatStandsStillIsZero) {
-  const nlohmann::json field = nlohmann::json::parse(field_text(table(), 1));
+  const nlohmann::json field = parse_json(field_text(table(), 1));
   EXPECT_EQ(field["scale_m"], 0.0);
   EXPECT_EQ(from_base64(field["displacement"].get<std::string>()),
             std::string(24, '\0'));
 }
 
 TEST(ViewField, HasNoDepthWhereNoneIsStored) {
-  const nlohmann::json field = nlohmann::json::parse(field_text(table(), 3));
+  const nlohmann::json field = parse_json(field_text(table(), 3));
   EXPECT_TRUE(field["depth_m"].is_null());
   EXPECT_FALSE(field.contains("displacement"));
 }
@@ -67,7 +68,7 @@ TEST(ViewField, OfSinglesThatOverflowIsFinite) {
   ResponseTable t = table();
   t.displacement.basis.setConstant(3e38F);
   t.displacement.coefficient.setConstant(3e38F);
-  const nlohmann::json field = nlohmann::json::parse(field_text(t, 2));
+  const nlohmann::json field = parse_json(field_text(t, 2));
   EXPECT_TRUE(std::isfinite(field["scale_m"].get<double>()));
 }
 

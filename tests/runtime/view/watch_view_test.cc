@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/json_text.h"
 #include "formats/response/tool_support.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/sample_bodies.h"
@@ -18,11 +19,11 @@ namespace {
 class JsonOutbox : public ViewOutbox {
  public:
   void send(ViewClient client, std::string text) override {
-    sent[client] = nlohmann::json::parse(text);
+    sent[client] = parse_json(text);
   }
   void send_latest(ViewClient client,
                    const std::shared_ptr<const std::string>& text) override {
-    frame[client] = nlohmann::json::parse(*text);
+    frame[client] = parse_json(*text);
   }
   std::map<ViewClient, nlohmann::json> sent;
   std::map<ViewClient, nlohmann::json> frame;
