@@ -100,6 +100,7 @@ void write_contact_recording(const std::filesystem::path& file,
   out.attribute("/", "format", std::string(kContactFormat));
   out.attribute("/", "format_version", kContactRecordingVersion);
   out.attribute("/", "tools", join_lines(recording.tools));
+  out.attribute("/", "model", recording.model);
   exchange(out, recording);
   out.remark("/", kDigestName, out.digest());
   atomic.write(out.image());
@@ -129,14 +130,19 @@ ContactRecording read_contact_recording(const std::filesystem::path& file) {
   }
   std::int64_t version = 0;
   in.attribute("/", "format_version", version);
-  if (version != kContactRecordingVersion) {
-    in.fail(fmt::format("format version is {}, must be {}", version,
+  if (version < 1 || version > kContactRecordingVersion) {
+    in.fail(fmt::format("format version is {}, must be 1 or {}", version,
                         kContactRecordingVersion));
   }
   ContactRecording recording;
   std::string tools;
   in.attribute("/", "tools", tools);
   recording.tools = split_lines(tools);
+  if (version == 1) {
+    recording.model = "facets";
+  } else {
+    in.attribute("/", "model", recording.model);
+  }
   exchange(in, recording);
   if (in.remark("/", kDigestName) != in.digest()) {
     in.fail("is damaged: its SHA-256 is not the one it states");

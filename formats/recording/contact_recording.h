@@ -12,13 +12,15 @@
 
 namespace palpate {
 
-constexpr std::int64_t kContactRecordingVersion = 1;  ///< readers refuse any other
+/// Readers take 1, too, and no other: without a model, which was "facets".
+constexpr std::int64_t kContactRecordingVersion = 2;
 
 struct ContactRecording {
   std::string writer = {};              ///< tool and version
   std::string database = {};            ///< name of the file, without its folder
   std::string database_sha256 = {};     ///< its content_sha256
   std::vector<std::string> tools = {};  ///< 1, or 2 for two hands
+  std::string model = {};               ///< local model
   double fast_hz = 0.0;                 ///< [Hz] of the first tick; then by time_s
   double slow_hz = 0.0;                 ///< [Hz]
   double force_scale = 1.0;             ///< [-] (0, 1]

@@ -139,14 +139,16 @@ RecordingHeader Reader::header() const {
   if (!has("format") || text("format") != recording::kFormat) {
     fail("is not a recording");
   }
-  if (const std::int64_t version = integer("format_version");
-      version != kRecordingVersion) {
-    fail(fmt::format("format version is {}, must be {}", version, kRecordingVersion));
+  const std::int64_t version = integer("format_version");
+  if (version < 1 || version > kRecordingVersion) {
+    fail(fmt::format("format version is {}, must be 1 or {}", version,
+                     kRecordingVersion));
   }
   RecordingHeader header;
   for (const recording::TextField& field : recording::kTexts) {
     header.*field.member = text(field.name);
   }
+  header.model = recorded_model(version, header.model);
   for (const recording::NumberField& field : recording::kNumbers) {
     header.*field.member = real(field.name);
     if (std::isnan(header.*field.member)) {

@@ -14,7 +14,14 @@
 
 namespace palpate {
 
-constexpr std::int64_t kRecordingVersion = 1;  ///< readers refuse any other
+constexpr std::int64_t kRecordingVersion = 2;  ///< readers take 1, too, and no other
+
+/// What a model is called now that a file of a version names. In version 1 "potential"
+/// was the field that is linear over facets.
+[[nodiscard]] inline std::string recorded_model(std::int64_t version,
+                                                const std::string& name) {
+  return version == 1 && name == "potential" ? "facets" : name;
+}
 
 /// Bits of TickRecord::flags.
 enum class TickFlag : std::uint8_t {

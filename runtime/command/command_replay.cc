@@ -66,8 +66,8 @@ std::string lacking(const Recording& recording) {
 void replay_contact_recording(const ReplayFlags& flags) {
   if (!flags.model.empty()) {
     throw InputError(
-        fmt::format("--model {}: several contacts are rendered by potential alone: "
-                    "leave it out",
+        fmt::format("--model {}: several contacts are rendered by the model of "
+                    "the recording: leave it out",
                     flags.model));
   }
   const ContactRecording recording = read_contact_recording(flags.recording);

@@ -152,14 +152,16 @@ ContactRunOptions contact_options(const SimulateFlags& flags) {
                     "both hands",
                     flags.records.size()));
   }
-  if (one.model != LocalModel::kPotential) {
-    throw InputError(fmt::format(
-        "--model {}: several contacts are rendered by the model potential alone",
-        flags.model));
+  if (!is_field(one.model)) {
+    throw InputError(
+        fmt::format("--model {}: several contacts are rendered by the "
+                    "models potential and facets alone",
+                    flags.model));
   }
   refuse_surface(flags.surface);
   check_places(flags);
   ContactRunOptions options = flags.contacts;
+  options.model = one.model;
   options.coupling = wanted_coupling(flags.coupling);
   if (options.coupling && !flags.records.empty()) {
     throw InputError(

@@ -10,7 +10,7 @@ using Index = Eigen::Index;
 
 // The place on the surface at rest.
 Vector3 foot_m(const FieldPlace& place) {
-  return place.prism.corner_m * place.frame.weight;
+  return place.prism.corner_m * place.weight;
 }
 
 // The distance between contacts of two ports, among the knots, and the
@@ -120,8 +120,8 @@ Vector3 sunk_nodes_m(const CoupledField& field, const CoupledSet& set, Index i,
   return 0.5 * rows + modes;
 }
 
-// The same by the change of distance to contacts of other ports, by n_1 and n_2 [m].
-Vector2 sunk_by_distance_m(const CoupledField& field, const CoupledSet& set,
+// The same by the change of distance to contacts of other ports.
+Vector3 sunk_by_distance_m(const CoupledField& field, const CoupledSet& set,
                            CoupledSurfaces surfaces, std::size_t i,
                            const ContactValues& force_n) {
   Vector3 pull = Vector3::Zero();  // sum_j f_j dC_ij/dr, towards i
@@ -135,7 +135,7 @@ Vector2 sunk_by_distance_m(const CoupledField& field, const CoupledSet& set,
     pull += (f * by_r) * apart(field, set, i, j).toward;
   }
   const FieldPlace& place = field.at[i].place;
-  return (place.prism.corner_m * place.frame.turn).transpose() * pull;
+  return (place.prism.corner_m * place.turn).transpose() * pull;
 }
 
 // What place i's rows say of C: halves of its column.
@@ -168,10 +168,10 @@ void couple_places(CoupledField& field, const CoupledSet& set,
   couple_by_modes(field, set);
 }
 
-Vector2 sunk_slope_m(const CoupledField& field, const CoupledSet& set,
+Vector3 sunk_slope_m(const CoupledField& field, const CoupledSet& set,
                      CoupledSurfaces surfaces, std::size_t i,
                      const ContactValues& force_n) noexcept {
-  Vector2 slope = field.at[i].place.frame.turn.transpose() *
+  Vector3 slope = field.at[i].place.turn.transpose() *
                   sunk_nodes_m(field, set, static_cast<Index>(i), force_n);
   if (set.ports > 1) {
     slope += sunk_by_distance_m(field, set, surfaces, i, force_n);

@@ -19,9 +19,9 @@ namespace palpate {
 void couple_places(CoupledField& field, const CoupledSet& set,
                    CoupledSurfaces surfaces) noexcept;
 
-/// sum_j (dC_ij/dn) f_j, C with its scale, by n_1 and n_2 [m], n_0 giving way.
+/// sum_j dC_ij f_j by the coordinates of place i [m], C with its scale.
 /// @param force_n f of all contacts.
-[[nodiscard]] Vector2 sunk_slope_m(const CoupledField& field, const CoupledSet& set,
+[[nodiscard]] Vector3 sunk_slope_m(const CoupledField& field, const CoupledSet& set,
                                    CoupledSurfaces surfaces, std::size_t i,
                                    const ContactValues& force_n) noexcept;
 

@@ -118,9 +118,9 @@ void evaluate_curves(void* of, CoupledContacts& c, bool energy) {
   }
 }
 
-// Derivatives of s_i by n_1 and n_2 [N].
-Vector2 relaxed_slope_n(const RelaxingContact& contact) {
-  Vector2 slope = Vector2::Zero();
+// Derivatives of s_i by the place's coordinates [N].
+Vector3 relaxed_slope_n(const RelaxingContact& contact) {
+  Vector3 slope = Vector3::Zero();
   for (int b = 0; b < contact.nodes.bundles; ++b) {
     slope += carried_slope_n(contact.sites,
                              contact.bundle[static_cast<std::size_t>(b)].memory);
@@ -130,7 +130,7 @@ Vector2 relaxed_slope_n(const RelaxingContact& contact) {
 
 // What the energy changes by with place i along the surface [J], but for that of its
 // own curve.
-Vector2 coupling_slope_j(const CoupledField& field, const CoupledSet& set,
+Vector3 coupling_slope_j(const CoupledField& field, const CoupledSet& set,
                          CoupledSurfaces surfaces, std::size_t i) {
   const CoupledContacts& c = field.equilibrium;
   const auto self = static_cast<Index>(i);
@@ -140,7 +140,7 @@ Vector2 coupling_slope_j(const CoupledField& field, const CoupledSet& set,
   const Real s = field.carried_n(self);
   ContactValues borne;
   borne.head(set.count) = c.force_n.head(set.count) + field.carried_n.head(set.count);
-  Vector2 slope = -borne(self) * sunk_slope_m(field, set, surfaces, i, borne);
+  Vector3 slope = -borne(self) * sunk_slope_m(field, set, surfaces, i, borne);
   if (s > 0.0) {
     slope += s * sunk_slope_m(field, set, surfaces, i, field.carried_n) -
              c.dimple_m(self) * relaxed_slope_n(field.memory[i]);
@@ -233,9 +233,9 @@ void set_places(CoupledField& field, const CoupledSet& set, CoupledSurfaces surf
   for (Index i = 0; i < set.count; ++i) {
     const auto self = static_cast<std::size_t>(i);
     const CoupledPlace& at = field.at[self];
-    c.depth_m(i) =
-        at.slot < 0 ? kNowhereM
-                    : set.sphere[self].radius_m - at.place.at.height_m - field.shift_m;
+    c.depth_m(i) = at.slot < 0
+                       ? kNowhereM
+                       : set.sphere[self].radius_m - at.place.height_m - field.shift_m;
   }
   couple_places(field, set, surfaces);
   read_memories(field, set, surfaces, keep);
@@ -254,7 +254,7 @@ bool settle_contacts(CoupledField& field, const CoupledSet& set,
     const auto self = static_cast<std::size_t>(i);
     if (field.at[self].slot >= 0) {
       field.equilibrium.depth_m(i) =
-          set.sphere[self].radius_m - field.at[self].place.at.height_m - field.shift_m;
+          set.sphere[self].radius_m - field.at[self].place.height_m - field.shift_m;
     }
   }
   Curves curves{&field, surfaces};
@@ -273,7 +273,7 @@ ContactReading read_contact(CoupledField& field, const CoupledSet& set,
   const Real y = c.delta_m(i);
   const Real d = c.depth_m(i) + field.shift_m;
   const Real f = c.force_n(i);
-  Vector2 slope = Vector2::Zero();  // dU by n_1 and n_2 [J]
+  Vector3 slope = Vector3::Zero();  // dU by the place, d_i held [J]
   for (std::size_t a = 0; a < 3; ++a) {
     const auto row = static_cast<Index>(a);
     const Real weight = weight_of(at.place, a);
@@ -285,24 +285,24 @@ ContactReading read_contact(CoupledField& field, const CoupledSet& set,
     reading.loaded = reading.loaded || (node.past_m > 0.0 && weight > 0.0);
     reading.extrapolated =
         reading.extrapolated || (node.sample.extrapolated && weight > 0.0);
-    slope += at.place.frame.turn.row(row).transpose() * node.sample.energy_j;
+    slope += at.place.turn.row(row).transpose() * node.sample.energy_j;
   }
   RelaxingContact* remembered = has_memory(field, self) ? &field.memory[self] : nullptr;
   if (remembered != nullptr) {
     reading.loaded = is_touched(*remembered);
     slope = reading.loaded ? surface_slope_j(*remembered, surfaces[i].cache)
-                           : Vector2::Zero();
+                           : Vector3::Zero();
   }
   const bool over_dent = remembered != nullptr && field.carried_n(i) > 0.0;
   if (!reading.loaded && !over_dent) {
     return reading;
   }
   if (at.place.folded) {
-    reading.force_n = f * at.place.frame.normal;
+    reading.force_n = f * at.place.normal;
     return reading;
   }
   slope += coupling_slope_j(field, set, surfaces, self);
-  reading.force_n = -gradient(at.place.frame, slope(0), slope(1), -f);
+  reading.force_n = -gradient(at.place, slope, -f);
   return reading;
 }
 
@@ -312,8 +312,8 @@ Real unloading_shift_m(const CoupledField& field, const CoupledSet& set) noexcep
     const CoupledPlace& at = field.at[i];
     for (std::size_t a = 0; a < 3 && at.slot >= 0; ++a) {
       if (at.lean[a] > 0.0) {
-        most = std::max(most,
-                        set.sphere[i].radius_m - at.place.at.height_m - at.touch_m[a]);
+        most =
+            std::max(most, set.sphere[i].radius_m - at.place.height_m - at.touch_m[a]);
       }
     }
   }

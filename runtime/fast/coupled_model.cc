@@ -38,6 +38,7 @@ struct Tangent {
   Real height_m;
   Vector3 weight;
   Vector3 normal;
+  Vector3 rise;
 };
 
 // What was rendered at x_k, continued in its tangent plane.
@@ -48,10 +49,11 @@ void continue_in(const Tangent& tangent, const CoupledSurface& surface,
       make_prism(surface.cache.element[static_cast<std::size_t>(tangent.slot)]);
   place.folded = true;
   place.outside = false;
-  place.at.height_m = tangent.height_m + tangent.normal.dot(moved);
-  place.frame.weight = tangent.weight;
-  place.frame.normal = tangent.normal;
-  place.frame.turn.setZero();
+  place.height_m = tangent.height_m + tangent.rise.dot(moved);
+  place.weight = tangent.weight;
+  place.normal = tangent.normal;
+  place.rise = tangent.rise;
+  place.turn.setZero();
 }
 
 // Moves contact i to x, and its spring. Where its place is not sound, scratch gets the
@@ -67,8 +69,8 @@ void move_contact(const CoupledTick& t, int i, const Vector3& x, Moved& move) {
   if (place.slot < 0) {
     return;
   }
-  const Tangent before{place.slot, place.at.height_m, place.frame.weight,
-                       place.frame.normal};
+  const Tangent before{place.slot, place.height_m, place.weight, place.normal,
+                       place.rise};
   contact.spring.follow(move.moved_m, before.normal);
   const bool sound = !place.folded && !place.outside && !place.prism.flat;
   FieldPlace& on = t.scratch.at[static_cast<std::size_t>(i)].place;
@@ -171,7 +173,7 @@ bool change_contact_element(const CoupledTick& t, int i) {
       cache.stored_at[static_cast<std::size_t>(active)] > contact.received_inside;
   if (another && (here < 0 || !contact.reading.touching || lost)) {
     contact.spring = {};
-    adopt(place, cache, active, contact.centre_m);
+    adopt(place, cache, active, contact.centre_m, t.set.field);
     contact.received_inside = cache.received;
     return true;
   }

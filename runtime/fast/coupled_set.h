@@ -21,6 +21,7 @@
 
 #include "formats/response/compliance_row.h"
 #include "runtime/fast/coupled_contacts.h"
+#include "runtime/fast/local_model.h"
 #include "runtime/fast/real.h"
 
 namespace palpate {
@@ -62,6 +63,7 @@ struct ContactRow {
 struct CoupledSet {
   int count = 0;  ///< [1, kContactsMax]
   int ports = 1;  ///< [1, kPortsMax]
+  FieldKind field = FieldKind::kSmooth;
   std::array<ContactSphere, kContactsMax> sphere;
   ComplianceKnots knots;  ///< without: contacts do not couple
   int modes = 0;          ///< [0, kMostModes]

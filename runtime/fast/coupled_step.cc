@@ -97,13 +97,14 @@ const char* check(const CoupledSet& set, const FastConfig& config) noexcept {
   if (set.count < 1 || set.count > kContactsMax) {
     return "a tool has 1 to 64 contacts";
   }
-  if (!is_alone(set) && config.model != LocalModel::kPotential) {
-    return "several contacts are rendered by the model \"potential\" alone";
+  if (!is_alone(set) && !is_field(config.model)) {
+    return "several contacts are rendered by the models \"potential\" and \"facets\"";
   }
   return check(config);
 }
 
 void begin(CoupledState& state) noexcept {
+  state.set.field = field_kind(state.config.model);
   if (is_alone(state.set) && state.alone != nullptr) {
     state.alone->config = state.config;
     state.alone->config.tool_radius_m = state.set.sphere[0].radius_m;
@@ -245,9 +246,9 @@ CoupledContactPlace contact_place(const CoupledState& state, int i) noexcept {
   }
   at.depth_m = c.depth_m(i) + state.model.field.shift_m;
   at.dimple_m = c.dimple_m(i) + c.scale * c.sunk_m(i);
-  at.point_m = place.prism.corner_m * place.frame.weight;
-  at.normal = place.frame.normal;
-  at.share = place.frame.weight;
+  at.point_m = place.prism.corner_m * place.weight;
+  at.normal = place.normal;
+  at.share = place.weight;
   at.triangle = state.surfaces[i].cache.triangle[static_cast<std::size_t>(place.slot)];
   at.touching = contact.reading.touching;
   at.starved = place.starved;

@@ -6,6 +6,7 @@
 
 #include "runtime/fast/element_cache.h"
 #include "runtime/fast/element_potential.h"
+#include "runtime/fast/local_model.h"
 #include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/real.h"
 #include "runtime/fast/surface_memory.h"
@@ -13,8 +14,9 @@
 namespace palpate {
 
 struct ElementModelLimits {
-  Real tool_radius_m = 0.0;      ///< [m] R >= 0
-  Real recovery_m_per_s = 0.01;  ///< [m/s] >= 0, how fast delta_0 is bled back
+  Real tool_radius_m = 0.0;              ///< [m] R >= 0
+  Real recovery_m_per_s = 0.01;          ///< [m/s] >= 0, how fast delta_0 is bled back
+  FieldKind field = FieldKind::kSmooth;  ///< of the potential model
 };
 
 /// The first half of a tick's relaxing, with the tool still at x_m. @param half_s [s]

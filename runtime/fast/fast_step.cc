@@ -107,7 +107,8 @@ Vector3 advance_element(FastState& state, const Vector3& x, Real dt_s,
 Vector3 advance_potential(FastState& state, const Vector3& x, Real dt_s,
                           FastCommand& command) {
   const ElementModelLimits limits{state.config.tool_radius_m,
-                                  state.config.recovery_m_per_s};
+                                  state.config.recovery_m_per_s,
+                                  field_kind(state.config.model)};
   const Vector3 force = advance(state.potential, state.cache, state.memory,
                                 state.ledger, limits, x, dt_s);
   const FieldResponse& response = state.potential.response;
@@ -125,6 +126,7 @@ Vector3 advance_model(FastState& state, const Vector3& x, Real dt_s,
     case LocalModel::kElement:
       return advance_element(state, x, dt_s, command);
     case LocalModel::kPotential:
+    case LocalModel::kFacets:
       return advance_potential(state, x, dt_s, command);
     default:
       return advance_scalar(state, x, dt_s, command);
@@ -228,9 +230,8 @@ FastCommand step(FastState& state, const FastSample& sample, Real dt_s) noexcept
     state.safety.force_n.setZero();
   }
   if (command.in_contact && remembers(state.memory)) {
-    const RelaxingContact& at = state.config.model == LocalModel::kPotential
-                                    ? state.potential.contact
-                                    : state.element.contact;
+    const RelaxingContact& at =
+        is_field(state.config.model) ? state.potential.contact : state.element.contact;
     command.carried_n = carried_n(at);
     command.dent_m = at.remembers ? at.yielded.dent_m.value : Real(0.0);
   }
@@ -253,6 +254,7 @@ void relax_ahead(FastState& state, Real dt_s) noexcept {
   const Vector3& x = state.latest.position_m;
   switch (state.config.model) {
     case LocalModel::kPotential:
+    case LocalModel::kFacets:
       relax_before(state.potential, state.cache, state.memory, state.ledger,
                    state.config.tool_radius_m, half_s);
       break;
@@ -275,12 +277,12 @@ FastContact contact(const FastState& state) noexcept {
   at.time_ns = state.latest.time_ns;
   at.tool_m = state.latest.position_m;
   at.in_contact = state.in_contact;
-  const bool field = state.config.model == LocalModel::kPotential;
+  const bool field = is_field(state.config.model);
   const FieldPlace& place = state.potential.place;
   const int used = field ? place.slot : state.element.slot;
   if (used >= 0) {
     const Element& element = state.cache.element[static_cast<std::size_t>(used)];
-    const Vector3& weight = field ? place.frame.weight : state.element.area;
+    const Vector3& weight = field ? place.weight : state.element.area;
     for (std::size_t j = 0; j < 3; ++j) {
       const Real part = weight(static_cast<Eigen::Index>(j));
       const ElementNode& node = element.node[j];
@@ -301,7 +303,7 @@ Real potential_j(const FastState& state, const Vector3& x_m) noexcept {
   if (state.config.model == LocalModel::kElement) {
     return respond(state.element, state.cache, x_m).potential_j();
   }
-  if (state.config.model == LocalModel::kPotential) {
+  if (is_field(state.config.model)) {
     return moved_energy_j(state.potential, state.cache, state.memory,
                           state.config.tool_radius_m, x_m);
   }

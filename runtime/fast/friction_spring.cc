@@ -12,8 +12,7 @@ void set_spring(FrictionSpring& spring, const FieldPlace& place,
   Real coefficient = 0.0;
   Real presliding_m = 0.0;
   for (std::size_t j = 0; j < 3; ++j) {
-    const Real weight =
-        std::max(Real(0.0), place.frame.weight(static_cast<Eigen::Index>(j)));
+    const Real weight = std::max(Real(0.0), place.weight(static_cast<Eigen::Index>(j)));
     coefficient += weight * element.node[j].friction;
     presliding_m += weight * element.node[j].presliding_m;
   }
@@ -29,7 +28,7 @@ void set_spring(FrictionSpring& spring, const FieldPlace& place,
   if (!(length2 > 0.0)) {
     return;
   }
-  const Vector3& n = place.frame.normal;
+  const Vector3& n = place.normal;
   t -= t.dot(n) * n;
   const Real in_plane2 = t.squaredNorm();
   const Real kept2 = now > before ? length2 * before / now : length2;  // (23)

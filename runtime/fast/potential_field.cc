@@ -25,15 +25,15 @@ FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
   }
   turn_to(pieces, cache, place.slot);
   const Element& element = cache.element[static_cast<std::size_t>(place.slot)];
-  response.depth_m = tool_radius_m - place.at.height_m;
-  Vector2 slope = Vector2::Zero();  // dU by n_1 and n_2 [J]
+  response.depth_m = tool_radius_m - place.height_m;
+  Vector3 slope = Vector3::Zero();  // dU by the place, s held [J]
   for (std::size_t j = 0; j < 3; ++j) {
     const auto row = static_cast<Eigen::Index>(j);
     const ElementNode& node = element.node[j];
     if (node.samples == 0) {
       continue;
     }
-    const Real weight = std::max(0.0, place.frame.weight(row));
+    const Real weight = std::max(0.0, place.weight(row));
     const Real past = response.depth_m - node.touch_offset_m;
     response.touching = response.touching || (past > 0.0 && weight > 0.0);
     if (!(past - shift_m > 0.0)) {
@@ -46,12 +46,12 @@ FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
     response.normal_n += weight * c * at.force_n;
     response.stiffness_n_per_m += weight * c * c * at.stiffness_n_per_m;
     response.energy_j += weight * at.energy_j;
-    slope += place.frame.turn.row(row).transpose() * at.energy_j;
+    slope += place.turn.row(row).transpose() * at.energy_j;
   }
   if (place.folded) {
-    response.force_n = response.normal_n * place.frame.normal;
+    response.force_n = response.normal_n * place.normal;
   } else if (response.loaded) {
-    response.force_n = -gradient(place.frame, slope(0), slope(1), -response.normal_n);
+    response.force_n = -gradient(place, slope, -response.normal_n);
   }
   return response;
 }
@@ -68,7 +68,7 @@ PlaceNodes place_nodes(const FieldPlace& place, const ElementCache& cache) noexc
 }
 
 NodeValues node_weights(const FieldPlace& place) noexcept {
-  const Vector3& w = place.frame.weight;
+  const Vector3& w = place.weight;
   return {std::max(Real(0.0), w(0)), std::max(Real(0.0), w(1)),
           std::max(Real(0.0), w(2)), Real(0.0)};
 }
@@ -86,9 +86,9 @@ void read_memory(RelaxingContact& contact, const SurfaceMemory& memory,
     }
     enter(contact, memory, cache, place.slot, place_nodes(place, cache));
   }
-  contact.remembers = !is_above(contact, tool_radius_m - place.at.height_m);
+  contact.remembers = !is_above(contact, tool_radius_m - place.height_m);
   if (contact.remembers) {
-    read_memory(contact, memory, node_weights(place), place.frame.turn);
+    read_memory(contact, memory, node_weights(place), place.turn);
   }
 }
 
@@ -97,7 +97,7 @@ FieldResponse field_response(const FieldPlace& place, const ElementCache& cache,
                              const RelaxingContact& contact,
                              const RelaxedResponse& relaxed) noexcept {
   FieldResponse response;
-  response.depth_m = tool_radius_m - place.at.height_m;
+  response.depth_m = tool_radius_m - place.height_m;
   response.loaded = relaxed.touched;
   response.touching =
       relaxed.touched || (shift_m > 0.0 && touches(contact, cache, response.depth_m));
@@ -105,7 +105,7 @@ FieldResponse field_response(const FieldPlace& place, const ElementCache& cache,
   response.normal_n = relaxed.force_n;
   response.stiffness_n_per_m = relaxed.stiffness_n_per_m;
   response.energy_j = relaxed.energy_j;
-  response.force_n = relaxed.force_n * place.frame.normal;
+  response.force_n = relaxed.force_n * place.rise;
   return response;
 }
 
@@ -115,14 +115,13 @@ Vector3 whole_force_n(const FieldPlace& place, const ElementCache& cache,
   if (place.folded || response.normal_n == 0.0) {
     return response.force_n;
   }
-  const Vector2 slope = surface_slope_j(contact, cache);
-  return -gradient(place.frame, slope(0), slope(1), -response.normal_n);
+  return -gradient(place, surface_slope_j(contact, cache), -response.normal_n);
 }
 
 FieldResponse respond(const FieldPlace& place, const ElementCache& cache,
                       Real tool_radius_m, Real shift_m,
                       RelaxingContact& contact) noexcept {
-  const Real y = tool_radius_m - place.at.height_m - shift_m;
+  const Real y = tool_radius_m - place.height_m - shift_m;
   return field_response(place, cache, tool_radius_m, shift_m, contact,
                         respond(contact, cache, y));
 }
@@ -136,7 +135,7 @@ Real unloading_shift_m(const FieldPlace& place, const ElementCache& cache,
       touch = std::min(touch, element.node[j].touch_offset_m);
     }
   }
-  return std::isfinite(touch) ? std::max(0.0, tool_radius_m - place.at.height_m - touch)
+  return std::isfinite(touch) ? std::max(0.0, tool_radius_m - place.height_m - touch)
                               : 0.0;
 }
 

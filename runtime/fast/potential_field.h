@@ -1,17 +1,21 @@
-// The potential field of a body: the energies of the stored curves, interpolated in the
-// prisms of the surface's elements.
+// The potential field of a body: the energies of the stored curves, interpolated over
+// the surface's elements.
 //
-// With the coordinates of prism.h, d = R - s the normal penetration of a tool of radius
-// R, t_j the touch offset and c_j = |n_j^out . u_j| of node j, E_j its stored curve's
-// energy, delta_0 >= 0 the relaxed state:
+// With weights w_j and height s of the place, d = R - s the normal penetration of a
+// tool of radius R, t_j the touch offset and c_j = |n_j^out . u_j| of node j, E_j its
+// stored curve's energy, delta_0 >= 0 the relaxed state:
 //
-//   U(x) = sum_j n_j E_j(c_j (d - t_j - delta_0)),    F = -grad U
+//   U(x) = sum_j w_j E_j(c_j (d - t_j - delta_0)),    F = -grad U
+//        = N grad s - sum_j E_j grad w_j,             N = sum_j w_j c_j f_j(...)
 //
-// F . n_out = sum_j n_j c_j f_j(...): the interpolated curve. U is continuous across
-// elements, because they agree on the coordinates of their common face and on the two
-// nodes there; F jumps there where slopes of the surface or of the responses do. A node
-// without response counts as one of zero energy: U falls to zero towards it, and stays
-// continuous.
+// Smooth (smooth_triangle.h): w and s have gradients that are continuous over the whole
+// surface, and so has U: F has no steps. On the line of a node grad w vanishes, grad s
+// is the stored direction over its normal part, and F is the stored force at every
+// depth. On facets (prism.h) w are area coordinates and s is the height over the flat
+// element: F steps across edges where slopes of the surface or of the responses do.
+//
+// A node without response counts as one of zero energy: U falls to zero towards it, and
+// stays continuous. U >= 0, because w and E are.
 #pragma once
 
 #include <array>
@@ -33,7 +37,7 @@ struct FieldResponse {
   bool touching = false;              ///< some d - t_j > 0
   bool loaded = false;                ///< some d - t_j - delta_0 > 0
   bool extrapolated = false;          ///< some node beyond its curve
-  Real normal_n = 0.0;                ///< [N] F . n_out
+  Real normal_n = 0.0;                ///< [N] N
   Real stiffness_n_per_m = 0.0;       ///< [N/m] its derivative with d
   Real energy_j = 0.0;                ///< [J] U
   Vector3 force_n = Vector3::Zero();  ///< [N] F, on the tool

@@ -37,14 +37,20 @@ struct Rendered {
   Real height_m = 0.0;
   Vector3 weight;
   Vector3 normal;
+  Vector3 rise;
   FieldResponse response;
   CarriedMemory memory;
 };
 
 Rendered rendered(const PotentialModel& model) {
-  return {model.place.slot,         model.place.at.height_m,
-          model.place.frame.weight, model.place.frame.normal,
-          model.response,           carried_memory(model.contact)};
+  const FieldPlace& place = model.place;
+  return {place.slot,
+          place.height_m,
+          place.weight,
+          place.normal,
+          place.rise,
+          model.response,
+          carried_memory(model.contact)};
 }
 
 // What was rendered until now, continued by this movement.
@@ -54,8 +60,8 @@ Real carried_j(const Rendered& at, const ElementCache& cache,
   FieldPlace along;
   along.slot = at.slot;
   along.folded = true;
-  along.at.height_m = at.height_m + at.normal.dot(moved);
-  along.frame.weight = at.weight;
+  along.height_m = at.height_m + at.rise.dot(moved);
+  along.weight = at.weight;
   Real energy = 0.0;
   if (at.memory.bundles > 0) {
     RelaxingContact contact;
@@ -129,7 +135,9 @@ Real move_field(PotentialModel& model, const ElementCache& cache,
 // one the slow process last called active; else a newer copy of the same triangle.
 // @returns whether the model changed.
 bool change_field_element(PotentialModel& model, const ElementCache& cache,
-                          SurfaceMemory& memory, Real radius, const Vector3& x) {
+                          SurfaceMemory& memory, const ElementModelLimits& limits,
+                          const Vector3& x) {
+  const Real radius = limits.tool_radius_m;
   const bool news = cache.received != model.received_seen;
   model.received_seen = cache.received;
   if (!news && !model.place.outside) {
@@ -145,7 +153,7 @@ bool change_field_element(PotentialModel& model, const ElementCache& cache,
   if (another && (here < 0 || !model.response.touching || lost)) {
     model.spring = {};
     model.tool_m = x;
-    adopt(model.place, cache, active, x);
+    adopt(model.place, cache, active, x, limits.field);
     model.received_inside = cache.received;
   } else if (here >= 0) {
     const int newer = find(cache, triangle_in(cache, here));
@@ -255,7 +263,7 @@ void relax_field(PotentialModel& model, const ElementCache& cache,
     leave_alone(model.contact, memory, ledger, time_s);
     return;
   }
-  const Real y = radius - model.place.at.height_m - model.shift_m;
+  const Real y = radius - model.place.height_m - model.shift_m;
   relax(model.contact, memory, ledger, cache, y, time_s);
   take_response(model, cache, radius);
 }
@@ -277,7 +285,7 @@ Real moved_energy_j(PotentialModel model, const ElementCache& cache,
   if (model.place.slot < 0) {
     return 0.0;
   }
-  model.spring.follow(x_m - model.tool_m, model.place.frame.normal);
+  model.spring.follow(x_m - model.tool_m, model.place.normal);
   return move_field(model, cache, memory, nullptr, tool_radius_m, x_m) +
          model.spring.energy_j();
 }
@@ -294,11 +302,11 @@ Vector3 advance(PotentialModel& model, ElementCache& cache, SurfaceMemory& memor
   const Real radius = limits.tool_radius_m;
   Real moved_j = 0.0;
   if (model.place.slot >= 0) {
-    model.spring.follow(x_m - model.tool_m, model.place.frame.normal);
+    model.spring.follow(x_m - model.tool_m, model.place.normal);
     moved_j = move_field(model, cache, memory, &memory, radius, x_m);
     book_work(ledger, moved_j + model.spring.energy_j());
   }
-  const bool changed = change_field_element(model, cache, memory, radius, x_m);
+  const bool changed = change_field_element(model, cache, memory, limits, x_m);
   if (model.place.slot < 0) {
     return Vector3::Zero();
   }

@@ -7,10 +7,10 @@
 // of the coordinates, another sheet of the body after a leap. Then what was rendered
 // until that tick is, to first order in the tangent plane and exactly along the normal,
 //
-//   E(x) = max(0, sum_j n_j E_j(c_j (d - n_out . (x - x_k) - t_j - delta_0))
+//   E(x) = max(0, sum_j w_j E_j(c_j (d - grad s . (x - x_k) - t_j - delta_0))
 //                 - F_t . (x - x_k))
 //
-// (n_j, d, n_out and the tangential force F_t of the last tick x_k), and the new field
+// (w_j, d, grad s and the tangential force F_t of the last tick x_k), and the new field
 // is a change that the ledger balances.
 //
 // Friction is a spring in the tangent plane of x_k (friction_spring.h), which asks

@@ -31,6 +31,15 @@ bool same_node(const ElementNode& a, const ElementNode& b) {
   return a.node >= 0 || b.node >= 0 ? a.node == b.node : a.position_m == b.position_m;
 }
 
+void take_element(FieldPlace& place, const ElementCache& cache, int slot) {
+  const Element& element = element_of(cache, slot);
+  place.slot = slot;
+  place.prism = make_prism(element);
+  if (place.kind == FieldKind::kSmooth) {
+    place.smooth = make_smooth_triangle(element);
+  }
+}
+
 // Into a neighbour, at the point of the shared edge that `weight` (>= 0) names.
 void cross_into(FieldPlace& place, const ElementCache& cache, int slot,
                 const Vector3& weight, const Vector3& x) {
@@ -44,8 +53,7 @@ void cross_into(FieldPlace& place, const ElementCache& cache, int slot,
       }
     }
   }
-  place.slot = slot;
-  place.prism = make_prism(to);
+  take_element(place, cache, slot);
   const Real sum = area.sum();
   const Matrix3& v = place.prism.corner_m;
   place.at.area = sum > 0.0
@@ -94,11 +102,72 @@ bool leave_flat(FieldPlace& place, const ElementCache& cache, int from,
   return way.slot >= 0;
 }
 
+void take_point(FieldPlace& place, const SmoothPoint& point, const Vector3& x) {
+  place.position_m = x;
+  place.weight = point.weight;
+  place.turn = point.turn;
+  place.height_m = point.height_m;
+  place.rise = point.rise;
+  const Real length = point.rise.norm();
+  place.normal = length > kNoNormal ? Vector3(point.rise / length) : place.normal;
+}
+
+// What an element says of a place: that it is over it, which is taken, or beyond which
+// corner's edge it is.
+struct Tried {
+  bool inside = false;
+  int beyond = -1;                 // corner opposite the edge; -1: no coordinates
+  Vector3 area = Vector3::Zero();  // about where
+};
+
+Tried try_facet(FieldPlace& place, const Vector3& x) {
+  PrismPoint at = place.at;
+  PrismFrame frame;
+  const bool found = find_coordinates(place.prism, x, Beyond::kAnalytic, at, frame) ==
+                     PrismSolve::kFound;
+  Tried tried{.area = at.area};
+  int corner = 0;
+  if (!(at.area.minCoeff(&corner) >= -kEdgeSlack)) {
+    tried.beyond = corner;
+  } else if (found) {
+    tried.inside = true;
+    set_facet(place, at, frame);
+  }
+  return tried;
+}
+
+Tried try_smooth(FieldPlace& place, const Vector3& x) {
+  const SmoothSides sides = sides_at(place.smooth, x);
+  Tried tried;
+  int corner = 0;
+  if (sides.altitudes.minCoeff(&corner) < -kEdgeSlack) {  // 0 where it is not sound
+    const Real t = std::clamp(sides.along(corner), Real(0.0), Real(1.0));
+    tried.beyond = corner;
+    tried.area((corner + 1) % 3) = 1.0 - t;
+    tried.area((corner + 2) % 3) = t;
+    return tried;
+  }
+  SmoothPoint point;
+  tried.inside = set_inside(place.smooth, sides, x, point);
+  if (tried.inside) {
+    take_point(place, point, x);
+  }
+  return tried;
+}
+
+Tried try_here(FieldPlace& place, const Vector3& x) {
+  Tried tried =
+      place.kind == FieldKind::kSmooth ? try_smooth(place, x) : try_facet(place, x);
+  if (tried.inside) {
+    place.folded = false;
+    place.outside = false;
+  }
+  return tried;
+}
+
 // The nearest point of the element's plane, through neighbours while there are any.
 void settle_nearest(FieldPlace& place, const ElementCache& cache, const Vector3& x) {
   int from = -1;
-  place.folded = true;
-  place.outside = false;
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
     const Matrix3& v = place.prism.corner_m;
     const Vector3 area = triangle::area_coordinates(v, x);
@@ -114,36 +183,82 @@ void settle_nearest(FieldPlace& place, const ElementCache& cache, const Vector3&
     from = place.slot;
     cross_into(place, cache, over.slot, inside(area), x);
   }
+  if (place.kind == FieldKind::kSmooth && !place.prism.flat &&
+      try_here(place, x).inside) {
+    place.starved = false;
+    return;
+  }
+  place.folded = true;
+  place.outside = false;
   PrismFrame frame;
   frame.weight = place.at.area;
   const Vector3 sum = place.prism.normal * frame.weight;
   const Real length = sum.norm();
-  frame.normal = length > kNoNormal ? Vector3(sum / length) : place.frame.normal;
+  frame.normal = length > kNoNormal ? Vector3(sum / length) : place.normal;
   frame.position_m = x;
   place.at.height_m = (x - place.prism.corner_m * frame.weight).dot(frame.normal);
-  place.frame = frame;
+  set_facet(place, place.at, frame);
+  place.turn.setZero();
+}
+
+bool follow_facet_within(FieldPlace& place, const Vector3& x) {
+  PrismPoint at = place.at;
+  PrismFrame frame;
+  if (place.prism.flat || find_coordinates(place.prism, x, Beyond::kHeld, at, frame) !=
+                              PrismSolve::kFound) {
+    return false;
+  }
+  set_facet(place, at, frame);
+  place.outside = at.area.minCoeff() < -kEdgeSlack;
+  return true;
+}
+
+bool follow_smooth_within(FieldPlace& place, const Vector3& x) {
+  const SmoothSides sides = sides_at(place.smooth, x);
+  const bool outside = sides.altitudes.minCoeff() < -kEdgeSlack;
+  SmoothPoint point;
+  if (place.prism.flat || !(outside ? set_beyond(place.smooth, sides, x, point)
+                                    : set_inside(place.smooth, sides, x, point))) {
+    return false;
+  }
+  take_point(place, point, x);
+  place.outside = outside;
+  return true;
 }
 
 }  // namespace
 
-bool follow_within(FieldPlace& place, const Vector3& x_m) noexcept {
-  PrismPoint at = place.at;
-  PrismFrame frame;
-  if (place.prism.flat || find_coordinates(place.prism, x_m, Beyond::kHeld, at,
-                                           frame) != PrismSolve::kFound) {
-    return false;
-  }
+void set_facet(FieldPlace& place, const PrismPoint& at,
+               const PrismFrame& frame) noexcept {
   place.at = at;
   place.frame = frame;
-  place.folded = false;
-  place.outside = at.area.minCoeff() < -kEdgeSlack;
-  return true;
+  place.position_m = frame.position_m;
+  place.weight = frame.weight;
+  place.turn.leftCols<2>() = frame.turn;
+  place.height_m = at.height_m;
+  place.normal = frame.normal;
+  place.rise = frame.normal;
+}
+
+Vector3 gradient(const FieldPlace& place, const Vector3& slope,
+                 Real by_height_per_m) noexcept {
+  return place.kind == FieldKind::kSmooth
+             ? Vector3(slope + by_height_per_m * place.rise)
+             : gradient(place.frame, slope(0), slope(1), by_height_per_m);
+}
+
+bool follow_within(FieldPlace& place, const Vector3& x_m) noexcept {
+  const bool found = place.kind == FieldKind::kSmooth ? follow_smooth_within(place, x_m)
+                                                      : follow_facet_within(place, x_m);
+  place.folded = place.folded && !found;
+  return found;
 }
 
 void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) noexcept {
   int from = -1;
   place.starved = false;
-  if (!place.folded && !place.outside && place.frame.scale > kScaleMin) {
+  if (place.kind == FieldKind::kFacets && !place.folded && !place.outside &&
+      place.frame.scale > kScaleMin) {
     predict(place.frame, x_m - place.frame.position_m, place.prism.size_m, place.at);
   }
   for (int crossed = 0; crossed < kWalkMax; ++crossed) {
@@ -155,23 +270,15 @@ void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) no
       from = here;
       continue;
     }
-    PrismPoint at = place.at;
-    PrismFrame frame;
-    const PrismSolve found =
-        find_coordinates(place.prism, x_m, Beyond::kAnalytic, at, frame);
-    int corner = 0;
-    if (at.area.minCoeff(&corner) >= -kEdgeSlack) {
-      if (found != PrismSolve::kFound) {
-        break;
-      }
-      place.at = at;
-      place.frame = frame;
-      place.folded = false;
-      place.outside = false;
+    const Tried tried = try_here(place, x_m);
+    if (tried.inside) {
       return;
     }
-    const Crossing over = across(cache, element_of(cache, here), corner);
-    if (over.slot < 0 || over.slot == from || !at.area.allFinite()) {
+    if (tried.beyond < 0) {
+      break;
+    }
+    const Crossing over = across(cache, element_of(cache, here), tried.beyond);
+    if (over.slot < 0 || over.slot == from || !tried.area.allFinite()) {
       if (!follow_within(place, x_m)) {
         break;
       }
@@ -179,16 +286,16 @@ void follow(FieldPlace& place, const ElementCache& cache, const Vector3& x_m) no
       return;
     }
     from = here;
-    cross_into(place, cache, over.slot, inside(at.area), x_m);
+    cross_into(place, cache, over.slot, inside(tried.area), x_m);
   }
   settle_nearest(place, cache, x_m);
 }
 
-void adopt(FieldPlace& place, const ElementCache& cache, int slot,
-           const Vector3& x_m) noexcept {
+void adopt(FieldPlace& place, const ElementCache& cache, int slot, const Vector3& x_m,
+           FieldKind kind) noexcept {
   place = {};
-  place.slot = slot;
-  place.prism = make_prism(element_of(cache, slot));
+  place.kind = kind;
+  take_element(place, cache, slot);
   const Matrix3& v = place.prism.corner_m;
   place.at.area = triangle::nearest_inside(v, triangle::area_coordinates(v, x_m));
   const Vector3 sum = place.prism.normal * place.at.area;
@@ -199,8 +306,10 @@ void adopt(FieldPlace& place, const ElementCache& cache, int slot,
 }
 
 void move_to_copy(FieldPlace& place, const ElementCache& cache, int slot) noexcept {
-  place.slot = slot;
-  place.prism = make_prism(element_of(cache, slot));
+  take_element(place, cache, slot);
+  if (place.kind == FieldKind::kSmooth && !place.folded) {
+    (void)follow_within(place, place.position_m);
+  }
 }
 
 }  // namespace palpate

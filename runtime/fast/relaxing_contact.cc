@@ -54,13 +54,13 @@ PlacePoint fallen_point(const RelaxingContact& contact, const ElementCache& cach
   return point;
 }
 
-// Derivatives of u by n_1 and n_2 where the surface yields [J], of one bundle. At fixed
+// Derivatives of u by the place where the surface yields [J], of one bundle. At fixed
 // e, and with it -p_e dD; the dent's depth gives no part, p = s there.
-Vector2 yielded_slope_j(RelaxingContact& contact, const PlaceCurve& curve, int bundle) {
+Vector3 yielded_slope_j(RelaxingContact& contact, const PlaceCurve& curve, int bundle) {
   BundleContact& b = contact.bundle[static_cast<std::size_t>(bundle)];
   const YieldingPlace& place = contact.yielded;
   const Real s = b.memory.carried_n;
-  Vector2 slope =
+  Vector3 slope =
       stored_slope_j(place, b.at, b.at_yield, contact.depth_m, contact.turn) -
       (b.at.force_n - s) * slope_of(place.dent_m);
   if (s > 0.0) {  // else U_e(delta) is zero all around
@@ -74,9 +74,9 @@ Vector2 yielded_slope_j(RelaxingContact& contact, const PlaceCurve& curve, int b
 }
 
 // The whole slope where the surface yields.
-Vector2 yielded_slope_j(RelaxingContact& contact, const ElementCache& cache) {
+Vector3 yielded_slope_j(RelaxingContact& contact, const ElementCache& cache) {
   const PlaceCurve curve = curve_of(contact, cache);
-  Vector2 slope = Vector2::Zero();
+  Vector3 slope = Vector3::Zero();
   for (int b = 0; b < contact.nodes.bundles; ++b) {
     if (contact.bundle[static_cast<std::size_t>(b)].touched) {
       slope += yielded_slope_j(contact, curve, b);
@@ -217,12 +217,12 @@ RelaxedResponse response_of(RelaxingContact& contact,
   return response;
 }
 
-Vector2 surface_slope_j(RelaxingContact& contact, const ElementCache& cache) noexcept {
+Vector3 surface_slope_j(RelaxingContact& contact, const ElementCache& cache) noexcept {
   if (contact.yielding.any) {
     return yielded_slope_j(contact, cache);
   }
   NodeValues energy = NodeValues::Zero();
-  Vector2 slope = Vector2::Zero();
+  Vector3 slope = Vector3::Zero();
   const PlaceCurve curve = curve_of(contact, cache);
   for (int i = 0; i < contact.nodes.bundles; ++i) {
     BundleContact& b = contact.bundle[static_cast<std::size_t>(i)];

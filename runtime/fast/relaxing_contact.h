@@ -153,8 +153,8 @@ struct RelaxedResponse {
                      });
 }
 
-/// du/dn_1 and du/dn_2 [J], n_0 giving way, of the latest response.
-[[nodiscard]] Vector2 surface_slope_j(RelaxingContact& contact,
+/// du by the place's coordinates [J] of the latest response, y held.
+[[nodiscard]] Vector3 surface_slope_j(RelaxingContact& contact,
                                       const ElementCache& cache) noexcept;
 
 /// U_e of a bundle at the depth e of l, whose energy by the curve is known [J].

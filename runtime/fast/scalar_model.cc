@@ -104,6 +104,7 @@ void update(ScalarModel& model, PassivityLedger& ledger,
     case LocalModel::kFirstOrderHold:
     case LocalModel::kElement:
     case LocalModel::kPotential:
+    case LocalModel::kFacets:
       break;
   }
   model.before = model.latest;

@@ -193,7 +193,8 @@ void weigh(SitesAtHand& sites, const NodeValues& weight, const Turn& turn) noexc
     const auto& m = sites.share[i];
     sites.weight[i] = {m[0] * weight(0) + m[1] * weight(1) + m[2] * weight(2),
                        m[0] * turn(0, 0) + m[1] * turn(1, 0) + m[2] * turn(2, 0),
-                       m[0] * turn(0, 1) + m[1] * turn(1, 1) + m[2] * turn(2, 1)};
+                       m[0] * turn(0, 1) + m[1] * turn(1, 1) + m[2] * turn(2, 1),
+                       m[0] * turn(0, 2) + m[1] * turn(1, 2) + m[2] * turn(2, 2)};
   }
   if (sites.uniform) {
     return;
@@ -201,8 +202,9 @@ void weigh(SitesAtHand& sites, const NodeValues& weight, const Turn& turn) noexc
   const auto& g = sites.corner_relaxing;
   Turned<TermValues>& at = sites.place_relaxing;
   at.value = weight(0) * g[0] + weight(1) * g[1] + weight(2) * g[2];
-  at.by_n1 = turn(0, 0) * g[0] + turn(1, 0) * g[1] + turn(2, 0) * g[2];
-  at.by_n2 = turn(0, 1) * g[0] + turn(1, 1) * g[1] + turn(2, 1) * g[2];
+  at.by_1 = turn(0, 0) * g[0] + turn(1, 0) * g[1] + turn(2, 0) * g[2];
+  at.by_2 = turn(0, 1) * g[0] + turn(1, 1) * g[1] + turn(2, 1) * g[2];
+  at.by_3 = turn(0, 2) * g[0] + turn(1, 2) * g[1] + turn(2, 2) * g[2];
 }
 
 BlendedMemory blended(const SitesAtHand& sites, int bundle) noexcept {
@@ -212,8 +214,9 @@ BlendedMemory blended(const SitesAtHand& sites, int bundle) noexcept {
   for (std::size_t i = 0; i < sites.count; ++i) {
     const Turned<Real>& m = sites.weight[i];
     sum.value += m.value * forces[i];
-    sum.by_n1 += m.by_n1 * forces[i];
-    sum.by_n2 += m.by_n2 * forces[i];
+    sum.by_1 += m.by_1 * forces[i];
+    sum.by_2 += m.by_2 * forces[i];
+    sum.by_3 += m.by_3 * forces[i];
   }
   at.carried_n = carried_n(sites, sum.value);
   return at;
@@ -221,12 +224,13 @@ BlendedMemory blended(const SitesAtHand& sites, int bundle) noexcept {
 
 Turned<Real> blended(const SitesAtHand& sites,
                      const std::array<Real, kSitesAtHand>& value) noexcept {
-  Turned<Real> sum{0.0, 0.0, 0.0};
+  Turned<Real> sum{0.0, 0.0, 0.0, 0.0};
   for (std::size_t i = 0; i < sites.count; ++i) {
     const Turned<Real>& m = sites.weight[i];
     sum.value += m.value * value[i];
-    sum.by_n1 += m.by_n1 * value[i];
-    sum.by_n2 += m.by_n2 * value[i];
+    sum.by_1 += m.by_1 * value[i];
+    sum.by_2 += m.by_2 * value[i];
+    sum.by_3 += m.by_3 * value[i];
   }
   return sum;
 }
@@ -262,8 +266,9 @@ void move_towards(SitesAtHand& sites, int bundle, const TermValues& from_n,
     const Turned<Real>& m = sites.weight[i];
     const TermValues step = (m.value * kappa) * way_n[i];
     forces[i] += step;
-    blend.by_n1 += m.by_n1 * step;
-    blend.by_n2 += m.by_n2 * step;
+    blend.by_1 += m.by_1 * step;
+    blend.by_2 += m.by_2 * step;
+    blend.by_3 += m.by_3 * step;
   }
 }
 

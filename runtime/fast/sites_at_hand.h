@@ -1,7 +1,7 @@
 // The memory of the sites that one element reads, at hand, and blended at a place.
 //
 // Corner j reads site i with the share m_ij >= 0, sum_i m_ij <= 1; at the place with
-// area coordinates w_j a site weighs m_i = sum_j w_j m_ij, and
+// weights w_j a site weighs m_i = sum_j w_j m_ij, and
 //
 //   g_k = sum_j w_j g_jk,   q_k = sum_i m_i q_ik,   s = sum_k g_k q_k.
 //
@@ -46,6 +46,7 @@ struct SitesAtHand {
   // At the place.
   std::array<Turned<Real>, kSitesAtHand> weight{};  ///< [-] m_i
   Turned<TermValues> place_relaxing{TermValues::Zero(), TermValues::Zero(),
+                                    TermValues::Zero(),
                                     TermValues::Zero()};  ///< [-] g_k
 };
 
@@ -69,8 +70,8 @@ void weigh(SitesAtHand& sites, const NodeValues& weight, const Turn& turn) noexc
 /// Of one bundle at the place.
 struct BlendedMemory {
   Turned<TermValues> relaxed_n{TermValues::Zero(), TermValues::Zero(),
-                               TermValues::Zero()};  ///< [N] q_k
-  Real carried_n = 0.0;                              ///< [N] s
+                               TermValues::Zero(), TermValues::Zero()};  ///< [N] q_k
+  Real carried_n = 0.0;                                                  ///< [N] s
 };
 
 /// Where the sites were weighed.
@@ -82,13 +83,14 @@ struct BlendedMemory {
   return (sites.place_relaxing.value * relaxed_n).sum();
 }
 
-/// Derivatives of s by n_1 and n_2 [N].
-[[nodiscard]] inline Vector2 carried_slope_n(const SitesAtHand& sites,
+/// Derivatives of s by the place's coordinates [N].
+[[nodiscard]] inline Vector3 carried_slope_n(const SitesAtHand& sites,
                                              const BlendedMemory& memory) noexcept {
   const Turned<TermValues>& g = sites.place_relaxing;
   const Turned<TermValues>& q = memory.relaxed_n;
-  return {(g.value * q.by_n1 + g.by_n1 * q.value).sum(),
-          (g.value * q.by_n2 + g.by_n2 * q.value).sum()};
+  return {(g.value * q.by_1 + g.by_1 * q.value).sum(),
+          (g.value * q.by_2 + g.by_2 * q.value).sum(),
+          (g.value * q.by_3 + g.by_3 * q.value).sum()};
 }
 
 /// Sum over sites of weight times value, where they were weighed.

@@ -7,18 +7,21 @@
 
 namespace palpate {
 
-using Turn = Eigen::Matrix<Real, 3, 2>;  ///< dw/dn_1 and dw/dn_2, n_0 giving way
+/// dw_j (rows) by the place's three coordinates (columns): those of space [1/m] in the
+/// smooth field; n_1 and n_2 [-], n_0 giving way, on facets, which have no third.
+using Turn = Matrix3;
 
-/// A value at the place, and its derivatives by n_1 and n_2.
+/// A value at the place, and its derivatives by the same coordinates.
 template <typename Value>
 struct Turned {
   Value value;
-  Value by_n1;
-  Value by_n2;
+  Value by_1;
+  Value by_2;
+  Value by_3;
 };
 
-[[nodiscard]] inline Vector2 slope_of(const Turned<Real>& value) noexcept {
-  return {value.by_n1, value.by_n2};
+[[nodiscard]] inline Vector3 slope_of(const Turned<Real>& value) noexcept {
+  return {value.by_1, value.by_2, value.by_3};
 }
 
 }  // namespace palpate

@@ -10,7 +10,8 @@ namespace {
 Turned<Real> blend(const std::array<Real, 3>& value, const NodeValues& weight,
                    const Turn& turn) {
   const Vector3 v(value[0], value[1], value[2]);
-  return {v.dot(weight.head<3>().matrix()), v.dot(turn.col(0)), v.dot(turn.col(1))};
+  return {v.dot(weight.head<3>().matrix()), v.dot(turn.col(0)), v.dot(turn.col(1)),
+          v.dot(turn.col(2))};
 }
 
 }  // namespace
@@ -63,10 +64,10 @@ void soften(const YieldingPlace& place, const YieldingNodes& nodes, NodeValues& 
   }
 }
 
-Vector2 stored_slope_j(const YieldingPlace& place, const PlacePoint& at,
+Vector3 stored_slope_j(const YieldingPlace& place, const PlacePoint& at,
                        const PlacePoint& at_yield, Real l_m,
                        const Turn& turn) noexcept {
-  const auto along = [&turn](const PlacePoint& point) -> Vector2 {
+  const auto along = [&turn](const PlacePoint& point) -> Vector3 {
     return turn.transpose() * point.node_j.head<3>().matrix();
   };
   const Real r = place.share_at(l_m);

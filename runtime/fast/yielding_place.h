@@ -53,11 +53,11 @@ struct YieldingNodes {
 
 /// The state where the contact is. By default nothing yields: l = y.
 struct YieldingPlace {
-  Turned<Real> dent_m{0.0, 0.0, 0.0};      ///< [m] D
-  Turned<Real> softened_m{0.0, 0.0, 0.0};  ///< [m] m
-  Turned<Real> yield_m{0.0, 0.0, 0.0};     ///< [m] Y
-  Turned<Real> share{0.0, 0.0, 0.0};       ///< [-] r
-  Real stretch = 1.0;                      ///< [-] 1 / (1 - r)
+  Turned<Real> dent_m{0.0, 0.0, 0.0, 0.0};      ///< [m] D
+  Turned<Real> softened_m{0.0, 0.0, 0.0, 0.0};  ///< [m] m
+  Turned<Real> yield_m{0.0, 0.0, 0.0, 0.0};     ///< [m] Y
+  Turned<Real> share{0.0, 0.0, 0.0, 0.0};       ///< [-] r
+  Real stretch = 1.0;                           ///< [-] 1 / (1 - r)
 
   /// l of a depth y [m].
   [[nodiscard]] Real curve_depth_m(Real y_m) const noexcept {
@@ -87,9 +87,9 @@ void locate(YieldingPlace& place, const YieldingNodes& nodes, const NodeValues& 
 void soften(const YieldingPlace& place, const YieldingNodes& nodes, NodeValues& weight,
             Turn& turn) noexcept;
 
-/// Derivatives of U_e by n_1 and n_2 at the depth e of l [J].
+/// Derivatives of U_e by the place's coordinates at the depth e of l [J].
 /// @param at, at_yield the curve at l and at Y.
-[[nodiscard]] Vector2 stored_slope_j(const YieldingPlace& place, const PlacePoint& at,
+[[nodiscard]] Vector3 stored_slope_j(const YieldingPlace& place, const PlacePoint& at,
                                      const PlacePoint& at_yield, Real l_m,
                                      const Turn& turn) noexcept;
 

@@ -49,8 +49,8 @@ std::vector<SurfaceDent> in_order(const DentsBySite& by_site) {
 std::vector<SurfaceDent> surface_dents(const FastState& state) {
   DentsBySite by_site;
   add_dents(state.memory,
-            state.config.model == LocalModel::kPotential ? state.potential.contact.sites
-                                                         : state.element.contact.sites,
+            is_field(state.config.model) ? state.potential.contact.sites
+                                         : state.element.contact.sites,
             by_site);
   return in_order(by_site);
 }

@@ -63,6 +63,15 @@ bool compare(const ContactRecording& r, std::size_t i, const PoseTick& tick,
   return same;
 }
 
+LocalModel field_of(const ContactRecording& recording) {
+  const auto model = local_model(recording.model);
+  if (!model || !is_field(*model)) {
+    throw FormatError(fmt::format(
+        "recording: model {:?} does not render several contacts", recording.model));
+  }
+  return *model;
+}
+
 }  // namespace
 
 ContactRecording contact_recording(const ContactRunReport& run,
@@ -73,6 +82,7 @@ ContactRecording contact_recording(const ContactRunReport& run,
   r.database = database;
   r.database_sha256 = sha256;
   r.tools = run.tools;
+  r.model = name(run.options.model);
   r.fast_hz = run.options.fast_hz;
   r.slow_hz = run.options.slow_hz;
   r.force_scale = run.force_scale;
@@ -108,6 +118,7 @@ ContactReplayReport replay_contacts(const ContactRecording& recording,
   }
   ContactRunOptions options;
   options.tools = recording.tools;
+  options.model = field_of(recording);
   options.fast_hz = recording.fast_hz;
   options.slow_hz = recording.slow_hz;
   options.force_max_n = recording.force_max_n;

@@ -107,7 +107,7 @@ class ContactRun {
     find_scale();
     stream_ = std::make_unique<ContactStream>(database, tables_, report_.force_scale);
     FastConfig fast;
-    fast.model = LocalModel::kPotential;
+    fast.model = options.model;
     fast.force_max_n = options.force_max_n;
     fast.ramp_s = options.ramp_s;
     storage_.emplace(stream_->set(), fast);

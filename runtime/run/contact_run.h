@@ -12,6 +12,7 @@
 #include "formats/database/response_database.h"
 #include "runtime/device/wrench_margin.h"
 #include "runtime/fast/coupled_step.h"
+#include "runtime/fast/local_model.h"
 #include "runtime/hand/simulated_device.h"
 #include "runtime/run/coupling_report.h"
 #include "runtime/run/pose_trace.h"
@@ -19,12 +20,13 @@
 namespace palpate {
 
 struct ContactRunOptions {
-  std::vector<std::string> tools;     ///< 1, or 2 for two hands
-  double duration_s = 10.0;           ///< [s] > 0
-  double fast_hz = 2000.0;            ///< [Hz] > 0
-  double slow_hz = 100.0;             ///< [Hz] > 0, at most the fast rate
-  double force_max_n = 8.0;           ///< [N] > 0
-  double ramp_s = 0.1;                ///< [s] >= 0
+  std::vector<std::string> tools;             ///< 1, or 2 for two hands
+  LocalModel model = LocalModel::kPotential;  ///< a field
+  double duration_s = 10.0;                   ///< [s] > 0
+  double fast_hz = 2000.0;                    ///< [Hz] > 0
+  double slow_hz = 100.0;                     ///< [Hz] > 0, at most the fast rate
+  double force_max_n = 8.0;                   ///< [N] > 0
+  double ramp_s = 0.1;                        ///< [s] >= 0
   std::vector<Eigen::Vector3d> at_m;  ///< [m] where each presses; empty: anywhere
   double tilt_rad = 0.1;              ///< [rad] that each hand rocks its tool
   double turn_rad = 0.5;              ///< [rad] that each turns it about the normal

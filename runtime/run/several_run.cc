@@ -24,8 +24,8 @@ void check_several(const ToolShape& tool, const SimulationOptions& options,
   if (!in_memory) {
     refuse("the database must fit in memory, leave out --stream");
   }
-  if (options.model != LocalModel::kPotential) {
-    refuse("the local model must be potential");
+  if (!is_field(options.model)) {
+    refuse("the local model must be potential or facets");
   }
   if (!options.recording.file.empty()) {
     refuse("a device's run of it is not recorded, leave out --record");

@@ -47,10 +47,10 @@ Element random_element(std::mt19937_64& random) {
 // A place in one element, at coordinates of its prism.
 FieldPlace place_at(const ElementCache& cache, int slot, const PrismPoint& at) {
   FieldPlace place;
+  place.kind = FieldKind::kFacets;
   place.slot = slot;
   place.prism = make_prism(cache.element[static_cast<std::size_t>(slot)]);
-  place.at = at;
-  place.frame = frame_at(place.prism, at, Beyond::kAnalytic);
+  set_facet(place, at, frame_at(place.prism, at, Beyond::kAnalytic));
   return place;
 }
 
@@ -123,7 +123,7 @@ TEST(PotentialField, ForceIsTheGradientInTheContinuedPlaneToo) {
     at.area(2) = 1.0 - at.area(0) - at.area(1);
     at.height_m = kSphereRadiusM - 0.004 * unit(random);
     FieldPlace place = place_at(*cache, 0, at);
-    place.frame = frame_at(place.prism, at, Beyond::kHeld);
+    set_facet(place, at, frame_at(place.prism, at, Beyond::kHeld));
     place.outside = at.area.minCoeff() < 0.0;
     const Eigen::Vector3d x = place.frame.position_m;
     const FieldResponse response = response_at(*cache, place);
@@ -164,7 +164,7 @@ TEST(PotentialField, NormalForceIsTheInterpolatedCurve) {
       wanted += at.area(static_cast<Eigen::Index>(j)) * c *
                 node.curve().at(c * (0.004 - node.touch_offset_m)).force_n;
     }
-    EXPECT_NEAR(response.force_n.dot(place.frame.normal), wanted, 1e-9 * wanted);
+    EXPECT_NEAR(response.force_n.dot(place.normal), wanted, 1e-9 * wanted);
   }
 }
 
@@ -273,12 +273,14 @@ TEST(FieldPlace, WithoutCoordinatesItIsTheDistanceToTheNearestPoint) {
   auto cache = std::make_unique<ElementCache>();
   store(*cache, needle);
   for (const double up_m : {-0.02, -0.001, 0.003}) {
-    FieldPlace place;
-    adopt(place, *cache, find(*cache, 0), {0.001, 0.0, kHeight + up_m});
-    EXPECT_TRUE(place.folded);
-    EXPECT_NEAR(place.at.height_m, up_m, 1e-12);
-    follow(place, *cache, {0.002, 0.0, kHeight + 2.0 * up_m});
-    EXPECT_NEAR(place.at.height_m, 2.0 * up_m, 1e-12);
+    for (const FieldKind kind : {FieldKind::kSmooth, FieldKind::kFacets}) {
+      FieldPlace place;
+      adopt(place, *cache, find(*cache, 0), {0.001, 0.0, kHeight + up_m}, kind);
+      EXPECT_TRUE(place.folded);
+      EXPECT_NEAR(place.height_m, up_m, 1e-12);
+      follow(place, *cache, {0.002, 0.0, kHeight + 2.0 * up_m});
+      EXPECT_NEAR(place.height_m, 2.0 * up_m, 1e-12);
+    }
   }
 }
 
@@ -306,14 +308,16 @@ TEST(FieldPlace, FollowsThroughTrianglesWithoutArea) {
   for (const Element& element : strip) {
     store(*cache, element);
   }
-  FieldPlace place;
-  adopt(place, *cache, find(*cache, 0), {-0.001, 0.0005, 0.002});
-  ASSERT_FALSE(place.folded);
-  follow(place, *cache, {0.001, 0.0005, 0.002});
-  EXPECT_EQ(cache->triangle[static_cast<std::size_t>(place.slot)], 2);
-  EXPECT_FALSE(place.folded || place.outside);
-  EXPECT_LT((place.frame.position_m - Eigen::Vector3d(0.001, 0.0005, 0.002)).norm(),
-            1e-12);
+  for (const FieldKind kind : {FieldKind::kSmooth, FieldKind::kFacets}) {
+    FieldPlace place;
+    adopt(place, *cache, find(*cache, 0), {-0.001, 0.0005, 0.002}, kind);
+    ASSERT_FALSE(place.folded);
+    follow(place, *cache, {0.001, 0.0005, 0.002});
+    EXPECT_EQ(cache->triangle[static_cast<std::size_t>(place.slot)], 2);
+    EXPECT_FALSE(place.folded || place.outside);
+    EXPECT_LT((place.position_m - Eigen::Vector3d(0.001, 0.0005, 0.002)).norm(), 1e-12);
+    EXPECT_NEAR(place.height_m, 0.002, 1e-15);
+  }
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ class SitesAtHandTest : public testing::Test {
   Element element_ = element_of_five_sites();
   SitesAtHand sites_;
   NodeValues weight_{0.2, 0.5, 0.3, 0.0};
-  Turn turn_ = (Turn() << -1.0, -1.0, 1.0, 0.0, 0.0, 1.0).finished();
+  Turn turn_ = (Turn() << -1.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0).finished();
 };
 
 TEST_F(SitesAtHandTest, WeightsOfSitesAreAPartitionOfUnity) {
@@ -56,7 +56,7 @@ TEST_F(SitesAtHandTest, WeightsOfSitesAreAPartitionOfUnity) {
   double turned = 0.0;
   for (std::size_t i = 0; i < sites_.count; ++i) {
     all += sites_.weight[i].value;
-    turned += std::abs(sites_.weight[i].by_n1);
+    turned += std::abs(sites_.weight[i].by_1);
   }
   EXPECT_NEAR(all, 1.0, 1e-15);
   EXPECT_GT(turned, 0.5);
@@ -66,7 +66,7 @@ TEST_F(SitesAtHandTest, WeightsOfSitesAreAPartitionOfUnity) {
 TEST_F(SitesAtHandTest, CarriedForceAndItsSlopesAreThoseOfTheBlend) {
   fill(1, 2.0);
   const BlendedMemory at = blended(sites_, 0);
-  const Vector2 slope = carried_slope_n(sites_, at);
+  const Vector3 slope = carried_slope_n(sites_, at);
   const double step = 1e-6;
   for (const int axis : {1, 2}) {
     NodeValues moved = weight_;
@@ -92,8 +92,8 @@ TEST_F(SitesAtHandTest, TheBlendMovesExactlyWhateverTheSitesAre) {
       ASSERT_NEAR((blend() - wanted).head<2>().abs().maxCoeff(), 0.0, 1e-13)
           << seed << " " << share;
       const Turned<TermValues> now = blended(sites_, 0).relaxed_n;
-      ASSERT_NEAR((now.by_n1 - moved.by_n1).abs().maxCoeff(), 0.0, 1e-13);
-      ASSERT_NEAR((now.by_n2 - moved.by_n2).abs().maxCoeff(), 0.0, 1e-13);
+      ASSERT_NEAR((now.by_1 - moved.by_1).abs().maxCoeff(), 0.0, 1e-13);
+      ASSERT_NEAR((now.by_2 - moved.by_2).abs().maxCoeff(), 0.0, 1e-13);
       for (std::size_t i = 0; i < sites_.count; ++i) {
         for (Eigen::Index k = 0; k < 2; ++k) {
           const double was = before.relaxed_n[0][i](k);
