@@ -61,7 +61,7 @@ inline void expect_gradient(CoupledState& state, const PortPoses& pose,
     const auto p = static_cast<std::size_t>(port);
     const Wrench& wrench = command.wrench[p];
     for (int axis = 0; axis < 6; ++axis) {
-      const double h = 1e-7 / (axis < 3 ? 1.0 : lever_m);
+      const double h = 3e-8 / (axis < 3 ? 1.0 : lever_m);
       PortPoses above = pose;
       PortPoses below = pose;
       above[p] = moved_by(pose[p], axis, h);
@@ -72,7 +72,7 @@ inline void expect_gradient(CoupledState& state, const PortPoses& pose,
       const double given =
           axis < 3 ? wrench.force_n(axis) : wrench.torque_n_m(axis - 3);
       const double scale = wrench.force_n.norm() * (axis < 3 ? 1.0 : lever_m);
-      // Of second order in h, and energies of 1e-3 J to 1e-16: 1e-6 of the force.
+      // Of second order in h, which a shallow contact shows, and energies to 1e-16 J.
       EXPECT_NEAR(given, -slope, 1e-6 * scale + 1e-9) << port << " axis " << axis;
     }
   }
