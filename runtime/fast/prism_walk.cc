@@ -140,7 +140,8 @@ Tried try_smooth(FieldPlace& place, const Vector3& x) {
   const SmoothSides sides = sides_at(place.smooth, x);
   Tried tried;
   int corner = 0;
-  if (sides.altitudes.minCoeff(&corner) < -kEdgeSlack) {  // 0 where it is not sound
+  if (sides.altitudes.head<3>().minCoeff(&corner) <
+      -kEdgeSlack) {  // 0 where it is not sound
     const Real t = std::clamp(sides.along(corner), Real(0.0), Real(1.0));
     tried.beyond = corner;
     tried.area((corner + 1) % 3) = 1.0 - t;
@@ -215,7 +216,7 @@ bool follow_facet_within(FieldPlace& place, const Vector3& x) {
 
 bool follow_smooth_within(FieldPlace& place, const Vector3& x) {
   const SmoothSides sides = sides_at(place.smooth, x);
-  const bool outside = sides.altitudes.minCoeff() < -kEdgeSlack;
+  const bool outside = sides.altitudes.head<3>().minCoeff() < -kEdgeSlack;
   SmoothPoint point;
   if (place.prism.flat || !(outside ? set_beyond(place.smooth, sides, x, point)
                                     : set_inside(place.smooth, sides, x, point))) {

@@ -19,93 +19,74 @@ Index after(Index i) {
   return i == 2 ? 0 : i + 1;
 }
 
-const SmoothSide& side_of(const SmoothTriangle& triangle, Index i) {
-  return triangle.side[static_cast<std::size_t>(i)];
+EdgeValues dot(const EdgeVectors& a, const EdgeVectors& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// What the edge alone fixes.
-SmoothSide make_side(const SmoothTriangle& t, Index i) {
+EdgeVectors plus(const EdgeVectors& a, const EdgeValues& s, const EdgeVectors& b) {
+  return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+EdgeVectors times(const EdgeValues& s, const EdgeVectors& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+
+void put(EdgeVectors& to, Index i, const Vector3& value) {
+  to.x(i) = value.x();
+  to.y(i) = value.y();
+  to.z(i) = value.z();
+}
+
+// What the edge opposite corner i alone fixes, as lane `to`.
+void put_edge(SmoothTriangle& t, Index i, Index to) {
   const Index j = after(i);
   const Index k = after(j);
+  SmoothEdges& edges = t.edges;
   const Vector3 n = t.normal.col(j);
-  SmoothSide side;
-  side.edge_m = t.corner_m.col(k) - t.corner_m.col(j);
-  side.bend = t.normal.col(k) - n;
-  const Vector3 across = (n + t.normal.col(k)).cross(side.edge_m);
-  const Real length = across.norm();
-  side.across = length > 0.0 ? Vector3(across / length) : Vector3::Zero();
-  side.turned = side.across.cross(n);
-  side.turning = side.across.cross(side.bend);
-  side.open_m = side.edge_m.dot(side.turned);
-  side.closing_m = side.edge_m.dot(side.turning);
-  side.edge_normal_m = side.edge_m.dot(n);
-  side.edge_bend_m = side.edge_m.dot(side.bend);
-  side.across_normal = side.across.dot(n);
-  side.across_bend = side.across.dot(side.bend);
-  side.normal_squared = n.squaredNorm();
-  side.normal_bend = n.dot(side.bend);
-  side.bend_squared = side.bend.squaredNorm();
-  const Real area =
-      side.edge_m.cross(Vector3(t.corner_m.col(i) - t.corner_m.col(j))).norm();
-  side.per_altitude_m = area > 0.0 ? side.edge_m.norm() / area : Real(0.0);
+  const Vector3 e = t.corner_m.col(k) - t.corner_m.col(j);
+  const Vector3 bend = t.normal.col(k) - n;
+  const Vector3 inwards = (n + t.normal.col(k)).cross(e);
+  const Real length = inwards.norm();
+  const Vector3 m = length > 0.0 ? Vector3(inwards / length) : Vector3::Zero();
+  put(edges.start_m, to, t.corner_m.col(j));
+  put(edges.edge_m, to, e);
+  put(edges.normal, to, n);
+  put(edges.bend, to, bend);
+  put(edges.across, to, m);
+  put(edges.turned, to, m.cross(n));
+  put(edges.turning, to, m.cross(bend));
+  edges.open_m(to) = e.dot(m.cross(n));
+  edges.closing_m(to) = e.dot(m.cross(bend));
+  edges.edge_normal_m(to) = e.dot(n);
+  edges.edge_bend_m(to) = e.dot(bend);
+  edges.across_normal(to) = m.dot(n);
+  edges.across_bend(to) = m.dot(bend);
+  edges.normal_squared(to) = n.squaredNorm();
+  edges.normal_bend(to) = n.dot(bend);
+  edges.bend_squared(to) = bend.squaredNorm();
+  const Real area = e.cross(Vector3(t.corner_m.col(i) - t.corner_m.col(j))).norm();
+  edges.per_altitude_m(to) = area > 0.0 ? e.norm() / area : Real(0.0);
   const Vector3 fall = t.rise.col(j) - t.rise.col(k);
-  side.gap_m = fall.dot(side.edge_m);
-  side.gap = -fall.dot(side.bend);
-  side.twist = -fall.dot(side.across);
-  return side;
+  edges.gap_m(to) = fall.dot(e);
+  edges.gap(to) = -fall.dot(bend);
+  edges.twist(to) = -fall.dot(m);
 }
 
 // The three gammas are the height's second differences along the edges; kappa is that
 // towards corner i, u the foot of its altitude.
-void set_sag(SmoothTriangle& t, Index i) {
+void put_sag(SmoothTriangle& t, Index i, Index to) {
   const Index j = after(i);
   const Index k = after(j);
-  SmoothSide& side = t.side[static_cast<std::size_t>(i)];
-  const SmoothSide& to_k = side_of(t, k);  // the edge from i to j
-  const SmoothSide& to_j = side_of(t, j);  // the edge from k to i
+  SmoothEdges& edges = t.edges;
+  const Vector3 e = edges.edge_m.at(i);
   const Vector3 up = t.corner_m.col(i) - t.corner_m.col(j);
-  const Real length2 = side.edge_m.squaredNorm();
-  const Real u = length2 > 0.0 ? up.dot(side.edge_m) / length2 : Real(0.0);
-  side.sag_m = (1.0 - u) * to_k.gap_m + u * to_j.gap_m - u * (1.0 - u) * side.gap_m;
-  side.sag = (1.0 - u) * to_k.gap + u * to_j.gap - u * (1.0 - u) * side.gap;
-}
-
-void set_side(const SmoothTriangle& t, Index i, const Vector3& x, SmoothSides& at) {
-  const Index j = after(i);
-  const SmoothSide& side = side_of(t, i);
-  const Vector3 y = x - t.corner_m.col(j);
-  // A + B t + C t^2 = 0, the root that stays finite where C goes to zero.
-  const Real a = y.dot(side.turned);
-  const Real b = y.dot(side.turning) - side.open_m;
-  const Real discriminant = b * b + 4.0 * a * side.closing_m;
-  const Real least = kStretchMin * side.open_m;
-  if (!(least > 0.0 && b < 0.0 && discriminant > least * least)) {
-    return;
-  }
-  const Real root = std::sqrt(discriminant);
-  const Real along = 2.0 * a / (root - b);
-  const Vector3 along_gradient = (side.turned + along * side.turning) / root;
-  // beta of the two equations by m and N, and its derivative by t.
-  const Vector3 normal = t.normal.col(j) + along * side.bend;
-  const Vector3 r = y - along * side.edge_m;
-  const Real rm = r.dot(side.across);
-  const Real rn = r.dot(normal);
-  const Real mn = side.across_normal + along * side.across_bend;
-  const Real nd = side.normal_bend + along * side.bend_squared;
-  const Real nn = side.normal_squared + along * (side.normal_bend + nd);
-  const Real inverse = 1.0 / (nn - mn * mn);
-  const Real beta = inverse * (rm * nn - rn * mn);
-  const Real by_along =
-      inverse *
-      ((side.edge_normal_m + along * side.edge_bend_m) * mn + 2.0 * nd * (rm - beta) -
-       r.dot(side.bend) * mn - (rn - 2.0 * beta * mn) * side.across_bend);
-  at.along(i) = along;
-  at.offset_m(i) = beta;
-  at.altitudes(i) = beta * side.per_altitude_m;
-  at.along_gradient.col(i) = along_gradient;
-  at.offset_gradient.col(i) = (inverse * nn) * side.across - (inverse * mn) * normal +
-                              by_along * along_gradient;
-  at.sound[static_cast<std::size_t>(i)] = inverse > 0.0 && std::isfinite(beta);
+  const Real length2 = e.squaredNorm();
+  const Real u = length2 > 0.0 ? up.dot(e) / length2 : Real(0.0);
+  // Edge k goes from i to j, edge j from k to i.
+  edges.sag_m(to) =
+      (1.0 - u) * edges.gap_m(k) + u * edges.gap_m(j) - u * (1.0 - u) * edges.gap_m(i);
+  edges.sag(to) =
+      (1.0 - u) * edges.gap(k) + u * edges.gap(j) - u * (1.0 - u) * edges.gap(i);
 }
 
 // H, eps and their derivatives at t, held in [0, 1].
@@ -129,9 +110,15 @@ struct Rates {
   Vector3 by_offset = Vector3::Zero();
 };
 
+// Scalar by scalar: sides were made by pairs, which costs more to take apart in memory.
 Vector3 gradient_of(const Rates& rates, const SmoothSides& sides) {
-  return sides.along_gradient * rates.by_along +
-         sides.offset_gradient * rates.by_offset;
+  const EdgeVectors& t = sides.along_gradient;
+  const EdgeVectors& beta = sides.offset_gradient;
+  Vector3 sum = Vector3::Zero();
+  for (Index i = 0; i < 3; ++i) {
+    sum += rates.by_along(i) * t.at(i) + rates.by_offset(i) * beta.at(i);
+  }
+  return sum;
 }
 
 void set_on_line(const SmoothTriangle& t, Index corner, const Vector3& x,
@@ -141,12 +128,6 @@ void set_on_line(const SmoothTriangle& t, Index corner, const Vector3& x,
   point.rise = t.rise.col(corner);
   point.height_m = point.rise.dot(x - t.corner_m.col(corner));
 }
-
-// The parts of the height that edge i adds where its weight is 1.
-struct EdgeHeight {
-  Real over_m = 0.0;  // to the numerator
-  Real under = 0.0;   // to the denominator
-};
 
 }  // namespace
 
@@ -168,31 +149,68 @@ SmoothTriangle make_smooth_triangle(const Element& element) noexcept {
     triangle.normal.col(column) = Eigen::Map<const Vector3>(node.normal.data());
     triangle.rise.col(column) = rise_of(node);
   }
-  for (Index i = 0; i < 3; ++i) {
-    triangle.side[static_cast<std::size_t>(i)] = make_side(triangle, i);
+  for (Index lane = 0; lane < 4; ++lane) {
+    put_edge(triangle, lane % 3, lane);
   }
-  for (Index i = 0; i < 3; ++i) {
-    set_sag(triangle, i);
+  for (Index lane = 0; lane < 4; ++lane) {
+    put_sag(triangle, lane % 3, lane);
   }
   return triangle;
 }
 
 SmoothSides sides_at(const SmoothTriangle& triangle, const Vector3& x_m) noexcept {
-  SmoothSides sides;
+  const SmoothEdges& edges = triangle.edges;
+  const EdgeVectors y{x_m.x() - edges.start_m.x, x_m.y() - edges.start_m.y,
+                      x_m.z() - edges.start_m.z};
+  // A + B t + C t^2 = 0, the root that stays finite where C goes to zero.
+  const EdgeValues a = dot(y, edges.turned);
+  const EdgeValues b = dot(y, edges.turning) - edges.open_m;
+  const EdgeValues discriminant = b * b + 4.0 * a * edges.closing_m;
+  const EdgeValues least = kStretchMin * edges.open_m;
+  const EdgeValues root = discriminant.max(least * least).sqrt();
+  SmoothSides at;
+  at.along = 2.0 * a / (root - b);
+  at.along_gradient =
+      times(root.inverse(), plus(edges.turned, at.along, edges.turning));
+  // beta of the two equations by m and N, and its derivative by t.
+  const EdgeVectors normal = plus(edges.normal, at.along, edges.bend);
+  const EdgeVectors r = plus(y, -at.along, edges.edge_m);
+  const EdgeValues rm = dot(r, edges.across);
+  const EdgeValues rn = dot(r, normal);
+  const EdgeValues mn = edges.across_normal + at.along * edges.across_bend;
+  const EdgeValues nd = edges.normal_bend + at.along * edges.bend_squared;
+  const EdgeValues nn = edges.normal_squared + at.along * (edges.normal_bend + nd);
+  const EdgeValues apart = nn - mn * mn;  // of m and N: their planes' stretch
+  const EdgeValues inverse = apart.inverse();
+  const EdgeValues beta = inverse * (rm * nn - rn * mn);
+  const EdgeValues by_along =
+      inverse * ((edges.edge_normal_m + at.along * edges.edge_bend_m) * mn +
+                 2.0 * nd * (rm - beta) - dot(r, edges.bend) * mn -
+                 (rn - 2.0 * beta * mn) * edges.across_bend);
+  at.offset_m = beta;
+  at.altitudes = beta * edges.per_altitude_m;
+  at.offset_gradient =
+      plus(plus(times(inverse * nn, edges.across), -inverse * mn, normal), by_along,
+           at.along_gradient);
   for (Index i = 0; i < 3; ++i) {
-    set_side(triangle, i, x_m, sides);
+    const bool sound = least(i) > 0.0 && b(i) < 0.0 &&
+                       discriminant(i) > least(i) * least(i) &&
+                       apart(i) > kStretchMin * kStretchMin;
+    at.sound[static_cast<std::size_t>(i)] = sound;
+    at.altitudes(i) = sound ? at.altitudes(i) : Real(0.0);
   }
-  return sides;
+  return at;
 }
 
 bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
                 const Vector3& x_m, SmoothPoint& point) noexcept {
-  const Real sum = sides.altitudes.sum();
+  const SmoothEdges& edges = triangle.edges;
+  const Real sum = sides.altitudes.head<3>().sum();
   if (!(sides.sound[0] && sides.sound[1] && sides.sound[2] && sum > kStretchMin)) {
     return false;
   }
   const Real per_sum = 1.0 / sum;
-  const Vector3 b = per_sum * sides.altitudes;
+  const Vector3 b = per_sum * sides.altitudes.head<3>().matrix();
   Index corner = 0;
   if (b.maxCoeff(&corner) > 1.0 - kOnNodeLine) {
     set_on_line(triangle, corner, x_m, point);
@@ -207,15 +225,15 @@ bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
   Real over_m = 0.0;
   Real under = 1.0;
   for (Index i = 0; i < 3; ++i) {
-    const SmoothSide& side = side_of(triangle, i);
     const Along& at = along[static_cast<std::size_t>(i)] = along_edge(sides.along(i));
     const Index j = after(i);
     w(after(j)) += weight(i) * at.step;
     w(j) += weight(i) * (1.0 - at.step);
     const Real r = 0.5 * b(i) * b(i);
-    over_m += weight(i) * ((sides.along(i) - at.step) * sides.offset_m(i) * side.twist -
-                           at.bump * side.gap_m - r * side.sag_m);
-    under -= weight(i) * (at.bump * side.gap + r * side.sag);
+    over_m +=
+        weight(i) * ((sides.along(i) - at.step) * sides.offset_m(i) * edges.twist(i) -
+                     at.bump * edges.gap_m(i) - r * edges.sag_m(i));
+    under -= weight(i) * (at.bump * edges.gap(i) + r * edges.sag(i));
   }
   if (!(under > kStretchMin)) {
     return false;
@@ -233,12 +251,11 @@ bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
   Rates of_height;
   Matrix3 given = Matrix3::Zero();  // (function x side) value of each at W_i = 1
   for (Index i = 0; i < 3; ++i) {
-    const SmoothSide& side = side_of(triangle, i);
     const Along& at = along[static_cast<std::size_t>(i)];
     const Index j = after(i);
     const Index k = after(j);
-    const Real gap_m = side.gap_m - s * side.gap;
-    const Real sag_m = side.sag_m - s * side.sag;
+    const Real gap_m = edges.gap_m(i) - s * edges.gap(i);
+    const Real sag_m = edges.sag_m(i) - s * edges.sag(i);
     const Real beta = sides.offset_m(i);
     const Real over = sides.along(i) - at.step;
     const Real share = weight(i);
@@ -250,13 +267,13 @@ bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
       given(j, i) = 1.0 - at.step;
       of_weight[static_cast<std::size_t>(j)].by_along(i) = -share * at.step_slope;
     }
-    given(2, i) = over * beta * side.twist - at.bump * gap_m -
+    given(2, i) = over * beta * edges.twist(i) - at.bump * gap_m -
                   0.5 * b(i) * b(i) * sag_m + own_m(j) +
                   at.step * (own_m(k) - own_m(j));
     of_height.by_along(i) =
         share * (at.step_slope * (own_m(k) - own_m(j)) +
-                 (1.0 - at.step_slope) * beta * side.twist - at.bump_slope * gap_m);
-    of_height.by_offset(i) = share * over * side.twist;
+                 (1.0 - at.step_slope) * beta * edges.twist(i) - at.bump_slope * gap_m);
+    of_height.by_offset(i) = share * over * edges.twist(i);
   }
   const Vector3 mean = given * weight;
   Matrix3 by_share;  // (function x corner) derivative by b
@@ -266,12 +283,11 @@ bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
     // b_l is in q_m, with b_o, and in q_o, with b_m.
     by_share.col(l) = (2.0 * per_pairs * b(l)) * (b(o) * b(o) * (given.col(m) - mean) +
                                                   b(m) * b(m) * (given.col(o) - mean));
-    by_share(2, l) -=
-        weight(l) * b(l) * (side_of(triangle, l).sag_m - s * side_of(triangle, l).sag);
+    by_share(2, l) -= weight(l) * b(l) * (edges.sag_m(l) - s * edges.sag(l));
   }
   const Vector3 common = by_share * b;  // b sums to one
   for (Index i = 0; i < 3; ++i) {
-    const Real rate = per_sum * side_of(triangle, i).per_altitude_m;
+    const Real rate = per_sum * edges.per_altitude_m(i);
     of_weight[0].by_offset(i) = rate * (by_share(0, i) - common(0));
     of_weight[1].by_offset(i) = rate * (by_share(1, i) - common(1));
     of_height.by_offset(i) += rate * (by_share(2, i) - common(2));
@@ -287,6 +303,7 @@ bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
 
 bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
                 const Vector3& x_m, SmoothPoint& point) noexcept {
+  const SmoothEdges& edges = triangle.edges;
   // The edge beyond which x lies and along which it has its foot; else, beyond a
   // corner, the one whose end is nearest.
   Index i = -1;
@@ -297,8 +314,8 @@ bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
       continue;
     }
     const Real t = sides.along(edge);
-    const Real past = std::max({-t, t - Real(1.0), Real(0.0)}) *
-                      side_of(triangle, edge).edge_m.norm();
+    const Real past =
+        std::max({-t, t - Real(1.0), Real(0.0)}) * edges.edge_m.at(edge).norm();
     if (i < 0 || past < nearest) {
       i = edge;
       nearest = past;
@@ -313,31 +330,30 @@ bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
     set_on_line(triangle, sides.along(i) > 0.0 ? k : j, x_m, point);
     return true;
   }
-  const SmoothSide& side = side_of(triangle, i);
   const Along at = along_edge(sides.along(i));
   const Real own_j = triangle.rise.col(j).dot(x_m - triangle.corner_m.col(j));
   const Real own_k = triangle.rise.col(k).dot(x_m - triangle.corner_m.col(k));
   const Real over = sides.along(i) - at.step;
   const Real beta = sides.offset_m(i);
-  const Real under = 1.0 - at.bump * side.gap;
+  const Real under = 1.0 - at.bump * edges.gap(i);
   if (!(under > kStretchMin)) {
     return false;
   }
   const Real per_under = 1.0 / under;
   const Real s = per_under * (own_j + at.step * (own_k - own_j) +
-                              over * beta * side.twist - at.bump * side.gap_m);
+                              over * beta * edges.twist(i) - at.bump * edges.gap_m(i));
   const Real by_along = at.step_slope * (own_k - own_j) +
-                        (1.0 - at.step_slope) * beta * side.twist -
-                        at.bump_slope * (side.gap_m - s * side.gap);
+                        (1.0 - at.step_slope) * beta * edges.twist(i) -
+                        at.bump_slope * (edges.gap_m(i) - s * edges.gap(i));
   point = {};
   point.weight(j) = 1.0 - at.step;
   point.weight(k) = at.step;
-  point.turn.row(k) = at.step_slope * sides.along_gradient.col(i);
+  point.turn.row(k) = at.step_slope * sides.along_gradient.at(i);
   point.turn.row(j) = -point.turn.row(k);
   point.height_m = s;
   point.rise = per_under *
-               (triangle.rise * point.weight + by_along * sides.along_gradient.col(i) +
-                (over * side.twist) * sides.offset_gradient.col(i));
+               (triangle.rise * point.weight + by_along * sides.along_gradient.at(i) +
+                (over * edges.twist(i)) * sides.offset_gradient.at(i));
   return true;
 }
 

@@ -44,36 +44,50 @@
 
 namespace palpate {
 
-/// One edge, from corner j = i + 1 to k = i + 2 (cyclic), and what it adds to the
-/// height.
-struct SmoothSide {
-  Vector3 edge_m = Vector3::Zero();   ///< [m] e
-  Vector3 bend = Vector3::Zero();     ///< [-] n_k - n_j
-  Vector3 across = Vector3::Zero();   ///< [-] m, unit, to the inside
-  Vector3 turned = Vector3::Zero();   ///< [-] m x n_j
-  Vector3 turning = Vector3::Zero();  ///< [-] m x (n_k - n_j)
-  Real open_m = 0.0;                  ///< [m] e . (m x n_j)
-  Real closing_m = 0.0;               ///< [m] e . (m x (n_k - n_j))
-  Real edge_normal_m = 0.0;           ///< [m] e . n_j
-  Real edge_bend_m = 0.0;             ///< [m] e . (n_k - n_j)
-  Real across_normal = 0.0;           ///< [-] m . n_j
-  Real across_bend = 0.0;             ///< [-] m . (n_k - n_j)
-  Real normal_squared = 1.0;          ///< [-] |n_j|^2
-  Real normal_bend = 0.0;             ///< [-] n_j . (n_k - n_j)
-  Real bend_squared = 0.0;            ///< [-] |n_k - n_j|^2
-  Real per_altitude_m = 0.0;          ///< [1/m] of the triangle over this edge
-  Real gap_m = 0.0;                   ///< [m] gamma
-  Real gap = 0.0;                     ///< [-] gamma'
-  Real twist = 0.0;                   ///< [-] tau
-  Real sag_m = 0.0;                   ///< [m] kappa
-  Real sag = 0.0;                     ///< [-] kappa'
+/// A value per edge, edge i opposite corner i, from corner j = i + 1 to k = i + 2
+/// (cyclic). The fourth repeats the first, so that two pairs make it.
+using EdgeValues = Eigen::Array<Real, 4, 1>;
+
+/// A vector per edge.
+struct EdgeVectors {
+  EdgeValues x = EdgeValues::Zero();
+  EdgeValues y = EdgeValues::Zero();
+  EdgeValues z = EdgeValues::Zero();
+
+  [[nodiscard]] Vector3 at(Eigen::Index i) const noexcept { return {x(i), y(i), z(i)}; }
+};
+
+/// The edges, and what they add to the height.
+struct SmoothEdges {
+  EdgeVectors start_m;        ///< [m] v_j
+  EdgeVectors edge_m;         ///< [m] e
+  EdgeVectors normal;         ///< [-] n_j
+  EdgeVectors bend;           ///< [-] n_k - n_j
+  EdgeVectors across;         ///< [-] m, unit, to the inside
+  EdgeVectors turned;         ///< [-] m x n_j
+  EdgeVectors turning;        ///< [-] m x (n_k - n_j)
+  EdgeValues open_m;          ///< [m] e . (m x n_j)
+  EdgeValues closing_m;       ///< [m] e . (m x (n_k - n_j))
+  EdgeValues edge_normal_m;   ///< [m] e . n_j
+  EdgeValues edge_bend_m;     ///< [m] e . (n_k - n_j)
+  EdgeValues across_normal;   ///< [-] m . n_j
+  EdgeValues across_bend;     ///< [-] m . (n_k - n_j)
+  EdgeValues normal_squared;  ///< [-] |n_j|^2
+  EdgeValues normal_bend;     ///< [-] n_j . (n_k - n_j)
+  EdgeValues bend_squared;    ///< [-] |n_k - n_j|^2
+  EdgeValues per_altitude_m;  ///< [1/m] of the triangle over this edge
+  EdgeValues gap_m;           ///< [m] gamma
+  EdgeValues gap;             ///< [-] gamma'
+  EdgeValues twist;           ///< [-] tau
+  EdgeValues sag_m;           ///< [m] kappa
+  EdgeValues sag;             ///< [-] kappa'
 };
 
 struct SmoothTriangle {
   Matrix3 corner_m = Matrix3::Zero();  ///< [m] v_j, one per column
   Matrix3 normal = Matrix3::Zero();    ///< [-] n_j, likewise
   Matrix3 rise = Matrix3::Zero();      ///< [-] r_j, likewise
-  std::array<SmoothSide, 3> side;      ///< opposite corner i
+  SmoothEdges edges;
 };
 
 /// The rise of a node: its normal and, where it has a response, what its direction
@@ -85,12 +99,12 @@ struct SmoothTriangle {
 
 /// Where a place is by the three edges.
 struct SmoothSides {
-  Vector3 along = Vector3::Zero();            ///< [-] t_i
-  Vector3 offset_m = Vector3::Zero();         ///< [m] beta_i
-  Vector3 altitudes = Vector3::Zero();        ///< [-] beta_i / altitude_i; < 0: beyond
-  Matrix3 along_gradient = Matrix3::Zero();   ///< [1/m] of t_i, one per column
-  Matrix3 offset_gradient = Matrix3::Zero();  ///< [-] of beta_i, one per column
-  std::array<bool, 3> sound{};                ///< the edge has coordinates there
+  EdgeValues along;             ///< [-] t_i
+  EdgeValues offset_m;          ///< [m] beta_i
+  EdgeValues altitudes;         ///< [-] beta_i / altitude_i; < 0: beyond
+  EdgeVectors along_gradient;   ///< [1/m] of t_i
+  EdgeVectors offset_gradient;  ///< [-] of beta_i
+  std::array<bool, 3> sound{};  ///< the edge has coordinates there; else all is zero
 };
 
 [[nodiscard]] SmoothSides sides_at(const SmoothTriangle& triangle,

@@ -16,8 +16,8 @@ namespace palpate {
 namespace {
 
 constexpr double kPreslidingM = 5e-4;
-constexpr std::array<LocalModel, 2> kModels{LocalModel::kElement,
-                                            LocalModel::kPotential};
+constexpr std::array<LocalModel, 3> kModels{
+    LocalModel::kElement, LocalModel::kPotential, LocalModel::kFacets};
 
 PotentialBenchRow row_of(const FieldAccount& account) {
   PotentialBenchRow row;

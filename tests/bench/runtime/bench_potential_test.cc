@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-// Computed once: two models, 20000 ticks, below 1 s.
+// Computed once: three models, 20000 ticks, below 1 s.
 const PotentialBenchReport& potential_report() {
   static const PotentialBenchReport kReport = [] {
     PotentialBenchOptions options;
@@ -25,13 +25,13 @@ TEST(PotentialBench, TheFieldNeedsNoLedgerAndRendersTheCurve) {
   for (const PotentialBenchRow& row : potential_report().rows) {
     EXPECT_GT(row.contact_ticks, 1000);
     EXPECT_LE(row.created_j, 1e-12) << name(row.model);
-    if (row.model == LocalModel::kPotential) {
+    if (is_field(row.model)) {
       EXPECT_EQ(row.interventions, 0U) << row.friction;
       EXPECT_LE(row.normal_error_max, 1e-9) << row.friction;
       ++rows;
     }
   }
-  EXPECT_EQ(rows, 2);
+  EXPECT_EQ(rows, 4);
 }
 
 TEST(PotentialBench, TheElementModelPaysForItsDirections) {
@@ -45,7 +45,7 @@ TEST(PotentialBench, TheElementModelPaysForItsDirections) {
 
 TEST(PotentialBench, ReportHasItsKeys) {
   const auto json = parse_json(to_json(potential_report()));
-  ASSERT_EQ(json["rows"].size(), 4U);
+  ASSERT_EQ(json["rows"].size(), 6U);
   for (const char* key : {"body", "contrast", "friction", "model", "interventions",
                           "energy_created_j", "normal_error_max"}) {
     EXPECT_TRUE(json["rows"][0].contains(key)) << key;

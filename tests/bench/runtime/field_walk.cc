@@ -19,23 +19,21 @@ Eigen::Vector3d vector(const std::array<double, 3>& values) {
   return Eigen::Map<const Eigen::Vector3d>(values.data());
 }
 
-// The interpolated curve at the model's own depth, its axis, and the stored direction.
+// The interpolated curve at the model's own depth, and the stored direction.
 struct Reference {
   double normal_n = 0.0;
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
 };
 
 Reference reference(const FastState& state, double depth_m) {
-  const bool field = state.config.model == LocalModel::kPotential;
+  const bool field = is_field(state.config.model);
   const int slot = field ? state.potential.place.slot : state.element.slot;
   Reference at;
   if (slot < 0) {
     return at;
   }
   const Eigen::Vector3d& weight =
-      field ? state.potential.place.frame.weight : state.element.area;
-  at.axis = field ? state.potential.place.frame.normal : state.element.direction;
+      field ? state.potential.place.weight : state.element.area;
   const Element& element = state.cache.element[static_cast<std::size_t>(slot)];
   for (std::size_t j = 0; j < 3; ++j) {
     const ElementNode& node = element.node[j];
@@ -51,7 +49,7 @@ Reference reference(const FastState& state, double depth_m) {
 }
 
 Eigen::Vector3d friction_n(const FastState& state, const Eigen::Vector3d& x) {
-  if (state.config.model == LocalModel::kPotential) {
+  if (is_field(state.config.model)) {
     return state.potential.spring.force_n();
   }
   return -state.element.friction_n_per_m *
@@ -62,7 +60,10 @@ void compare(FieldAccount& account, const FastState& state, const Eigen::Vector3
              const FastCommand& command) {
   const Reference at = reference(state, command.depth_m);
   const Eigen::Vector3d normal_part = command.force_n - friction_n(state, x);
-  const double error = normal_part.dot(at.axis) - at.normal_n;
+  const double given = is_field(state.config.model)
+                           ? state.potential.response.normal_n
+                           : normal_part.dot(state.element.direction);
+  const double error = given - at.normal_n;
   account.normal_max_n = std::max(account.normal_max_n, at.normal_n);
   account.error_max_n = std::max(account.error_max_n, std::abs(error));
   account.normal_square_n2 += at.normal_n * at.normal_n;

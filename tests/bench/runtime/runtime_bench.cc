@@ -12,6 +12,7 @@
 #include "runtime/run/render_run.h"
 #include "tests/bench/runtime/bench_contacts.h"
 #include "tests/bench/runtime/bench_device.h"
+#include "tests/bench/runtime/bench_edges.h"
 #include "tests/bench/runtime/bench_potential.h"
 #include "tests/bench/runtime/bench_search.h"
 #include "tests/bench/runtime/bench_slide.h"
@@ -134,6 +135,28 @@ void add_search(Command app) {
   });
 }
 
+void add_edges(Command app) {
+  struct Flags {
+    std::filesystem::path database;
+    std::string tool;
+    bool json = false;
+  };
+  Command command = app.add_subcommand(
+      "edges", "steps of the force where the tool crosses an edge of the surface");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  command.add_option("--tool", flags->tool,
+                     "of the database; may be left out if there is one");
+  command.add_flag("--json", flags->json, "one JSON object on stdout");
+  command.callback([flags] {
+    const ResponseDatabase database = read_database(flags->database);
+    const std::vector<EdgesBenchRow> rows =
+        run_edges_bench(database, find_tool(database, flags->tool));
+    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+  });
+}
+
 void add_stream(Command app) {
   struct Flags : StreamBenchOptions {
     bool json = false;
@@ -200,7 +223,7 @@ int main(int argc, char** argv) {
   using namespace palpate;
   skip_hdf5_exit_cleanup();
   return run_tool("runtime_bench", "Measures the runtime.",
-                  {&add_contacts, &add_potential, &add_grow, &add_slide, &add_search,
-                   &add_stream, &add_device},
+                  {&add_contacts, &add_potential, &add_edges, &add_grow, &add_slide,
+                   &add_search, &add_stream, &add_device},
                   argc, argv);
 }

@@ -255,7 +255,7 @@ TEST(SmoothTriangle, GoesOnBeyondAnEdgeWithTheSameGradient) {
     const double s = random.in(-0.001, 0.006);
     const Vector3d x = (1.0 - along) * (t.corner_m.col(0) + s * t.normal.col(0)) +
                        along * (t.corner_m.col(1) + s * t.normal.col(1));
-    const Vector3d out = -t.side[2].across;
+    const Vector3d out = -t.edges.across.at(2);
     const SmoothPoint before = inside(t, x - 1e-10 * out);
     const SmoothPoint after = beyond(t, x + 1e-10 * out);
     EXPECT_LT((before.rise - after.rise).norm(), 1e-5) << n;
