@@ -129,8 +129,8 @@ typedef struct palpate_options {
   double stall_s; /* [s] > 0, in contact without an element: fault; 0.5 */
   double ramp_s;  /* [s] > 0, from start or reset to the full force; 0.1 */
   uint32_t flags; /* of enum palpate_flags */
-  /* Local model, of the passive ones: "potential" (NULL), "element", "energy-tank",
-   * "equal-energy". */
+  /* Local model, of the passive ones: "potential" (NULL), "facets", "element",
+   * "energy-tank", "equal-energy". */
   const char* model;
   double device_angular_damping_n_m_s; /* [N m s] > 0, viscous, of turns; 0: unknown,
                                           turning of several contacts is not checked */

@@ -31,7 +31,7 @@ bool same_node(const ElementNode& a, const ElementNode& b) {
   return a.node >= 0 || b.node >= 0 ? a.node == b.node : a.position_m == b.position_m;
 }
 
-void take_element(FieldPlace& place, const ElementCache& cache, int slot) {
+void enter_element(FieldPlace& place, const ElementCache& cache, int slot) {
   const Element& element = element_of(cache, slot);
   place.slot = slot;
   place.prism = make_prism(element);
@@ -53,7 +53,7 @@ void cross_into(FieldPlace& place, const ElementCache& cache, int slot,
       }
     }
   }
-  take_element(place, cache, slot);
+  enter_element(place, cache, slot);
   const Real sum = area.sum();
   const Matrix3& v = place.prism.corner_m;
   place.at.area = sum > 0.0
@@ -296,7 +296,7 @@ void adopt(FieldPlace& place, const ElementCache& cache, int slot, const Vector3
            FieldKind kind) noexcept {
   place = {};
   place.kind = kind;
-  take_element(place, cache, slot);
+  enter_element(place, cache, slot);
   const Matrix3& v = place.prism.corner_m;
   place.at.area = triangle::nearest_inside(v, triangle::area_coordinates(v, x_m));
   const Vector3 sum = place.prism.normal * place.at.area;
@@ -307,7 +307,7 @@ void adopt(FieldPlace& place, const ElementCache& cache, int slot, const Vector3
 }
 
 void move_to_copy(FieldPlace& place, const ElementCache& cache, int slot) noexcept {
-  take_element(place, cache, slot);
+  enter_element(place, cache, slot);
   if (place.kind == FieldKind::kSmooth && !place.folded) {
     (void)follow_within(place, place.position_m);
   }

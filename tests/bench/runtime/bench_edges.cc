@@ -19,11 +19,11 @@
 namespace palpate {
 namespace {
 
-constexpr double kStepM = 1e-6;
+constexpr double kCrossingM = 1e-6;
 
 using Eigen::Vector3d;
 
-Vector3d vector(const std::array<double, 3>& values) {
+Vector3d values_of(const std::array<double, 3>& values) {
   return Eigen::Map<const Vector3d>(values.data());
 }
 
@@ -44,9 +44,9 @@ struct Crossing {
 Crossing crossing_of(const Element& element, std::size_t j) {
   const ElementNode& a = element.node[j];
   const ElementNode& b = element.node[(j + 1) % 3];
-  const Vector3d normal = (vector(a.normal) + vector(b.normal)).normalized();
-  const Vector3d edge = vector(b.position_m) - vector(a.position_m);
-  return {0.5 * (vector(a.position_m) + vector(b.position_m)), normal,
+  const Vector3d normal = (values_of(a.normal) + values_of(b.normal)).normalized();
+  const Vector3d edge = values_of(b.position_m) - values_of(a.position_m);
+  return {0.5 * (values_of(a.position_m) + values_of(b.position_m)), normal,
           normal.cross(edge).normalized()};
 }
 
@@ -85,7 +85,7 @@ double at_share(std::vector<double>& sorted, double share) {
                                          static_cast<double>(sorted.size() - 1))];
 }
 
-EdgesBenchRow row_of(Steps& steps, LocalModel model, double depth_m) {
+EdgesBenchRow row_of_steps(Steps& steps, LocalModel model, double depth_m) {
   std::sort(steps.step.begin(), steps.step.end());
   std::sort(steps.turn_rad.begin(), steps.turn_rad.end());
   return {.model = model,
@@ -121,7 +121,7 @@ std::vector<EdgesBenchRow> run_edges_bench(const ResponseDatabase& database,
                                            const ResponseTable& table) {
   const ElementStream stream(database, table);
   const double radius_m = nominal_height_m(table.tool);
-  const auto triangles = static_cast<std::int32_t>(database.triangle.rows());
+  const auto triangles = static_cast<std::int32_t>(database.body.triangle.rows());
   const auto cache = std::make_unique<ElementCache>();
   std::vector<EdgesBenchRow> rows;
   for (const LocalModel model : {LocalModel::kFacets, LocalModel::kPotential}) {
@@ -135,7 +135,7 @@ std::vector<EdgesBenchRow> run_edges_bench(const ResponseDatabase& database,
                   store(*cache, other);
                   const Crossing at = crossing_of(one, j);
                   const Vector3d x = at.middle_m + (radius_m - depth_m) * at.normal;
-                  const Vector3d half = 0.5 * kStepM * at.across;
+                  const Vector3d half = 0.5 * kCrossingM * at.across;
                   const int slot = find(*cache, one.triangle);
                   const auto before =
                       force_at(*cache, slot, field_kind(model), radius_m, x + half);
@@ -145,7 +145,7 @@ std::vector<EdgesBenchRow> run_edges_bench(const ResponseDatabase& database,
                     add_step(steps, *before, *after, at.normal);
                   }
                 });
-      rows.push_back(row_of(steps, model, depth_m));
+      rows.push_back(row_of_steps(steps, model, depth_m));
     }
   }
   return rows;

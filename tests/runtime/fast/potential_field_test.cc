@@ -259,6 +259,137 @@ TEST(PotentialField, FallsToZeroTowardsANodeWithoutResponse) {
   }
 }
 
+// A place of the smooth field in one element.
+FieldPlace smooth_place(const ElementCache& cache, const Eigen::Vector3d& x) {
+  FieldPlace place;
+  adopt(place, cache, 0, x);
+  return place;
+}
+
+// x at coordinates of the prism: the smooth field shares its faces and node lines.
+Eigen::Vector3d position_at(const Element& element, const PrismPoint& at) {
+  return frame_at(make_prism(element), at, Beyond::kAnalytic).position_m;
+}
+
+TEST(SmoothField, ForceIsTheNegativeGradient) {
+  std::mt19937_64 random(15);
+  std::uniform_real_distribution<double> unit(0.1, 1.0);
+  auto cache = std::make_unique<ElementCache>();
+  for (int n = 0; n < 1000; ++n) {
+    *cache = {};
+    const Element element = random_element(random);
+    store(*cache, element);
+    PrismPoint at;
+    at.area = Eigen::Vector3d(unit(random), unit(random), unit(random));
+    at.area /= at.area.sum();
+    at.height_m = kSphereRadiusM - 0.006 * unit(random);
+    const Eigen::Vector3d x = position_at(element, at);
+    const FieldResponse response = response_at(*cache, smooth_place(*cache, x));
+    constexpr double kStepM = 1e-7;
+    Eigen::Vector3d difference;
+    for (int i = 0; i < 3; ++i) {
+      const auto energy_at = [&](double step) {
+        const FieldPlace moved =
+            smooth_place(*cache, x + step * Eigen::Vector3d::Unit(i));
+        EXPECT_FALSE(moved.folded || moved.outside);
+        return response_at(*cache, moved).energy_j;
+      };
+      difference(i) = (energy_at(-kStepM) - energy_at(kStepM)) / (2.0 * kStepM);
+    }
+    // Rounding of energies near 1e-3 J over 2e-7 m, and the third derivative's part.
+    EXPECT_LT((difference - response.force_n).norm(),
+              1e-6 * response.force_n.norm() + 1e-10)
+        << n;
+  }
+}
+
+TEST(SmoothField, OnANodesLineTheForceIsTheStoredOneAtEveryDepth) {
+  std::mt19937_64 random(16);
+  auto cache = std::make_unique<ElementCache>();
+  for (int n = 0; n < 300; ++n) {
+    *cache = {};
+    const Element element = random_element(random);
+    store(*cache, element);
+    const auto j = static_cast<std::size_t>(n % 3);
+    const ElementNode& node = element.node[j];
+    const Eigen::Map<const Eigen::Vector3d> normal(node.normal.data());
+    const Eigen::Map<const Eigen::Vector3d> u(node.direction.data());
+    for (const double depth : {0.0005, 0.002, 0.006}) {
+      PrismPoint at;
+      at.area = Eigen::Vector3d::Unit(static_cast<int>(j));
+      at.height_m = kSphereRadiusM - depth;
+      const FieldResponse response =
+          response_at(*cache, smooth_place(*cache, position_at(element, at)));
+      const double f =
+          node.curve().at(normal.dot(u) * (depth - node.touch_offset_m)).force_n;
+      EXPECT_LT((response.force_n - f * u).norm(), 1e-9 * f) << n;
+    }
+  }
+}
+
+TEST(SmoothField, ForceIsContinuousAcrossEdges) {
+  const BenchBody body = make_bench_body(stiff_and_soft());
+  int edges = 0;
+  for (const Element& element : body.element) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::int32_t next =
+          element.neighbour[static_cast<std::size_t>((corner + 1) % 3)];
+      if (next < 0) {
+        continue;
+      }
+      const auto here = cache_of(element);
+      const auto there = cache_of(body.element[static_cast<std::size_t>(next)]);
+      for (const double along : {0.01, 0.3, 0.8}) {
+        PrismPoint at;
+        at.area((corner + 1) % 3) = along;
+        at.area((corner + 2) % 3) = 1.0 - along;
+        at.height_m = kSphereRadiusM - 0.005;
+        const Eigen::Vector3d x = position_at(element, at);
+        const FieldResponse one = response_at(*here, smooth_place(*here, x));
+        const FieldResponse other = response_at(*there, smooth_place(*there, x));
+        EXPECT_NEAR(other.energy_j, one.energy_j, 1e-12 * one.energy_j);
+        EXPECT_LT((other.force_n - one.force_n).norm(), 1e-9 * one.force_n.norm());
+        ++edges;
+      }
+    }
+  }
+  EXPECT_GT(edges, 200);
+}
+
+// Places near faces and nodes, where some node has no response, or little weight.
+TEST(SmoothField, NeverPullsAndStoresNoNegativeEnergy) {
+  std::mt19937_64 random(18);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  auto cache = std::make_unique<ElementCache>();
+  int sound = 0;
+  for (int n = 0; n < 20000; ++n) {
+    *cache = {};
+    Element element = random_element(random);
+    for (ElementNode& node : element.node) {
+      if (unit(random) < 0.1) {
+        node.samples = 0;
+        node.direction = {};
+      }
+    }
+    store(*cache, element);
+    PrismPoint at;
+    for (int j = 0; j < 3; ++j) {
+      at.area(j) = std::pow(10.0, -5.0 * unit(random));
+    }
+    at.area /= at.area.sum();
+    at.height_m = kSphereRadiusM - 0.006 * unit(random);
+    const PrismFrame frame = frame_at(make_prism(element), at, Beyond::kAnalytic);
+    const FieldPlace place = smooth_place(*cache, frame.position_m);
+    const FieldResponse response = response_at(*cache, place);
+    EXPECT_GE(response.energy_j, 0.0);
+    if (!place.folded && !place.outside) {
+      EXPECT_GE(response.force_n.dot(frame.normal), -1e-12) << n;
+      ++sound;
+    }
+  }
+  EXPECT_GT(sound, 19000);
+}
+
 // A needle of no width at z = 30 mm, alone: no coordinates, but a nearest point.
 TEST(FieldPlace, WithoutCoordinatesItIsTheDistanceToTheNearestPoint) {
   constexpr double kHeight = 0.03;
