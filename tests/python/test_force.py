@@ -21,7 +21,7 @@ def test_a_sheet_of_springs_pushes_straight_back(flat):
     wanted = 200.0 * numpy.maximum(0.0, RADIUS_M - x[:, 2])
     force = flat.force(x)
     assert numpy.allclose(force[:, 2], wanted, rtol=1e-12, atol=1e-15)
-    assert numpy.allclose(force[:, :2], 0.0, atol=1e-15)
+    assert numpy.allclose(force[:, :2], 0.0, atol=1e-14)  # roundings of 0.8 N
 
 
 def test_stiffness_is_the_slope_of_the_curves(flat):
