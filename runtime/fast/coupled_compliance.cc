@@ -8,11 +8,6 @@ namespace {
 
 using Index = Eigen::Index;
 
-// The place on the surface at rest.
-Vector3 foot_m(const FieldPlace& place) {
-  return place.prism.corner_m * place.weight;
-}
-
 // The distance between contacts of two ports, among the knots, and the
 // unit vector from the second to the first.
 struct Apart {
@@ -134,8 +129,7 @@ Vector3 sunk_by_distance_m(const CoupledField& field, const CoupledSet& set,
                              reach_slope(field, set, surfaces, j, i));
     pull += (f * by_r) * apart(field, set, i, j).toward;
   }
-  const FieldPlace& place = field.at[i].place;
-  return (place.prism.corner_m * place.turn).transpose() * pull;
+  return foot_turn(field.at[i].place).transpose() * pull;
 }
 
 // What place i's rows say of C: halves of its column.

@@ -35,6 +35,7 @@ bool settle_places(const CoupledTick& t, Keep keep) {
 // What of a place fixes its tangent plane.
 struct Tangent {
   int slot;
+  Vector3 position_m;
   Real height_m;
   Vector3 weight;
   Vector3 normal;
@@ -49,6 +50,7 @@ void continue_in(const Tangent& tangent, const CoupledSurface& surface,
       make_prism(surface.cache.element[static_cast<std::size_t>(tangent.slot)]);
   place.folded = true;
   place.outside = false;
+  place.position_m = tangent.position_m + moved;
   place.height_m = tangent.height_m + tangent.rise.dot(moved);
   place.weight = tangent.weight;
   place.normal = tangent.normal;
@@ -69,8 +71,8 @@ void move_contact(const CoupledTick& t, int i, const Vector3& x, Moved& move) {
   if (place.slot < 0) {
     return;
   }
-  const Tangent before{place.slot, place.height_m, place.weight, place.normal,
-                       place.rise};
+  const Tangent before{place.slot,   place.position_m, place.height_m,
+                       place.weight, place.normal,     place.rise};
   contact.spring.follow(move.moved_m, before.normal);
   const bool sound = !place.folded && !place.outside && !place.prism.flat;
   FieldPlace& on = t.scratch.at[static_cast<std::size_t>(i)].place;

@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 
+#include "runtime/fast/triangle.h"
 #include "runtime/fast/wrench_vector.h"
 
 namespace palpate {
@@ -222,6 +223,19 @@ void delivered(CoupledState& state, const PortWrenches& wrench) noexcept {
   }
 }
 
+namespace {
+
+// Area coordinates of a contact's point.
+Vector3 shares_of(const FieldPlace& place, const Vector3& point_m) {
+  const Matrix3& corners_m = place.prism.corner_m;
+  return place.kind == FieldKind::kFacets
+             ? place.weight
+             : triangle::nearest_inside(corners_m,
+                                        triangle::area_coordinates(corners_m, point_m));
+}
+
+}  // namespace
+
 CoupledContactPlace contact_place(const CoupledState& state, int i) noexcept {
   CoupledContactPlace at;
   if (is_alone(state.set)) {
@@ -246,9 +260,9 @@ CoupledContactPlace contact_place(const CoupledState& state, int i) noexcept {
   }
   at.depth_m = c.depth_m(i) + state.model.field.shift_m;
   at.dimple_m = c.dimple_m(i) + c.scale * c.sunk_m(i);
-  at.point_m = place.prism.corner_m * place.weight;
+  at.point_m = foot_m(place);
   at.normal = place.normal;
-  at.share = place.weight;
+  at.share = shares_of(place, at.point_m);
   at.triangle = state.surfaces[i].cache.triangle[static_cast<std::size_t>(place.slot)];
   at.touching = contact.reading.touching;
   at.starved = place.starved;

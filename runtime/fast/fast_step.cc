@@ -289,6 +289,9 @@ FastContact contact(const FastState& state) noexcept {
       at.point_m += part * Eigen::Map<const Vector3>(node.position_m.data());
       at.normal += part * Eigen::Map<const Vector3>(node.normal.data());
     }
+    if (field) {
+      at.point_m = foot_m(place);
+    }
     const Real length = at.normal.norm();
     if (length > 0.0) {
       at.normal /= length;

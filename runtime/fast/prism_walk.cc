@@ -248,6 +248,33 @@ Vector3 gradient(const FieldPlace& place, const Vector3& slope,
              : gradient(place.frame, slope(0), slope(1), by_height_per_m);
 }
 
+Vector3 foot_m(const FieldPlace& place) noexcept {
+  const Prism& prism = place.prism;
+  if (place.kind == FieldKind::kFacets) {
+    return prism.corner_m * place.weight;
+  }
+  Vector3 foot = place.position_m;
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    const Vector3 n = prism.normal.col(j);
+    foot -= (place.weight(j) * n.dot(place.position_m - prism.corner_m.col(j))) * n;
+  }
+  return foot;
+}
+
+Matrix3 foot_turn(const FieldPlace& place) noexcept {
+  const Prism& prism = place.prism;
+  if (place.kind == FieldKind::kFacets) {
+    return prism.corner_m * place.turn;
+  }
+  Matrix3 turn = Matrix3::Identity();
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    const Vector3 n = prism.normal.col(j);
+    const Real height_m = n.dot(place.position_m - prism.corner_m.col(j));
+    turn -= n * (height_m * place.turn.row(j) + place.weight(j) * n.transpose());
+  }
+  return turn;
+}
+
 bool follow_within(FieldPlace& place, const Vector3& x_m) noexcept {
   const bool found = place.kind == FieldKind::kSmooth ? follow_smooth_within(place, x_m)
                                                       : follow_facet_within(place, x_m);

@@ -50,6 +50,14 @@ void set_facet(FieldPlace& place, const PrismPoint& at,
 [[nodiscard]] Vector3 gradient(const FieldPlace& place, const Vector3& slope,
                                Real by_height_per_m) noexcept;
 
+/// The place on the surface at rest that is pressed [m]: on facets sum w_j v_j; in the
+/// smooth field the tool's own place, projected onto the tangent planes of the nodes,
+/// x - sum w_j n_j (n_j . (x - v_j)).
+[[nodiscard]] Vector3 foot_m(const FieldPlace& place) noexcept;
+
+/// Its derivatives by the place's coordinates, one per column.
+[[nodiscard]] Matrix3 foot_turn(const FieldPlace& place) noexcept;
+
 /// Takes the element in `slot`, at its point nearest to the tool, then follows the
 /// tool.
 void adopt(FieldPlace& place, const ElementCache& cache, int slot, const Vector3& x_m,

@@ -66,7 +66,7 @@ TEST_F(Contacts, TwoHandsPressTogetherAndAreRecordedAndReplayed) {
   EXPECT_NE(again.out.find("2000 of 2000 ticks are identical"), std::string::npos)
       << again.out;
   expect_refused(replay({file("bare.h5")}), "is not the database of the recording");
-  expect_refused(replay({file("pads.h5"), "--model", "element"}), "potential");
+  expect_refused(replay({file("pads.h5"), "--model", "element"}), "leave it out");
 }
 
 TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {

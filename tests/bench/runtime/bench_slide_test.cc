@@ -39,17 +39,27 @@ TEST(SlideBench, WithFrictionTheyLose) {
 }
 
 TEST(SlideBench, ForceErrorFallsWithTheTriangles) {
-  const auto error = [](std::int64_t triangles) {
+  const auto error = [](std::int64_t triangles, LocalModel model) {
     return run_slide_bench({.triangles = {triangles},
                             .tool_radius_m = {0.001},
                             .friction = {0.0},
+                            .model = model,
                             .rounds = 1})
         .front()
         .error;
   };
-  const double coarse = error(968);
-  // Four times the triangles halve an edge and quarter its sagitta.
-  EXPECT_NEAR(std::log2(coarse / error(4 * 968)), 2.0, 0.3);
+  const auto coarse = [&](LocalModel model) {
+    return error(968, model);
+  };
+  const auto fine = [&](LocalModel model) {
+    return error(4 * 968, model);
+  };
+  // Four times the triangles halve an edge: on facets its sagitta falls to a quarter,
+  // the smooth body to an eighth at least.
+  EXPECT_NEAR(std::log2(coarse(LocalModel::kFacets) / fine(LocalModel::kFacets)), 2.0,
+              0.3);
+  EXPECT_GT(std::log2(coarse(LocalModel::kPotential) / fine(LocalModel::kPotential)),
+            2.9);
 }
 
 TEST(SlideBench, RefusesWhatItCannotMake) {

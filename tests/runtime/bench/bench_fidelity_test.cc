@@ -64,7 +64,7 @@ TEST(Fidelity, HoldsDoGiveEnergyAway) {
 
 TEST(Fidelity, ReportHasItsKeys) {
   const auto json = parse_json(to_json(fidelity_rows()));
-  ASSERT_EQ(json["rows"].size(), 48U);
+  ASSERT_EQ(json["rows"].size(), 56U);
   for (const char* key : {"exponent", "frequency_hz", "model", "rms_relative_error",
                           "net_energy_j", "stored_energy_j"}) {
     EXPECT_TRUE(json["rows"][0].contains(key)) << key;

@@ -356,6 +356,36 @@ TEST(SmoothField, ForceIsContinuousAcrossEdges) {
   EXPECT_GT(edges, 200);
 }
 
+TEST(SmoothField, TheFootIsUnderTheToolAndMovesWithIt) {
+  std::mt19937_64 random(17);
+  auto cache = std::make_unique<ElementCache>();
+  for (int n = 0; n < 200; ++n) {
+    *cache = {};
+    Element element = random_element(random);
+    store(*cache, element);
+    const PrismPoint at{{0.2, 0.5, 0.3}, kSphereRadiusM - 0.002};
+    const Eigen::Vector3d x = position_at(element, at);
+    const FieldPlace place = smooth_place(*cache, x);
+    constexpr double kStepM = 1e-7;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d step = kStepM * Eigen::Vector3d::Unit(i);
+      const Eigen::Vector3d by = (foot_m(smooth_place(*cache, x + step)) -
+                                  foot_m(smooth_place(*cache, x - step))) /
+                                 (2.0 * kStepM);
+      EXPECT_LT((by - foot_turn(place).col(i)).norm(), 1e-6) << n;
+    }
+    for (ElementNode& node : element.node) {  // over a plane: straight down
+      node.position_m[2] = 0.0;
+      node.normal = {0.0, 0.0, 1.0};
+    }
+    *cache = {};
+    store(*cache, element);
+    const Eigen::Vector3d over = position_at(element, at);
+    const Eigen::Vector3d foot = foot_m(smooth_place(*cache, over));
+    EXPECT_LT((foot - Eigen::Vector3d(over.x(), over.y(), 0.0)).norm(), 1e-17) << n;
+  }
+}
+
 // Places near faces and nodes, where some node has no response, or little weight.
 TEST(SmoothField, NeverPullsAndStoresNoNegativeEnergy) {
   std::mt19937_64 random(18);
