@@ -218,8 +218,9 @@ constexpr const char* kWrench =
 
 constexpr const char* kMake =
     "Renders a Database, or the file of one. Options: model ('potential', 'facets', "
-    "'element',\n'energy-tank', 'equal-energy'), tick_s [s] 0.001, slow_hz 100 of the thread, "
-    "force_max_n [N] 8, stall_s [s] 0.5,\nramp_s [s] 0.1, position_gain, force_gain, "
+    "'element',\n'energy-tank', 'equal-energy'), tick_s [s] 0.001, slow_hz 100 of the "
+    "thread, force_max_n [N] 8, stall_s [s] 0.5,\nramp_s [s] 0.1, position_gain, "
+    "force_gain, "
     "and of a device damping_n_s_per_m, angular_damping_n_m_s,\ndelay_s, "
     "limit_stiffness; of a file streamed. Meanings: palpate_options in palpate.h.";
 
