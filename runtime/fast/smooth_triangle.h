@@ -16,7 +16,7 @@
 // x alone: the neighbour has 1 - t and -beta. b_i = (beta_i / altitude_i) / sum are
 // shares, >= 0 over the element.
 //
-// Side weights (Nielson) W_i = (b_j b_k)^2 / sum are 1 on face i, where the others
+// Side weights (Nielson 1979) W_i = (b_j b_k)^2 / sum are 1 on face i, where the others
 // vanish with b_i^2, so that what they blend is there a function of (x, t_i, beta_i) up
 // to second order. With H(t) = t^2 (3 - 2 t) of t held in [0, 1], eps(t) = 2 t^2 (1 -
 // t)^2:
