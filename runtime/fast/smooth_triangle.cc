@@ -129,6 +129,131 @@ void set_on_line(const SmoothTriangle& t, Index corner, const Vector3& x,
   point.height_m = point.rise.dot(x - t.corner_m.col(corner));
 }
 
+// Values of a blend, which its derivatives need.
+struct Blend {
+  Real per_sum = 0.0;    // of the shares
+  Vector3 share;         // b
+  Real per_pairs = 0.0;  // of the squares (b_j b_k)^2
+  Vector3 side_weight;   // W
+  std::array<Along, 3> along;
+  Vector3 own_m;         // the height by each node's plane
+  Real per_under = 0.0;  // of the height's denominator
+};
+
+void weigh_sides(const SmoothSides& sides, Blend& blend, Vector3& node_weight) {
+  const Vector3& b = blend.share;
+  const Vector3 pair(b(1) * b(2), b(2) * b(0), b(0) * b(1));
+  blend.per_pairs = 1.0 / pair.squaredNorm();
+  blend.side_weight = blend.per_pairs * pair.cwiseAbs2();
+  node_weight.setZero();
+  for (Index i = 0; i < 3; ++i) {
+    // Side i gives its end k a part, and its other end j the rest.
+    const Along at = along_edge(sides.along(i));
+    blend.along[static_cast<std::size_t>(i)] = at;
+    const Index j = after(i);
+    node_weight(after(j)) += blend.side_weight(i) * at.step;
+    node_weight(j) += blend.side_weight(i) * (1.0 - at.step);
+  }
+}
+
+// @returns whether the height's equation is sound.
+bool set_height(const SmoothTriangle& triangle, const SmoothSides& sides,
+                const Vector3& x, Blend& blend, SmoothPoint& point) {
+  const SmoothEdges& edges = triangle.edges;
+  Real over_m = 0.0;
+  Real under = 1.0;
+  for (Index i = 0; i < 3; ++i) {
+    const Along& at = blend.along[static_cast<std::size_t>(i)];
+    const Real w = blend.side_weight(i);
+    const Real r = 0.5 * blend.share(i) * blend.share(i);
+    over_m += w * ((sides.along(i) - at.step) * sides.offset_m(i) * edges.twist(i) -
+                   at.bump * edges.gap_m(i) - r * edges.sag_m(i));
+    under -= w * (at.bump * edges.gap(i) + r * edges.sag(i));
+  }
+  if (!(under > kStretchMin)) {
+    return false;
+  }
+  for (Index j = 0; j < 3; ++j) {
+    blend.own_m(j) = triangle.rise.col(j).dot(x - triangle.corner_m.col(j));
+  }
+  blend.per_under = 1.0 / under;
+  point.height_m = blend.per_under * (over_m + point.weight.dot(blend.own_m));
+  return true;
+}
+
+// Derivatives of w_0, w_1 and s by t_i and beta_i, as far as W stays.
+struct SideRates {
+  std::array<Rates, 2> of_weight;
+  Rates of_height;
+  Matrix3 given = Matrix3::Zero();  // (function x side) value of each at W_i = 1
+};
+
+SideRates side_rates(const SmoothTriangle& triangle, const SmoothSides& sides,
+                     const Blend& blend, Real s) {
+  const SmoothEdges& edges = triangle.edges;
+  const Vector3& own_m = blend.own_m;
+  SideRates rates;
+  for (Index i = 0; i < 3; ++i) {
+    const Along& at = blend.along[static_cast<std::size_t>(i)];
+    const Index j = after(i);
+    const Index k = after(j);
+    const Real b = blend.share(i);
+    const Real w = blend.side_weight(i);
+    const Real gap_m = edges.gap_m(i) - s * edges.gap(i);
+    const Real sag_m = edges.sag_m(i) - s * edges.sag(i);
+    const Real twisted_m = sides.offset_m(i) * edges.twist(i);
+    const Real over = sides.along(i) - at.step;
+    if (k < 2) {
+      rates.given(k, i) = at.step;
+      rates.of_weight[static_cast<std::size_t>(k)].by_along(i) = w * at.step_slope;
+    }
+    if (j < 2) {
+      rates.given(j, i) = 1.0 - at.step;
+      rates.of_weight[static_cast<std::size_t>(j)].by_along(i) = -w * at.step_slope;
+    }
+    rates.given(2, i) = over * twisted_m - at.bump * gap_m - 0.5 * b * b * sag_m +
+                        own_m(j) + at.step * (own_m(k) - own_m(j));
+    rates.of_height.by_along(i) =
+        w * (at.step_slope * (own_m(k) - own_m(j)) + (1.0 - at.step_slope) * twisted_m -
+             at.bump_slope * gap_m);
+    rates.of_height.by_offset(i) = w * over * edges.twist(i);
+  }
+  return rates;
+}
+
+// With the squares q_i = (b_j b_k)^2, which are in all of them:
+// dW_i = (dq_i - W_i sum dq) / sum q.
+void set_gradients(const SmoothTriangle& triangle, const SmoothSides& sides,
+                   const Blend& blend, SmoothPoint& point) {
+  const SmoothEdges& edges = triangle.edges;
+  const Vector3& b = blend.share;
+  SideRates rates = side_rates(triangle, sides, blend, point.height_m);
+  const Vector3 mean = rates.given * blend.side_weight;
+  Matrix3 by_share;  // (function x corner) derivative by b
+  for (Index l = 0; l < 3; ++l) {
+    const Index m = after(l);
+    const Index o = after(m);
+    // b_l is in q_m, with b_o, and in q_o, with b_m.
+    by_share.col(l) =
+        (2.0 * blend.per_pairs * b(l)) * (b(o) * b(o) * (rates.given.col(m) - mean) +
+                                          b(m) * b(m) * (rates.given.col(o) - mean));
+    by_share(2, l) -=
+        blend.side_weight(l) * b(l) * (edges.sag_m(l) - point.height_m * edges.sag(l));
+  }
+  const Vector3 common = by_share * b;  // b sums to one
+  for (Index i = 0; i < 3; ++i) {
+    const Real rate = blend.per_sum * edges.per_altitude_m(i);
+    rates.of_weight[0].by_offset(i) = rate * (by_share(0, i) - common(0));
+    rates.of_weight[1].by_offset(i) = rate * (by_share(1, i) - common(1));
+    rates.of_height.by_offset(i) += rate * (by_share(2, i) - common(2));
+  }
+  point.turn.row(0) = gradient_of(rates.of_weight[0], sides);
+  point.turn.row(1) = gradient_of(rates.of_weight[1], sides);
+  point.turn.row(2) = -point.turn.row(0) - point.turn.row(1);
+  point.rise = blend.per_under *
+               (triangle.rise * point.weight + gradient_of(rates.of_height, sides));
+}
+
 }  // namespace
 
 Vector3 rise_of(const ElementNode& node) noexcept {
@@ -204,100 +329,23 @@ SmoothSides sides_at(const SmoothTriangle& triangle, const Vector3& x_m) noexcep
 
 bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
                 const Vector3& x_m, SmoothPoint& point) noexcept {
-  const SmoothEdges& edges = triangle.edges;
   const Real sum = sides.altitudes.head<3>().sum();
   if (!(sides.sound[0] && sides.sound[1] && sides.sound[2] && sum > kStretchMin)) {
     return false;
   }
-  const Real per_sum = 1.0 / sum;
-  const Vector3 b = per_sum * sides.altitudes.head<3>().matrix();
+  Blend blend;
+  blend.per_sum = 1.0 / sum;
+  blend.share = blend.per_sum * sides.altitudes.head<3>().matrix();
   Index corner = 0;
-  if (b.maxCoeff(&corner) > 1.0 - kOnNodeLine) {
+  if (blend.share.maxCoeff(&corner) > 1.0 - kOnNodeLine) {
     set_on_line(triangle, corner, x_m, point);
     return true;
   }
-  // W_i and what side i gives its end k; its other end j has the rest.
-  const Vector3 pair(b(1) * b(2), b(2) * b(0), b(0) * b(1));
-  const Real per_pairs = 1.0 / pair.squaredNorm();
-  const Vector3 weight = per_pairs * pair.cwiseAbs2();
-  std::array<Along, 3> along;
-  Vector3 w = Vector3::Zero();
-  Real over_m = 0.0;
-  Real under = 1.0;
-  for (Index i = 0; i < 3; ++i) {
-    const Along& at = along[static_cast<std::size_t>(i)] = along_edge(sides.along(i));
-    const Index j = after(i);
-    w(after(j)) += weight(i) * at.step;
-    w(j) += weight(i) * (1.0 - at.step);
-    const Real r = 0.5 * b(i) * b(i);
-    over_m +=
-        weight(i) * ((sides.along(i) - at.step) * sides.offset_m(i) * edges.twist(i) -
-                     at.bump * edges.gap_m(i) - r * edges.sag_m(i));
-    under -= weight(i) * (at.bump * edges.gap(i) + r * edges.sag(i));
-  }
-  if (!(under > kStretchMin)) {
+  weigh_sides(sides, blend, point.weight);
+  if (!set_height(triangle, sides, x_m, blend, point)) {
     return false;
   }
-  Vector3 own_m;  // the height by each node's plane
-  for (Index j = 0; j < 3; ++j) {
-    own_m(j) = triangle.rise.col(j).dot(x_m - triangle.corner_m.col(j));
-  }
-  const Real per_under = 1.0 / under;
-  const Real s = per_under * (over_m + w.dot(own_m));
-
-  // Derivatives of w_0, w_1 and s by t_i and beta_i. The squares q_i = (b_j b_k)^2 are
-  // in all of them: dW_i = (dq_i - W_i sum dq) / sum q.
-  std::array<Rates, 2> of_weight;
-  Rates of_height;
-  Matrix3 given = Matrix3::Zero();  // (function x side) value of each at W_i = 1
-  for (Index i = 0; i < 3; ++i) {
-    const Along& at = along[static_cast<std::size_t>(i)];
-    const Index j = after(i);
-    const Index k = after(j);
-    const Real gap_m = edges.gap_m(i) - s * edges.gap(i);
-    const Real sag_m = edges.sag_m(i) - s * edges.sag(i);
-    const Real beta = sides.offset_m(i);
-    const Real over = sides.along(i) - at.step;
-    const Real share = weight(i);
-    if (k < 2) {
-      given(k, i) = at.step;
-      of_weight[static_cast<std::size_t>(k)].by_along(i) = share * at.step_slope;
-    }
-    if (j < 2) {
-      given(j, i) = 1.0 - at.step;
-      of_weight[static_cast<std::size_t>(j)].by_along(i) = -share * at.step_slope;
-    }
-    given(2, i) = over * beta * edges.twist(i) - at.bump * gap_m -
-                  0.5 * b(i) * b(i) * sag_m + own_m(j) +
-                  at.step * (own_m(k) - own_m(j));
-    of_height.by_along(i) =
-        share * (at.step_slope * (own_m(k) - own_m(j)) +
-                 (1.0 - at.step_slope) * beta * edges.twist(i) - at.bump_slope * gap_m);
-    of_height.by_offset(i) = share * over * edges.twist(i);
-  }
-  const Vector3 mean = given * weight;
-  Matrix3 by_share;  // (function x corner) derivative by b
-  for (Index l = 0; l < 3; ++l) {
-    const Index m = after(l);
-    const Index o = after(m);
-    // b_l is in q_m, with b_o, and in q_o, with b_m.
-    by_share.col(l) = (2.0 * per_pairs * b(l)) * (b(o) * b(o) * (given.col(m) - mean) +
-                                                  b(m) * b(m) * (given.col(o) - mean));
-    by_share(2, l) -= weight(l) * b(l) * (edges.sag_m(l) - s * edges.sag(l));
-  }
-  const Vector3 common = by_share * b;  // b sums to one
-  for (Index i = 0; i < 3; ++i) {
-    const Real rate = per_sum * edges.per_altitude_m(i);
-    of_weight[0].by_offset(i) = rate * (by_share(0, i) - common(0));
-    of_weight[1].by_offset(i) = rate * (by_share(1, i) - common(1));
-    of_height.by_offset(i) += rate * (by_share(2, i) - common(2));
-  }
-  point.weight = w;
-  point.turn.row(0) = gradient_of(of_weight[0], sides);
-  point.turn.row(1) = gradient_of(of_weight[1], sides);
-  point.turn.row(2) = -point.turn.row(0) - point.turn.row(1);
-  point.height_m = s;
-  point.rise = per_under * (triangle.rise * w + gradient_of(of_height, sides));
+  set_gradients(triangle, sides, blend, point);
   return true;
 }
 

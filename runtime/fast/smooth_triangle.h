@@ -59,28 +59,29 @@ struct EdgeVectors {
 
 /// The edges, and what they add to the height.
 struct SmoothEdges {
-  EdgeVectors start_m;        ///< [m] v_j
-  EdgeVectors edge_m;         ///< [m] e
-  EdgeVectors normal;         ///< [-] n_j
-  EdgeVectors bend;           ///< [-] n_k - n_j
-  EdgeVectors across;         ///< [-] m, unit, to the inside
-  EdgeVectors turned;         ///< [-] m x n_j
-  EdgeVectors turning;        ///< [-] m x (n_k - n_j)
-  EdgeValues open_m;          ///< [m] e . (m x n_j)
-  EdgeValues closing_m;       ///< [m] e . (m x (n_k - n_j))
-  EdgeValues edge_normal_m;   ///< [m] e . n_j
-  EdgeValues edge_bend_m;     ///< [m] e . (n_k - n_j)
-  EdgeValues across_normal;   ///< [-] m . n_j
-  EdgeValues across_bend;     ///< [-] m . (n_k - n_j)
-  EdgeValues normal_squared;  ///< [-] |n_j|^2
-  EdgeValues normal_bend;     ///< [-] n_j . (n_k - n_j)
-  EdgeValues bend_squared;    ///< [-] |n_k - n_j|^2
-  EdgeValues per_altitude_m;  ///< [1/m] of the triangle over this edge
-  EdgeValues gap_m;           ///< [m] gamma
-  EdgeValues gap;             ///< [-] gamma'
-  EdgeValues twist;           ///< [-] tau
-  EdgeValues sag_m;           ///< [m] kappa
-  EdgeValues sag;             ///< [-] kappa'
+  EdgeVectors start_m;                             ///< [m] v_j
+  EdgeVectors edge_m;                              ///< [m] e
+  EdgeVectors normal;                              ///< [-] n_j
+  EdgeVectors bend;                                ///< [-] n_k - n_j
+  EdgeVectors across;                              ///< [-] m, unit, to the inside
+  EdgeVectors turned;                              ///< [-] m x n_j
+  EdgeVectors turning;                             ///< [-] m x (n_k - n_j)
+  EdgeValues open_m = EdgeValues::Zero();          ///< [m] e . (m x n_j)
+  EdgeValues closing_m = EdgeValues::Zero();       ///< [m] e . (m x (n_k - n_j))
+  EdgeValues edge_normal_m = EdgeValues::Zero();   ///< [m] e . n_j
+  EdgeValues edge_bend_m = EdgeValues::Zero();     ///< [m] e . (n_k - n_j)
+  EdgeValues across_normal = EdgeValues::Zero();   ///< [-] m . n_j
+  EdgeValues across_bend = EdgeValues::Zero();     ///< [-] m . (n_k - n_j)
+  EdgeValues normal_squared = EdgeValues::Zero();  ///< [-] |n_j|^2
+  EdgeValues normal_bend = EdgeValues::Zero();     ///< [-] n_j . (n_k - n_j)
+  EdgeValues bend_squared = EdgeValues::Zero();    ///< [-] |n_k - n_j|^2
+  EdgeValues per_altitude_m =
+      EdgeValues::Zero();                 ///< [1/m] of the triangle over this edge
+  EdgeValues gap_m = EdgeValues::Zero();  ///< [m] gamma
+  EdgeValues gap = EdgeValues::Zero();    ///< [-] gamma'
+  EdgeValues twist = EdgeValues::Zero();  ///< [-] tau
+  EdgeValues sag_m = EdgeValues::Zero();  ///< [m] kappa
+  EdgeValues sag = EdgeValues::Zero();    ///< [-] kappa'
 };
 
 struct SmoothTriangle {
