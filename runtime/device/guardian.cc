@@ -24,6 +24,7 @@ namespace palpate {
 namespace {
 
 constexpr int kGuardianPriority = 81;  // SCHED_FIFO, one above the fast thread
+constexpr int kEndMs = 100;  // within which a lifeline closes whose process has died
 constexpr int kLookMs = 5;
 constexpr int kLooks = 8;  // a patience
 
@@ -153,7 +154,12 @@ void Guardian::guard(Shared& shared, int lifeline, int device_descriptor,
     const timespec until = after(silent_ns / kLooks);
     const int got = ::pthread_mutex_clocklock(&shared.held, CLOCK_MONOTONIC, &until);
     if (got != ETIMEDOUT || is_closed(lifeline, 0)) {
-      zero_force(device_descriptor, true);
+      // What the device's end says last is for the process, where that lives and a
+      // thread alone has ended.
+      zero_force(device_descriptor, false);
+      if (is_closed(lifeline, kEndMs)) {
+        zero_force(device_descriptor, true);
+      }
       ::_exit(0);
     }
     const std::uint64_t beats = shared.beats.load(std::memory_order_acquire);
