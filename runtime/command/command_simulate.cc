@@ -153,10 +153,9 @@ ContactRunOptions contact_options(const SimulateFlags& flags) {
                     flags.records.size()));
   }
   if (!is_field(one.model)) {
-    throw InputError(
-        fmt::format("--model {}: several contacts are rendered by the "
-                    "models potential and facets alone",
-                    flags.model));
+    throw InputError(fmt::format(
+        "--model {}: several contacts are rendered by potential or facets alone",
+        flags.model));
   }
   refuse_surface(flags.surface);
   check_places(flags);

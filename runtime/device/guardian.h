@@ -30,7 +30,8 @@ namespace palpate {
 /// threads may exist when it is forked.
 class Guardian {
  public:
-  /// Puts a device to zero force; `last`: the guardian ends after it.
+  /// Puts a device to zero force; `last`: for the last time, the guarded process is
+  /// gone or ends its guardian. Where only its thread has ended, it is not the last.
   /// Async-signal-safe; called in the guardian process.
   using ZeroForce = void (*)(int device_descriptor, bool last) noexcept;
 

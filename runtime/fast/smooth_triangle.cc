@@ -1,3 +1,5 @@
+// One formula and its derivatives: longer than other files, so that the values of a
+// place and what they change by stand together.
 #include "runtime/fast/smooth_triangle.h"
 
 #include <algorithm>

@@ -105,7 +105,7 @@ struct SmoothSides {
   EdgeValues altitudes;         ///< [-] beta_i / altitude_i; < 0: beyond
   EdgeVectors along_gradient;   ///< [1/m] of t_i
   EdgeVectors offset_gradient;  ///< [-] of beta_i
-  std::array<bool, 3> sound{};  ///< the edge has coordinates there; else all is zero
+  std::array<bool, 3> sound{};  ///< the edge has coordinates there; else altitude 0
 };
 
 [[nodiscard]] SmoothSides sides_at(const SmoothTriangle& triangle,

@@ -59,6 +59,23 @@ FieldResponse response_at(const ElementCache& cache, const FieldPlace& place) {
   return respond(place, cache, kSphereRadiusM, 0.0, pieces);
 }
 
+// A place in one element.
+FieldPlace place_over(const ElementCache& cache, const Eigen::Vector3d& x,
+                      FieldKind kind) {
+  FieldPlace place;
+  adopt(place, cache, 0, x, kind);
+  return place;
+}
+
+FieldPlace smooth_place(const ElementCache& cache, const Eigen::Vector3d& x) {
+  return place_over(cache, x, FieldKind::kSmooth);
+}
+
+// x at coordinates of the prism: the smooth field shares its faces and node lines.
+Eigen::Vector3d position_at(const Element& element, const PrismPoint& at) {
+  return frame_at(make_prism(element), at, Beyond::kAnalytic).position_m;
+}
+
 TEST(Prism, CoordinatesAreFoundAgain) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -78,27 +95,29 @@ TEST(Prism, CoordinatesAreFoundAgain) {
   }
 }
 
-TEST(PotentialField, ForceIsTheNegativeGradient) {
+class BothFields : public testing::TestWithParam<FieldKind> {};
+
+TEST_P(BothFields, ForceIsTheNegativeGradient) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(0.1, 1.0);
   auto cache = std::make_unique<ElementCache>();
   for (int n = 0; n < 1000; ++n) {
     *cache = {};
-    store(*cache, random_element(random));
+    const Element element = random_element(random);
+    store(*cache, element);
     PrismPoint at;
     at.area = Eigen::Vector3d(unit(random), unit(random), unit(random));
     at.area /= at.area.sum();
     at.height_m = kSphereRadiusM - 0.006 * unit(random);
-    const FieldPlace place = place_at(*cache, 0, at);
+    const Eigen::Vector3d x = position_at(element, at);
+    const FieldPlace place = place_over(*cache, x, GetParam());
     const FieldResponse response = response_at(*cache, place);
     constexpr double kStepM = 1e-7;
     Eigen::Vector3d difference;
     for (int i = 0; i < 3; ++i) {
       const auto energy_at = [&](double step) {
         FieldPlace moved = place;
-        const Eigen::Vector3d x =
-            place.frame.position_m + step * Eigen::Vector3d::Unit(i);
-        EXPECT_TRUE(follow_within(moved, x));
+        EXPECT_TRUE(follow_within(moved, x + step * Eigen::Vector3d::Unit(i)));
         return response_at(*cache, moved).energy_j;
       };
       difference(i) = (energy_at(-kStepM) - energy_at(kStepM)) / (2.0 * kStepM);
@@ -185,7 +204,7 @@ std::unique_ptr<ElementCache> cache_of(const Element& element) {
   return cache;
 }
 
-TEST(PotentialField, EnergyIsContinuousAcrossEdges) {
+TEST_P(BothFields, EnergyIsContinuousAcrossEdgesAndTheSmoothForceToo) {
   const BenchBody body = make_bench_body(stiff_and_soft());
   int edges = 0;
   for (const Element& element : body.element) {
@@ -202,19 +221,24 @@ TEST(PotentialField, EnergyIsContinuousAcrossEdges) {
         at.area((corner + 1) % 3) = along;
         at.area((corner + 2) % 3) = 1.0 - along;
         at.height_m = kSphereRadiusM - 0.005;
-        const FieldPlace place = place_at(*here, 0, at);
-        FieldPlace other =
-            place_at(*there, 0, {Eigen::Vector3d::Constant(1.0 / 3.0), at.height_m});
-        ASSERT_TRUE(follow_within(other, place.frame.position_m));
-        const double energy = response_at(*here, place).energy_j;
+        const Eigen::Vector3d x = position_at(element, at);
+        const FieldResponse one = response_at(*here, place_over(*here, x, GetParam()));
+        const FieldResponse other =
+            response_at(*there, place_over(*there, x, GetParam()));
         // The coordinates agree to 1e-13 of the element's size.
-        EXPECT_NEAR(response_at(*there, other).energy_j, energy, 1e-12 * energy);
+        EXPECT_NEAR(other.energy_j, one.energy_j, 1e-12 * one.energy_j);
+        if (GetParam() == FieldKind::kSmooth) {
+          EXPECT_LT((other.force_n - one.force_n).norm(), 1e-9 * one.force_n.norm());
+        }
         ++edges;
       }
     }
   }
   EXPECT_GT(edges, 200);
 }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, BothFields,
+                         testing::Values(FieldKind::kSmooth, FieldKind::kFacets));
 
 TEST(PotentialField, EnergyIsContinuousAroundVertices) {
   const BenchBody body = make_bench_body(stiff_and_soft());
@@ -259,50 +283,6 @@ TEST(PotentialField, FallsToZeroTowardsANodeWithoutResponse) {
   }
 }
 
-// A place of the smooth field in one element.
-FieldPlace smooth_place(const ElementCache& cache, const Eigen::Vector3d& x) {
-  FieldPlace place;
-  adopt(place, cache, 0, x);
-  return place;
-}
-
-// x at coordinates of the prism: the smooth field shares its faces and node lines.
-Eigen::Vector3d position_at(const Element& element, const PrismPoint& at) {
-  return frame_at(make_prism(element), at, Beyond::kAnalytic).position_m;
-}
-
-TEST(SmoothField, ForceIsTheNegativeGradient) {
-  std::mt19937_64 random(15);
-  std::uniform_real_distribution<double> unit(0.1, 1.0);
-  auto cache = std::make_unique<ElementCache>();
-  for (int n = 0; n < 1000; ++n) {
-    *cache = {};
-    const Element element = random_element(random);
-    store(*cache, element);
-    PrismPoint at;
-    at.area = Eigen::Vector3d(unit(random), unit(random), unit(random));
-    at.area /= at.area.sum();
-    at.height_m = kSphereRadiusM - 0.006 * unit(random);
-    const Eigen::Vector3d x = position_at(element, at);
-    const FieldResponse response = response_at(*cache, smooth_place(*cache, x));
-    constexpr double kStepM = 1e-7;
-    Eigen::Vector3d difference;
-    for (int i = 0; i < 3; ++i) {
-      const auto energy_at = [&](double step) {
-        const FieldPlace moved =
-            smooth_place(*cache, x + step * Eigen::Vector3d::Unit(i));
-        EXPECT_FALSE(moved.folded || moved.outside);
-        return response_at(*cache, moved).energy_j;
-      };
-      difference(i) = (energy_at(-kStepM) - energy_at(kStepM)) / (2.0 * kStepM);
-    }
-    // Rounding of energies near 1e-3 J over 2e-7 m, and the third derivative's part.
-    EXPECT_LT((difference - response.force_n).norm(),
-              1e-6 * response.force_n.norm() + 1e-10)
-        << n;
-  }
-}
-
 TEST(SmoothField, OnANodesLineTheForceIsTheStoredOneAtEveryDepth) {
   std::mt19937_64 random(16);
   auto cache = std::make_unique<ElementCache>();
@@ -325,35 +305,6 @@ TEST(SmoothField, OnANodesLineTheForceIsTheStoredOneAtEveryDepth) {
       EXPECT_LT((response.force_n - f * u).norm(), 1e-9 * f) << n;
     }
   }
-}
-
-TEST(SmoothField, ForceIsContinuousAcrossEdges) {
-  const BenchBody body = make_bench_body(stiff_and_soft());
-  int edges = 0;
-  for (const Element& element : body.element) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::int32_t next =
-          element.neighbour[static_cast<std::size_t>((corner + 1) % 3)];
-      if (next < 0) {
-        continue;
-      }
-      const auto here = cache_of(element);
-      const auto there = cache_of(body.element[static_cast<std::size_t>(next)]);
-      for (const double along : {0.01, 0.3, 0.8}) {
-        PrismPoint at;
-        at.area((corner + 1) % 3) = along;
-        at.area((corner + 2) % 3) = 1.0 - along;
-        at.height_m = kSphereRadiusM - 0.005;
-        const Eigen::Vector3d x = position_at(element, at);
-        const FieldResponse one = response_at(*here, smooth_place(*here, x));
-        const FieldResponse other = response_at(*there, smooth_place(*there, x));
-        EXPECT_NEAR(other.energy_j, one.energy_j, 1e-12 * one.energy_j);
-        EXPECT_LT((other.force_n - one.force_n).norm(), 1e-9 * one.force_n.norm());
-        ++edges;
-      }
-    }
-  }
-  EXPECT_GT(edges, 200);
 }
 
 TEST(SmoothField, TheFootIsUnderTheToolAndMovesWithIt) {
@@ -418,67 +369,6 @@ TEST(SmoothField, NeverPullsAndStoresNoNegativeEnergy) {
     }
   }
   EXPECT_GT(sound, 19000);
-}
-
-// A needle of no width at z = 30 mm, alone: no coordinates, but a nearest point.
-TEST(FieldPlace, WithoutCoordinatesItIsTheDistanceToTheNearestPoint) {
-  constexpr double kHeight = 0.03;
-  Element needle;
-  needle.triangle = 0;
-  for (std::size_t j = 0; j < 3; ++j) {
-    needle.node[j].node = static_cast<std::int32_t>(j);
-    needle.node[j].position_m = {0.004 * (static_cast<double>(j) - 1.0), 0.0, kHeight};
-    needle.node[j].normal = {0.0, 0.0, 1.0};
-  }
-  needle.neighbour = {-1, -1, -1};
-  auto cache = std::make_unique<ElementCache>();
-  store(*cache, needle);
-  for (const double up_m : {-0.02, -0.001, 0.003}) {
-    for (const FieldKind kind : {FieldKind::kSmooth, FieldKind::kFacets}) {
-      FieldPlace place;
-      adopt(place, *cache, find(*cache, 0), {0.001, 0.0, kHeight + up_m}, kind);
-      EXPECT_TRUE(place.folded);
-      EXPECT_NEAR(place.height_m, up_m, 1e-12);
-      follow(place, *cache, {0.002, 0.0, kHeight + 2.0 * up_m});
-      EXPECT_NEAR(place.height_m, 2.0 * up_m, 1e-12);
-    }
-  }
-}
-
-TEST(FieldPlace, FollowsThroughTrianglesWithoutArea) {
-  // Two triangles with a needle of no width between them.
-  std::array<Element, 3> strip;
-  const std::array<std::array<double, 3>, 5> position{
-      {{-0.004, 0, 0}, {0, -0.003, 0}, {0, 0.003, 0}, {0, 0, 0}, {0.004, 0, 0}}};
-  const std::array<std::array<int, 3>, 3> corner{{{0, 1, 2}, {1, 3, 2}, {1, 4, 2}}};
-  for (std::size_t t = 0; t < 3; ++t) {
-    strip[t].triangle = static_cast<std::int32_t>(t);
-    for (std::size_t j = 0; j < 3; ++j) {
-      const int node = corner[t][j];
-      strip[t].node[j].node = node;
-      strip[t].node[j].position_m = position[static_cast<std::size_t>(node)];
-      strip[t].node[j].normal = {0.0, 0.0, 1.0};
-      strip[t].node[j].direction = {0.0, 0.0, 1.0};
-      set_power_law(strip[t].node[j], 1.5, 1.0, 0.008);
-    }
-  }
-  strip[0].neighbour = {-1, 1, -1};
-  strip[1].neighbour = {2, 2, 0};
-  strip[2].neighbour = {-1, -1, 1};
-  auto cache = std::make_unique<ElementCache>();
-  for (const Element& element : strip) {
-    store(*cache, element);
-  }
-  for (const FieldKind kind : {FieldKind::kSmooth, FieldKind::kFacets}) {
-    FieldPlace place;
-    adopt(place, *cache, find(*cache, 0), {-0.001, 0.0005, 0.002}, kind);
-    ASSERT_FALSE(place.folded);
-    follow(place, *cache, {0.001, 0.0005, 0.002});
-    EXPECT_EQ(cache->triangle[static_cast<std::size_t>(place.slot)], 2);
-    EXPECT_FALSE(place.folded || place.outside);
-    EXPECT_LT((place.position_m - Eigen::Vector3d(0.001, 0.0005, 0.002)).norm(), 1e-12);
-    EXPECT_NEAR(place.height_m, 0.002, 1e-15);
-  }
 }
 
 }  // namespace
