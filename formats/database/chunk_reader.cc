@@ -151,6 +151,10 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
             own_shares || tool.yielding_rows || tool.memory_sites > 0
                 ? c * std::int64_t{kSha256Bytes}
                 : 0);
+    require(group + "/tilt_sha256", tool.tilt_sha256.size(),
+            file.has("/tools/" + tool.tool.name + "/tilt")
+                ? c * std::int64_t{kSha256Bytes}
+                : 0);
     require(group + "/compliance_sha256", tool.compliance_sha256.size(),
             tool.compliance.empty() ? 0 : c * std::int64_t{kSha256Bytes});
     for (const auto* values : {&tool.share_min, &tool.share_max}) {
@@ -318,6 +322,10 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
     check_responses(group, part, node);
     check_chunk(entry, chunk, part);
   });
+  if (entry.tilt_sha256.rows() > 0) {
+    content::exchange_tilts(rows, group, part);
+    verify(file_->reader, entry.tilt_sha256, chunk, tilt_digest(part), group + "/tilt");
+  }
   if (entry.memory_sha256.rows() > 0) {
     read_node_rows(file_->reader, group, entry, node, part.nodes(),
                    part.viscoelasticity);

@@ -27,7 +27,8 @@ class ChunkReader {
   /// @param chunk in [0, index().chunks()). @throws FormatError if it is damaged.
   [[nodiscard]] BodyChunk body(std::int64_t chunk) const;
 
-  /// The responses of a chunk's nodes, without their optional parts.
+  /// The responses of a chunk's nodes. Of their optional parts, what is rendered:
+  /// tilts, relaxation, yielding and compliance.
   /// @param tool position in index().tools. @throws FormatError if it is damaged.
   [[nodiscard]] ResponseTable responses(std::size_t tool, std::int64_t chunk) const;
 

@@ -166,6 +166,7 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
     }
   }
   tool.sha256.resize(index.chunks(), kSha256Bytes);
+  tool.tilt_sha256.resize(table.tilt.rows() > 0 ? index.chunks() : 0, kSha256Bytes);
   for (std::int64_t k = 0; k < index.chunks(); ++k) {
     const std::int64_t begin = index.node_begin[static_cast<std::size_t>(k)];
     const std::int64_t end = index.node_begin[static_cast<std::size_t>(k) + 1];
@@ -178,7 +179,11 @@ ToolIndex make_tool_index(const ResponseTable& table, const DatabaseIndex& index
     tool.direction_spread_max_rad.push_back(of.direction_spread_rad);
     std::vector<std::int32_t> nodes(static_cast<std::size_t>(end - begin));
     std::iota(nodes.begin(), nodes.end(), static_cast<std::int32_t>(begin));
-    set_digest(tool.sha256, k, chunk_digest(select_nodes(table, nodes)));
+    const ResponseTable part = select_nodes(table, nodes);
+    set_digest(tool.sha256, k, chunk_digest(part));
+    if (table.tilt.rows() > 0) {
+      set_digest(tool.tilt_sha256, k, tilt_digest(part));
+    }
   }
   tool.sample_begin.push_back(table.sample_begin.back());
   if (has_node_rows(table.viscoelasticity)) {
@@ -257,6 +262,13 @@ std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk) {
                                        const auto& values) {
     add(digest, values);
   });
+  return bytes_of(digest);
+}
+
+std::vector<std::uint8_t> tilt_digest(const ResponseTable& chunk) {
+  Sha256 digest;
+  add(digest, chunk.tilt);
+  add(digest, chunk.tilt_by_depth_per_m);
   return bytes_of(digest);
 }
 

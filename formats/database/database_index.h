@@ -41,6 +41,7 @@ struct ToolIndex {
   Sha256Rows sha256;              ///< (c x 32) chunk_digest()
   Sha256Rows memory_sha256;    ///< (c x 32) memory_digest(); none without rows of nodes
   ComplianceTable compliance;  ///< as the table's, without rows of nodes
+  Sha256Rows tilt_sha256;      ///< (c x 32) tilt_digest(); none without tilts
   Sha256Rows compliance_sha256;  ///< (c x 32) compliance_digest(); none without table
 };
 
@@ -85,6 +86,9 @@ struct BodyChunk {
 
 /// The same of the rows that a chunk's nodes have of shares and sites.
 [[nodiscard]] std::vector<std::uint8_t> memory_digest(const Viscoelasticity& chunk);
+
+/// The same of the rows of its tilts.
+[[nodiscard]] std::vector<std::uint8_t> tilt_digest(const ResponseTable& chunk);
 
 /// The same of the rows of its compliance table.
 [[nodiscard]] std::vector<std::uint8_t> compliance_digest(const ComplianceTable& chunk);

@@ -72,6 +72,13 @@ void exchange_quality(File& file, const std::string& group, Table& table) {
   exchange_accuracy(file, group + "/accuracy", table.accuracy);
 }
 
+// The one place where their names stand.
+template <typename File, typename Table>
+void exchange_tilts(File& file, const std::string& group, Table& table) {
+  file.dataset(group + "/tilt", "1", table.tilt);
+  file.dataset(group + "/tilt_by_depth_per_m", "m-1", table.tilt_by_depth_per_m);
+}
+
 template <typename File, typename Field>
 void exchange_displacement(File& file, const std::string& group, Field& field) {
   if (file.optional_group(group, field.coefficient.rows() > 0)) {
@@ -271,6 +278,9 @@ void exchange_tool(File& file, const std::string& group, Table& table) {
   exchange_nodes(file, group, table);
   exchange_samples(file, group, table);
   exchange_quality(file, group, table);
+  if (file.optional_dataset(group + "/tilt", table.tilt.rows() > 0)) {
+    exchange_tilts(file, group, table);
+  }
   exchange_displacement(file, group + "/displacement", table.displacement);
   exchange_relaxation(file, group + "/relaxation", table.relaxation);
   exchange_viscoelasticity(file, group, table.viscoelasticity);

@@ -29,7 +29,8 @@ void check_triangles(const Triangles& triangle, std::int64_t nodes,
 void check_responses(const std::string& group, const ResponseTable& table,
                      std::int64_t first = 0);
 
-/// A node with a response has a normal.
+/// A node with a response has a normal, and a tilt lies in the plane across it and
+/// keeps its limits over the depths of the curve (tilt_line.h).
 void check_normals(const Points& normal, const ResponseTable& table,
                    std::int64_t first = 0);
 

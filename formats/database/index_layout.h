@@ -36,6 +36,9 @@ void exchange_index(Access& access, Index& index) {
     if (access.optional(group + "/memory_sha256", tool.memory_sha256.rows() > 0)) {
       access.values(group + "/memory_sha256", "1", tool.memory_sha256);
     }
+    if (access.optional(group + "/tilt_sha256", tool.tilt_sha256.rows() > 0)) {
+      access.values(group + "/tilt_sha256", "1", tool.tilt_sha256);
+    }
     if (access.optional(group + "/compliance_sha256",
                         tool.compliance_sha256.rows() > 0)) {
       access.values(group + "/compliance_sha256", "1", tool.compliance_sha256);

@@ -192,6 +192,9 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   selected.failure_reason = table.failure_reason;
   selected.force_errors_n = runs_of(table.force_errors_n, table.sample_begin, nodes);
   select_sample_directions(table, nodes, selected);
+  const Nodes with_tilt = table.tilt.rows() == 0 ? Nodes{} : nodes;
+  selected.tilt = rows_at(table.tilt, with_tilt);
+  selected.tilt_by_depth_per_m = rows_at(table.tilt_by_depth_per_m, with_tilt);
   selected.accuracy = table.accuracy;
   selected.displacement = select_displacement(table.displacement, nodes,
                                               static_cast<std::size_t>(table.nodes()));

@@ -81,19 +81,24 @@ json to_json(const WorkUnitNode& node) {
   for (const Eigen::Vector3d& direction : response.sample_direction) {
     directions.push_back(json_list(direction));
   }
-  return {{"tool", node.tool},
-          {"vertex", node.vertex},
-          {"failure", node.failure},
-          {"elsewhere", node.reaches_elsewhere},
-          {"direction", json_list(response.direction)},
-          {"direction_spread_rad", response.direction_spread_rad},
-          {"touch_offset_m", response.touch_offset_m},
-          {"depth_m", response.depth_m},
-          {"force_n", response.force_n},
-          {"sample_direction", std::move(directions)},
-          {"error_relative", response.error_relative},
-          {"origin", static_cast<int>(response.origin)},
-          {"flags", response.flags}};
+  json j{{"tool", node.tool},
+         {"vertex", node.vertex},
+         {"failure", node.failure},
+         {"elsewhere", node.reaches_elsewhere},
+         {"direction", json_list(response.direction)},
+         {"direction_spread_rad", response.direction_spread_rad},
+         {"touch_offset_m", response.touch_offset_m},
+         {"depth_m", response.depth_m},
+         {"force_n", response.force_n},
+         {"sample_direction", std::move(directions)},
+         {"error_relative", response.error_relative},
+         {"origin", static_cast<int>(response.origin)},
+         {"flags", response.flags}};
+  if (response.tilt) {
+    j["tilt"] = json_list(response.tilt->tilt);
+    j["tilt_by_depth_per_m"] = json_list(response.tilt->by_depth_per_m);
+  }
+  return j;
 }
 
 WorkUnitNode node_of(const json& j) {
@@ -112,6 +117,10 @@ WorkUnitNode node_of(const json& j) {
                     .reaches_elsewhere = j.value("elsewhere", false)};
   for (const json& direction : j.at("sample_direction")) {
     node.response.sample_direction.push_back(vector_of(direction));
+  }
+  if (j.contains("tilt")) {
+    node.response.tilt = {.tilt = vector_of(j.at("tilt")),
+                          .by_depth_per_m = vector_of(j.at("tilt_by_depth_per_m"))};
   }
   return node;
 }

@@ -49,6 +49,10 @@ std::string broken_sample(const NodeResponse& response) {
                          response.sample_direction[k].norm());
     }
   }
+  if (response.tilt &&
+      !(response.tilt->tilt.allFinite() && response.tilt->by_depth_per_m.allFinite())) {
+    return "its tilt is not finite";
+  }
   return {};
 }
 
@@ -57,7 +61,7 @@ std::string broken_sample(const NodeResponse& response) {
 std::string broken_rule(const NodeResponse& response) {
   if (response.origin == ResponseOrigin::kNone) {
     return response.depth_m.empty() && response.force_n.empty() &&
-                   response.sample_direction.empty()
+                   response.sample_direction.empty() && !response.tilt
                ? ""
                : "it has samples, but no origin";
   }

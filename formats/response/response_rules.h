@@ -14,8 +14,8 @@ namespace palpate {
 /// With a curve: at least two samples, as many forces as depths, both from 0; depths
 /// [m] finite and strictly increasing, forces [N] finite and not negative; `direction`
 /// and every `sample_direction` of length 1 to 1e-6, none of the latter or one for each
-/// sample; spread [rad] in [0, pi]; touch offset [m] and error [-] finite, the error
-/// not negative. Without a curve (kNone): no samples.
+/// sample; tilt finite; spread [rad] in [0, pi]; touch offset [m] and error [-] finite,
+/// the error not negative. Without a curve (kNone): no samples and no tilt.
 [[nodiscard]] std::string broken_rule(const NodeResponse& response);
 
 }  // namespace palpate

@@ -56,6 +56,29 @@ void fill_sample_directions(ResponseTable& table,
   }
 }
 
+// Rows of tilts where every response has one.
+void fill_tilts(ResponseTable& table, const std::vector<NodeResponse>& responses) {
+  bool any = false;
+  for (const NodeResponse& response : responses) {
+    if (response.origin != ResponseOrigin::kNone && !response.tilt) {
+      return;
+    }
+    any = any || response.tilt.has_value();
+  }
+  if (!any) {
+    return;
+  }
+  const auto n = static_cast<Eigen::Index>(responses.size());
+  table.tilt = Points::Zero(n, 3);
+  table.tilt_by_depth_per_m = Points::Zero(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (const auto& line = responses[static_cast<std::size_t>(i)].tilt) {
+      table.tilt.row(i) = line->tilt.transpose();
+      table.tilt_by_depth_per_m.row(i) = line->by_depth_per_m.transpose();
+    }
+  }
+}
+
 }  // namespace
 
 CurveView ResponseTable::curve(std::int64_t node) const noexcept {
@@ -97,6 +120,7 @@ ResponseTable make_table(const ToolShape& tool,
     table.sample_begin.push_back(static_cast<std::int64_t>(table.depth_m.size()));
   }
   fill_sample_directions(table, responses);
+  fill_tilts(table, responses);
   return table;
 }
 

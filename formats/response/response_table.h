@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "formats/response/compliance_table.h"
 #include "formats/response/curve_view.h"
 #include "formats/response/relaxation.h"
+#include "formats/response/tilt_line.h"
 #include "formats/response/tool_shape.h"
 #include "formats/response/viscoelasticity.h"
 
@@ -59,6 +61,7 @@ struct NodeResponse {
   std::vector<double> force_n;  ///< (k) [N] from 0
   /// (k) [-] unit, force on the tool; empty where `direction` tells enough
   std::vector<Eigen::Vector3d> sample_direction = {};
+  std::optional<TiltLine> tilt = {};  ///< none: `direction` tells enough
   double error_relative = 0.0;  ///< [-] error of force that force_difference() measures
   ResponseOrigin origin = ResponseOrigin::kNone;
   std::uint8_t flags = 0;
@@ -115,6 +118,8 @@ struct ResponseTable {
   /// per sample.
   std::vector<std::int64_t> direction_begin;
   Points sample_direction;  ///< (q x 3) [-] unit direction, where it turns with depth
+  Points tilt;              ///< (n x 3) [-] TiltLine; 0 without response
+  Points tilt_by_depth_per_m;  ///< (n x 3) [1/m]
   AccuracyRecord accuracy;
   DisplacementField displacement;
   ResponseRelaxation relaxation;  ///< what holds showed; not rendered
@@ -133,7 +138,8 @@ struct ResponseTable {
 };
 
 /// Builds a table from node responses: slopes, energies and largest slopes are made
-/// here (ResponseCurve), falling curves are flagged.
+/// here (ResponseCurve), falling curves are flagged. Tilts are kept where all responses
+/// have one.
 /// @throws InputError naming the node whose samples or direction are not valid.
 [[nodiscard]] ResponseTable make_table(const ToolShape& tool,
                                        const std::vector<NodeResponse>& responses);

@@ -102,6 +102,10 @@ void add_node_arrays(py::class_<HeldTool>& type) {
   array(type, "direction", &T::direction, "(n, 3) [-] unit, force on the tool");
   array(type, "direction_spread_rad", &T::direction_spread_rad, "(n,) [rad]");
   array(type, "touch_offset_m", &T::touch_offset_m, "(n,) [m]");
+  array(type, "tilt", &T::tilt,
+        "(n, 3) [-] tangential over normal force at the touch; or (0, 3)");
+  array(type, "tilt_by_depth_per_m", &T::tilt_by_depth_per_m,
+        "(n, 3) [1/m] its change with normal depth past the touch; or (0, 3)");
   array(type, "error_relative", &T::error_relative, "(n,) [-] stated error of force");
   array(type, "friction", &T::friction, "(n,) [-] Coulomb coefficient");
   array(type, "presliding_m", &T::presliding_m, "(n,) [m]");
