@@ -89,7 +89,8 @@ struct Assembly {
   std::int64_t untouched = 0;  ///< reachable, but the tool met nothing to press
   std::int64_t outside_reach = 0;
   std::int64_t over_budget = 0;
-  std::int64_t hard_path = 0;  ///< other equilibria may lie near
+  std::int64_t tilts_limited = 0;  ///< their force leans or turns more (tilt_line.h)
+  std::int64_t hard_path = 0;      ///< other equilibria may lie near
   double error_factor =
       0.0;  ///< [-] stated errors over estimates, of tools the largest
   double hard_error_factor = 0.0;       ///< [-] the same of nodes with kHardPath
@@ -102,7 +103,8 @@ struct Assembly {
 /// Whether a unit's nodes all keep the rules: what a checkpoint may give back.
 [[nodiscard]] bool is_sound(const WorkUnitOutcome& unit);
 
-/// Puts the units together; their order does not matter. Estimates of error become
+/// Puts the units together; their order does not matter. Tilts get their limits
+/// (limit_tilt). Estimates of error become
 /// stated errors: times the factor that checks found (error_calibration.h). A node
 /// whose response breaks a rule becomes a failed one (fail_if_broken). @throws
 /// InputError naming the units that are missing, that come twice, or whose nodes the

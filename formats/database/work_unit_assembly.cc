@@ -81,9 +81,14 @@ void count(const JobDescription& plan, const WorkUnitNode& node, Assembly& assem
 std::string left_out(const JobDescription& plan, const Assembly& assembly) {
   return fmt::format(
       "{} nodes held or outside reach, {} failed, {} untouched; depths beyond {} m and "
-      "forces beyond {} N{}{}",
+      "forces beyond {} N{}{}{}",
       assembly.outside_reach, assembly.failed, assembly.untouched, plan.depth_max_m,
-      plan.force_max_n, plan.left_out.empty() ? "" : "; ", plan.left_out);
+      plan.force_max_n,
+      assembly.tilts_limited == 0
+          ? ""
+          : fmt::format("; tilts of {} of {} responses beyond their limits",
+                        assembly.tilts_limited, assembly.error.size()),
+      plan.left_out.empty() ? "" : "; ", plan.left_out);
 }
 
 }  // namespace
@@ -240,10 +245,18 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
   Assembly assembly;
   const auto nodes = static_cast<std::size_t>(plan.body.position_m.rows());
   std::vector<ToolAnswers> answers(plan.tool.size(), ToolAnswers(nodes));
+  const std::vector<double> longest_edge_m = longest_edges_m(plan.body);
   // Checks come last in a plan, and compare with what was taken before.
   for (const WorkUnitOutcome* given : in_order(units)) {
     WorkUnitOutcome unit = *given;
     std::for_each(unit.node.begin(), unit.node.end(), fail_if_broken);
+    for (WorkUnitNode& node : unit.node) {
+      // Checks stay what they found.
+      assembly.tilts_limited +=
+          !unit.is_check &&
+          limit_tilt(node.response, plan.normal.row(node.vertex).transpose(),
+                     longest_edge_m[static_cast<std::size_t>(node.vertex)]);
+    }
     take(plan, unit, answers);
     for (const WorkUnitNode& node : unit.node) {
       if (!unit.is_check) {

@@ -105,10 +105,7 @@ TiltLine tilt_line(std::span<const double> past_touch_m, const Points& force_n,
   return line;
 }
 
-TiltRange tilt_range(const ResponseTable& table, std::int64_t node,
-                     const Eigen::Vector3d& outward) {
-  const CurveView curve = table.curve(node);
-  const double along = along_normal(table, node, outward);
+TiltRange tilt_range(const CurveView& curve, double along) {
   if (curve.depth_m.empty() || !(along > 0.0)) {
     return {};
   }
@@ -121,6 +118,11 @@ TiltRange tilt_range(const ResponseTable& table, std::int64_t node,
   }
   return {.middle_m = sum > 0.0 ? moment / sum / along : 0.0,
           .end_m = curve.depth_max_m() / along};
+}
+
+TiltRange tilt_range(const ResponseTable& table, std::int64_t node,
+                     const Eigen::Vector3d& outward) {
+  return tilt_range(table.curve(node), along_normal(table, node, outward));
 }
 
 bool is_within_limits(const TiltLine& line, double end_m, double longest_edge_m) {
@@ -182,20 +184,30 @@ std::vector<double> longest_edges_m(const SurfaceMesh& mesh) {
   return longest;
 }
 
-std::int64_t limit_tilts(ResponseTable& table, const Points& normal,
-                         std::span<const double> longest_edge_m) {
-  std::int64_t changed = 0;
-  for (Eigen::Index i = 0; i < table.tilt.rows(); ++i) {
-    const TiltLine stored{
-        .tilt = table.tilt.row(i).transpose(),
-        .by_depth_per_m = table.tilt_by_depth_per_m.row(i).transpose()};
-    const TiltLine kept = tilt_line(table, i, normal.row(i).transpose(),
-                                    longest_edge_m[static_cast<std::size_t>(i)]);
-    changed += kept.tilt != stored.tilt || kept.by_depth_per_m != stored.by_depth_per_m;
-    table.tilt.row(i) = kept.tilt.transpose();
-    table.tilt_by_depth_per_m.row(i) = kept.by_depth_per_m.transpose();
+Eigen::Vector3d tilted(const Eigen::Vector3d& outward, const Eigen::Vector3d& tilt) {
+  return (outward + tilt).normalized();
+}
+
+bool limit_tilt(NodeResponse& response, const Eigen::Vector3d& outward,
+                double longest_edge_m) {
+  if (!response.tilt) {
+    return false;
   }
-  return changed;
+  const TiltRange range = tilt_range({response.depth_m, response.force_n, {}, {}},
+                                     std::abs(response.direction.dot(outward)));
+  if (is_within_limits(*response.tilt, range.end_m, longest_edge_m)) {
+    return false;
+  }
+  const TiltLine line = *response.tilt;
+  response.tilt = limited(line, range.middle_m, range.end_m, longest_edge_m);
+  double lost = 0.0;
+  for (const double at_m : {0.0, range.end_m}) {
+    lost = std::max(lost, (tilted(outward, line.at(at_m)) -
+                           tilted(outward, response.tilt->at(at_m)))
+                              .norm());
+  }
+  response.error_relative = std::hypot(response.error_relative, lost);
+  return true;
 }
 
 }  // namespace palpate

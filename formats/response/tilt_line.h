@@ -13,9 +13,11 @@
 #include <Eigen/Core>
 
 #include "formats/mesh/surface_mesh.h"
+#include "formats/response/curve_view.h"
 
 namespace palpate {
 
+struct NodeResponse;
 struct ResponseTable;
 
 /// theta(d') = tilt + by_depth_per_m d', both tangent to the node's outward normal.
@@ -72,15 +74,22 @@ struct TiltRange {
   double middle_m = 0.0;
   double end_m = 0.0;
 };
+/// @param curve its depths and forces alone are read.
+/// @param along |u . n|, [0, 1].
+[[nodiscard]] TiltRange tilt_range(const CurveView& curve, double along);
 [[nodiscard]] TiltRange tilt_range(const ResponseTable& table, std::int64_t node,
                                    const Eigen::Vector3d& outward);
 
 /// Longest edge at each vertex [m], 0 without one. (n)
 [[nodiscard]] std::vector<double> longest_edges_m(const SurfaceMesh& mesh);
 
-/// Limits the stored lines of a table. Returns how many of them changed.
-/// @param normal (n x 3). @param longest_edge_m (n).
-std::int64_t limit_tilts(ResponseTable& table, const Points& normal,
-                         std::span<const double> longest_edge_m);
+/// The unit force that a tilt stands for: n + theta over its length.
+[[nodiscard]] Eigen::Vector3d tilted(const Eigen::Vector3d& outward,
+                                     const Eigen::Vector3d& tilt);
+
+/// Limits a response's line, if it has one; whether that changed it. The force that is
+/// lost counts in error_relative, by the root of the sum of squares.
+bool limit_tilt(NodeResponse& response, const Eigen::Vector3d& outward,
+                double longest_edge_m);
 
 }  // namespace palpate

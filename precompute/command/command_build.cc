@@ -57,6 +57,7 @@ nlohmann::ordered_json report_json(const BuildReport& report) {
           {"outside_reach", all.outside_reach},
           {"over_budget", all.over_budget},
           {"reaching_elsewhere", all.reaching_elsewhere},
+          {"tilts_limited", all.tilts_limited},
           {"error_median", quantile(all.error, 0.5)},
           {"error_p95", quantile(all.error, 0.95)},
           {"checked", all.checked},
@@ -118,6 +119,14 @@ void print_errors(const Assembly& all, double budget) {
         "note          {} curves end early: there the tool meets a held part of the "
         "body\n",
         all.ended_at_support);
+  }
+  if (all.tilts_limited > 0) {
+    fmt::print(
+        "note          {:.1f} % of the forces lean by more than 45 degrees, or turn "
+        "with "
+        "depth too fast for their triangles: limited, and the rest is in their error\n",
+        100.0 * static_cast<double>(all.tilts_limited) /
+            static_cast<double>(all.error.size()));
   }
   if (all.reaching_elsewhere > 0) {
     fmt::print(

@@ -30,6 +30,43 @@ double largest_force_n(const Indentation& indentation) {
   return largest;
 }
 
+// The press's tilts as a line. What sticks is pushed along the surface by friction,
+// too: its mean direction tells no slope of an energy, and a line would not be better.
+TiltLine tilt_of(const Indentation& indentation, const IndentationPath& path,
+                 const NodeResponse& response) {
+  if (path.tool && path.tool->shape().sticking) {
+    return tilt_line(response.direction, path.outward);
+  }
+  std::vector<double> past_touch_m;
+  Points force_n(static_cast<Eigen::Index>(indentation.sample.size()), 3);
+  for (const IndentationSample& sample : indentation.sample) {
+    force_n.row(static_cast<Eigen::Index>(past_touch_m.size())) =
+        sample.force_n.transpose();
+    past_touch_m.push_back(sample.penetration_m - response.touch_offset_m);
+  }
+  return tilt_line(past_touch_m, force_n, path.outward);
+}
+
+// What a line of tilts makes of the force's direction [-], as force_difference()
+// counts.
+double turn_error(const Indentation& indentation, const IndentationPath& path,
+                  const NodeResponse& response) {
+  const double from_m = kErrorCountsFrom * indentation.sample.back().penetration_m;
+  const double least_n = kErrorCountsFrom * largest_force_n(indentation);
+  double largest = 0.0;
+  for (const IndentationSample& sample : indentation.sample) {
+    if (sample.penetration_m >= from_m) {
+      const double force_n = sample.force_n.norm();
+      const Eigen::Vector3d kept =
+          force_n * tilted(path.outward, response.tilt->at(sample.penetration_m -
+                                                           response.touch_offset_m));
+      largest = std::max(largest,
+                         (kept - sample.force_n).norm() / std::max(force_n, least_n));
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 double pressure_mesh_error(const Indentation& indentation) {
@@ -92,12 +129,15 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     }
     response.sample_direction.front() = response.sample_direction[1];
   }
+  response.tilt = tilt_of(indentation, path, response);
+  const double turn =
+      response.sample_direction.empty() ? turn_error(indentation, path, response) : 0.0;
   const IndentationSample& last = indentation.sample.back();
   // Two meshes may agree by chance.
   const double mesh =
       std::max(indentation.mesh_error, pressure_mesh_error(indentation));
   response.error_relative =
-      std::hypot(std::hypot(mesh, indentation.path_error, indentation.edge_share),
+      std::hypot(std::hypot(mesh, indentation.path_error, indentation.edge_share), turn,
                  std::hypot(indentation.exterior_error_relative,
                             kLeastErrorShare * force_relative_budget));
   const auto flag_if = [&](bool set, ResponseFlag flag) {

@@ -28,11 +28,15 @@ namespace palpate {
 /// kErrorOverBudget is set where the tool also reaches elsewhere; whether the error is
 /// above the budget is known once it is calibrated (error_calibration.h).
 ///
+/// `tilt` is the line nearest to the samples' tilts, without limits. Of a sticking tool
+/// it is the tilt of the mean direction: tangential forces are friction's, too.
+///
 /// error_relative is an estimate of what force_difference() measures, to be calibrated:
 /// what the mesh makes (0.55 of the difference to pressure on a mesh twice as coarse,
 /// or, if that is more, to a whole press on one, where there is one), what bears on the
-/// patch's edge, what interpolation between depths and the part left out around make,
-/// and a fifth of the budget for what none of them sees (root of the sum of squares).
+/// patch's edge, what the tilt's line misses where no directions are stored, what
+/// interpolation between depths and the part left out around make, and a fifth of the
+/// budget for what none of them sees (root of the sum of squares).
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -238,6 +238,33 @@ TEST(Assembly, StatesEstimatesTimesWhatTheChecksFound) {
   EXPECT_EQ(all.over_budget, over);
 }
 
+// A force that turns by 0.6 over a depth as long as the node's edges, 28.3 mm, and one
+// that turns by 0.4: the first is limited, and what it lost is in its error.
+TEST(Assembly, LimitsTiltsAndSaysSo) {
+  const JobDescription plan = sample_plan();
+  std::vector<WorkUnitOutcome> units = sample_units();
+  const double edge_m = 0.02 * std::sqrt(2.0);
+  for (WorkUnitOutcome& unit : units) {
+    for (WorkUnitNode& node : unit.node) {
+      if (node.response.origin != ResponseOrigin::kNone) {
+        const Eigen::Vector3d n = plan.normal.row(node.vertex).transpose();
+        node.response.tilt = TiltLine{.by_depth_per_m = (node.vertex == 0 ? 0.6 : 0.4) /
+                                                        edge_m * n.unitOrthogonal()};
+      }
+    }
+  }
+  const Assembly steep = assemble(plan, units);
+  EXPECT_EQ(steep.tilts_limited, 1);
+  EXPECT_NE(steep.database.provenance.left_out.find("tilts of 1 of"), std::string::npos)
+      << steep.database.provenance.left_out;
+  const ResponseTable& table = steep.database.tools[0];
+  EXPECT_NEAR(table.tilt_by_depth_per_m.row(0).norm() * edge_m, 0.5, 1e-12);
+  const Assembly none = assemble(plan, sample_units());
+  EXPECT_EQ(none.tilts_limited, 0);
+  EXPECT_EQ(none.database.provenance.left_out.find("tilts of"), std::string::npos);
+  EXPECT_GT(table.error_relative[0], none.database.tools[0].error_relative[0]);
+}
+
 TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {
   const ScratchFolder folder;
   std::vector<WorkUnitOutcome> units = sample_units();

@@ -285,6 +285,54 @@ TEST(Response, OfTwoWaysToTellTheMeshesErrorTheLargerCounts) {
   }
 }
 
+// Of forces that lean by a tangent which grows with depth the tilt is kept exactly; the
+// mean direction is its value where the work's middle is.
+TEST(Response, KeepsTheTiltThatGrowsWithDepth) {
+  Indentation indentation;
+  for (int k = 0; k <= 10; ++k) {
+    const double past_touch_m = 1e-4 * k;
+    indentation.sample.push_back(
+        {.penetration_m = 2e-4 + past_touch_m,
+         .force_n =
+             k * std::sqrt(k) * Eigen::Vector3d(0.1 + 200.0 * past_touch_m, 0.0, 1.0)});
+  }
+  const NodeResponse response = to_response(indentation, straight_down(), 0.5);
+  ASSERT_TRUE(response.tilt);
+  EXPECT_NEAR(response.tilt->tilt.x(), 0.1, 1e-12);
+  EXPECT_NEAR(response.tilt->by_depth_per_m.x(), 200.0, 1e-9);
+  EXPECT_NEAR(response.tilt->tilt.z(), 0.0, 1e-15);
+  IndentationPath stuck = straight_down();
+  ToolShape shape = sphere(kRadius);
+  shape.sticking = true;
+  stuck.tool = std::make_shared<const ToolSurface>(shape);
+  const NodeResponse sticking = to_response(indentation, stuck, 0.5);
+  EXPECT_NEAR(sticking.tilt->tilt.x(), sticking.direction.x() / sticking.direction.z(),
+              1e-12);
+  EXPECT_EQ(sticking.tilt->by_depth_per_m, Eigen::Vector3d::Zero());
+  // The constant tilt misses what the line has.
+  EXPECT_GT(sticking.error_relative, response.error_relative);
+}
+
+// At 1, 4 and 9 N the force leans to one side, not, and to it again: a line cannot.
+TEST(Response, CountsWhatTheTiltsLineMisses) {
+  const auto error_of = [](double lean) {
+    Indentation indentation;
+    for (int k = 0; k <= 3; ++k) {
+      indentation.sample.push_back(
+          {.penetration_m = 1e-3 * k,
+           .force_n = k * k * Eigen::Vector3d(k == 2 ? 0.0 : lean, 0.0, 1.0)});
+    }
+    for (IndentationSample& sample : indentation.sample) {
+      sample.coarse_force_n = sample.force_n.norm();
+    }
+    return to_response(indentation, straight_down(), 0.5).error_relative;
+  };
+  const double least = error_of(0.0);
+  EXPECT_NEAR(least, 0.2 * 0.5, 1e-12);
+  EXPECT_GT(std::sqrt(std::pow(error_of(0.04), 2) - least * least), 0.01);
+  EXPECT_LT(std::sqrt(std::pow(error_of(0.04), 2) - least * least), 0.04);
+}
+
 TEST(Response, KeepsDirectionsPerDepthWhereOneCostsMoreThanTheBudget) {
   const NodeResponse straight = to_response(leaning_by(0.04), straight_down(), 0.05);
   EXPECT_TRUE(straight.sample_direction.empty());
