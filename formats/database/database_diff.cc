@@ -187,19 +187,19 @@ CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b) {
     const double h = at_m[i + 1] - at_m[i];
     for (std::size_t q = 0; q < kGaussPlace.size(); ++q) {
       const double at = at_m[i] + h * kGaussPlace[q];
-      const double force_n = a.force_n(at);
-      const double off = b.force_n(at) - force_n;
-      squares += h * kGaussWeight[q] * off * off;
-      force_squares += h * kGaussWeight[q] * force_n * force_n;
-      result.largest_n = std::max(result.largest_n, std::abs(off));
+      const Eigen::Vector3d force_n = a.force_n(at);
+      const double off_n = (b.force_n(at) - force_n).norm();
+      squares += h * kGaussWeight[q] * off_n * off_n;
+      force_squares += h * kGaussWeight[q] * force_n.squaredNorm();
+      result.largest_n = std::max(result.largest_n, off_n);
     }
   }
   if (at_m.size() > 1) {
     result.depth_m = end_m - at_m.front();
     result.rms_n = std::sqrt(squares / result.depth_m);
     result.force_rms_n = std::sqrt(force_squares / result.depth_m);
-    const double end = b.force_n(end_m) - a.force_n(end_m);
-    result.largest_n = std::max(result.largest_n, std::abs(end));
+    result.largest_n =
+        std::max(result.largest_n, (b.force_n(end_m) - a.force_n(end_m)).norm());
   }
   return result;
 }

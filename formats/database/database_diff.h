@@ -10,16 +10,17 @@
 
 namespace palpate {
 
-/// Two curves over the tool positions that both have.
+/// Forces of two curves over the tool positions that both have.
 struct CurveDifference {
   double depth_m = 0.0;    ///< [m] from the first touch of either to the end of either
-  double largest_n = 0.0;  ///< [N] largest difference of force on the Gauss points
-  double rms_n = 0.0;      ///< [N] root mean square over the common depth, exact
+  double largest_n = 0.0;  ///< [N] largest difference |F - F'| on the Gauss points
+  double rms_n = 0.0;      ///< [N] root mean square over the common depth
   double force_rms_n = 0.0;  ///< [N] of the first curve there
 };
 
-/// The mean is an integral over cubics between the samples of both, four Gauss points
-/// each: exact to rounding. Zero without a common depth.
+/// Forces are vectors. The mean is an integral between the samples of both, four Gauss
+/// points each: exact to rounding where both point the same way at all depths, because
+/// magnitudes are cubics. Zero without a common depth.
 [[nodiscard]] CurveDifference difference(const PlacedCurve& a, const PlacedCurve& b);
 
 struct NodeDifference {

@@ -101,8 +101,16 @@ double response_difference(const NodeResponse& response, const NodeResponse& ref
   const ResponseCurve curve(response.depth_m, response.force_n);
   const ResponseCurve better(reference.depth_m, reference.force_n);
   const auto placed = [&](const ResponseCurve& of, const NodeResponse& node) {
-    return PlacedCurve{of.view(), node.touch_offset_m,
-                       std::abs(outward.dot(node.direction))};
+    return PlacedCurve{of.view(),
+                       node.touch_offset_m,
+                       std::abs(outward.dot(node.direction)),
+                       node.direction,
+                       outward,
+                       node.tilt,
+                       node.sample_direction.empty()
+                           ? std::span<const double>{}
+                           : std::span(node.sample_direction.front().data(),
+                                       3 * node.sample_direction.size())};
   };
   return force_difference(placed(curve, response), placed(better, reference));
 }

@@ -1,4 +1,4 @@
-// Two responses of one node, compared where the tool is at the same place.
+// Two responses of one node, compared as vectors where the tool is at the same place.
 //
 // A curve is stored over the displacement d along its own direction u, from its own
 // first touch. Two curves of a node agree where they give the same force at the same
@@ -6,20 +6,35 @@
 // equal d would count a difference of first touches as one of forces.
 #pragma once
 
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
 #include "formats/response/curve_view.h"
 #include "formats/response/response_table.h"
+#include "formats/response/tilt_line.h"
 
 namespace palpate {
 
-/// A curve and where it lies along the press.
+/// A curve, where it lies along the press, and which way its force points.
 struct PlacedCurve {
   CurveView curve;              ///< not empty
   double touch_offset_m = 0.0;  ///< [m] normal penetration of its first sample
   double along = 1.0;           ///< [-] |n . u|, (0, 1]
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< [-] u, unit
+  Eigen::Vector3d outward = Eigen::Vector3d::UnitZ();    ///< [-] n, unit
+  std::optional<TiltLine> tilt = {};
+  std::span<const double> sample_direction = {};  ///< (3 k) [-] or empty
+
+  /// [-] Unit vector at a normal penetration: that of the samples, linear between them
+  /// and renormalised; without those, n + theta of the tilt; without one, u.
+  [[nodiscard]] Eigen::Vector3d direction_at(double penetration_m) const noexcept;
 
   /// [N] at a normal penetration; zero before the first touch.
-  [[nodiscard]] double force_n(double penetration_m) const noexcept {
-    return curve.at((penetration_m - touch_offset_m) * along).force_n;
+  [[nodiscard]] Eigen::Vector3d force_n(double penetration_m) const noexcept {
+    return curve.at((penetration_m - touch_offset_m) * along).force_n *
+           direction_at(penetration_m);
   }
 
   /// Normal penetration of its last sample [m].
@@ -36,10 +51,10 @@ struct PlacedCurve {
 /// the largest force they are relative, where the force is smaller.
 inline constexpr double kErrorCountsFrom = 0.1;
 
-/// What `error_relative` bounds: the largest difference of force over all depths from a
-/// tenth of the largest penetration on that both reach, relative to the reference's
-/// force there or to a tenth of its largest, whichever is more. 0 where neither has a
-/// curve, 1 where one alone has.
+/// What `error_relative` bounds: the largest difference |F - F'| of the force vectors
+/// over all depths from a tenth of the largest penetration on that both reach, relative
+/// to the reference's force there or to a tenth of its largest, whichever is more. 0
+/// where neither has a curve, 1 where one alone has.
 [[nodiscard]] double force_difference(const PlacedCurve& curve,
                                       const PlacedCurve& reference);
 

@@ -46,6 +46,18 @@ TEST(CurveDifference, IsTakenWhereTheToolIsAtTheSamePlace) {
   EXPECT_NEAR(force_difference(later, first), 0.01 / 0.02, 1e-9);
 }
 
+// Equal magnitudes, one of them turned by half a radian at all depths.
+TEST(CurveDifference, IsThatOfVectors) {
+  const ResponseCurve a(std::vector{0.0, 0.001, 0.002}, std::vector{0.0, 0.1, 0.2});
+  const PlacedCurve straight{a.view()};
+  PlacedCurve turned{a.view()};
+  turned.direction = {std::sin(0.5), 0.0, std::cos(0.5)};
+  const double chord = 2.0 * std::sin(0.25);
+  const CurveDifference found = difference(straight, turned);
+  EXPECT_NEAR(found.largest_n, 0.2 * chord, 1e-15);
+  EXPECT_NEAR(found.rms_n / found.force_rms_n, chord, 1e-12);
+}
+
 TEST(DatabaseDifference, ListsTheNodeThatWasChangedFirst) {
   const ResponseDatabase a = small_database();
   ResponseDatabase b = a;
