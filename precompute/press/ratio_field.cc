@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 #include "formats/base/reproducible.h"
 
@@ -14,6 +17,9 @@ namespace {
 constexpr double kAlikeRadii = 4.0;
 // Energy that laws add which counts as a stiffness e times as large.
 constexpr double kAlikeEnergy = 0.25;
+// [rad] Lean of a cheap force below which its direction along the surface is the
+// mesh's.
+constexpr double kLeastLean = 0.5 * std::numbers::pi / 180.0;
 
 // Lengths over which ratios of homogeneous bodies are alike: contact radii in space,
 // of normals, of logarithms of stiffness, of nonlinearity. Chosen on a gel cylinder and
@@ -56,13 +62,19 @@ RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& c
       std::max(cheap.sample.back().force_n.norm(), std::numeric_limits<double>::min());
   const double past_touch_m =
       cheap.sample.back().penetration_m - cheap.sample.front().penetration_m;
-  return {vertex, reproducible::log(force_n / past_touch_m), cheap.nonlinearity};
+  return {vertex, reproducible::log(force_n / past_touch_m), cheap.nonlinearity,
+          cheap.sample.back().force_n};
 }
 
 void RatioField::add(std::int32_t vertex, const Indentation& cheap,
                      std::optional<PathRatio> ratio) {
   ratios_ += ratio ? 1 : 0;
-  known_.push_back({place_of(vertex, cheap), std::move(ratio)});
+  Eigen::MatrixX3d direction(static_cast<Eigen::Index>(cheap.sample.size()) - 1, 3);
+  for (Eigen::Index k = 0; k < direction.rows(); ++k) {
+    direction.row(k) =
+        cheap.sample[static_cast<std::size_t>(k) + 1].force_n.normalized().transpose();
+  }
+  known_.push_back({place_of(vertex, cheap), std::move(ratio), std::move(direction)});
 }
 
 double RatioField::unlikeness(const Place& a, const Place& b) const {
@@ -86,6 +98,16 @@ Eigen::Vector<double, RatioField::kCoordinates> RatioField::coordinates(
   return x;
 }
 
+Eigen::Matrix3d RatioField::frame(const Place& p) const {
+  const Eigen::Vector3d n = normal_.row(p.vertex).transpose();
+  const Eigen::Vector3d u = p.force_n.normalized();
+  const Eigen::Vector3d lean = u - u.dot(n) * n;
+  const Eigen::Vector3d c = lean / std::hypot(lean.norm(), kLeastLean);
+  Eigen::Matrix3d axes;
+  axes << n, c, n.cross(c);
+  return axes;
+}
+
 RatioModel::RatioModel(const RatioField& field)
     : field_(field), lengths_(kUsualLengths) {
   Eigen::Index depths = 0;
@@ -96,17 +118,23 @@ RatioModel::RatioModel(const RatioField& field)
     }
   }
   const auto n = static_cast<Eigen::Index>(with_ratio_.size());
-  value_.resize(n, depths + 1);
+  value_.resize(n, 4 * depths + 1);
   weight_ = Eigen::MatrixXd::Zero(n, depths);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const PathRatio& ratio =
-        *field.known()[with_ratio_[static_cast<std::size_t>(i)]].ratio;
+    const RatioField::Known& known =
+        field.known()[with_ratio_[static_cast<std::size_t>(i)]];
+    const PathRatio& ratio = *known.ratio;
+    const Eigen::Matrix3d frame = field.frame(known.place);
     for (Eigen::Index k = 0; k < depths; ++k) {
       // A longer path goes on where shorter ones end.
-      value_(i, k) =
-          reproducible::log(ratio.force[std::min(k, ratio.force.size() - 1)]);
+      const Eigen::Index at = std::min(k, ratio.force.size() - 1);
+      value_(i, k) = reproducible::log(ratio.force[at]);
+      const Eigen::RowVector3d turn = ratio.turn.row(at) * frame;
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        value_(i, (axis + 1) * depths + k) = turn[axis];
+      }
     }
-    value_(i, depths) = ratio.hard_share;
+    value_(i, 4 * depths) = ratio.hard_share;
     weight_.row(i).head(ratio.weight.size()) = ratio.weight.transpose();
   }
   if (n > 1) {
@@ -143,13 +171,26 @@ Kriging RatioModel::kriging(const Lengths& lengths) const {
 
 RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
   const Eigen::Index depths = weight_.cols();
-  const Eigen::MatrixXd off = kriging.left_out(value_.leftCols(depths));
+  const Eigen::MatrixXd off = kriging.left_out(value_.leftCols(4 * depths));
   LeftOut result{.error = Eigen::VectorXd::Zero(off.rows()),
                  .variance = kriging.left_out_variance()};
   for (Eigen::Index i = 0; i < off.rows(); ++i) {
-    for (Eigen::Index k = 0; k < depths; ++k) {
+    const RatioField::Known& known =
+        field_.known()[with_ratio_[static_cast<std::size_t>(i)]];
+    const PathRatio told =
+        ratio_of((value_.leftCols(4 * depths) - off).row(i).transpose(), known.place);
+    for (Eigen::Index k = 0; k < known.ratio->force.size(); ++k) {
+      // |r e' - e|^2 = (r - 1)^2 + r |e' - e|^2, r the predicted force over the true
+      // one, e and e' their directions.
+      const double off_by = reproducible::expm1(-off(i, k));
+      const Eigen::RowVector3d cheap =
+          known.direction.row(std::min(k, known.direction.rows() - 1));
+      const double turned = ((cheap + told.turn.row(k)).normalized() -
+                             (cheap + known.ratio->turn.row(k)).normalized())
+                                .norm();
       result.error[i] = std::max(
-          result.error[i], weight_(i, k) * std::abs(reproducible::expm1(-off(i, k))));
+          result.error[i],
+          weight_(i, k) * std::hypot(off_by, std::sqrt(1.0 + off_by) * turned));
     }
   }
   return result;
@@ -204,27 +245,35 @@ RatioModel::Lengths RatioModel::best_lengths() const {
   return best;
 }
 
-PathRatio RatioModel::ratio_of(const Eigen::VectorXd& value) const {
+// @param value a row of value_, with or without the hard share.
+PathRatio RatioModel::ratio_of(const Eigen::VectorXd& value,
+                               const RatioField::Place& place) const {
   const Eigen::Index depths = weight_.cols();
   PathRatio ratio;
   ratio.force.resize(depths);
-  ratio.hard_share = std::clamp(value[depths], 0.0, 1.0);
+  if (value.size() > 4 * depths) {
+    ratio.hard_share = std::clamp(value[4 * depths], 0.0, 1.0);
+  }
   for (Eigen::Index k = 0; k < depths; ++k) {
     ratio.force[k] = reproducible::exp(value[k]);
   }
+  const Eigen::Map<const Eigen::MatrixX3d> turn(value.data() + depths, depths, 3);
+  ratio.turn = turn * field_.frame(place).transpose();
   return ratio;
 }
 
 PathRatio RatioModel::at(std::int32_t vertex, const Indentation& cheap) const {
   const RatioField::Place place = RatioField::place_of(vertex, cheap);
-  return ratio_of(value_.transpose() * kriging_->at(scaled(place, lengths_)).weight);
+  return ratio_of(value_.transpose() * kriging_->at(scaled(place, lengths_)).weight,
+                  place);
 }
 
 PathRatio RatioModel::from_others(std::int32_t vertex, const Indentation& cheap) const {
   for (std::size_t i = 0; i < with_ratio_.size(); ++i) {
     if (field_.known()[with_ratio_[i]].place.vertex == vertex) {
       const auto row = static_cast<Eigen::Index>(i);
-      return ratio_of((value_ - kriging_->left_out(value_)).row(row).transpose());
+      return ratio_of((value_ - kriging_->left_out(value_)).row(row).transpose(),
+                      RatioField::place_of(vertex, cheap));
     }
   }
   return at(vertex, cheap);

@@ -25,10 +25,13 @@ class RatioField {
     std::int32_t vertex = -1;
     double log_stiffness = 0.0;  ///< ln [N/m], of the cheap path
     double nonlinearity = 0.0;   ///< [-] Indentation::nonlinearity
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] at the cheap path's end
   };
   struct Known {
     Place place;
     std::optional<PathRatio> ratio;
+    /// (k x 3) [-] unit forces of the cheap path at its samples but the first
+    Eigen::MatrixX3d direction;
   };
   static constexpr std::size_t kCoordinates = 8;
 
@@ -61,6 +64,13 @@ class RatioField {
   /// nonlinearity.
   [[nodiscard]] Eigen::Vector<double, kCoordinates> coordinates(const Place& p) const;
 
+  /// The frame in which turns of forces are alike over the surface, in columns: the
+  /// normal n, c and n x c. c is the part of the cheap force along the surface, of
+  /// length 1 where the force leans, and of a length that goes to 0 with its lean below
+  /// half a degree. So c is continuous: where the force does not lean it points
+  /// nowhere, and no turn along the surface is taken from other vertices.
+  [[nodiscard]] Eigen::Matrix3d frame(const Place& p) const;
+
  private:
   const SurfaceMesh& surface_;
   const Points& normal_;
@@ -69,16 +79,18 @@ class RatioField {
   std::size_t ratios_ = 0;
 };
 
-/// What a field predicts. Logarithms of ratios are taken for a random field over all
-/// coordinates, alike at all depths. Lengths over which it changes are those by which
-/// the known ratios predict each other best (leave-one-out predictive probability;
-/// Sundararajan and Keerthi, Neural Computation 13, 2001), and not far from usual ones.
+/// What a field predicts. Logarithms of ratios, and turns of forces in the frame of
+/// their vertex, are taken for a random field over all coordinates, alike at all
+/// depths. Errors are those of force vectors, |F - F'| over |F|. Lengths over which it
+/// changes are those by which the known ratios predict each other best (leave-one-out
+/// predictive probability; Sundararajan and Keerthi, Neural Computation 13, 2001), and
+/// not far from usual ones.
 class RatioModel {
  public:
   /// @param field as it is now; must outlive it, unchanged.
   explicit RatioModel(const RatioField& field);
 
-  /// The ratio at a vertex, without its turn; field.size() must not be 0.
+  /// The ratio at a vertex; field.size() must not be 0.
   [[nodiscard]] PathRatio at(std::int32_t vertex, const Indentation& cheap) const;
 
   /// The same, from all others where the vertex' own ratio is known; field.size() must
@@ -112,11 +124,14 @@ class RatioModel {
   [[nodiscard]] LeftOut left_out(const Kriging& kriging) const;
   [[nodiscard]] double improbability(const Lengths& lengths) const;
   [[nodiscard]] Lengths best_lengths() const;
-  [[nodiscard]] PathRatio ratio_of(const Eigen::VectorXd& value) const;
+  [[nodiscard]] PathRatio ratio_of(const Eigen::VectorXd& value,
+                                   const RatioField::Place& place) const;
 
   const RatioField& field_;
   std::vector<std::size_t> with_ratio_;  // (n) in field_.known()
-  Eigen::MatrixXd value_;   // (n x k + 1) logarithms of ratios, and the hard share
+  // (n x 4 k + 1) logarithms of ratios, k of turns along each axis of the frame, and
+  // the hard share
+  Eigen::MatrixXd value_;
   Eigen::MatrixXd weight_;  // (n x k) of depths in an error
   Lengths lengths_;
   std::optional<Kriging> kriging_;

@@ -73,11 +73,9 @@ Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
     IndentationSample& sample = path.sample[k];
     const auto i = std::min(static_cast<Eigen::Index>(k), ratio.force.size()) - 1;
     const double force_n = sample.force_n.norm() * ratio.force[i];
-    sample.force_n.normalize();
-    if (ratio.turn.rows() > i) {
-      sample.force_n = (sample.force_n + ratio.turn.row(i).transpose()).normalized();
-    }
-    sample.force_n *= force_n;
+    sample.force_n =
+        force_n *
+        (sample.force_n.normalized() + ratio.turn.row(i).transpose()).normalized();
     sample.coarse_force_n *= ratio.force[i];
     sample.energy_j *= ratio.force[i];
     if (force_n > force_max_n) {

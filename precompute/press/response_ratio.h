@@ -26,8 +26,7 @@ namespace palpate {
 /// Good over cheap along a path.
 struct PathRatio {
   Eigen::VectorXd force;  ///< (k) [-] at the cheap path's samples but the first
-  /// (k x 3) [-] good direction minus the cheap one, for the same vertex only; else
-  /// empty.
+  /// (k x 3) [-] good direction minus the cheap one.
   Eigen::MatrixX3d turn;
   /// (k) [-] What sample k's ratio counts in an error, as force_difference() has it:
   /// nothing below a tenth of the depth, less where the force is below a tenth of the
@@ -47,8 +46,8 @@ struct PathRatio {
 [[nodiscard]] std::optional<PathRatio> path_ratio(const Indentation& good,
                                                   const Indentation& cheap);
 
-/// A cheap path, on any mesh, scaled sample by sample, and turned where the ratio says
-/// so. Hard to follow where half of the ratio or more is of such presses.
+/// A cheap path, on any mesh, scaled and turned sample by sample. Hard to follow where
+/// half of the ratio or more is of such presses.
 [[nodiscard]] Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
                                  double force_max_n);
 

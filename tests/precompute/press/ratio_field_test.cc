@@ -98,7 +98,7 @@ TEST_F(RatioFields, KeepAConstantRatioExactly) {
   for (Eigen::Index k = 0; k < ratio.force.size(); ++k) {
     EXPECT_NEAR(ratio.force[k], 1.1, 1e-12);
   }
-  EXPECT_EQ(ratio.turn.rows(), 0);  // directions belong to their own vertex
+  EXPECT_LT(ratio.turn.norm(), 1e-12);
   EXPECT_NEAR(ratios.error_at(0, soft), 0.0, 1e-12);
 }
 
@@ -128,6 +128,99 @@ TEST_F(RatioFields, ExpectErrorsNearPressesThatAreNotAlike) {
   EXPECT_NEAR(ratios.at(0, soft).force[9], 1.1, 1e-12);
   EXPECT_GT(ratios.error_at(0, soft), 0.01);
   EXPECT_DOUBLE_EQ(ratios.left_out_errors()[2], 1.0);
+}
+
+// A rim of 36 vertices that face aside and up. Cheap forces lean outward by little,
+// good ones by much more, the more the deeper.
+class Rim : public testing::Test {
+ protected:
+  static constexpr std::int32_t kVertices = 36;
+  static constexpr double kCheapLean = 0.02;
+
+  Rim() {
+    body_.position_m.resize(kVertices, 3);
+    normal_.resize(kVertices, 3);
+    for (std::int32_t v = 0; v < kVertices; ++v) {
+      body_.position_m.row(v) = 0.02 * radial(v).transpose();
+      normal_.row(v) = (radial(v) + Eigen::Vector3d::UnitZ()).normalized().transpose();
+    }
+  }
+
+  static Eigen::Vector3d radial(std::int32_t v) {
+    const double angle = 2.0 * std::numbers::pi * v / kVertices;
+    return {std::cos(angle), std::sin(angle), 0.0};
+  }
+
+  // Leans from the normal towards the axis of the rim.
+  [[nodiscard]] Indentation press(std::int32_t v, double k_n_per_m, double lean,
+                                  double lean_by_sample = 0.0) const {
+    const Eigen::Vector3d n = normal_.row(v).transpose();
+    const Eigen::Vector3d inward = (Eigen::Vector3d::UnitZ() - radial(v)).normalized();
+    Indentation path = straight_path(k_n_per_m);
+    double at = lean;
+    for (IndentationSample& sample : path.sample) {
+      sample.force_n =
+          sample.force_n.norm() * (std::cos(at) * n + std::sin(at) * inward);
+      at += lean_by_sample;
+    }
+    return path;
+  }
+
+  // Of the vertices between every sixth, the largest angle that predictions are off.
+  [[nodiscard]] double largest_angle(double cheap_lean, double good_lean) const {
+    RatioField field(body_, normal_, 0.002);
+    for (std::int32_t v = 0; v < kVertices; v += 6) {
+      const Indentation cheap = press(v, 100.0, cheap_lean);
+      field.add(v, cheap, path_ratio(press(v, 90.0, good_lean, 0.01), cheap));
+    }
+    const RatioModel ratios(field);
+    double largest = 0.0;
+    for (std::int32_t v = 0; v < kVertices; ++v) {
+      const Indentation cheap = press(v, 100.0, cheap_lean);
+      const Indentation told = scaled(cheap, ratios.at(v, cheap), kAnyForce);
+      const Indentation good = press(v, 90.0, good_lean, 0.01);
+      for (std::size_t k = 1; k < good.sample.size(); ++k) {
+        largest = std::max(largest, (told.sample[k].force_n.normalized() -
+                                     good.sample[k].force_n.normalized())
+                                        .norm());
+      }
+    }
+    return largest;
+  }
+
+  SurfaceMesh body_;
+  Points normal_;
+};
+
+// What all vertices share in their own frame is known everywhere.
+TEST_F(Rim, TurnsOfForcesFollowTheFrameOfTheVertex) {
+  EXPECT_LT(largest_angle(kCheapLean, 0.35), 0.002);
+}
+
+TEST_F(Rim, LeftOutErrorsCountTheTurn) {
+  RatioField field(body_, normal_, 0.002);
+  for (const std::int32_t v : {0, 6, 12, 18}) {
+    const Indentation cheap = press(v, 100.0, kCheapLean);
+    field.add(v, cheap, path_ratio(press(v, 100.0, v == 6 ? 0.35 : kCheapLean), cheap));
+  }
+  const RatioModel ratios(field);
+  // Equal magnitudes: all of the error is the turn of 0.33 rad that nobody else has.
+  EXPECT_NEAR(ratios.left_out_errors()[1], 2.0 * std::sin(0.165), 0.01);
+  EXPECT_GT(ratios.left_out_errors()[0], 0.01);
+  EXPECT_GT(ratios.error_at(7, press(7, 100.0, kCheapLean)), 0.05);
+}
+
+// Where a cheap force does not lean, its frame has no way along the surface, and no
+// turn either; around such a place it is continuous.
+TEST_F(Rim, FramesAreContinuousWhereNothingLeans) {
+  const RatioField field(body_, normal_, 0.002);
+  const auto frame = [&](double lean) {
+    return field.frame(RatioField::place_of(0, press(0, 100.0, lean)));
+  };
+  EXPECT_LT(frame(0.0).rightCols<2>().norm(), 1e-12);
+  EXPECT_LT((frame(1e-5) - frame(-1e-5)).norm(), 0.01);
+  EXPECT_GT(frame(0.1).col(1).norm(), 0.99);
+  EXPECT_NEAR(frame(0.1).col(1).dot(frame(0.1).col(2)), 0.0, 1e-12);
 }
 
 // A bent sheet, 20 x 20 vertices whose ratios vary smoothly: with how steeply they face
