@@ -36,6 +36,10 @@ class Tool:
     @property
     def touch_offset_m(self) -> Floats: ...
     @property
+    def tilt(self) -> Floats: ...  # (n, 3) or (0, 3)
+    @property
+    def tilt_by_depth_per_m(self) -> Floats: ...  # (n, 3) or (0, 3)
+    @property
     def error_relative(self) -> Floats: ...
     @property
     def friction(self) -> Floats: ...

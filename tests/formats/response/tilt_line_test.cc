@@ -174,25 +174,24 @@ TEST(TiltLine, RangeIsThatOfNormalDepth) {
               1e-15);
 }
 
-TEST(TiltLine, LimitsOfATableAreByTheLongestEdgeOfEachNode) {
-  const SurfaceMesh body = octahedron(0.05);
-  const Points normal = vertex_normals(body);
-  const std::vector<double> edge_m = longest_edges_m(body);
+// 0.5 over 70.7 mm are 7.07 1/m: what turns faster is limited, and what that cost is in
+// the error.
+TEST(TiltLine, OfAResponseIsLimitedByTheLongestEdgeOfItsNode) {
+  const std::vector<double> edge_m = longest_edges_m(octahedron(0.05));
   EXPECT_NEAR(edge_m[3], 0.05 * std::sqrt(2.0), 1e-15);
-  std::vector<NodeResponse> responses;
-  for (int i = 0; i < 5; ++i) {
-    const Eigen::Vector3d outward = normal.row(i).transpose();
-    NodeResponse response = pressed_along(outward);
-    response.tilt = TiltLine{.by_depth_per_m = 3.0 * i * outward.unitOrthogonal()};
-    responses.push_back(response);
-  }
-  responses.emplace_back();
-  ResponseTable table = make_table({"tip", "sphere", 0.002, 0.0, 0.0}, responses);
-  // 0.5 over 70.7 mm are 7.07 1/m: nodes 3 and 4 are past it.
-  EXPECT_EQ(limit_tilts(table, normal, edge_m), 2);
-  EXPECT_NEAR(table.tilt_by_depth_per_m.row(2).norm(), 6.0, 1e-12);
-  EXPECT_NEAR(table.tilt_by_depth_per_m.row(4).norm(), 0.5 / edge_m[4], 1e-12);
-  EXPECT_EQ(limit_tilts(table, normal, edge_m), 0);
+  NodeResponse response = pressed_along(kOutward);
+  response.error_relative = 0.01;
+  EXPECT_FALSE(limit_tilt(response, kOutward, edge_m[3]));  // there is none
+  response.tilt = TiltLine{.by_depth_per_m = 6.0 * kAlong};
+  EXPECT_FALSE(limit_tilt(response, kOutward, edge_m[3]));
+  EXPECT_EQ(response.error_relative, 0.01);
+  response.tilt = TiltLine{.by_depth_per_m = 12.0 * kAlong};
+  EXPECT_TRUE(limit_tilt(response, kOutward, edge_m[3]));
+  EXPECT_NEAR(response.tilt->by_depth_per_m.norm(), 0.5 / edge_m[3], 1e-12);
+  // Turned about the middle, 3.09 mm past the touch: that much is off at the touch.
+  const double off = (12.0 - 0.5 / edge_m[3]) * 0.001 * 68.0 / 22.0;
+  EXPECT_NEAR(response.error_relative, std::hypot(0.01, off), 1e-5);
+  EXPECT_FALSE(limit_tilt(response, kOutward, edge_m[3]));
 }
 
 TEST(TiltLine, OfATableIsThereWhereAllResponsesHaveOne) {
