@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -19,7 +18,7 @@ constexpr double kAlikeRadii = 4.0;
 constexpr double kAlikeEnergy = 0.25;
 // [rad] Lean of a cheap force below which its direction along the surface is the
 // mesh's.
-constexpr double kLeastLean = 0.5 * std::numbers::pi / 180.0;
+constexpr double kLeastLean = 0.003;
 
 // Lengths over which ratios of homogeneous bodies are alike: contact radii in space,
 // of normals, of logarithms of stiffness, of nonlinearity. Chosen on a gel cylinder and
@@ -56,14 +55,28 @@ double ordinary_variance(const Eigen::VectorXd& square) {
 
 }  // namespace
 
+RatioModel::Roughness RatioModel::roughness_of(const Eigen::VectorXd& error,
+                                               const Eigen::VectorXd& variance) {
+  Eigen::VectorXd each = error.array().square() / variance.array();
+  const double ordinary = ordinary_variance(each);
+  return {.each = std::move(each), .ordinary = ordinary};
+}
+
 RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& cheap) {
   // Of the secant at the path's end.
   const double force_n =
       std::max(cheap.sample.back().force_n.norm(), std::numeric_limits<double>::min());
   const double past_touch_m =
       cheap.sample.back().penetration_m - cheap.sample.front().penetration_m;
+  Eigen::Vector3d mean_n = Eigen::Vector3d::Zero();
+  for (std::size_t k = 1; k < cheap.sample.size(); ++k) {
+    const double step_m =
+        cheap.sample[k].penetration_m - cheap.sample[k - 1].penetration_m;
+    mean_n += 0.5 * step_m / past_touch_m *
+              (cheap.sample[k - 1].force_n + cheap.sample[k].force_n);
+  }
   return {vertex, reproducible::log(force_n / past_touch_m), cheap.nonlinearity,
-          cheap.sample.back().force_n};
+          mean_n};
 }
 
 void RatioField::add(std::int32_t vertex, const Indentation& cheap,
@@ -145,8 +158,8 @@ RatioModel::RatioModel(const RatioField& field)
   }
   if (n > 1) {
     left_out_ = left_out(*kriging_);
-    roughness_ = left_out_.error.array().square() / left_out_.variance.array();
-    ordinary_roughness_ = ordinary_variance(roughness_);
+    vector_ = roughness_of(left_out_.error, left_out_.variance);
+    magnitude_ = roughness_of(left_out_.magnitude, left_out_.variance);
   }
 }
 
@@ -173,6 +186,7 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
   const Eigen::Index depths = weight_.cols();
   const Eigen::MatrixXd off = kriging.left_out(value_.leftCols(4 * depths));
   LeftOut result{.error = Eigen::VectorXd::Zero(off.rows()),
+                 .magnitude = Eigen::VectorXd::Zero(off.rows()),
                  .variance = kriging.left_out_variance()};
   for (Eigen::Index i = 0; i < off.rows(); ++i) {
     const RatioField::Known& known =
@@ -188,6 +202,8 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
       const double turned = ((cheap + told.turn.row(k)).normalized() -
                              (cheap + known.ratio->turn.row(k)).normalized())
                                 .norm();
+      result.magnitude[i] =
+          std::max(result.magnitude[i], weight_(i, k) * std::abs(off_by));
       result.error[i] = std::max(
           result.error[i],
           weight_(i, k) * std::hypot(off_by, std::sqrt(1.0 + off_by) * turned));
@@ -280,7 +296,8 @@ PathRatio RatioModel::from_others(std::int32_t vertex, const Indentation& cheap)
 }
 
 // Means over the nearest known vertices, weighted by inverse squares of distance.
-RatioModel::Around RatioModel::around(const RatioField::Place& place) const {
+RatioModel::Around RatioModel::around(const RatioField::Place& place,
+                                      const Roughness& roughness) const {
   std::vector<std::pair<double, std::size_t>> nearest;  // distance, in field_.known()
   for (std::size_t i = 0; i < field_.known().size(); ++i) {
     nearest.emplace_back(field_.distance_m(place, field_.known()[i].place), i);
@@ -296,7 +313,7 @@ RatioModel::Around RatioModel::around(const RatioField::Place& place) const {
     sum += weight;
     const auto at = std::lower_bound(with_ratio_.begin(), with_ratio_.end(), known);
     if (at != with_ratio_.end() && *at == known) {
-      mean.roughness += weight * roughness_[at - with_ratio_.begin()];
+      mean.roughness += weight * roughness.each[at - with_ratio_.begin()];
     } else {
       mean.unlike += weight;
     }
@@ -305,13 +322,23 @@ RatioModel::Around RatioModel::around(const RatioField::Place& place) const {
 }
 
 double RatioModel::error_at(std::int32_t vertex, const Indentation& cheap) const {
+  return expected(vertex, cheap, vector_);
+}
+
+double RatioModel::magnitude_error_at(std::int32_t vertex,
+                                      const Indentation& cheap) const {
+  return expected(vertex, cheap, magnitude_);
+}
+
+double RatioModel::expected(std::int32_t vertex, const Indentation& cheap,
+                            const Roughness& roughness) const {
   if (with_ratio_.size() < 2) {
     return kUnlikeError;
   }
   const RatioField::Place place = RatioField::place_of(vertex, cheap);
-  const Around near = around(place);
+  const Around near = around(place, roughness);
   const double variance = kriging_->at(scaled(place, lengths_)).variance *
-                          std::max(near.roughness, ordinary_roughness_);
+                          std::max(near.roughness, roughness.ordinary);
   return std::hypot(kDeviations * std::sqrt(variance),
                     kUnlikeError * std::sqrt(near.unlike));
 }

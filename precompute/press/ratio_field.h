@@ -25,7 +25,7 @@ class RatioField {
     std::int32_t vertex = -1;
     double log_stiffness = 0.0;  ///< ln [N/m], of the cheap path
     double nonlinearity = 0.0;   ///< [-] Indentation::nonlinearity
-    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] at the cheap path's end
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< [N] mean of the cheap path
   };
   struct Known {
     Place place;
@@ -67,7 +67,7 @@ class RatioField {
   /// The frame in which turns of forces are alike over the surface, in columns: the
   /// normal n, c and n x c. c is the part of the cheap force along the surface, of
   /// length 1 where the force leans, and of a length that goes to 0 with its lean below
-  /// half a degree. So c is continuous: where the force does not lean it points
+  /// a fifth of a degree. So c is continuous: where the force does not lean it points
   /// nowhere, and no turn along the surface is taken from other vertices.
   [[nodiscard]] Eigen::Matrix3d frame(const Place& p) const;
 
@@ -103,6 +103,12 @@ class RatioModel {
   /// everywhere, whichever is more; and more where presses nearby were not alike.
   [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap) const;
 
+  /// The same of the force's magnitude alone. Where forces turn abruptly, as over a
+  /// rim, vertices say little about each other's turn: only solving each would keep a
+  /// budget.
+  [[nodiscard]] double magnitude_error_at(std::int32_t vertex,
+                                          const Indentation& cheap) const;
+
   /// Error [-] of every known ratio as the others predict it, in the order of
   /// field.known(); 1 where there is no ratio, or no other.
   [[nodiscard]] std::vector<double> left_out_errors() const;
@@ -110,14 +116,25 @@ class RatioModel {
  private:
   using Lengths = std::array<double, 4>;
   struct LeftOut {
-    Eigen::VectorXd error;     // (n) [-] of force
-    Eigen::VectorXd variance;  // (n) [-] that the kriging expects
+    Eigen::VectorXd error;      // (n) [-] of force
+    Eigen::VectorXd magnitude;  // (n) [-] of its magnitude
+    Eigen::VectorXd variance;   // (n) [-] that the kriging expects
+  };
+  // Squares of errors over variances.
+  struct Roughness {
+    Eigen::VectorXd each;   // (n)
+    double ordinary = 0.0;  // of nine tenths of them
   };
   struct Around {
     double roughness = 0.0;
     double unlike = 0.0;  // share of those that were not alike
   };
-  [[nodiscard]] Around around(const RatioField::Place& place) const;
+  [[nodiscard]] static Roughness roughness_of(const Eigen::VectorXd& error,
+                                              const Eigen::VectorXd& variance);
+  [[nodiscard]] Around around(const RatioField::Place& place,
+                              const Roughness& roughness) const;
+  [[nodiscard]] double expected(std::int32_t vertex, const Indentation& cheap,
+                                const Roughness& roughness) const;
   [[nodiscard]] Eigen::VectorXd scaled(const RatioField::Place& place,
                                        const Lengths& lengths) const;
   [[nodiscard]] Kriging kriging(const Lengths& lengths) const;
@@ -136,8 +153,8 @@ class RatioModel {
   Lengths lengths_;
   std::optional<Kriging> kriging_;
   LeftOut left_out_;
-  Eigen::VectorXd roughness_;        // (n) squares of error over variance
-  double ordinary_roughness_ = 0.0;  // of nine tenths of them
+  Roughness vector_;
+  Roughness magnitude_;
 };
 
 }  // namespace palpate

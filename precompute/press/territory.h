@@ -45,7 +45,7 @@ class Territory {
   void solve_all() { solve(unsolved()); }
 
   /// Solves vertices that only a solve can answer, a few others, and more until every
-  /// ratio is expected within the budget.
+  /// ratio's magnitude is expected within the budget. Turns count in stated errors.
   void solve_within_budget();
 
   /// As solve_within_budget(), without cheap presses so far: a few good ones tell
