@@ -70,7 +70,8 @@ fs::path with_friction(const fs::path& database, double friction, double preslid
 
 class Palpate {
  public:
-  static constexpr const char* kVariants[] = {"potential", "element", "energy-tank",
+  static constexpr const char* kVariants[] = {"potential",    "facets",
+                                              "element",      "energy-tank",
                                               "equal-energy", "potential, friction"};
 
   Palpate(const fs::path& scene, const fs::path& own, const std::string& variant,
