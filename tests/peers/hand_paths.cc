@@ -19,6 +19,7 @@ constexpr double kSlideShare = 0.6;   // of the largest depth
 constexpr double kCycleM = 0.008;     // way to the side
 constexpr double kCycleMPerS = 0.01;  // slow: the work is a sum over ticks
 constexpr double kTickS = 0.001;
+constexpr int kSlowestMmPerS = 20;
 constexpr double kPi = std::numbers::pi;
 
 // A hand that is drawn tick by tick.
@@ -55,6 +56,13 @@ class Pen {
     }
   }
 
+  // From `begin` to where it is, kDenseTicks apart.
+  void dense_truth(std::size_t begin) {
+    for (std::size_t tick = begin; tick < hand_.tick.size(); tick += kDenseTicks) {
+      hand_.dense_tick.push_back(tick);
+    }
+  }
+
   [[nodiscard]] std::size_t ticks() const { return hand_.tick.size(); }
   PlannedHand done() { return std::move(hand_); }
 
@@ -83,10 +91,14 @@ PlannedHand slide(const SurfaceFrame& frame, const HandRecipe& r, int mm_per_s) 
   pen.put(-r.half_slide_m, 0.0, -kAboveM);
   pen.truth_here();
   pen.go(-r.half_slide_m, 0.0, depth, kApproachMPerS);
+  const std::size_t begin = pen.ticks() - 1;
   for (int i = 1; i <= r.slide_points; ++i) {
     pen.go(r.half_slide_m * (2.0 * i / r.slide_points - 1.0), 0.0, depth,
            1e-3 * mm_per_s);
     pen.truth_here();
+  }
+  if (mm_per_s == kSlowestMmPerS && r.dense_truth) {
+    pen.dense_truth(begin);
   }
   pen.go(r.half_slide_m, 0.0, -kAboveM, kApproachMPerS);
   pen.truth_here();
@@ -221,9 +233,11 @@ Eigen::Vector2d SurfaceFrame::coordinates(const Eigen::Vector3d& p_m) const {
 }
 
 std::vector<PlannedHand> plan_hands(const SurfaceFrame& frame, const HandRecipe& r) {
-  return {press(frame, r),      slide(frame, r, 20),    slide(frame, r, 50),
-          slide(frame, r, 100), circle(frame, r),       poke(frame, r),
-          walk(frame, r),       cycle(frame, r, false), cycle(frame, r, true)};
+  return {press(frame, r),      slide(frame, r, kSlowestMmPerS),
+          slide(frame, r, 50),  slide(frame, r, 100),
+          circle(frame, r),     poke(frame, r),
+          walk(frame, r),       cycle(frame, r, false),
+          cycle(frame, r, true)};
 }
 
 }  // namespace palpate::peers

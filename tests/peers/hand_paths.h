@@ -22,7 +22,12 @@ struct PlannedHand {
   std::string name;
   std::vector<PlacedDepth> tick;        ///< one each millisecond
   std::vector<std::size_t> truth_tick;  ///< ascending
+  /// Ticks as far apart as kDenseTicks: of the slowest slide, along its contact.
+  std::vector<std::size_t> dense_tick = {};
 };
+
+/// Half a millimetre of the slowest slide: 25 ms, so that 20 Hz are still told.
+constexpr std::size_t kDenseTicks = 25;
 
 /// A frame on the surface: places by coordinates (u, v) [m] in the tangent plane of a
 /// site, brought down to the surface along the site's normal.
@@ -55,6 +60,7 @@ struct HandRecipe {
   int slide_points = 20;  ///< ticks with truth, of each slide in contact
   int circle_points = 16;
   int walk_points = 20;
+  bool dense_truth = true;  ///< of the slowest slide
 };
 
 /// press: three places, one after the other, to the largest depth and back, 1 s each.

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "formats/mesh/surface_search.h"
 
 namespace palpate::peers {
@@ -49,6 +51,36 @@ std::vector<double> steps_n(std::span<const Eigen::Vector3d> force_n) {
   return step_n;
 }
 
+std::vector<double> turns_rad(std::span<const Eigen::Vector3d> force_n) {
+  std::vector<double> turn_rad;
+  for (std::size_t i = 0; i + 1 < force_n.size(); ++i) {
+    // Of a zero vector: atan2(0, 0) = 0.
+    turn_rad.push_back(std::atan2(force_n[i].cross(force_n[i + 1]).norm(),
+                                  force_n[i].dot(force_n[i + 1])));
+  }
+  return turn_rad;
+}
+
+// Each value less the median around it, where it is above.
+std::vector<double> beyond_usual(const std::vector<double>& values) {
+  const auto count = static_cast<std::ptrdiff_t>(values.size());
+  std::vector<double> beyond;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const auto begin = values.begin() + std::max<std::ptrdiff_t>(0, i - kAround);
+    const auto end = values.begin() + std::min(count, i + kAround + 1);
+    beyond.push_back(
+        std::max(0.0, values[static_cast<std::size_t>(i)] - median({begin, end})));
+  }
+  return beyond;
+}
+
+double largest_near(const std::vector<double>& values, std::size_t crossing) {
+  const auto count = static_cast<std::ptrdiff_t>(values.size());
+  const auto i = static_cast<std::ptrdiff_t>(crossing);
+  return *std::max_element(values.begin() + std::max<std::ptrdiff_t>(0, i - kAtEdge),
+                           values.begin() + std::min(count, i + kAtEdge + 1));
+}
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -86,43 +118,33 @@ ForceError force_error(std::span<const RenderedHand> rendered) {
 
 EdgeJumps edge_jumps(const SurfaceMesh& surface, const RenderedHand& rendered) {
   const auto [first, last] = in_contact(*rendered.hand);
+  const auto force_n = std::span(rendered.force_n).subspan(first, last - first + 1);
   const std::vector<std::int32_t> triangle = nearest_triangles(
       surface, std::span(rendered.hand->centre_m).subspan(first, last - first + 1));
-  const std::vector<double> step_n =
-      steps_n(std::span(rendered.force_n).subspan(first, last - first + 1));
-  const auto count = static_cast<std::ptrdiff_t>(step_n.size());
-  std::vector<double> jump_n;
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const auto begin = step_n.begin() + std::max<std::ptrdiff_t>(0, i - kAround);
-    const auto end = step_n.begin() + std::min(count, i + kAround + 1);
-    jump_n.push_back(
-        std::max(0.0, step_n[static_cast<std::size_t>(i)] - median({begin, end})));
-  }
+  const std::vector<double> jump_n = beyond_usual(steps_n(force_n));
+  const std::vector<double> turn_rad = beyond_usual(turns_rad(force_n));
   EdgeJumps jumps;
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    if (triangle[static_cast<std::size_t>(i)] !=
-        triangle[static_cast<std::size_t>(i) + 1]) {
-      const double jump =
-          *std::max_element(jump_n.begin() + std::max<std::ptrdiff_t>(0, i - kAtEdge),
-                            jump_n.begin() + std::min(count, i + kAtEdge + 1));
+  for (std::size_t i = 0; i < jump_n.size(); ++i) {
+    if (triangle[i] != triangle[i + 1]) {
+      const double jump = largest_near(jump_n, i);
       ++jumps.edges;
       jumps.mean_n += jump;
       jumps.largest_n = std::max(jumps.largest_n, jump);
+      jumps.turn_rad = std::max(jumps.turn_rad, largest_near(turn_rad, i));
     }
   }
   const double mean_n =
-      std::transform_reduce(
-          rendered.force_n.begin() + static_cast<std::ptrdiff_t>(first),
-          rendered.force_n.begin() + static_cast<std::ptrdiff_t>(last), 0.0,
-          std::plus<>(),
-          [](const Eigen::Vector3d& f) {
-            return f.norm();
-          }) /
+      std::transform_reduce(force_n.begin(), force_n.end() - 1, 0.0, std::plus<>(),
+                            [](const Eigen::Vector3d& f) {
+                              return f.norm();
+                            }) /
       static_cast<double>(last - first);
   jumps.mean_n /= jumps.edges;  // 0/0, NaN, without an edge
   jumps.relative = jumps.largest_n / mean_n;
   jumps.anywhere_relative =
       jump_n.empty() ? kNaN : *std::max_element(jump_n.begin(), jump_n.end()) / mean_n;
+  jumps.turn_anywhere_rad =
+      turn_rad.empty() ? kNaN : *std::max_element(turn_rad.begin(), turn_rad.end());
   return jumps;
 }
 

@@ -44,13 +44,16 @@ struct EdgeJumps {
   double mean_n = 0.0;             ///< [N] over the edges
   double relative = 0.0;           ///< [-] largest over the way's mean |F|
   double anywhere_relative = 0.0;  ///< [-] likewise of the largest jump anywhere
+  double turn_rad = 0.0;           ///< [rad] largest turn of the force at an edge
+  double turn_anywhere_rad = 0.0;
 };
 
 /// Along the hand between its first and its last tick with a true force: on the way
 /// over the surface, not where it comes and goes. A jump is a step of the force from a
 /// tick to the next, less the median step of the kAround ticks before and after, which
-/// the movement makes without a jump. Of an edge it is the largest within kAtEdge ticks
-/// of the crossing: a slow process comes up to ten ticks late.
+/// the movement makes without a jump; a turn is the angle between both, likewise. No
+/// force has no direction, and does not turn. Of an edge it is the largest within
+/// kAtEdge ticks of the crossing: a slow process comes up to ten ticks late.
 constexpr int kAtEdge = 15;
 constexpr int kAround = 40;
 [[nodiscard]] EdgeJumps edge_jumps(const SurfaceMesh& surface,

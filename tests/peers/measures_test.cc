@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <numbers>
 #include <sstream>
 #include <string>
 
@@ -33,10 +34,17 @@ constexpr double kDeepM = 0.003;
 constexpr double kLie = 1.1;     // times the true force
 constexpr double kJumpN = 0.02;  // sideways where x > 0
 constexpr double kTwist = 7.0;   // [N/m] force along x per depth: no potential
+constexpr double kHumN = 0.03;   // sideways: a sine of the ticks
+constexpr double kHumHz = 20.0;
+constexpr double kSwayN = 0.3;  // likewise, slowly
+constexpr double kSwayHz = 2.5;
+constexpr double kTrueHumN = 0.01;  // of the dense truth
+constexpr double kTrueHumHz = 10.0;
 
 struct FaultyTool {
   std::string fault;
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
+  int ticks = 0;
 };
 
 FaultyTool& faulty(peer* p) {
@@ -44,9 +52,9 @@ FaultyTool& faulty(peer* p) {
 }
 
 const char* variant(int index) {
-  constexpr const char* kNames[] = {"true",   "lies",      "jumps",
-                                    "twists", "allocates", "refuses"};
-  return index < 6 ? kNames[index] : nullptr;
+  constexpr const char* kNames[] = {"true",      "lies",    "jumps", "twists",
+                                    "allocates", "refuses", "hums",  "sways"};
+  return index < 8 ? kNames[index] : nullptr;
 }
 
 peer* open(const char*, const char*, const char* name, double, char* error,
@@ -60,6 +68,11 @@ peer* open(const char*, const char*, const char* name, double, char* error,
 
 void pose(peer* p, const double position_m[3], const double[4]) {
   faulty(p).at_m = Eigen::Vector3d(position_m);
+  ++faulty(p).ticks;
+}
+
+double sine(double amplitude, double hz, int tick) {
+  return amplitude * std::sin(2.0 * std::numbers::pi * hz * kHandTickS * tick);
 }
 
 void force(peer* p, double force_n[3]) {
@@ -72,6 +85,11 @@ void force(peer* p, double force_n[3]) {
     f.y() = kJumpN;
   } else if (tool.fault == "twists") {
     f.x() = kTwist * depth;
+  } else if (tool.fault == "hums" && depth > 0.0) {
+    f.y() = sine(kHumN, kHumHz, tool.ticks);
+  } else if (tool.fault == "sways" && depth > 0.0) {
+    f.y() = sine(kSwayN, kSwayHz, tool.ticks);
+    f.z() += sine(0.1 * f.z(), kHumHz, tool.ticks);  // not sideways
   } else if (tool.fault == "allocates") {
     // Volatile, or the compiler leaves both away.
     for (int i = 0; i < 2; ++i) {
@@ -115,7 +133,7 @@ class HandFile {
   HandFile(const fs::path& scene, const std::string& name)
       : poses_(scene / "hands" / (name + ".csv")),
         truth_(scene / "truth" / (name + ".csv")) {
-    poses_ << "x_m,y_m,z_m\n";
+    poses_ << "x_m,y_m,z_m,nx,ny,nz\n";
     truth_ << "tick,fx_n,fy_n,fz_n\n";
   }
 
@@ -123,7 +141,8 @@ class HandFile {
     for (int i = 1; i <= ticks; ++i, ++tick_) {
       const double share = static_cast<double>(i) / ticks;
       const double d = depth_ + share * (depth - depth_);
-      poses_ << fmt::format("{},{},{}\n", x_ + share * (x - x_), 0.0011, kRadiusM - d);
+      poses_ << fmt::format("{},{},{},0,0,1\n", x_ + share * (x - x_), 0.0011,
+                            kRadiusM - d);
       truth_ << fmt::format("{},0,0,{}\n", tick_, kStiffness * std::max(0.0, d));
     }
     x_ = x;
@@ -155,6 +174,12 @@ class Peers : public ::testing::Test {
     slide.go(-0.004, kLowM, 100);
     slide.go(0.004, kLowM, 400);
     slide.go(0.004, -0.001, 100);
+    std::ofstream dense(folder_ / "truth" / "slide-20-dense.csv");
+    dense << "tick,fx_n,fy_n,fz_n\n";
+    for (int tick = 99; tick <= 499; tick += 25) {
+      dense << fmt::format("{},{},0,{}\n", tick, sine(kTrueHumN, kTrueHumHz, tick),
+                           kStiffness * kLowM);
+    }
     for (const bool back : {false, true}) {
       HandFile cycle(folder_, back ? "cycle-back" : "cycle");
       cycle.go(-0.004, back ? kDeepM : kLowM, 100);
@@ -192,6 +217,63 @@ TEST_F(Peers, JumpAtAnEdgeIsItsSize) {
   EXPECT_LT(all[0].jumps.largest_n, kRounding);
   EXPECT_NEAR(all[2].jumps.largest_n, kJumpN, kRounding);
   EXPECT_LT(all[2].jumps.mean_n, kJumpN);  // other edges have none
+}
+
+TEST_F(Peers, TurnAtAnEdgeIsTheJumpsAngle) {
+  const auto all = rows();
+  const double turn = std::atan2(kJumpN, kStiffness * kLowM);
+  EXPECT_LT(all[0].jumps.turn_rad, kRounding);
+  EXPECT_NEAR(all[2].jumps.turn_rad, turn, kRounding);
+  EXPECT_NEAR(all[2].jumps.turn_anywhere_rad, turn, kRounding);
+  // A twist that is always there turns nothing.
+  EXPECT_LT(all[3].jumps.turn_rad, kRounding);
+}
+
+// All sines here have whole numbers of periods in the slide's 0.4 s.
+TEST_F(Peers, RoughnessIsThatOfASineAboveFiveHertz) {
+  const auto all = rows();
+  const Roughness smooth = roughness(all[0].sideways);
+  const Roughness hums = roughness(all[6].sideways);
+  const Roughness sways = roughness(all[7].sideways);
+  EXPECT_LT(smooth.rendered_n, kRounding);
+  EXPECT_NEAR(smooth.true_n, kTrueHumN / std::numbers::sqrt2, kRounding);
+  EXPECT_NEAR(hums.rendered_n, kHumN / std::numbers::sqrt2, kRounding);
+  EXPECT_NEAR(hums.ratio, kHumN / kTrueHumN, kRounding);
+  // Of 2.5 Hz the window leaves a third of its squares at 0 and a sixth at 5 Hz.
+  EXPECT_NEAR(sways.rendered_n, kSwayN / std::sqrt(12.0), kRounding);
+}
+
+TEST_F(Peers, TruthThatIsNotDenseHasNoRoughness) {
+  fs::remove(folder_ / "truth" / "slide-20-dense.csv");
+  const auto all = rows();
+  EXPECT_TRUE(std::isnan(roughness(all[6].sideways).ratio));
+  EXPECT_EQ(spectrum_picture(all, all[0].scene), "");
+}
+
+TEST(MeanSquares, SumToASinesHalfSquareInItsBand) {
+  constexpr int kSamples = 500;
+  constexpr double kIntervalS = 0.002;
+  for (const double hz : {4.0, 7.0, 123.0}) {
+    std::vector<Eigen::Vector3d> signal;
+    for (int i = 0; i < kSamples; ++i) {
+      const double phase = 2.0 * std::numbers::pi * hz * kIntervalS * i + 0.4;
+      signal.emplace_back(1.0 + 3.0 * std::sin(phase), 0.0, 4.0 * std::cos(phase));
+    }
+    const MeanSquares all = mean_squares(signal, kIntervalS);
+    EXPECT_NEAR(all.step_hz, 1.0, kRounding);
+    EXPECT_NEAR(all.rms(hz - 1.5, hz + 1.5), 5.0 / std::numbers::sqrt2, kRounding);
+    EXPECT_LT(all.rms(hz + 1.5, 250.0), 1e3 * kRounding);
+    EXPECT_LT(all.rms(2.0 + kRounding, hz - 1.5), 1e3 * kRounding);
+  }
+}
+
+TEST(Sideways, IsWhatIsAcrossTheNormal) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(1.0, 2.0, 2.0) / 3.0;
+  const Eigen::Vector3d across = Eigen::Vector3d(2.0, 1.0, -2.0);
+  const std::vector<Eigen::Vector3d> force{5.0 * normal, across - 7.0 * normal};
+  const auto found = sideways_n(force, std::vector{normal, normal});
+  EXPECT_LT(found[0].norm(), kRounding);
+  EXPECT_LT((found[1] - across).norm(), kRounding);
 }
 
 TEST_F(Peers, CreatedEnergyIsThatOfTheTwist) {

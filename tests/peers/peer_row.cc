@@ -98,6 +98,7 @@ void measure_hands(const Renderer& renderer, const std::string& variant,
     }
     if (hand.name == "slide-20") {
       row.jumps = edge_jumps(scene.surface, one);
+      row.sideways = sideways(one);
     }
     rendered.push_back(std::move(one));
   }

@@ -10,6 +10,7 @@
 #include "tests/peers/measures.h"
 #include "tests/peers/nodule_search.h"
 #include "tests/peers/scene_folder.h"
+#include "tests/peers/sideways.h"
 #include "tests/peers/stable_stiffness.h"
 #include "tests/peers/step_times.h"
 
@@ -21,6 +22,7 @@ struct PeerRow {
   std::string missing = {};  ///< why there is no more of it; else empty
   ForceError error = {};
   EdgeJumps jumps = {};         ///< along the slowest slide
+  Sideways sideways = {};       ///< likewise
   double created_path_j = 0.0;  ///< [J] most of any hand that is no cycle
   double lost_path_j = 0.0;     ///< [J] least or most that a closed hand ended with
   double created_cycle_j =

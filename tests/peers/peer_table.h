@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "tests/peers/peer_row.h"
 
@@ -19,5 +20,13 @@ namespace palpate::peers {
 
 /// Force error in contact over the median time of a step, a series for each renderer.
 [[nodiscard]] std::string table_picture(std::span<const PeerRow> rows);
+
+/// The sideways force along the slowest slide by frequency, the true one first. Empty
+/// where the scene's truth is not dense.
+[[nodiscard]] std::string spectrum_picture(std::span<const PeerRow> rows,
+                                           const std::string& scene);
+
+/// The rows' scenes in their order.
+[[nodiscard]] std::vector<std::string> scenes_of(std::span<const PeerRow> rows);
 
 }  // namespace palpate::peers

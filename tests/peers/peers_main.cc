@@ -63,6 +63,11 @@ void run(const Flags& flags) {
   write(out / "table.md", table);
   write(out / "table.csv", table_csv(rows));
   write(out / "picture.svg", table_picture(rows));
+  for (const std::string& scene : scenes_of(rows)) {
+    if (const std::string svg = spectrum_picture(rows, scene); !svg.empty()) {
+      write(out / fmt::format("spectrum-{}.svg", scene), svg);
+    }
+  }
   fmt::print("{}", table);
 }
 
@@ -74,7 +79,7 @@ void add_measure_command(Command app) {
       .required()
       .one_value_each();
   command.add_option("-o,--output", flags->output,
-                     "Folder for table.md, table.csv, picture.svg");
+                     "Folder for table.md, table.csv and pictures");
   command
       .add_option("--stability", flags->stability,
                   "Name of a scene on which devices lean (again for more); default: "

@@ -33,22 +33,27 @@ std::string blanks(const Eigen::Vector3d& v) {
   return fmt::format("{} {} {}", v.x(), v.y(), v.z());
 }
 
+void write_truth(const fs::path& file, const std::vector<PlannedTruth>& all) {
+  if (all.empty()) {
+    return;
+  }
+  std::ofstream truth = created(file);
+  truth << "tick,fx_n,fy_n,fz_n\n";
+  for (const PlannedTruth& t : all) {
+    truth << fmt::format("{},{}\n", t.tick, row(t.force_n));
+  }
+}
+
 void write_hand(const fs::path& folder, const ToldHand& hand, double radius_m) {
   const std::string file = hand.planned.name + ".csv";
   std::ofstream poses = created(folder / "hands" / file);
-  poses << "x_m,y_m,z_m\n";
+  poses << "x_m,y_m,z_m,nx,ny,nz\n";
   for (const PlacedDepth& p : hand.planned.tick) {
     const Eigen::Vector3d centre = p.at_m + (radius_m - p.depth_m) * p.outward;
-    poses << row(centre) << '\n';
+    poses << row(centre) << ',' << row(p.outward) << '\n';
   }
-  if (hand.truth.empty()) {
-    return;
-  }
-  std::ofstream truth = created(folder / "truth" / file);
-  truth << "tick,fx_n,fy_n,fz_n\n";
-  for (const PlannedTruth& t : hand.truth) {
-    truth << fmt::format("{},{}\n", t.tick, row(t.force_n));
-  }
+  write_truth(folder / "truth" / file, hand.truth);
+  write_truth(folder / "truth" / (hand.planned.name + "-dense.csv"), hand.dense);
 }
 
 using ReadValue = std::function<void(std::istream&)>;
@@ -81,6 +86,7 @@ std::map<std::string, ReadValue> recipe_values(SceneRecipe& r) {
           {"slide_points", read_number(r.hand.slide_points)},
           {"circle_points", read_number(r.hand.circle_points)},
           {"walk_points", read_number(r.hand.walk_points)},
+          {"dense_truth", read_number(r.hand.dense_truth)},
           {"raster_along_m", read_number(r.raster_along_m)},
           {"raster_across_m", read_number(r.raster_across_m)},
           {"raster_step_m", read_number(r.raster_step_m)},

@@ -47,6 +47,7 @@ struct PlannedTruth {
 struct ToldHand {
   PlannedHand planned;
   std::vector<PlannedTruth> truth;
+  std::vector<PlannedTruth> dense = {};  ///< at the hand's dense ticks
 };
 
 /// What a rival reads, but for what only some bodies have.

@@ -64,29 +64,40 @@ Eigen::Vector3d vector(const PeerScene& scene, const std::string& key) {
   return Eigen::Vector3d(numbers(scene, key, 3).data());
 }
 
-Hand read_hand(const fs::path& file, const fs::path& truth) {
-  Hand hand{.name = file.stem().string(), .centre_m = {}, .truth = {}};
-  for (const auto& row : read_table(file, 3)) {
-    hand.centre_m.emplace_back(row[0], row[1], row[2]);
+// Of a hand with so many ticks; none where there is no such file.
+std::vector<TruePoint> read_truth(const fs::path& file, std::size_t ticks) {
+  std::vector<TruePoint> points;
+  if (!fs::exists(file)) {
+    return points;
   }
-  if (fs::exists(truth)) {
-    for (const auto& row : read_table(truth, 4)) {
-      const auto tick = static_cast<std::int64_t>(row[0]);
-      if (tick < 0 || tick >= static_cast<std::int64_t>(hand.centre_m.size())) {
-        throw FormatError(fmt::format("{}: tick {} is not one of the hand's {}",
-                                      truth.string(), tick, hand.centre_m.size()));
-      }
-      hand.truth.push_back({tick, {row[1], row[2], row[3]}});
+  for (const auto& row : read_table(file, 4)) {
+    const auto tick = static_cast<std::int64_t>(row[0]);
+    if (tick < 0 || tick >= static_cast<std::int64_t>(ticks)) {
+      throw FormatError(fmt::format("{}: tick {} is not one of the hand's {}",
+                                    file.string(), tick, ticks));
     }
+    points.push_back({tick, {row[1], row[2], row[3]}});
   }
+  return points;
+}
+
+Hand read_hand(const fs::path& file, const fs::path& truth) {
+  Hand hand;
+  hand.name = file.stem().string();
+  for (const auto& row : read_table(file, 6)) {
+    hand.centre_m.emplace_back(row[0], row[1], row[2]);
+    hand.outward.emplace_back(row[3], row[4], row[5]);
+  }
+  hand.truth = read_truth(truth / (hand.name + ".csv"), hand.centre_m.size());
+  hand.dense_truth =
+      read_truth(truth / (hand.name + "-dense.csv"), hand.centre_m.size());
   return hand;
 }
 
 void read_hands(PeerScene& scene) {
   for (const auto& entry : fs::directory_iterator(scene.folder / "hands")) {
     if (entry.path().extension() == ".csv") {
-      scene.hand.push_back(
-          read_hand(entry.path(), scene.folder / "truth" / entry.path().filename()));
+      scene.hand.push_back(read_hand(entry.path(), scene.folder / "truth"));
     }
   }
   std::sort(scene.hand.begin(), scene.hand.end(), [](const Hand& a, const Hand& b) {

@@ -25,7 +25,9 @@ struct TruePoint {
 struct Hand {
   std::string name;
   std::vector<Eigen::Vector3d> centre_m;  ///< of the ball, one each kHandTickS
+  std::vector<Eigen::Vector3d> outward;   ///< unit, the body's where the ball is
   std::vector<TruePoint> truth;           ///< ascending ticks; may be empty
+  std::vector<TruePoint> dense_truth;     ///< likewise, of a way along the surface
 };
 
 /// A place that is pressed, along its normal.

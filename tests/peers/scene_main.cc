@@ -105,13 +105,19 @@ std::vector<ToldHand> told(std::vector<PlannedHand> planned, const TruthPlaces& 
   std::vector<ToldHand> hands;
   for (PlannedHand& hand : planned) {
     ToldHand one{std::move(hand), {}};
-    for (const std::size_t tick : one.planned.truth_tick) {
+    const auto tell = [&](std::size_t tick, std::vector<PlannedTruth>& to) {
       const PlacedDepth& p = one.planned.tick[tick];
       if (p.depth_m < -kFreeM) {
-        one.truth.push_back({tick, p.depth_m, Eigen::Vector3d::Zero()});
+        to.push_back({tick, p.depth_m, Eigen::Vector3d::Zero()});
       } else if (p.depth_m > 0.0 && curve[places.of(p)].failure.empty()) {
-        one.truth.push_back({tick, p.depth_m, curve[places.of(p)].at(p.depth_m)});
+        to.push_back({tick, p.depth_m, curve[places.of(p)].at(p.depth_m)});
       }
+    };
+    for (const std::size_t tick : one.planned.truth_tick) {
+      tell(tick, one.truth);
+    }
+    for (const std::size_t tick : one.planned.dense_tick) {
+      tell(tick, one.dense);
     }
     hands.push_back(std::move(one));
   }
@@ -158,9 +164,11 @@ void make(const fs::path& folder) {
   std::vector<PlannedHand> planned = plan_hands(frame, recipe.hand);
   TruthPlaces wanted;
   for (const PlannedHand& hand : planned) {
-    for (const std::size_t tick : hand.truth_tick) {
-      if (hand.tick[tick].depth_m > 0.0) {
-        wanted.want(hand.tick[tick]);
+    for (const auto& ticks : {hand.truth_tick, hand.dense_tick}) {
+      for (const std::size_t tick : ticks) {
+        if (hand.tick[tick].depth_m > 0.0) {
+          wanted.want(hand.tick[tick]);
+        }
       }
     }
   }
@@ -197,15 +205,20 @@ void make_cylinder(const fs::path& folder) {
   std::vector<ToldHand> hands;
   for (PlannedHand& planned : plan_hands(frame, recipe.hand)) {
     ToldHand hand{std::move(planned), {}};
-    for (const std::size_t tick : hand.planned.truth_tick) {
+    const auto tell = [&](std::size_t tick, std::vector<PlannedTruth>& to) {
       const PlacedDepth& p = hand.planned.tick[tick];
       Eigen::Vector3d out = p.at_m + (options.tool_radius_m - p.depth_m) * p.outward;
       out.x() = 0.0;  // the cylinder lies along x
       const double depth = options.radius_m + options.tool_radius_m - out.norm();
-      hand.truth.push_back(
-          {tick, depth,
-           cylinder_force_n(options.stiffness_n_per_m, std::max(0.0, depth)) *
-               out.normalized()});
+      to.push_back({tick, depth,
+                    cylinder_force_n(options.stiffness_n_per_m, std::max(0.0, depth)) *
+                        out.normalized()});
+    };
+    for (const std::size_t tick : hand.planned.truth_tick) {
+      tell(tick, hand.truth);
+    }
+    for (const std::size_t tick : hand.planned.dense_tick) {
+      tell(tick, hand.dense);
     }
     hands.push_back(std::move(hand));
   }
