@@ -67,17 +67,15 @@ std::string markdown_row(const PeerRow& r) {
 }
 
 // Thirds of an octave as far as they are whole.
-LogSeries bands(const std::string& name, const MeanSquares& all) {
+LogSeries bands(const std::string& name, const MeanSquares& all, double dot_px) {
   constexpr double kFirstHz = 2.5;  // lower ones may lie between two frequencies
   constexpr double kLeastN = 1e-6;
   LogSeries series{name, {}, true};
   const double half = std::exp2(1.0 / 6.0);
   const double end_hz = static_cast<double>(all.mean_squares.size() + 1) * all.step_hz;
   for (double hz = kFirstHz; hz * half <= end_hz; hz *= half * half) {
-    const double rms_n = all.rms(hz / half, hz * half);
-    if (rms_n >= kLeastN) {
-      series.point.push_back({hz, 1e3 * rms_n, 3.0, {}});
-    }
+    const double rms_n = std::max(kLeastN, all.rms(hz / half, hz * half));
+    series.point.push_back({hz, 1e3 * rms_n, dot_px, {}});
   }
   return series;
 }
@@ -204,8 +202,8 @@ std::string table_picture(std::span<const PeerRow> rows) {
 std::string spectrum_picture(std::span<const PeerRow> rows, const std::string& scene) {
   LogPicture picture{.title = fmt::format("The sideways force of a slide: {}", scene),
                      .subtitle =
-                         "at 20 mm/s; rms in thirds of an octave, from 1 µN on; "
-                         "without variants with friction",
+                         "at 20 mm/s, without friction; rms in thirds of an octave; "
+                         "0.001 is that or less",
                      .x_name = "frequency [Hz]",
                      .y_name = "sideways force [mN]",
                      .series = {},
@@ -216,9 +214,9 @@ std::string spectrum_picture(std::span<const PeerRow> rows, const std::string& s
       continue;
     }
     if (picture.series.empty()) {
-      picture.series.push_back(bands("truth", row.sideways.truth));
+      picture.series.push_back(bands("truth", row.sideways.truth, 6.0));
     }
-    picture.series.push_back(bands(row.renderer, row.sideways.rendered));
+    picture.series.push_back(bands(row.renderer, row.sideways.rendered, 3.0));
   }
   return picture.series.empty() ? std::string() : log_picture(picture);
 }
