@@ -8,9 +8,6 @@
 namespace palpate::peers {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 bool evenly_spaced(const std::vector<TruePoint>& points) {
   for (std::size_t i = 2; i < points.size(); ++i) {
     if (points[i].tick - points[i - 1].tick != points[1].tick - points[0].tick) {
@@ -88,12 +85,16 @@ Sideways sideways(const RenderedHand& rendered) {
 }
 
 Roughness roughness(const Sideways& s) {
-  if (s.truth.mean_squares.empty()) {
-    return {kNaN, kNaN, kNaN};
+  constexpr double kNoEnd = std::numeric_limits<double>::infinity();
+  Roughness rough;
+  if (!s.truth.mean_squares.empty()) {
+    rough.rendered_n = s.rendered.rms(kRoughHz, kNoEnd);
+    rough.true_n = s.truth.rms(kRoughHz, kNoEnd);
   }
-  const double rendered_n = s.rendered.rms(kRoughHz, kInfinity);
-  const double true_n = s.truth.rms(kRoughHz, kInfinity);
-  return {rendered_n, true_n, true_n < kSmoothN ? kNaN : rendered_n / true_n};
+  if (rough.true_n >= kSmoothN) {
+    rough.ratio = rough.rendered_n / rough.true_n;
+  }
+  return rough;
 }
 
 }  // namespace palpate::peers

@@ -2,6 +2,7 @@
 // as texture where the body has none.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -46,11 +47,12 @@ struct Sideways {
 /// are not evenly spaced.
 [[nodiscard]] Sideways sideways(const RenderedHand& rendered);
 
-/// Both from kRoughHz on.
+/// Both from kRoughHz on; NaN: not known.
 struct Roughness {
-  double rendered_n = 0.0;  ///< [N] rms; NaN: not known
-  double true_n = 0.0;
-  double ratio = 0.0;  ///< [-]; NaN where the truth's is below kSmoothN
+  double rendered_n = std::numeric_limits<double>::quiet_NaN();  ///< [N] rms
+  double true_n = std::numeric_limits<double>::quiet_NaN();      ///< [N]
+  /// [-] the former over the latter; NaN where the latter is below kSmoothN
+  double ratio = std::numeric_limits<double>::quiet_NaN();
 };
 constexpr double kSmoothN = 1e-5;  ///< below, a ratio would be of roundings
 [[nodiscard]] Roughness roughness(const Sideways& sideways);
