@@ -13,6 +13,7 @@
 #include "runtime/realtime/deadlines.h"
 #include "runtime/served/fed_elements.h"
 #include "runtime/served/join_scene.h"
+#include "runtime/slow/field_stiffness.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/file_press_site.h"
 #include "runtime/slow/memory_elements.h"
@@ -109,7 +110,7 @@ void HostBody::open_whole(std::shared_ptr<const ResponseDatabase> database) {
     open_contacts(table);
     return;
   }
-  take_stiffness(rendered_stiffness(table, fast_.force_max_n));
+  take_stiffness(model_stiffness(*database_, table, fast_.model, fast_.force_max_n));
   whole_ = std::make_unique<ElementStream>(*database_, table, force_scale_);
 }
 

@@ -13,13 +13,16 @@ namespace palpate {
 /// potential by m dx^2 / 2 of work, which for m < 0 the tick takes. A tool that such a
 /// curve lets snap through gets back what it put in, no more.
 struct RenderedStiffness {
-  double normal_n_per_m = 0.0;  ///< [N/m] largest slope of any curve
+  double normal_n_per_m = 0.0;  ///< [N/m] largest slope of any curve, or of the field
   std::int64_t node = -1;       ///< where; -1 without curves
   /// [N/m] largest k_t = mu f / delta_L of the friction spring, f at the end of the
   /// curve or at the device's largest force.
   double friction_n_per_m = 0.0;
+  /// [N/m] at the border of the reach, where the field falls to nothing within an
+  /// element; 0: not known. Told, not demanded.
+  double border_n_per_m = 0.0;
 
-  /// The two act at right angles, so the larger bounds the Jacobian of the force.
+  /// The first two act at right angles, so the larger bounds the Jacobian of the force.
   [[nodiscard]] double largest_n_per_m() const noexcept;
 };
 

@@ -57,6 +57,7 @@ std::vector<SimulationReport> simulate_and_reconnect(const ResponseDatabase& dat
   SimulationOptions rest = options;
   while (was_lost(runs.back()) && !stop.load()) {
     rest.duration_s -= runs.back().render.duration_s;
+    rest.stiffness = runs.back().stiffness;
     rest.surface.tool[runs.back().tool] = runs.back().render.surface;
     if (!(rest.duration_s > 0.0)) {
       break;

@@ -13,6 +13,7 @@
 #include "runtime/run/prepared_run.h"
 #include "runtime/run/several_run.h"
 #include "runtime/slow/contact_stiffness.h"
+#include "runtime/slow/field_stiffness.h"
 #include "runtime/slow/file_press_site.h"
 
 namespace palpate {
@@ -51,6 +52,16 @@ PressedBody pressed_by_several(const ResponseDatabase& database,
   return body;
 }
 
+// Of one contact.
+RenderedStiffness stiffness_of_run(const ResponseDatabase& database,
+                                   const ResponseTable& table,
+                                   const SimulationOptions& options) {
+  if (options.stiffness || !table.tool.contact.empty()) {
+    return options.stiffness.value_or(RenderedStiffness{});
+  }
+  return model_stiffness(database, table, options.model, options.force_max_n);
+}
+
 // @param loss of the curves that had to be thinned.
 PressedBody pressed_body(const ResponseDatabase& database,
                          const SimulationOptions& options, ResampleLoss& loss) {
@@ -61,7 +72,7 @@ PressedBody pressed_body(const ResponseDatabase& database,
   PressedBody body{
       .tool = table.tool,
       .node = node,
-      .stiffness = rendered_stiffness(table, force_max_n),
+      .stiffness = stiffness_of_run(database, table, options),
       .script =
           [&database, &table, node, force_max_n](double scale, double hand_n_per_m) {
             return script_at(database, table, node, force_max_n, scale, hand_n_per_m);

@@ -60,6 +60,8 @@ struct SimulationOptions {
   ContactsWatch* watch_contacts = nullptr;
   /// What each tool of the body had left on it before; no tool: a fresh body.
   SurfaceState surface = {};
+  /// Of the body, where a run before this one has found it.
+  std::optional<RenderedStiffness> stiffness = {};
 };
 
 struct SimulationReport {

@@ -21,6 +21,15 @@ std::string margin_lines(const SimulationReport& report) {
                 fmt::format("{:.4g} N/m at node {}, friction before sliding {:.4g} N/m",
                             report.stiffness.normal_n_per_m, report.stiffness.node,
                             report.stiffness.friction_n_per_m));
+  if (report.options.model == LocalModel::kFacets) {
+    text += line("", "none at edges, where forces step: no damping is enough there");
+  }
+  if (report.stiffness.border_n_per_m > report.stiffness.largest_n_per_m()) {
+    text +=
+        line("", fmt::format("{:.4g} N/m at the border of the reach, where it falls "
+                             "to nothing within an element",
+                             report.stiffness.border_n_per_m));
+  }
   if (report.force_scale < 1.0) {
     text +=
         line("limited", fmt::format("forces scaled by {:.4g} to what the device can "

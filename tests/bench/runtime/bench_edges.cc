@@ -15,6 +15,7 @@
 #include "formats/response/tool_support.h"
 #include "runtime/fast/potential_field.h"
 #include "runtime/slow/memory_elements.h"
+#include "tests/bench/runtime/edge_crossing.h"
 
 namespace palpate {
 namespace {
@@ -22,33 +23,6 @@ namespace {
 constexpr double kCrossingM = 1e-6;
 
 using Eigen::Vector3d;
-
-Vector3d values_of(const std::array<double, 3>& values) {
-  return Eigen::Map<const Vector3d>(values.data());
-}
-
-bool responds(const Element& element) {
-  return std::all_of(element.node.begin(), element.node.end(),
-                     [](const ElementNode& node) {
-                       return node.samples > 0;
-                     });
-}
-
-// Over the middle of the edge from node j to the next.
-struct Crossing {
-  Vector3d middle_m;
-  Vector3d normal;
-  Vector3d across;
-};
-
-Crossing crossing_of(const Element& element, std::size_t j) {
-  const ElementNode& a = element.node[j];
-  const ElementNode& b = element.node[(j + 1) % 3];
-  const Vector3d normal = (values_of(a.normal) + values_of(b.normal)).normalized();
-  const Vector3d edge = values_of(b.position_m) - values_of(a.position_m);
-  return {0.5 * (values_of(a.position_m) + values_of(b.position_m)), normal,
-          normal.cross(edge).normalized()};
-}
 
 // The force at a place, found from an element; none where it is not over the two.
 std::optional<Vector3d> force_at(const ElementCache& cache, int slot, FieldKind kind,
@@ -98,53 +72,34 @@ EdgesBenchRow row_of_steps(Steps& steps, LocalModel model, double depth_m) {
           .turn_largest_rad = at_share(steps.turn_rad, 1.0)};
 }
 
-// All elements of a body, each pair of neighbours once.
-template <typename Take>
-void each_edge(const ElementStream& stream, std::int32_t triangles, const Take& take) {
-  for (std::int32_t t = 0; t < triangles; ++t) {
-    const Element element = stream.element(t);
-    for (std::size_t j = 0; j < 3 && responds(element); ++j) {
-      const std::int32_t next = element.neighbour[j];
-      if (next > t) {
-        const Element other = stream.element(next);
-        if (responds(other)) {
-          take(element, other, j);
-        }
-      }
-    }
-  }
-}
-
 }  // namespace
 
 std::vector<EdgesBenchRow> run_edges_bench(const ResponseDatabase& database,
                                            const ResponseTable& table) {
   const ElementStream stream(database, table);
   const double radius_m = nominal_height_m(table.tool);
-  const auto triangles = static_cast<std::int32_t>(database.body.triangle.rows());
+  const std::vector<EdgeCrossing> crossings = edge_crossings(database, table);
   const auto cache = std::make_unique<ElementCache>();
   std::vector<EdgesBenchRow> rows;
   for (const LocalModel model : {LocalModel::kFacets, LocalModel::kPotential}) {
     for (const double share : {0.2, 0.6, 1.0}) {
       const double depth_m = share * table.depth_max_m();
       Steps steps;
-      each_edge(stream, triangles,
-                [&](const Element& one, const Element& other, std::size_t j) {
-                  *cache = {};
-                  store(*cache, one);
-                  store(*cache, other);
-                  const Crossing at = crossing_of(one, j);
-                  const Vector3d x = at.middle_m + (radius_m - depth_m) * at.normal;
-                  const Vector3d half = 0.5 * kCrossingM * at.across;
-                  const int slot = find(*cache, one.triangle);
-                  const auto before =
-                      force_at(*cache, slot, field_kind(model), radius_m, x + half);
-                  const auto after =
-                      force_at(*cache, slot, field_kind(model), radius_m, x - half);
-                  if (before && after) {
-                    add_step(steps, *before, *after, at.normal);
-                  }
-                });
+      for (const EdgeCrossing& at : crossings) {
+        *cache = {};
+        store(*cache, stream.element(at.triangle));
+        store(*cache, stream.element(at.neighbour));
+        const Vector3d x = at.middle_m + (radius_m - depth_m) * at.normal;
+        const Vector3d half = 0.5 * kCrossingM * at.across;
+        const int slot = find(*cache, at.triangle);
+        const auto before =
+            force_at(*cache, slot, field_kind(model), radius_m, x + half);
+        const auto after =
+            force_at(*cache, slot, field_kind(model), radius_m, x - half);
+        if (before && after) {
+          add_step(steps, *before, *after, at.normal);
+        }
+      }
       rows.push_back(row_of_steps(steps, model, depth_m));
     }
   }

@@ -13,6 +13,7 @@
 #include "tests/bench/runtime/bench_contacts.h"
 #include "tests/bench/runtime/bench_device.h"
 #include "tests/bench/runtime/bench_edges.h"
+#include "tests/bench/runtime/bench_held.h"
 #include "tests/bench/runtime/bench_potential.h"
 #include "tests/bench/runtime/bench_search.h"
 #include "tests/bench/runtime/bench_slide.h"
@@ -157,6 +158,30 @@ void add_edges(Command app) {
   });
 }
 
+void add_held(Command app) {
+  struct Flags : HeldBenchOptions {
+    std::filesystem::path database;
+    std::string tool;
+    bool json = false;
+  };
+  Command command = app.add_subcommand(
+      "held", "what forces that are held for a tick give a hand, over K dx^2 / 2");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  command.add_option("--tool", flags->tool,
+                     "of the database; may be left out if there is one");
+  command.add_option("--edges", flags->edges, "at most, evenly among them")
+      .in_range(1, 100000000);
+  command.add_flag("--json", flags->json, "one JSON object on stdout");
+  command.callback([flags] {
+    const ResponseDatabase database = read_database(flags->database);
+    const std::vector<HeldBenchRow> rows =
+        run_held_bench(database, find_tool(database, flags->tool), *flags);
+    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+  });
+}
+
 void add_stream(Command app) {
   struct Flags : StreamBenchOptions {
     bool json = false;
@@ -223,7 +248,7 @@ int main(int argc, char** argv) {
   using namespace palpate;
   skip_hdf5_exit_cleanup();
   return run_tool("runtime_bench", "Measures the runtime.",
-                  {&add_contacts, &add_potential, &add_edges, &add_grow, &add_slide,
-                   &add_search, &add_stream, &add_device},
+                  {&add_contacts, &add_potential, &add_edges, &add_held, &add_grow,
+                   &add_slide, &add_search, &add_stream, &add_device},
                   argc, argv);
 }
