@@ -29,6 +29,7 @@ struct TiltLine {
   [[nodiscard]] Eigen::Vector3d at(double past_touch_m) const {
     return tilt + past_touch_m * by_depth_per_m;
   }
+  friend bool operator==(const TiltLine&, const TiltLine&) = default;
 };
 
 /// Largest tilt over the depths of a curve [-]: 45 degrees.

@@ -1,7 +1,7 @@
 // A database that Python holds, and the fields that were asked of it.
 #pragma once
 
-#include "python/binding/static_field.h"
+#include "runtime/slow/static_field.h"
 
 #include <map>
 #include <memory>

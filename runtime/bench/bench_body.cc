@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/response/tilt_line.h"
 #include "runtime/fast/triangle.h"
 #include "runtime/slow/thinned_curve.h"
 
@@ -36,7 +37,11 @@ class NodeMaker {
         Eigen::Vector3d(-wave * q * std::cos(q * x), -wave * q * std::cos(q * y), 1.0)
             .normalized();
     node.normal = to_array(n);
-    node.direction = to_array(tilted(n));
+    const Eigen::Vector3d u = leaning(n);
+    node.direction = to_array(u);
+    const Eigen::Vector3d turning = turning_per_m(n);
+    node.tilt = to_array(tilt_line(u, n).tilt - o_.touch_height_m * turning);
+    node.tilt_by_height_per_m = to_array(turning);
     node.touch_offset_m = o_.touch_offset_m * (2.0 * unit() - 1.0);
     node.friction = o_.friction_min + (o_.friction_max - o_.friction_min) * unit();
     node.presliding_m = o_.presliding_m;
@@ -48,12 +53,22 @@ class NodeMaker {
  private:
   double unit() { return std::generate_canonical<double, 53>(random_); }
 
-  Eigen::Vector3d tilted(const Eigen::Vector3d& n) {
+  Eigen::Vector3d leaning(const Eigen::Vector3d& n) {
     const double angle = o_.tilt_rad * unit();
     const double about = 2.0 * std::numbers::pi * unit();
     const Eigen::Vector3d side = n.unitOrthogonal();
     const Eigen::Vector3d t = std::cos(about) * side + std::sin(about) * n.cross(side);
     return std::cos(angle) * n + std::sin(angle) * t;
+  }
+
+  Eigen::Vector3d turning_per_m(const Eigen::Vector3d& n) {
+    if (o_.tilt_by_height_per_m == 0.0) {
+      return Eigen::Vector3d::Zero();
+    }
+    const double about = 2.0 * std::numbers::pi * unit();
+    const Eigen::Vector3d side = n.unitOrthogonal();
+    return o_.tilt_by_height_per_m * unit() *
+           (std::cos(about) * side + std::sin(about) * n.cross(side));
   }
 
   BenchBodyOptions o_;
@@ -220,11 +235,13 @@ BenchBody make_bench_body(const BenchBodyOptions& options) {
     for (int column = 0; column < n; ++column) {
       Element lower;  // corners (0,0) (1,0) (1,1); its diagonal is edge 2
       lower.triangle = triangle(row, column, 0);
+      lower.touch_height_m = options.touch_height_m;
       lower.node = {at(row, column), at(row, column + 1), at(row + 1, column + 1)};
       lower.neighbour = {triangle(row - 1, column, 1), triangle(row, column + 1, 1),
                          triangle(row, column, 1)};
       Element upper;  // corners (0,0) (1,1) (0,1); its diagonal is edge 0
       upper.triangle = triangle(row, column, 1);
+      upper.touch_height_m = options.touch_height_m;
       upper.node = {at(row, column), at(row + 1, column + 1), at(row + 1, column)};
       upper.neighbour = {triangle(row, column, 0), triangle(row + 1, column, 0),
                          triangle(row, column - 1, 0)};

@@ -23,6 +23,9 @@ struct BenchBodyOptions {
   int samples = 33;             ///< [2, kElementSamples] of every curve
   double contrast = 1.0;        ///< [-] >= 1, largest over smallest stiffness
   double tilt_rad = 0.0;        ///< [rad] largest angle of u to n
+  /// [1/m] by how much tilts change with the tool's height, at most: about that at touch
+  double tilt_by_height_per_m = 0.0;
+  double touch_height_m = 0.005;  ///< [m] of the tool
   double friction_min = 0.0;    ///< [-]
   double friction_max = 0.0;    ///< [-] per node in between
   double presliding_m = 5e-4;   ///< [m] delta_L of every node

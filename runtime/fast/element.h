@@ -60,9 +60,14 @@ struct ElementNode {
   std::array<Real, 3> position_m{};  ///< [m] world frame
   std::array<Real, 3> normal{};      ///< [-] outward unit normal of the body
   std::array<Real, 3> direction{};  ///< [-] unit, force on the tool; 0 without response
-  Real touch_offset_m = 0.0;        ///< [m] normal penetration at first touch
-  Real friction = 0.0;              ///< [-] [0, 10]
-  Real presliding_m = 0.0;          ///< [m] delta_L
+  /// [-] tangential force over the normal one where the tool is at height 0 on the
+  /// node's line, along the surface, and by how much it changes with the height [1/m]:
+  /// at the heights of the curve's depths its length is at most 1. (smooth_triangle.h)
+  std::array<Real, 3> tilt{};
+  std::array<Real, 3> tilt_by_height_per_m{};
+  Real touch_offset_m = 0.0;  ///< [m] normal penetration at first touch
+  Real friction = 0.0;        ///< [-] [0, 10]
+  Real presliding_m = 0.0;    ///< [m] delta_L
   std::array<Real, kElementSamples> depth_m{};
   std::array<Real, kElementSamples> force_n{};
   std::array<Real, kElementSamples> stiffness_n_per_m{};
@@ -83,6 +88,7 @@ struct Element {
   std::uint64_t sequence = 0;       ///< counts up from 1 as the slow process sends
   std::int64_t sent_ns = 0;         ///< [ns] monotonic clock
   bool active = false;              ///< nearest to the tool when sent, else a neighbour
+  Real touch_height_m = 0.0;        ///< [m] >= 0 of the tool over the surface at touch
   std::array<ElementNode, 3> node;  ///< counter-clockwise from outside
   /// Triangle across edge (j, j+1); -1 at a border.
   std::array<std::int32_t, 3> neighbour{-1, -1, -1};

@@ -70,6 +70,8 @@ void pass_node(Pass& pass, Node& node, Memory& memory) noexcept {
   pass(node.position_m);
   pass(node.normal);
   pass(node.direction);
+  pass(node.tilt);
+  pass(node.tilt_by_height_per_m);
   pass(node.touch_offset_m);
   pass(node.friction);
   pass(node.presliding_m);
@@ -111,6 +113,7 @@ void pass_frame(Pass& pass, Message& element, HeadType& head) noexcept {
   pass(head.terms);
   pass(head.bundles);
   pass(element.memory.relaxation_s);
+  pass(element.touch_height_m);
   for (std::size_t j = 0; j < 3; ++j) {
     pass_node(pass, element.node[j], element.memory.node[j]);
   }
@@ -131,7 +134,8 @@ bool well_sent(const ElementNode& node) {
   const auto most = static_cast<std::int32_t>(kElementSamples);
   return node.samples >= 0 && node.samples != 1 && node.samples <= most &&
          all_finite(node.position_m) && all_finite(node.normal) &&
-         all_finite(node.direction) && std::isfinite(node.touch_offset_m) &&
+         all_finite(node.direction) && all_finite(node.tilt) &&
+         all_finite(node.tilt_by_height_per_m) && std::isfinite(node.touch_offset_m) &&
          std::isfinite(node.friction) && std::isfinite(node.presliding_m) &&
          all_finite(node.depth_m) && all_finite(node.force_n) &&
          all_finite(node.stiffness_n_per_m) && all_finite(node.energy_j);
@@ -139,7 +143,8 @@ bool well_sent(const ElementNode& node) {
 
 bool well_sent(const Element& element, const Head& head) {
   return head.version == kWireVersion && head.flags <= (kActive | kYields) &&
-         element.sequence > 0 && element.triangle >= 0 && well_formed(element.memory) &&
+         element.sequence > 0 && element.triangle >= 0 &&
+         std::isfinite(element.touch_height_m) && well_formed(element.memory) &&
          std::all_of(element.node.begin(), element.node.end(),
                      [](const ElementNode& node) {
                        return well_sent(node);

@@ -145,10 +145,12 @@ bool is_finite(const ElementNode& node) {
   // Too many are refused by the cache.
   const auto n = std::clamp<std::int32_t>(node.samples, 0, kElementSamples);
   return is_finite(node.position_m, 3) && is_finite(node.normal, 3) &&
-         is_finite(node.direction, 3) && std::isfinite(node.touch_offset_m) &&
-         std::isfinite(node.friction) && std::isfinite(node.presliding_m) &&
-         is_finite(node.depth_m, n) && is_finite(node.force_n, n) &&
-         is_finite(node.stiffness_n_per_m, n) && is_finite(node.energy_j, n);
+         is_finite(node.direction, 3) && is_finite(node.tilt, 3) &&
+         is_finite(node.tilt_by_height_per_m, 3) &&
+         std::isfinite(node.touch_offset_m) && std::isfinite(node.friction) &&
+         std::isfinite(node.presliding_m) && is_finite(node.depth_m, n) &&
+         is_finite(node.force_n, n) && is_finite(node.stiffness_n_per_m, n) &&
+         is_finite(node.energy_j, n);
 }
 
 // NaN in dt or position is a fault before it can reach the account.
@@ -164,7 +166,8 @@ void check_input(FastState& state, const FastSample& sample, Real dt_s) {
 }  // namespace
 
 bool is_finite(const Element& element) noexcept {
-  return std::all_of(element.node.begin(), element.node.end(),
+  return std::isfinite(element.touch_height_m) &&
+         std::all_of(element.node.begin(), element.node.end(),
                      [](const ElementNode& node) {
                        return is_finite(node);
                      });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -40,7 +41,7 @@ void put(EdgeVectors& to, Index i, const Vector3& value) {
 }
 
 // What the edge opposite corner i alone fixes, as lane `to`.
-void put_edge(SmoothTriangle& t, Index i, Index to) {
+void put_edge(SmoothTriangle& t, Index i, Index to, Real touch_height_m) {
   const Index j = after(i);
   const Index k = after(j);
   SmoothEdges& edges = t.edges;
@@ -68,10 +69,15 @@ void put_edge(SmoothTriangle& t, Index i, Index to) {
   edges.bend_squared(to) = bend.squaredNorm();
   const Real area = e.cross(Vector3(t.corner_m.col(i) - t.corner_m.col(j))).norm();
   edges.per_altitude_m(to) = area > 0.0 ? e.norm() / area : Real(0.0);
+  // (fall + s falling) . (e + s bend), straight in s about the height h: with s^2 = 2 h
+  // s - h^2.
   const Vector3 fall = t.rise.col(j) - t.rise.col(k);
-  edges.gap_m(to) = fall.dot(e);
-  edges.gap(to) = -fall.dot(bend);
+  const Vector3 falling = t.rise_by_height_per_m.col(j) - t.rise_by_height_per_m.col(k);
+  const Real both = falling.dot(bend) * touch_height_m;
+  edges.gap_m(to) = fall.dot(e) - both * touch_height_m;
+  edges.gap(to) = -fall.dot(bend) - falling.dot(e) - 2.0 * both;
   edges.twist(to) = -fall.dot(m);
+  edges.twist_by_height_per_m(to) = -falling.dot(m);
 }
 
 // The three gammas are the height's second differences along the edges; kappa is that
@@ -123,12 +129,24 @@ Vector3 gradient_of(const Rates& rates, const SmoothSides& sides) {
   return sum;
 }
 
-void set_on_line(const SmoothTriangle& t, Index corner, const Vector3& x,
+// r_j at a height.
+Vector3 rise_at(const SmoothTriangle& t, Index j, Real s) {
+  return t.rise.col(j) + s * t.rise_by_height_per_m.col(j);
+}
+
+// @returns whether the height's equation is sound.
+bool set_on_line(const SmoothTriangle& t, Index corner, const Vector3& x,
                  SmoothPoint& point) {
+  const Vector3 y = x - t.corner_m.col(corner);
+  const Real under = 1.0 - t.rise_by_height_per_m.col(corner).dot(y);
+  if (!(under > kStretchMin)) {
+    return false;
+  }
   point = {};
   point.weight(corner) = 1.0;
-  point.rise = t.rise.col(corner);
-  point.height_m = point.rise.dot(x - t.corner_m.col(corner));
+  point.height_m = t.rise.col(corner).dot(y) / under;
+  point.rise = rise_at(t, corner, point.height_m) / under;
+  return true;
 }
 
 // Values of a blend, which its derivatives need.
@@ -138,7 +156,8 @@ struct Blend {
   Real per_pairs = 0.0;  // of the squares (b_j b_k)^2
   Vector3 side_weight;   // W
   std::array<Along, 3> along;
-  Vector3 own_m;         // the height by each node's plane
+  Vector3 own_m;         // the height by each node's plane: p_j . (x - v_j)
+  Vector3 own;           // and q_j . (x - v_j)
   Real per_under = 0.0;  // of the height's denominator
 };
 
@@ -168,15 +187,20 @@ bool set_height(const SmoothTriangle& triangle, const SmoothSides& sides,
     const Along& at = blend.along[static_cast<std::size_t>(i)];
     const Real w = blend.side_weight(i);
     const Real r = 0.5 * blend.share(i) * blend.share(i);
-    over_m += w * ((sides.along(i) - at.step) * sides.offset_m(i) * edges.twist(i) -
-                   at.bump * edges.gap_m(i) - r * edges.sag_m(i));
-    under -= w * (at.bump * edges.gap(i) + r * edges.sag(i));
-  }
-  if (!(under > kStretchMin)) {
-    return false;
+    const Real over = (sides.along(i) - at.step) * sides.offset_m(i);
+    over_m +=
+        w * (over * edges.twist(i) - at.bump * edges.gap_m(i) - r * edges.sag_m(i));
+    under -= w * (over * edges.twist_by_height_per_m(i) + at.bump * edges.gap(i) +
+                  r * edges.sag(i));
   }
   for (Index j = 0; j < 3; ++j) {
-    blend.own_m(j) = triangle.rise.col(j).dot(x - triangle.corner_m.col(j));
+    const Vector3 y = x - triangle.corner_m.col(j);
+    blend.own_m(j) = triangle.rise.col(j).dot(y);
+    blend.own(j) = triangle.rise_by_height_per_m.col(j).dot(y);
+  }
+  under -= point.weight.dot(blend.own);
+  if (!(under > kStretchMin)) {
+    return false;
   }
   blend.per_under = 1.0 / under;
   point.height_m = blend.per_under * (over_m + point.weight.dot(blend.own_m));
@@ -193,7 +217,7 @@ struct SideRates {
 SideRates side_rates(const SmoothTriangle& triangle, const SmoothSides& sides,
                      const Blend& blend, Real s) {
   const SmoothEdges& edges = triangle.edges;
-  const Vector3& own_m = blend.own_m;
+  const Vector3 own_m = blend.own_m + s * blend.own;
   SideRates rates;
   for (Index i = 0; i < 3; ++i) {
     const Along& at = blend.along[static_cast<std::size_t>(i)];
@@ -203,7 +227,8 @@ SideRates side_rates(const SmoothTriangle& triangle, const SmoothSides& sides,
     const Real w = blend.side_weight(i);
     const Real gap_m = edges.gap_m(i) - s * edges.gap(i);
     const Real sag_m = edges.sag_m(i) - s * edges.sag(i);
-    const Real twisted_m = sides.offset_m(i) * edges.twist(i);
+    const Real twist = edges.twist(i) + s * edges.twist_by_height_per_m(i);
+    const Real twisted_m = sides.offset_m(i) * twist;
     const Real over = sides.along(i) - at.step;
     if (k < 2) {
       rates.given(k, i) = at.step;
@@ -218,7 +243,7 @@ SideRates side_rates(const SmoothTriangle& triangle, const SmoothSides& sides,
     rates.of_height.by_along(i) =
         w * (at.step_slope * (own_m(k) - own_m(j)) + (1.0 - at.step_slope) * twisted_m -
              at.bump_slope * gap_m);
-    rates.of_height.by_offset(i) = w * over * edges.twist(i);
+    rates.of_height.by_offset(i) = w * over * twist;
   }
   return rates;
 }
@@ -252,20 +277,12 @@ void set_gradients(const SmoothTriangle& triangle, const SmoothSides& sides,
   point.turn.row(0) = gradient_of(rates.of_weight[0], sides);
   point.turn.row(1) = gradient_of(rates.of_weight[1], sides);
   point.turn.row(2) = -point.turn.row(0) - point.turn.row(1);
-  point.rise = blend.per_under *
-               (triangle.rise * point.weight + gradient_of(rates.of_height, sides));
+  const Matrix3 rise = triangle.rise + point.height_m * triangle.rise_by_height_per_m;
+  point.rise =
+      blend.per_under * (rise * point.weight + gradient_of(rates.of_height, sides));
 }
 
 }  // namespace
-
-Vector3 rise_of(const ElementNode& node) noexcept {
-  const Eigen::Map<const Vector3> n(node.normal.data());
-  const Eigen::Map<const Vector3> u(node.direction.data());
-  const Real up = std::abs(u.dot(n));
-  const Vector3 lean = u - u.dot(n) * n;
-  const Real least = std::max(up, lean.norm());
-  return node.samples > 0 && least > 0.0 ? Vector3(n + lean / least) : Vector3(n);
-}
 
 SmoothTriangle make_smooth_triangle(const Element& element) noexcept {
   SmoothTriangle triangle;
@@ -274,10 +291,13 @@ SmoothTriangle make_smooth_triangle(const Element& element) noexcept {
     const ElementNode& node = element.node[j];
     triangle.corner_m.col(column) = Eigen::Map<const Vector3>(node.position_m.data());
     triangle.normal.col(column) = Eigen::Map<const Vector3>(node.normal.data());
-    triangle.rise.col(column) = rise_of(node);
+    triangle.rise.col(column) =
+        triangle.normal.col(column) + Eigen::Map<const Vector3>(node.tilt.data());
+    triangle.rise_by_height_per_m.col(column) =
+        Eigen::Map<const Vector3>(node.tilt_by_height_per_m.data());
   }
   for (Index lane = 0; lane < 4; ++lane) {
-    put_edge(triangle, lane % 3, lane);
+    put_edge(triangle, lane % 3, lane, element.touch_height_m);
   }
   for (Index lane = 0; lane < 4; ++lane) {
     put_sag(triangle, lane % 3, lane);
@@ -340,8 +360,7 @@ bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
   blend.share = blend.per_sum * sides.altitudes.head<3>().matrix();
   Index corner = 0;
   if (blend.share.maxCoeff(&corner) > 1.0 - kOnNodeLine) {
-    set_on_line(triangle, corner, x_m, point);
-    return true;
+    return set_on_line(triangle, corner, x_m, point);
   }
   weigh_sides(sides, blend, point.weight);
   if (!set_height(triangle, sides, x_m, blend, point)) {
@@ -377,23 +396,30 @@ bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
   const Index j = after(i);
   const Index k = after(j);
   if (!(sides.along(i) > 0.0 && sides.along(i) < 1.0)) {
-    set_on_line(triangle, sides.along(i) > 0.0 ? k : j, x_m, point);
-    return true;
+    return set_on_line(triangle, sides.along(i) > 0.0 ? k : j, x_m, point);
   }
   const Along at = along_edge(sides.along(i));
-  const Real own_j = triangle.rise.col(j).dot(x_m - triangle.corner_m.col(j));
-  const Real own_k = triangle.rise.col(k).dot(x_m - triangle.corner_m.col(k));
+  const Vector3 y_j = x_m - triangle.corner_m.col(j);
+  const Vector3 y_k = x_m - triangle.corner_m.col(k);
+  const auto between = [&](const Matrix3& of) {
+    const Real first = of.col(j).dot(y_j);
+    return std::pair(first, of.col(k).dot(y_k) - first);
+  };
+  const auto [own_m, more_m] = between(triangle.rise);
+  const auto [own, more] = between(triangle.rise_by_height_per_m);
   const Real over = sides.along(i) - at.step;
   const Real beta = sides.offset_m(i);
-  const Real under = 1.0 - at.bump * edges.gap(i);
+  const Real twisting = over * beta * edges.twist_by_height_per_m(i);
+  const Real under = 1.0 - own - at.step * more - twisting - at.bump * edges.gap(i);
   if (!(under > kStretchMin)) {
     return false;
   }
   const Real per_under = 1.0 / under;
-  const Real s = per_under * (own_j + at.step * (own_k - own_j) +
-                              over * beta * edges.twist(i) - at.bump * edges.gap_m(i));
-  const Real by_along = at.step_slope * (own_k - own_j) +
-                        (1.0 - at.step_slope) * beta * edges.twist(i) -
+  const Real s = per_under * (own_m + at.step * more_m + over * beta * edges.twist(i) -
+                              at.bump * edges.gap_m(i));
+  const Real twist = edges.twist(i) + s * edges.twist_by_height_per_m(i);
+  const Real by_along = at.step_slope * (more_m + s * more) +
+                        (1.0 - at.step_slope) * beta * twist -
                         at.bump_slope * (edges.gap_m(i) - s * edges.gap(i));
   point = {};
   point.weight(j) = 1.0 - at.step;
@@ -401,9 +427,10 @@ bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
   point.turn.row(k) = at.step_slope * sides.along_gradient.at(i);
   point.turn.row(j) = -point.turn.row(k);
   point.height_m = s;
-  point.rise = per_under *
-               (triangle.rise * point.weight + by_along * sides.along_gradient.at(i) +
-                (over * edges.twist(i)) * sides.offset_gradient.at(i));
+  point.rise =
+      per_under * ((triangle.rise + s * triangle.rise_by_height_per_m) * point.weight +
+                   by_along * sides.along_gradient.at(i) +
+                   (over * twist) * sides.offset_gradient.at(i));
   return true;
 }
 

@@ -1,9 +1,10 @@
 // Weights and a height over one surface element, continuous with their gradients over
 // the whole surface.
 //
-// The element's corners v_j have outward normals n_j and rises r_j, the gradients that
-// the height s is to have there: a node's force over its normal part. On the node's
-// line v_j + s n_j the height is s, its gradient r_j, and the node's weight is 1.
+// The element's corners v_j have outward normals n_j and rises r_j(s) = p_j + s q_j,
+// the gradients that the height s is to have there: a node's force over its normal
+// part, straight in s as its tilt is. On the node's line v_j + s n_j the height is s,
+// its gradient r_j(s), and the node's weight is 1.
 //
 // Edge i goes from v_j to v_k (j, k after i, cyclic), e = v_k - v_j. With the normal
 // N(t) = n_j + t (n_k - n_j), m = unit((n_j + n_k) x e), a place x has the coordinate
@@ -22,13 +23,16 @@
 // t)^2:
 //
 //   w_k += W_i H(t_i),  w_j += W_i (1 - H(t_i)),
-//   s = [sum_j w_j r_j . (x - v_j) + sum_i W_i ((t_i - H) beta_i tau_i - eps gamma_i
-//        - b_i^2 kappa_i / 2)] / [1 - sum_i W_i (eps gamma'_i + b_i^2 kappa'_i / 2)]
+//   s = [sum_j w_j p_j . (x - v_j) + sum_i W_i ((t_i - H) beta_i tau_i - eps gamma_i
+//        - b_i^2 kappa_i / 2)] / [1 - sum_j w_j q_j . (x - v_j) - sum_i W_i ((t_i - H)
+//        beta_i tau'_i + eps gamma'_i + b_i^2 kappa'_i / 2)]
 //
-// First order of every node; -eps gamma makes s the cubic along the edge
-// (gamma - s gamma' = (r_j - r_k) . (e + s (n_k - n_j))); tau = (r_k - r_j) . m lets
-// its slope across the edge go over linearly; kappa is the bend towards the third
-// corner, of the three gamma. So in a plane s reproduces every quadratic of the place.
+// which solves an equation that is straight in s. First order of every node; -eps gamma
+// makes s the cubic along the edge: gamma - s gamma' = (r_j - r_k) . (e + s (n_k -
+// n_j)), whose s^2 is taken for straight about the height of the tool at touch; tau + s
+// tau' = (r_k - r_j) . m lets its slope across the edge go over linearly; kappa is the
+// bend towards the third corner, of the three gamma. So in a plane s reproduces every
+// quadratic of the place.
 //
 // Neighbours share value and gradient on the face, whatever their triangles: functions
 // of w and s that use the nodes' data alone are C1 there, and at the nodes' lines.
@@ -80,21 +84,18 @@ struct SmoothEdges {
   EdgeValues gap_m = EdgeValues::Zero();  ///< [m] gamma
   EdgeValues gap = EdgeValues::Zero();    ///< [-] gamma'
   EdgeValues twist = EdgeValues::Zero();  ///< [-] tau
-  EdgeValues sag_m = EdgeValues::Zero();  ///< [m] kappa
-  EdgeValues sag = EdgeValues::Zero();    ///< [-] kappa'
+  EdgeValues twist_by_height_per_m = EdgeValues::Zero();  ///< [1/m] tau'
+  EdgeValues sag_m = EdgeValues::Zero();                  ///< [m] kappa
+  EdgeValues sag = EdgeValues::Zero();                    ///< [-] kappa'
 };
 
 struct SmoothTriangle {
-  Matrix3 corner_m = Matrix3::Zero();  ///< [m] v_j, one per column
-  Matrix3 normal = Matrix3::Zero();    ///< [-] n_j, likewise
-  Matrix3 rise = Matrix3::Zero();      ///< [-] r_j, likewise
+  Matrix3 corner_m = Matrix3::Zero();              ///< [m] v_j, one per column
+  Matrix3 normal = Matrix3::Zero();                ///< [-] n_j, likewise
+  Matrix3 rise = Matrix3::Zero();                  ///< [-] p_j, likewise
+  Matrix3 rise_by_height_per_m = Matrix3::Zero();  ///< [1/m] q_j, likewise
   SmoothEdges edges;
 };
-
-/// The rise of a node: its normal and, where it has a response, what its direction
-/// leans by, r = n + u_t / max(|u . n|, |u_t|) with u_t the part of u along the
-/// surface: no more than 45 degrees.
-[[nodiscard]] Vector3 rise_of(const ElementNode& node) noexcept;
 
 [[nodiscard]] SmoothTriangle make_smooth_triangle(const Element& element) noexcept;
 

@@ -114,6 +114,7 @@ ElementNode GrowingElements::message(std::int32_t node) const {
 Element GrowingElements::element(std::int32_t triangle) const {
   Element element;
   element.triangle = triangle;
+  element.touch_height_m = nominal_height_m(tool_);
   for (std::size_t j = 0; j < 3; ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     element.node[j] = message(body_.triangle(triangle, column));

@@ -53,6 +53,8 @@ double slope_at(const ElementNode& node, double at_m, double first_m) {
 ElementNode zero_beside(const ElementNode& none, const ElementNode& other) {
   ElementNode zero = none;
   zero.direction = other.direction;
+  zero.tilt = other.tilt;
+  zero.tilt_by_height_per_m = other.tilt_by_height_per_m;
   zero.touch_offset_m = other.touch_offset_m;
   zero.samples = other.samples;
   zero.depth_m = other.depth_m;
@@ -176,6 +178,11 @@ void NodeBlend::set_now() {
       ((1.0 - share_) * vector(from_.direction) + share_ * vector(end.direction))
           .normalized();
   now_.direction = {u.x(), u.y(), u.z()};
+  for (std::size_t i = 0; i < 3; ++i) {
+    now_.tilt[i] = std::lerp(from_.tilt[i], end.tilt[i], share_);
+    now_.tilt_by_height_per_m[i] =
+        std::lerp(from_.tilt_by_height_per_m[i], end.tilt_by_height_per_m[i], share_);
+  }
   now_.touch_offset_m = knot_[0].penetration_m;
   now_.samples = static_cast<std::int32_t>(knots_);
   const double c = lean(now_);

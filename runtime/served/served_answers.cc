@@ -8,7 +8,8 @@ namespace {
 
 bool same(const NodeResponse& a, const NodeResponse& b) {
   return a.depth_m == b.depth_m && a.force_n == b.force_n &&
-         a.direction == b.direction && a.touch_offset_m == b.touch_offset_m;
+         a.direction == b.direction && a.tilt == b.tilt &&
+         a.touch_offset_m == b.touch_offset_m;
 }
 
 }  // namespace

@@ -75,6 +75,10 @@ ServedResponses answers_of(const ResponseDatabase& database, const JobDescriptio
     NodeResponse& response = answer.response;
     response.direction = table.direction.row(i).transpose();
     response.direction_spread_rad = table.direction_spread_rad[row];
+    if (table.tilt.rows() > 0) {
+      response.tilt = {.tilt = table.tilt.row(i).transpose(),
+                       .by_depth_per_m = table.tilt_by_depth_per_m.row(i).transpose()};
+    }
     response.touch_offset_m = table.touch_offset_m[row];
     response.depth_m.assign(curve.depth_m.begin(), curve.depth_m.end());
     response.force_n.assign(curve.force_n.begin(), curve.force_n.end());

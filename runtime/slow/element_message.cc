@@ -30,6 +30,31 @@ double touch_offset_m(const NodeRows& rows, std::int64_t row) {
   return offset_m + nominal_height_m(tool) - height_m;
 }
 
+// Without a stored line that of the direction.
+TiltLine stored_tilt(const ResponseTable& table, std::int64_t row,
+                     const Eigen::Vector3d& outward) {
+  if (table.tilt.rows() > 0) {
+    return tilt_line(table, row, outward);
+  }
+  const Eigen::Vector3d direction = table.direction.row(row).transpose();
+  return limited(tilt_line(direction, outward), 0.0, 0.0, 0.0);
+}
+
+// By the height of the tool, d' = height at touch - touch offset - height.
+void set_tilt(ElementNode& message, const NodeRows& rows, std::int64_t row) {
+  const ResponseTable& table = rows.table;
+  const Eigen::Vector3d outward = rows.normal.row(row).transpose();
+  const TiltLine line = rows.tilt.empty() ? stored_tilt(table, row, outward)
+                                          : rows.tilt[static_cast<std::size_t>(row)];
+  const Eigen::Vector3d at_no_height =
+      line.at(nominal_height_m(table.tool) - message.touch_offset_m);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    message.tilt[i] = at_no_height(axis);
+    message.tilt_by_height_per_m[i] = -line.by_depth_per_m(axis);
+  }
+}
+
 }  // namespace
 
 std::array<double, 3> row_array(const Points& points, Eigen::Index row) {
@@ -50,6 +75,7 @@ ElementNode node_message(const NodeRows& rows, std::int64_t row, double* loss_n)
   }
   message.touch_offset_m = touch_offset_m(rows, row);
   message.direction = row_array(table.direction, row);
+  set_tilt(message, rows, row);
   const double lost_n = set_curve(message, curve) * rows.force_scale;
   if (loss_n != nullptr) {
     *loss_n = lost_n;

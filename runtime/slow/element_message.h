@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 
 #include "formats/mesh/surface_search.h"
 #include "formats/response/response_table.h"
+#include "formats/response/tilt_line.h"
 #include "runtime/fast/element.h"
 
 namespace palpate {
@@ -30,6 +32,8 @@ struct NodeRows {
   const Points& normal;        ///< (n x 3) [-]
   const ResponseTable& table;  ///< of n nodes
   double force_scale = 1.0;    ///< [-] forces are multiplied by it
+  /// (n) of a table that has directions by sample and no tilts; else empty.
+  std::span<const TiltLine> tilt = {};
 };
 
 /// A row of positions or directions, as messages hold it.
@@ -38,7 +42,8 @@ struct NodeRows {
 /// The message of a row, whose node the caller names. Without response: no samples, no
 /// direction, no touch offset, zero force. Its touch offset is that of a tool whose
 /// reference point stands at nominal_height_m(tool) over a flat surface, so that a tool
-/// of any shape and fixed orientation is followed as a sphere of that radius. @param
+/// of any shape and fixed orientation is followed as a sphere of that radius. Its tilt
+/// is the stored line; without one that of its direction. @param
 /// loss_n where not null, what thinning cost [N]. @throws InputError for an endless
 /// tool that cannot touch the node.
 [[nodiscard]] ElementNode node_message(const NodeRows& rows, std::int64_t row,

@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/response/press_inversion.h"
+#include "formats/response/tool_support.h"
 #include "formats/response/yielding.h"
 #include "runtime/slow/node_memory.h"
 
@@ -22,14 +23,29 @@ std::optional<ResponseTable> rendered_copy(const ResponseTable& table) {
   return copy;
 }
 
+// Of a table that has directions by sample and no tilts.
+std::vector<TiltLine> tilts_by_sample(const ResponseDatabase& database,
+                                      const ResponseTable& table) {
+  std::vector<TiltLine> tilt;
+  if (table.tilt.rows() == 0 && table.sample_direction.rows() > 0) {
+    const std::vector<double> edge_m = longest_edges_m(database.body);
+    for (std::int64_t i = 0; i < table.nodes(); ++i) {
+      tilt.push_back(tilt_line(table, i, database.normal.row(i).transpose(),
+                               edge_m[static_cast<std::size_t>(i)]));
+    }
+  }
+  return tilt;
+}
+
 }  // namespace
 
 ElementStream::ElementStream(const ResponseDatabase& database,
                              const ResponseTable& table, double force_scale)
     : database_(database),
       instantaneous_(rendered_copy(table)),
+      tilt_(tilts_by_sample(database, table)),
       rows_{database.body.position_m, database.normal,
-            instantaneous_ ? *instantaneous_ : table, force_scale},
+            instantaneous_ ? *instantaneous_ : table, force_scale, tilt_},
       search_(database.body) {
   if (!(force_scale > 0.0 && force_scale <= 1.0)) {
     throw InputError(fmt::format("force scale is {}, must lie in (0, 1]", force_scale));
@@ -40,6 +56,7 @@ ElementStream::ElementStream(const ResponseDatabase& database,
 Element ElementStream::element(std::int32_t triangle) const {
   Element message;
   message.triangle = triangle;
+  message.touch_height_m = nominal_height_m(rows_.table.tool);
   const Viscoelasticity& relaxation = rows_.table.viscoelasticity;
   message.memory = tool_memory(relaxation);
   for (std::size_t j = 0; j < 3; ++j) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 #include "formats/database/response_database.h"
 #include "formats/mesh/surface_search.h"
@@ -40,6 +41,7 @@ class ElementStream : public ElementSender {
   const ResponseDatabase& database_;
   /// The table with curves as they are rendered; none where they are so already.
   std::optional<ResponseTable> instantaneous_;
+  std::vector<TiltLine> tilt_;
   NodeRows rows_;
   SurfaceSearch search_;
   ResampleLoss loss_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/response/tool_support.h"
 #include "runtime/slow/chunk_choice.h"
 #include "runtime/slow/node_memory.h"
 
@@ -141,6 +142,7 @@ SurfacePiece::Place SurfacePiece::place(std::int32_t node) const noexcept {
 Element SurfacePiece::element(std::int32_t row) const {
   Element message;
   message.triangle = source_triangle_[static_cast<std::size_t>(row)];
+  message.touch_height_m = nominal_height_m(part_.front()->table.tool);
   message.memory = tool_memory(part_.front()->table.viscoelasticity);
   for (std::size_t j = 0; j < 3; ++j) {
     const auto column = static_cast<Eigen::Index>(j);

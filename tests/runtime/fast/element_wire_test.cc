@@ -23,6 +23,7 @@ constexpr NodeYielding kYielding{.yield_depth_m = 0.001,
 Element element(std::uint64_t sequence) {
   static const BenchBody body = make_bench_body({.contrast = 9.0,
                                                  .tilt_rad = 0.2,
+                                                 .tilt_by_height_per_m = 20.0,
                                                  .friction_max = 1.0,
                                                  .touch_offset_m = 3e-4,
                                                  .relaxing = {0.25, 0.3},
@@ -59,9 +60,13 @@ std::vector<std::uint64_t> receive_all(ElementReceiver& receiver, const Bytes& w
         EXPECT_EQ(out.triangle, sent.triangle);
         EXPECT_EQ(out.active, sent.active);
         EXPECT_EQ(out.sent_ns, sent.sent_ns);
+        EXPECT_EQ(out.touch_height_m, sent.touch_height_m);
         EXPECT_EQ(out.neighbour, sent.neighbour);
         for (std::size_t j = 0; j < 3; ++j) {
           EXPECT_EQ(out.node[j].direction, sent.node[j].direction);
+          EXPECT_EQ(out.node[j].tilt, sent.node[j].tilt);
+          EXPECT_EQ(out.node[j].tilt_by_height_per_m,
+                    sent.node[j].tilt_by_height_per_m);
           EXPECT_EQ(out.node[j].energy_j, sent.node[j].energy_j);
           EXPECT_EQ(out.node[j].friction, sent.node[j].friction);
           EXPECT_EQ(out.memory.node[j].site, sent.memory.node[j].site);
@@ -96,16 +101,16 @@ TEST(ElementWire, FrameHasTheBytesThatItsDescriptionSays) {
   WireFrame frame;
   Element sent = element(3);
   encode(sent, 0x01020304, frame);
-  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x03\x00\x03\x00\x04\x03\x02\x01", 12), 0);
+  EXPECT_EQ(std::memcmp(frame.data(), "PLPE\x04\x00\x03\x00\x04\x03\x02\x01", 12), 0);
   EXPECT_EQ(std::memcmp(frame.data() + 44, "\x02\x00\x08\x00", 4), 0);
   double number = -1.0;
   std::memcpy(&number, frame.data() + 48 + 8, 8);
   EXPECT_EQ(number, 4.5);
-  std::memcpy(&number, frame.data() + 80 + 1816 + 8 + 96 + 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 1864 + 8 + 144 + 8, 8);
   EXPECT_EQ(number, sent.node[1].depth_m[1]);
-  std::memcpy(&number, frame.data() + 80 + 3 * 1816 - 6 * 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 3 * 1864 - 6 * 8, 8);
   EXPECT_EQ(number, sent.memory.node[2].cut_m[6]);
-  std::memcpy(&number, frame.data() + 80 + 3 * 1816 - 8, 8);
+  std::memcpy(&number, frame.data() + 88 + 3 * 1864 - 8, 8);
   EXPECT_EQ(number, sent.memory.node[2].soft_most);
 }
 

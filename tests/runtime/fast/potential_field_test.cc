@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/response/tilt_line.h"
 #include "runtime/bench/bench_body.h"
 
 namespace palpate {
@@ -37,7 +38,9 @@ Element random_element(std::mt19937_64& random) {
     const Eigen::Vector3d n =
         (Eigen::Vector3d::UnitZ() + 0.25 * random_vector(random)).normalized();
     node.normal = to_array(n);
-    node.direction = to_array((n + 0.3 * random_vector(random)).normalized());
+    const Eigen::Vector3d u = (n + 0.3 * random_vector(random)).normalized();
+    node.direction = to_array(u);
+    node.tilt = to_array(tilt_line(u, n).tilt);
     node.touch_offset_m = 2e-4 * (unit(random) - 0.5);
     set_power_law(node, 1.5, std::pow(100.0, unit(random) - 0.5), 0.008);
   }
@@ -193,6 +196,8 @@ BenchBodyOptions stiff_and_soft() {
   options.wave_m = 0.006;
   options.contrast = 100.0;
   options.tilt_rad = 0.2;
+  options.tilt_by_height_per_m = 30.0;
+  options.touch_height_m = kSphereRadiusM;
   options.touch_offset_m = 2e-4;
   return options;
 }

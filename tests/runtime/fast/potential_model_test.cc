@@ -35,6 +35,7 @@ BenchBodyOptions small_body(double friction) {
   options.wavelength_m = 0.03;
   options.contrast = 100.0;
   options.tilt_rad = 0.2;
+  options.tilt_by_height_per_m = 30.0;
   options.friction_min = friction;
   options.friction_max = friction;
   options.touch_offset_m = 2e-4;

@@ -1,6 +1,6 @@
 // The force of a body's stored potential field at places without history: what the
-// local model "potential" (runtime/fast/potential_field.h) gives at a place that the
-// tool has just reached, without friction, dents and relaxed state.
+// local model "potential" (runtime/fast/potential_field.h), or "facets", gives at a
+// place that the tool has just reached, without friction, dents and relaxed state.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "formats/database/response_database.h"
+#include "runtime/fast/local_model.h"
 #include "runtime/slow/memory_elements.h"
 
 namespace palpate {
@@ -17,7 +18,8 @@ class StaticField {
  public:
   /// Both must outlive the field; `table` belongs to the database.
   /// @throws InputError for a body that yields: its force depends on what was pressed.
-  StaticField(const ResponseDatabase& database, const ResponseTable& table);
+  StaticField(const ResponseDatabase& database, const ResponseTable& table,
+              FieldKind kind = FieldKind::kSmooth);
 
   /// Forces on the tool [N], (n x 3). May run in several threads. A position's force
   /// does not depend on the others.
@@ -31,6 +33,7 @@ class StaticField {
 
   ElementStream stream_;
   double radius_m_;
+  FieldKind kind_;
 };
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include "python/binding/static_field.h"
+#include "runtime/slow/static_field.h"
 
 #include <algorithm>
 #include <memory>
@@ -40,8 +40,11 @@ const ResponseTable& not_yielding(const ResponseTable& table) {
 
 }  // namespace
 
-StaticField::StaticField(const ResponseDatabase& database, const ResponseTable& table)
-    : stream_(database, not_yielding(table)), radius_m_(nominal_height_m(table.tool)) {}
+StaticField::StaticField(const ResponseDatabase& database, const ResponseTable& table,
+                         FieldKind kind)
+    : stream_(database, not_yielding(table)),
+      radius_m_(nominal_height_m(table.tool)),
+      kind_(kind) {}
 
 std::vector<std::int32_t> StaticField::nearest_triangles(
     const Eigen::Ref<const Points>& position_m) const {
@@ -80,7 +83,7 @@ Points StaticField::force_n(const Eigen::Ref<const Points>& position_m) const {
     const auto row = static_cast<Eigen::Index>(i);
     const Eigen::Vector3d x = position_m.row(row);
     FieldPlace place;
-    adopt(place, *cache, slot, x);
+    adopt(place, *cache, slot, x, kind_);
     CurvePieces pieces;
     force.row(row) = respond(place, *cache, radius_m_, 0.0, pieces).force_n;
   }

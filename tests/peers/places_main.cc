@@ -1,0 +1,45 @@
+// peers_places: how far off the field of a database is between its nodes.
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "formats/base/command_line.h"
+#include "formats/hdf5/hdf5_io.h"
+#include "tests/peers/field_places.h"
+
+namespace palpate::peers {
+namespace {
+
+void add_measure(Command app) {
+  struct Flags : PlacesOptions {
+    std::filesystem::path scene;
+    std::filesystem::path database;
+  };
+  Command command = app.add_subcommand(
+      "measure", "Presses random places of a scene, and compares the stored field");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("scene", flags->scene, "Scene (TOML)").required();
+  command.add_option("database", flags->database, "Built from it (HDF5)").required();
+  command.add_option("--places", flags->places, "of the surface")
+      .show_default()
+      .in_range(1, 100000);
+  command.add_option("--finer", flags->times_finer, "than the budget asks for")
+      .show_default()
+      .in_range(0.5, 16.0);
+  command.add_option("--seed", flags->seed, "of the places").show_default();
+  command.callback([flags] {
+    fmt::print("{}",
+               table_text(measure_places(read_scene(flags->scene),
+                                         read_database(flags->database), *flags)));
+  });
+}
+
+}  // namespace
+}  // namespace palpate::peers
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  return run_tool("peers_places", "Measures the field between nodes.",
+                  {&peers::add_measure}, argc, argv);
+}
