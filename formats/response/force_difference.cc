@@ -25,8 +25,11 @@ PlacedCurve placed_curve(const ResponseTable& table, std::int64_t node,
 
 Eigen::Vector3d PlacedCurve::direction_at(double penetration_m) const noexcept {
   const double past_touch_m = penetration_m - touch_offset_m;
+  if (tilt) {
+    return tilted(outward, tilt->at(past_touch_m));
+  }
   if (sample_direction.empty()) {
-    return tilt ? tilted(outward, tilt->at(past_touch_m)) : direction;
+    return direction;
   }
   const double d = std::clamp(past_touch_m * along, 0.0, curve.depth_max_m());
   const std::size_t i = curve.interval(d);

@@ -27,8 +27,9 @@ struct PlacedCurve {
   std::optional<TiltLine> tilt = {};
   std::span<const double> sample_direction = {};  ///< (3 k) [-] or empty
 
-  /// [-] Unit vector at a normal penetration: that of the samples, linear between them
-  /// and renormalised; without those, n + theta of the tilt; without one, u.
+  /// [-] Unit vector at a normal penetration, as a hand gets it: n + theta of the tilt;
+  /// without one that of the samples, linear between them and renormalised; without
+  /// those, u.
   [[nodiscard]] Eigen::Vector3d direction_at(double penetration_m) const noexcept;
 
   /// [N] at a normal penetration; zero before the first touch.

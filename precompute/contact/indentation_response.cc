@@ -130,8 +130,7 @@ NodeResponse to_response(const Indentation& indentation, const IndentationPath& 
     response.sample_direction.front() = response.sample_direction[1];
   }
   response.tilt = tilt_of(indentation, path, response);
-  const double turn =
-      response.sample_direction.empty() ? turn_error(indentation, path, response) : 0.0;
+  const double turn = turn_error(indentation, path, response);
   const IndentationSample& last = indentation.sample.back();
   // Two meshes may agree by chance.
   const double mesh =

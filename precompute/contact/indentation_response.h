@@ -34,9 +34,9 @@ namespace palpate {
 /// error_relative is an estimate of what force_difference() measures, to be calibrated:
 /// what the mesh makes (0.55 of the difference to pressure on a mesh twice as coarse,
 /// or, if that is more, to a whole press on one, where there is one), what bears on the
-/// patch's edge, what the tilt's line misses where no directions are stored, what
-/// interpolation between depths and the part left out around make, and a fifth of the
-/// budget for what none of them sees (root of the sum of squares).
+/// patch's edge, what the line of its tilts misses, what interpolation between depths
+/// and the part left out around make, and a fifth of the budget for what none of them
+/// sees (root of the sum of squares).
 [[nodiscard]] NodeResponse to_response(const Indentation& indentation,
                                        const IndentationPath& path,
                                        double force_relative_budget);

@@ -6,6 +6,7 @@
 #include "formats/base/error.h"
 #include "formats/response/response_curve.h"
 #include "formats/response/response_table.h"
+#include "formats/response/tilt_line.h"
 #include "runtime/served/node_blend.h"
 #include "runtime/slow/element_message.h"
 
@@ -33,12 +34,13 @@ double stiffness_n_per_m(const ElementNode& node) {
 
 GrownNode grown_node(const ToolShape& tool, const WorkUnitNode& answer,
                      GrownQuality quality, const Eigen::Vector3d& position_m,
-                     const Eigen::Vector3d& normal) {
+                     const Eigen::Vector3d& normal, double longest_edge_m) {
   GrownNode grown{.node = answer.vertex, .quality = quality, .message = {}};
   NodeResponse response = answer.response;
   if (response.depth_m.empty() || !(response.direction.dot(normal) >= kLeanLeast)) {
     response = {};
   }
+  (void)limit_tilt(response, normal, longest_edge_m);
   Points position_row(1, 3);
   Points normal_row(1, 3);
   position_row.row(0) = position_m.transpose();

@@ -43,10 +43,12 @@ struct GrownNode {
 /// The answer of a node as a message. A response whose direction does not point out of
 /// the body (n . u < 0.05) is none, and so is one that breaks a rule.
 /// @param normal [-] outward, of the node.
+/// @param longest_edge_m [m] at the node, which limits its tilt; 0: it does not.
 [[nodiscard]] GrownNode grown_node(const ToolShape& tool, const WorkUnitNode& answer,
                                    GrownQuality quality,
                                    const Eigen::Vector3d& position_m,
-                                   const Eigen::Vector3d& normal);
+                                   const Eigen::Vector3d& normal,
+                                   double longest_edge_m = 0.0);
 
 /// Makes a node's forces as much softer as its steepest slope needs, and lets friction
 /// slide in later where its spring would be too stiff. @returns the factor [-] (0, 1]

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/response/tilt_line.h"
 #include "runtime/served/stiffness_estimate.h"
 
 namespace palpate {
@@ -329,6 +330,7 @@ void ServedClient::take_first(const ServedScene& scene) {
     refusal = error.what();
   }
   scene_ = std::make_unique<ServedScene>(scene);
+  longest_edge_m_ = longest_edges_m(scene.plan.body);
   answers_ = std::make_unique<ServedAnswers>(scene.plan.body.position_m.rows());
   digest_ = scene.plan.digest;
   const std::lock_guard lock(mutex_);
@@ -339,7 +341,8 @@ GrownNode ServedClient::ready(const WorkUnitNode& answer, GrownQuality quality) 
   const JobDescription& plan = scene_->plan;
   return grown_node(plan.tool[static_cast<std::size_t>(tool_)], answer, quality,
                     plan.body.position_m.row(answer.vertex).transpose(),
-                    plan.normal.row(answer.vertex).transpose());
+                    plan.normal.row(answer.vertex).transpose(),
+                    longest_edge_m_[static_cast<std::size_t>(answer.vertex)]);
 }
 
 // The file knows more than was told: nodes between those that were solved, and all of

@@ -133,6 +133,7 @@ class ServedClient {
 
   // Set once, before scene_known_.
   std::unique_ptr<ServedScene> scene_;
+  std::vector<double> longest_edge_m_;  // at the nodes of the scene's body
   std::unique_ptr<ServedAnswers> answers_;
   std::int32_t tool_ = 0;
   std::string digest_;  // the thread's

@@ -16,6 +16,7 @@
 #include "tests/bench/runtime/bench_held.h"
 #include "tests/bench/runtime/bench_potential.h"
 #include "tests/bench/runtime/bench_search.h"
+#include "tests/bench/runtime/bench_signs.h"
 #include "tests/bench/runtime/bench_slide.h"
 #include "tests/bench/runtime/bench_stream.h"
 #include "tests/bench/runtime/growing_walk.h"
@@ -182,6 +183,32 @@ void add_held(Command app) {
   });
 }
 
+void add_signs(Command app) {
+  struct Flags : SignsBenchOptions {
+    std::filesystem::path database;
+    std::string tool;
+  };
+  Command command = app.add_subcommand(
+      "signs",
+      "hunts for places where the smooth field pulls, or its energy is below "
+      "zero");
+  auto flags = std::make_shared<Flags>();
+  command.add_option("database", flags->database, "Response database (HDF5)")
+      .required();
+  command.add_option("--tool", flags->tool,
+                     "of the database; may be left out if there is one");
+  command.add_option("--places", flags->places, "of the body").show_default();
+  command.add_option("--seed", flags->seed, "of the places").show_default();
+  command
+      .add_option("--discord", flags->discord,
+                  "of the nodes' forces, by e^(+-discord); leans too")
+      .show_default();
+  command.callback([flags] {
+    fmt::print("{}", table_text(run_signs_bench(read_database(flags->database),
+                                                flags->tool, *flags)));
+  });
+}
+
 void add_stream(Command app) {
   struct Flags : StreamBenchOptions {
     bool json = false;
@@ -248,7 +275,7 @@ int main(int argc, char** argv) {
   using namespace palpate;
   skip_hdf5_exit_cleanup();
   return run_tool("runtime_bench", "Measures the runtime.",
-                  {&add_contacts, &add_potential, &add_edges, &add_held, &add_grow,
-                   &add_slide, &add_search, &add_stream, &add_device},
+                  {&add_contacts, &add_potential, &add_edges, &add_held, &add_signs,
+                   &add_grow, &add_slide, &add_search, &add_stream, &add_device},
                   argc, argv);
 }

@@ -88,8 +88,7 @@ TEST(ForceDifference, FollowsDirectionsByDepth) {
   }
   PlacedCurve turning{curve.view()};
   turning.sample_direction = direction;
-  // Largest at the end; the tilt's line does not count beside samples.
-  turning.tilt = TiltLine{.tilt = Eigen::Vector3d(0.0, 0.7, 0.0)};
+  // Largest at the end.
   EXPECT_NEAR(force_difference(turning, {curve.view()}), kChordOfTwenty, 1e-12);
   EXPECT_LT((turning.direction_at(0.005) - leaning(0.5 * kTwentyDegrees)).norm(),
             1e-12);
@@ -99,6 +98,10 @@ TEST(ForceDifference, FollowsDirectionsByDepth) {
   by_line.tilt = TiltLine{
       .by_depth_per_m = Eigen::Vector3d(std::tan(kTwentyDegrees) / 0.01, 0.0, 0.0)};
   EXPECT_LT(force_difference(by_line, turning), 0.02);
+  // Where there is a line, it is what a hand gets, whatever the samples say.
+  by_line.sample_direction = turning.sample_direction;
+  by_line.tilt = TiltLine{};
+  EXPECT_NEAR(force_difference(by_line, turning), kChordOfTwenty, 1e-12);
 }
 
 // In a table: stored tilts, else directions by sample, else the one direction.

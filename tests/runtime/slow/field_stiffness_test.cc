@@ -10,6 +10,7 @@
 
 #include "runtime/fast/potential_field.h"
 #include "runtime/slow/memory_elements.h"
+#include "tests/bench/runtime/bench_signs.h"
 #include "tests/bench/runtime/bench_slide.h"
 
 namespace palpate {
@@ -21,28 +22,9 @@ constexpr double kRadiusM = 0.005;
 constexpr double kSlopeNPerM = 1000.0;  // slide_body's
 
 // Every node pushes by its own factor of the sphere's forces, and its own way.
-ResponseDatabase discordant_body(double largest_log, double lean_rad, unsigned seed) {
+ResponseDatabase discordant_body(double log_factor, double lean_rad, unsigned seed) {
   ResponseDatabase database = slide_body(200, kRadiusM, 0.0);
-  ResponseTable& table = database.tools.front();
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> part(-1.0, 1.0);
-  for (Eigen::Index i = 0; i < table.direction.rows(); ++i) {
-    const auto node = static_cast<std::size_t>(i);
-    const double factor = std::exp(largest_log * part(random));
-    for (auto k = static_cast<std::size_t>(table.sample_begin[node]);
-         k < static_cast<std::size_t>(table.sample_begin[node + 1]); ++k) {
-      table.force_n[k] *= factor;
-      table.stiffness_n_per_m[k] *= factor;
-      table.energy_j[k] *= factor;
-    }
-    table.stiffness_max_n_per_m[node] *= factor;
-    const Vector3d normal = database.normal.row(i).transpose();
-    const Vector3d across =
-        normal.cross(Vector3d(part(random), part(random), part(random))).normalized();
-    const double lean = lean_rad * std::abs(part(random));
-    table.direction.row(i) =
-        (std::cos(lean) * normal + std::sin(lean) * across).transpose();
-  }
+  make_discordant(database, database.tools.front(), log_factor, lean_rad, 0.0, seed);
   return database;
 }
 

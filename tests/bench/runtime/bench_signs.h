@@ -1,0 +1,48 @@
+// `runtime_bench signs`: hunts for places of a stored body where the smooth field has
+// an energy below zero, or pulls.
+//
+// Places are drawn evenly over the elements of which a node responds, and over the
+// depths; half of them within a hundredth of an element's edge or corner. A pull is a
+// force against the normal between the nodes' there, of more than a millionth of the
+// node's largest.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/database/response_database.h"
+
+namespace palpate {
+
+struct SignsBenchOptions {
+  std::int64_t places = 1'000'000;
+  unsigned seed = 1;
+  /// [-] >= 0: every node's forces are multiplied by e^(+-discord), its direction leans
+  /// by up to 45 degrees, and one of ten does not respond; 0: the body as it is.
+  double discord = 0.0;
+};
+
+struct SignsBenchReport {
+  std::int64_t places = 0;    ///< in contact, where the field is sound
+  std::int64_t unsound = 0;   ///< where the nearest point of the facets is taken
+  std::int64_t negative = 0;  ///< places with U < 0
+  std::int64_t pulls = 0;
+  double lowest_j = 0.0;      ///< [J] of U
+  double worst_pull_n = 0.0;  ///< [N]
+};
+
+/// @param table of the database; both are changed where there is discord.
+[[nodiscard]] SignsBenchReport run_signs_bench(ResponseDatabase database,
+                                               const std::string& tool,
+                                               const SignsBenchOptions& options);
+
+[[nodiscard]] std::string table_text(const SignsBenchReport& report);
+
+/// Gives every node of a table its own factor of forces and its own lean, and takes the
+/// response from a share of them. @param lean_rad at most.
+void make_discordant(ResponseDatabase& database, ResponseTable& table,
+                     double log_factor, double lean_rad, double silent_share,
+                     std::uint64_t seed);
+
+}  // namespace palpate
