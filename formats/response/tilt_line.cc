@@ -126,7 +126,7 @@ TiltRange tilt_range(const ResponseTable& table, std::int64_t node,
 }
 
 bool is_within_limits(const TiltLine& line, double end_m, double longest_edge_m) {
-  constexpr double kRoom = 1.0 + kTiltRounding;
+  constexpr double kRoom = 1.0 + 1e-6;  // curves may have been stored as binary32
   return line.tilt.norm() <= kTiltMost * kRoom &&
          line.at(end_m).norm() <= kTiltMost * kRoom &&
          line.by_depth_per_m.norm() * longest_edge_m <= kTiltChangeMost * kRoom;

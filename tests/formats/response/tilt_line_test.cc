@@ -205,5 +205,12 @@ TEST(TiltLine, OfATableIsThereWhereAllResponsesHaveOne) {
   EXPECT_EQ(make_table(tip, responses).tilt.rows(), 2);
 }
 
+// A curve's end moves by 6e-8 of itself when it is stored as binary32.
+TEST(TiltLine, AtItsLimitIsWithinItWhereDepthsWereRounded) {
+  const TiltLine line{.by_depth_per_m = Eigen::Vector3d(1.0 / 0.004, 0.0, 0.0)};
+  EXPECT_TRUE(is_within_limits(line, 0.004 * (1.0 + 6e-8), 0.0));
+  EXPECT_FALSE(is_within_limits(line, 0.004 * (1.0 + 1e-5), 0.0));
+}
+
 }  // namespace
 }  // namespace palpate
