@@ -25,10 +25,14 @@ void say(int descriptor, const Datagram& datagram) noexcept {
       ::send(descriptor, &datagram, sizeof datagram, MSG_DONTWAIT | MSG_NOSIGNAL));
 }
 
+// Waits for room, a second at most: a renderer that was kept from reading would never
+// know why.
 void say_farewell(int descriptor, std::string_view why) noexcept {
   SocketFarewell farewell;
   const std::size_t size = std::min(why.size(), farewell.why.size() - 1);
   std::copy_n(why.begin(), size, farewell.why.begin());
+  pollfd end{.fd = descriptor, .events = POLLOUT, .revents = 0};
+  ::poll(&end, 1, 1000);
   say(descriptor, farewell);
 }
 
