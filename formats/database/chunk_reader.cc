@@ -100,6 +100,33 @@ void check_end(const Hdf5Reader& file, const std::string& index,
   }
 }
 
+void expect_rows(const Hdf5Reader& file, const std::string& path, std::int64_t rows,
+                 std::int64_t wanted) {
+  if (rows != wanted) {
+    file.fail(fmt::format("dataset {} has {} rows, must have {}", path, rows, wanted));
+  }
+}
+
+// Digests of a tool's optional parts, and bounds of their shares.
+void check_optional_index(const Hdf5Reader& file, const std::string& tool_group,
+                          const ToolIndex& tool, std::int64_t chunks) {
+  const std::string group = tool_group + "/index";
+  const std::int64_t digests = chunks * std::int64_t{kSha256Bytes};
+  const bool own_shares =
+      !tool.viscoelasticity.empty() && tool.viscoelasticity.g.rows() == 0;
+  const bool remembers = own_shares || tool.yielding_rows || tool.memory_sites > 0;
+  expect_rows(file, group + "/memory_sha256", tool.memory_sha256.size(),
+              remembers ? digests : 0);
+  expect_rows(file, group + "/tilt_sha256", tool.tilt_sha256.size(),
+              file.has(tool_group + "/tilt") ? digests : 0);
+  expect_rows(file, group + "/compliance_sha256", tool.compliance_sha256.size(),
+              tool.compliance.empty() ? 0 : digests);
+  for (const auto* values : {&tool.share_min, &tool.share_max}) {
+    expect_rows(file, group + "/share_min, share_max", values->size(),
+                own_shares ? chunks * (tool.viscoelasticity.terms() + 1) : 0);
+  }
+}
+
 void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
   const std::size_t chunks = index.node_begin.empty() ? 0 : index.node_begin.size() - 1;
   check_begins(file, "/index/node_begin", index.node_begin, chunks);
@@ -117,50 +144,30 @@ void check_index(const Hdf5Reader& file, const DatabaseIndex& index) {
                       k, size, index.storage.chunk_nodes));
     }
   }
-  const auto require = [&](const std::string& path, std::int64_t rows,
-                           std::int64_t wanted) {
-    if (rows != wanted) {
-      file.fail(
-          fmt::format("dataset {} has {} rows, must have {}", path, rows, wanted));
-    }
-  };
   const auto c = static_cast<std::int64_t>(chunks);
-  require("/index/box_min_m", index.box_min_m.rows(), c);
-  require("/index/box_max_m", index.box_max_m.rows(), c);
-  require("/index/sha256", index.sha256.size(), c * std::int64_t{kSha256Bytes});
+  expect_rows(file, "/index/box_min_m", index.box_min_m.rows(), c);
+  expect_rows(file, "/index/box_max_m", index.box_max_m.rows(), c);
+  expect_rows(file, "/index/sha256", index.sha256.size(),
+              c * std::int64_t{kSha256Bytes});
   for (const ToolIndex& tool : index.tools) {
-    const std::string group = "/tools/" + tool.tool.name + "/index";
+    const std::string tool_group = "/tools/" + tool.tool.name;
+    const std::string group = tool_group + "/index";
     check_begins(file, group + "/sample_begin", tool.sample_begin, chunks);
-    check_end(file, group + "/sample_begin", tool.sample_begin,
-              "/tools/" + tool.tool.name + "/depth_m", "m", {-1});
-    require(group + "/sha256", tool.sha256.size(), c * std::int64_t{kSha256Bytes});
+    check_end(file, group + "/sample_begin", tool.sample_begin, tool_group + "/depth_m",
+              "m", {-1});
+    expect_rows(file, group + "/sha256", tool.sha256.size(),
+                c * std::int64_t{kSha256Bytes});
     for (const auto* values :
          {&tool.depth_max_m, &tool.force_max_n, &tool.stiffness_max_n_per_m,
           &tool.error_relative_max, &tool.direction_spread_max_rad}) {
-      require(group, static_cast<std::int64_t>(values->size()), c);
+      expect_rows(file, group, static_cast<std::int64_t>(values->size()), c);
     }
-    require(group + "/origin_count", std::ssize(tool.origin_count), 4);
-    require(
-        group + "/flag_count", std::ssize(tool.flag_count),
+    expect_rows(file, group + "/origin_count", std::ssize(tool.origin_count), 4);
+    expect_rows(
+        file, group + "/flag_count", std::ssize(tool.flag_count),
         tool.flag_count.size() == kResponseFlags ? kResponseFlags : kResponseFlags - 1);
-    check_relaxation("/tools/" + tool.tool.name + "/relaxation", tool.relaxation,
-                     index.nodes());
-    const bool own_shares =
-        !tool.viscoelasticity.empty() && tool.viscoelasticity.g.rows() == 0;
-    require(group + "/memory_sha256", tool.memory_sha256.size(),
-            own_shares || tool.yielding_rows || tool.memory_sites > 0
-                ? c * std::int64_t{kSha256Bytes}
-                : 0);
-    require(group + "/tilt_sha256", tool.tilt_sha256.size(),
-            file.has("/tools/" + tool.tool.name + "/tilt")
-                ? c * std::int64_t{kSha256Bytes}
-                : 0);
-    require(group + "/compliance_sha256", tool.compliance_sha256.size(),
-            tool.compliance.empty() ? 0 : c * std::int64_t{kSha256Bytes});
-    for (const auto* values : {&tool.share_min, &tool.share_max}) {
-      require(group + "/share_min, share_max", values->size(),
-              own_shares ? c * (tool.viscoelasticity.terms() + 1) : 0);
-    }
+    check_relaxation(tool_group + "/relaxation", tool.relaxation, index.nodes());
+    check_optional_index(file, tool_group, tool, c);
   }
 }
 

@@ -58,8 +58,8 @@ inline constexpr double kTiltChangeMost = 0.5;
                                  const Eigen::Vector3d& outward,
                                  double longest_edge_m = 0.0);
 
-/// Whether a line keeps the limits, to a millionth: |theta| <= kTiltMost over [0, end_m],
-/// |by_depth_per_m| longest_edge_m <= kTiltChangeMost.
+/// Whether a line keeps the limits, to a millionth: |theta| <= kTiltMost over [0,
+/// end_m], |by_depth_per_m| longest_edge_m <= kTiltChangeMost.
 [[nodiscard]] bool is_within_limits(const TiltLine& line, double end_m,
                                     double longest_edge_m);
 

@@ -282,6 +282,27 @@ void set_gradients(const SmoothTriangle& triangle, const SmoothSides& sides,
       blend.per_under * (rise * point.weight + gradient_of(rates.of_height, sides));
 }
 
+// The edge beyond which x lies and along which it has its foot; else, beyond a corner,
+// the one whose end is nearest; -1 where none is sound.
+Index edge_towards(const SmoothEdges& edges, const SmoothSides& sides) {
+  Index i = -1;
+  Real nearest = 0.0;
+  for (Index edge = 0; edge < 3; ++edge) {
+    if (!sides.sound[static_cast<std::size_t>(edge)] ||
+        !(sides.altitudes(edge) < 0.0)) {
+      continue;
+    }
+    const Real t = sides.along(edge);
+    const Real past =
+        std::max({-t, t - Real(1.0), Real(0.0)}) * edges.edge_m.at(edge).norm();
+    if (i < 0 || past < nearest) {
+      i = edge;
+      nearest = past;
+    }
+  }
+  return i;
+}
+
 }  // namespace
 
 SmoothTriangle make_smooth_triangle(const Element& element) noexcept {
@@ -373,23 +394,7 @@ bool set_inside(const SmoothTriangle& triangle, const SmoothSides& sides,
 bool set_beyond(const SmoothTriangle& triangle, const SmoothSides& sides,
                 const Vector3& x_m, SmoothPoint& point) noexcept {
   const SmoothEdges& edges = triangle.edges;
-  // The edge beyond which x lies and along which it has its foot; else, beyond a
-  // corner, the one whose end is nearest.
-  Index i = -1;
-  Real nearest = 0.0;
-  for (Index edge = 0; edge < 3; ++edge) {
-    if (!sides.sound[static_cast<std::size_t>(edge)] ||
-        !(sides.altitudes(edge) < 0.0)) {
-      continue;
-    }
-    const Real t = sides.along(edge);
-    const Real past =
-        std::max({-t, t - Real(1.0), Real(0.0)}) * edges.edge_m.at(edge).norm();
-    if (i < 0 || past < nearest) {
-      i = edge;
-      nearest = past;
-    }
-  }
+  const Index i = edge_towards(edges, sides);
   if (i < 0) {
     return false;
   }
