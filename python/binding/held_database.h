@@ -1,13 +1,12 @@
 // A database that Python holds, and the fields that were asked of it.
 #pragma once
 
-#include "runtime/slow/static_field.h"
-
 #include <map>
 #include <memory>
 #include <string>
 
 #include "formats/database/response_database.h"
+#include "runtime/slow/static_field.h"
 
 namespace palpate {
 

@@ -1,8 +1,6 @@
 // static_field_study DATABASE POSITIONS: forces of the stored field in a loop of C++,
 // as Python's Tool.force has them. POSITIONS: n x 3 doubles [m]. Prints nanoseconds per
 // position, the least of some runs, and the sum of the forces' lengths.
-#include "runtime/slow/static_field.h"
-
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -13,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/stopwatch.h"
+#include "runtime/slow/static_field.h"
 
 namespace palpate {
 namespace {
