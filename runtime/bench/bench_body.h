@@ -13,23 +13,24 @@
 namespace palpate {
 
 struct BenchBodyOptions {
-  int cells = 12;               ///< [-] >= 1, squares per side, two triangles each
-  double cell_m = 0.005;        ///< [m] > 0
-  double wave_m = 0.0;          ///< [m] height of the waves of the surface
-  double wavelength_m = 0.04;   ///< [m] > 0
-  double exponent = 1.5;        ///< [-] >= 1, f = a d^exponent
-  double force_n = 2.0;         ///< [N] f at depth_m, before contrast
-  double depth_m = 0.008;       ///< [m] > 0, last sample of every curve
-  int samples = 33;             ///< [2, kElementSamples] of every curve
-  double contrast = 1.0;        ///< [-] >= 1, largest over smallest stiffness
-  double tilt_rad = 0.0;        ///< [rad] largest angle of u to n
-  /// [1/m] by how much tilts change with the tool's height, at most: about that at touch
+  int cells = 12;              ///< [-] >= 1, squares per side, two triangles each
+  double cell_m = 0.005;       ///< [m] > 0
+  double wave_m = 0.0;         ///< [m] height of the waves of the surface
+  double wavelength_m = 0.04;  ///< [m] > 0
+  double exponent = 1.5;       ///< [-] >= 1, f = a d^exponent
+  double force_n = 2.0;        ///< [N] f at depth_m, before contrast
+  double depth_m = 0.008;      ///< [m] > 0, last sample of every curve
+  int samples = 33;            ///< [2, kElementSamples] of every curve
+  double contrast = 1.0;       ///< [-] >= 1, largest over smallest stiffness
+  double tilt_rad = 0.0;       ///< [rad] largest angle of u to n
+  /// [1/m] by how much tilts change with the tool's height, at most: about that at
+  /// touch
   double tilt_by_height_per_m = 0.0;
-  double touch_height_m = 0.005;  ///< [m] of the tool
-  double friction_min = 0.0;    ///< [-]
-  double friction_max = 0.0;    ///< [-] per node in between
-  double presliding_m = 5e-4;   ///< [m] delta_L of every node
-  double touch_offset_m = 0.0;  ///< [m] largest touch offset, either sign
+  double touch_height_m = 0.005;              ///< [m] of the tool
+  double friction_min = 0.0;                  ///< [-]
+  double friction_max = 0.0;                  ///< [-] per node in between
+  double presliding_m = 5e-4;                 ///< [m] delta_L of every node
+  double touch_offset_m = 0.0;                ///< [m] largest touch offset, either sign
   std::vector<double> relaxing = {};          ///< [-] g_k of every node; none: static
   std::vector<double> relaxation_s = {};      ///< [s] tau_k, as many
   int bundles = 1;                            ///< that every curve is cut into

@@ -27,11 +27,11 @@
  * whatever elements and models were exchanged, when, and how late. What is not: the
  * device holds a force from one tick to the next while the tool moves by dx, which
  * gives the hand up to K |dx|^2 / 2 a tick beyond the account. The device's own damping
- * must take that: b >= K T / 2 (palpate_needed_damping()). K is the largest curvature of
- * the energy that is found over the body, where all nodes of an element respond; the
+ * must take that: b >= K T / 2 (palpate_needed_damping()). K is the largest curvature
+ * of the energy that is found over the body, where all nodes of an element respond; the
  * outermost elements of the reach may be steeper. Of a streamed database it is the
- * largest slope of its curves. The model "equal-energy" keeps to it over many ticks, not
- * at each that an update comes; "facets" does not: its force steps at edges.
+ * largest slope of its curves. The model "equal-energy" keeps to it over many ticks,
+ * not at each that an update comes; "facets" does not: its force steps at edges.
  */
 #ifndef PALPATE_H
 #define PALPATE_H
