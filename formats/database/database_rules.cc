@@ -10,6 +10,7 @@
 #include "formats/database/compliance_rules.h"
 #include "formats/database/database_check_optional.h"
 #include "formats/database/format_error.h"
+#include "formats/database/tilt_rules.h"
 #include "formats/response/response_curve.h"
 
 namespace palpate {
@@ -196,48 +197,6 @@ void check_curve(const std::string& group, const ResponseTable& table, std::size
   }
 }
 
-void check_tilt_sizes(const ResponseTable& table) {
-  for (const Points* rows : {&table.tilt, &table.tilt_by_depth_per_m}) {
-    if (rows->rows() != table.tilt.rows() ||
-        (rows->rows() != 0 && rows->rows() != table.nodes())) {
-      fail("/tools/{}: tilt has {} rows and tilt_by_depth_per_m {}, must have {}",
-           table.tool.name, table.tilt.rows(), table.tilt_by_depth_per_m.rows(),
-           table.nodes());
-    }
-  }
-}
-
-// Over the depths of its curve; the longest edge is known to who has the whole body.
-void check_tilt(const Eigen::Vector3d& outward, const ResponseTable& table,
-                Eigen::Index node, std::int64_t first, double longest_edge_m = 0.0) {
-  const TiltLine line{
-      .tilt = table.tilt.row(node).transpose(),
-      .by_depth_per_m = table.tilt_by_depth_per_m.row(node).transpose()};
-  const double end_m = tilt_range(table, node, outward).end_m;
-  const auto row = static_cast<std::size_t>(node);
-  const auto refuse = [&](const std::string& must) {
-    fail("/tools/{}/tilt: node {} has ({}, {}, {}) and ({}, {}, {}) 1/m by depth, {}",
-         table.tool.name, node_in_file(row, first), line.tilt.x(), line.tilt.y(),
-         line.tilt.z(), line.by_depth_per_m.x(), line.by_depth_per_m.y(),
-         line.by_depth_per_m.z(), must);
-  };
-  if (!has_curve(table, row) &&
-      !(line.tilt.isZero(0.0) && line.by_depth_per_m.isZero(0.0))) {
-    refuse("must be 0 without response");
-  }
-  const double off = std::max(std::abs(line.tilt.dot(outward)),
-                              std::abs(line.by_depth_per_m.dot(outward)) * end_m);
-  if (!(off <= kRounding)) {
-    refuse("must be tangent to the normal");
-  }
-  if (!is_within_limits(line, end_m, longest_edge_m)) {
-    refuse(
-        fmt::format("must be at most {} to {} m, and change by at most {} over an "
-                    "edge of {} m",
-                    kTiltMost, end_m, kTiltChangeMost, longest_edge_m));
-  }
-}
-
 // Marks what a chunk names; each may be named once.
 void mark(const char* path, const std::vector<std::int32_t>& names,
           std::vector<bool>& seen) {
@@ -328,9 +287,8 @@ void check_responses(const std::string& group, const ResponseTable& table,
   }
 }
 
-void check_normals(const Points& normal, const ResponseTable& table,
-                   std::int64_t first) {
-  check_tilt_sizes(table);
+void check_normals(const Points& normal, const ResponseTable& table, std::int64_t first,
+                   std::span<const double> longest_edge_m) {
   for (Eigen::Index i = 0; i < normal.rows(); ++i) {
     const auto row = static_cast<std::size_t>(i);
     if (const double length = normal.row(i).norm();
@@ -338,10 +296,8 @@ void check_normals(const Points& normal, const ResponseTable& table,
       fail("/body/normal: node {} has length {}, must be 1", node_in_file(row, first),
            length);
     }
-    if (table.tilt.rows() > 0) {
-      check_tilt(normal.row(i).transpose(), table, i, first);
-    }
   }
+  check_tilts(normal, table, first, longest_edge_m);
 }
 
 void check_chunk(const DatabaseIndex& index, std::int64_t chunk,
@@ -419,12 +375,8 @@ void check(const ResponseDatabase& database) {
       fail("{} has {} nodes, must have {}", group, table.nodes(), n);
     }
     check_responses(group, table);
-    check_normals(database.normal, table);
+    check_normals(database.normal, table, 0, longest_edge_m);
     check_optional(group, table);
-    for (Eigen::Index i = 0; i < table.tilt.rows(); ++i) {
-      check_tilt(database.normal.row(i).transpose(), table, i, 0,
-                 longest_edge_m[static_cast<std::size_t>(i)]);
-    }
     if (!names.insert(table.tool.name).second) {
       fail("/tools: the name {:?} occurs twice, must be unique", table.tool.name);
     }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,9 +31,9 @@ void check_responses(const std::string& group, const ResponseTable& table,
                      std::int64_t first = 0);
 
 /// A node with a response has a normal, and a tilt lies in the plane across it and
-/// keeps its limits over the depths of the curve (tilt_line.h).
+/// keeps its limits (tilt_rules.h).
 void check_normals(const Points& normal, const ResponseTable& table,
-                   std::int64_t first = 0);
+                   std::int64_t first = 0, std::span<const double> longest_edge_m = {});
 
 /// A chunk of the body against what the index says of it: its nodes lie in its box, and
 /// its triangles begin with one of its nodes.

@@ -47,41 +47,40 @@ TiltLine tilt_of(const Indentation& indentation, const IndentationPath& path,
   return tilt_line(past_touch_m, force_n, path.outward);
 }
 
-// What a line of tilts makes of the force's direction [-], as force_difference()
-// counts.
-double turn_error(const Indentation& indentation, const IndentationPath& path,
-                  const NodeResponse& response) {
+// The largest error [N] of a sample, as force_difference() counts. Where the tool has
+// left contact again an error relative to nothing says nothing.
+template <typename ErrorOf>
+double largest_error(const Indentation& indentation, const ErrorOf& error_n) {
   const double from_m = kErrorCountsFrom * indentation.sample.back().penetration_m;
   const double least_n = kErrorCountsFrom * largest_force_n(indentation);
   double largest = 0.0;
   for (const IndentationSample& sample : indentation.sample) {
     if (sample.penetration_m >= from_m) {
-      const double force_n = sample.force_n.norm();
-      const Eigen::Vector3d kept =
-          force_n * tilted(path.outward, response.tilt->at(sample.penetration_m -
-                                                           response.touch_offset_m));
-      largest = std::max(largest,
-                         (kept - sample.force_n).norm() / std::max(force_n, least_n));
+      largest =
+          std::max(largest, error_n(sample) / std::max(sample.force_n.norm(), least_n));
     }
   }
   return largest;
 }
 
+// What the line of a press's tilts makes of its force's direction [-].
+double turn_error(const Indentation& indentation, const IndentationPath& path,
+                  const NodeResponse& response) {
+  return largest_error(indentation, [&](const IndentationSample& sample) {
+    const double past_touch_m = sample.penetration_m - response.touch_offset_m;
+    const Eigen::Vector3d kept =
+        sample.force_n.norm() * tilted(path.outward, response.tilt->at(past_touch_m));
+    return (kept - sample.force_n).norm();
+  });
+}
+
 }  // namespace
 
 double pressure_mesh_error(const Indentation& indentation) {
-  const double from_m = kErrorCountsFrom * indentation.sample.back().penetration_m;
-  // Where the tool has left contact again an error relative to nothing says nothing.
-  const double least_n = kErrorCountsFrom * largest_force_n(indentation);
-  double largest = 0.0;
-  for (const IndentationSample& sample : indentation.sample) {
-    if (sample.penetration_m >= from_m) {
-      const double force_n = sample.force_n.norm();
-      largest = std::max(largest, std::abs(sample.coarse_force_n - force_n) /
-                                      std::max(force_n, least_n));
-    }
-  }
-  return kErrorPerDifference * largest;
+  return kErrorPerDifference *
+         largest_error(indentation, [](const IndentationSample& sample) {
+           return std::abs(sample.coarse_force_n - sample.force_n.norm());
+         });
 }
 
 double mesh_error(const NodeResponse& coarse, const NodeResponse& finer,

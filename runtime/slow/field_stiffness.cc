@@ -13,6 +13,7 @@
 #include "formats/response/tool_support.h"
 #include "runtime/fast/potential_field.h"
 #include "runtime/slow/memory_elements.h"
+#include "runtime/slow/over_element.h"
 
 namespace palpate {
 namespace {
@@ -78,18 +79,11 @@ class Curvature {
     if (!(share.minCoeff() > 0.0 && spot(2) > 0.0 && spot(2) <= 1.0)) {
       return 0.0;
     }
-    Vector3d foot = Vector3d::Zero();
-    Vector3d normal = Vector3d::Zero();
-    for (std::size_t j = 0; j < 3; ++j) {
-      const double w = share(static_cast<Eigen::Index>(j));
-      foot += w * Eigen::Map<const Vector3d>(element_.node[j].position_m.data());
-      normal += w * Eigen::Map<const Vector3d>(element_.node[j].normal.data());
-    }
-    const double length = normal.norm();
-    if (!(length > 0.0)) {
+    const OverElement over = over_element(element_, share);
+    if (over.normal.isZero()) {
       return 0.0;
     }
-    const Vector3d x = foot + (radius_m_ - spot(2) * depth_max_m_) / length * normal;
+    const Vector3d x = over.at(radius_m_ - spot(2) * depth_max_m_);
     adopt(place_, *cache_, slot_, x);
     Matrix3d hessian;
     for (int axis = 0; axis < 3; ++axis) {

@@ -29,9 +29,9 @@ void add_measure(Command app) {
       .in_range(0.5, 16.0);
   command.add_option("--seed", flags->seed, "of the places").show_default();
   command.callback([flags] {
-    fmt::print("{}",
-               table_text(measure_places(read_scene(flags->scene),
-                                         read_database(flags->database), *flags)));
+    const Scene scene = read_scene(flags->scene);
+    const ResponseDatabase database = read_database(flags->database);
+    fmt::print("{}", table_text(measure_places(scene, database, *flags)));
   });
 }
 

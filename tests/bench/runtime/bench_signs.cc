@@ -12,6 +12,7 @@
 #include "formats/response/tool_support.h"
 #include "runtime/fast/potential_field.h"
 #include "runtime/slow/memory_elements.h"
+#include "runtime/slow/over_element.h"
 
 namespace palpate {
 namespace {
@@ -55,16 +56,8 @@ class SignsHunt {
 
  private:
   void look(const Element& element, int slot, FieldPlace& place) {
-    const Vector3d b = shares();
-    Vector3d foot = Vector3d::Zero();
-    Vector3d normal = Vector3d::Zero();
-    for (std::size_t j = 0; j < 3; ++j) {
-      const double w = b(static_cast<Eigen::Index>(j));
-      foot += w * Eigen::Map<const Vector3d>(element.node[j].position_m.data());
-      normal += w * Eigen::Map<const Vector3d>(element.node[j].normal.data());
-    }
-    normal.normalize();
-    const Vector3d x = foot + (radius_m_ - depth_max_m_ * part_(random_)) * normal;
+    const OverElement over = over_element(element, shares());
+    const Vector3d x = over.at(radius_m_ - depth_max_m_ * part_(random_));
     if (place.slot != slot) {
       adopt(place, *cache_, slot, x);
     }
@@ -80,7 +73,7 @@ class SignsHunt {
     ++report.places;
     report.negative += at.energy_j < 0.0 ? 1 : 0;
     report.lowest_j = std::min(report.lowest_j, at.energy_j);
-    const double pull_n = -at.force_n.dot(normal);
+    const double pull_n = -at.force_n.dot(over.normal);
     report.pulls += pull_n > kPull * force_max_n_ ? 1 : 0;
     report.worst_pull_n = std::max(report.worst_pull_n, pull_n);
   }

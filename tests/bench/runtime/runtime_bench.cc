@@ -24,6 +24,20 @@
 namespace palpate {
 namespace {
 
+// Which responses of which file, of flags that have both.
+template <typename Flags>
+void add_body(Command command, Flags& flags) {
+  command.add_option("database", flags.database, "Response database (HDF5)").required();
+  command.add_option("--tool", flags.tool,
+                     "of the database; may be left out if there is one");
+}
+
+// Rows as a table, or as JSON.
+template <typename Rows>
+void print_rows(const Rows& rows, bool json) {
+  fmt::print("{}", json ? to_json(rows) + "\n" : table_text(rows));
+}
+
 void add_contacts(Command app) {
   struct Flags : ContactsBenchOptions {
     bool json = false;
@@ -38,7 +52,7 @@ void add_contacts(Command app) {
   command.callback([flags] {
     const std::vector<ContactsBenchRow> rows =
         run_contacts_bench(*flags, allocations_so_far);
-    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+    print_rows(rows, flags->json);
   });
 }
 
@@ -60,7 +74,7 @@ void add_potential(Command app) {
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     const PotentialBenchReport report = run_potential_bench(*flags);
-    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+    print_rows(report, flags->json);
   });
 }
 
@@ -72,10 +86,7 @@ void add_grow(Command app) {
   Command command = app.add_subcommand(
       "grow", "a random walk over a database whose curves are exchanged on the way");
   auto flags = std::make_shared<Flags>();
-  command.add_option("database", flags->database, "Response database (HDF5)")
-      .required();
-  command.add_option("--tool", flags->tool,
-                     "of the database; may be left out if there is one");
+  add_body(command, *flags);
   command.add_option("--ticks", flags->ticks, "at 2 kHz").show_default();
   command.add_option("--contrast", flags->contrast, "of forces between versions [-]")
       .show_default();
@@ -87,7 +98,7 @@ void add_grow(Command app) {
     flags->model = requested_model(flags->model_name);
     flags->stop = &heed_stop_signals();
     const GrowingWalkReport report = run_growing_walk(*flags);
-    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+    print_rows(report, flags->json);
   });
 }
 
@@ -115,7 +126,7 @@ void add_slide(Command app) {
   command.callback([flags] {
     flags->model = requested_model(flags->model_name);
     const std::vector<SlideBenchRow> rows = run_slide_bench(*flags);
-    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+    print_rows(rows, flags->json);
   });
 }
 
@@ -133,7 +144,7 @@ void add_search(Command app) {
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     const std::vector<SearchBenchRow> rows = run_search_bench(*flags);
-    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+    print_rows(rows, flags->json);
   });
 }
 
@@ -146,16 +157,13 @@ void add_edges(Command app) {
   Command command = app.add_subcommand(
       "edges", "steps of the force where the tool crosses an edge of the surface");
   auto flags = std::make_shared<Flags>();
-  command.add_option("database", flags->database, "Response database (HDF5)")
-      .required();
-  command.add_option("--tool", flags->tool,
-                     "of the database; may be left out if there is one");
+  add_body(command, *flags);
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     const ResponseDatabase database = read_database(flags->database);
     const std::vector<EdgesBenchRow> rows =
         run_edges_bench(database, find_tool(database, flags->tool));
-    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+    print_rows(rows, flags->json);
   });
 }
 
@@ -168,10 +176,7 @@ void add_held(Command app) {
   Command command = app.add_subcommand(
       "held", "what forces that are held for a tick give a hand, over K dx^2 / 2");
   auto flags = std::make_shared<Flags>();
-  command.add_option("database", flags->database, "Response database (HDF5)")
-      .required();
-  command.add_option("--tool", flags->tool,
-                     "of the database; may be left out if there is one");
+  add_body(command, *flags);
   command.add_option("--edges", flags->edges, "at most, evenly among them")
       .in_range(1, 100000000);
   command.add_flag("--json", flags->json, "one JSON object on stdout");
@@ -179,7 +184,7 @@ void add_held(Command app) {
     const ResponseDatabase database = read_database(flags->database);
     const std::vector<HeldBenchRow> rows =
         run_held_bench(database, find_tool(database, flags->tool), *flags);
-    fmt::print("{}", flags->json ? to_json(rows) + "\n" : table_text(rows));
+    print_rows(rows, flags->json);
   });
 }
 
@@ -193,10 +198,7 @@ void add_signs(Command app) {
       "hunts for places where the smooth field pulls, or its energy is below "
       "zero");
   auto flags = std::make_shared<Flags>();
-  command.add_option("database", flags->database, "Response database (HDF5)")
-      .required();
-  command.add_option("--tool", flags->tool,
-                     "of the database; may be left out if there is one");
+  add_body(command, *flags);
   command.add_option("--places", flags->places, "of the body").show_default();
   command.add_option("--seed", flags->seed, "of the places").show_default();
   command
@@ -233,7 +235,7 @@ void add_stream(Command app) {
     flags->budget_bytes =
         static_cast<std::size_t>(flags->budget_mib * static_cast<double>(kMebibyte));
     const StreamBenchReport report = run_stream_bench(*flags);
-    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+    print_rows(report, flags->json);
   });
 }
 
@@ -264,7 +266,7 @@ void add_device(Command app) {
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     const DeviceBenchReport report = run_device_bench(*flags);
-    fmt::print("{}", flags->json ? to_json(report) + "\n" : table_text(report));
+    print_rows(report, flags->json);
   });
 }
 

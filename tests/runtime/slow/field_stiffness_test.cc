@@ -10,6 +10,7 @@
 
 #include "runtime/fast/potential_field.h"
 #include "runtime/slow/memory_elements.h"
+#include "runtime/slow/over_element.h"
 #include "tests/bench/runtime/bench_signs.h"
 #include "tests/bench/runtime/bench_slide.h"
 
@@ -47,13 +48,8 @@ double largest_bend_n_per_m(const ResponseDatabase& database, int places) {
       const double a = std::sqrt(part(random));
       const double b = part(random);
       const Vector3d share(1.0 - a, a * (1.0 - b), a * b);
-      Vector3d foot = Vector3d::Zero();
-      for (std::size_t j = 0; j < 3; ++j) {
-        foot += share(static_cast<Eigen::Index>(j)) *
-                Eigen::Map<const Vector3d>(element.node[j].position_m.data());
-      }
       const double depth_m = table.depth_max_m() * std::cbrt(part(random));
-      const Vector3d x = foot + (kRadiusM - depth_m) * foot.normalized();
+      const Vector3d x = over_element(element, share).at(kRadiusM - depth_m);
       const Vector3d way =
           kApartM * Vector3d(any(random), any(random), any(random)).normalized();
       double bend_j = 0.0;

@@ -1,0 +1,21 @@
+// What stored tilts keep to.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "formats/mesh/surface_mesh.h"
+#include "formats/response/response_table.h"
+
+namespace palpate {
+
+/// Both parts of a node's tilt, or none for all; 0 without a response; in the plane
+/// across the normal to 1e-9 over the depths of the curve; within its limits
+/// (tilt_line.h). @throws FormatError naming the node, counted from `first`.
+/// @param normal (n x 3) [-] of the table's nodes.
+/// @param longest_edge_m (n) [m] at each node, which limits the change by depth; empty
+///   where the whole body is not at hand: that is not looked at.
+void check_tilts(const Points& normal, const ResponseTable& table, std::int64_t first,
+                 std::span<const double> longest_edge_m);
+
+}  // namespace palpate
