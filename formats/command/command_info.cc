@@ -125,6 +125,7 @@ Json to_json(const ToolSummary& tool) {
           {"direction_spread_max_rad", tool.direction_spread_max_rad},
           {"budget_relative", tool.accuracy.budget_relative},
           {"checked", tool.accuracy.verified},
+          {"checked_between_nodes", tool.accuracy.between_nodes},
           {"error_factor", tool.accuracy.error_factor},
           {"hard_error_factor", tool.accuracy.hard_error_factor},
           {"relaxation", to_json(tool.relaxation)},

@@ -16,6 +16,7 @@
 #include "formats/database/database_slice.h"
 #include "formats/database/merge_shards.h"
 #include "formats/database/precision_choice.h"
+#include "runtime/slow/static_field.h"
 
 namespace palpate {
 namespace {
@@ -67,7 +68,7 @@ void run_shards(const MergeFlags& flags) {
   const std::vector<std::filesystem::path> files(flags.files.begin(),
                                                  flags.files.end());
   const std::optional<Precision> precision = wanted_precision(flags);
-  Assembly all = merge_shards(files);
+  Assembly all = merge_shards(files, stored_forces);
   choose_precision(all.database, precision);
   write_database(flags.output, all.database);
   const std::uintmax_t bytes = std::filesystem::file_size(flags.output);

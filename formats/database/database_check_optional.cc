@@ -107,6 +107,8 @@ void check_accuracy(const std::string& group, const AccuracyRecord& accuracy) {
   require_range(path + "@hard_error_factor", std::vector{accuracy.hard_error_factor},
                 0.0, kLargest);
   require_range(path + "@verified", std::vector{accuracy.verified}, 0.0, 1e18);
+  require_range(path + "@between_nodes", std::vector{accuracy.between_nodes}, 0.0,
+                static_cast<double>(accuracy.verified));
   require_range(path + "/quantile_level", accuracy.quantile_level, 0.0, 1.0);
   require_range(path + "/error_relative", accuracy.error_relative, 0.0, kLargest);
   require_rows(path + "/error_relative", accuracy.error_relative.size(),

@@ -52,6 +52,7 @@ void exchange_accuracy(File& file, const std::string& group, Accuracy& accuracy)
   if (file.optional_group(group, accuracy.budget_relative > 0.0)) {
     file.attribute(group, "budget_relative", accuracy.budget_relative);
     file.attribute(group, "verified", accuracy.verified);
+    exchange_number(file, group, "between_nodes", accuracy.between_nodes);
     exchange_number(file, group, "error_factor", accuracy.error_factor);
     exchange_number(file, group, "hard_error_factor", accuracy.hard_error_factor);
     exchange_if_any(file, group + "/quantile_level", "1", accuracy.quantile_level);

@@ -153,14 +153,16 @@ std::string describe(const AccuracyRecord& accuracy) {
   const double coverage = 100.0 * kErrorCoverage;
   if (accuracy.verified == 0) {
     return fmt::format(
-        "meant to hold at {:.0f} % of nodes: {}; no node was solved again to see",
+        "meant to hold at {:.0f} % of nodes: {}; nothing was solved again to see",
         coverage, factor);
   }
+  const char* const places = accuracy.between_nodes > 0 ? "places" : "nodes";
   const bool enough =
       accuracy.verified >= static_cast<std::int64_t>(kChecksToCalibrate);
-  std::string text = fmt::format(
-      "{} at {:.0f} % of nodes: {}, by {} nodes that were solved again, better",
-      enough ? "hold" : "meant to hold", coverage, factor, accuracy.verified);
+  std::string text =
+      fmt::format("{} at {:.0f} % of {}: {}, by {} {} that were solved again, better",
+                  enough ? "hold" : "meant to hold", coverage, places, factor,
+                  accuracy.verified, places);
   for (std::size_t i = 0; i < accuracy.quantile_level.size(); ++i) {
     if (accuracy.quantile_level[i] == 0.5) {
       text += fmt::format(

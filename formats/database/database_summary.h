@@ -39,7 +39,7 @@ struct ToolSummary {
   AccuracyRecord accuracy;
 };
 
-/// "hold at 95 % of nodes: ...", in a sentence's end: how a tool's stated errors were
+/// "hold at 95 % of places: ...", in a sentence's end: how a tool's stated errors were
 /// found. Empty where no computation says.
 [[nodiscard]] std::string describe(const AccuracyRecord& accuracy);
 

@@ -27,7 +27,7 @@ void require_shard(const fs::path& file) {
 
 }  // namespace
 
-Assembly merge_shards(std::span<const fs::path> files) {
+Assembly merge_shards(std::span<const fs::path> files, const StoredForces& stored) {
   std::optional<JobDescription> plan;
   std::vector<WorkUnitOutcome> units;
   std::map<std::int64_t, fs::path> origin;
@@ -55,7 +55,7 @@ Assembly merge_shards(std::span<const fs::path> files) {
   if (!plan) {
     throw InputError("no shards were given");
   }
-  Assembly assembly = assemble(*plan, units);
+  Assembly assembly = assemble(*plan, units, stored);
   require_responses(*plan, assembly);
   return assembly;
 }

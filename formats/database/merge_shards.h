@@ -12,6 +12,8 @@ namespace palpate {
 /// order does not matter. @throws InputError in one sentence for a file that is no
 /// shard, shards of different computations, units that come twice or are missing;
 /// FormatError for a damaged shard; NumericalError as require_responses().
-[[nodiscard]] Assembly merge_shards(std::span<const std::filesystem::path> files);
+/// @param stored as assemble()'s.
+[[nodiscard]] Assembly merge_shards(std::span<const std::filesystem::path> files,
+                                    const StoredForces& stored);
 
 }  // namespace palpate

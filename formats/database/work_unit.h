@@ -9,11 +9,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "formats/database/response_database.h"
+#include "formats/mesh/surface_search.h"
 
 namespace palpate {
 
@@ -34,9 +36,12 @@ void fail_if_broken(WorkUnitNode& node);
 
 struct WorkUnitOutcome {
   std::int64_t index = -1;
-  /// Better solutions of nodes that other units answer: they measure the error.
+  /// A better solution at one place of the surface, of each tool: it measures the error
+  /// of what the other units' answers make of that place.
   bool is_check = false;
   std::vector<WorkUnitNode> node;
+  /// Of a check: its triangle and area coordinates; triangle -1: at the vertex itself.
+  SurfacePoint place = {};
 };
 
 /// What all units of one computation have in common.
@@ -103,21 +108,24 @@ struct Assembly {
 /// Whether a unit's nodes all keep the rules: what a checkpoint may give back.
 [[nodiscard]] bool is_sound(const WorkUnitOutcome& unit);
 
+/// Forces [N] (k x 3) of the field that is rendered from a database, on its tool of
+/// that index at places [m] (k x 3) of its reference point: what checks between
+/// vertices are compared with (runtime/slow/static_field.h has it).
+using StoredForces = std::function<Points(const ResponseDatabase& database,
+                                          std::size_t tool, const Points& position_m)>;
+
 /// Puts the units together; their order does not matter. Tilts get their limits
 /// (limit_tilt). Estimates of error become
 /// stated errors: times the factor that checks found (error_calibration.h). A node
-/// whose response breaks a rule becomes a failed one (fail_if_broken). @throws
-/// InputError naming the units that are missing, that come twice, or whose nodes the
-/// body does not have.
+/// whose response breaks a rule becomes a failed one (fail_if_broken).
+/// @param stored may be empty where every check is at a vertex.
+/// @throws InputError naming the units that are missing, that come twice, or whose
+/// nodes the body does not have.
 [[nodiscard]] Assembly assemble(const JobDescription& plan,
-                                std::span<const WorkUnitOutcome> units);
+                                std::span<const WorkUnitOutcome> units,
+                                const StoredForces& stored);
 
 /// @throws NumericalError saying why if no node at all was solved.
 void require_responses(const JobDescription& plan, const Assembly& assembly);
-
-/// force_difference() of two responses of a node.
-[[nodiscard]] double response_difference(const NodeResponse& response,
-                                         const NodeResponse& reference,
-                                         const Eigen::Vector3d& outward);
 
 }  // namespace palpate

@@ -12,10 +12,9 @@
 #include "formats/base/error.h"
 #include "formats/base/quantile.h"
 #include "formats/database/error_calibration.h"
+#include "formats/database/place_check.h"
 #include "formats/database/table_memory.h"
 #include "formats/database/work_unit.h"
-#include "formats/response/force_difference.h"
-#include "formats/response/response_curve.h"
 
 namespace palpate {
 namespace {
@@ -42,6 +41,19 @@ void check_complete(const JobDescription& plan,
             unit.index, node.tool, node.vertex, plan.body.position_m.rows(),
             plan.tool.size()));
       }
+    }
+    const SurfacePoint& place = unit.place;
+    if (std::cmp_greater_equal(place.triangle, plan.body.triangle.rows()) ||
+        (place.triangle >= 0 &&
+         !(place.area_coordinate.minCoeff() >= 0.0 &&
+           std::abs(place.area_coordinate.sum() - 1.0) < 1e-6))) {
+      throw InputError(
+          fmt::format("unit {} checks triangle {} at area coordinates ({}, {}, {}): "
+                      "the body has {} "
+                      "triangles, coordinates must be at least 0 and sum to 1",
+                      unit.index, place.triangle, place.area_coordinate.x(),
+                      place.area_coordinate.y(), place.area_coordinate.z(),
+                      plan.body.triangle.rows()));
     }
   }
   std::vector<std::size_t> missing;
@@ -91,32 +103,6 @@ std::string left_out(const JobDescription& plan, const Assembly& assembly) {
       plan.left_out.empty() ? "" : "; ", plan.left_out);
 }
 
-}  // namespace
-
-double response_difference(const NodeResponse& response, const NodeResponse& reference,
-                           const Eigen::Vector3d& outward) {
-  if (response.depth_m.size() < 2 || reference.depth_m.size() < 2) {
-    return response.depth_m.size() == reference.depth_m.size() ? 0.0 : 1.0;
-  }
-  const ResponseCurve curve(response.depth_m, response.force_n);
-  const ResponseCurve better(reference.depth_m, reference.force_n);
-  const auto placed = [&](const ResponseCurve& of, const NodeResponse& node) {
-    return PlacedCurve{of.view(),
-                       node.touch_offset_m,
-                       std::abs(outward.dot(node.direction)),
-                       node.direction,
-                       outward,
-                       node.tilt,
-                       node.sample_direction.empty()
-                           ? std::span<const double>{}
-                           : std::span(node.sample_direction.front().data(),
-                                       3 * node.sample_direction.size())};
-  };
-  return force_difference(placed(curve, response), placed(better, reference));
-}
-
-namespace {
-
 std::vector<const WorkUnitOutcome*> in_order(std::span<const WorkUnitOutcome> units) {
   std::vector<const WorkUnitOutcome*> ordered;
   for (const WorkUnitOutcome& unit : units) {
@@ -132,16 +118,12 @@ std::vector<const WorkUnitOutcome*> in_order(std::span<const WorkUnitOutcome> un
 struct ToolAnswers {
   std::vector<NodeResponse> response;  // (n)
   std::vector<std::string> failure;    // (n)
-  std::vector<double> verified;        // (n) NaN where not
+  std::vector<PlaceCheck> check;
 
-  explicit ToolAnswers(std::size_t nodes)
-      : response(nodes),
-        failure(nodes),
-        verified(nodes, std::numeric_limits<double>::quiet_NaN()) {}
+  explicit ToolAnswers(std::size_t nodes) : response(nodes), failure(nodes) {}
 };
 
-void take(const JobDescription& plan, const WorkUnitOutcome& unit,
-          std::vector<ToolAnswers>& answers) {
+void take(const WorkUnitOutcome& unit, std::vector<ToolAnswers>& answers) {
   for (const WorkUnitNode& node : unit.node) {
     ToolAnswers& tool = answers.at(static_cast<std::size_t>(node.tool));
     const auto v = static_cast<std::size_t>(node.vertex);
@@ -151,9 +133,8 @@ void take(const JobDescription& plan, const WorkUnitOutcome& unit,
       const bool truncated = !node.failure.empty() && !node.response.depth_m.empty();
       tool.response[v].flags = static_cast<std::uint8_t>(
           node.response.flags | (truncated ? kTruncatedPath : 0));
-    } else if (node.response.depth_m.size() > 1) {
-      tool.verified.at(v) = response_difference(
-          tool.response.at(v), node.response, plan.normal.row(node.vertex).transpose());
+    } else {
+      tool.check.push_back({node.vertex, unit.place, node.response});
     }
   }
 }
@@ -167,22 +148,35 @@ struct ErrorFactors {
 
 // Estimates become stated errors, and flags where those are above the budget.
 double calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
-  std::vector<double> estimate;
-  std::vector<double> error;
+  const auto is_hard = [&](const NodeResponse& response) {
+    return (response.flags & kHardPath) != 0;
+  };
   std::vector<NodeResponse*> nodes;
-  for (std::size_t v = 0; v < tool.response.size(); ++v) {
-    NodeResponse& response = tool.response[v];
-    if (response.origin != ResponseOrigin::kNone &&
-        ((response.flags & kHardPath) != 0) == hard) {
+  for (NodeResponse& response : tool.response) {
+    if (response.origin != ResponseOrigin::kNone && is_hard(response) == hard) {
       nodes.push_back(&response);
-      if (!std::isnan(tool.verified[v]) && response.error_relative > 0.0) {
-        estimate.push_back(response.error_relative);
-        error.push_back(kErrorPerCheck * tool.verified[v]);
-      }
     }
   }
   if (nodes.empty()) {
     return 0.0;
+  }
+  std::vector<double> estimate;
+  std::vector<double> error;
+  for (const PlaceCheck& check : tool.check) {
+    const CheckCorners corners(plan.body, check);
+    double blended = 0.0;
+    bool any_hard = false;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double share = corners.share(static_cast<Eigen::Index>(j));
+      const NodeResponse& response = tool.response[corners.vertex[j]];
+      blended += share * response.error_relative;
+      any_hard = any_hard || (share > 0.0 && is_hard(response));
+    }
+    if (!std::isnan(check.found) && blended > 0.0 && any_hard == hard) {
+      estimate.push_back(blended);
+      error.push_back(check.found * (check.place.triangle < 0 ? kErrorPerCheck
+                                                              : kErrorPerPlaceCheck));
+    }
   }
   const double factor = calibrate_errors(estimate, error);
   for (NodeResponse* response : nodes) {
@@ -195,24 +189,25 @@ double calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
 }
 
 AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
-                               std::vector<double> verified) {
-  std::erase_if(verified, [](double error) {
-    return std::isnan(error);
-  });
-  if (verified.empty()) {
-    return {.budget_relative = budget,
-            .error_factor = factor.easy,
-            .hard_error_factor = factor.hard,
-            .quantile_level = {},
-            .error_relative = {}};
-  }
-  std::sort(verified.begin(), verified.end());
+                               const std::vector<PlaceCheck>& checks) {
   AccuracyRecord record{.budget_relative = budget,
                         .error_factor = factor.easy,
                         .hard_error_factor = factor.hard,
-                        .verified = static_cast<std::int64_t>(verified.size()),
-                        .quantile_level = {0.0, 0.25, 0.5, 0.75, 0.95, 1.0},
+                        .quantile_level = {},
                         .error_relative = {}};
+  std::vector<double> verified;
+  for (const PlaceCheck& check : checks) {
+    if (!std::isnan(check.found)) {
+      verified.push_back(check.found);
+      record.between_nodes += check.place.triangle >= 0 ? 1 : 0;
+    }
+  }
+  if (verified.empty()) {
+    return record;
+  }
+  std::sort(verified.begin(), verified.end());
+  record.verified = std::ssize(verified);
+  record.quantile_level = {0.0, 0.25, 0.5, 0.75, 0.95, 1.0};
   for (const double level : record.quantile_level) {
     record.error_relative.push_back(quantile(verified, level));
   }
@@ -222,9 +217,15 @@ AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
 ResponseTable table_of(const JobDescription& plan, std::size_t t,
                        const ToolAnswers& tool, const ErrorFactors& error_factor) {
   ResponseTable table = make_table(plan.tool[t], tool.response);
-  table.accuracy = accuracy_record(plan.force_relative, error_factor, tool.verified);
+  table.accuracy = accuracy_record(plan.force_relative, error_factor, tool.check);
   if (table.accuracy.verified > 0) {
-    table.verified_error_relative = tool.verified;
+    table.verified_error_relative.assign(tool.response.size(),
+                                         std::numeric_limits<double>::quiet_NaN());
+    for (const PlaceCheck& check : tool.check) {
+      double& largest =
+          table.verified_error_relative[static_cast<std::size_t>(check.vertex)];
+      largest = std::isnan(largest) ? check.found : std::fmax(largest, check.found);
+    }
   }
   const auto failed = [](const std::string& reason) {
     return !reason.empty();
@@ -248,9 +249,14 @@ ResponseTable table_of(const JobDescription& plan, std::size_t t,
 
 }  // namespace
 
-Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> units) {
+Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> units,
+                  const StoredForces& stored) {
   check_complete(plan, units);
   Assembly assembly;
+  ResponseDatabase& database = assembly.database;
+  database.body = plan.body;
+  database.normal = plan.normal;
+  database.provenance = plan.provenance;
   const auto nodes = static_cast<std::size_t>(plan.body.position_m.rows());
   std::vector<ToolAnswers> answers(plan.tool.size(), ToolAnswers(nodes));
   const std::vector<double> longest_edge_m = longest_edges_m(plan.body);
@@ -265,7 +271,7 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
           limit_tilt(node.response, plan.normal.row(node.vertex).transpose(),
                      longest_edge_m[static_cast<std::size_t>(node.vertex)]);
     }
-    take(plan, unit, answers);
+    take(unit, answers);
     for (const WorkUnitNode& node : unit.node) {
       if (!unit.is_check) {
         count(plan, node, assembly);
@@ -273,10 +279,13 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     }
   }
   for (std::size_t t = 0; t < plan.tool.size(); ++t) {
-    std::copy_if(answers[t].verified.begin(), answers[t].verified.end(),
-                 std::back_inserter(assembly.checked), [](double error) {
-                   return !std::isnan(error);
-                 });
+    database.tools.push_back(make_table(plan.tool[t], answers[t].response));
+    compare(database, answers[t].response, stored, answers[t].check);
+    for (const PlaceCheck& check : answers[t].check) {
+      if (!std::isnan(check.found)) {
+        assembly.checked.push_back(check.found);
+      }
+    }
     const ErrorFactors factor{calibrate(plan, answers[t], false),
                               calibrate(plan, answers[t], true)};
     for (const NodeResponse& response : answers[t].response) {
@@ -287,20 +296,17 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     }
     assembly.error_factor = std::max(assembly.error_factor, factor.easy);
     assembly.hard_error_factor = std::max(assembly.hard_error_factor, factor.hard);
-    assembly.database.tools.push_back(table_of(plan, t, answers[t], factor));
+    database.tools.back() = table_of(plan, t, answers[t], factor);
     Viscoelasticity relaxation = plan.relaxation;
     relaxation.yielding = plan.yielding.empty() ? Yielding{} : plan.yielding[t];
     give_memory(plan.body, plan.normal, relaxation, plan.bundles,
-                assembly.database.tools.back());
+                database.tools.back());
   }
   std::sort(assembly.error.begin(), assembly.error.end());
   std::sort(assembly.checked.begin(), assembly.checked.end());
   assembly.outside_reach = static_cast<std::int64_t>(plan.tool.size()) *
                            (static_cast<std::int64_t>(nodes) - plan.reachable);
-  assembly.database.body = plan.body;
-  assembly.database.normal = plan.normal;
-  assembly.database.provenance = plan.provenance;
-  assembly.database.provenance.left_out = left_out(plan, assembly);
+  database.provenance.left_out = left_out(plan, assembly);
   return assembly;
 }
 

@@ -136,12 +136,20 @@ void to_json(json& j, const WorkUnitOutcome& unit) {
   for (const WorkUnitNode& node : unit.node) {
     j["node"].push_back(to_json(node));
   }
+  if (unit.place.triangle >= 0) {
+    j["place"] = {{"triangle", unit.place.triangle},
+                  {"area_coordinate", json_list(unit.place.area_coordinate)}};
+  }
 }
 
 void from_json(const json& j, WorkUnitOutcome& unit) {
   unit = {.index = j.at("index"), .is_check = j.at("is_check"), .node = {}};
   for (const json& node : j.at("node")) {
     unit.node.push_back(node_of(node));
+  }
+  if (const auto place = j.find("place"); place != j.end()) {
+    unit.place.triangle = place->at("triangle");
+    unit.place.area_coordinate = vector_of(place->at("area_coordinate"));
   }
 }
 

@@ -39,27 +39,45 @@ Eigen::Vector3d PlacedCurve::direction_at(double penetration_m) const noexcept {
   return ((1.0 - t) * a + t * b).normalized();
 }
 
-double force_difference(const PlacedCurve& curve, const PlacedCurve& reference) {
+std::vector<double> compared_depths_m(double end_m, const PlacedCurve& reference) {
   constexpr int kSteps = 90;
-  const bool has_none = curve.curve.depth_m.empty();
-  if (has_none || reference.curve.depth_m.empty()) {
-    return has_none == reference.curve.depth_m.empty() ? 0.0 : 1.0;
-  }
-  const double end_m = std::min(curve.end_m(), reference.end_m());
+  const double last_m = std::min(end_m, reference.end_m());
   const double begin_m = kErrorCountsFrom * std::max(0.0, reference.end_m());
+  std::vector<double> depth_m;
+  for (int k = 0; k <= kSteps; ++k) {
+    depth_m.push_back(begin_m + (last_m - begin_m) * k / kSteps);
+  }
+  return depth_m;
+}
+
+double force_difference(std::span<const double> depth_m, const Points& force_n,
+                        const PlacedCurve& reference) {
   const double floor_n =
       kErrorCountsFrom *
       *std::max_element(reference.curve.force_n.begin(), reference.curve.force_n.end());
   double largest = 0.0;
-  for (int k = 0; k <= kSteps; ++k) {
-    const double at_m = begin_m + (end_m - begin_m) * k / kSteps;
-    const Eigen::Vector3d wanted_n = reference.force_n(at_m);
-    const double off_n = (curve.force_n(at_m) - wanted_n).norm();
+  for (std::size_t k = 0; k < depth_m.size(); ++k) {
+    const Eigen::Vector3d wanted_n = reference.force_n(depth_m[k]);
+    const double off_n =
+        (force_n.row(static_cast<Eigen::Index>(k)).transpose() - wanted_n).norm();
     if (off_n > 0.0) {
       largest = std::max(largest, off_n / std::max(wanted_n.norm(), floor_n));
     }
   }
   return largest;
+}
+
+double force_difference(const PlacedCurve& curve, const PlacedCurve& reference) {
+  const bool has_none = curve.curve.depth_m.empty();
+  if (has_none || reference.curve.depth_m.empty()) {
+    return has_none == reference.curve.depth_m.empty() ? 0.0 : 1.0;
+  }
+  const std::vector<double> depth_m = compared_depths_m(curve.end_m(), reference);
+  Points force_n(std::ssize(depth_m), 3);
+  for (std::size_t k = 0; k < depth_m.size(); ++k) {
+    force_n.row(static_cast<Eigen::Index>(k)) = curve.force_n(depth_m[k]).transpose();
+  }
+  return force_difference(depth_m, force_n, reference);
 }
 
 }  // namespace palpate

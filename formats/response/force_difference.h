@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -52,10 +53,20 @@ struct PlacedCurve {
 /// the largest force they are relative, where the force is smaller.
 inline constexpr double kErrorCountsFrom = 0.1;
 
+/// Normal penetrations [m] at which a force is compared with a reference: evenly from a
+/// tenth of the reference's largest to where both end. @param end_m [m] of the force's.
+[[nodiscard]] std::vector<double> compared_depths_m(double end_m,
+                                                    const PlacedCurve& reference);
+
 /// What `error_relative` bounds: the largest difference |F - F'| of the force vectors
 /// over all depths from a tenth of the largest penetration on that both reach, relative
-/// to the reference's force there or to a tenth of its largest, whichever is more. 0
-/// where neither has a curve, 1 where one alone has.
+/// to the reference's force there or to a tenth of its largest, whichever is more.
+/// @param depth_m (k) [m] of compared_depths_m(). @param force_n (k x 3) [N] there.
+[[nodiscard]] double force_difference(std::span<const double> depth_m,
+                                      const Points& force_n,
+                                      const PlacedCurve& reference);
+
+/// The same of two curves. 0 where neither has a curve, 1 where one alone has.
 [[nodiscard]] double force_difference(const PlacedCurve& curve,
                                       const PlacedCurve& reference);
 

@@ -67,15 +67,18 @@ struct NodeResponse {
   std::uint8_t flags = 0;
 };
 
-/// How well a tool's responses keep the accuracy budget, measured at nodes that were
-/// solved once more, better, to compare.
+/// How well a tool's responses keep the accuracy budget, measured at places of the
+/// surface that were solved better, to compare.
 struct AccuracyRecord {
   double budget_relative = 0.0;  ///< [-] of force, as the scene asks; 0: no record
   /// [-] What estimates were multiplied by to give error_relative, so that it holds at
-  /// 95 % of nodes (error_calibration.h); 0: not calibrated.
+  /// 95 % of places (error_calibration.h); 0: not calibrated.
   double error_factor = 0.0;
   double hard_error_factor = 0.0;  ///< [-] the same of nodes with kHardPath; 0: none
-  std::int64_t verified = 0;       ///< nodes behind the quantiles
+  std::int64_t verified = 0;       ///< places behind the quantiles
+  /// Of those: inside elements and on their edges, where the field of the nodes'
+  /// responses is compared. 0: all are at nodes, and nothing is said of places between.
+  std::int64_t between_nodes = 0;
   std::vector<double> quantile_level;  ///< (q) [-] [0, 1], increasing
   std::vector<double> error_relative;  ///< (q) [-] measured error at these levels
 };
@@ -110,10 +113,11 @@ struct ResponseTable {
   std::vector<double> energy_j;               ///< (s) [J]
 
   // Optional parts: empty where nobody filled them.
-  std::vector<double> verified_error_relative;  ///< (n) [-] measured; NaN: not verified
-  std::vector<std::int32_t> failure;            ///< (n) row of failure_reason; -1: none
-  std::vector<std::string> failure_reason;      ///< one line each
-  std::vector<double> force_errors_n;  ///< (s) [N] standard uncertainty of force
+  /// (n) [-] found at places that are nearest to the node; NaN: at none
+  std::vector<double> verified_error_relative;
+  std::vector<std::int32_t> failure;        ///< (n) row of failure_reason; -1: none
+  std::vector<std::string> failure_reason;  ///< one line each
+  std::vector<double> force_errors_n;       ///< (s) [N] standard uncertainty of force
   /// (n + 1) Node i owns rows [begin[i], begin[i+1]) of sample_direction, none or one
   /// per sample.
   std::vector<std::int64_t> direction_begin;

@@ -129,7 +129,7 @@ struct SceneAccuracy {
   /// auto: of a nonlinear press some depths are solved, and the linear press corrected
   /// between them where the budget allows; or all.
   std::string solve_depths = "auto";
-  int verify = 24;  ///< [-] [0, 1000000] nodes solved again, better
+  int verify = 24;  ///< [-] [0, 1000000] places solved better
   int bundles = 1;  ///< [-] [1, 8] parts of a relaxing curve
 };
 

@@ -8,6 +8,7 @@
 #include "formats/mesh/surface_reader.h"
 #include "precompute/material/material_of_scene.h"
 #include "precompute/surface/primitive_bodies.h"
+#include "precompute/surface/split_at.h"
 #include "precompute/surface/surface_check.h"
 #include "precompute/tets/quality_notes.h"
 
@@ -124,6 +125,19 @@ BodySource read_body(const Scene& scene, RepairMode repair) {
   }
   check_size(scene, body);
   return body;
+}
+
+BodySource with_vertex_at(const BodySource& body, const SurfacePoint& place) {
+  BodySource more = body;
+  more.surface = split_at(body.surface, place);
+  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero();
+  for (int j = 0; j < 3; ++j) {
+    normal += place.area_coordinate(j) *
+              body.normal.row(body.surface.triangle(place.triangle, j));
+  }
+  more.normal.conservativeResize(more.surface.position_m.rows(), 3);
+  more.normal.row(more.normal.rows() - 1) = normal.normalized();
+  return more;
 }
 
 bool is_held(const Scene& scene, const Eigen::Vector3d& p_m) {

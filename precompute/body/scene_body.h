@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/mesh/surface_mesh.h"
+#include "formats/mesh/surface_search.h"
 #include "formats/scene/scene.h"
 #include "precompute/contact/held_obstacle.h"
 #include "precompute/contact/tool_surface.h"
@@ -38,6 +39,11 @@ struct BodySource {
 /// being the body's. @throws InputError naming the region without one, or its constant
 /// that is out of range.
 [[nodiscard]] std::vector<Material> materials_of(const Scene& scene);
+
+/// The same body with a vertex at a place of its surface, the last: its normal is the
+/// place's, between those of the triangle's vertices. @param place as split_at()'s.
+[[nodiscard]] BodySource with_vertex_at(const BodySource& body,
+                                        const SurfacePoint& place);
 
 /// Whether a fixed support holds the surface there.
 [[nodiscard]] bool is_held(const Scene& scene, const Eigen::Vector3d& p_m);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/database/place_check.h"
 #include "formats/database/precision_choice.h"
 #include "formats/database/work_unit.h"
 #include "precompute/contact/indentation_response.h"

@@ -32,6 +32,7 @@
 #include "precompute/process/parallel.h"
 #include "precompute/process/peak_memory.h"
 #include "precompute/tets/quality_notes.h"
+#include "runtime/slow/static_field.h"
 
 namespace palpate {
 namespace {
@@ -258,7 +259,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   if (options.shards > 1) {
     write_shard(options.output, {plan, std::move(outcomes)});
   } else {
-    report.assembly = assemble(plan, outcomes);
+    report.assembly = assemble(plan, outcomes, stored_forces);
     require_responses(plan, report.assembly);
     if (relaxes_by_node(spectrum)) {
       add_relaxation(scene, body, strategy, spectrum.tau_s, report.assembly.database,

@@ -93,13 +93,15 @@ void print_errors(const Assembly& all, double budget) {
   }
   if (all.checked.empty()) {
     fmt::print(
-        "              {:.2g} times estimates, meant to hold at {:.0f} % of nodes; "
+        "              {:.2g} times estimates, meant to hold at {:.0f} % of places; "
         "nothing was checked (accuracy.verify)\n",
         all.error_factor, 100 * kErrorCoverage);
   } else {
     fmt::print(
-        "              {:.2g} times estimates, so that it holds at {:.0f} % of nodes:\n"
-        "checked       {} nodes solved again, better; they differ by {:.1f} % in the "
+        "              {:.2g} times estimates, so that it holds at {:.0f} % of "
+        "places:\n"
+        "checked       {} places of the surface, solved better; they differ by {:.1f} "
+        "% in the "
         "median, {:.1f} % at most\n",
         all.error_factor, 100 * kErrorCoverage, all.checked.size(),
         100 * quantile(all.checked, 0.5), 100 * quantile(all.checked, 1.0));
@@ -139,7 +141,7 @@ void print_errors(const Assembly& all, double budget) {
         return error > budget;
       });
   if (outside > 0) {
-    fmt::print("warning       {} of {} checked nodes are outside the budget of {} %\n",
+    fmt::print("warning       {} of {} checked places are outside the budget of {} %\n",
                outside, all.checked.size(), 100 * budget);
   }
 }

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/base/reproducible.h"
-#include "formats/database/work_unit.h"
+#include "formats/database/place_check.h"
 #include "formats/mesh/angle_between.h"
 #include "formats/response/force_difference.h"
 

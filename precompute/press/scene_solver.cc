@@ -236,7 +236,7 @@ std::vector<PressedNode> SceneSolver::cheap(
     return nodes;
   }
   return strategy_.cut_out ? on_cut_outs(tool, vertices, 1.0)
-                           : on_own_meshes(tool, vertices, strategy_.focus,
+                           : on_own_meshes(body_, tool, vertices, strategy_.focus,
                                            {.probe = strategy_.nonlinear});
 }
 
@@ -249,12 +249,13 @@ std::vector<PressedNode> SceneSolver::on_cut_outs(
 }
 
 std::vector<PressedNode> SceneSolver::on_own_meshes(
-    const SharedTool& tool, std::span<const std::int32_t> vertices,
-    const ContactFocus& focus, const PressMode& mode) const {
-  return in_groups(group_presses(body_.surface, vertices, focus, mode.nonlinear),
+    const BodySource& body, const SharedTool& tool,
+    std::span<const std::int32_t> vertices, const ContactFocus& focus,
+    const PressMode& mode) const {
+  return in_groups(group_presses(body.surface, vertices, focus, mode.nonlinear),
                    [&](const Group& group) {
                      auto nodes =
-                         press_on_own_mesh(scene_, body_, tool, group, focus, mode);
+                         press_on_own_mesh(scene_, body, tool, group, focus, mode);
                      const bool good = mode.nonlinear == strategy_.nonlinear &&
                                        mode.depths == SolvedDepths::kFew;
                      if (watch_ && good) {
@@ -271,7 +272,7 @@ std::vector<PressedNode> SceneSolver::good(
   }
   if (strategy_.graded) {
     return on_own_meshes(
-        tool, vertices, strategy_.focus,
+        body_, tool, vertices, strategy_.focus,
         {.nonlinear = strategy_.nonlinear, .options = nonlinear_options(scene_, tool)});
   }
   return on_shared_mesh(tool, vertices, false);
@@ -292,18 +293,17 @@ std::vector<PressedNode> SceneSolver::on_shared_mesh(
 
 std::vector<PressedNode> SceneSolver::finer(
     const SharedTool& tool, std::span<const std::int32_t> vertices) const {
-  return on_own_meshes(tool, vertices,
+  return on_own_meshes(body_, tool, vertices,
                        strategy_.shared_mesh
                            ? strategy_.focus
                            : palpate::finer(strategy_.focus, kFinerStep),
                        {});
 }
 
-std::vector<PressedNode> SceneSolver::better(const SharedTool& tool,
-                                             std::span<const std::int32_t> vertices,
-                                             double times_finer) const {
+PressedNode SceneSolver::better(const SharedTool& tool, std::int32_t vertex,
+                                const SurfacePoint& place, double times_finer) const {
   if (strategy_.cut_out) {
-    return on_cut_outs(tool, vertices, kCutStep);
+    return on_cut_outs(tool, {&vertex, 1}, kCutStep).front();
   }
   NonlinearOptions options = nonlinear_options(scene_, tool);
   options.near_gradient *= kBetterShare;
@@ -311,10 +311,16 @@ std::vector<PressedNode> SceneSolver::better(const SharedTool& tool,
   options.equilibrium.decrement_relative *= kBetterShare;
   options.equilibrium.multiplier_relative *= kBetterShare;
   options.bisections_max = kBetterBisections;
-  return on_own_meshes(tool, vertices, palpate::finer(strategy_.focus, times_finer),
-                       {.nonlinear = strategy_.nonlinear,
-                        .depths = SolvedDepths::kBetween,
-                        .options = options});
+  const PressMode mode{.nonlinear = strategy_.nonlinear,
+                       .depths = SolvedDepths::kBetween,
+                       .options = options};
+  const ContactFocus focus = palpate::finer(strategy_.focus, times_finer);
+  if (place.triangle < 0) {
+    return on_own_meshes(body_, tool, {&vertex, 1}, focus, mode).front();
+  }
+  const BodySource body = with_vertex_at(body_, place);
+  const auto added = static_cast<std::int32_t>(body_.surface.position_m.rows());
+  return on_own_meshes(body, tool, {&added, 1}, focus, mode).front();
 }
 
 }  // namespace palpate

@@ -87,12 +87,12 @@ class SceneSolver {
   [[nodiscard]] std::vector<PressedNode> finer(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
-  /// Presses to measure others by: on meshes so many times finer, nonlinear at
+  /// A press to measure others by: on a mesh so many times finer, nonlinear at
   /// SolvedDepths::kBetween, with more of the body nonlinear and tighter tolerances;
-  /// cut-outs wider.
-  [[nodiscard]] std::vector<PressedNode> better(const SharedTool& tool,
-                                                std::span<const std::int32_t> vertices,
-                                                double times_finer) const;
+  /// cut-outs wider. @param place between vertices, as split_at()'s; triangle -1, and
+  /// with cut-outs always: at the vertex.
+  [[nodiscard]] PressedNode better(const SharedTool& tool, std::int32_t vertex,
+                                   const SurfacePoint& place, double times_finer) const;
 
   /// Called with presses on meshes of their own as they come, if they are as good as
   /// the strategy's good ones, though they may be done again, better; from several
@@ -108,8 +108,9 @@ class SceneSolver {
 
  private:
   [[nodiscard]] std::vector<PressedNode> on_own_meshes(
-      const SharedTool& tool, std::span<const std::int32_t> vertices,
-      const ContactFocus& focus, const PressMode& mode) const;
+      const BodySource& body, const SharedTool& tool,
+      std::span<const std::int32_t> vertices, const ContactFocus& focus,
+      const PressMode& mode) const;
 
   const Scene& scene_;
   const BodySource& body_;

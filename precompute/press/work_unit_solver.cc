@@ -19,6 +19,11 @@ std::uint64_t scrambled(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
+// [0, 1), the i-th of a sequence without order.
+double evenly(std::uint64_t i) {
+  return std::ldexp(static_cast<double>(scrambled(i) >> 11U), -53);
+}
+
 constexpr double kTightBudget = 0.03;  // [-] of force
 
 // Of so few vertices most are probably solved: not worth cheap presses of all, unless a
@@ -36,19 +41,108 @@ WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
                             const WorkUnit& unit) {
   const double times_finer =
       strategy.nonlinear ? kNonlinearCheckTimesFiner : kLinearCheckTimesFiner;
-  WorkUnitOutcome outcome{.index = unit.index, .is_check = true, .node = {}};
+  WorkUnitOutcome outcome{
+      .index = unit.index, .is_check = true, .node = {}, .place = unit.place};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
-    for (const PressedNode& node :
-         solver.better(body.tool[t], unit.vertex, times_finer)) {
-      outcome.node.push_back(
-          {.tool = static_cast<std::int32_t>(t),
-           .vertex = node.vertex,
-           .response = to_response(node.indentation, node.path, scene.force_relative),
-           .failure = node.failure});
-      fail_if_broken(outcome.node.back());
-    }
+    const PressedNode node =
+        solver.better(body.tool[t], unit.vertex.front(), unit.place, times_finer);
+    outcome.node.push_back(
+        {.tool = static_cast<std::int32_t>(t),
+         .vertex = unit.vertex.front(),
+         .response = to_response(node.indentation, node.path, scene.force_relative),
+         .failure = node.failure});
+    fail_if_broken(outcome.node.back());
   }
   return outcome;
+}
+
+// Triangles whose vertices are all among these, and their areas summed up.
+struct OpenSurface {
+  std::vector<std::int32_t> triangle;
+  std::vector<double> area_until;
+
+  OpenSurface(const SurfaceMesh& surface, std::span<const std::int32_t> vertices) {
+    const auto reaches = [&](std::int32_t v) {
+      return std::binary_search(vertices.begin(), vertices.end(), v);
+    };
+    double sum = 0.0;
+    for (std::int32_t t = 0; t < surface.triangle.rows(); ++t) {
+      const std::int32_t a = surface.triangle(t, 0);
+      const std::int32_t b = surface.triangle(t, 1);
+      const std::int32_t c = surface.triangle(t, 2);
+      if (!reaches(a) || !reaches(b) || !reaches(c)) {
+        continue;
+      }
+      const Eigen::Vector3d ab = surface.position_m.row(b) - surface.position_m.row(a);
+      const Eigen::Vector3d ac = surface.position_m.row(c) - surface.position_m.row(a);
+      sum += ab.cross(ac).norm();
+      triangle.push_back(t);
+      area_until.push_back(sum);
+    }
+  }
+
+  [[nodiscard]] std::int32_t at_share(double share) const {
+    const auto found = std::upper_bound(area_until.begin(), area_until.end(),
+                                        share * area_until.back());
+    const auto last = static_cast<std::ptrdiff_t>(triangle.size()) - 1;
+    return triangle[static_cast<std::size_t>(
+        std::min(found - area_until.begin(), last))];
+  }
+};
+
+// Turk, "Generating random points in triangles", Graphics Gems, 1990.
+Eigen::Vector3d area_coordinates(double u, double v) {
+  constexpr double kNear = 0.1;
+  const double root = std::sqrt(u);
+  Eigen::Vector3d b{1.0 - root, root * (1.0 - v), root * v};
+  b = (b.array() < kNear).select(0.0, b);
+  return b / b.sum();
+}
+
+WorkUnit check_at(const SurfaceMesh& surface, const OpenSurface& open,
+                  std::uint64_t i) {
+  WorkUnit check{.is_check = true, .vertex = {}};
+  SurfacePoint& place = check.place;
+  place.triangle = open.at_share(evenly(3 * i));
+  place.area_coordinate = area_coordinates(evenly(3 * i + 1), evenly(3 * i + 2));
+  int most = 0;
+  if (place.area_coordinate.maxCoeff(&most) == 1.0) {
+    check.vertex = {surface.triangle(place.triangle, most)};
+    place = {};
+  } else {
+    check.vertex = {surface.triangle(place.triangle, most)};
+  }
+  return check;
+}
+
+std::vector<WorkUnit> checks_at_vertices(std::span<const std::int32_t> vertices,
+                                         std::size_t count) {
+  std::vector<std::int32_t> order(vertices.begin(), vertices.end());
+  count = std::min(order.size(), count);
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+                    order.end(), [](std::int32_t a, std::int32_t b) {
+                      return scrambled(static_cast<std::uint64_t>(a)) <
+                             scrambled(static_cast<std::uint64_t>(b));
+                    });
+  std::vector<WorkUnit> checks;
+  for (std::size_t i = 0; i < count; ++i) {
+    checks.push_back({.is_check = true, .vertex = {order[i]}});
+  }
+  return checks;
+}
+
+std::vector<WorkUnit> checks_of(const Scene& scene, const BodySource& body,
+                                std::span<const std::int32_t> vertices) {
+  const auto count = static_cast<std::size_t>(scene.accuracy.verify);
+  const OpenSurface open(body.surface, vertices);
+  if (open.triangle.empty() || scene.cutout) {
+    return checks_at_vertices(vertices, count);
+  }
+  std::vector<WorkUnit> checks;
+  for (std::size_t i = 0; i < count; ++i) {
+    checks.push_back(check_at(body.surface, open, i));
+  }
+  return checks;
 }
 
 }  // namespace
@@ -70,23 +164,17 @@ std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
        in_neighbourhoods(body.surface, vertices, territory_size(vertices.size()))) {
     units.push_back({static_cast<std::int64_t>(units.size()), false, std::move(group)});
   }
-  std::vector<std::int32_t> order(vertices.begin(), vertices.end());
-  const auto checks =
-      std::min(order.size(), static_cast<std::size_t>(scene.accuracy.verify));
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(checks),
-                    order.end(), [](std::int32_t a, std::int32_t b) {
-                      return scrambled(static_cast<std::uint64_t>(a)) <
-                             scrambled(static_cast<std::uint64_t>(b));
-                    });
-  for (std::size_t i = 0; i < checks; ++i) {
-    units.push_back({static_cast<std::int64_t>(units.size()), true, {order[i]}});
+  for (WorkUnit& check : checks_of(scene, body, vertices)) {
+    check.index = static_cast<std::int64_t>(units.size());
+    units.push_back(std::move(check));
   }
   return units;
 }
 
 WorkUnitOutcome failed_unit(const WorkUnit& unit, std::size_t tools,
                             const std::string& reason) {
-  WorkUnitOutcome outcome{.index = unit.index, .is_check = unit.is_check, .node = {}};
+  WorkUnitOutcome outcome{
+      .index = unit.index, .is_check = unit.is_check, .node = {}, .place = unit.place};
   for (std::size_t t = 0; t < tools; ++t) {
     for (const std::int32_t vertex : unit.vertex) {
       outcome.node.push_back({.tool = static_cast<std::int32_t>(t),

@@ -25,16 +25,20 @@ inline constexpr double kNonlinearCheckTimesFiner = 1.5;
 [[nodiscard]] std::size_t expected_samples(std::size_t vertices, double force_relative);
 
 /// Either a territory: neighbouring vertices that are answered together, some solved,
-/// some interpolated from those. Or a check: one vertex that is solved again one level
-/// finer.
+/// some interpolated from those. Or a check: one place of the surface, solved better.
 struct WorkUnit {
   std::int64_t index = -1;
   bool is_check = false;
-  std::vector<std::int32_t> vertex;  ///< ascending
+  std::vector<std::int32_t> vertex;  ///< ascending; of a check the nearest to its place
+  SurfacePoint place = {};           ///< of a check; triangle -1: it is at its vertex
 };
 
 /// Territories in the order of a space-filling curve, then checks. The same for every
-/// shard and number of workers. @param vertices reachable ones, ascending.
+/// shard and number of workers. Checks are drawn evenly over the area of triangles
+/// whose vertices are all reachable; one nearer to an edge or a vertex than a tenth of
+/// its triangle is put there, so that no sliver spoils its mesh. Where there is no such
+/// triangle, and with [cutout], they are at vertices.
+/// @param vertices reachable ones, ascending.
 [[nodiscard]] std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
                                              std::span<const std::int32_t> vertices);
 

@@ -18,6 +18,7 @@ py::dict accuracy(const HeldTool& tool) {
   parts["error_factor"] = from.error_factor;
   parts["hard_error_factor"] = from.hard_error_factor;
   parts["verified"] = from.verified;
+  parts["between_nodes"] = from.between_nodes;
   parts["quantile_level"] = looking_at(from.quantile_level, owner);
   parts["error_relative"] = looking_at(from.error_relative, owner);
   return parts;

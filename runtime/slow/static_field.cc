@@ -90,4 +90,9 @@ Points StaticField::force_n(const Eigen::Ref<const Points>& position_m) const {
   return force;
 }
 
+Points stored_forces(const ResponseDatabase& database, std::size_t tool,
+                     const Points& position_m) {
+  return StaticField(database, database.tools.at(tool)).force_n(position_m);
+}
+
 }  // namespace palpate

@@ -36,4 +36,8 @@ class StaticField {
   FieldKind kind_;
 };
 
+/// The force of the smooth field of a database's tool of that index, as force_n().
+[[nodiscard]] Points stored_forces(const ResponseDatabase& database, std::size_t tool,
+                                   const Points& position_m);
+
 }  // namespace palpate

@@ -116,7 +116,7 @@ int run(const std::string& file, std::size_t count, double finest) {
     for (const double times :
          {0.5, 1.0, kNonlinearCheckTimesFiner, kLinearCheckTimesFiner, finest}) {
       add(fmt::format("own x{:g}", times), [&] {
-        return solver.better(body.tool[0], {&vertex, 1}, times).front();
+        return solver.better(body.tool[0], vertex, {}, times);
       });
     }
     const Indentation& reference = rows.back().node.indentation;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -81,7 +82,9 @@ class Places {
  public:
   Places(const Scene& scene, const ResponseDatabase& database,
          const PlacesOptions& options)
-      : database_(database), table_(find_tool(database, scene.tool.front().name)) {
+      : database_(database),
+        table_(find_tool(database, scene.tool.front().name)),
+        options_(options) {
     depth_m_ = table_.depth_max_m();
     spots_ = drawn(database_, table_, scene.reach.depth_max_m, options);
     std::vector<PlacedDepth> presses;
@@ -152,6 +155,7 @@ class Places {
   [[nodiscard]] PlacesCoverage coverage_of(const StaticField& field,
                                            FieldKind kind) const {
     std::vector<double> found(spots_.size(), 0.0);
+    std::vector<std::string> all(spots_.size());
     for (int k = 0; k < kCoverageDepths; ++k) {
       const double share =
           kErrorCountsFrom + (1.0 - kErrorCountsFrom) * k / (kCoverageDepths - 1);
@@ -163,6 +167,7 @@ class Places {
           const double off_n =
               (force.row(static_cast<Eigen::Index>(i)).transpose() - truth).norm();
           found[i] = std::max(found[i], off_n / std::max(truth.norm(), least_n));
+          all[i] += fmt::format(" {:.4g}", off_n / std::max(truth.norm(), least_n));
         }
       }
     }
@@ -183,6 +188,9 @@ class Places {
       }
       stated.push_back(blended);
       pressed.push_back(found[i]);
+      if (kind == FieldKind::kSmooth && !options_.rows.empty()) {
+        write_row(i, found[i], blended, all[i]);
+      }
       coverage.within_blended += found[i] <= blended ? 1.0 : 0.0;
       coverage.within_largest += found[i] <= largest ? 1.0 : 0.0;
     }
@@ -194,8 +202,18 @@ class Places {
     return coverage;
   }
 
+  // Position [m], found, stated, found at each depth [-].
+  void write_row(std::size_t i, double found, double stated,
+                 const std::string& by_depth) const {
+    const Vector3d& at_m = spots_[i].press.at_m;
+    std::ofstream(options_.rows, i == 0 ? std::ios::trunc : std::ios::app)
+        << fmt::format("{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {}\n", at_m.x(), at_m.y(),
+                       at_m.z(), found, stated, by_depth);
+  }
+
   const ResponseDatabase& database_;
   const ResponseTable& table_;
+  const PlacesOptions options_;
   double depth_m_ = 0.0;
   std::vector<Spot> spots_;
   std::vector<TrueCurve> truth_;

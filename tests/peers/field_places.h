@@ -18,6 +18,7 @@ namespace palpate::peers {
 struct PlacesOptions {
   int places = 200;
   double times_finer = 2.0;  ///< than the scene's budget asks for
+  std::string rows;  ///< file for one line a place of the smooth field; "": none
   unsigned seed = 1;
 };
 

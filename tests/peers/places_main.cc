@@ -28,6 +28,7 @@ void add_measure(Command app) {
       .show_default()
       .in_range(0.5, 16.0);
   command.add_option("--seed", flags->seed, "of the places").show_default();
+  command.add_option("--rows", flags->rows, "file for one line a place");
   command.callback([flags] {
     const Scene scene = read_scene(flags->scene);
     const ResponseDatabase database = read_database(flags->database);

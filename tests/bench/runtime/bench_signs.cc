@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/response/tilt_line.h"
 #include "formats/response/tool_support.h"
 #include "runtime/fast/potential_field.h"
 #include "runtime/slow/memory_elements.h"
@@ -105,12 +106,37 @@ class SignsHunt {
 
 }  // namespace
 
+namespace {
+
+// Forces that go where they like but below zero, a first touch up to a tenth of the
+// depth early or late, a tilt that turns with depth; within a database's rules.
+void give_own_curve(NodeResponse& response, const Vector3d& normal, double edge_m,
+                    std::mt19937_64& random) {
+  Uniform part(-1.0, 1.0);
+  const double mean_n = response.force_n.back();
+  for (std::size_t k = 1; k < response.force_n.size(); ++k) {
+    response.force_n[k] =
+        std::max(0.0, response.force_n[k - 1] + mean_n * (0.1 + part(random)));
+  }
+  const double depth_m = response.depth_m.back();
+  response.touch_offset_m = 0.1 * depth_m * part(random);
+  const auto across = [&](double length) -> Vector3d {
+    const Vector3d any(part(random), part(random), part(random));
+    return length * (any - any.dot(normal) * normal);
+  };
+  response.tilt = TiltLine{.tilt = across(1.0), .by_depth_per_m = across(1.0 / edge_m)};
+  limit_tilt(response, normal, edge_m);
+}
+
+}  // namespace
+
 void make_discordant(ResponseDatabase& database, ResponseTable& table,
                      double log_factor, double lean_rad, double silent_share,
-                     std::uint64_t seed) {
+                     std::uint64_t seed, bool own_curves) {
   std::mt19937_64 random(seed);
   Uniform part(-1.0, 1.0);
   std::vector<NodeResponse> responses;
+  const std::vector<double> longest_m = longest_edges_m(database.body);
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     NodeResponse response;
     const CurveView curve = table.curve(i);
@@ -127,16 +153,58 @@ void make_discordant(ResponseDatabase& database, ResponseTable& table,
       for (const double force_n : curve.force_n) {
         response.force_n.push_back(factor * force_n);
       }
+      if (own_curves) {
+        give_own_curve(response, normal, longest_m[static_cast<std::size_t>(i)],
+                       random);
+      }
     }
     responses.push_back(std::move(response));
   }
   table = make_table(table.tool, responses);
 }
 
+namespace {
+
+// Bodies of one surface, each with data of its own.
+SignsBenchReport hunt_many(const ResponseDatabase& database, const std::string& tool,
+                           const SignsBenchOptions& options) {
+  constexpr double kLeanRad = 0.7;
+  SignsBenchReport all;
+  for (std::int64_t i = 0; i < options.databases; ++i) {
+    ResponseDatabase own = database;
+    const std::string name = find_tool(own, tool).tool.name;
+    for (ResponseTable& table : own.tools) {
+      if (table.tool.name == name) {
+        make_discordant(own, table, options.discord, kLeanRad, 0.1,
+                        options.seed + static_cast<std::uint64_t>(i), true);
+      }
+    }
+    check(own);
+    const SignsBenchReport one =
+        run_signs_bench(std::move(own), tool,
+                        {.places = options.places / options.databases,
+                         .seed = options.seed + static_cast<unsigned>(i)});
+    all.places += one.places;
+    all.unsound += one.unsound;
+    all.negative += one.negative;
+    all.pulls += one.pulls;
+    all.lowest_j = std::min(all.lowest_j, one.lowest_j);
+    all.worst_pull_n = std::max(all.worst_pull_n, one.worst_pull_n);
+  }
+  return all;
+}
+
+}  // namespace
+
 SignsBenchReport run_signs_bench(ResponseDatabase database, const std::string& tool,
                                  const SignsBenchOptions& options) {
-  if (options.places < 1 || !(options.discord >= 0.0)) {
-    throw InputError("bench signs: places from 1, discord from 0");
+  if (options.places < 1 || !(options.discord >= 0.0) || options.databases < 1 ||
+      options.databases > options.places) {
+    throw InputError(
+        "bench signs: places from 1, discord from 0, databases from 1 to places");
+  }
+  if (options.databases > 1) {
+    return hunt_many(database, tool, options);
   }
   const std::string name = find_tool(database, tool).tool.name;
   const auto table = std::find_if(database.tools.begin(), database.tools.end(),

@@ -21,6 +21,10 @@ struct SignsBenchOptions {
   /// [-] >= 0: every node's forces are multiplied by e^(+-discord), its direction leans
   /// by up to 45 degrees, and one of ten does not respond; 0: the body as it is.
   double discord = 0.0;
+  /// [1, inf) so many bodies that have nothing but the surface in common, one after the
+  /// other: with more than one every node has a curve, a first touch and a tilt by
+  /// depth of its own, at random within the rules of databases; places are shared out.
+  std::int64_t databases = 1;
 };
 
 struct SignsBenchReport {
@@ -41,8 +45,9 @@ struct SignsBenchReport {
 
 /// Gives every node of a table its own factor of forces and its own lean, and takes the
 /// response from a share of them. @param lean_rad at most.
+/// @param own_curves forces that rise and fall by chance, touches and tilts too.
 void make_discordant(ResponseDatabase& database, ResponseTable& table,
                      double log_factor, double lean_rad, double silent_share,
-                     std::uint64_t seed);
+                     std::uint64_t seed, bool own_curves = false);
 
 }  // namespace palpate

@@ -19,6 +19,16 @@ TEST(SignsBench, NothingPullsAndNoEnergyIsNegative) {
   }
 }
 
+TEST(SignsBench, NothingPullsInDatabasesOfChance) {
+  const SignsBenchReport report =
+      run_signs_bench(slide_body(72, 0.005, 0.0), "",
+                      {.places = 200'000, .discord = 1.0, .databases = 200});
+  EXPECT_GT(report.places, 100'000);
+  EXPECT_EQ(report.negative, 0) << report.lowest_j;
+  EXPECT_EQ(report.pulls, 0) << report.worst_pull_n;
+  EXPECT_EQ(report.unsound, 0);
+}
+
 // Curves that pull are found, so that a hunt that finds none says something.
 TEST(SignsBench, FindsWhatPulls) {
   ResponseDatabase body = slide_body(200, 0.005, 0.0);

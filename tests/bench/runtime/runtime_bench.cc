@@ -205,6 +205,10 @@ void add_signs(Command app) {
       .add_option("--discord", flags->discord,
                   "of the nodes' forces, by e^(+-discord); leans too")
       .show_default();
+  command
+      .add_option("--databases", flags->databases,
+                  "of that surface, with curves, touches and tilts by chance")
+      .show_default();
   command.callback([flags] {
     fmt::print("{}", table_text(run_signs_bench(read_database(flags->database),
                                                 flags->tool, *flags)));

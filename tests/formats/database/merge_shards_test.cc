@@ -32,7 +32,7 @@ class MergeShards : public testing::Test {
   }
   static std::string refusal(const std::vector<fs::path>& files) {
     try {
-      (void)merge_shards(files);
+      (void)merge_shards(files, {});
     } catch (const InputError& error) {
       return error.what();
     }
@@ -52,7 +52,7 @@ class MergeShards : public testing::Test {
 TEST_F(MergeShards, GivesTheBytesOfTheWhole) {
   const ToolRun run = merge({shard("b", {1}), shard("a", {2, 0})});
   EXPECT_EQ(run.exit_code, 0) << run.err;  // as a build with a failed node
-  ResponseDatabase whole = assemble(sample_plan(), sample_units()).database;
+  ResponseDatabase whole = assemble(sample_plan(), sample_units(), {}).database;
   choose_precision(whole, {});
   write_database(folder_ / "whole.h5", whole);
   EXPECT_TRUE(bytes_of(folder_ / "out.h5") == bytes_of(folder_ / "whole.h5"));

@@ -105,7 +105,7 @@ void fill_optional_parts(ResponseTable& table) {
   table.direction_begin = {0, 4, 4, 4, 4, 4, 4};
   table.sample_direction = Points::Zero(4, 3);
   table.sample_direction.col(2).setOnes();
-  table.accuracy = {0.05, 1.3, 2.1, 2, {0.5, 1.0}, {0.02, 0.03}};
+  table.accuracy = {0.05, 1.3, 2.1, 2, 1, {0.5, 1.0}, {0.02, 0.03}};
   table.displacement.basis.setRandom(18, 2);
   table.displacement.coefficient.setRandom(3, 2);
   table.displacement.node = {0, 2, 4};
@@ -144,6 +144,7 @@ TEST(ResponseDatabase, KeepsTheOptionalParts) {
   EXPECT_EQ(a.accuracy.error_factor, b.accuracy.error_factor);
   EXPECT_EQ(a.accuracy.hard_error_factor, b.accuracy.hard_error_factor);
   EXPECT_EQ(a.accuracy.verified, b.accuracy.verified);
+  EXPECT_EQ(a.accuracy.between_nodes, b.accuracy.between_nodes);
   EXPECT_EQ(a.accuracy.quantile_level, b.accuracy.quantile_level);
   EXPECT_EQ(a.accuracy.error_relative, b.accuracy.error_relative);
   EXPECT_EQ(a.displacement.basis, b.displacement.basis);

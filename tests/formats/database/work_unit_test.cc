@@ -122,7 +122,8 @@ TEST(UnitBytes, KeepEveryFieldOfAPlan) {
 }
 
 TEST(Assemble, GivesEveryToolOfARelaxingJobItsMemory) {
-  const ResponseDatabase database = assemble(relaxing_plan(), sample_units()).database;
+  const ResponseDatabase database =
+      assemble(relaxing_plan(), sample_units(), {}).database;
   const ResponseTable& table = database.tools.front();
   const Viscoelasticity& relaxation = table.viscoelasticity;
   EXPECT_EQ(relaxation.tau_s, (std::vector<double>{0.5, 4.0}));
@@ -135,7 +136,7 @@ TEST(Assemble, GivesEveryToolOfARelaxingJobItsMemory) {
   for (std::int64_t node = 0; node < table.nodes(); ++node) {
     EXPECT_EQ(relaxation.sites.site(node, 0) < 0, table.curve(node).depth_m.empty());
   }
-  EXPECT_TRUE(assemble(sample_plan(), sample_units())
+  EXPECT_TRUE(assemble(sample_plan(), sample_units(), {})
                   .database.tools.front()
                   .viscoelasticity.empty());
 }
@@ -194,7 +195,7 @@ TEST(ShardFile, IsToldFromOthers) {
 }
 
 TEST(Assembly, CountsEveryNodeOnce) {
-  const Assembly all = assemble(sample_plan(), sample_units());
+  const Assembly all = assemble(sample_plan(), sample_units(), {});
   EXPECT_EQ(all.solved, 3);
   EXPECT_EQ(all.interpolated, 1);
   EXPECT_EQ(all.failed, 1);
@@ -208,7 +209,7 @@ TEST(Assembly, CountsEveryNodeOnce) {
 
 TEST(Assembly, MeasuresChecksAgainstWhatUnitsAnswered) {
   // The check's forces are 1.1 times those of the node that it solves again.
-  const Assembly all = assemble(sample_plan(), sample_units());
+  const Assembly all = assemble(sample_plan(), sample_units(), {});
   ASSERT_EQ(all.checked.size(), 1U);
   EXPECT_NEAR(all.checked.front(), 0.1 / 1.1, 1e-12);
 }
@@ -216,7 +217,7 @@ TEST(Assembly, MeasuresChecksAgainstWhatUnitsAnswered) {
 TEST(Assembly, StatesEstimatesTimesWhatTheChecksFound) {
   const JobDescription plan = sample_plan();
   std::vector<WorkUnitOutcome> units = sample_units();
-  const Assembly all = assemble(plan, units);
+  const Assembly all = assemble(plan, units, {});
   const ResponseTable& table = all.database.tools.front();
   EXPECT_EQ(table.accuracy.error_factor, all.error_factor);
   EXPECT_EQ(table.accuracy.verified, 1);
@@ -253,13 +254,13 @@ TEST(Assembly, LimitsTiltsAndSaysSo) {
       }
     }
   }
-  const Assembly steep = assemble(plan, units);
+  const Assembly steep = assemble(plan, units, {});
   EXPECT_EQ(steep.tilts_limited, 1);
   EXPECT_NE(steep.database.provenance.left_out.find("tilts of 1 of"), std::string::npos)
       << steep.database.provenance.left_out;
   const ResponseTable& table = steep.database.tools[0];
   EXPECT_NEAR(table.tilt_by_depth_per_m.row(0).norm() * edge_m, 0.5, 1e-12);
-  const Assembly none = assemble(plan, sample_units());
+  const Assembly none = assemble(plan, sample_units(), {});
   EXPECT_EQ(none.tilts_limited, 0);
   EXPECT_EQ(none.database.provenance.left_out.find("tilts of"), std::string::npos);
   EXPECT_GT(table.error_relative[0], none.database.tools[0].error_relative[0]);
@@ -268,16 +269,16 @@ TEST(Assembly, LimitsTiltsAndSaysSo) {
 TEST(Assembly, DoesNotDependOnTheOrderOfUnits) {
   const ScratchFolder folder;
   std::vector<WorkUnitOutcome> units = sample_units();
-  write_database(folder / "a.h5", assemble(sample_plan(), units).database);
+  write_database(folder / "a.h5", assemble(sample_plan(), units, {}).database);
   std::reverse(units.begin(), units.end());
-  write_database(folder / "b.h5", assemble(sample_plan(), units).database);
+  write_database(folder / "b.h5", assemble(sample_plan(), units, {}).database);
   EXPECT_TRUE(bytes_of(folder / "a.h5") == bytes_of(folder / "b.h5"));
 }
 
 std::string refusal(const JobDescription& plan,
                     const std::vector<WorkUnitOutcome>& units) {
   try {
-    (void)assemble(plan, units);
+    (void)assemble(plan, units, {});
   } catch (const InputError& error) {
     return error.what();
   }
@@ -312,10 +313,10 @@ TEST(Assembly, WithoutAnyResponseIsNoDatabase) {
       node.failure.clear();
     }
   }
-  const Assembly none = assemble(plan, units);
+  const Assembly none = assemble(plan, units, {});
   EXPECT_EQ(none.untouched, 5);
   EXPECT_THROW(require_responses(plan, none), NumericalError);
-  EXPECT_NO_THROW(require_responses(plan, assemble(plan, sample_units())));
+  EXPECT_NO_THROW(require_responses(plan, assemble(plan, sample_units(), {})));
 }
 
 }  // namespace

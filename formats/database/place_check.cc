@@ -1,0 +1,113 @@
+#include "formats/database/place_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
+
+#include "formats/response/force_difference.h"
+#include "formats/response/response_curve.h"
+#include "formats/response/tool_support.h"
+
+namespace palpate {
+namespace {
+
+// A response with its curve, which must have samples.
+struct PlacedResponse {
+  PlacedResponse(const NodeResponse& node, const Eigen::Vector3d& outward)
+      : curve(node.depth_m, node.force_n),
+        placed{curve.view(),
+               node.touch_offset_m,
+               std::abs(outward.dot(node.direction)),
+               node.direction,
+               outward,
+               node.tilt,
+               node.sample_direction.empty()
+                   ? std::span<const double>{}
+                   : std::span(node.sample_direction.front().data(),
+                               3 * node.sample_direction.size())} {}
+
+  ResponseCurve curve;
+  PlacedCurve placed;
+};
+
+bool has_samples(const NodeResponse& response) {
+  return response.depth_m.size() > 1;
+}
+
+// The field of the answers, where the element responds at all of its vertices.
+double found_between(const ResponseDatabase& database,
+                     const std::vector<NodeResponse>& response,
+                     const StoredForces& stored, const PlaceCheck& check) {
+  const std::size_t tool = database.tools.size() - 1;
+  const CheckCorners corners(database.body, check);
+  double end_m = std::numeric_limits<double>::infinity();
+  for (const std::size_t v : corners.vertex) {
+    if (!has_samples(response[v])) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    const Eigen::Vector3d n =
+        database.normal.row(static_cast<Eigen::Index>(v)).transpose();
+    end_m = std::min(end_m, PlacedResponse(response[v], n).placed.end_m());
+  }
+  const Eigen::Vector3d outward = corners.blended(database.normal).normalized();
+  const Eigen::Vector3d at_m = corners.blended(database.body.position_m);
+  const double height_m = height_at_touch_m(database.tools[tool].tool, outward);
+  const PlacedResponse better(check.response, outward);
+  const std::vector<double> depth_m = compared_depths_m(end_m, better.placed);
+  Points x_m(std::ssize(depth_m), 3);
+  for (std::size_t k = 0; k < depth_m.size(); ++k) {
+    x_m.row(static_cast<Eigen::Index>(k)) =
+        (at_m + (height_m - depth_m[k]) * outward).transpose();
+  }
+  return force_difference(depth_m, stored(database, tool, x_m), better.placed);
+}
+
+}  // namespace
+
+CheckCorners::CheckCorners(const SurfaceMesh& body, const PlaceCheck& check) {
+  vertex.fill(static_cast<std::size_t>(check.vertex));
+  if (check.place.triangle >= 0) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      vertex[j] = static_cast<std::size_t>(
+          body.triangle(check.place.triangle, static_cast<Eigen::Index>(j)));
+    }
+    share = check.place.area_coordinate;
+  }
+}
+
+Eigen::Vector3d CheckCorners::blended(const Points& of) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t j = 0; j < 3; ++j) {
+    sum += share(static_cast<Eigen::Index>(j)) *
+           of.row(static_cast<Eigen::Index>(vertex[j])).transpose();
+  }
+  return sum;
+}
+
+void compare(const ResponseDatabase& database,
+             const std::vector<NodeResponse>& response, const StoredForces& stored,
+             std::vector<PlaceCheck>& checks) {
+  for (PlaceCheck& check : checks) {
+    if (!has_samples(check.response)) {
+      continue;
+    }
+    check.found =
+        check.place.triangle >= 0
+            ? found_between(database, response, stored, check)
+            : response_difference(response[static_cast<std::size_t>(check.vertex)],
+                                  check.response,
+                                  database.normal.row(check.vertex).transpose());
+  }
+}
+
+double response_difference(const NodeResponse& response, const NodeResponse& reference,
+                           const Eigen::Vector3d& outward) {
+  if (!has_samples(response) || !has_samples(reference)) {
+    return response.depth_m.size() == reference.depth_m.size() ? 0.0 : 1.0;
+  }
+  return force_difference(PlacedResponse(response, outward).placed,
+                          PlacedResponse(reference, outward).placed);
+}
+
+}  // namespace palpate
