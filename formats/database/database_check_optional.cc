@@ -116,6 +116,13 @@ void check_accuracy(const std::string& group, const AccuracyRecord& accuracy) {
   if (!std::is_sorted(accuracy.quantile_level.begin(), accuracy.quantile_level.end())) {
     fail("{}/quantile_level falls, must increase", path);
   }
+  require_range(path + "/depth_share", accuracy.depth_share, 0.0, 1.0);
+  require_range(path + "/covering_relative", accuracy.covering_relative, 0.0, kLargest);
+  require_rows(path + "/covering_relative", accuracy.covering_relative.size(),
+               accuracy.depth_share.size(), false);
+  if (!std::is_sorted(accuracy.depth_share.begin(), accuracy.depth_share.end())) {
+    fail("{}/depth_share falls, must increase", path);
+  }
 }
 
 void check_displacement(const std::string& group, const DisplacementField& field,

@@ -57,6 +57,9 @@ void exchange_accuracy(File& file, const std::string& group, Accuracy& accuracy)
     exchange_number(file, group, "hard_error_factor", accuracy.hard_error_factor);
     exchange_if_any(file, group + "/quantile_level", "1", accuracy.quantile_level);
     exchange_if_any(file, group + "/error_relative", "1", accuracy.error_relative);
+    exchange_if_any(file, group + "/depth_share", "1", accuracy.depth_share);
+    exchange_if_any(file, group + "/covering_relative", "1",
+                    accuracy.covering_relative);
   }
 }
 

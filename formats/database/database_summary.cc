@@ -141,6 +141,16 @@ std::string doubts_of_memory(const ToolSummary& tool) {
                      kCoarsestSites, radii < kFinestSites ? "little" : "much");
 }
 
+std::string describe_depths(const AccuracyRecord& accuracy) {
+  std::string text;
+  for (std::size_t i = 0; i < accuracy.depth_share.size(); ++i) {
+    text += fmt::format("{} {:.2g} of the depth on within {:.2g} %",
+                        i == 0 ? "; from" : ", from", accuracy.depth_share[i],
+                        100.0 * accuracy.covering_relative[i]);
+  }
+  return text;
+}
+
 std::string describe(const AccuracyRecord& accuracy) {
   if (accuracy.error_factor == 0.0) {
     return {};
@@ -170,7 +180,7 @@ std::string describe(const AccuracyRecord& accuracy) {
           100.0 * accuracy.error_relative[i], 100.0 * accuracy.error_relative.back());
     }
   }
-  return text;
+  return text + describe_depths(accuracy);
 }
 
 }  // namespace palpate

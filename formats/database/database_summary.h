@@ -43,6 +43,10 @@ struct ToolSummary {
 /// found. Empty where no computation says.
 [[nodiscard]] std::string describe(const AccuracyRecord& accuracy);
 
+/// Its end: what 95 % of places are within from which depth on; empty where nobody
+/// knows.
+[[nodiscard]] std::string describe_depths(const AccuracyRecord& accuracy);
+
 /// Spacing of a tool's memory sites in contact radii of a press to half the largest
 /// depth; 0 where there are none.
 [[nodiscard]] double spacing_in_contact_radii(const ToolSummary& tool);

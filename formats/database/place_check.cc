@@ -5,7 +5,6 @@
 #include <iterator>
 #include <span>
 
-#include "formats/response/force_difference.h"
 #include "formats/response/response_curve.h"
 #include "formats/response/tool_support.h"
 
@@ -36,15 +35,15 @@ bool has_samples(const NodeResponse& response) {
 }
 
 // The field of the answers, where the element responds at all of its vertices.
-double found_between(const ResponseDatabase& database,
+void compare_between(const ResponseDatabase& database,
                      const std::vector<NodeResponse>& response,
-                     const StoredForces& stored, const PlaceCheck& check) {
+                     const StoredForces& stored, PlaceCheck& check) {
   const std::size_t tool = database.tools.size() - 1;
   const CheckCorners corners(database.body, check);
   double end_m = std::numeric_limits<double>::infinity();
   for (const std::size_t v : corners.vertex) {
     if (!has_samples(response[v])) {
-      return std::numeric_limits<double>::quiet_NaN();
+      return;
     }
     const Eigen::Vector3d n =
         database.normal.row(static_cast<Eigen::Index>(v)).transpose();
@@ -60,7 +59,17 @@ double found_between(const ResponseDatabase& database,
     x_m.row(static_cast<Eigen::Index>(k)) =
         (at_m + (height_m - depth_m[k]) * outward).transpose();
   }
-  return force_difference(depth_m, stored(database, tool, x_m), better.placed);
+  const Points force_n = stored(database, tool, x_m);
+  for (std::size_t i = 0; i < kErrorsFrom.size(); ++i) {
+    const double from_m = kErrorsFrom[i] * better.placed.end_m();
+    const auto first =
+        std::lower_bound(depth_m.begin(), depth_m.end(), from_m * (1.0 - 1e-12)) -
+        depth_m.begin();
+    check.found_from[i] =
+        force_difference(std::span(depth_m).subspan(static_cast<std::size_t>(first)),
+                         force_n.bottomRows(force_n.rows() - first), better.placed);
+  }
+  check.found = check.found_from.front();
 }
 
 }  // namespace
@@ -92,12 +101,13 @@ void compare(const ResponseDatabase& database,
     if (!has_samples(check.response)) {
       continue;
     }
-    check.found =
-        check.place.triangle >= 0
-            ? found_between(database, response, stored, check)
-            : response_difference(response[static_cast<std::size_t>(check.vertex)],
-                                  check.response,
-                                  database.normal.row(check.vertex).transpose());
+    if (check.place.triangle >= 0) {
+      compare_between(database, response, stored, check);
+    } else {
+      check.found = response_difference(
+          response[static_cast<std::size_t>(check.vertex)], check.response,
+          database.normal.row(check.vertex).transpose());
+    }
   }
 }
 

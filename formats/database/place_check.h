@@ -13,8 +13,13 @@
 #include "formats/database/response_database.h"
 #include "formats/database/work_unit.h"
 #include "formats/mesh/surface_search.h"
+#include "formats/response/force_difference.h"
 
 namespace palpate {
+
+/// Shares of the largest depth from which on errors between vertices are told: from the
+/// first what is stated at the nodes, from the others once for all places.
+inline constexpr std::array<double, 3> kErrorsFrom{kErrorCountsFrom, 0.25, 0.5};
 
 /// A tool's better solution at one place.
 struct PlaceCheck {
@@ -23,6 +28,8 @@ struct PlaceCheck {
   NodeResponse response = {};
   /// [-] What compare() found, as force_difference() counts; NaN: nothing.
   double found = std::numeric_limits<double>::quiet_NaN();
+  /// [-] The same from each of kErrorsFrom on; only between vertices.
+  std::array<double, kErrorsFrom.size()> found_from{};
 };
 
 /// The corners of a check's place and their shares of it.

@@ -188,6 +188,22 @@ double calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
   return factor;
 }
 
+// What 95 % of places are within, by the depth from which on errors count.
+void state_by_depth(const std::vector<PlaceCheck>& checks, AccuracyRecord& record) {
+  for (std::size_t i = 0; i < kErrorsFrom.size(); ++i) {
+    std::vector<double> found;
+    for (const PlaceCheck& check : checks) {
+      if (check.place.triangle >= 0 && !std::isnan(check.found)) {
+        found.push_back(kErrorPerPlaceCheck * check.found_from[i]);
+      }
+    }
+    if (found.size() >= kChecksToCalibrate) {
+      record.depth_share.push_back(kErrorsFrom[i]);
+      record.covering_relative.push_back(covering(std::move(found)));
+    }
+  }
+}
+
 AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
                                const std::vector<PlaceCheck>& checks) {
   AccuracyRecord record{.budget_relative = budget,
@@ -211,6 +227,7 @@ AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
   for (const double level : record.quantile_level) {
     record.error_relative.push_back(quantile(verified, level));
   }
+  state_by_depth(checks, record);
   return record;
 }
 

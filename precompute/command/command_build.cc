@@ -106,6 +106,15 @@ void print_errors(const Assembly& all, double budget) {
         all.error_factor, 100 * kErrorCoverage, all.checked.size(),
         100 * quantile(all.checked, 0.5), 100 * quantile(all.checked, 1.0));
   }
+  for (const ResponseTable& table : all.database.tools) {
+    const AccuracyRecord& accuracy = table.accuracy;
+    for (std::size_t i = 0; i < accuracy.depth_share.size(); ++i) {
+      fmt::print(
+          "              tool {}: 95 % of places within {:.1f} % from {:.2g} mm on\n",
+          table.tool.name, 100 * accuracy.covering_relative[i],
+          1e3 * accuracy.depth_share[i] * table.depth_max_m());
+    }
+  }
   print_failures(all.failures);
   if (all.over_budget > 0) {
     fmt::print("warning       {} of {} responses may miss the budget of {} %\n",

@@ -21,6 +21,8 @@ py::dict accuracy(const HeldTool& tool) {
   parts["between_nodes"] = from.between_nodes;
   parts["quantile_level"] = looking_at(from.quantile_level, owner);
   parts["error_relative"] = looking_at(from.error_relative, owner);
+  parts["depth_share"] = looking_at(from.depth_share, owner);
+  parts["covering_relative"] = looking_at(from.covering_relative, owner);
   return parts;
 }
 

@@ -107,6 +107,40 @@ TEST(PlaceCheck, StatesWhatCoversThePlaceByTheCornersShares) {
   EXPECT_NEAR(stated, kErrorPerPlaceCheck * all.checked.front(), 1e-12);
 }
 
+// A field that is 30 % off up to 0.3 of the depth, and right below.
+TEST(PlaceCheck, TellsErrorsByDepthWhereSoManyChecksAllow) {
+  JobDescription plan = sample_plan();
+  std::vector<WorkUnitOutcome> units = units_with(place_beside(plan, kFails));
+  int asked = 0;
+  const StoredForces right = times(1.0, plan, units, asked);
+  const StoredForces wrong = times(1.3, plan, units, asked);
+  const StoredForces both = [&](const ResponseDatabase& database, std::size_t tool,
+                                const Points& x_m) {
+    Points force_n = right(database, tool, x_m);
+    const Eigen::Index shallow = x_m.rows() * 2 / 9;
+    force_n.topRows(shallow) = wrong(database, tool, x_m).topRows(shallow);
+    return force_n;
+  };
+  for (const std::size_t checks : {18U, 19U}) {
+    while (units.size() < 2 + checks) {
+      units.push_back(units.back());
+      units.back().index = std::ssize(units) - 1;
+    }
+    plan.units = std::ssize(units);
+    const Assembly all = assemble(plan, units, both);
+    const AccuracyRecord& accuracy = all.database.tools.front().accuracy;
+    EXPECT_EQ(accuracy.between_nodes, static_cast<std::int64_t>(checks));
+    if (checks < kChecksToCalibrate) {
+      EXPECT_TRUE(accuracy.depth_share.empty());
+      continue;
+    }
+    ASSERT_EQ(accuracy.covering_relative.size(), 3U);
+    EXPECT_NEAR(accuracy.covering_relative[0], 0.3 * kErrorPerPlaceCheck, 0.03);
+    EXPECT_NEAR(accuracy.covering_relative[1], 0.3 * kErrorPerPlaceCheck, 0.03);
+    EXPECT_LT(accuracy.covering_relative[2], 0.03);
+  }
+}
+
 TEST(PlaceCheck, SaysNothingWhereTheElementDoesNotRespond) {
   const JobDescription plan = sample_plan();
   const std::vector<WorkUnitOutcome> units =

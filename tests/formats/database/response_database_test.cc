@@ -105,7 +105,8 @@ void fill_optional_parts(ResponseTable& table) {
   table.direction_begin = {0, 4, 4, 4, 4, 4, 4};
   table.sample_direction = Points::Zero(4, 3);
   table.sample_direction.col(2).setOnes();
-  table.accuracy = {0.05, 1.3, 2.1, 2, 1, {0.5, 1.0}, {0.02, 0.03}};
+  table.accuracy = {0.05,       1.3,          2.1,        2,           1,
+                    {0.5, 1.0}, {0.02, 0.03}, {0.1, 0.5}, {0.04, 0.02}};
   table.displacement.basis.setRandom(18, 2);
   table.displacement.coefficient.setRandom(3, 2);
   table.displacement.node = {0, 2, 4};
@@ -147,6 +148,8 @@ TEST(ResponseDatabase, KeepsTheOptionalParts) {
   EXPECT_EQ(a.accuracy.between_nodes, b.accuracy.between_nodes);
   EXPECT_EQ(a.accuracy.quantile_level, b.accuracy.quantile_level);
   EXPECT_EQ(a.accuracy.error_relative, b.accuracy.error_relative);
+  EXPECT_EQ(a.accuracy.depth_share, b.accuracy.depth_share);
+  EXPECT_EQ(a.accuracy.covering_relative, b.accuracy.covering_relative);
   EXPECT_EQ(a.displacement.basis, b.displacement.basis);
   EXPECT_EQ(a.displacement.coefficient, b.displacement.coefficient);
   EXPECT_EQ(a.displacement.node, b.displacement.node);
