@@ -10,7 +10,6 @@ namespace palpate {
 namespace {
 
 constexpr Eigen::Index kMostTriangles = 20000;
-constexpr double kTolerance = 1e-6;  // [-] of the size, as the defect of convexity
 
 void require_indices(const SurfaceMesh& mesh) {
   if (mesh.triangle.rows() < 4 || mesh.triangle.rows() > kMostTriangles) {
@@ -58,11 +57,11 @@ void require_convex(const SurfaceMesh& mesh) {
                     enclosed_volume_m3(mesh)));
   }
   const double defect = convexity_defect_m(mesh);
-  if (!(defect <= kTolerance * size)) {
+  if (!(defect <= kConvexityTolerance * size)) {
     throw InputError(
         fmt::format("the mesh is not convex: a vertex stands {:.3g} m above the plane "
                     "of a triangle, at most {:.3g} m is allowed",
-                    defect, kTolerance * size));
+                    defect, kConvexityTolerance * size));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/base/reproducible.h"
+#include "formats/mesh/convex_mesh.h"
 #include "formats/response/turn_from_z.h"
 #include "precompute/contact/convex_distance.h"
 
@@ -16,6 +17,8 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kSteepestCosine = 0.31224989991991992;  // of a flank with sine 0.95
+// [-] Of a mesh's coordinates: heights above its planes are known no better.
+constexpr double kRounding = 1e-14;
 
 OutlineEdge edge_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   const double length = (to - from).norm();
@@ -134,6 +137,8 @@ ToolSurface::ToolSurface(const ToolShape& shape)
 void ToolSurface::set_planes() {
   const SurfaceMesh& mesh = shape_.mesh;
   const double size = bounding_box(mesh).diagonal().norm();
+  rounding_m_ = kRounding * mesh.position_m.cwiseAbs().maxCoeff();
+  slack_m_ = std::max(rounding_m_, kConvexityTolerance * size);
   plane_normal_.resize(mesh.triangle.rows(), 3);
   plane_offset_m_.resize(mesh.triangle.rows());
   for (Eigen::Index i = 0; i < mesh.triangle.rows(); ++i) {
@@ -179,13 +184,15 @@ ToolDistance ToolSurface::distance_to_core(const Eigen::Vector3d& p_m) const {
 ToolDistance ToolSurface::distance_to_mesh(const Eigen::Vector3d& p_m) const {
   Eigen::Index highest = 0;
   const double height = (plane_normal_ * p_m - plane_offset_m_).maxCoeff(&highest);
-  if (height <= 0.0) {
+  // So near, rounding decides where the nearest point would lie.
+  if (height <= rounding_m_) {
     return {height, plane_normal_.row(highest).transpose(), Eigen::Matrix3d::Zero()};
   }
   NearestPoint nearest;
   for (Eigen::Index i = 0; i < shape_.mesh.triangle.rows(); ++i) {
-    // Only a triangle that looks at the point can be the nearest.
-    if (plane_normal_.row(i).dot(p_m) > plane_offset_m_[i]) {
+    // Only a triangle that looks at the point, or is level with one that does, can be
+    // the nearest.
+    if (plane_normal_.row(i).dot(p_m) - plane_offset_m_[i] > -slack_m_) {
       take_nearer(nearest, p_m, corners_of(shape_.mesh, i));
     }
   }

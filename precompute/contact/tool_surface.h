@@ -82,6 +82,8 @@ class ToolSurface {
   double steepest_cosine_ = 0.0;
   Eigen::MatrixX3d plane_normal_;  // (n_triangles x 3) of a mesh
   Eigen::VectorXd plane_offset_m_;
+  double rounding_m_ = 0.0;  // of heights above these planes
+  double slack_m_ = 0.0;     // by which faces that meet may not be convex
 };
 
 /// A tool at a place.

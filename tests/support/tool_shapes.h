@@ -1,6 +1,8 @@
 // Tools of every kind, for tests.
 #pragma once
 
+#include <string>
+
 #include <Eigen/Core>
 
 #include "formats/response/tool_shape.h"
@@ -15,5 +17,14 @@ namespace palpate {
 
 /// A box with the middle of its lower face at the origin: 8 vertices, 12 triangles.
 [[nodiscard]] ToolShape box_tool(const Eigen::Vector3d& sides_m);
+
+[[nodiscard]] ToolShape mesh_tool(const std::string& name, SurfaceMesh mesh);
+
+/// A pyramid that stands on its tip, the origin, along z: corners at radius_m from the
+/// axis at height_m. @param sides >= 3.
+[[nodiscard]] SurfaceMesh upturned_pyramid(int sides, double radius_m, double height_m);
+
+/// A prism upwards from z = 0: corners at radius_m from the axis. @param sides >= 3.
+[[nodiscard]] SurfaceMesh prism(int sides, double radius_m, double height_m);
 
 }  // namespace palpate

@@ -10,6 +10,7 @@
 
 #include "formats/base/error.h"
 #include "precompute/contact/convex_distance.h"
+#include "tests/support/small_database.h"
 #include "tests/support/tool_shapes.h"
 
 namespace palpate {
@@ -227,12 +228,7 @@ TEST(ExpectedContactRadius, IsThatOfTheClosedForms) {
 
 TEST(ShadowArea, OfATipGrowsAsItsSection) {
   // An octahedron's corner: at height t the section is a square of diagonal 2 t.
-  SurfaceMesh mesh;
-  mesh.position_m.resize(6, 3);
-  mesh.position_m << 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
-  mesh.triangle.resize(8, 3);
-  mesh.triangle << 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3,
-      5;
+  const SurfaceMesh mesh = octahedron(1.0);
   EXPECT_NEAR(shadow_area_m2(mesh, 0.25), 2 * 0.25 * 0.25, 1e-15);
   EXPECT_NEAR(shadow_area_m2(mesh, 1.5), 2.0, 1e-15);
 }
