@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string>
 #include <system_error>
 
 #include <fcntl.h>
@@ -15,9 +16,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void cannot_be(const fs::path& file, const char* what, int error) {
-  throw InputError(
-      fmt::format("{}: cannot be {}: {}", file.string(), what, std::strerror(error)));
+// What passes by itself, or once somebody has made room.
+bool is_passing(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+    case ENOMEM:
+    case EMFILE:
+    case ENFILE:
+    case ESTALE:
+    case EIO:
+      return true;
+    default:
+      return false;
+  }
 }
 
 fs::path folder_of(const fs::path& file) {
@@ -41,6 +53,15 @@ void sync(const fs::path& path, int flags, const fs::path& target) {
 }
 
 }  // namespace
+
+void cannot_be(const fs::path& file, const char* what, int error) {
+  const std::string text =
+      fmt::format("{}: cannot be {}: {}", file.string(), what, std::strerror(error));
+  if (is_passing(error)) {
+    throw ResourceError(text);
+  }
+  throw InputError(text);
+}
 
 AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
   std::error_code ignored;

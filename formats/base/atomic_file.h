@@ -7,11 +7,17 @@
 
 namespace palpate {
 
+/// @param what "written", @param error errno. @throws ResourceError for a full disk and
+/// what else may pass, InputError for anything else; saying what, and why not.
+[[noreturn]] void cannot_be(const std::filesystem::path& file, const char* what,
+                            int error);
+
 /// Owns a temporary beside the target; commit() makes it durable and renames it over
-/// the target. Destroyed without a commit, it takes the temporary away.
+/// the target. Destroyed without a commit, it takes the temporary away. Throws as
+/// cannot_be().
 class AtomicFile {
  public:
-  /// @throws InputError if the target's folder is missing or cannot be written.
+  /// @throws InputError if the target's folder is missing, or not to be written.
   explicit AtomicFile(const std::filesystem::path& target);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -19,11 +25,10 @@ class AtomicFile {
 
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
 
-  /// Makes these bytes the temporary's content. @throws InputError naming what failed,
-  /// e.g. a full disk.
+  /// Makes these bytes the temporary's content.
   void write(std::span<const std::byte> bytes) const;
 
-  /// fsync, rename, fsync of the folder. @throws InputError naming what failed.
+  /// fsync, rename, fsync of the folder.
   void commit();
 
  private:

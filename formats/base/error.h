@@ -1,4 +1,4 @@
-// The four kinds of error that a tool reports, each with its exit code.
+// The five kinds of error that a tool reports, each with its exit code.
 //
 // Exit codes: 0 success, 1 a bug in palpate, and per kind as below; 6 what was compared
 // differs; 130 interrupted.
@@ -42,6 +42,14 @@ class NumericalError : public Error {
 class DeviceError : public Error {
  public:
   explicit DeviceError(const std::string& what) : Error(what, 5) {}
+};
+
+/// Memory, processes or room on a disk that are not there at present, or a file that
+/// somebody else is writing: the same call may succeed later. By 75 job engines know to
+/// try again (EX_TEMPFAIL of sysexits.h).
+class ResourceError : public Error {
+ public:
+  explicit ResourceError(const std::string& what) : Error(what, 75) {}
 };
 
 /// Two things that were compared are not the same.

@@ -1,6 +1,7 @@
 #include "precompute/fem/batched_solves.h"
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -19,6 +20,7 @@ struct Request {
   const Eigen::VectorXd* source = nullptr;
   SolveWith with = SolveWith::kFactor;
   Eigen::VectorXd result;
+  std::exception_ptr failure;  // why it was not served
 };
 
 // Solves requests with the part of the factor that they reach, which is kept as long as
@@ -119,8 +121,30 @@ class PartSolver {
 
 struct Running {
   Request request;
+  std::exception_ptr thrown;  // by the task
   std::unique_ptr<Coroutine::pull_type> coroutine;
 };
+
+// A task as far as its next request. What it throws waits for the others, which may not
+// be left where they are: they would be unwound by an exception that they may swallow.
+void run_task(const std::function<void(const RestSolve&)>& task, Running& running,
+              Coroutine::push_type& yield) {
+  Request& request = running.request;
+  try {
+    task([&](std::span<const std::int64_t> dof, const Eigen::VectorXd& source,
+             SolveWith with) {
+      request = {
+          .dof = dof, .source = &source, .with = with, .result = {}, .failure = {}};
+      yield();
+      if (request.failure) {
+        std::rethrow_exception(request.failure);
+      }
+      return std::move(request.result);
+    });
+  } catch (...) {
+    running.thrown = std::current_exception();
+  }
+}
 
 }  // namespace
 
@@ -128,7 +152,8 @@ RestSolve single_solves(const CholeskyFactor& factor) {
   return [solver = std::make_shared<PartSolver>(factor)](
              std::span<const std::int64_t> dof, const Eigen::VectorXd& source,
              SolveWith with) {
-    Request request{.dof = dof, .source = &source, .with = with, .result = {}};
+    Request request{
+        .dof = dof, .source = &source, .with = with, .result = {}, .failure = {}};
     Request* const one = &request;
     solver->serve({&one, 1});
     return std::move(request.result);
@@ -144,15 +169,8 @@ void run_in_lock_step(const CholeskyFactor& factor,
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     running[i].coroutine = std::make_unique<Coroutine::pull_type>(
         boost::coroutines2::fixedsize_stack(kStackBytes),
-        [&request = running[i].request, &task = tasks[i]](Coroutine::push_type& yield) {
-          task([&](std::span<const std::int64_t> dof, const Eigen::VectorXd& source,
-                   SolveWith with) {
-            request.dof = dof;
-            request.source = &source;
-            request.with = with;
-            yield();
-            return std::move(request.result);
-          });
+        [&one = running[i], &task = tasks[i]](Coroutine::push_type& yield) {
+          run_task(task, one, yield);
         });
   }
   for (;;) {
@@ -165,11 +183,22 @@ void run_in_lock_step(const CholeskyFactor& factor,
       }
     }
     if (waiting.empty()) {
-      return;
+      break;
     }
-    solver.serve(requests);
+    std::exception_ptr failure;
+    try {
+      solver.serve(requests);
+    } catch (...) {
+      failure = std::current_exception();
+    }
     for (Running* r : waiting) {
+      r->request.failure = failure;
       (*r->coroutine)();
+    }
+  }
+  for (const Running& r : running) {
+    if (r.thrown) {
+      std::rethrow_exception(r.thrown);
     }
   }
 }

@@ -30,7 +30,8 @@ using RestSolve = std::function<Eigen::VectorXd(
 /// it asks for a solve; when all wait, one block solve serves them. Blocks of 32 cost
 /// several times less per column than single solves. The blocks' composition depends on
 /// the tasks alone, so that results are the same bits whoever runs them, wherever.
-/// A task must not throw.
+/// Where a task throws the others still end, and the first one's exception is thrown;
+/// what a solve throws, every task that waited for it throws.
 void run_in_lock_step(const CholeskyFactor& factor,
                       std::span<const std::function<void(const RestSolve&)>> tasks);
 

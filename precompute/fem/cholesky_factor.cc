@@ -140,13 +140,10 @@ void CholeskyFactor::Impl::make_room() {
   const std::int64_t count = nodes.nonzeros();
   const double bytes = sizeof(double) * static_cast<double>(count);
   // The system grants what it does not have, and kills who then uses it.
-  if (const auto free = static_cast<double>(free_memory_bytes()); bytes > free) {
-    throw NumericalError(fmt::format(
-        "the factor of {} unknowns takes {:.3g} GB, {:.3g} GB are free: solve parts of "
-        "the body ([cutout] radius_m), use a coarser surface or a lower "
-        "contact_resolution",
-        order.size(), 1e-9 * bytes, 1e-9 * free));
-  }
+  require_free_memory(bytes, bytes,
+                      fmt::format("the factor of {} unknowns", order.size()),
+                      "solve parts of the body ([cutout] radius_m), use a coarser "
+                      "surface or a lower contact_resolution");
   number = reused_doubles(at(count + kSolveWidth));
   std::fill_n(number.get() + count, kSolveWidth, 0.0);
   std::int64_t next = 0;

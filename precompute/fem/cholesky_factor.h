@@ -21,8 +21,8 @@ namespace palpate {
 class CholeskyFactor {
  public:
   /// @param lower lower triangle of K.
-  /// @throws NumericalError if K is not positive definite (a body that nothing holds),
-  /// or memory does not suffice.
+  /// @throws NumericalError if K is not positive definite (a body that nothing holds);
+  /// as require_free_memory() where memory does not suffice.
   explicit CholeskyFactor(const Stiffness& lower);
   ~CholeskyFactor();
   CholeskyFactor(CholeskyFactor&&) noexcept;

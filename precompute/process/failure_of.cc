@@ -13,8 +13,10 @@ std::string failure_of(const std::string& whose, const std::function<void()>& wo
     return {};
   } catch (const Interrupted&) {
     throw;
+  } catch (const ResourceError&) {
+    throw;
   } catch (const std::bad_alloc&) {
-    return whose + " needed more memory than there is";
+    throw ResourceError(whose + " needed more memory than there is");
   } catch (const std::exception& error) {
     const std::string said = error.what();
     return said.empty() ? whose + " ended by an exception that says nothing" : said;

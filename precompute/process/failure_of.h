@@ -8,7 +8,8 @@ namespace palpate {
 
 /// Does the work. @return why it could not be done, from what it threw; empty where it
 /// could. @param whose "its press", for exceptions that say nothing.
-/// @throws Interrupted, which is nobody's fault.
+/// @throws Interrupted and ResourceError (also for std::bad_alloc), which are not its
+/// faults.
 [[nodiscard]] std::string failure_of(const std::string& whose,
                                      const std::function<void()>& work);
 

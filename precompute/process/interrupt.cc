@@ -3,8 +3,10 @@
 #include <atomic>
 #include <csignal>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "formats/base/error.h"
@@ -32,10 +34,9 @@ void wait_for_signals(sigset_t wanted) {
 
 }  // namespace
 
-// METIS has handlers of its own while it orders a matrix, for all threads, and jumps
-// out of them: a signal that another thread gets meanwhile ends the process. So this
-// thread and all that it starts block these signals, and one waits for them. The
-// handler is for threads that libraries started before.
+// This thread and all that it starts block these signals, and one waits for them, so
+// that no call of the others is cut short. The handler is for threads that libraries
+// started before.
 void note_interrupts() {
   sigset_t wanted;
   sigemptyset(&wanted);
@@ -45,9 +46,13 @@ void note_interrupts() {
   std::signal(SIGINT, note);
   std::signal(SIGTERM, note);
   static std::once_flag waiting;
-  std::call_once(waiting, [&] {
-    std::thread(wait_for_signals, wanted).detach();
-  });
+  try {
+    std::call_once(waiting, [&] {
+      std::thread(wait_for_signals, wanted).detach();
+    });
+  } catch (const std::system_error& error) {
+    throw ResourceError(fmt::format("no thread can be started: {}", error.what()));
+  }
 }
 
 void check_interrupted() {

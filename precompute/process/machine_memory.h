@@ -2,13 +2,33 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <string>
 
 namespace palpate {
 
-/// What programs may still take without anything being swapped [bytes] (MemAvailable of
-/// proc(5), and the process's control group's limit where it is smaller); the largest
-/// number where the system does not say.
-[[nodiscard]] std::int64_t free_memory_bytes();
+/// Where the system says what memory there is: proc(5), and the tree of control groups.
+struct MemoryFiles {
+  std::filesystem::path proc = "/proc";
+  std::filesystem::path groups = "/sys/fs/cgroup";
+};
+
+/// What programs may still take without anything being swapped [bytes]: MemAvailable,
+/// or less where a control group that this process is in, or one around it, has a limit
+/// (version 1 or 2). What is used of a limit does not count pages of files that nobody
+/// has read twice: these are dropped first. The largest number where nothing is said.
+[[nodiscard]] std::int64_t free_memory_bytes(const MemoryFiles& files = {});
+
+/// What this process could have if nothing else took any [bytes].
+[[nodiscard]] std::int64_t most_memory_bytes(const MemoryFiles& files = {});
+
+/// @param what "the factor of 12 unknowns", @param advice what a user can do whose
+/// machine is too small. @param least_bytes at most `bytes`: of an estimate, what it
+/// takes at least.
+/// @throws InputError if the machine does not have them, ResourceError if they are not
+/// free, nor become so within kMomentS.
+void require_free_memory(double bytes, double least_bytes, const std::string& what,
+                         const std::string& advice, const MemoryFiles& files = {});
 
 /// Peak memory [bytes] of factorising a compact body in quadratic tets that grow
 /// inwards from a surface of so many triangles: rather too much, because too little
@@ -17,8 +37,8 @@ namespace palpate {
 /// Thin bodies take less, bodies of equal tets more.
 [[nodiscard]] double expected_memory_bytes(std::int64_t triangles);
 
-/// @throws InputError saying what to do if a body of so many surface triangles would
-/// need 1.4 times more than what is free: more than the expectation can be wrong by.
+/// require_free_memory() of what a body of so many surface triangles is expected to
+/// need, less what the expectation can be wrong by (1.4).
 void require_memory(std::int64_t triangles);
 
 }  // namespace palpate

@@ -10,7 +10,9 @@
 namespace palpate {
 
 struct ChildLimits {
-  double time_s = 600.0;                     ///< [s] (0, inf) wall time
+  /// [s] (0, inf) of a processor: what is beside it does not count. One that gets so
+  /// little that it takes twenty times as long is waiting for something.
+  double time_s = 600.0;
   std::size_t memory_bytes = 8'000'000'000;  ///< more than the caller holds already
 };
 
@@ -24,8 +26,10 @@ struct ChildResult {
 /// Forks, runs `work` there, and returns what it returned. The child's output goes to
 /// /dev/null; it dies with its parent. The memory limit is not set under sanitizers,
 /// which reserve address space far beyond it.
-/// @throws NumericalError if no process can be made; Interrupted if the child was ended
-///   by SIGINT or SIGTERM.
+/// A child that is killed (SIGKILL: for want of memory), and one that cannot be forked,
+/// are tried again for kMomentS.
+/// @throws ResourceError if that does not help, or it waited too long; Interrupted if
+///   the child was ended by SIGINT or SIGTERM.
 [[nodiscard]] ChildResult run_in_child(const std::function<std::vector<char>()>& work,
                                        const ChildLimits& limits);
 

@@ -163,13 +163,16 @@ int run_supervised(const std::function<int(bool)>& work,
           return crash.vertex == newest->vertex;
         });
     if (after == before || again || after >= kMostCrashes) {
-      throw NumericalError(fmt::format(
-          "the build died of signal {} ({}){}; what it had solved is kept: {} goes on "
-          "with it",
-          signal, strsignal(signal),
-          signal == SIGKILL ? ", perhaps for want of memory: fewer --workers take less"
-                            : "",
-          how_to_go_on));
+      const std::string kept =
+          fmt::format("what it had solved is kept: {} goes on with it", how_to_go_on);
+      if (signal == SIGKILL) {
+        throw ResourceError(
+            "the build was killed (signal 9), perhaps for want of memory: fewer "
+            "--workers take less; " +
+            kept);
+      }
+      throw NumericalError(fmt::format("the build died of signal {} ({}); {}", signal,
+                                       strsignal(signal), kept));
     }
     fmt::print(stderr,
                "palpate-precompute: warning: vertex {} crashed its press (signal {}, "

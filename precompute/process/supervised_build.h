@@ -22,7 +22,8 @@ void note_pressed_vertex(std::int32_t vertex);
 /// SIGTERM are handed on to the child; it dies with its parent. To be called before
 /// this process has threads of its own.
 /// @param how_to_go_on what the user may do after a kill, for the message.
-/// @throws NumericalError where the child was killed, or crashed elsewhere.
+/// @throws ResourceError where the child was killed, NumericalError where it crashed
+/// elsewhere.
 [[nodiscard]] int run_supervised(const std::function<int(bool resume)>& work,
                                  const std::string& how_to_go_on = "--resume");
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "formats/base/error.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/contact/indentation_response.h"
 #include "precompute/press/own_mesh_press.h"
@@ -39,14 +40,18 @@ std::vector<WorkUnitNode> cheap_answers(const Scene& scene, const BuildJob& job,
                                         std::span<const std::int32_t> vertices) {
   std::vector<WorkUnitNode> answers;
   for (const SharedTool& tool : job.body.tool) {
-    (void)failure_of("a cheap press", [&] {
-      for (const PressedNode& node :
-           press_on_own_mesh(scene, job.body, tool, vertices, cheap_focus(job), {})) {
-        answers.push_back(answer_of(scene, job, tool, node));
-        double& error = answers.back().response.error_relative;
-        error = job.strategy.nonlinear ? 1.0 : kCheapErrorFactor * error;
-      }
-    });
+    try {
+      (void)failure_of("a cheap press", [&] {
+        for (const PressedNode& node :
+             press_on_own_mesh(scene, job.body, tool, vertices, cheap_focus(job), {})) {
+          answers.push_back(answer_of(scene, job, tool, node));
+          double& error = answers.back().response.error_relative;
+          error = job.strategy.nonlinear ? 1.0 : kCheapErrorFactor * error;
+        }
+      });
+    } catch (const ResourceError&) {
+      // Good answers wait for what is wanting.
+    }
   }
   return answers;
 }

@@ -82,7 +82,7 @@ TEST_F(SupervisedBuild, ThatIsKilledSaysWhatIsKept) {
       return 0;
     });
     FAIL() << "a killed build ended well";
-  } catch (const NumericalError& error) {
+  } catch (const ResourceError& error) {
     EXPECT_NE(std::string(error.what()).find("--resume"), std::string::npos);
   }
 }

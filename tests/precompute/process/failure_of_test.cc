@@ -19,11 +19,6 @@ TEST(FailureOf, WhatIsThrownBecomesASentenceThatIsNeverEmpty) {
             "the floor fell in");
   EXPECT_EQ(failure_of("its press",
                        [] {
-                         throw std::bad_alloc();
-                       }),
-            "its press needed more memory than there is");
-  EXPECT_EQ(failure_of("its press",
-                       [] {
                          throw std::runtime_error("");
                        }),
             "its press ended by an exception that says nothing");
@@ -32,6 +27,21 @@ TEST(FailureOf, WhatIsThrownBecomesASentenceThatIsNeverEmpty) {
                          throw 7;
                        }),
             "its press ended by an unknown exception");
+}
+
+TEST(FailureOf, AWantThatPassesIsNotItsFault) {
+  const auto thrown = [](auto&& want) -> std::string {
+    try {
+      (void)failure_of("its press", [&] {
+        throw want;
+      });
+    } catch (const ResourceError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_EQ(thrown(ResourceError("no room")), "no room");
+  EXPECT_EQ(thrown(std::bad_alloc()), "its press needed more memory than there is");
 }
 
 TEST(FailureOf, AnInterruptGoesOn) {

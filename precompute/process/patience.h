@@ -1,0 +1,20 @@
+// Waiting for memory, processes and room on disks that are wanting at present.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace palpate {
+
+/// [s] What is waited for in the middle of other work, which keeps its memory
+/// meanwhile.
+inline constexpr double kMomentS = 20.0;
+
+/// Does the work, and again and again with pauses of up to five seconds while it throws
+/// ResourceError or std::bad_alloc, until so long after the first time.
+/// @param whose "its press", for the message of a bad_alloc.
+/// @throws ResourceError if it still fails so; Interrupted; what else the work throws.
+void with_patience(double patience_s, const std::string& whose,
+                   const std::function<void()>& work);
+
+}  // namespace palpate
