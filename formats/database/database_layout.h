@@ -318,6 +318,10 @@ void exchange_source(File& file, Source& provenance) {
   file.attribute("/provenance", "source_file", provenance.source_file);
   file.attribute("/provenance", "source_sha256", provenance.source_sha256);
   file.attribute("/provenance", "left_out", provenance.left_out);
+  if (file.optional_attribute("/provenance", "plan_sha256",
+                              !provenance.plan_sha256.empty())) {
+    file.attribute("/provenance", "plan_sha256", provenance.plan_sha256);
+  }
 }
 
 // How the file stores what it holds: no part of the content, nor of its digest.

@@ -223,8 +223,8 @@ void check_provenance(const Provenance& provenance) {
   }
   // Attributes live in object headers, which hold 64 KiB.
   constexpr std::size_t kLongest = 16384;
-  for (const std::string* text :
-       {&provenance.writer, &provenance.source_file, &provenance.left_out}) {
+  for (const std::string* text : {&provenance.writer, &provenance.source_file,
+                                  &provenance.left_out, &provenance.plan_sha256}) {
     if (text->size() > kLongest || text->find('\0') != std::string::npos) {
       fail("/provenance holds a text of {} bytes, must be at most {} without NUL",
            text->size(), kLongest);

@@ -168,6 +168,7 @@ ResponseTable cut(const ResponseTable& table, double depth_m) {
 
 ResponseDatabase slice(const ResponseDatabase& database, const SliceOptions& options) {
   ResponseDatabase result = database;
+  result.provenance.plan_sha256.clear();
   keep_tools(result, options.tools);
   if (options.box_m) {
     const Eigen::Index before = result.body.position_m.rows();
@@ -195,6 +196,9 @@ ResponseDatabase merge(const std::vector<ResponseDatabase>& databases) {
     throw InputError("nothing to merge");
   }
   ResponseDatabase result = databases.front();
+  if (databases.size() > 1) {
+    result.provenance.plan_sha256.clear();
+  }
   for (std::size_t i = 1; i < databases.size(); ++i) {
     const ResponseDatabase& other = databases[i];
     require_same_body(result, other);

@@ -24,6 +24,9 @@ struct Provenance {
   std::string source_file;    ///< name (no path) of the mesh or measurement
   std::string source_sha256;  ///< of that file
   std::string left_out;       ///< what was not computed, and why; one line
+  /// Digest of all that the responses depend on, the program too; empty for
+  /// measurements, and where a part was cut off or something added.
+  std::string plan_sha256 = {};
 };
 
 /// The raw measurement behind fitted responses: one indentation or several in turn.

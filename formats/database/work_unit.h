@@ -60,7 +60,7 @@ struct JobDescription {
   std::vector<Yielding> yielding = {};  ///< by tool, rows for all vertices
   std::int64_t bundles = 1;             ///< of responses that relax
   std::string left_out = {};            ///< of every response; counts are added to it
-  Provenance provenance;                ///< but `left_out`
+  Provenance provenance;                ///< but `left_out` and `plan_sha256`
 };
 
 [[nodiscard]] std::vector<std::byte> to_bytes(const WorkUnitOutcome& unit);

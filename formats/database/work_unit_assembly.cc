@@ -324,6 +324,7 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
   assembly.outside_reach = static_cast<std::int64_t>(plan.tool.size()) *
                            (static_cast<std::int64_t>(nodes) - plan.reachable);
   database.provenance.left_out = left_out(plan, assembly);
+  database.provenance.plan_sha256 = plan.digest;
   return assembly;
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/sha256.h"
+#include "precompute/build/program_digest.h"
 #include "precompute/material/material_spectrum.h"
 #include "precompute/press/node_yielding.h"
 
@@ -22,6 +23,7 @@ std::string digest_of(const Scene& scene, const BodySource& body,
     sum.update(std::as_bytes(std::span(text)));
   };
   add(PALPATE_VERSION);
+  add(program_digest());
   add(scene.text);
   add(options.solve_all ? "all" : "budget");
   if (options.repair != RepairMode::kOff) {

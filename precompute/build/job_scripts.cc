@@ -10,6 +10,7 @@
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/sha256.h"
+#include "precompute/build/program_digest.h"
 
 namespace palpate {
 namespace {
@@ -126,7 +127,7 @@ std::string shell_word(const std::string& text) {
 }
 
 std::string job_digest(const Job& job) {
-  std::string all = PALPATE_VERSION;
+  std::string all = std::string(PALPATE_VERSION) + program_digest();
   for (const auto& [file, sha256] : job.input) {
     all += "\n" + sha256;
   }

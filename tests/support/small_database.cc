@@ -50,9 +50,9 @@ ResponseDatabase small_database() {
   const ToolShape tip{"tip", "sphere", 0.002, 0.0, 0.0};
   // Not in alphabetical order, so that the order itself is tested.
   database.tools = {make_table(tip, responses), make_table(ball, responses)};
-  database.provenance = {"palpate-test 1", "[body]\nmesh = \"octahedron.obj\"\n",
-                         "octahedron.obj", std::string(64, 'a'),
-                         "node 5: not reachable"};
+  database.provenance = {"palpate-test 1",        "[body]\nmesh = \"octahedron.obj\"\n",
+                         "octahedron.obj",        std::string(64, 'a'),
+                         "node 5: not reachable", std::string(64, 'c')};
   return database;
 }
 

@@ -65,6 +65,7 @@ TEST(DatabaseSlice, ABoxKeepsItsTrianglesAndTheirNodes) {
   EXPECT_NO_THROW(check(part));
   EXPECT_EQ(part.body.position_m.rows(), 5);
   EXPECT_EQ(part.body.triangle.rows(), 4);
+  EXPECT_EQ(part.provenance.plan_sha256, "") << "a part passes for the whole";
   EXPECT_EQ(part.provenance.left_out, "node 5: not reachable; slice: 1 of 6 nodes");
   const CurveView kept = part.tools[1].curve(4);
   EXPECT_TRUE(std::ranges::equal(kept.force_n, database.tools[1].curve(4).force_n));

@@ -68,6 +68,7 @@ TEST(ResponseDatabase, ReadsWhatWasWritten) {
   EXPECT_EQ(read.provenance.source_file, written.provenance.source_file);
   EXPECT_EQ(read.provenance.source_sha256, written.provenance.source_sha256);
   EXPECT_EQ(read.provenance.left_out, written.provenance.left_out);
+  EXPECT_EQ(read.provenance.plan_sha256, written.provenance.plan_sha256);
 }
 
 TEST(ResponseDatabase, KeepsTheShapeOfEveryTool) {
