@@ -1,12 +1,10 @@
 #include "precompute/build/build.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <iterator>
-#include <mutex>
-#include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
@@ -22,16 +20,16 @@
 #include "precompute/build/build_coupling.h"
 #include "precompute/build/build_job.h"
 #include "precompute/build/checkpoint.h"
+#include "precompute/build/kept_output.h"
+#include "precompute/build/unit_run.h"
 #include "precompute/material/material_spectrum.h"
 #include "precompute/press/contact_coupling.h"
 #include "precompute/press/node_yielding.h"
 #include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
-#include "precompute/press/work_unit_solver.h"
 #include "precompute/process/failure_of.h"
-#include "precompute/process/parallel.h"
+#include "precompute/process/patience.h"
 #include "precompute/process/peak_memory.h"
-#include "precompute/tets/quality_notes.h"
 #include "runtime/slow/static_field.h"
 
 namespace palpate {
@@ -40,101 +38,6 @@ namespace {
 bool relaxes_by_node(const SceneSpectrum& spectrum) {
   return !spectrum.empty() && !spectrum.uniform();
 }
-
-std::vector<std::int32_t> vertices_of(std::span<const WorkUnit> units) {
-  std::vector<std::int32_t> vertices;
-  for (const WorkUnit& unit : units) {
-    if (!unit.is_check) {
-      vertices.insert(vertices.end(), unit.vertex.begin(), unit.vertex.end());
-    }
-  }
-  std::sort(vertices.begin(), vertices.end());
-  return vertices;
-}
-
-class UnitRun {
- public:
-  UnitRun(const Scene& scene, const BodySource& body, const PressStrategy& strategy,
-          const Checkpoint& checkpoint, bool solve_all, Progress& progress)
-      : scene_(scene),
-        body_(body),
-        strategy_(strategy),
-        checkpoint_(checkpoint),
-        solve_all_(solve_all),
-        progress_(progress) {}
-
-  // Solves what is not kept yet; outcomes in the units' order.
-  std::vector<WorkUnitOutcome> run(std::span<const std::int32_t> reachable,
-                                   std::span<const WorkUnit> units,
-                                   BuildReport& report) {
-    std::vector<WorkUnitOutcome> outcome(units.size());
-    std::vector<WorkUnit> open;
-    std::vector<std::size_t> place;
-    for (std::size_t i = 0; i < units.size(); ++i) {
-      if (auto kept = checkpoint_.load(units[i].index)) {
-        outcome[i] = std::move(*kept);
-        ++report.resumed;
-      } else {
-        open.push_back(units[i]);
-        place.push_back(i);
-      }
-    }
-    if (open.empty()) {
-      return outcome;
-    }
-    const SceneSolver solver(scene_, body_, strategy_, reachable, vertices_of(open),
-                             progress_);
-    describe(solver, report);
-    progress_.stage("indentation");
-    std::atomic<std::size_t> done = 0;
-    std::mutex reporting;
-    in_parallel(open.size(), [&](std::size_t i) {
-      outcome[place[i]] = solved_or_failed(solver, open[i]);
-      ++done;
-      if (reporting.try_lock()) {
-        const std::lock_guard lock(reporting, std::adopt_lock);
-        progress_.advance(done, open.size(), "units");
-      }
-    });
-    return outcome;
-  }
-
- private:
-  // A unit that cannot be computed at all does not end the build. It is not kept, so
-  // that --resume tries again.
-  WorkUnitOutcome solved_or_failed(const SceneSolver& solver,
-                                   const WorkUnit& unit) const {
-    WorkUnitOutcome outcome;
-    const std::string reason = failure_of("its unit", [&] {
-      outcome = solve_unit(scene_, body_, strategy_, solver, unit, solve_all_);
-      checkpoint_.keep(outcome);
-    });
-    return reason.empty() ? outcome : failed_unit(unit, body_.tool.size(), reason);
-  }
-
-  static void describe(const SceneSolver& solver, BuildReport& report) {
-    if (const CutOutSolver* cut_out = solver.cut_out()) {
-      report.notes.push_back(cut_out->text());
-    }
-    if (const BodyModel* shared = solver.shared()) {
-      report.tets = shared->mesh.tet.rows();
-      report.unknowns = shared->supports.free;
-      report.min_dihedral_deg = shared->min_dihedral_deg;
-      const TetQuality quality{.smallest_dihedral_rad =
-                                   shared->min_dihedral_deg * std::numbers::pi / 180.0};
-      for (const std::string& note : quality_notes(quality)) {
-        report.notes.push_back(note);
-      }
-    }
-  }
-
-  const Scene& scene_;
-  const BodySource& body_;
-  const PressStrategy& strategy_;
-  const Checkpoint& checkpoint_;
-  bool solve_all_;
-  Progress& progress_;
-};
 
 // Where materials relax differently, nodes do.
 void add_relaxation(const Scene& scene, const BodySource& body,
@@ -225,6 +128,54 @@ std::vector<WorkUnit> units_of_shard(const std::vector<WorkUnit>& units,
   return mine;
 }
 
+// Whether a run before this one, or while this one waited, has finished the output.
+bool is_done_already(const BuildOptions& options, const JobDescription& plan,
+                     BuildReport& report) {
+  if (options.shards > 1) {
+    return is_shard(options.output) && responses_there(options.output, plan.digest);
+  }
+  auto there = assembled_already(options.output, plan.digest, options.precision);
+  if (there) {
+    report.assembly = std::move(*there);
+  }
+  return there.has_value();
+}
+
+// From all units to the database.
+void finish_database(const Scene& scene, const BuildOptions& options,
+                     const SceneSpectrum& spectrum, const BuildJob& job,
+                     const std::vector<WorkUnitOutcome>& outcomes, BuildReport& report,
+                     Progress& progress) {
+  const auto& [body, reachable, strategy, units, plan] = job;
+  report.assembly = assemble(plan, outcomes, stored_forces);
+  require_responses(plan, report.assembly);
+  if (relaxes_by_node(spectrum)) {
+    add_relaxation(scene, body, strategy, spectrum.tau_s, report.assembly.database,
+                   progress);
+  }
+  if (couples(scene)) {
+    add_coupling(scene, body, reachable, report.assembly.database, progress);
+  }
+  if (scene.drawing.displacement) {
+    add_fields_or_note(scene, body, strategy, reachable, report, progress);
+  }
+  choose_possible_precision(options.precision, report);
+  write_unless_worse(options.output, plan.digest,
+                     report.assembly.solved + report.assembly.interpolated,
+                     options.patience_s, [&] {
+                       write_database(options.output, report.assembly.database);
+                     });
+}
+
+void finish_shard(const BuildOptions& options, const JobDescription& plan,
+                  const std::vector<WorkUnitOutcome>& outcomes) {
+  const Shard shard{plan, outcomes};
+  write_unless_worse(options.output, plan.digest, responses_of(shard),
+                     options.patience_s, [&] {
+                       write_shard(options.output, shard);
+                     });
+}
+
 }  // namespace
 
 BuildReport build(const Scene& scene, const BuildOptions& options, Progress& progress) {
@@ -245,36 +196,35 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
       build_job(scene, {.repair = options.repair, .solve_all = options.solve_all});
   const auto& [body, reachable, strategy, units, plan] = job;
   const std::vector<WorkUnit> mine = units_of_shard(units, options);
-  const Checkpoint checkpoint(options.output, plan, options.resume);
+  std::optional<Checkpoint> checkpoint;
+  with_patience(options.resume ? options.patience_s : 0.0, "its folder", [&] {
+    checkpoint.emplace(options.output, plan, options.resume, options.folder_use);
+  });
   report.nodes = body.surface.position_m.rows();
   report.units = static_cast<std::int64_t>(mine.size());
   report.node_spacing_m = strategy.spacing_m;
   report.notes = body.notes;
   report.notes.insert(report.notes.end(), strategy.notes.begin(), strategy.notes.end());
-  std::vector<WorkUnitOutcome> outcomes =
-      UnitRun(scene, body, strategy, checkpoint,
-              options.solve_all || scene.accuracy.solve == "all", progress)
-          .run(reachable, mine, report);
-  progress.finish();
-  if (options.shards > 1) {
-    write_shard(options.output, {plan, std::move(outcomes)});
+  if (options.resume && !checkpoint->holds_units() &&
+      is_done_already(options, plan, report)) {
+    report.resumed = report.units;
+    report.notes.emplace_back("it was there already, of the same scene and program");
   } else {
-    report.assembly = assemble(plan, outcomes, stored_forces);
-    require_responses(plan, report.assembly);
-    if (relaxes_by_node(spectrum)) {
-      add_relaxation(scene, body, strategy, spectrum.tau_s, report.assembly.database,
-                     progress);
+    UnitRun run(scene, job, *checkpoint, options, progress);
+    try {
+      const std::vector<WorkUnitOutcome>& outcomes = run.run(mine, report);
+      progress.finish();
+      if (options.shards > 1) {
+        finish_shard(options, plan, outcomes);
+      } else {
+        finish_database(scene, options, spectrum, job, outcomes, report, progress);
+      }
+    } catch (...) {
+      (void)run.keep_left();
+      throw;
     }
-    if (couples(scene)) {
-      add_coupling(scene, body, reachable, report.assembly.database, progress);
-    }
-    if (scene.drawing.displacement) {
-      add_fields_or_note(scene, body, strategy, reachable, report, progress);
-    }
-    choose_possible_precision(options.precision, report);
-    write_database(options.output, report.assembly.database);
   }
-  checkpoint.remove();
+  checkpoint->remove();
   report.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   report.peak_memory_bytes = peak_memory_bytes();

@@ -21,6 +21,10 @@ std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
+bool is_unit(const fs::directory_entry& entry) {
+  return entry.path().filename().string().starts_with("unit-");
+}
+
 void write(const fs::path& file, std::span<const std::byte> bytes) {
   AtomicFile place(file);
   place.write(bytes);
@@ -29,8 +33,11 @@ void write(const fs::path& file, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-Checkpoint::Checkpoint(const fs::path& output, const JobDescription& plan, bool resume)
+Checkpoint::Checkpoint(const fs::path& output, const JobDescription& plan, bool resume,
+                       FolderUse use)
     : folder_(output.string() + ".partial"), digest_(plan.digest) {
+  make_folder();
+  lock_.emplace(folder_, use);
   if (is_there() && holds_units()) {
     if (!resume) {
       throw InputError(
@@ -40,7 +47,7 @@ Checkpoint::Checkpoint(const fs::path& output, const JobDescription& plan, bool 
     }
     if (read_file(digest_file()) != plan.digest) {
       throw InputError(
-          fmt::format("{} belongs to another scene, body or version; remove "
+          fmt::format("{} belongs to another scene, body or program; remove "
                       "the folder to start again",
                       folder_.string()));
     }
@@ -50,20 +57,33 @@ Checkpoint::Checkpoint(const fs::path& output, const JobDescription& plan, bool 
 }
 
 void Checkpoint::make() const {
-  if (!is_there() && holds_units()) {
-    remove();  // what somebody did not remove whole: nobody knows whose units they are
-  }
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (error) {
-    throw InputError(
-        fmt::format("{} cannot be made: {}", folder_.string(), error.message()));
+  make_folder();
+  if (!is_there()) {  // what is in it somebody did not remove whole: nobody knows whose
+    remove_units();
   }
   write(digest_file(), bytes_of(digest_));
 }
 
+void Checkpoint::make_folder() const {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) {
+    cannot_be(folder_, "made", error.value());
+  }
+}
+
+void Checkpoint::remove_units() const {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
+    if (is_unit(entry)) {
+      fs::remove(entry, ignored);
+    }
+  }
+}
+
+// Another build may have made it anew since it was taken away.
 Checkpoint::~Checkpoint() {
-  if (!holds_units()) {
+  if (lock_->is_still_there() && !holds_units()) {
     remove();
   }
 }
@@ -71,10 +91,7 @@ Checkpoint::~Checkpoint() {
 bool Checkpoint::holds_units() const {
   std::error_code ignored;
   const fs::directory_iterator entries(folder_, ignored);
-  return std::any_of(begin(entries), end(entries),
-                     [](const fs::directory_entry& entry) {
-                       return entry.path().filename().string().starts_with("unit-");
-                     });
+  return std::any_of(begin(entries), end(entries), is_unit);
 }
 
 fs::path Checkpoint::digest_file() const {

@@ -29,6 +29,7 @@ struct BuildFlags {
   std::string repair = "off";
   std::string precision;
   int workers = 0;
+  double patience_s = BuildOptions{}.patience_s;
   bool resume = false;
   bool solve_all = false;
   bool strict = false;
@@ -203,7 +204,8 @@ void run_build(const BuildFlags& flags) {
                        .resume = flags.resume,
                        .solve_all = flags.solve_all,
                        .repair = repair_mode(flags.repair),
-                       .workers = flags.workers};
+                       .workers = flags.workers,
+                       .patience_s = flags.patience_s};
   parse_shard(flags.shard, options);
   if (!flags.precision.empty()) {
     options.precision = precision_of(flags.precision);
@@ -250,6 +252,11 @@ void add_build_command(Command app) {
       .add_option("--workers", flags->workers,
                   "Threads; 0: one for each core. The result does not depend on it")
       .in_range(0, 1024);
+  command
+      .add_option("--patience", flags->patience_s,
+                  "Seconds to wait for memory, processes or room on the disk, and with "
+                  "--resume for another build of OUTPUT; then exit code 75")
+      .not_negative();
   command.add_option("--repair", flags->repair,
                      "off, safe or wrap: mend the body's surface first");
   command.add_option("--precision", flags->precision,

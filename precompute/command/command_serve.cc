@@ -27,6 +27,7 @@ struct ServeFlags {
   std::string repair = "off";
   std::string precision;
   int workers = 0;
+  double patience_s = ServeOptions{}.patience_s;
   bool anew = false;
 };
 
@@ -38,7 +39,8 @@ int run_serve(const ServeFlags& flags, bool after_crash) {
                        .socket = flags.socket,
                        .repair = repair_mode(flags.repair),
                        .workers = flags.workers,
-                       .anew = flags.anew && !after_crash};
+                       .anew = flags.anew && !after_crash,
+                       .patience_s = flags.patience_s};
   if (options.output.empty()) {
     options.output = std::filesystem::path(flags.scene).stem().string() + ".h5";
   }
@@ -80,6 +82,12 @@ void add_serve_command(Command app) {
       .add_option("--workers", flags->workers,
                   "Threads; 0: one for each core. The result does not depend on it")
       .in_range(0, 1024);
+  command
+      .add_option(
+          "--patience", flags->patience_s,
+          "Seconds to wait for memory, processes or room on the disk; then exit "
+          "code 75")
+      .not_negative();
   command.add_option("--repair", flags->repair,
                      "off, safe or wrap: mend the body's surface first");
   command.add_option("--precision", flags->precision,

@@ -23,7 +23,9 @@
 #include "precompute/material/material_of_scene.h"
 #include "precompute/process/failure_of.h"
 #include "precompute/process/interrupt.h"
+#include "precompute/process/patience.h"
 #include "precompute/serve/answer_log.h"
+#include "precompute/serve/answer_tally.h"
 #include "precompute/serve/cheap_answers.h"
 #include "precompute/serve/service_sessions.h"
 #include "precompute/serve/unit_claims.h"
@@ -42,51 +44,17 @@ bool has_curve(const WorkUnitNode& node) {
   return node.failure.empty() && node.response.origin != ResponseOrigin::kNone;
 }
 
-// How many nodes have which answers.
-class Tally {
- public:
-  explicit Tally(const BuildJob& job)
-      : vertices_(job.body.surface.position_m.rows()),
-        best_(static_cast<std::size_t>(vertices_) * job.body.tool.size(), 0),
-        nodes_(std::ssize(job.reachable) * std::ssize(job.body.tool)) {}
-
-  void take(const ServedResponses& responses) {
-    const std::lock_guard lock(mutex_);
-    for (const WorkUnitNode& node : responses.node) {
-      char& best = best_[static_cast<std::size_t>(node.tool * vertices_ + node.vertex)];
-      best =
-          std::max(best, responses.quality == AnswerQuality::kGood ? char{2} : char{1});
-    }
-  }
-
-  [[nodiscard]] ServedProgress progress(const std::string& stage) const {
-    const std::lock_guard lock(mutex_);
-    const auto good = std::count(best_.begin(), best_.end(), char{2});
-    const auto cheap = std::count(best_.begin(), best_.end(), char{1});
-    return {.stage = stage, .nodes = nodes_, .cheap = cheap + good, .good = good};
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::int64_t vertices_;
-  std::vector<char> best_;  // (tools x vertices) 0 none, 1 cheap, 2 good
-  std::int64_t nodes_;
-};
-
 // Whether the output is there and of this scene.
 // @throws InputError if it is of another one.
 bool is_computed_already(const BuildJob& job, const ServeOptions& options) {
   if (!fs::exists(options.output)) {
     return false;
   }
-  const Provenance there = read_database(options.output).provenance;
-  const Provenance& wanted = job.plan.provenance;
-  const bool same = there.scene_toml == wanted.scene_toml &&
-                    there.source_sha256 == wanted.source_sha256 &&
-                    there.writer == wanted.writer;
+  const bool same =
+      read_database(options.output).provenance.plan_sha256 == job.plan.digest;
   if (!same && !options.anew) {
     throw InputError(fmt::format(
-        "{} is of another scene, mesh or version: --anew computes it again, -o writes "
+        "{} is of another scene, mesh or program: --anew computes it again, -o writes "
         "another file",
         options.output.string()));
   }
@@ -122,6 +90,7 @@ class Service {
     }
     until_done([&] {
       std::this_thread::sleep_for(kLookAround);
+      keep_left();
       take_what_others_solved();
       if (!keeps_folder()) {
         over_ = true;
@@ -132,6 +101,7 @@ class Service {
     for (std::thread& thread : threads) {
       thread.join();
     }
+    keep_left();
     if (failure_) {
       std::rethrow_exception(failure_);
     }
@@ -203,14 +173,39 @@ class Service {
     }
     WorkUnitOutcome outcome;
     const std::string reason = failure_of("its unit", [&] {
-      outcome = solve_unit(scene_, job_.body, job_.strategy, solver(), unit,
-                           scene_.accuracy.solve == "all");
+      with_patience(options_.patience_s, "its unit", [&] {
+        outcome = solve_unit(scene_, job_.body, job_.strategy, solver(), unit,
+                             scene_.accuracy.solve == "all");
+      });
+    });
+    if (!reason.empty()) {
+      outcome = failed_unit(unit, job_.body.tool.size(), reason);
+    } else if (!keep(outcome)) {
+      const std::lock_guard lock(unkept_mutex_);
+      unkept_.push_back(outcome);
+    }
+    finish(i, outcome);
+  }
+
+  // False where the disk does not take it.
+  [[nodiscard]] bool keep(const WorkUnitOutcome& outcome) const {
+    try {
       if (keeps_folder()) {
         checkpoint_.keep(outcome);
       }
+      return true;
+    } catch (const InputError&) {
+      return false;
+    } catch (const ResourceError&) {
+      return false;
+    }
+  }
+
+  void keep_left() {
+    const std::lock_guard lock(unkept_mutex_);
+    std::erase_if(unkept_, [&](const WorkUnitOutcome& outcome) {
+      return keep(outcome);
     });
-    finish(i,
-           reason.empty() ? outcome : failed_unit(unit, job_.body.tool.size(), reason));
   }
 
   void finish(std::size_t i, const WorkUnitOutcome& outcome) {
@@ -271,13 +266,15 @@ class Service {
   const ServeOptions& options_;
   AnswerLog& log_;
   const HandPlaces& hands_;
-  Tally tally_;
+  AnswerTally tally_;
   WorkBoard board_;
   UnitClaims claims_;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::once_flag solver_made_;
   std::optional<SceneSolver> solver_;
   std::atomic<bool> over_ = false;
+  std::mutex unkept_mutex_;
+  std::vector<WorkUnitOutcome> unkept_;  // what the disk did not take so far
   std::mutex failure_mutex_;
   std::exception_ptr failure_;
 };
@@ -312,7 +309,7 @@ void prepare_folder(const JobDescription& plan, const ServeOptions& options) {
     return;
   }
   try {
-    (void)Checkpoint(options.output, plan, true);
+    (void)Checkpoint(options.output, plan, true, FolderUse::kShared);
   } catch (const InputError&) {
     std::error_code ignored;
     fs::remove_all(options.output.string() + ".partial", ignored);
@@ -333,7 +330,7 @@ void wait_for_the_file(Service& service, const std::function<void()>& write) {
 
 void compute(const Scene& scene, const BuildJob& job, const ServeOptions& options,
              AnswerLog& log, const HandPlaces& hands, Progress& progress) {
-  const Checkpoint checkpoint(options.output, job.plan, true);
+  const Checkpoint checkpoint(options.output, job.plan, true, FolderUse::kShared);
   Service service(scene, job, checkpoint, options, log, hands);
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   service.run(options.workers > 0 ? options.workers : static_cast<int>(cores),
@@ -345,7 +342,9 @@ void compute(const Scene& scene, const BuildJob& job, const ServeOptions& option
            .resume = true,
            .repair = options.repair,
            .precision = options.precision,
-           .workers = options.workers},
+           .workers = options.workers,
+           .patience_s = options.patience_s,
+           .folder_use = FolderUse::kShared},
           progress);
   });
 }

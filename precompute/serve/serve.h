@@ -21,6 +21,7 @@ struct ServeOptions {
   /// Units of another scene in OUTPUT.partial, and a database of another scene, are
   /// dropped instead of refused.
   bool anew = false;
+  double patience_s = 600.0;  ///< [s] as BuildOptions
 };
 
 /// Returns when the database is whole and those who joined have been told. It has the
@@ -28,7 +29,8 @@ struct ServeOptions {
 /// is under way. Several services may share one output, each with a socket of its own:
 /// each unit is computed by one of them.
 /// @throws InputError if somebody listens at the socket, or what is there belongs to
-/// another scene; and as build(). Who has joined is told why.
+/// another scene; ResourceError if a build, not a service, works on the output; and as
+/// build(). Who has joined is told why.
 void serve(const Scene& scene, const ServeOptions& options, Progress& progress);
 
 }  // namespace palpate

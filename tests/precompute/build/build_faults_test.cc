@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -131,6 +130,7 @@ class BuildFaults : public testing::Test {
         fault(numbers);
       }
     });
+    fs::remove(folder_ / "out.h5");  // better than what replaces it
     const BuildReport spoilt = build_one(law, solve_all);
     EXPECT_GT(met, 0);
     EXPECT_EQ(spoilt.assembly.failed, 1);
@@ -188,12 +188,6 @@ TEST_F(BuildFaults, AWorkerThatDiesCostsItsNodeAlone) {
         throw std::runtime_error("the floor fell in");
       },
       "the floor fell in");
-  expect_only(
-      "linear", ResponseOrigin::kSimulated, FaultPlace::kWorker,
-      [](std::span<double>) {
-        throw std::bad_alloc();
-      },
-      "more memory than there is");
   expect_only(
       "linear", ResponseOrigin::kSimulated, FaultPlace::kWorker,
       [](std::span<double>) {
