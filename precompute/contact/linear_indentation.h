@@ -60,6 +60,8 @@ struct Indentation {
   /// considered: as much again may bear beyond them.
   double edge_share = 0.0;
   bool force_capped = false;  ///< ended at force_max_n
+  /// It ends below force_max_n, because the linear press that it follows has ended.
+  bool ends_early = false;
   /// The tool also meets a part of the body whose contact is not in the force
   /// (other_contact.h).
   bool reaches_elsewhere = false;

@@ -137,14 +137,16 @@ SurfaceCompliance compliance_of(
 }
 
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
-                  PressedNode& node) {
+                  PressedNode& node, double force_times) {
   if (!node.failure.empty()) {
     return;  // it could not be placed
   }
   note_pressed_vertex(node.vertex);
   contain(node, [&] {
     fault_point(FaultPlace::kWorker, node.vertex);
-    node.indentation = indent(model.contact, compliance, node.patch, node.path);
+    IndentationPath path = node.path;
+    path.force_max_n *= force_times;
+    node.indentation = indent(model.contact, compliance, node.patch, path);
     for (IndentationSample& sample : node.indentation.sample) {
       fault_point(FaultPlace::kPress, node.vertex,
                   {sample.force_n.data(), std::size_t{3}});
@@ -173,12 +175,8 @@ std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& bo
   }
   const SurfaceCompliance compliance = compliance_among(model, nodes);
   for (PressedNode& node : nodes) {
-    // A linear body may be stiffer than the true one: its force says little about where
-    // the path ends.
-    const double force_max_n = node.path.force_max_n;
-    node.path.force_max_n *= mode.nonlinear ? 3.0 : 1.0;
-    press_linear(model, compliance, node);
-    node.path.force_max_n = force_max_n;
+    press_linear(model, compliance, node,
+                 mode.nonlinear || mode.probe ? kLinearForceTimes : 1.0);
   }
   for (PressedNode& node : nodes) {
     if (mode.probe || mode.nonlinear) {

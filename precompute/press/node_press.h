@@ -41,7 +41,9 @@ struct PressMode {
   SolvedDepths depths = SolvedDepths::kFew;
   NonlinearOptions options = {};  ///< but for sticking, which is the tool's
   bool keep_states = false;       ///< of nonlinear presses, in PressedNode::nonlinear
-  bool probe = false;             ///< linear presses measure Indentation::nonlinearity
+  /// Linear presses are what others are made of: they measure
+  /// Indentation::nonlinearity, and go on to kLinearForceTimes.
+  bool probe = false;
 };
 
 struct PressedNode {
@@ -105,9 +107,15 @@ void drop_if_broken(PressedNode& node, const char* stage);
     std::span<const char> wanted,
     const std::function<void(std::size_t done, std::size_t total)>& told);
 
+/// How far a linear press goes that others are made of, over the scene's largest force:
+/// the linear body may be stiffer than the true one, and its force says little about
+/// where the path ends.
+inline constexpr double kLinearForceTimes = 3.0;
+
 /// Presses a placed node into the linear body.
+/// @param force_times [-] of the path's largest force, where it ends.
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
-                  PressedNode& node);
+                  PressedNode& node, double force_times = 1.0);
 
 /// Presses the vertices on a model that was made for them. A vertex that fails has its
 /// reason; the others are what they would be without it.

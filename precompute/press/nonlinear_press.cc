@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "formats/response/force_difference.h"
@@ -85,9 +86,11 @@ void spoil(const PressedNode& node, NonlinearIndentation& result) {
   }
 }
 
-// Ends the path where its force passes the largest that the scene wants.
+// Ends the path where its force passes the largest that the scene wants. A body much
+// softer than its linear one may not come so far.
 void cap_force(PressedNode& node, double force_max_n) {
   auto& samples = node.indentation.sample;
+  const bool linear_ended = std::exchange(node.indentation.force_capped, false);
   const auto past = std::find_if(samples.begin(), samples.end(), [&](const auto& s) {
     return s.force_n.norm() > force_max_n;
   });
@@ -95,6 +98,8 @@ void cap_force(PressedNode& node, double force_max_n) {
     samples.erase(past + 1, samples.end());
     node.indentation.force_capped = true;
   }
+  node.indentation.ends_early =
+      linear_ended && !node.indentation.force_capped && node.failure.empty();
 }
 
 // Springs that give way by g are felt as a tool that is g off its place.

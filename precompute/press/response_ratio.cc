@@ -83,6 +83,7 @@ Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
       path.sample.resize(k + 1);
     }
   }
+  path.ends_early = cheap.force_capped && !path.force_capped;
   return path;
 }
 

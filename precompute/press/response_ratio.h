@@ -47,7 +47,8 @@ struct PathRatio {
                                                   const Indentation& cheap);
 
 /// A cheap path, on any mesh, scaled and turned sample by sample. Hard to follow where
-/// half of the ratio or more is of such presses.
+/// half of the ratio or more is of such presses. It ends early where the cheap path was
+/// capped and its force is not past force_max_n there.
 [[nodiscard]] Indentation scaled(const Indentation& cheap, const PathRatio& ratio,
                                  double force_max_n);
 

@@ -227,7 +227,8 @@ std::vector<PressedNode> SceneSolver::cheap(
   if (strategy_.shared_mesh) {
     for (const std::int32_t v : vertices) {
       PressedNode node = placed_node(scene_, body_, *model_, tool, v);
-      press_linear(*model_, *compliance_, node);
+      press_linear(*model_, *compliance_, node,
+                   strategy_.nonlinear ? kLinearForceTimes : 1.0);
       if (strategy_.nonlinear) {
         probe_nonlinearity(*model_, node);
       }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "formats/database/error_calibration.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/contact/indentation_response.h"
@@ -154,12 +156,18 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
     const PressedNode& press = good_[i] ? *good_[i] : cheap_[i];
     node.failure = press.failure;
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
+    bool ends_early = press.indentation.ends_early;
     if (good_[i]) {
       node.response = response_of(press);
     } else if (is_like_others(i) && field_.size() > 0) {
-      node.response = interpolated(i, ratios);
+      node.response = interpolated(i, ratios, ends_early);
     } else if (touches(i)) {
       node.failure = "no neighbour was solved that it could be interpolated from";
+    }
+    if (ends_early && node.failure.empty() && !node.response.force_n.empty()) {
+      node.failure = fmt::format(
+          "it ends at {:.4g} N, where the linear press has passed {} times force_max_n",
+          node.response.force_n.back(), kLinearForceTimes);
     }
     if (ends_at_support(scene_, press) && !node.response.depth_m.empty()) {
       node.response.flags =
@@ -291,10 +299,12 @@ double Territory::expected_error(std::size_t i, const RatioModel& ratios) const 
              : ratios.magnitude_error_at(vertex_[i], cheap_[i].indentation);
 }
 
-NodeResponse Territory::interpolated(std::size_t i, const RatioModel& ratios) const {
+NodeResponse Territory::interpolated(std::size_t i, const RatioModel& ratios,
+                                     bool& ends_early) const {
   const Indentation& cheap = cheap_[i].indentation;
   const Indentation path =
       scaled(cheap, ratios.at(vertex_[i], cheap), scene_.reach.force_max_n);
+  ends_early = path.ends_early;
   NodeResponse response = to_response(path, cheap_[i].path, scene_.force_relative);
   response.origin = ResponseOrigin::kInterpolated;
   response.error_relative =

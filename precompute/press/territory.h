@@ -76,8 +76,8 @@ class Territory {
     return RatioField::place_of(vertex_[i], cheap_[i].indentation);
   }
   [[nodiscard]] double expected_error(std::size_t i, const RatioModel& ratios) const;
-  [[nodiscard]] NodeResponse interpolated(std::size_t i,
-                                          const RatioModel& ratios) const;
+  [[nodiscard]] NodeResponse interpolated(std::size_t i, const RatioModel& ratios,
+                                          bool& ends_early) const;
   [[nodiscard]] std::size_t index_of(std::int32_t vertex) const;
   [[nodiscard]] bool is_outside_budget(const PressedNode& node) const;
   [[nodiscard]] NodeResponse response_of(const PressedNode& node) const;

@@ -55,6 +55,20 @@ TEST(PathRatio, EndsWhereTheForcePassesTheLargest) {
   const Indentation made = scaled(path(100.0), *ratio, 1.1);
   EXPECT_TRUE(made.force_capped);
   EXPECT_NEAR(made.sample.back().force_n.norm(), 1.2, 1e-12);
+  EXPECT_FALSE(made.ends_early);
+}
+
+// A cheap press that ended at its own largest force says nothing beyond.
+TEST(PathRatio, SaysThatItEndsWhereTheCheapPathWasCapped) {
+  const auto ratio = path_ratio(path(50.0), path(100.0));
+  ASSERT_TRUE(ratio);
+  Indentation cheap = path(100.0);
+  EXPECT_FALSE(scaled(cheap, *ratio, 10.0).ends_early);
+  cheap.force_capped = true;
+  const Indentation made = scaled(cheap, *ratio, 10.0);
+  EXPECT_TRUE(made.ends_early);
+  EXPECT_FALSE(made.force_capped);
+  EXPECT_FALSE(scaled(cheap, *ratio, 0.3).ends_early);
 }
 
 }  // namespace

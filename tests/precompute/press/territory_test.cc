@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <fstream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -41,16 +43,22 @@ depths = 3
 verify = 0
 )";
 
-TEST(Territory, SolvesOtherKindsOfPlacesBeforeOthersAreInterpolated) {
+struct Answers {
+  BodySource body;
+  std::vector<WorkUnitNode> nodes;
+};
+
+Answers answers_of(const std::string& scene_text) {
   const ScratchFolder folder;
   write_obj(relief(0.04, -0.02, 6,
                    [](double, double) {
                      return 0.0;
                    }),
             folder / "block.obj", "");
-  std::ofstream(folder / "scene.toml") << kScene;
+  std::ofstream(folder / "scene.toml") << scene_text;
   const Scene scene = read_scene(folder / "scene.toml");
-  const BodySource body = read_body(scene);
+  Answers answers{.body = read_body(scene), .nodes = {}};
+  const BodySource& body = answers.body;
   const std::vector<std::int32_t> vertices = reachable_vertices(scene, body);
   const PressStrategy strategy = choose_strategy(scene, body, vertices);
   Progress progress(nullptr);
@@ -58,8 +66,40 @@ TEST(Territory, SolvesOtherKindsOfPlacesBeforeOthersAreInterpolated) {
   Territory territory(scene, body, solver, body.tool.front(), vertices);
   territory.press_cheap();
   territory.solve_within_budget();
-  std::vector<WorkUnitNode> nodes;
-  territory.answer(0, nodes);
+  territory.answer(0, answers.nodes);
+  return answers;
+}
+
+// Solved or interpolated, a curve ends at the largest force, at the largest depth, or
+// it says that it does not.
+TEST(Territory, CurvesEndAtALimitOrSayThatTheyDoNot) {
+  constexpr double kForceMax = 0.03;
+  std::string text = kScene;
+  text.replace(text.find("depths = 3"), 10, "depths = 12");
+  text.replace(text.find("depth_max_m = 0.003"), 19,
+               "depth_max_m = 0.003\nforce_max_n = 0.03");
+  int interpolated = 0;
+  int capped = 0;
+  for (const WorkUnitNode& node : answers_of(text).nodes) {
+    const NodeResponse& response = node.response;
+    if (response.depth_m.empty()) {
+      continue;
+    }
+    interpolated += response.origin == ResponseOrigin::kInterpolated ? 1 : 0;
+    const bool at_force = response.force_n.back() > kForceMax;
+    capped += at_force ? 1 : 0;
+    EXPECT_EQ((response.flags & kForceCapped) != 0, at_force) << node.vertex;
+    const bool at_depth = response.depth_m.size() == 13;
+    EXPECT_TRUE(at_force || at_depth || !node.failure.empty() ||
+                (response.flags & kTruncatedPath) != 0)
+        << "vertex " << node.vertex << " ends at " << response.force_n.back() << " N";
+  }
+  EXPECT_GT(interpolated, 5);
+  EXPECT_GT(capped, 5);
+}
+
+TEST(Territory, SolvesOtherKindsOfPlacesBeforeOthersAreInterpolated) {
+  const auto [body, nodes] = answers_of(kScene);
   std::vector<std::int32_t> solved;
   for (const WorkUnitNode& node : nodes) {
     if (node.response.origin == ResponseOrigin::kSimulated) {
