@@ -75,6 +75,19 @@ void read_accuracy(const Sections& sections, Scene& scene) {
   rest.bundles = accuracy.integer_or(rest.bundles, "bundles", 1, 8);
 }
 
+// What sticks moves the body sideways, which linear presses do not.
+void refuse_linear_friction(const std::string& file, const Scene& scene) {
+  for (const ToolShape& tool : scene.tool) {
+    if (tool.sticking && scene.accuracy.method == "linear") {
+      throw InputError(
+          fmt::format("{}: accuracy.method is \"linear\" and the contact of tool {:?} "
+                      "\"sticking\": "
+                      "linear presses are \"frictionless\"; take method = \"auto\"",
+                      file, tool.name));
+    }
+  }
+}
+
 void read_drawing(const Sections& sections, Scene& scene) {
   if (!sections.has("drawing")) {
     return;
@@ -124,6 +137,7 @@ Scene read_scene(const std::filesystem::path& file) {
   read_tools(sections, scene);
   read_reach(sections, scene);
   read_accuracy(sections, scene);
+  refuse_linear_friction(name, scene);
   read_drawing(sections, scene);
   read_cutout(sections, scene);
   return scene;

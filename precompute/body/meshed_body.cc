@@ -24,7 +24,7 @@ namespace {
 // the coarse surface crosses itself.
 constexpr std::array<double, 3> kFarShares{0.3, 0.15, 0.08};
 
-// Nodes of the mesh that are held, or stand on springs with all of their face.
+// Nodes of the mesh that are held, and points of its surface that stand on springs.
 std::vector<Eigen::Vector3d> supported_m(const Scene& scene, const BodyModel& model) {
   std::vector<Eigen::Vector3d> points;
   const auto position = [&](std::int32_t node) -> Eigen::Vector3d {
@@ -38,14 +38,14 @@ std::vector<Eigen::Vector3d> supported_m(const Scene& scene, const BodyModel& mo
   for (const SceneSupport& support : scene.support) {
     for (Eigen::Index f = 0; !support.is_fixed() && f < model.mesh.surface.rows();
          ++f) {
-      const auto face = model.mesh.surface.row(f);
-      if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
-            return holds(support, position(node));
-          })) {
-        points.push_back(position(face[0]));
-        points.push_back(position(face[1]));
-        points.push_back(position(face[2]));
-      }
+      for_points_there(
+          model.mesh, f,
+          [&](const Eigen::Vector3d& p) {
+            return holds(support, p);
+          },
+          [&](const Eigen::Vector3d& p_m, std::size_t) {
+            points.push_back(p_m);
+          });
     }
   }
   return points;

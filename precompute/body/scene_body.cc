@@ -1,7 +1,11 @@
 #include "precompute/body/scene_body.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
@@ -92,7 +96,91 @@ void read_inclusions(const Scene& scene, BodySource& body) {
   body.inner = check_inner_surfaces(body.surface, body.inner);
 }
 
+// Smallest extent of what a support encloses [m]; of a plane without an end none.
+double smallest_extent_m(const SceneSupport& support) {
+  if (support.box_m) {
+    return support.box_m->sizes().minCoeff();
+  }
+  return support.patch ? 2.0 * support.patch->radius_m
+                       : std::numeric_limits<double>::infinity();
+}
+
+// Share of a triangle that a support holds, by points that lie evenly in it; of one
+// whose corners it holds, all: rounding may put the points beside a flat side of it.
+double held_share(const SceneSupport& support, const SurfaceMesh& surface,
+                  Eigen::Index triangle) {
+  std::array<Eigen::Vector3d, 3> corner;
+  for (int k = 0; k < 3; ++k) {
+    corner[static_cast<std::size_t>(k)] =
+        surface.position_m.row(surface.triangle(triangle, k)).transpose();
+  }
+  if (std::all_of(corner.begin(), corner.end(), [&](const Eigen::Vector3d& p_m) {
+        return holds(support, p_m);
+      })) {
+    return 1.0;
+  }
+  const double longest_m =
+      std::max({(corner[1] - corner[0]).norm(), (corner[2] - corner[1]).norm(),
+                (corner[0] - corner[2]).norm()});
+  constexpr double kFewest = 4.0;
+  constexpr double kMost = 64.0;
+  const int n = static_cast<int>(std::ceil(
+      std::clamp(kFewest * longest_m / smallest_extent_m(support), kFewest, kMost)));
+  int inside = 0;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n - i; ++j) {
+      // Centroids of the n^2 small triangles: upright ones, and those upside down.
+      for (const double third : {1.0 / 3.0, 2.0 / 3.0}) {
+        if (third > 0.5 && j == n - i - 1) {
+          continue;
+        }
+        const double a = (i + third) / n;
+        const double b = (j + third) / n;
+        inside += holds(support, corner[0] + a * (corner[1] - corner[0]) +
+                                     b * (corner[2] - corner[0]))
+                      ? 1
+                      : 0;
+      }
+    }
+  }
+  return static_cast<double>(inside) / (n * n);
+}
+
+// A vertex alone is enough where a mesh is refined around it.
+void require_supports(const Scene& scene, const SurfaceMesh& surface) {
+  const std::vector<double> area_m2 = supported_areas_m2(scene, surface);
+  for (std::size_t i = 0; i < area_m2.size(); ++i) {
+    bool holds_any = area_m2[i] > 0.0;
+    for (Eigen::Index v = 0; v < surface.position_m.rows() && !holds_any; ++v) {
+      holds_any = holds(scene.support[i], surface.position_m.row(v).transpose());
+    }
+    if (!holds_any) {
+      const Eigen::AlignedBox3d box = bounding_box(surface);
+      throw InputError(fmt::format(
+          "support {} of {} holds nothing: no point of the body's surface lies in it, "
+          "which fills ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m",
+          i + 1, area_m2.size(), box.min().x(), box.min().y(), box.min().z(),
+          box.max().x(), box.max().y(), box.max().z()));
+    }
+  }
+}
+
 }  // namespace
+
+std::vector<double> supported_areas_m2(const Scene& scene, const SurfaceMesh& surface) {
+  std::vector<double> area_m2;
+  for (const SceneSupport& support : scene.support) {
+    double sum = 0.0;
+    for (Eigen::Index t = 0; t < surface.triangle.rows(); ++t) {
+      const Eigen::RowVector3d a = surface.position_m.row(surface.triangle(t, 0));
+      const Eigen::RowVector3d ab = surface.position_m.row(surface.triangle(t, 1)) - a;
+      const Eigen::RowVector3d ac = surface.position_m.row(surface.triangle(t, 2)) - a;
+      sum += 0.5 * ab.cross(ac).norm() * held_share(support, surface, t);
+    }
+    area_m2.push_back(sum);
+  }
+  return area_m2;
+}
 
 std::vector<Material> materials_of(const Scene& scene) {
   std::vector<Material> materials{make_material(scene_material(scene, kBodyRegion))};
@@ -109,6 +197,7 @@ BodySource read_body(const Scene& scene, RepairMode repair) {
   BodySource body;
   body.surface = read_mesh(scene, repair, body.notes);
   body.files.push_back(scene.mesh);
+  require_supports(scene, body.surface);
   body.normal = vertex_normals(body.surface);
   body.held = held_points(body.surface, [&](const Eigen::Vector3d& p_m) {
     return is_held(scene, p_m);

@@ -31,7 +31,8 @@ struct BodySource {
 
 /// @param repair of the body's mesh file: vertices that it adds are the body's like
 /// others; every change is a note.
-/// @throws InputError for a body or scene that the user can mend.
+/// @throws InputError for a body or scene that the user can mend, as a support that no
+/// part of the surface lies in.
 [[nodiscard]] BodySource read_body(const Scene& scene,
                                    RepairMode repair = RepairMode::kOff);
 
@@ -47,6 +48,11 @@ struct BodySource {
 
 /// Whether a fixed support holds the surface there.
 [[nodiscard]] bool is_held(const Scene& scene, const Eigen::Vector3d& p_m);
+
+/// How much of the body's surface each support holds, or springs stand under [m^2]: of
+/// points that lie four or more to a support's smallest extent.
+[[nodiscard]] std::vector<double> supported_areas_m2(const Scene& scene,
+                                                     const SurfaceMesh& surface);
 
 /// Vertices to press: in the scene's reach and not held; ascending.
 /// @throws InputError if there are none.

@@ -179,6 +179,9 @@ void Planner::describe_scene() {
   report_.nonlinear_depths =
       strategy_.nonlinear ? nonlinear_depths(scene_.accuracy) : 0;
   report_.notes = body_.notes;
+  for (const std::string& note : support_notes(scene_, body_.surface)) {
+    report_.notes.push_back(note);
+  }
   report_.notes.insert(report_.notes.end(), strategy_.notes.begin(),
                        strategy_.notes.end());
 }

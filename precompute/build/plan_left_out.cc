@@ -46,4 +46,15 @@ std::vector<std::string> left_out_of(const Scene& scene, const PressStrategy& st
   return left_out;
 }
 
+std::vector<std::string> support_notes(const Scene& scene, const SurfaceMesh& surface) {
+  std::vector<std::string> notes;
+  for (const double area_m2 : supported_areas_m2(scene, surface)) {
+    const bool fixed = scene.support[notes.size()].is_fixed();
+    notes.push_back(fmt::format("support {} {} {:.4g} cm^2 of the surface",
+                                notes.size() + 1, fixed ? "holds" : "has springs under",
+                                1e4 * area_m2));
+  }
+  return notes;
+}
+
 }  // namespace palpate

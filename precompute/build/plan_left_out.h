@@ -1,4 +1,4 @@
-// What a build does not compute, and why.
+// What a build does not compute, and why; where it is held.
 #pragma once
 
 #include <string>
@@ -13,5 +13,9 @@ namespace palpate {
 [[nodiscard]] std::vector<std::string> left_out_of(const Scene& scene,
                                                    const PressStrategy& strategy,
                                                    const PlanReport& report);
+
+/// How much of the surface each support got, one line each.
+[[nodiscard]] std::vector<std::string> support_notes(const Scene& scene,
+                                                     const SurfaceMesh& surface);
 
 }  // namespace palpate

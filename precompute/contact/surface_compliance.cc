@@ -74,6 +74,28 @@ Supports hold_boxes(const QuadraticMesh& mesh,
   });
 }
 
+void for_points_there(
+    const QuadraticMesh& mesh, Eigen::Index face, const Where& where,
+    const std::function<void(const Eigen::Vector3d&, std::size_t)>& take) {
+  const auto nodes = mesh.surface.row(face);
+  const auto at = [&](int i) -> Eigen::Vector3d {
+    return mesh.position_m.row(nodes[i]).transpose();
+  };
+  // Not each point for itself: rounding may put one beside a plane that all nodes are
+  // in.
+  const bool all = std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
+    return where(mesh.position_m.row(n).transpose());
+  });
+  const std::vector<FaceRulePoint>& rule = face_rule();
+  for (std::size_t i = 0; i < rule.size(); ++i) {
+    const Eigen::Vector3d p_m =
+        rule[i].at[0] * at(0) + rule[i].at[1] * at(1) + rule[i].at[2] * at(2);
+    if (all || where(p_m)) {
+      take(p_m, i);
+    }
+  }
+}
+
 void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
                     const Where& where) {
   for (Eigen::Index f = 0; f < mesh.surface.rows(); ++f) {
@@ -81,14 +103,9 @@ void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per
     const auto at = [&](int i) -> Eigen::Vector3d {
       return mesh.position_m.row(nodes[i]).transpose();
     };
-    const bool inside = std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
-      return where(mesh.position_m.row(n).transpose());
-    });
-    if (!inside) {
-      continue;
-    }
     const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
-    for (const FaceRulePoint& point : face_rule()) {
+    for_points_there(mesh, f, where, [&](const Eigen::Vector3d&, std::size_t p) {
+      const FaceRulePoint& point = face_rule()[p];
       const double k = k_pa_per_m * point.area_share * area;
       for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 6; ++j) {
@@ -100,7 +117,7 @@ void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per
           }
         }
       }
-    }
+    });
   }
 }
 

@@ -28,8 +28,15 @@ using Where = std::function<bool(const Eigen::Vector3d& p_m)>;
 [[nodiscard]] Supports hold_boxes(const QuadraticMesh& mesh,
                                   std::span<const Eigen::AlignedBox3d> box_m);
 
+/// Points of a surface face (face_rule) [m] that lie there: all of them where all of
+/// its nodes do.
+/// @param take called with each, and which of the rule's it is.
+void for_points_there(
+    const QuadraticMesh& mesh, Eigen::Index face, const Where& where,
+    const std::function<void(const Eigen::Vector3d& p_m, std::size_t point)>& take);
+
 /// Adds an elastic foundation to the stiffness: springs of k [Pa/m] per area, in all
-/// directions, under every surface face whose nodes all lie there.
+/// directions, under the surface there (for_points_there).
 void add_foundation(Stiffness& lower, const QuadraticMesh& mesh, double k_pa_per_m,
                     const Where& where);
 

@@ -45,6 +45,12 @@ SceneSpectrum spectrum_of(const Scene& scene) {
       longest_s = std::max(longest_s, relaxation.tau_s.back() / stays);
     }
   }
+  // Springs that it stands on do not relax with a body.
+  same = same &&
+         (first.tau_s.empty() || std::all_of(scene.support.begin(), scene.support.end(),
+                                             [](const SceneSupport& support) {
+                                               return support.is_fixed();
+                                             }));
   return same ? SceneSpectrum{first.tau_s, first.g}
               : SceneSpectrum{
                     between(shortest_s, longest_s, static_cast<int>(kMostTerms)), {}};

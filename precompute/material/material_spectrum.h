@@ -16,14 +16,15 @@ namespace palpate {
 /// Relaxation times that the responses of a scene have in common.
 struct SceneSpectrum {
   std::vector<double> tau_s;  ///< (K) [s] increasing; none: nothing relaxes
-  /// (K) [-] where all materials have these; empty where they differ.
+  /// (K) [-] where all of the body relaxes so; empty where parts differ.
   std::vector<double> g;
 
   [[nodiscard]] bool empty() const { return tau_s.empty(); }
   [[nodiscard]] bool uniform() const { return !g.empty(); }
 };
 
-/// Of all materials: theirs where they agree. Else four times in equal ratios, from the
+/// Of all materials: theirs where they agree and nothing stands on springs, which do
+/// not relax. Else four times in equal ratios, from the
 /// shortest to the longest over 1 - sum g of its material: a body of several materials
 /// relaxes with times between those in which each relaxes and those in which it creeps.
 [[nodiscard]] SceneSpectrum spectrum_of(const Scene& scene);

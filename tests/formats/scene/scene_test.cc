@@ -32,6 +32,21 @@ TEST(Scene, ReadsEveryKey) {
   EXPECT_EQ(scene.text, kScene);
 }
 
+TEST(Scene, LinearPressesDoNotStick) {
+  std::string text = kScene;
+  text.replace(text.find("presliding_m = 0.0005"), 0, "contact = \"sticking\"\n");
+  EXPECT_NO_THROW((void)read_scene_text(text));
+  text.replace(text.find("force_relative"), 0, "method = \"linear\"\n");
+  try {
+    (void)read_scene_text(text);
+    FAIL() << "friction was promised and left out";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("linear presses are \"frictionless\""),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Scene, OptionalKeysHaveDefaults) {
   std::string text = kScene;
   text.erase(text.find("[accuracy]"));

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -91,6 +94,37 @@ TEST_F(BodySources, WrapGivesNewVerticesWithNormalsAndSaysSo) {
   const BodySource body = read_body(scene_of(crossing), RepairMode::kWrap);
   EXPECT_EQ(body.normal.rows(), body.surface.position_m.rows());
   EXPECT_TRUE(any_contains(body.notes, "THE SURFACE IS NEW"));
+}
+
+TEST_F(BodySources, ASupportHoldsTheCapThatLiesInIt) {
+  const Scene scene = scene_of(icosphere(0.03, 3));
+  const std::vector<double> area_m2 =
+      supported_areas_m2(scene, read_body(scene).surface);
+  ASSERT_EQ(area_m2.size(), 1U);
+  const double cap_m2 = 2.0 * std::numbers::pi * 0.03 * 0.01;
+  EXPECT_NEAR(area_m2[0] / cap_m2, 1.0, 0.03);  // the surface is of flat triangles
+}
+
+TEST_F(BodySources, ASupportThatHoldsNothingIsRefused) {
+  Scene scene = scene_of(icosphere(0.03, 2));
+  scene.support.push_back(scene.support.front());
+  scene.support.back().box_m =
+      Eigen::AlignedBox3d(Eigen::Vector3d(5, 5, 5), Eigen::Vector3d(6, 6, 6));
+  try {
+    (void)read_body(scene);
+    FAIL() << "a support far away was taken";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("support 2 of 2 holds nothing"), std::string::npos) << text;
+  }
+  // A patch between vertices is not nothing.
+  scene.support.back().box_m.reset();
+  const Eigen::Vector3d inside =
+      (read_body(scene_of(icosphere(0.03, 2))).surface.position_m.topRows(2))
+          .colwise()
+          .mean();
+  scene.support.back().patch = SceneBall{inside, 0.004};
+  EXPECT_NO_THROW((void)read_body(scene));
 }
 
 TEST_F(BodySources, NeedleTrianglesAreNoted) {

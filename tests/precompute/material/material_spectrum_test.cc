@@ -45,6 +45,18 @@ TEST(MaterialSpectrum, HasFourTimesInEqualRatiosWhereMaterialsDiffer) {
   EXPECT_EQ(spectrum_of(scene_of({kShort, {}})).tau_s.size(), 4U);
 }
 
+// Springs do not relax: at the nodes that they bear a body gives less and less way.
+TEST(MaterialSpectrum, DiffersFromNodeToNodeOnAFoundation) {
+  Scene scene = scene_of({kShort, kShort});
+  scene.support.emplace_back();
+  EXPECT_TRUE(spectrum_of(scene).uniform());
+  scene.support.emplace_back().stiffness_pa_per_m = 20e3;
+  EXPECT_FALSE(spectrum_of(scene).uniform());
+  EXPECT_EQ(spectrum_of(scene).tau_s.size(), 4U);
+  scene.material[0].relaxation = scene.material[1].relaxation = {};
+  EXPECT_TRUE(spectrum_of(scene).empty());
+}
+
 TEST(MaterialSpectrum, RelaxesEveryModulusAndNothingElse) {
   const Scene scene = scene_of({kShort, {}});
   const Scene relaxed = transformed_scene(scene, 3.0);
