@@ -26,12 +26,22 @@ inline constexpr double kLeastErrorFactor = 1.5;
 /// largest of fewer than 19, which is no guarantee. @param values (n >= 1).
 [[nodiscard]] double covering(std::vector<double> values);
 
+/// The share of new values that covering() of n of them, of which `known` are, is told
+/// to cover: n / (n + 1) of few, less where what is known does not reach that far.
+[[nodiscard]] double covered_share(std::size_t known, std::size_t n);
+
 /// [-] The factor on estimates that covers 95 % of new nodes, whatever the distribution
 /// of errors, if checked nodes were chosen at random: covering() of the ratios of
 /// error and estimate, and at least kLeastErrorFactor.
-/// @param estimate (n) [-] positive. @param error (n) [-] found at the same nodes.
+/// @param estimate (n) [-] positive. @param error (n) [-] found at the same nodes;
+/// infinite where the check itself failed, so that nobody knows: where these reach into
+/// what is to be covered, the largest that is known is taken (covered_share()).
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,
                                       std::span<const double> error);
+
+/// What estimates are expected to be multiplied by while a build runs, which knows no
+/// checks yet.
+inline constexpr double kExpectedErrorFactor = kLeastErrorFactor;
 
 /// The error of a solution over its difference to a check. In the median of presses
 /// beside much finer ones 1.4 and 0.9 of a linear organ and a linear liver, 1.0 of a

@@ -98,7 +98,7 @@ void compare(const ResponseDatabase& database,
              const std::vector<NodeResponse>& response, const StoredForces& stored,
              std::vector<PlaceCheck>& checks) {
   for (PlaceCheck& check : checks) {
-    if (!has_samples(check.response)) {
+    if (std::isinf(check.found) || !has_samples(check.response)) {
       continue;
     }
     if (check.place.triangle >= 0) {

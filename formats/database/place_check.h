@@ -26,7 +26,8 @@ struct PlaceCheck {
   std::int32_t vertex = -1;  ///< where the place is, or the nearest to it
   SurfacePoint place = {};   ///< triangle and area coordinates; -1: at the vertex
   NodeResponse response = {};
-  /// [-] What compare() found, as force_difference() counts; NaN: nothing.
+  /// [-] What compare() found, as force_difference() counts; NaN: nothing. Infinite
+  /// before: the check failed, and nobody knows.
   double found = std::numeric_limits<double>::quiet_NaN();
   /// [-] The same from each of kErrorsFrom on; only between vertices.
   std::array<double, kErrorsFrom.size()> found_from{};

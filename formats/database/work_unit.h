@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/database/error_calibration.h"
 #include "formats/database/response_database.h"
 #include "formats/mesh/surface_search.h"
 
@@ -98,7 +99,12 @@ struct Assembly {
   std::int64_t hard_path = 0;      ///< other equilibria may lie near
   double error_factor =
       0.0;  ///< [-] stated errors over estimates, of tools the largest
-  double hard_error_factor = 0.0;       ///< [-] the same of nodes with kHardPath
+  double hard_error_factor = 0.0;  ///< [-] the same of nodes with kHardPath
+  /// [-] The share of nodes that stated errors hold for, as the number of checks tells:
+  /// of tools the least, 0.95 at most; and of nodes with kHardPath.
+  double error_covered = kErrorCoverage;
+  double hard_error_covered = kErrorCoverage;
+  std::int64_t checked_in_vain = 0;     ///< checks that failed: they count as misses
   std::int64_t reaching_elsewhere = 0;  ///< the tool also met another part of the body
   std::vector<double> error;            ///< [-] stated, ascending
   std::vector<double> checked;        ///< [-] errors against finer solutions, ascending

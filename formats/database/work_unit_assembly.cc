@@ -1,7 +1,6 @@
 // Putting units together to a database.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -135,19 +134,27 @@ void take(const WorkUnitOutcome& unit, std::vector<ToolAnswers>& answers) {
           node.response.flags | (truncated ? kTruncatedPath : 0));
     } else {
       tool.check.push_back({node.vertex, unit.place, node.response});
+      if (!node.failure.empty()) {
+        // The hard ones fail: left out, they would make the others' errors too small.
+        tool.check.back().found = std::numeric_limits<double>::infinity();
+      }
     }
   }
 }
 
 // Factors on estimates: of nodes whose path was easy to follow, and of the others,
 // which are few and off by more.
+struct ErrorFactor {
+  double factor = 0.0;              // 0: there is no such node
+  double covered = kErrorCoverage;  // the share of nodes that so many checks cover
+};
 struct ErrorFactors {
-  double easy = 0.0;
-  double hard = 0.0;  // 0: there is no such node
+  ErrorFactor easy;
+  ErrorFactor hard;
 };
 
 // Estimates become stated errors, and flags where those are above the budget.
-double calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
+ErrorFactor calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
   const auto is_hard = [&](const NodeResponse& response) {
     return (response.flags & kHardPath) != 0;
   };
@@ -158,7 +165,7 @@ double calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
     }
   }
   if (nodes.empty()) {
-    return 0.0;
+    return {};
   }
   std::vector<double> estimate;
   std::vector<double> error;
@@ -179,13 +186,16 @@ double calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
     }
   }
   const double factor = calibrate_errors(estimate, error);
+  const auto known = std::count_if(error.begin(), error.end(), [](double e) {
+    return std::isfinite(e);
+  });
   for (NodeResponse* response : nodes) {
     response->error_relative *= factor;
     if (response->error_relative > plan.force_relative) {
       response->flags = static_cast<std::uint8_t>(response->flags | kErrorOverBudget);
     }
   }
-  return factor;
+  return {factor, covered_share(static_cast<std::size_t>(known), error.size())};
 }
 
 // What 95 % of places are within, by the depth from which on errors count.
@@ -194,12 +204,16 @@ void state_by_depth(const std::vector<PlaceCheck>& checks, AccuracyRecord& recor
     std::vector<double> found;
     for (const PlaceCheck& check : checks) {
       if (check.place.triangle >= 0 && !std::isnan(check.found)) {
-        found.push_back(kErrorPerPlaceCheck * check.found_from[i]);
+        found.push_back(std::isinf(check.found)
+                            ? check.found
+                            : kErrorPerPlaceCheck * check.found_from[i]);
       }
     }
-    if (found.size() >= kChecksToCalibrate) {
+    const std::size_t count = found.size();
+    const double covered = found.empty() ? 0.0 : covering(std::move(found));
+    if (count >= kChecksToCalibrate && std::isfinite(covered)) {
       record.depth_share.push_back(kErrorsFrom[i]);
-      record.covering_relative.push_back(covering(std::move(found)));
+      record.covering_relative.push_back(covered);
     }
   }
 }
@@ -207,13 +221,13 @@ void state_by_depth(const std::vector<PlaceCheck>& checks, AccuracyRecord& recor
 AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
                                const std::vector<PlaceCheck>& checks) {
   AccuracyRecord record{.budget_relative = budget,
-                        .error_factor = factor.easy,
-                        .hard_error_factor = factor.hard,
+                        .error_factor = factor.easy.factor,
+                        .hard_error_factor = factor.hard.factor,
                         .quantile_level = {},
                         .error_relative = {}};
   std::vector<double> verified;
   for (const PlaceCheck& check : checks) {
-    if (!std::isnan(check.found)) {
+    if (std::isfinite(check.found)) {
       verified.push_back(check.found);
       record.between_nodes += check.place.triangle >= 0 ? 1 : 0;
     }
@@ -239,9 +253,11 @@ ResponseTable table_of(const JobDescription& plan, std::size_t t,
     table.verified_error_relative.assign(tool.response.size(),
                                          std::numeric_limits<double>::quiet_NaN());
     for (const PlaceCheck& check : tool.check) {
-      double& largest =
-          table.verified_error_relative[static_cast<std::size_t>(check.vertex)];
-      largest = std::isnan(largest) ? check.found : std::fmax(largest, check.found);
+      if (std::isfinite(check.found)) {
+        double& largest =
+            table.verified_error_relative[static_cast<std::size_t>(check.vertex)];
+        largest = std::fmax(largest, check.found);  // of NaN and a number the number
+      }
     }
   }
   const auto failed = [](const std::string& reason) {
@@ -262,6 +278,15 @@ ResponseTable table_of(const JobDescription& plan, std::size_t t,
     }
   }
   return table;
+}
+
+void count_checks(const std::vector<PlaceCheck>& checks, Assembly& assembly) {
+  for (const PlaceCheck& check : checks) {
+    if (std::isfinite(check.found)) {
+      assembly.checked.push_back(check.found);
+    }
+    assembly.checked_in_vain += std::isinf(check.found) ? 1 : 0;
+  }
 }
 
 }  // namespace
@@ -298,11 +323,7 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
   for (std::size_t t = 0; t < plan.tool.size(); ++t) {
     database.tools.push_back(make_table(plan.tool[t], answers[t].response));
     compare(database, answers[t].response, stored, answers[t].check);
-    for (const PlaceCheck& check : answers[t].check) {
-      if (!std::isnan(check.found)) {
-        assembly.checked.push_back(check.found);
-      }
-    }
+    count_checks(answers[t].check, assembly);
     const ErrorFactors factor{calibrate(plan, answers[t], false),
                               calibrate(plan, answers[t], true)};
     for (const NodeResponse& response : answers[t].response) {
@@ -311,8 +332,12 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
         assembly.over_budget += (response.flags & kErrorOverBudget) != 0 ? 1 : 0;
       }
     }
-    assembly.error_factor = std::max(assembly.error_factor, factor.easy);
-    assembly.hard_error_factor = std::max(assembly.hard_error_factor, factor.hard);
+    assembly.error_factor = std::max(assembly.error_factor, factor.easy.factor);
+    assembly.hard_error_factor =
+        std::max(assembly.hard_error_factor, factor.hard.factor);
+    assembly.error_covered = std::min(assembly.error_covered, factor.easy.covered);
+    assembly.hard_error_covered =
+        std::min(assembly.hard_error_covered, factor.hard.covered);
     database.tools.back() = table_of(plan, t, answers[t], factor);
     Viscoelasticity relaxation = plan.relaxation;
     relaxation.yielding = plan.yielding.empty() ? Yielding{} : plan.yielding[t];

@@ -154,7 +154,10 @@ void finish_database(const Scene& scene, const BuildOptions& options,
                    progress);
   }
   if (couples(scene)) {
-    add_coupling(scene, body, reachable, report.assembly.database, progress);
+    for (std::string& note :
+         add_coupling(scene, body, reachable, report.assembly.database, progress)) {
+      report.notes.push_back(std::move(note));
+    }
   }
   if (scene.drawing.displacement) {
     add_fields_or_note(scene, body, strategy, reachable, report, progress);

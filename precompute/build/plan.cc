@@ -179,11 +179,9 @@ void Planner::describe_scene() {
   report_.nonlinear_depths =
       strategy_.nonlinear ? nonlinear_depths(scene_.accuracy) : 0;
   report_.notes = body_.notes;
-  for (const std::string& note : support_notes(scene_, body_.surface)) {
-    report_.notes.push_back(note);
+  for (const auto& more : {support_notes(scene_, body_.surface), strategy_.notes}) {
+    report_.notes.insert(report_.notes.end(), more.begin(), more.end());
   }
-  report_.notes.insert(report_.notes.end(), strategy_.notes.begin(),
-                       strategy_.notes.end());
 }
 
 void Planner::time_shared_mesh() {

@@ -64,6 +64,9 @@ nlohmann::ordered_json report_json(const BuildReport& report) {
           {"checked", all.checked},
           {"error_factor", all.error_factor},
           {"hard_error_factor", all.hard_error_factor},
+          {"error_covered", all.error_covered},
+          {"hard_error_covered", all.hard_error_covered},
+          {"checked_in_vain", all.checked_in_vain},
           {"hard_path", all.hard_path},
           {"units", report.units},
           {"resumed", report.resumed},
@@ -84,13 +87,13 @@ void print_failures(const std::vector<std::string>& failures) {
   }
 }
 
-void print_errors(const Assembly& all, double budget) {
-  fmt::print("force error   {:.1f} % median, {:.1f} % at the 95th percentile\n",
-             100 * quantile(all.error, 0.5), 100 * quantile(all.error, 0.95));
+// What estimates were multiplied by, and what says so.
+void print_checks(const Assembly& all) {
   if (all.hard_path > 0) {
     fmt::print(
-        "              {:.2g} times estimates where the path was hard to follow\n",
-        all.hard_error_factor);
+        "              {:.2g} times estimates where the path was hard to follow, so "
+        "that it holds at {:.0f} % of these\n",
+        all.hard_error_factor, 100 * all.hard_error_covered);
   }
   if (all.checked.empty()) {
     fmt::print(
@@ -104,7 +107,7 @@ void print_errors(const Assembly& all, double budget) {
         "checked       {} places of the surface, solved better; they differ by {:.1f} "
         "% in the "
         "median, {:.1f} % at most\n",
-        all.error_factor, 100 * kErrorCoverage, all.checked.size(),
+        all.error_factor, 100 * all.error_covered, all.checked.size(),
         100 * quantile(all.checked, 0.5), 100 * quantile(all.checked, 1.0));
   }
   for (const ResponseTable& table : all.database.tools) {
@@ -116,6 +119,18 @@ void print_errors(const Assembly& all, double budget) {
           1e3 * accuracy.depth_share[i] * table.depth_max_m());
     }
   }
+  if (all.checked_in_vain > 0) {
+    fmt::print(
+        "warning       {} more checks failed: nobody knows how far off these places "
+        "are\n",
+        all.checked_in_vain);
+  }
+}
+
+void print_errors(const Assembly& all, double budget) {
+  fmt::print("force error   {:.1f} % median, {:.1f} % at the 95th percentile\n",
+             100 * quantile(all.error, 0.5), 100 * quantile(all.error, 0.95));
+  print_checks(all);
   print_failures(all.failures);
   if (all.over_budget > 0) {
     fmt::print("warning       {} of {} responses may miss the budget of {} %\n",

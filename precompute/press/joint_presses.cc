@@ -248,7 +248,7 @@ CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
     std::vector<std::int32_t> ascending = set;
     std::sort(ascending.begin(), ascending.end());
     // What a set throws leaves it out.
-    static_cast<void>(failure_of("its set", [&] {
+    const std::string failure = failure_of("its set", [&] {
       const BodyModel model = make_graded_model(scene, body, ascending, focus);
       std::vector<double> of_set;
       for (CouplingErrors& of : study.by_count) {
@@ -269,8 +269,9 @@ CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
         const std::lock_guard lock(adding);
         study.worst_by_table.push_back(*std::max_element(of_set.begin(), of_set.end()));
       }
-    }));
+    });
     const std::lock_guard lock(adding);
+    study.left_out += failure.empty() ? 0 : 1;
     progress.advance(++done, options.sets, "sets");
   });
   std::sort(study.worst_by_table.begin(), study.worst_by_table.end());

@@ -57,6 +57,7 @@ struct CouplingErrors {
 
 struct CouplingStudy {
   std::vector<CouplingErrors> by_count;  ///< as JointOptions::contacts
+  std::size_t left_out = 0;              ///< sets that could not be meshed or pressed
   /// Of each set the largest error by table, of any of its forces; ascending.
   std::vector<double> worst_by_table;
 };
@@ -74,7 +75,7 @@ struct JointOptions {
 
 /// Presses sets of vertices jointly: 1.8 contact radii apart or more, within 7 of the
 /// first, at half of the largest depth or deeper, on meshes made for each set. A set
-/// that cannot be meshed or pressed is left out.
+/// that cannot be meshed or pressed is left out, and counted.
 /// @param vertices that are pressed. @param coupling of the scene.
 [[nodiscard]] CouplingStudy coupling_errors(const Scene& scene, const BodySource& body,
                                             const SharedTool& tool,

@@ -63,7 +63,7 @@ void Territory::keep_cheap_within_budget(bool graded) {
 }
 
 bool Territory::is_outside_budget(const PressedNode& node) const {
-  return kLeastErrorFactor * estimate(node) > scene_.force_relative ||
+  return kExpectedErrorFactor * estimate(node) > scene_.force_relative ||
          touches_late(node);
 }
 
@@ -121,7 +121,8 @@ bool Territory::few_predict_each_other() const {
     trial.add(node->vertex, node->linear, std::move(ratio));
   }
   const std::vector<double> error = RatioModel(trial).left_out_errors();
-  return *std::max_element(error.begin(), error.end()) < scene_.force_relative;
+  return kExpectedErrorFactor * *std::max_element(error.begin(), error.end()) <
+         scene_.force_relative;
 }
 
 // Ratios that are alike say nothing about a kind of place that nobody has solved, like
@@ -137,7 +138,7 @@ void Territory::solve_kinds_until_within_budget() {
       }
     }
     const double worst = *std::max_element(error.begin(), error.end());
-    if (!(worst > scene_.force_relative)) {
+    if (!(kExpectedErrorFactor * worst > scene_.force_relative)) {
       return;
     }
     const Places more =

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -46,6 +47,33 @@ TEST(ErrorCalibration, WithFewChecksTakesTheLargestRatio) {
   std::vector<double> error(18, 0.001);
   error[7] = 0.2;
   EXPECT_DOUBLE_EQ(calibrate_errors(estimate, error), 10.0);
+}
+
+// A check that failed is beyond every number: it moves the rank, and where that reaches
+// it the largest known ratio covers less.
+TEST(ErrorCalibration, AFailedCheckCountsAsAMiss) {
+  constexpr double kNobodyKnows = std::numeric_limits<double>::infinity();
+  const std::vector<double> estimate(39, 0.02);
+  std::vector<double> error;
+  for (int i = 1; i <= 38; ++i) {
+    error.push_back(0.001 * i);
+  }
+  error.push_back(kNobodyKnows);
+  EXPECT_DOUBLE_EQ(calibrate_errors(estimate, error), 0.038 / 0.02);
+  EXPECT_EQ(covered_share(38, 39), 0.95);
+  error[5] = kNobodyKnows;
+  EXPECT_DOUBLE_EQ(calibrate_errors(estimate, error), 0.038 / 0.02);
+  EXPECT_DOUBLE_EQ(covered_share(37, 39), 37.0 / 40.0);
+  EXPECT_DOUBLE_EQ(calibrate_errors(std::vector{0.02}, std::vector{kNobodyKnows}),
+                   kLeastErrorFactor);
+}
+
+TEST(ErrorCalibration, FewChecksCoverWhatTheyCan) {
+  EXPECT_EQ(covered_share(0, 0), 0.0);
+  EXPECT_DOUBLE_EQ(covered_share(6, 6), 6.0 / 7.0);
+  EXPECT_DOUBLE_EQ(covered_share(12, 12), 12.0 / 13.0);
+  EXPECT_EQ(covered_share(19, 19), 0.95);
+  EXPECT_EQ(covered_share(24, 24), 0.95);
 }
 
 // Errors that estimates know little of: log-normal ratios of any width, and estimates
