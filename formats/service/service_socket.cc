@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -75,6 +76,30 @@ bool somebody_listens(const sockaddr_un& address) {
   }
   return listens;
 }
+
+// Held by who looks whether somebody listens and then listens there: two at once would
+// both see nobody, and the second take away the first's socket. A lock on the folder
+// leaves no file behind; where it cannot be had, it is gone without.
+class FolderOfSocket {
+ public:
+  explicit FolderOfSocket(const std::filesystem::path& socket)
+      : descriptor_(
+            ::open(socket.has_parent_path() ? socket.parent_path().c_str() : ".",
+                   O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    while (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~FolderOfSocket() {
+    if (descriptor_ >= 0) {
+      ::close(descriptor_);
+    }
+  }
+  FolderOfSocket(const FolderOfSocket&) = delete;
+  FolderOfSocket& operator=(const FolderOfSocket&) = delete;
+
+ private:
+  int descriptor_;
+};
 
 }  // namespace
 
@@ -156,7 +181,9 @@ ServiceListener::ServiceListener(std::filesystem::path socket)
     : socket_(std::move(socket)) {
   const sockaddr_un address = address_of(socket_);
   const auto deadline = std::chrono::steady_clock::now() + kGoing;
+  std::optional<FolderOfSocket> folder(std::in_place, socket_);
   while (somebody_listens(address)) {
+    folder.reset();
     if (std::chrono::steady_clock::now() > deadline) {
       throw InputError(
           fmt::format("a service listens at {} already: join it, or give another "
@@ -164,6 +191,7 @@ ServiceListener::ServiceListener(std::filesystem::path socket)
                       socket_.string()));
     }
     std::this_thread::sleep_for(milliseconds(50));
+    folder.emplace(socket_);
   }
   std::error_code ignored;
   if (std::filesystem::is_socket(socket_, ignored)) {

@@ -135,6 +135,10 @@ void PlanSharedMesh::time_columns(std::span<const PressedNode> placed,
                                         progress_.advance(done, total, "columns");
                                       }));
   });
+  if (times_larger_ > 1.0) {  // more nodes, and as many more near each
+    report_.peak_memory_bytes +=
+        static_cast<std::int64_t>(times_larger_ * times_larger_ * compliance_->bytes());
+  }
   report_.cost.push_back(cost_once("find pairs of near contact nodes", none));
   report_.cost.push_back(
       cost_of_all("columns of the surface compliance", columns, sample.solved,

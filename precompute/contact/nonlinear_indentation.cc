@@ -286,6 +286,8 @@ class Press {
     sample.gradients += last_.gradients;
     sample.lagrange += last_.lagrange;
     newton_ += last_.newton;
+    result_.newton += last_.newton;
+    result_.gradients += last_.gradients;
     if (passes_over_ && (!last_.converged || (last_.indefinite && may_cut))) {
       return false;
     }
@@ -362,9 +364,13 @@ NonlinearIndentation indent_nonlinear(const NonlinearBody& body,
                                       const RestSolve& solve,
                                       const NonlinearOptions& options) {
   NonlinearOptions wider = options;
+  std::int64_t newton = 0;
+  std::int64_t gradients = 0;
   for (int attempt = 0;; ++attempt) {
     NonlinearIndentation result =
         Press(body, patch, compliance, touch_m, steps, place, solve, wider).follow();
+    result.newton = newton += result.newton;
+    result.gradients = gradients += result.gradients;
     if (attempt == kWidened || !result.converged() ||
         !(result.far_excess_relative > options.far_excess_max)) {
       return result;

@@ -86,6 +86,9 @@ struct NonlinearSample {
 struct NonlinearIndentation {
   std::vector<NonlinearSample> sample;  ///< as far as it came
   std::string failure;                  ///< empty where every step converged
+  /// Newton steps and gradients of all attempts, also of those that failed.
+  std::int64_t newton = 0;
+  std::int64_t gradients = 0;
   /// A step was cut, the contact stiffened, or the tangent was indefinite where
   /// Newton's method ended: other equilibria may lie near.
   bool hard_path = false;

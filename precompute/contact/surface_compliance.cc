@@ -4,9 +4,12 @@
 #include <atomic>
 #include <mutex>
 
+#include <fmt/format.h>
+
 #include "precompute/contact/face_quadrature.h"
 #include "precompute/contact/loaded_part.h"
 #include "precompute/fem/load_compliance.h"
+#include "precompute/process/machine_memory.h"
 #include "precompute/process/parallel.h"
 
 namespace palpate {
@@ -179,6 +182,11 @@ SurfaceCompliance::SurfaceCompliance(const CholeskyFactor& factor,
     column_.push_back({begin, begin, std::ssize(list)});
     neighbour_.insert(neighbour_.end(), list.begin(), list.end());
   }
+  const double bytes = sizeof(double) * static_cast<double>(neighbour_.size());
+  require_free_memory(
+      bytes, bytes, fmt::format("the compliance among {} contact nodes", nodes.size()),
+      "refine under the tool alone (accuracy.refine = \"local\"), or ask for a lower "
+      "contact_resolution");
   value_.setZero(std::ssize(neighbour_), 1);
   const LoadedPart loaded = loaded_part(factor, supports, surface, nodes);
   const std::vector<std::int32_t> columns = by_elimination(loaded, surface, nodes);

@@ -64,6 +64,7 @@ class SurfaceCompliance {
   /// out; empty: all are wanted. What is wanted does not change the bits of a column.
   /// @param progress called now and then from one thread with the columns done; may
   /// throw.
+  /// @throws as require_free_memory().
   SurfaceCompliance(const CholeskyFactor& factor, const Supports& supports,
                     const ContactSurface& surface, std::span<const std::int32_t> nodes,
                     double radius_m, std::span<const char> wanted,
@@ -82,6 +83,12 @@ class SurfaceCompliance {
   /// Compliance among the given contact nodes, (n x n). Pairs that are not kept are
   /// zero; every node must be one of those that were solved for.
   [[nodiscard]] Eigen::MatrixXd among(std::span<const std::int32_t> nodes) const;
+
+  /// Memory that it takes [bytes].
+  [[nodiscard]] double bytes() const {
+    return sizeof(std::int32_t) * static_cast<double>(neighbour_.size()) +
+           sizeof(double) * static_cast<double>(value_.size());
+  }
 
   /// (n_rows x n_columns), zero as above.
   [[nodiscard]] Eigen::MatrixXd between(std::span<const std::int32_t> rows,

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -75,6 +76,10 @@ std::vector<PressStep> steps_of(const PressedNode& node, SolvedDepths depths) {
   return steps;
 }
 
+double radius_of(const NonlinearSample& solved) {
+  return std::sqrt(solved.contact_area_m2 / std::numbers::pi);
+}
+
 std::size_t sample_of(const NonlinearSample& solved) {
   return solved.step + 1;
 }
@@ -114,18 +119,33 @@ double give_error(double touch_m, double from_m, const NonlinearIndentation& res
   return largest;
 }
 
+// What else of a linear press nonlinear samples tell: energy and contact radius over
+// its own, less 1. None where it has none.
+std::optional<RelativeCorrection::Knot> shape_knot(const IndentationSample& linear,
+                                                   const NonlinearSample& solved,
+                                                   double radius_m) {
+  if (!(linear.energy_j > 0.0) || !(linear.contact_radius_m > 0.0)) {
+    return std::nullopt;
+  }
+  return RelativeCorrection::Knot{
+      linear.penetration_m,
+      Eigen::Vector3d(solved.energy_j / linear.energy_j - 1.0,
+                      radius_m / linear.contact_radius_m - 1.0, 0.0)};
+}
+
 // Solved depths take the solved force; between them the linear force is corrected by
 // what the solved ones differ by, relative to it. Where the linear press carries no
 // force nothing is relative to it: such paths are solved at every depth.
 void correct(PressedNode& node, const NonlinearIndentation& result) {
   node.failure = result.failure;
   node.checks.near_tets = result.near_tets;
+  node.checks.newton += result.newton;
+  node.checks.gradients += result.gradients;
   auto& path = node.indentation.sample;
   std::vector<RelativeCorrection::Knot> knots;
+  std::vector<RelativeCorrection::Knot> shape;
   for (const NonlinearSample& solved : result.sample) {
-    IndentationSample& linear = path[sample_of(solved)];
-    node.checks.newton += solved.newton;
-    node.checks.gradients += solved.gradients;
+    const IndentationSample& linear = path[sample_of(solved)];
     node.checks.smallest_jacobian =
         std::min(node.checks.smallest_jacobian, solved.smallest_jacobian);
     const double linear_n = linear.force_n.norm();
@@ -133,8 +153,9 @@ void correct(PressedNode& node, const NonlinearIndentation& result) {
       knots.push_back(
           {linear.penetration_m, (solved.force_n - linear.force_n) / linear_n});
     }
-    linear.energy_j = solved.energy_j;
-    linear.contact_radius_m = std::sqrt(solved.contact_area_m2 / std::numbers::pi);
+    if (const auto knot = shape_knot(linear, solved, radius_of(solved))) {
+      shape.push_back(*knot);
+    }
   }
   const std::size_t reached =
       result.sample.empty() ? 0 : sample_of(result.sample.back());
@@ -153,9 +174,19 @@ void correct(PressedNode& node, const NonlinearIndentation& result) {
       sample.coarse_force_n *= before_n > 0.0 ? sample.force_n.norm() / before_n : 1.0;
     }
   }
+  if (!shape.empty()) {
+    const RelativeCorrection correction(path.front().penetration_m, shape);
+    for (IndentationSample& sample : path) {
+      const Eigen::Vector3d more = correction.at(sample.penetration_m);
+      sample.energy_j *= 1.0 + more[0];
+      sample.contact_radius_m *= 1.0 + more[1];
+    }
+  }
   for (const NonlinearSample& solved : result.sample) {
     const std::size_t k = sample_of(solved);
     path[k].force_n = solved.force_n;
+    path[k].energy_j = solved.energy_j;
+    path[k].contact_radius_m = radius_of(solved);
     if (node.linear.sample[k].force_n.norm() == 0.0) {
       path[k].coarse_force_n = path[k].force_n.norm();
     }
@@ -214,6 +245,9 @@ void press_one_nonlinear(const BodyModel& model, const SurfaceCompliance& compli
     if (!node.failure.empty() || at_all.failure.empty()) {
       node = std::move(at_all);
       result = std::move(more);
+    } else {
+      node.checks.newton = at_all.checks.newton;
+      node.checks.gradients = at_all.checks.gradients;
     }
   }
   if (mode.keep_states) {

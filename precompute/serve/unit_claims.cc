@@ -97,9 +97,18 @@ bool UnitClaims::is_stale(const fs::path& file) const {
 
 bool UnitClaims::claim(std::int64_t unit) {
   const std::lock_guard lock(mutex_);
+  // On a file system that machines share every look is several messages.
+  const auto now = std::chrono::steady_clock::now();
+  const auto other = others_.find(unit);
+  if (other != others_.end() && now - other->second < stale_ / 60) {
+    return false;
+  }
   const fs::path file = file_of(unit);
   if (!write_new(file, me_)) {
     if (mine_.contains(unit) || !is_stale(file)) {
+      if (!mine_.contains(unit)) {
+        others_[unit] = now;
+      }
       return mine_.contains(unit);
     }
     // Two that find it stale at once both write; the one that reads its own name has
@@ -116,6 +125,7 @@ bool UnitClaims::claim(std::int64_t unit) {
     }
   }
   mine_[unit] = file;
+  others_.erase(unit);
   return true;
 }
 

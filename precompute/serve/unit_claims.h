@@ -27,7 +27,8 @@ class UnitClaims {
   UnitClaims(const UnitClaims&) = delete;
   UnitClaims& operator=(const UnitClaims&) = delete;
 
-  /// Whether the unit is this service's from now on; false: somebody else works on it.
+  /// Whether the unit is this service's from now on; false: somebody else works on it,
+  /// which is looked at once in a sixtieth of `stale`.
   [[nodiscard]] bool claim(std::int64_t unit);
   void give_back(std::int64_t unit);
 
@@ -43,6 +44,7 @@ class UnitClaims {
   mutable std::mutex mutex_;
   mutable std::condition_variable_any ending_;
   std::map<std::int64_t, std::filesystem::path> mine_;
+  std::map<std::int64_t, std::chrono::steady_clock::time_point> others_;  // seen last
   std::jthread touching_;
 };
 

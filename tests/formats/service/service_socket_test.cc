@@ -1,6 +1,10 @@
 #include "formats/service/service_socket.h"
 
+#include <atomic>
+#include <barrier>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -103,6 +107,39 @@ TEST_F(ServiceSocket, SaysWhereItCannotBe) {
   };
   EXPECT_NE(refusal(folder_ / "none" / "s").find("cannot be made"), std::string::npos);
   EXPECT_NE(refusal(std::string(200, 'x')).find("shorter --socket"), std::string::npos);
+}
+
+// Services that begin at once: one has the socket, and its socket is there.
+TEST_F(ServiceSocket, OneOfManyThatBeginAtOnceListens) {
+  for (int round = 0; round < 4; ++round) {
+    constexpr int kServices = 6;
+    std::barrier all(kServices);
+    std::atomic<int> listening = 0;
+    std::atomic<int> joined = 0;
+    std::vector<std::thread> services;
+    for (int i = 0; i < kServices; ++i) {
+      services.emplace_back([&] {
+        std::optional<ServiceListener> listener;
+        all.arrive_and_wait();
+        try {
+          listener.emplace(socket_);
+          ++listening;
+        } catch (const InputError&) {
+          // Another has it.
+        }
+        all.arrive_and_wait();
+        if (listener) {
+          joined += ServiceConnection::join(socket_) ? 1 : 0;
+        }
+        all.arrive_and_wait();
+      });
+    }
+    for (std::thread& service : services) {
+      service.join();
+    }
+    ASSERT_EQ(listening, 1) << round;
+    ASSERT_EQ(joined, 1) << round;
+  }
 }
 
 }  // namespace

@@ -117,6 +117,32 @@ std::unique_ptr<BodyModel> PressedMiddle::model_;
 PressedNode PressedMiddle::few_;
 PressedNode PressedMiddle::all_;
 
+// Between solved depths energy and contact are those of the nonlinear body, too.
+TEST_F(PressedMiddle, DepthsThatAreNotSolvedKeepNothingOfTheLinearBody) {
+  ASSERT_LT(few_.nonlinear->sample.size(), all_.nonlinear->sample.size());
+  double linear_off = 0.0;
+  for (std::size_t k = 2; k <= kDepths; ++k) {
+    const IndentationSample& made = few_.indentation.sample[k];
+    const IndentationSample& solved = all_.indentation.sample[k];
+    EXPECT_NEAR(made.energy_j / solved.energy_j, 1.0, 0.02) << k;
+    EXPECT_GE(made.contact_radius_m,
+              0.99 * few_.indentation.sample[k - 1].contact_radius_m)
+        << k;
+    linear_off = std::max(
+        linear_off, std::abs(few_.linear.sample[k].energy_j / solved.energy_j - 1.0));
+  }
+  EXPECT_GT(linear_off, 0.02) << "this press does not tell";
+}
+
+TEST_F(PressedMiddle, CountsTheWorkOfEveryAttempt) {
+  std::int64_t of_samples = 0;
+  for (const NonlinearSample& sample : all_.nonlinear->sample) {
+    of_samples += sample.gradients;
+  }
+  EXPECT_GE(all_.checks.gradients, of_samples);
+  EXPECT_EQ(all_.checks.gradients, all_.nonlinear->gradients);
+}
+
 TEST_F(PressedMiddle, EveryDepthTakesTheForceThatWasSolvedThere) {
   ASSERT_EQ(all_.indentation.sample.size(), std::size_t{kDepths + 1});
   ASSERT_EQ(all_.nonlinear->sample.size(), std::size_t{kDepths});

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/comes_true.h"
 #include "tests/support/test_data.h"
 
 namespace palpate {
@@ -34,7 +35,21 @@ TEST_F(UnitClaimsTest, OneOfTwoHasAUnit) {
   EXPECT_FALSE(b.claim(1));
   EXPECT_TRUE(b.claim(2));
   a.give_back(1);
-  EXPECT_TRUE(b.claim(1));
+  EXPECT_TRUE(comes_true(
+      [&] {
+        return b.claim(1);
+      },
+      std::chrono::seconds(10)));
+}
+
+// Idle workers ask again and again for what others work on.
+TEST_F(UnitClaimsTest, LooksSeldomAtWhatOthersWorkOn) {
+  UnitClaims a(folder_.path(), milliseconds(600'000));
+  UnitClaims b(folder_.path(), milliseconds(600'000));
+  EXPECT_TRUE(a.claim(1));
+  EXPECT_FALSE(b.claim(1));
+  std::filesystem::remove(folder_ / "claim-000001");
+  EXPECT_FALSE(b.claim(1)) << "it looked again at once";
 }
 
 TEST_F(UnitClaimsTest, ManyAtOnceShareThemOut) {
