@@ -276,6 +276,40 @@ TEST_F(ServiceTest, AnotherScenesWorkIsRefusedUnlessWantedAnew) {
   EXPECT_NE(read_file(path("other.h5")), read_file(path("whole.h5")));
 }
 
+// All that a file depends on counts, not only the scene's text and the body.
+TEST_F(ServiceTest, AFileOfAnotherToolMeshIsComputedAgain) {
+  const auto write_tool = [](double half_mm) {
+    std::ofstream tool(path("tool.obj"));
+    for (const double z : {0.0, 20.0}) {
+      for (const double y : {-half_mm, half_mm}) {
+        for (const double x : {-half_mm, half_mm}) {
+          tool << "v " << x << ' ' << y << ' ' << z << '\n';
+        }
+      }
+    }
+    tool << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 2 4 8 6\nf 4 3 7 8\nf 3 1 5 7\n";
+  };
+  std::string text = kServedScene;
+  text.replace(text.find("shape = \"sphere\"\nradius_m = 0.03"), 32,
+               "shape = \"mesh\"\nmesh = \"tool.obj\"\nlength_unit = \"mm\"");
+  std::ofstream(path("tooled.toml")) << text;
+  write_tool(10.0);
+  ASSERT_EQ(
+      run_tool_process("palpate-precompute", arguments("tooled.h5", "t", "tooled.toml"))
+          .exit_code,
+      0);
+  const std::string first = bytes_of(path("tooled.h5"));
+  write_tool(4.0);
+  const ToolRun refused = run_tool_process("palpate-precompute",
+                                           arguments("tooled.h5", "t", "tooled.toml"));
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  std::vector<std::string> anew = arguments("tooled.h5", "t", "tooled.toml");
+  anew.emplace_back("--anew");
+  const ToolRun again = run_tool_process("palpate-precompute", anew);
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_FALSE(bytes_of(path("tooled.h5")) == first);
+}
+
 TEST_F(ServiceTest, WhoListensAlreadyIsNamed) {
   const ServiceListener listener(path("taken"));
   const ToolRun run =
