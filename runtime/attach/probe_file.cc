@@ -278,6 +278,7 @@ DeviceLimits probed_limits(const ProbeReport& report, const DeviceLimits& assume
     limits.damping_n_s_per_m = damping > 0.0 ? damping : assumed.damping_n_s_per_m;
     limits.coulomb_n = std::max(0.0, friction_n);
     limits.delay_s = delay_s;
+    limits.hold_s = std::max(assumed.hold_s, report.exchange_p50_s);
     limits.resolution_m = report.resolution_m;
   }
   return limits;

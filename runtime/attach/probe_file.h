@@ -25,8 +25,9 @@ void write_probe(const std::filesystem::path& file, const ProbeReport& report);
 
 /// The limits of a device that was probed, of its worst axis and on the safe side of
 /// what is not known: damping and dry friction less twice their standard deviations,
-/// the delay and its resolution more, the coarser step. @param assumed for what was not
-/// found: the largest force, and a damping that cannot be told from none.
+/// the delay and its resolution more, the coarser step, forces held for an exchange.
+/// @param assumed for what was not found: the largest force, and a damping that cannot
+/// be told from none.
 [[nodiscard]] DeviceLimits probed_limits(const ProbeReport& report,
                                          const DeviceLimits& assumed);
 

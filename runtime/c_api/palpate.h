@@ -319,7 +319,9 @@ PALPATE_API int palpate_surface_save(palpate_tool* tool, const char* file, char*
 PALPATE_API int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
                                      size_t error_bytes);
 
-/* "free", "contact", "not-finite", ...: never NULL, lives for ever. Any thread. */
+/* "free", "contact", "not-finite", ...: never NULL, lives for ever. Any thread. Those of
+ * palpate-run's devices, -5 to -9, are "device-lost", "deadlines", "device-silent",
+ * "jump" and "slow-wire". */
 PALPATE_API const char* palpate_fault_name(int status);
 
 /* Ends the slow process and frees the body with its tools. NULL is allowed. */

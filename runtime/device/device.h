@@ -32,6 +32,9 @@ namespace palpate {
 
 struct LinkReport;
 
+/// [s] A frame of USB at full speed, and the period of services' and vendors' loops.
+constexpr double kUsualHoldS = 1e-3;
+
 /// What a device can render, for the stability bounds.
 struct DeviceLimits {
   double damping_n_s_per_m =
@@ -39,6 +42,7 @@ struct DeviceLimits {
   double coulomb_n = 0.0;     ///< [N] [0, inf) friction of the mechanism
   double resolution_m = 0.0;  ///< [m] [0, inf) step of the measured position
   double delay_s = 0.0;       ///< [s] [0, inf) from command to force
+  double hold_s = 0.0;        ///< [s] [0, inf) that its wire holds a force at least
   double force_max_n = 0.0;   ///< [N] (0, inf) whole vector
 };
 

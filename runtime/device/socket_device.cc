@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -91,7 +92,9 @@ bool is_limit(double value) {
 
 SocketDevice::SocketDevice(const std::filesystem::path& socket,
                            const SocketPatience& patience)
-    : SocketDevice(connected(socket), patience) {}
+    : SocketDevice(connected(socket), patience) {
+  look_at_wire();
+}
 
 SocketDevice::SocketDevice(int descriptor, const SocketPatience& patience)
     : descriptor_(descriptor), patience_(patience) {
@@ -146,13 +149,41 @@ void SocketDevice::greet() {
              .force_max_n = hello.force_max_n};
 }
 
+// A driver that answers commands alone says one state, and its wire is not known.
+void SocketDevice::look_at_wire() {
+  constexpr std::size_t kIntervals = 8;
+  constexpr std::int64_t kLookNs = 100'000'000;
+  MonotonicClock clock;
+  const std::int64_t until_ns = clock.now_ns() + kLookNs;
+  std::vector<std::int64_t> interval_ns;
+  DeviceReading before;
+  pollfd end{.fd = descriptor_, .events = POLLIN, .revents = 0};
+  while (interval_ns.size() < kIntervals && clock.now_ns() < until_ns) {
+    ::poll(&end, 1, 1);
+    DeviceReading now;
+    if (read(now, 1) == DeviceStatus::kLost) {
+      return;  // open() says why
+    }
+    if (before.time_ns != 0 && now.time_ns > before.time_ns) {
+      interval_ns.push_back(now.time_ns - before.time_ns);
+    }
+    before = now;
+  }
+  report_ = {};
+  if (!interval_ns.empty()) {
+    const auto middle = interval_ns.begin() + std::ssize(interval_ns) / 2;
+    std::nth_element(interval_ns.begin(), middle, interval_ns.end());
+    limits_.hold_s = seconds_in(*middle);
+  }
+}
+
 void SocketDevice::open() {
   guardian_ = std::make_unique<Guardian>(descriptor_, send_zero, patience_.silent_s);
   // Until the first state there is no position to start from.
   pollfd end{.fd = descriptor_, .events = POLLIN, .revents = 0};
   DeviceReading first;
-  const bool heard = ::poll(&end, 1, kFirstStateMs) == 1;
-  if (!heard || read(first) != DeviceStatus::kOk) {
+  const bool heard = heard_ns_ != 0 || ::poll(&end, 1, kFirstStateMs) == 1;
+  if (!heard || read(first) == DeviceStatus::kLost || heard_ns_ == 0) {
     guardian_.reset();
     throw DeviceError(heard && *failure_ != '\0'
                           ? failure()
@@ -201,10 +232,14 @@ void SocketDevice::take(const SocketState& state) noexcept {
 }
 
 DeviceStatus SocketDevice::read(DeviceReading& reading) noexcept {
-  // A driver that floods keeps nobody from the time of a tick. One that ended with
-  // commands unread makes the system say so once, before what it said last.
-  constexpr int kStatesMax = 64;
-  for (int taken = 0; taken < kStatesMax; ++taken) {
+  constexpr int kStatesMax = 64;  // a flood keeps nobody from the time of a tick
+  return read(reading, kStatesMax);
+}
+
+// One that ended with commands unread makes the system say so once, before what it said
+// last.
+DeviceStatus SocketDevice::read(DeviceReading& reading, int states_max) noexcept {
+  for (int taken = 0; taken < states_max; ++taken) {
     Datagram heard;
     const ssize_t bytes =
         ::recv(descriptor_, &heard, sizeof heard, MSG_DONTWAIT | MSG_TRUNC);

@@ -71,7 +71,10 @@ struct SocketPatience {
 /// write() says kLost.
 class SocketDevice : public Device {
  public:
-  /// Connects and waits for the hello. @throws DeviceError; Interrupted when stopped.
+  /// Connects, waits for the hello, and looks for a tenth of a second at most how long
+  /// the driver's wire holds a force (limits()): from one state to the next, the
+  /// median.
+  /// @throws DeviceError; Interrupted when stopped.
   explicit SocketDevice(const std::filesystem::path& socket,
                         const SocketPatience& patience = {});
 
@@ -99,6 +102,8 @@ class SocketDevice : public Device {
   static constexpr std::size_t kWrittenMax = 256;
 
   void greet();
+  void look_at_wire();
+  [[nodiscard]] DeviceStatus read(DeviceReading& reading, int states_max) noexcept;
   void take(const SocketState& state) noexcept;
   [[nodiscard]] bool take(const SocketTurnedState& turned) noexcept;
 

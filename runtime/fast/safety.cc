@@ -79,9 +79,9 @@ Eigen::Matrix<Real, kSize, 1> made_safe(BasicSafetyState<kSize>& state,
 }  // namespace
 
 std::string_view name(Fault fault) noexcept {
-  constexpr std::array<std::string_view, 9> kNames{
+  constexpr std::array<std::string_view, 10> kNames{
       "none",        "not-finite", "time-step",     "energy", "slow-stalled",
-      "device-lost", "deadlines",  "device-silent", "jump"};
+      "device-lost", "deadlines",  "device-silent", "jump",   "slow-wire"};
   const auto i = static_cast<std::size_t>(fault);
   return i < kNames.size() ? kNames[i] : "unknown";
 }

@@ -22,10 +22,12 @@ enum class Fault : std::uint8_t {
   kDeadlines = 6,     ///< raised outside: a burst of missed deadlines
   kDeviceSilent = 7,  ///< raised outside: no answer of the device for too long
   kJump = 8,          ///< raised outside: a position farther away than a hand moves
+  kSlowWire = 9,  ///< raised outside: the wire holds forces too long, and gave energy
 };
 
 /// "none", "not-finite", "time-step", "energy", "slow-stalled", "device-lost",
-/// "deadlines", "device-silent", "jump"; "unknown" for a value that is no Fault.
+/// "deadlines", "device-silent", "jump", "slow-wire"; "unknown" for a value that is no
+/// Fault.
 [[nodiscard]] std::string_view name(Fault fault) noexcept;
 
 struct SafetyLimits {

@@ -66,6 +66,7 @@ DeviceLimits InverseLink::limits() const {
           .coulomb_n = config_.coulomb_n,
           .resolution_m = config_.resolution_m,
           .delay_s = kDelayS,
+          .hold_s = kUsualHoldS,
           .force_max_n = config_.force_max_n};
 }
 

@@ -67,6 +67,9 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
   if (report_.ticks > 0 && jumped(reading)) {
     body_.raise(Fault::kJump);
   }
+  if (const Fault fault = wire_.fault(); fault != Fault::kNone) {
+    body_.raise(fault);
+  }
   const double silent_s = seconds_in(reading.time_ns - element_ns_);
   const bool stalled = silent_s > config_.stall_s;
   report_.slow_stalls += stalled && !stalled_ ? 1 : 0;
@@ -112,14 +115,25 @@ FastCommand FastProcess::timed_step(const DeviceReading& reading) noexcept {
   return command;
 }
 
+// A position that is no number is a fault; the hand felt nothing of it.
+void FastProcess::account_hand(const DeviceReading& reading,
+                               const FastCommand& command) noexcept {
+  if (report_.ticks == 0 || !reading.position_m.allFinite()) {
+    return;
+  }
+  const Eigen::Vector3d moved_m = reading.position_m - last_.position_m;
+  const double work_j = -held_n_.dot(moved_m);
+  (work_j > 0.0 ? report_.energy_in_j : report_.energy_out_j) += std::abs(work_j);
+  wire_.add(held_n_ - reading.withheld_n, moved_m,
+            seconds_in(reading.time_ns - last_.time_ns),
+            body_.work_j() - command.dissipated_j);
+  report_.held_s = wire_.held_s();
+}
+
 void FastProcess::account(const DeviceReading& reading,
                           const FastCommand& command) noexcept {
   RenderReport& r = report_;
-  // A position that is no number is a fault; the hand felt nothing of it.
-  if (r.ticks > 0 && reading.position_m.allFinite()) {
-    const double work_j = -held_n_.dot(reading.position_m - last_.position_m);
-    (work_j > 0.0 ? r.energy_in_j : r.energy_out_j) += std::abs(work_j);
-  }
+  account_hand(reading, command);
   held_n_ = command.force_n;
   last_ = reading;
   ++r.ticks;

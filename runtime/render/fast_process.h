@@ -10,6 +10,7 @@
 #include "runtime/render/render_report.h"
 #include "runtime/render/rendered_body.h"
 #include "runtime/render/telemetry.h"
+#include "runtime/render/wire_watch.h"
 
 namespace palpate {
 
@@ -23,6 +24,7 @@ struct FastProcessConfig {
   /// [m/s] > 0 faster than a hand moves a tool (and 1 mm): fault. One wrong reading
   /// would be answered with the force of a place where the tool is not.
   double speed_max_m_per_s = std::numeric_limits<double>::infinity();
+  WireLimits wire;  ///< beyond them: fault
 };
 
 /// Where ticks go beside the device; each may be null.
@@ -39,7 +41,12 @@ class FastProcess {
   /// All must outlive the process. The device is open.
   FastProcess(const FastProcessConfig& config, Device& device, RenderedBody& body,
               const TickOutputs& outputs)
-      : config_(config), device_(device), body_(body), outputs_(outputs) {}
+
+      : config_(config),
+        device_(device),
+        body_(body),
+        outputs_(outputs),
+        wire_(config.wire) {}
 
   /// read, accept, step, write, publish. False when the run is over: fault or device
   /// lost, after which the force is zero.
@@ -56,6 +63,7 @@ class FastProcess {
   void take_in_arrivals(const DeviceReading& reading) noexcept;
   [[nodiscard]] FastCommand timed_step(const DeviceReading& reading) noexcept;
   void account(const DeviceReading& reading, const FastCommand& command) noexcept;
+  void account_hand(const DeviceReading& reading, const FastCommand& command) noexcept;
   void record(const DeviceReading& reading, const FastCommand& command,
               std::uint8_t raised) noexcept;
 
@@ -64,6 +72,7 @@ class FastProcess {
   RenderedBody& body_;
   TickOutputs outputs_;
   RenderReport report_;
+  WireWatch wire_;
   DeviceReading last_;
   Eigen::Vector3d held_n_ = Eigen::Vector3d::Zero();  // force since last_
   std::int64_t first_ns_ = 0;

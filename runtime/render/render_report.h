@@ -36,6 +36,7 @@ struct RenderReport {
   /// gave more than it got.
   double energy_in_j = 0.0;
   double energy_out_j = 0.0;
+  double held_s = 0.0;  ///< [s] that the wire held a force at the end; 0: not looked at
   double model_work_j = 0.0;  ///< [J] put into the local model (ledger); >= 0: passive
   double stored_j = 0.0;      ///< [J] at the end, in the local model
   double dissipated_j = 0.0;  ///< [J] by friction and discarded surplus

@@ -57,6 +57,26 @@ double force_scale(const SimulationReport& report, const DeviceLimits& limits) {
   return scale;
 }
 
+// What is looked at while a wire is rendered on. The holds create energy themselves.
+WireLimits wire_limits(const SimulationReport& report, const DeviceLimits& device,
+                       const FastConfig& fast) {
+  WireLimits wire;
+  if (!passive(fast.model)) {
+    return wire;
+  }
+  const double k_n_per_m = report.force_scale * report.stiffness.largest_n_per_m();
+  wire.damping_n_s_per_m = device.damping_n_s_per_m;
+  wire.stiffness_n_per_m =
+      k_n_per_m > 0.0 ? k_n_per_m : report.bounds.renderable_n_per_m();
+  wire.delay_s = device.delay_s;
+  wire.floor_j = fast.energy_floor_j;
+  if (report.coupling) {
+    // Of a held damper: what it gives after it took nothing, and what the model took.
+    wire.damping_n_s_per_m += 2.0 * report.coupling->coupling.damper_n_s_per_m;
+  }
+  return wire;
+}
+
 void prepare_records(PreparedRun& run, const DeviceLimits& limits) {
   const RecordingRequest& wanted = run.report.options.recording;
   run.header = recording_header(run.report, run.config.fast, limits, wanted);
@@ -176,7 +196,8 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
           ? run.device->limits()
           : SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
   run.config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
-  report.hold_s = hold_s(options.model, options.fast_hz, options.slow_hz);
+  report.hold_s =
+      hold_s(options.model, options.fast_hz, options.slow_hz, limits.hold_s);
   report.stiffness = body.stiffness;
   if (!follows_surface(options.model)) {
     report.stiffness.friction_n_per_m = 0.0;  // the scalar models render none
@@ -186,6 +207,9 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
     soften_coupling(report, limits);
   }
   report.force_scale = force_scale(report, limits);
+  if (options.attached || !options.socket.empty()) {
+    run.config.fast.wire = wire_limits(report, limits, run.config.fast.fast);
+  }
 
   const HandScript script = body.script(report.force_scale, device_config.hand_n_per_m);
   const Eigen::Vector3d start_m = script.at(0.0).position_m;

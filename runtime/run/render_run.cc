@@ -1,5 +1,6 @@
 #include "runtime/run/render_run.h"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <utility>
@@ -111,10 +112,10 @@ LocalModel requested_model(const std::string& model) {
   return *known;
 }
 
-double hold_s(LocalModel model, double fast_hz, double slow_hz) {
+double hold_s(LocalModel model, double fast_hz, double slow_hz, double wire_s) {
   const bool slow =
       model == LocalModel::kSingle || model == LocalModel::kFirstOrderHold;
-  return 1.0 / (slow ? slow_hz : fast_hz);
+  return std::max(1.0 / (slow ? slow_hz : fast_hz), wire_s);
 }
 
 SimulationReport simulate(const ResponseDatabase& database,

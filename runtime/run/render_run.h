@@ -93,8 +93,9 @@ struct SimulationReport {
 [[nodiscard]] LocalModel requested_model(const std::string& model);
 
 /// Time between force updates [s]: the slow period for the models that hold the slow
-/// process's force, else the fast one.
-[[nodiscard]] double hold_s(LocalModel model, double fast_hz, double slow_hz);
+/// process's force, else the fast one; no less than the wire's own (DeviceLimits).
+[[nodiscard]] double hold_s(LocalModel model, double fast_hz, double slow_hz,
+                            double wire_s);
 
 /// Checks the margin, then approaches, presses, slides and releases until the time is
 /// over or `stop` is set. @throws InputError for options out of range, a tool that is

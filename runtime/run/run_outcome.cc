@@ -118,6 +118,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"force_max_n", r.force_max_n},
       {"energy_in_j", r.energy_in_j},
       {"energy_out_j", r.energy_out_j},
+      {"held_s", r.held_s},
       {"net_energy_j", r.net_energy_j()},
       {"model_work_j", r.model_work_j},
       {"stored_j", r.stored_j},
@@ -156,7 +157,13 @@ void throw_what_ended(const SimulationReport& report) {
                                     report.device_failure.empty() ? "" : ": ",
                                     report.device_failure));
     }
-    throw NumericalError(what);
+    throw NumericalError(
+        fault == Fault::kSlowWire
+            ? fmt::format("{}: {}: its wire held forces for {:.3g} ms, the margin "
+                          "allows for {:.3g} ms",
+                          report.device, what, 1e3 * report.render.held_s,
+                          1e3 * report.hold_s)
+            : what);
   }
   if (report.stream && !report.stream->fault.empty()) {
     throw FormatError(report.stream->fault);

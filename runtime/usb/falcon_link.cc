@@ -35,6 +35,7 @@ DeviceLimits FalconLink::limits() const {
           .coulomb_n = config_.coulomb_n,
           .resolution_m = kResolutionM,
           .delay_s = kFalconDelayS,
+          .hold_s = kUsualHoldS,
           .force_max_n = config_.force_max_n};
 }
 

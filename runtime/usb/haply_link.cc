@@ -40,6 +40,7 @@ DeviceLimits HaplyLink::limits() const {
           .resolution_m = 2.0 * std::numbers::pi * config_.links.driven_m /
                           config_.setup.counts_per_turn,
           .delay_s = kHaplyDelayS,
+          .hold_s = kUsualHoldS,
           .force_max_n = config_.force_max_n};
 }
 

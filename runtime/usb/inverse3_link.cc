@@ -35,6 +35,7 @@ DeviceLimits Inverse3Link::limits() const {
           .coulomb_n = config_.coulomb_n,
           .resolution_m = config_.resolution_m,
           .delay_s = kInverse3DelayS,
+          .hold_s = kUsualHoldS,
           .force_max_n = config_.force_max_n};
 }
 

@@ -31,6 +31,7 @@ DeviceLimits DhdLink::limits() const {
           .coulomb_n = config_.coulomb_n,
           .resolution_m = config_.resolution_m,
           .delay_s = kDhdDelayS,
+          .hold_s = kUsualHoldS,
           .force_max_n = config_.force_max_n};
 }
 

@@ -36,6 +36,7 @@ DeviceLimits HdLink::limits() const {
           .coulomb_n = config_.coulomb_n,
           .resolution_m = config_.resolution_m,
           .delay_s = kHdDelayS,
+          .hold_s = kUsualHoldS,
           .force_max_n = config_.force_max_n};
 }
 
