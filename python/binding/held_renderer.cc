@@ -57,15 +57,23 @@ std::string HeldRenderer::why_faulted(std::uint8_t fault) const {
   return why + ", no element came: slow_step() about 100 times a second, or start()";
 }
 
-const HostTick& HeldRenderer::step(const Eigen::Vector3d& position_m,
-                                   const Eigen::Vector4d& quaternion, double dt_s) {
-  latest_ =
-      tool_->step({.position_m = position_m, .quaternion = quaternion, .dt_s = dt_s});
+const HostTick& HeldRenderer::step(const HostSample& sample) {
+  latest_ = tool_->step(sample);
   if (latest_.command.fault != 0) {
     refuse_other_process();
     throw RenderingFault(why_faulted(latest_.command.fault));
   }
   return latest_;
+}
+
+void HeldRenderer::delivered(const Eigen::Vector3d& force_n,
+                             const std::optional<Eigen::Vector3d>& torque_n_m) {
+  PortWrenches made = tool_->wanted();
+  made[0].force_n = force_n;
+  made[0].torque_n_m = torque_n_m.value_or(made[0].torque_n_m);
+  if (!tool_->delivered(made)) {
+    throw InputError("delivered: force and torque must be finite");
+  }
 }
 
 void HeldRenderer::reset() {

@@ -38,11 +38,14 @@ class HeldRenderer {
   HeldRenderer(const HeldRenderer&) = delete;
   HeldRenderer& operator=(const HeldRenderer&) = delete;
 
-  /// The C interface's tick (palpate_wrench()).
-  /// @param quaternion (4) x y z w; zero: none. @returns the latest tick.
+  /// The C interface's tick: palpate_wrench(), or, where no torque is felt,
+  /// palpate_force(). @returns the latest tick.
   /// @throws RenderingFault, at this tick and all that follow until reset().
-  const HostTick& step(const Eigen::Vector3d& position_m,
-                       const Eigen::Vector4d& quaternion, double dt_s);
+  const HostTick& step(const HostSample& sample);
+
+  /// palpate_delivered(). @throws InputError for what is not finite.
+  void delivered(const Eigen::Vector3d& force_n,
+                 const std::optional<Eigen::Vector3d>& torque_n_m);
 
   void reset();
 

@@ -6,6 +6,7 @@
 #include "python/binding/option.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -24,7 +25,7 @@ py::array_t<double> vector_array(const Eigen::Vector3d& vector) {
 }
 
 // The three numbers of an array that holds them as they are, else of anything.
-Eigen::Vector3d position_of(const py::handle& values) {
+Eigen::Vector3d triple_of(const py::handle& values, const char* what) {
   if (py::isinstance<py::array_t<double, py::array::c_style>>(values)) {
     const auto array = py::reinterpret_borrow<py::array>(values);
     if (array.ndim() == 1 && array.shape(0) == 3) {
@@ -32,23 +33,39 @@ Eigen::Vector3d position_of(const py::handle& values) {
           static_cast<const double*>(array.data()));
     }
   }
-  Eigen::Vector3d position;
-  take_row(values, "position", 3, position.data());
-  return position;
+  Eigen::Vector3d triple;
+  take_row(values, what, 3, triple.data());
+  return triple;
+}
+
+// @param orientation None: none.
+HostSample sample_of(const py::handle& position, const py::handle& orientation,
+                     double dt_s, bool torque_felt) {
+  HostSample sample{.position_m = triple_of(position, "position"),
+                    .dt_s = dt_s,
+                    .torque_felt = torque_felt};
+  if (!orientation.is_none()) {
+    take_row(orientation, "orientation", 4, sample.quaternion.data());
+  }
+  return sample;
 }
 
 py::array_t<double> force_after(HeldRenderer& renderer, const py::handle& position,
-                                double dt_s) {
+                                double dt_s, const py::handle& orientation) {
   return vector_array(
-      renderer.step(position_of(position), Eigen::Vector4d::Zero(), dt_s)
-          .command.force_n);
+      renderer.step(sample_of(position, orientation, dt_s, false)).command.force_n);
+}
+
+void tell_delivered(HeldRenderer& renderer, const py::handle& force,
+                    const py::handle& torque) {
+  renderer.delivered(triple_of(force, "force"), torque.is_none()
+                                                    ? std::optional<Eigen::Vector3d>()
+                                                    : triple_of(torque, "torque"));
 }
 
 py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
                        const py::handle& orientation, double dt_s) {
-  Eigen::Vector4d quaternion;
-  take_row(orientation, "orientation", 4, quaternion.data());
-  const HostTick& tick = renderer.step(position_of(position), quaternion, dt_s);
+  const HostTick& tick = renderer.step(sample_of(position, orientation, dt_s, true));
   return py::make_tuple(vector_array(tick.command.force_n),
                         vector_array(tick.torque_n_m));
 }
@@ -208,13 +225,23 @@ void bind_slow(Type& type) {
 constexpr const char* kStep =
     "Force (3,) [N] on the tool after dt [s] at position (3,) [m] of its reference "
     "point;\ndt 0: the nominal tick.\n\nThe tick of the C interface: passive, whatever "
-    "the tool does and when elements come.\nRenderingFault: the force is zero until "
+    "the tool does and when elements come.\nAn orientation, as of wrench(), turns a "
+    "tool "
+    "of several contacts at no gain for the hand,\nwhich feels no torque. "
+    "RenderingFault: the force is zero until "
     "reset(). InputError: not three numbers.";
 
 constexpr const char* kWrench =
     "Force (3,) [N] and torque (3,) [N m] about the reference point, of a tool that "
     "touches\nat several places and turns. orientation (4,): quaternion x, y, z, w of "
-    "any length.";
+    "any length; None: none.\nThe hand must feel the torque: a device that cannot give "
+    "it calls step().";
+
+constexpr const char* kDelivered =
+    "What the device made of the latest force (3,) [N] and torque (3,) [N m], where "
+    "that "
+    "is not\nwhat was asked for: the account is then of what was felt. None: as it was "
+    "asked for.\nInputError: not three finite numbers.";
 
 constexpr const char* kMake =
     "Renders a Database, or the file of one. Options: model ('potential', 'facets', "
@@ -235,9 +262,12 @@ void bind_renderer(py::module_& module) {
            py::arg("tool") = "", py::arg("model") = "potential", kMake);
   type.def(py::init(&make_renderer<std::filesystem::path>), py::arg("database"),
            py::arg("tool") = "", py::arg("model") = "potential", kMake);
-  type.def("step", &force_after, py::arg("position"), py::arg("dt") = 0.0, kStep);
+  type.def("step", &force_after, py::arg("position"), py::arg("dt") = 0.0,
+           py::arg("orientation") = py::none(), kStep);
   type.def("wrench", &wrench_after, py::arg("position"), py::arg("orientation"),
            py::arg("dt") = 0.0, kWrench);
+  type.def("delivered", &tell_delivered, py::arg("force"),
+           py::arg("torque") = py::none(), kDelivered);
   type.def(
       "reset", &HeldRenderer::reset,
       "Clears a fault, the account and the tool's place, as after a jump. Dents stay.");

@@ -91,7 +91,9 @@ HostTick HostContacts::step(std::span<const HostSample> samples) noexcept {
   for (std::size_t hand = 0; hand < samples.size(); ++hand) {
     sample.pose[hand] = pose_of(samples[hand]);
   }
-  const CoupledCommand made = palpate::step(state, sample, dt_s);
+  const CoupledCommand made = samples[0].torque_felt
+                                  ? palpate::step(state, sample, dt_s)
+                                  : step_unturned(state, sample, dt_s);
   HostTick tick;
   tick.command = as_one(made);
   tick.torque_n_m = made.wrench[0].torque_n_m;

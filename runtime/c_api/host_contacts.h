@@ -28,8 +28,13 @@ class HostContacts {
                double stall_s);
 
   /// A sample without an orientation has the tool's frame along the body's.
-  /// @param samples one for each of hands(); the first one's dt_s counts.
+  /// @param samples one for each of hands(); the first one's dt_s and torque_felt
+  /// count.
   HostTick step(std::span<const HostSample> samples) noexcept;
+
+  void delivered(const PortWrenches& made) noexcept {
+    palpate::delivered(storage_.state(), made);
+  }
 
   /// Forgets fault, account and place.
   void reset() noexcept;

@@ -117,6 +117,8 @@ void HostTool::take_elements() noexcept {
 
 HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
   const HostTick tick = contacts_->step(samples);
+  wanted_ = {{{tick.command.force_n, tick.torque_n_m},
+              {tick.second_force_n, tick.second_torque_n_m}}};
   latest_.write(tick);
   return tick;
 }
@@ -140,6 +142,7 @@ HostTick HostTool::step(const HostSample& sample) noexcept {
   HostTick tick;
   tick.command = palpate::step(
       state_, {.position_m = sample.position_m, .time_ns = time_ns_}, dt_s);
+  wanted_[0].force_n = tick.command.force_n;
   tick.contact = contact(state_);
   tick.work_j = state_.ledger.work_j;
   tick.tilt_rad = sample.quaternion.allFinite() ? angle_rad(sample.quaternion) : 0.0;
@@ -153,6 +156,20 @@ HostTick HostTool::step(const HostSample& sample) noexcept {
                           .in_contact = tick.contact.in_contact});
   }
   return tick;
+}
+
+bool HostTool::delivered(const PortWrenches& made) noexcept {
+  for (const Wrench& wrench : made) {
+    if (!wrench.force_n.allFinite() || !wrench.torque_n_m.allFinite()) {
+      return false;
+    }
+  }
+  if (contacts_ != nullptr) {
+    contacts_->delivered(made);
+  } else {
+    palpate::delivered(state_, made[0].force_n);
+  }
+  return true;
 }
 
 void HostTool::reset() noexcept {

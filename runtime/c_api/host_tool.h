@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/fast/coupled_step.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/one_contact.h"
 #include "runtime/slow/element_source.h"
@@ -72,6 +73,8 @@ struct HostSample {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();  ///< x y z w; 0: none
   double dt_s = 0.0;                                     ///< [s] 0: nominal tick
+  /// Of several contacts; else the tool turns at no gain (step_unturned()).
+  bool torque_felt = true;
 };
 
 class HostContacts;
@@ -93,8 +96,16 @@ class HostTool {
 
   HostTick step(const HostSample& sample) noexcept;
 
-  /// Of contacts(): one sample for each hand; the first one's dt_s counts.
+  /// Of contacts(): one sample for each hand; the first one's dt_s and torque_felt
+  /// count.
   HostTick step(std::span<const HostSample> samples) noexcept;
+
+  /// What the devices made of the latest tick. @param made of each hand; of one contact
+  /// the force counts. False, and nothing happens: not finite.
+  bool delivered(const PortWrenches& made) noexcept;
+
+  /// What the latest tick asked for, of each hand.
+  [[nodiscard]] const PortWrenches& wanted() const noexcept { return wanted_; }
 
   /// Forgets fault, account, place and what relaxes; what has yielded stays.
   void reset() noexcept;
@@ -119,6 +130,7 @@ class HostTool {
   double stall_s_;
   FastState state_;
   YieldedSites kept_;  // in a reset
+  PortWrenches wanted_;
   RenderExchange exchange_;
   TripleBuffer<HostTick> latest_;
   std::unique_ptr<HostContacts> contacts_;  // null: one contact, by state_

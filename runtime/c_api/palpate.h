@@ -261,7 +261,9 @@ PALPATE_API int palpate_slow_failure(palpate_body* body, char* text, size_t text
 /* Haptic thread: one tick. Never allocates, locks, throws, waits or reads a clock.
  * position [host length]: of the tool's reference point, a sphere's centre.
  * quat_xyzw: orientation, of any length; NULL or zero: none. Responses of one contact
- * are of one orientation: another one changes tilt_rad alone. dt_s: since the last
+ * are of one orientation: another one changes tilt_rad alone. A tool of several
+ * contacts turns, and the hand gains nothing by it: no torque is felt, so what the
+ * turned tool would store is taken from the force. dt_s: since the last
  * call, at most 1; 0: the nominal tick. Any movement is followed: a host that reads a
  * device refuses wrong readings itself, one of which would be answered with the force
  * of a place where the tool is not. force_out [host force]: on the tool; zero in free
@@ -276,7 +278,10 @@ PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
  * potential of the pose, with the contacts coupled through the body. Without an
  * orientation the tool's frame lies along the body's. Of a tool of one contact the
  * torque is zero: it acts at the reference point. torque_out [host force x host
- * length]: about the reference point, in the body's frame.
+ * length]: about the reference point, in the body's frame. The hand must feel it: a
+ * host that cannot give a torque calls palpate_force(), and one that gives less says so
+ * by palpate_delivered(). Where the device feels force_gain times the force and moves
+ * 1 / position_gain as far, it feels force_gain / position_gain times the torque.
  */
 PALPATE_API int palpate_wrench(palpate_tool* tool, const double position[3],
                                const double quat_xyzw[4], double dt_s,
@@ -285,11 +290,20 @@ PALPATE_API int palpate_wrench(palpate_tool* tool, const double position[3],
 /* Haptic thread: palpate_wrench() of both hands in one tick, by one potential of both
  * poses; of a tool from palpate_together_open() alone, which takes no other. positions:
  * x y z of the first hand's tool, then of the second's; so the others: quats_xyzw (8,
- * may be NULL; four zeros: none), forces_out (6), torques_out (6, may be NULL).
- * Returns PALPATE_CONTACT where either touches. */
+ * may be NULL; four zeros: none), forces_out (6), torques_out (6; NULL: no torque is
+ * felt, as of palpate_force()). Returns PALPATE_CONTACT where either touches. */
 PALPATE_API int palpate_together(palpate_tool* tool, const double positions[6],
                                  const double quats_xyzw[8], double dt_s,
                                  double forces_out[6], double torques_out[6]);
+
+/* Haptic thread, between two ticks: what the device made of the latest force and
+ * torque, where that is not what was asked for: motors that saturate, limits of the
+ * host's. The account is then of what was felt, and a device that gives a hand more
+ * energy than 10 mJ is the fault "energy". force (3; of two hands 6) [host force],
+ * torque likewise [host force x host length]; NULL: as it was asked for. 0, or
+ * PALPATE_ERROR_INPUT for what is not finite, which changes nothing. */
+PALPATE_API int palpate_delivered(palpate_tool* tool, const double* force,
+                                  const double* torque);
 
 /* The haptic thread, or one other, but always the same one: there is one reader. Fills
  * the first struct_size bytes; those of a newer header than the library's with zeros.
@@ -319,8 +333,8 @@ PALPATE_API int palpate_surface_save(palpate_tool* tool, const char* file, char*
 PALPATE_API int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
                                      size_t error_bytes);
 
-/* "free", "contact", "not-finite", ...: never NULL, lives for ever. Any thread. Those of
- * palpate-run's devices, -5 to -9, are "device-lost", "deadlines", "device-silent",
+/* "free", "contact", "not-finite", ...: never NULL, lives for ever. Any thread. Those
+ * of palpate-run's devices, -5 to -9, are "device-lost", "deadlines", "device-silent",
  * "jump" and "slow-wire". */
 PALPATE_API const char* palpate_fault_name(int status);
 

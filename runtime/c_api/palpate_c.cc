@@ -113,7 +113,8 @@ void copy_known(const Struct& all, Struct* to) noexcept {
 
 // Of one hand. @param quat_xyzw may be null.
 palpate::HostSample sample_of(const palpate_tool& tool, const double* position,
-                              const double* quat_xyzw, double dt_s) noexcept {
+                              const double* quat_xyzw, double dt_s,
+                              bool torque_felt) noexcept {
   palpate::HostSample sample;
   sample.position_m =
       tool.metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position);
@@ -121,6 +122,7 @@ palpate::HostSample sample_of(const palpate_tool& tool, const double* position,
     sample.quaternion = Eigen::Map<const Eigen::Vector4d>(quat_xyzw);
   }
   sample.dt_s = dt_s;
+  sample.torque_felt = torque_felt;
   return sample;
 }
 
@@ -142,8 +144,8 @@ int render(palpate_tool* tool, const double* position, const double* quat_xyzw,
       tool->two_hands) {
     return PALPATE_ERROR_INPUT;
   }
-  const palpate::HostTick tick =
-      tool->tool.step(sample_of(*tool, position, quat_xyzw, dt_s));
+  const palpate::HostTick tick = tool->tool.step(
+      sample_of(*tool, position, quat_xyzw, dt_s, torque_out != nullptr));
   copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, force_out, torque_out);
   return status_of(tick.command);
 }
@@ -272,14 +274,31 @@ int palpate_together(palpate_tool* tool, const double positions[6],
     return PALPATE_ERROR_INPUT;
   }
   const bool turned = quats_xyzw != nullptr;
+  const bool felt = torques_out != nullptr;
   const std::array<palpate::HostSample, 2> samples{
-      sample_of(*tool, positions, quats_xyzw, dt_s),
-      sample_of(*tool, positions + 3, turned ? quats_xyzw + 4 : nullptr, dt_s)};
+      sample_of(*tool, positions, quats_xyzw, dt_s, felt),
+      sample_of(*tool, positions + 3, turned ? quats_xyzw + 4 : nullptr, dt_s, felt)};
   const palpate::HostTick tick = tool->tool.step(samples);
   copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, forces_out, torques_out);
   copy_wrench(*tool, tick.second_force_n, tick.second_torque_n_m, forces_out + 3,
               torques_out == nullptr ? nullptr : torques_out + 3);
   return status_of(tick.command);
+}
+
+int palpate_delivered(palpate_tool* tool, const double* force, const double* torque) {
+  if (tool == nullptr || force == nullptr) {
+    return PALPATE_ERROR_INPUT;
+  }
+  palpate::PortWrenches made = tool->tool.wanted();
+  for (std::size_t hand = 0; hand < (tool->two_hands ? 2U : 1U); ++hand) {
+    made[hand].force_n =
+        tool->newtons_per_unit * Eigen::Map<const Eigen::Vector3d>(force + 3 * hand);
+    if (torque != nullptr) {
+      made[hand].torque_n_m = tool->newtons_per_unit * tool->metres_per_unit *
+                              Eigen::Map<const Eigen::Vector3d>(torque + 3 * hand);
+    }
+  }
+  return tool->tool.delivered(made) ? 0 : PALPATE_ERROR_INPUT;
 }
 
 double palpate_needed_damping(const palpate_body* body) {

@@ -212,6 +212,20 @@ void carry(CoupledState& state, const PortPoses& pose) noexcept {
   state.latest.pose = pose;
 }
 
+CoupledCommand step_unturned(CoupledState& state, const CoupledSample& sample,
+                             Real dt_s) noexcept {
+  PortPoses turned = state.latest.pose;
+  bool any = false;
+  for (std::size_t port = 0; port < turned.size(); ++port) {
+    any = any || turned[port].rotation != sample.pose[port].rotation;
+    turned[port].rotation = sample.pose[port].rotation;
+  }
+  if (any) {
+    carry(state, turned);
+  }
+  return step(state, sample, dt_s);
+}
+
 void delivered(CoupledState& state, const PortWrenches& wrench) noexcept {
   if (is_alone(state.set)) {
     delivered(*state.alone, wrench[0].force_n);

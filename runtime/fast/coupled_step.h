@@ -123,6 +123,11 @@ CoupledCommand step(CoupledState& state, const CoupledSample& sample,
 /// contact, or before the first step.
 void carry(CoupledState& state, const PortPoses& pose) noexcept;
 
+/// One tick of devices whose torques are not felt: what has turned since the last one
+/// goes by carry(), what has moved by step().
+CoupledCommand step_unturned(CoupledState& state, const CoupledSample& sample,
+                             Real dt_s) noexcept;
+
 /// What the devices made of the latest command. @param wrench on the ports until the
 /// next step.
 void delivered(CoupledState& state, const PortWrenches& wrench) noexcept;

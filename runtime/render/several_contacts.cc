@@ -107,7 +107,7 @@ FastCommand SeveralContacts::step(const DeviceReading& reading, double dt_s) noe
   }
   const CoupledCommand all = hung_ != nullptr
                                  ? palpate::step(*hung_, state(), sample, dt_s)
-                                 : step_held(sample, dt_s);
+                                 : step_unturned(state(), sample, dt_s);
   wrench_ = all.wrench;
   scaled_ = all.scaled;
   FastCommand command;
@@ -125,17 +125,6 @@ FastCommand SeveralContacts::step(const DeviceReading& reading, double dt_s) noe
   command.relaxed_shift_m = all.relaxed_shift_m;
   command.fault = all.fault;
   return command;
-}
-
-CoupledCommand SeveralContacts::step_held(const CoupledSample& sample,
-                                          double dt_s) noexcept {
-  const PortPose& before = state().latest.pose[0];
-  if (sample.pose[0].rotation != before.rotation) {
-    PortPoses turned = sample.pose;
-    turned[0].position_m = before.position_m;
-    carry(state(), turned);
-  }
-  return palpate::step(state(), sample, dt_s);
 }
 
 void SeveralContacts::account(const FastCommand& command,

@@ -63,7 +63,6 @@ class SeveralContacts : public RenderedBody {
 
  private:
   void show(const DeviceReading& reading) noexcept;
-  CoupledCommand step_held(const CoupledSample& sample, double dt_s) noexcept;
   void watch_turn(const DeviceReading& reading) noexcept;
   [[nodiscard]] CoupledState& state() noexcept { return storage_.state(); }
 

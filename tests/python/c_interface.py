@@ -48,6 +48,17 @@ class Host:
         status = self._c.palpate_wrench(self._tool, at, turned, ctypes.c_double(dt), f, t)
         return status, force, torque
 
+    def force(self, position, orientation, dt):
+        """Status, force."""
+        at, turned, force = numpy.array(position, float), numpy.array(orientation, float), numpy.empty(3)
+        pointers = [part.ctypes.data_as(ctypes.c_void_p) for part in (at, turned, force)]
+        status = self._c.palpate_force(self._tool, *pointers[:2], ctypes.c_double(dt), pointers[2])
+        return status, force
+
+    def delivered(self, force):
+        made = numpy.array(force, float)
+        return self._c.palpate_delivered(self._tool, made.ctypes.data_as(ctypes.c_void_p), None)
+
     def state(self):
         state = State(struct_size=ctypes.sizeof(State))
         self._c.palpate_state_get(self._tool, ctypes.byref(state))

@@ -77,6 +77,27 @@ def test_poses_and_torques_are_those_of_the_c_interface(built, file):
     assert largest > 1e-4
 
 
+def test_turns_that_are_not_felt_and_what_was_delivered_are_those_of_the_c_interface(built, file):
+    renderer = palpate.Renderer(built, "pads")
+    host = c_interface.Host(file, tool_name="pads")
+    felt = palpate.Renderer(built, "pads")
+    apart = 0.0
+    for i, (x, q) in enumerate(zip(path(), turned())):
+        _, wanted = host.force(x, q, 0.001)
+        force = renderer.step(x, 0.001, orientation=q)
+        assert force.tobytes() == wanted.tobytes(), i
+        apart = max(apart, abs(felt.wrench(x, q, 0.001)[0] - force).max())
+        renderer.delivered(0.9 * force)
+        assert host.delivered(0.9 * force) == 0
+        for each in (renderer, felt, host):
+            each.slow_step() if i % 10 == 0 else None
+        assert renderer.work_j == host.state().work_j
+    host.close()
+    assert apart > 1e-4
+    with pytest.raises(palpate.InputError, match="finite"):
+        renderer.delivered([0.0, numpy.nan, 0.0])
+
+
 def test_options_are_those_of_the_c_interface(built, file):
     renderer = palpate.Renderer(built, "ball", force_max_n=0.03, ramp_s=0.2, tick_s=0.002, position_gain=2.0,
                                 force_gain=0.5)

@@ -1,4 +1,5 @@
 // Two hands on one body through palpate.h.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -111,6 +112,36 @@ TEST_F(PalpateTogether, TheSecondHandsToolIsTurnedBack) {
     EXPECT_NEAR(units.force[i], turned.force[i] * 100.0, 1e-8);
     EXPECT_NEAR(units.torque[i], turned.torque[i] * 1e5, 1e-5);
   }
+}
+
+// As PalpateWrench.TurnsThatNobodyFeelsGiveTheHandNothing: the second hand's tool is
+// tilted down there and comes up tilted.
+TEST_F(PalpateTogether, TurnsThatNobodyFeelsGiveTheHandsNothing) {
+  palpate_tool* tool = open(options("ball"), "pads");
+  ASSERT_NE(tool, nullptr) << error_;
+  const double k_n_per_m = palpate_needed_damping(body_) / 0.0005;
+  Six held{}, before{-0.02, 0.002, 0.004, 0.02, 0.002, 0.012};
+  double put_in_j = 0.0, bound_j = 0.0, largest_n = 0.0;
+  for (int tick = 0; tick < 8000; ++tick) {
+    const double turn = 2.0 * 3.14159265 * tick / 800.0;
+    const double half = 0.15 * std::sin(turn);
+    const Six at{-0.02, 0.002, 0.004, 0.02, 0.002, 0.007 + 0.005 * std::cos(turn)};
+    const double quaternions[8] = {0, 0, 0, 1, 0, std::sin(half), 0, std::cos(half)};
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double dx = at[i] - before[i];
+      put_in_j -= held[i] * dx;
+      bound_j += 2.0 * 0.5 * k_n_per_m * dx * dx;  // of pads, not of the ball
+    }
+    before = at;
+    ASSERT_GE(
+        palpate_together(tool, at.data(), quaternions, 0.001, held.data(), nullptr), 0);
+    largest_n = std::max(largest_n, held[5]);
+    if (tick % 10 == 0) {
+      ASSERT_GE(palpate_slow_step(body_), 0);
+    }
+  }
+  EXPECT_GT(largest_n, 0.2);
+  EXPECT_GE(put_in_j, -bound_j);
 }
 
 TEST_F(PalpateTogether, ToolsOfOneHandLieBesideUnchanged) {

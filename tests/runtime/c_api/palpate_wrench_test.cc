@@ -1,4 +1,5 @@
 // Tools of several contacts through palpate.h.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -103,6 +104,71 @@ TEST_F(PalpateWrench, OneContactIsPalpateForceWithoutTorque) {
   EXPECT_EQ(wrench.torque, (Triple{0.0, 0.0, 0.0}));
 }
 
+// Down upright, tilted there, up tilted, upright in the air: what the turned tool has
+// more of must not come out by the force, where nobody feels the torque.
+TEST_F(PalpateWrench, TurnsThatNobodyFeelsGiveTheHandNothing) {
+  palpate_tool* tool = open(options("pads"));
+  ASSERT_NE(tool, nullptr) << error_;
+  constexpr int kQuarter = 200;
+  const double k_n_per_m = palpate_needed_damping(body_) / 0.0005;
+  Triple held{}, before{0.001, 0.002, 0.012};
+  double put_in_j = 0.0, bound_j = 0.0, largest_n = 0.0;
+  for (int tick = 0; tick < 10 * 4 * kQuarter; ++tick) {
+    const double part = static_cast<double>(tick % kQuarter) / kQuarter;
+    const int quarter = tick / kQuarter % 4;
+    const double down = quarter == 0 ? part : quarter == 1 ? 1.0 : 3.0 - quarter - part;
+    const double tilt = quarter == 0 ? 0.0 : quarter == 1 ? part : quarter == 2;
+    const double back = quarter == 3 ? 1.0 - part : tilt;
+    const double half = 0.15 * back;
+    const Triple at{0.001, 0.002, 0.012 - 0.01 * std::max(0.0, down)};
+    const double quaternion[4] = {0.0, std::sin(half), 0.0, std::cos(half)};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double dx = at[i] - before[i];
+      put_in_j -= held[i] * dx;
+      bound_j += 0.5 * k_n_per_m * dx * dx;
+    }
+    before = at;
+    ASSERT_GE(palpate_force(tool, at.data(), quaternion, 0.001, held.data()), 0);
+    largest_n = std::max(largest_n, held[2]);
+    if (tick % 10 == 0) {
+      ASSERT_GE(palpate_slow_step(body_), 0);
+    }
+  }
+  EXPECT_GT(largest_n, 0.2);
+  EXPECT_GE(put_in_j, -bound_j);
+}
+
+// Motors that give nothing on the way in, and all on the way out.
+TEST_F(PalpateWrench, WhatAHostDoesNotDeliverIsInTheAccount) {
+  for (const char* name : {"ball", "pads"}) {
+    for (const bool told : {false, true}) {
+      palpate_tool* tool = open(options(name));
+      ASSERT_NE(tool, nullptr) << error_;
+      int status = 0;
+      WrenchAnswer answer;
+      for (int tick = 0; tick < 40'000 && status >= 0; ++tick) {
+        const double turn = 2e-3 * 3.14159265 * tick;
+        const double at[3] = {0.001, 0.002, 0.003 + 0.003 * std::cos(turn)};
+        status = palpate_wrench(tool, at, nullptr, 0.001, answer.force.data(),
+                                answer.torque.data());
+        const bool in = std::sin(turn) > 0.0;
+        const Triple none{};
+        if (told && in && status >= 0) {
+          EXPECT_EQ(palpate_delivered(tool, none.data(), none.data()), 0);
+        }
+        if (tick % 10 == 0) {
+          ASSERT_GE(palpate_slow_step(body_), 0);
+        }
+      }
+      if (told) {
+        EXPECT_EQ(status, PALPATE_FAULT_ENERGY) << name;
+      } else {
+        EXPECT_GE(status, 0) << name;
+      }
+    }
+  }
+}
+
 TEST_F(PalpateWrench, RefusesWithASentence) {
   EXPECT_NE(refusal(without_, options("pads")).find("has no table of compliance"),
             std::string::npos)
@@ -150,6 +216,9 @@ TEST_F(PalpateWrench, OddCallsAreFaultsOrErrors) {
   EXPECT_EQ(palpate_wrench(nullptr, at, nullptr, 0.001, answer.force.data(),
                            answer.torque.data()),
             PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_delivered(nullptr, at, nullptr), PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_delivered(tool, nullptr, at), PALPATE_ERROR_INPUT);
+  EXPECT_EQ(palpate_delivered(tool, at, odd), PALPATE_ERROR_INPUT);
   EXPECT_EQ(
       palpate_wrench(tool, at, odd, 0.001, answer.force.data(), answer.torque.data()),
       PALPATE_FAULT_NOT_FINITE);
