@@ -21,15 +21,6 @@
 namespace palpate {
 namespace {
 
-// What the contacts of a tool are together, sharing the largest force.
-ContactStiffness stiffness_of(const ResponseDatabase& database,
-                              const ResponseTable& table, double force_max_n) {
-  const ResponseTable* const one[] = {&table};
-  const CoupledSet set = coupled_set(database, one);
-  return contact_stiffness(table, set,
-                           rendered_stiffness(table, force_max_n / set.count));
-}
-
 // Of the exception that is being handled.
 SlowFailure failure_in_hand() {
   try {
@@ -120,7 +111,8 @@ void HostBody::open_contacts(const ResponseTable& table) {
   if (const char* wrong = check(set, fast_)) {
     throw InputError(fmt::format("tool \"{}\": {}", table.tool.name, wrong));
   }
-  const ContactStiffness contacts = stiffness_of(*database_, table, fast_.force_max_n);
+  const ContactStiffness contacts =
+      contact_stiffness(*database_, table, fast_.model, fast_.force_max_n);
   force_scale_ = contacts_scale(options_, contacts);
   stiffness_n_per_m_ =
       wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
@@ -257,7 +249,8 @@ HostBody::Together HostBody::add_together(const std::string& second) {
       &find_tool(*database_, second.empty() ? tool_name_ : second)};
   const double scale = std::min(
       force_scale_,
-      contacts_scale(options_, stiffness_of(*database_, *tools[1], fast_.force_max_n)));
+      contacts_scale(options_, contact_stiffness(*database_, *tools[1], fast_.model,
+                                                 fast_.force_max_n)));
   auto stream = std::make_unique<ContactStream>(*database_, tools, scale);
   if (const char* wrong = check(stream->set(), fast_)) {
     throw InputError(fmt::format("two hands: {}", wrong));

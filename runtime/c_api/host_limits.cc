@@ -65,7 +65,9 @@ double contacts_scale(const HostOptions& options, const ContactStiffness& contac
   if (options.damping_n_s_per_m == 0.0) {
     return 1.0;
   }
+  // Of the device: turns are as they are, arms as long as its own movement makes them.
   ContactStiffness felt = contacts;
+  felt.lever_m /= options.position_gain;
   felt.n_per_m *= options.position_gain * options.force_gain;
   felt.friction_n_per_m *= options.position_gain * options.force_gain;
   const WrenchMargin margin =

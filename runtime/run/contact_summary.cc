@@ -24,7 +24,7 @@ std::string summary(const ContactRunReport& r) {
   }
   text += fmt::format(
       "stability: {} at most {:.4g} N/m and {:.3g} N m/rad, {:.3g} of what the "
-      "device can hold{}\n",
+      "device can hold in pressing{}\n",
       r.coupling ? "the coupling's spring" : "contacts together",
       r.margin.stiffness_n_per_m, r.margin.stiffness_n_m_per_rad, r.margin.share,
       r.force_scale < 1.0 ? fmt::format("; forces scaled by {:.3g}", r.force_scale)

@@ -32,7 +32,8 @@ std::vector<SimulationReport> reports(const std::vector<PreparedRun>& runs) {
 PressedBody pressed_by_several(const ResponseDatabase& database,
                                const ResponseTable& table, PressedBody body,
                                const SimulationOptions& options) {
-  body.stiffness = stiffness_of_contacts(database, table, options.force_max_n);
+  body.stiffness =
+      stiffness_of_contacts(database, table, options.model, options.force_max_n);
   body.several = [&database, &table, watch = options.watch_contacts](
                      const FastConfig& config, double scale,
                      const std::optional<CouplingReport>& coupling) {

@@ -1,40 +1,79 @@
 #include "runtime/slow/contact_stiffness.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <Eigen/Cholesky>
 
 #include "formats/response/contact_set.h"
+#include "runtime/fast/coupled_set.h"
 #include "runtime/slow/contact_elements.h"
+#include "runtime/slow/field_stiffness.h"
 
 namespace palpate {
 
-ContactStiffness contact_stiffness(const ResponseTable& table, const CoupledSet& set,
-                                   const RenderedStiffness& stiffest) {
-  const double stiffness_n_per_m = stiffest.normal_n_per_m;
-  const std::int64_t node = stiffest.node;
+namespace {
+
+// Of the responses of each contact's own radius. @param force_max_n that they share.
+std::vector<RenderedStiffness> stiffness_by_contact(const ResponseDatabase& database,
+                                                    const ResponseTable& tool,
+                                                    LocalModel model,
+                                                    double force_max_n) {
+  std::vector<std::size_t> radius = radius_of_contacts(tool.tool.contact);
+  if (radius.empty()) {
+    radius.push_back(0);
+  }
+  std::vector<RenderedStiffness> each;
+  for (std::size_t i = 0; i < radius.size(); ++i) {
+    const auto seen = static_cast<std::size_t>(
+        std::find(radius.begin(), radius.end(), radius[i]) - radius.begin());
+    each.push_back(
+        seen < i
+            ? each[seen]
+            : model_stiffness(database, table_of_radius(database, tool, radius[i]),
+                              model, force_max_n / static_cast<double>(radius.size())));
+  }
+  return each;
+}
+
+}  // namespace
+
+ContactStiffness contact_stiffness(const ResponseDatabase& database,
+                                   const ResponseTable& tool, LocalModel model,
+                                   double force_max_n) {
+  const ResponseTable* const one[] = {&tool};
+  const CoupledSet set = coupled_set(database, one);
+  const std::vector<RenderedStiffness> each =
+      stiffness_by_contact(database, tool, model, force_max_n);
+  const std::int64_t node =
+      std::max_element(each.begin(), each.end(), [](const auto& a, const auto& b) {
+        return a.normal_n_per_m < b.normal_n_per_m;
+      })->node;
   ContactStiffness all;
-  all.friction_n_per_m = stiffest.friction_n_per_m;
   const Eigen::Index n = set.count;
   all.lever_m.resize(n, 3);
-  Eigen::MatrixXd compliance = Eigen::MatrixXd::Identity(n, n) / stiffness_n_per_m;
+  Eigen::VectorXd own_n_per_m(n);
+  Eigen::MatrixXd compliance(n, n);
   const ContactRow row =
-      n > 1 && node >= 0 ? contact_row(table.compliance, node, 1.0) : ContactRow{};
+      n > 1 && node >= 0 ? contact_row(tool.compliance, node, 1.0) : ContactRow{};
   const double together = coupling_by_modes(row.mode, row.mode, kMostModes,
                                             static_cast<std::size_t>(set.added_modes));
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto self = static_cast<std::size_t>(i);
+    all.friction_n_per_m = std::max(all.friction_n_per_m, each[self].friction_n_per_m);
     all.lever_m.row(i) = set.sphere[self].centre_m.transpose();
-    for (Eigen::Index j = 0; j < n && n > 1; ++j) {
-      if (i != j) {
-        compliance(i, j) =
-            reach_m_per_n(row, set.apart[self][static_cast<std::size_t>(j)]) + together;
-      }
+    own_n_per_m(i) = each[self].normal_n_per_m;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      compliance(i, j) =
+          i == j ? 1.0 / own_n_per_m(i)
+                 : reach_m_per_n(row, set.apart[self][static_cast<std::size_t>(j)]) +
+                       together;
     }
   }
   const Eigen::LLT<Eigen::MatrixXd> factor(compliance);
-  all.n_per_m =
-      factor.info() == Eigen::Success
-          ? Eigen::MatrixXd(factor.solve(Eigen::MatrixXd::Identity(n, n)))
-          : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n) * stiffness_n_per_m);
+  all.n_per_m = factor.info() == Eigen::Success
+                    ? Eigen::MatrixXd(factor.solve(Eigen::MatrixXd::Identity(n, n)))
+                    : Eigen::MatrixXd(own_n_per_m.asDiagonal());
   return all;
 }
 
@@ -54,13 +93,11 @@ double every_hand_n_s_per_m(const VirtualCoupling& coupling, double hold_s,
 }
 
 RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
-                                        const ResponseTable& tool, double force_max_n) {
-  const std::vector<std::size_t> radius = radius_of_contacts(tool.tool.contact);
+                                        const ResponseTable& tool, LocalModel model,
+                                        double force_max_n) {
   RenderedStiffness sum;
-  for (const std::size_t r : radius) {
-    const RenderedStiffness one =
-        rendered_stiffness(table_of_radius(database, tool, r),
-                           force_max_n / static_cast<double>(radius.size()));
+  for (const RenderedStiffness& one :
+       stiffness_by_contact(database, tool, model, force_max_n)) {
     sum.node = one.node;
     sum.normal_n_per_m += one.normal_n_per_m;
     sum.friction_n_per_m += one.friction_n_per_m;

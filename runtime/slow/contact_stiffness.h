@@ -5,18 +5,19 @@
 #include "formats/response/response_table.h"
 #include "runtime/device/stability_margin.h"
 #include "runtime/device/wrench_margin.h"
-#include "runtime/fast/coupled_set.h"
+#include "runtime/fast/local_model.h"
 #include "runtime/fast/virtual_coupling.h"
 
 namespace palpate {
 
-/// All contacts of port 0 on the node with the largest slope k, its row of compliance
-/// between them: (diag(1/k) + C)^-1. Where that is not positive definite, diag(k). An
-/// estimate: elsewhere contacts couple otherwise.
-/// @param set of the table's tool. @param stiffest of the table.
-[[nodiscard]] ContactStiffness contact_stiffness(const ResponseTable& table,
-                                                 const CoupledSet& set,
-                                                 const RenderedStiffness& stiffest);
+/// Each contact as stiff as the responses of its radius are anywhere, k_i, by that
+/// model, and between them the row of compliance of the node where the stiffest is:
+/// (diag(1/k_i) + C)^-1. Where that is not positive definite, diag(k_i). An estimate:
+/// elsewhere contacts couple otherwise.
+/// @param force_max_n [N] > 0 that they share.
+[[nodiscard]] ContactStiffness contact_stiffness(const ResponseDatabase& database,
+                                                 const ResponseTable& tool,
+                                                 LocalModel model, double force_max_n);
 
 /// Of a virtual coupling's spring, alike in every direction: the most that a device
 /// feels, however stiff or soft the contacts are. The tool's mass hardly moves within a
@@ -38,6 +39,7 @@ namespace palpate {
 /// do; no bound where one lifts another. @param force_max_n [N] > 0 that they share.
 [[nodiscard]] RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
                                                       const ResponseTable& tool,
+                                                      LocalModel model,
                                                       double force_max_n);
 
 }  // namespace palpate

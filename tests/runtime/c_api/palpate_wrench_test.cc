@@ -194,6 +194,25 @@ TEST_F(PalpateWrench, RefusesWithASentence) {
   EXPECT_LT(limited.force[2], 0.9 * whole.force[2]);
 }
 
+// A host whose device moves a tenth as far feels arms ten times as long.
+TEST_F(PalpateWrench, TurnsAreAsStiffAsTheDeviceFeelsThem) {
+  const auto needed_n_m_s = [&](double position_gain, double force_gain) {
+    palpate_options all = options("pads");
+    all.position_gain = position_gain;
+    all.force_gain = force_gain;
+    all.device_damping_n_s_per_m = 1e6;
+    double refused = 1e-12, opened = 1.0;
+    while (opened > 1.001 * refused) {
+      all.device_angular_damping_n_m_s = std::sqrt(refused * opened);
+      (open(all) != nullptr ? opened : refused) = all.device_angular_damping_n_m_s;
+    }
+    return opened;
+  };
+  const double whole = needed_n_m_s(1.0, 1.0);
+  EXPECT_NEAR(needed_n_m_s(0.1, 1.0), 10.0 * whole, 0.02 * whole);
+  EXPECT_NEAR(needed_n_m_s(10.0, 3.0), 0.3 * whole, 6e-4 * whole);
+}
+
 // What several contacts have left for good is not kept in files.
 TEST_F(PalpateWrench, SurfacesOfSeveralContactsAreRefused) {
   palpate_tool* tool = open(options("pads"));
