@@ -75,7 +75,11 @@ HostContacts::HostContacts(const CoupledSet& set, const FastConfig& fast, double
 HostTick HostContacts::step(std::span<const HostSample> samples) noexcept {
   CoupledState& state = storage_.state();
   const double dt_s = samples[0].dt_s == 0.0 ? tick_s_ : samples[0].dt_s;
-  while (const ContactElement* message = exchange_->elements.front()) {
+  for (int taken = 0; taken < kElementsATick; ++taken) {
+    const ContactElement* message = exchange_->elements.front();
+    if (message == nullptr) {
+      break;
+    }
     accept(state, *message);
     exchange_->elements.pop();
     silent_s_ = 0.0;

@@ -108,7 +108,11 @@ HostTool::HostTool(std::unique_ptr<HostContacts> contacts, const FastConfig& fas
 HostTool::~HostTool() = default;
 
 void HostTool::take_elements() noexcept {
-  while (const Element* element = exchange_.elements.front()) {
+  for (int taken = 0; taken < kElementsATick; ++taken) {
+    const Element* element = exchange_.elements.front();
+    if (element == nullptr) {
+      return;
+    }
     accept(state_, *element);
     exchange_.elements.pop();
     silent_s_ = 0.0;

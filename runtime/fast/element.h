@@ -18,6 +18,10 @@ namespace palpate {
 /// curves, so that a message has a fixed size.
 constexpr std::size_t kElementSamples = 48;
 
+/// That one tick takes in at most, of all contacts: a few microseconds each, so that a
+/// leap of many contacts does not make a tick late.
+constexpr int kElementsATick = 64;
+
 using ElementSample = BasicResponseSample<Real>;
 using ElementCurve = BasicCurveView<Real>;
 

@@ -92,7 +92,7 @@ bool FastProcess::jumped(const DeviceReading& reading) const noexcept {
 
 void FastProcess::take_in_arrivals(const DeviceReading& reading) noexcept {
   ArrivalRecord arrival{.tick = report_.ticks};
-  while (body_.take_in(arrival)) {
+  for (int taken = 0; taken < kElementsATick && body_.take_in(arrival); ++taken) {
     ++arrivals_;
     element_ns_ = reading.time_ns;
     if (outputs_.telemetry != nullptr) {
