@@ -22,12 +22,14 @@ Real held_force(const ScalarModel& m) {
   return std::max(0.0, m.latest.f_n + (m.latest.f_n - m.before.f_n) * ahead);
 }
 
-// (20), or 0 where it says nothing about the response.
+// (20), or 0 where it says nothing about the response. Where the tool has moved
+// sideways, it is of two responses, and steeper than either: no stiffer than they are,
+// so that what a held force gives is bounded as theirs is.
 Real secant_stiffness(const SlowValue& before, const SlowValue& now) {
   const Real dx = now.x_m - before.x_m;
   const Real k = (now.f_n - before.f_n) / dx;
-  const Real k_max = 10.0 * std::max(now.k_n_per_m, before.k_n_per_m);
-  return std::abs(dx) > kStillM && k > 0.0 && k <= k_max ? k : 0.0;
+  const Real k_max = std::max(now.k_n_per_m, before.k_n_per_m);
+  return std::abs(dx) > kStillM && k > 0.0 ? std::min(k, k_max) : 0.0;
 }
 
 void update_equal_energy(ScalarModel& model, PassivityLedger& ledger,

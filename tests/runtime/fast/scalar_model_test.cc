@@ -89,6 +89,19 @@ TEST(EqualEnergy, StaysWhereTheToolDidNotMoveOrTheForceFell) {
   EXPECT_NEAR(r.model.c_m, before.c_m, 1e-15);
 }
 
+// A secant of two responses, the tool having moved sideways from a soft place to a
+// stiff one.
+TEST(EqualEnergy, IsNoStifferThanTheResponsesAre) {
+  Rendering r{make(LocalModel::kEqualEnergy), {}};
+  for (int i = 0; i < 20; ++i) {
+    r.tick(power_law(100.0, 1.0, 2e-4 * i));
+  }
+  SlowValue stiff = power_law(300.0, 1.0, r.model.latest.x_m + 1e-5);
+  r.tick(stiff);
+  EXPECT_DOUBLE_EQ(r.model.k_n_per_m, 300.0);
+  EXPECT_NEAR(imbalance_j(r.ledger), 0.0, 1e-18);
+}
+
 TEST(EqualEnergy, FreeSpaceKeepsTheModelUntilItsEnergyIsGone) {
   Rendering r{make(LocalModel::kEqualEnergy), {}};
   for (int i = 0; i < 20; ++i) {
