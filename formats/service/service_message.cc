@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "formats/database/database_rules.h"
 #include "formats/database/work_unit_cbor.h"
 #include "formats/response/response_rules.h"
 
@@ -68,13 +69,22 @@ void write(json& j, const HandPlace& hand) {
 
 void check_plan(const JobDescription& plan) {
   const auto n = plan.body.position_m.rows();
-  if (n == 0 || plan.normal.rows() != n || plan.tool.empty() ||
-      !plan.body.position_m.allFinite() || !plan.normal.allFinite()) {
-    throw FormatError("the body has no vertices, normals or tools, or not finite ones");
+  if (n == 0 || plan.tool.empty() || plan.body.triangle.rows() == 0) {
+    throw FormatError("the body has no vertices, triangles or tools");
   }
-  const Triangles& triangle = plan.body.triangle;
-  if (triangle.size() == 0 || triangle.minCoeff() < 0 || triangle.maxCoeff() >= n) {
-    throw FormatError("a triangle names vertices that the body does not have");
+  check_nodes(plan.body.position_m, plan.normal);
+  check_triangles(plan.body.triangle, n);
+  for (const ToolShape& tool : plan.tool) {
+    check(tool);
+  }
+  for (const double number :
+       {plan.force_relative, plan.depth_max_m, plan.force_max_n}) {
+    if (!(number >= 0.0) || !std::isfinite(number)) {
+      throw FormatError(fmt::format(
+          "force_relative, depth_max_m or force_max_n is {}, must be finite and not "
+          "negative",
+          number));
+    }
   }
 }
 
@@ -135,24 +145,32 @@ HandPlace hand_of(const json& j) {
   return hand;
 }
 
-// Refuses what is nested so deeply that reading it would end the stack.
-struct DepthCheck : nlohmann::json_sax<json> {
+// Refuses what is nested so deeply that reading it would end the stack, and so many
+// values that they would fill the memory: each takes one byte or more here, 16 there.
+struct SizeCheck : nlohmann::json_sax<json> {
   static constexpr int kDeepest = 16;
+  static constexpr std::size_t kMostValues = std::size_t{1} << 27;
   int depth = 0;
+  std::size_t values = 0;
 
-  bool null() override { return true; }
-  bool boolean(bool /*value*/) override { return true; }
-  bool number_integer(number_integer_t /*value*/) override { return true; }
-  bool number_unsigned(number_unsigned_t /*value*/) override { return true; }
+  bool one() { return ++values <= kMostValues; }
+  bool null() override { return one(); }
+  bool boolean(bool /*value*/) override { return one(); }
+  bool number_integer(number_integer_t /*value*/) override { return one(); }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return one(); }
   bool number_float(number_float_t /*value*/, const string_t& /*text*/) override {
-    return true;
+    return one();
   }
-  bool string(string_t& /*value*/) override { return true; }
-  bool binary(binary_t& /*value*/) override { return true; }
-  bool start_object(std::size_t /*elements*/) override { return ++depth <= kDeepest; }
+  bool string(string_t& /*value*/) override { return one(); }
+  bool binary(binary_t& /*value*/) override { return one(); }
+  bool start_object(std::size_t /*elements*/) override {
+    return one() && ++depth <= kDeepest;
+  }
   bool key(string_t& /*value*/) override { return true; }
   bool end_object() override { return --depth >= 0; }
-  bool start_array(std::size_t /*elements*/) override { return ++depth <= kDeepest; }
+  bool start_array(std::size_t /*elements*/) override {
+    return one() && ++depth <= kDeepest;
+  }
   bool end_array() override { return --depth >= 0; }
   bool parse_error(std::size_t /*position*/, const std::string& /*token*/,
                    const nlohmann::detail::exception& error) override {
@@ -211,10 +229,12 @@ std::vector<std::byte> to_frame(const ServiceMessage& message) {
 ServiceMessage message_from_bytes(std::span<const std::byte> body) {
   const auto* first = reinterpret_cast<const std::uint8_t*>(body.data());
   try {
-    DepthCheck shallow;
-    if (!json::sax_parse(first, first + body.size(), &shallow,
+    SizeCheck size;
+    if (!json::sax_parse(first, first + body.size(), &size,
                          json::input_format_t::cbor)) {
-      throw FormatError("nested too deeply");
+      throw FormatError(
+          fmt::format("nested more than {} deep, or of more than {} values",
+                      SizeCheck::kDeepest, SizeCheck::kMostValues));
     }
     return message_of(json::from_cbor(first, first + body.size()));
   } catch (const json::exception& error) {

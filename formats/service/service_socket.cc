@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "formats/base/socket_peer.h"
 
 namespace palpate {
 namespace {
@@ -132,6 +133,11 @@ std::optional<ServiceConnection> ServiceConnection::join(
   ServiceConnection connection(new_socket());
   if (!connection.is_open() || !connects(connection.descriptor_, address)) {
     return std::nullopt;
+  }
+  if (const auto stranger = stranger_at(connection.descriptor_)) {
+    throw InputError(
+        fmt::format("{}: a service of user {} listens there, must be yours or root's",
+                    socket.string(), *stranger));
   }
   return connection;
 }

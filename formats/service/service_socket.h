@@ -20,7 +20,7 @@ class ServiceConnection {
   ServiceConnection& operator=(ServiceConnection&& other) noexcept;
 
   /// None if nobody listens there. @throws InputError for a path that is longer than a
-  /// socket's can be (107 bytes).
+  /// socket's can be (107 bytes), and for a service of another user, but root.
   [[nodiscard]] static std::optional<ServiceConnection> join(
       const std::filesystem::path& socket);
 

@@ -11,6 +11,7 @@
 #include "formats/base/error.h"
 #include "formats/service/service_socket.h"
 #include "precompute/command/commands.h"
+#include "precompute/process/end_with.h"
 #include "precompute/process/interrupt.h"
 #include "precompute/process/supervised_build.h"
 #include "precompute/serve/serve.h"
@@ -28,12 +29,16 @@ struct ServeFlags {
   std::string precision;
   int workers = 0;
   double patience_s = ServeOptions{}.patience_s;
+  int with = 0;
   bool anew = false;
 };
 
 // @returns an exit code.
 int run_serve(const ServeFlags& flags, bool after_crash) {
   note_interrupts();
+  if (flags.with > 0) {
+    end_with(flags.with);
+  }
   const Scene scene = read_scene(flags.scene);
   ServeOptions options{.output = flags.output,
                        .socket = flags.socket,
@@ -92,6 +97,8 @@ void add_serve_command(Command app) {
                      "off, safe or wrap: mend the body's surface first");
   command.add_option("--precision", flags->precision,
                      "float64, float32 or int16, as of build");
+  command.add_option("--with", flags->with,
+                     "End, keeping what is done, when the process of that id does");
   command.add_flag("--anew", flags->anew,
                    "Drop what was computed for another scene in OUTPUT.partial");
   command.callback([flags] {

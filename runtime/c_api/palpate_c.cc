@@ -6,7 +6,6 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -379,26 +378,6 @@ int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
                                           : std::filesystem::path(file));
     return 0;
   });
-}
-
-const char* palpate_fault_name(int status) {
-  switch (status) {
-    case PALPATE_FREE:
-      return "free";
-    case PALPATE_CONTACT:
-      return "contact";
-    case PALPATE_ERROR_INTERNAL:
-      return "internal-error";
-    case PALPATE_ERROR_INPUT:
-      return "input-error";
-    case PALPATE_ERROR_FORMAT:
-      return "format-error";
-    default:
-      break;
-  }
-  const bool fault = status < 0 && status >= -std::numeric_limits<std::uint8_t>::max();
-  // The names are literals, which end in a zero.
-  return fault ? palpate::name(static_cast<palpate::Fault>(-status)).data() : "unknown";
 }
 
 void palpate_close(palpate_body* body) {

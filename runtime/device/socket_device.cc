@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "formats/base/socket_peer.h"
 #include "runtime/device/device_turn.h"
 #include "runtime/realtime/clock.h"
 
@@ -34,13 +35,10 @@ static_assert(sizeof(SocketHello) == 48 && sizeof(SocketState) == 80 &&
 
 // Whoever listens gets positions and is told forces: this user, or root.
 void check_peer(int descriptor, const std::string& name) {
-  ucred peer{};
-  socklen_t size = sizeof peer;
-  if (::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0 ||
-      (peer.uid != ::geteuid() && peer.uid != 0)) {
+  if (const auto stranger = stranger_at(descriptor)) {
     ::close(descriptor);
-    throw DeviceError(
-        fmt::format("{}: belongs to user {}, must be yours or root's", name, peer.uid));
+    throw DeviceError(fmt::format("{}: belongs to user {}, must be yours or root's",
+                                  name, *stranger));
   }
 }
 

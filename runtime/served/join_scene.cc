@@ -1,8 +1,12 @@
 #include "runtime/served/join_scene.h"
 
+#include <string>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/base/input_file.h"
 #include "formats/service/service_socket.h"
 #include "runtime/served/service_process.h"
 
@@ -12,6 +16,7 @@ std::unique_ptr<ServedClient> join_scene(const SceneRequest& request) {
   if (!std::filesystem::is_regular_file(request.scene)) {
     throw InputError(fmt::format("{}: no such scene", request.scene.string()));
   }
+  std::string text = read_file(request.scene);
   ServiceCommand command{
       .program = {},
       .scene = request.scene,
@@ -20,6 +25,7 @@ std::unique_ptr<ServedClient> join_scene(const SceneRequest& request) {
   return std::make_unique<ServedClient>(ServedClientOptions{
       .socket = socket,
       .tool = request.tool,
+      .text = std::move(text),
       .start =
           [command = std::move(command), server = request.server](bool anew) mutable {
             command.program = find_server(server);

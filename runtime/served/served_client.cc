@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "formats/response/tilt_line.h"
 #include "runtime/served/stiffness_estimate.h"
 
 namespace palpate {
@@ -17,6 +16,12 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kListen{20};  // at once; a hand waits for no more than that
 constexpr milliseconds kSend{100};   // that a service has to take a hand's place in
+
+std::string ended_text(int exit_code) {
+  return exit_code == ServiceProcess::kReapedElsewhere
+             ? "(this program reaps its children, so with what exit code is not known)"
+             : fmt::format("with exit code {}", exit_code);
+}
 
 bool is_over(ServiceState state) {
   return state == ServiceState::kDone || state == ServiceState::kFailed;
@@ -70,9 +75,9 @@ const ServedScene& ServedClient::scene(const std::atomic<bool>& stop) {
   }
   if (!scene_known_) {
     throw InputError(
-        fmt::format("palpate-precompute serve ended with exit code {} before it told "
-                    "its scene; what it said stands above",
-                    *ended_));
+        fmt::format("palpate-precompute serve ended {} before it told its scene; what "
+                    "it said stands above",
+                    ended_text(*ended_)));
   }
   return *scene_;
 }
@@ -164,9 +169,27 @@ void ServedClient::watch_process() {
   ended_ = code;
   status_.started = false;
   if (!is_over(status_.state) && scene_known_) {
-    status_.detail = fmt::format("the service has ended with exit code {}", code);
+    status_.detail = "the service has ended " + ended_text(code);
   }
   changed_.notify_all();
+}
+
+// Somebody else's service that was joined has gone: of a command that was killed.
+void ServedClient::start_own() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (process_ != nullptr || ended_ || !options_.start) {
+      return;
+    }
+  }
+  try {
+    process_ = options_.start(false);
+  } catch (const InputError& error) {
+    set(ServiceState::kLost, error.what());
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  status_.started = true;
 }
 
 void ServedClient::join() {
@@ -176,6 +199,7 @@ void ServedClient::join() {
   }
   connection_ = ServiceConnection::join(options_.socket);
   if (!connection_) {
+    start_own();
     // One that was just started is looked for more often.
     pause(process_ != nullptr ? milliseconds(50) : options_.again);
     return;
@@ -263,133 +287,6 @@ void ServedClient::restart() {
   const std::lock_guard lock(mutex_);
   status_.started = true;
   status_.progress = {};
-}
-
-void ServedClient::take(const ServiceMessage& message) {
-  if (const auto* scene = std::get_if<ServedScene>(&message)) {
-    if (welcomed_) {
-      throw FormatError("the service has told its scene twice");
-    }
-    take_scene(*scene);
-    return;
-  }
-  if (!welcomed_) {
-    throw FormatError("the service has not begun with its scene");
-  }
-  if (const auto* responses = std::get_if<ServedResponses>(&message)) {
-    take_responses(*responses);
-  } else if (const auto* progress = std::get_if<ServedProgress>(&message)) {
-    const std::lock_guard lock(mutex_);
-    status_.progress = *progress;
-  } else if (const auto* end = std::get_if<ServedEnd>(&message)) {
-    take_end(*end);
-    return;
-  } else {
-    throw FormatError("a service has no hand to tell of");
-  }
-  if (status().state != ServiceState::kServing) {
-    set(ServiceState::kServing, "");
-  }
-}
-
-void ServedClient::take_scene(const ServedScene& scene) {
-  if (scene_ == nullptr) {
-    take_first(scene);
-  } else if (scene.plan.digest != digest_) {
-    const bool same = same_body(scene_->plan, scene.plan, tool_);
-    if (!same || !renewing_) {
-      leave(ServiceState::kOther,
-            same ? "who listens there computes the scene with other values"
-                 : "the body or its tool has changed: end this and start it again");
-      pause(options_.again);
-      return;
-    }
-    digest_ = scene.plan.digest;
-    answers_->outdate();
-    const std::lock_guard lock(feed_mutex_);
-    for (GrowingElements* elements : fed_) {
-      elements->outdate();
-    }
-  }
-  renewing_ = false;
-  welcomed_ = true;
-  const std::lock_guard lock(mutex_);
-  text_ = scene.plan.provenance.scene_toml;
-  status_.state = ServiceState::kServing;
-  status_.detail.clear();
-  scene_known_ = true;  // last: scene() waits for it
-  changed_.notify_all();
-}
-
-void ServedClient::take_first(const ServedScene& scene) {
-  std::string refusal;
-  try {
-    tool_ = tool_index(scene.plan, options_.tool);
-    check_rendered(scene.plan, tool_);
-  } catch (const InputError& error) {
-    refusal = error.what();
-  }
-  scene_ = std::make_unique<ServedScene>(scene);
-  longest_edge_m_ = longest_edges_m(scene.plan.body);
-  answers_ = std::make_unique<ServedAnswers>(scene.plan.body.position_m.rows());
-  digest_ = scene.plan.digest;
-  const std::lock_guard lock(mutex_);
-  refusal_ = refusal;
-}
-
-GrownNode ServedClient::ready(const WorkUnitNode& answer, GrownQuality quality) const {
-  const JobDescription& plan = scene_->plan;
-  return grown_node(plan.tool[static_cast<std::size_t>(tool_)], answer, quality,
-                    plan.body.position_m.row(answer.vertex).transpose(),
-                    plan.normal.row(answer.vertex).transpose(),
-                    longest_edge_m_[static_cast<std::size_t>(answer.vertex)]);
-}
-
-// The file knows more than was told: nodes between those that were solved, and all of
-// them where it was whole before.
-void ServedClient::take_end(const ServedEnd& end) {
-  if (end.file.empty()) {
-    set(ServiceState::kFailed, end.failure);
-    return;
-  }
-  try {
-    take_known(answers_of(read_database(end.file), scene_->plan, tool_));
-    set(ServiceState::kDone, end.file);
-  } catch (const Error& error) {
-    set(ServiceState::kFailed, error.what());
-  }
-}
-
-// All of a message is looked at before anything of it is used.
-void ServedClient::take_responses(const ServedResponses& responses) {
-  const JobDescription& plan = scene_->plan;
-  for (const WorkUnitNode& node : responses.node) {
-    if (node.vertex >= plan.body.position_m.rows() ||
-        node.tool >= std::ssize(plan.tool)) {
-      throw FormatError(fmt::format("vertex {}, tool {}: the scene has {} and {}",
-                                    node.vertex, node.tool, plan.body.position_m.rows(),
-                                    plan.tool.size()));
-    }
-  }
-  take_known(responses);
-}
-
-void ServedClient::take_known(const ServedResponses& responses) {
-  std::vector<GrownNode> ready_nodes;
-  for (const WorkUnitNode& node : responses.node) {
-    if (node.tool == tool_ &&
-        answers_->take(std::make_shared<const WorkUnitNode>(node), responses.quality)) {
-      ready_nodes.push_back(ready(node, grown(responses.quality)));
-    }
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    status_.answers += std::ssize(ready_nodes);
-  }
-  const std::lock_guard lock(feed_mutex_);
-  for (GrowingElements* elements : fed_) {
-    elements->hand_over(ready_nodes);
-  }
 }
 
 }  // namespace palpate

@@ -54,6 +54,7 @@ struct ServiceStatus {
 struct ServedClientOptions {
   std::filesystem::path socket;
   std::string tool = {};  ///< that is rendered; empty: the only one
+  std::string text = {};  ///< of the scene that must be served; empty: any
   /// Starts a service that listens at the socket; null: one is joined only.
   std::function<std::unique_ptr<ServiceProcess>(bool anew)> start = nullptr;
   std::chrono::milliseconds silent{3000};  ///< without a message: kSilent
@@ -67,7 +68,8 @@ class ServedClient {
   static constexpr std::chrono::milliseconds kHand{50};  ///< between HandPlaces
   static constexpr std::chrono::seconds kPatience{60};   ///< for the first scene
 
-  /// Joins who listens at the socket; if nobody does, starts a service.
+  /// Joins who listens at the socket; if nobody does, or one that was joined goes,
+  /// starts a service.
   /// @throws InputError if it cannot be started, or the path is too long.
   explicit ServedClient(ServedClientOptions options);
   /// Leaves. A service that was started here ends.
@@ -77,8 +79,9 @@ class ServedClient {
 
   /// Waits for the service's scene. Its body, normals and tool never change from then
   /// on. @throws InputError if the service ended before, or none came within kPatience;
-  /// for a tool that is not there; for what is not rendered while it is computed: tools
-  /// of several contacts, responses that relax or yield. Interrupted if `stop` was set.
+  /// for another scene than the one that must be served (kOther); for a tool that is
+  /// not there; for what is not rendered while it is computed: tools of several
+  /// contacts, responses that relax or yield. Interrupted if `stop` was set.
   [[nodiscard]] const ServedScene& scene(const std::atomic<bool>& stop);
 
   /// After scene(): hands this body all answers of the tool so far, and all to come,
@@ -108,6 +111,7 @@ class ServedClient {
   void run() noexcept;
   void turn();
   void join();
+  void start_own();
   void listen();
   void tell_hand();
   void watch_process();
@@ -115,6 +119,7 @@ class ServedClient {
   void take(const ServiceMessage& message);
   void take_scene(const ServedScene& scene);
   void take_first(const ServedScene& scene);
+  [[nodiscard]] bool refuses(const ServedScene& scene);
   void take_responses(const ServedResponses& responses);
   void take_known(const ServedResponses& responses);
   void take_end(const ServedEnd& end);

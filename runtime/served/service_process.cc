@@ -1,5 +1,6 @@
 #include "runtime/served/service_process.h"
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <sched.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,7 +30,8 @@ bool is_program(const std::filesystem::path& file) {
          ::access(file.c_str(), X_OK) == 0;
 }
 
-// In a group of its own, signals as a program expects them, stdout on stderr.
+// In a group of its own, signals and scheduling as a program expects them, stdout on
+// stderr, nothing else open.
 int spawn(const std::vector<std::string>& words, pid_t& id) {
   std::vector<char*> arguments;
   for (const std::string& word : words) {
@@ -44,12 +47,19 @@ int spawn(const std::vector<std::string>& words, pid_t& id) {
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setpgroup(&attributes, 0);
+  const sched_param usual{};
+  posix_spawnattr_setschedpolicy(&attributes, SCHED_OTHER);
+  posix_spawnattr_setschedparam(&attributes, &usual);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
-                                            POSIX_SPAWN_SETSIGDEF);
+                                            POSIX_SPAWN_SETSIGDEF |
+                                            POSIX_SPAWN_SETSCHEDULER);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
   posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 34)
+  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+#endif
   const int failure = ::posix_spawn(&id, arguments.front(), &actions, &attributes,
                                     arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
@@ -78,8 +88,8 @@ std::filesystem::path find_server(const std::filesystem::path& given) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path != nullptr ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');) {
-    if (const auto there = std::filesystem::path(folder) / kProgram;
-        is_program(there)) {
+    const auto there = std::filesystem::path(folder) / kProgram;
+    if (!folder.empty() && is_program(there)) {  // empty is the present folder
       return there;
     }
   }
@@ -91,9 +101,9 @@ std::filesystem::path find_server(const std::filesystem::path& given) {
 }
 
 ServiceProcess::ServiceProcess(const ServiceCommand& command) {
-  std::vector<std::string> words = {command.program.string(), "serve",
-                                    command.scene.string(), "-o",
-                                    command.output.string()};
+  std::vector<std::string> words = {
+      command.program.string(), "serve",  command.scene.string(),    "-o",
+      command.output.string(),  "--with", std::to_string(::getpid())};
   if (command.anew) {
     words.emplace_back("--anew");
   }
@@ -104,9 +114,15 @@ ServiceProcess::ServiceProcess(const ServiceCommand& command) {
 }
 
 std::optional<int> ServiceProcess::exit_code() noexcept {
+  if (exit_code_) {
+    return exit_code_;
+  }
   int status = 0;
-  if (!exit_code_ && ::waitpid(id_, &status, WNOHANG) == id_) {
+  const pid_t ended = ::waitpid(id_, &status, WNOHANG);
+  if (ended == id_) {
     exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  } else if (ended < 0 && errno == ECHILD) {
+    exit_code_ = kReapedElsewhere;
   }
   return exit_code_;
 }

@@ -25,8 +25,10 @@ struct ServiceCommand {
 };
 
 /// A service that this process started and that ends with it: by SIGTERM, on which it
-/// keeps its checkpoint. It stands in a process group of its own, so that Ctrl-C is
-/// this process' to handle; what it says on either stream goes to this one's stderr.
+/// keeps its checkpoint; where this process is killed, by itself (--with). It stands in
+/// a process group of its own, so that Ctrl-C is this process' to handle, has the usual
+/// scheduling and no descriptors but its streams; what it says on either goes to this
+/// one's stderr.
 class ServiceProcess {
  public:
   /// Longest time that a service has to end in before it is killed.
@@ -37,6 +39,10 @@ class ServiceProcess {
   ~ServiceProcess();
   ServiceProcess(const ServiceProcess&) = delete;
   ServiceProcess& operator=(const ServiceProcess&) = delete;
+
+  /// What is not known of a child that this program has the system reap (SIGCHLD that
+  /// is ignored).
+  static constexpr int kReapedElsewhere = -1;
 
   /// Its exit code once it has ended, 128 + n by signal n; none while it runs.
   [[nodiscard]] std::optional<int> exit_code() noexcept;

@@ -52,6 +52,46 @@ TEST(ServiceMessage, AModulusThatIsNoneIsRefused) {
   }
 }
 
+// As a database with them would be.
+TEST(ServiceMessage, APlanThatNoDatabaseMayHaveIsRefused) {
+  const auto refused = [](auto spoil) {
+    ServedScene scene = sample_scene();
+    spoil(scene.plan);
+    EXPECT_THROW(through_the_wire(scene), FormatError);
+  };
+  refused([](JobDescription& plan) {
+    plan.normal.row(0) *= 20.0;
+  });
+  refused([](JobDescription& plan) {
+    plan.tool[0].friction = 1e6;
+  });
+  refused([](JobDescription& plan) {
+    plan.body.triangle(0, 1) = plan.body.triangle(0, 0);
+  });
+  refused([](JobDescription& plan) {
+    plan.depth_max_m = std::numeric_limits<double>::infinity();
+  });
+  refused([](JobDescription& plan) {
+    plan.force_relative = -0.1;
+  });
+}
+
+// A byte each, and sixteen in memory.
+TEST(ServiceMessage, MoreValuesThanTheMemoryHoldsAreRefused) {
+  constexpr std::uint32_t kMany = (std::uint32_t{1} << 27) + 1;
+  std::vector<std::byte> body(kMany + 5, std::byte{0x00});
+  body[0] = std::byte{0x9a};  // a list of so many
+  for (std::size_t i = 0; i < 4; ++i) {
+    body[1 + i] = static_cast<std::byte>(kMany >> (24 - 8 * i));
+  }
+  try {
+    (void)message_from_bytes(body);
+    FAIL() << "read";
+  } catch (const FormatError& error) {
+    EXPECT_NE(std::string(error.what()).find("values"), std::string::npos);
+  }
+}
+
 TEST(ServiceMessage, ResponsesComeThroughWhole) {
   const ServedResponses sent = sample_responses();
   const ServedResponses got = through_the_wire(sent);

@@ -20,7 +20,7 @@ constexpr double kModulusPa = 8000.0;
 class PalpateScene : public PressedPlateHost {
  protected:
   PalpateScene() {
-    std::ofstream(scene_) << "# read by the service alone\n";
+    std::ofstream(scene_) << "a scene";  // what the service says that it computes
     ServedScene told = served_scene(database_);
     told.modulus_pa = kModulusPa;
     const auto script = [this, told](ServiceConnection& to, const auto& goes_on) {

@@ -245,6 +245,53 @@ TEST_F(ServedClientOfPlate, AServiceThatFailsSaysWhy) {
   EXPECT_EQ(client.status().detail, "no node was solved");
 }
 
+TEST_F(ServedClientOfPlate, ASceneThatItsFileDoesNotHaveIsRefused) {
+  FakeService* at = nullptr;
+  FakeService service(socket_, plain(at));
+  at = &service;
+  ServedClientOptions wanted = options();
+  wanted.text = "a scene";
+  (void)ServedClient(wanted).scene(kNever);
+  wanted.text = "the same with another material";
+  ServedClient client(wanted);
+  try {
+    (void)client.scene(kNever);
+    FAIL() << "another scene is rendered";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("computes another scene"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_TRUE(comes_true(
+      [&] {
+        return state(client) == ServiceState::kOther;
+      },
+      milliseconds(2000)));
+}
+
+// Of a command that was killed: its service ends, too.
+TEST_F(ServedClientOfPlate, WhereAServiceOfSomebodyElseGoesItsOwnIsStarted) {
+  FakeService* at = nullptr;
+  FakeService service(socket_, plain(at));
+  at = &service;
+  std::atomic<int> started = 0;
+  ServedClientOptions own = options();
+  own.start = [&](bool /*anew*/) {
+    ++started;
+    return std::make_unique<ServiceProcess>(
+        ServiceCommand{.program = "/bin/sleep", .scene = "", .output = ""});
+  };
+  ServedClient client(own);
+  (void)client.scene(kNever);
+  EXPECT_EQ(started, 0);
+  service.die();
+  EXPECT_TRUE(comes_true(
+      [&] {
+        return started == 1;
+      },
+      milliseconds(2000)));
+}
+
 TEST_F(ServedClientOfPlate, AnotherSceneIsTakenOnlyWhenItWasAskedFor) {
   std::atomic<int> digest = 1;
   FakeService service(socket_, [&](ServiceConnection& to, const GoesOn& goes_on) {
