@@ -153,16 +153,20 @@ LinkStatus Inverse3Link::await_state() noexcept {
   }
 }
 
+bool Inverse3Link::send(const Eigen::Vector3d& force_n) noexcept {
+  return usb_->send(encode_inverse3_force(to_haply(force_n)),
+                    deadline_ns_after(config_.answer_s)) != UsbStatus::kLost;
+}
+
+// The board keeps the last force while the line is listened to: zero goes first.
 LinkStatus Inverse3Link::exchange(const Eigen::Vector3d& force_n) noexcept {
+  bool there = true;
   if (!known_) {
+    there = send(Eigen::Vector3d::Zero());
     quieten();
   }
-  const UsbStatus sent = usb_->send(encode_inverse3_force(to_haply(force_n)),
-                                    deadline_ns_after(config_.answer_s));
-  if (sent == UsbStatus::kLost) {
-    return give_up("unplugged, or its wire is broken");
-  }
-  return await_state();
+  return there && send(force_n) ? await_state()
+                                : give_up("unplugged, or its wire is broken");
 }
 
 LinkStatus Inverse3Link::transact(const Eigen::Vector3d& force_n,

@@ -36,7 +36,7 @@ struct Inverse3Config {
 /// Nothing is known of a watchdog in the board: the last force is taken to stay. Every
 /// way out sends zero, and the thread that transacts is its watchdog
 /// (threaded_device.h). After an exchange without an answer, or with what is none, the
-/// force is zero; the next one waits until the line is quiet and asks again.
+/// next one begins with zero force, waits until the line is quiet, and asks again.
 class Inverse3Link : public DeviceLink {
  public:
   /// @param descriptor and release as FalconLink's.
@@ -56,6 +56,7 @@ class Inverse3Link : public DeviceLink {
  private:
   void wake_up();
   void quieten() noexcept;
+  [[nodiscard]] bool send(const Eigen::Vector3d& force_n) noexcept;
   [[nodiscard]] LinkStatus exchange(const Eigen::Vector3d& force_n) noexcept;
   [[nodiscard]] LinkStatus await_state() noexcept;
   [[nodiscard]] LinkStatus reject() noexcept;

@@ -1,7 +1,9 @@
 // The driver of an Inverse3's own board against its model, libusb between them.
 #include "runtime/emulation/emulated_inverse3.h"
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -76,6 +78,33 @@ TEST(EmulatedInverse3, NonsenseTakesTheForceAwayAndIsGotOver) {
   }
   EXPECT_EQ(missed, 1);
   EXPECT_EQ(force_n(*device), kPush);
+}
+
+// Before the line is listened to, and once more as it is asked again.
+TEST(EmulatedInverse3, AfterNonsenseZeroGoesFirst) {
+  Inverse3ModelConfig config = model_config();
+  config.garbage_at = 20;
+  config.trace_max = 100;
+  const auto device = std::make_shared<EmulatedInverse3>(config, UsbFaults{});
+  const auto link = EmulatedInverse3::link(device, inverse3_driver());
+  link->open();
+  Eigen::Vector3d position_m;
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_NE(link->transact(kPush, position_m), LinkStatus::kLost);
+  }
+  link->close();
+  const std::vector<MotorRecord>& trace = device->model().trace();
+  ASSERT_GT(trace.size(), 25U);
+  const auto pushed = std::find_if(trace.begin(), trace.end(), [](const auto& command) {
+    return command.force_n > 0.0;
+  });
+  const auto zero = std::find_if(pushed, trace.end(), [](const auto& command) {
+    return command.force_n == 0.0;
+  });
+  const auto again = std::find_if(zero, trace.end(), [](const auto& command) {
+    return command.force_n > 0.0;
+  });
+  EXPECT_EQ(again - zero, 2);
 }
 
 TEST(EmulatedInverse3, NonsenseForGoodIsALossWithZeroForce) {
