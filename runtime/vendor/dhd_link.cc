@@ -59,6 +59,7 @@ void DhdLink::start() {
     library_->find("dhdErrorGetLastStr", dhd_.error);
     library_->find_if_there("dhdHasWrist", dhd_.has_wrist);
     library_->find_if_there("dhdGetOrientationFrame", dhd_.orientation);
+    library_->find_if_there("drdIsInitialized", dhd_.calibrated);
   }
   const int id =
       config_.index < 0 ? dhd_.open() : dhd_.open_id(static_cast<char>(config_.index));
@@ -66,6 +67,7 @@ void DhdLink::start() {
     throw DeviceError(fmt::format("no device: {}", dhd_.error()));
   }
   id_ = static_cast<char>(id);
+  require_calibrated();
   turned_ =
       dhd_.has_wrist != nullptr && dhd_.orientation != nullptr && dhd_.has_wrist(id_);
   Eigen::Vector3d ignored;
@@ -78,6 +80,21 @@ void DhdLink::start() {
         "{}: the device has no watchdog of its own ({}): if its driver is killed, it "
         "may keep its force",
         config_.what, dhd_.error()));
+  }
+}
+
+// Before that, positions are those of another pose.
+void DhdLink::require_calibrated() const {
+  constexpr const char* kHow =
+      "put its calibration pole into its pit, until its status light stops blinking";
+  if (dhd_.calibrated != nullptr && !dhd_.calibrated(id_)) {
+    throw DeviceError(fmt::format("not calibrated: {}", kHow));
+  }
+  if (dhd_.calibrated == nullptr && config_.tell) {
+    config_.tell(
+        fmt::format("{}: its library does not say whether the device is calibrated; if "
+                    "it is not, {}",
+                    config_.what, kHow));
   }
 }
 

@@ -55,9 +55,11 @@ class DhdLink : public DeviceLink {
     const char* (*error)() = nullptr;
     bool (*has_wrist)(char) = nullptr;  // both may be missing
     int (*orientation)(double (*)[3], char) = nullptr;
+    bool (*calibrated)(char) = nullptr;  // may be missing
   };
 
   void start();
+  void require_calibrated() const;
   [[nodiscard]] bool push(const Eigen::Vector3d& force_n) noexcept;
   [[nodiscard]] bool take_turn() noexcept;
   [[nodiscard]] LinkStatus give_up(const char* why) noexcept;

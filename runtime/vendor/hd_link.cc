@@ -14,6 +14,7 @@ namespace {
 
 constexpr unsigned kBadHandle = 0xFFFFFFFF;
 constexpr unsigned kForceOutput = 0x4000;
+constexpr unsigned kCalibrated = 0x5000;
 constexpr unsigned kPositionMm = 0x2050;
 constexpr unsigned kTransform = 0x2052;
 constexpr unsigned kForceN = 0x2700;
@@ -55,6 +56,7 @@ void HdLink::load() {
   library_->find("hdSetDoublev", hd_.set);
   library_->find("hdGetError", hd_.error);
   library_->find("hdGetErrorString", hd_.error_text);
+  library_->find_if_there("hdCheckCalibration", hd_.calibration);
 }
 
 void HdLink::throw_error(const char* step) {
@@ -86,6 +88,11 @@ void HdLink::start() {
     throw DeviceError("no device");
   }
   open_ = true;
+  if (hd_.calibration != nullptr && hd_.calibration() != kCalibrated) {
+    throw DeviceError(
+        "not calibrated: put its stylus into its inkwell, or calibrate it by the "
+        "vendor's set-up");
+  }
   double nominal_n = config_.force_max_n;
   hd_.get(kNominalForceN, &nominal_n);
   if (nominal_n > 0.0) {

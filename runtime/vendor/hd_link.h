@@ -67,6 +67,7 @@ class HdLink : public DeviceLink {
     void (*set)(unsigned, const double*) = nullptr;
     Error (*error)() = nullptr;
     const char* (*error_text)(unsigned) = nullptr;
+    unsigned (*calibration)() = nullptr;  // may be missing
   };
 
   void load();

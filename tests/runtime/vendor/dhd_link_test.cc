@@ -51,6 +51,14 @@ TEST_F(DhdDevice, IsPushedInOurAxesAndLetGo) {
   EXPECT_EQ(library_.variable<int>("stand_in_enabled"), 0);
 }
 
+TEST_F(DhdDevice, ThatIsNotCalibratedIsRefused) {
+  library_.variable<int>("stand_in_calibrated") = 0;
+  EXPECT_NE(opening_error().find("not calibrated"), std::string::npos);
+  EXPECT_EQ(library_.variable<int>("stand_in_open"), 0);
+  library_.variable<int>("stand_in_calibrated") = 1;
+  EXPECT_EQ(opening_error(), "");
+}
+
 // An eighth about the library's z axis, which is our y.
 TEST_F(DhdDevice, WithAWristTurnsTheTool) {
   auto& frame = library_.variable<double[3][3]>("stand_in_frame");

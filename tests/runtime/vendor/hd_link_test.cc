@@ -58,6 +58,22 @@ TEST_F(HdDevice, IsPushedFromTheLibrarysThreadAndLetGo) {
   }
 }
 
+TEST_F(HdDevice, ThatIsNotCalibratedIsRefused) {
+  for (const unsigned wants : {0x5001U, 0x5002U}) {
+    library_.variable<unsigned>("stand_in_calibration") = wants;
+    HdLink link(config_);
+    try {
+      link.open();
+      FAIL() << "opened";
+    } catch (const DeviceError& error) {
+      EXPECT_NE(std::string(error.what()).find("not calibrated"), std::string::npos)
+          << error.what();
+    }
+    EXPECT_EQ(library_.variable<int>("stand_in_running"), 0);
+  }
+  library_.variable<unsigned>("stand_in_calibration") = 0x5000;
+}
+
 // About the library's y axis, which is ours; by columns.
 TEST_F(HdDevice, TurnsTheToolAsItsStylusIsTurned) {
   const auto turn = [this](double angle_rad) {

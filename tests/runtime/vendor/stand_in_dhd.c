@@ -13,6 +13,7 @@ int stand_in_fails = 0; /* every exchange */
 int stand_in_enabled = 0;
 int stand_in_open = 0;
 int stand_in_has_wrist = 0;
+int stand_in_calibrated = 1;
 double stand_in_frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 static double force_n[3], position_m[3];
@@ -78,6 +79,10 @@ int dhdSetWatchdog(unsigned char steps, char id) {
   error = "function not available";
   stand_in_watchdog_ns = stand_in_has_watchdog ? steps * (int64_t)125000 : 0;
   return stand_in_has_watchdog ? 0 : -1;
+}
+bool drdIsInitialized(char id) {
+  (void)id;
+  return stand_in_calibrated != 0;
 }
 bool dhdHasWrist(char id) {
   (void)id;
