@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kBallM = 0.005;
-constexpr double kHostTickS = 0.001;
+constexpr double kHoldS = 0.001;
 
 // Nodes of up to nine times each other's stiffness, without friction.
 std::shared_ptr<const ResponseDatabase> uneven_plate() {
@@ -52,7 +52,7 @@ TEST_P(HeldForce, GivesNoMoreThanItsStiffnessAllows) {
   options.ramp_s = 1e-6;
   HostBody body(uneven_plate(), options);
   HostTool& tool = body.add_tool();
-  const double k_n_per_m = body.needed_damping_n_s_per_m() / (0.5 * kHostTickS);
+  const double k_n_per_m = body.needed_damping_n_s_per_m() / (0.5 * kHoldS);
   Wandering hand;
   HostTick before;
   Eigen::Vector3d from_m = Eigen::Vector3d::Zero();
