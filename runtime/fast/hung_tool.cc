@@ -69,9 +69,10 @@ DevicePose device_at(const PortPose& pose, const DevicePose& before, Real dt_s) 
   now.position_m = pose.position_m;
   now.turn = Eigen::Quaternion<Real>(pose.rotation).normalized();
   if (dt_s > 0.0) {
-    now.velocity_m_per_s = (now.position_m - before.position_m) / dt_s;
+    const Real over_s = std::max(dt_s, kHungTickMinS);
+    now.velocity_m_per_s = (now.position_m - before.position_m) / over_s;
     const Eigen::AngleAxis<Real> turned(now.turn * before.turn.conjugate());
-    now.spin_rad_per_s = (turned.angle() / dt_s) * turned.axis();
+    now.spin_rad_per_s = (turned.angle() / over_s) * turned.axis();
   }
   return now;
 }

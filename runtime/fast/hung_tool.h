@@ -35,6 +35,9 @@
 namespace palpate {
 
 constexpr Real kHungTickMaxS = 0.002;
+/// Readings that are nearer to each other count as so far apart for the dampers: noise
+/// of a position a microsecond later is no velocity.
+constexpr Real kHungTickMinS = 1e-4;
 
 /// Of the coupling alone. All in J but the last.
 struct HungAccount {

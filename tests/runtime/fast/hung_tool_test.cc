@@ -117,6 +117,26 @@ TEST_F(HungTools, WhatIsNotSolvedEndsInZeroForce) {
   EXPECT_GT(stopped, 0);
 }
 
+// Two readings of one place, in free air, half a microsecond apart: noise of 50 um.
+TEST_F(HungTools, ReadingsAMicrosecondApartAreNoVelocity) {
+  FastConfig config;
+  config.model = LocalModel::kPotential;
+  hold(make_plate(body_, 4, 0.006, kRadiusM), {}, config);
+  double largest_n = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    PortPoses pose;
+    pose[0].position_m = over(0.02);
+    ASSERT_EQ(tick(pose).fault, 0) << i;
+    pose[0].position_m.x() += 5e-5;
+    const CoupledCommand c = tick(pose, 5e-7);
+    ASSERT_EQ(c.fault, 0) << i;
+    largest_n = std::max(largest_n, c.wrench[0].force_n.norm());
+  }
+  EXPECT_LT(std::abs(hung_->total.work_j), 1e-3);
+  EXPECT_GT(largest_n, 0.0);
+  expect_account(1e-12);
+}
+
 // A coupling without springs and dampers, clear of the body: thrown, it stays thrown.
 TEST_F(HungTools, AFreeToolKeepsItsMomentum) {
   VirtualCoupling free;
