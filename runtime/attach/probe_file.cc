@@ -12,6 +12,7 @@
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
 #include "formats/base/json_text.h"
+#include "formats/base/printable.h"
 
 namespace palpate {
 namespace {
@@ -138,7 +139,8 @@ class ProbeReader {
     a.friction_n = number(from, "friction_n", -1.0, 10.0);
     a.friction_sd_n = number(from, "friction_sd_n", 0.0, 10.0);
     a.mass_kg = number(from, "mass_kg", 1e-6, 1e3);
-    a.damping_n_s_per_m = number(from, "damping_n_s_per_m", -1e3, 1e3);
+    // Beyond any mechanism that a hand moves.
+    a.damping_n_s_per_m = number(from, "damping_n_s_per_m", -50.0, 50.0);
     a.damping_sd_n_s_per_m = number(from, "damping_sd_n_s_per_m", 0.0, 1e6);
     a.delay_s = number(from, "delay_s", 0.0, 1.0);
     a.delay_resolution_s = number(from, "delay_resolution_s", 0.0, 10.0);
@@ -184,7 +186,7 @@ class ProbeReader {
 std::string axis_text(const ProbedAxis& a) {
   const char* const name = kAxes[static_cast<std::size_t>(a.axis)];
   if (!a.failure.empty()) {
-    return fmt::format("along {}: {}\n", name, a.failure);
+    return fmt::format("along {}: {}\n", name, printable(a.failure));
   }
   const std::string delay =
       a.has_delay() ? fmt::format("{:.3g} ms, +- {:.1g}", 1e3 * a.delay_s,
@@ -247,9 +249,9 @@ std::string probe_text(const ProbeReport& r) {
       "{:.3f} "
       "ms, longest {:.3f} ms\n"
       "step of positions    {:.3g} mm\n",
-      r.device, r.force_max_n, r.palpate, r.free_rate_hz, r.missed, r.exchanges,
-      1e3 * r.exchange_p50_s, 1e3 * r.exchange_p99_s, 1e3 * r.exchange_max_s,
-      1e3 * r.resolution_m);
+      printable(r.device), r.force_max_n, printable(r.palpate), r.free_rate_hz,
+      r.missed, r.exchanges, 1e3 * r.exchange_p50_s, 1e3 * r.exchange_p99_s,
+      1e3 * r.exchange_max_s, 1e3 * r.resolution_m);
   if (r.by_hand) {
     const Eigen::Vector3d reach_mm = 1e3 * (r.highest_m - r.lowest_m);
     text += fmt::format("moved by hand over   {:.0f} x {:.0f} x {:.0f} mm\n",
@@ -259,6 +261,17 @@ std::string probe_text(const ProbeReport& r) {
     text += axis_text(axis);
   }
   return text;
+}
+
+std::string axes_not_found(const ProbeReport& report) {
+  std::string names;
+  for (const ProbedAxis& axis : report.axis) {
+    if (!axis.failure.empty()) {
+      names += (names.empty() ? "" : ", ") +
+               std::string(kAxes[static_cast<std::size_t>(axis.axis)]);
+    }
+  }
+  return names;
 }
 
 DeviceLimits probed_limits(const ProbeReport& report, const DeviceLimits& assumed) {
@@ -274,7 +287,13 @@ DeviceLimits probed_limits(const ProbeReport& report, const DeviceLimits& assume
       delay_s = std::max(delay_s, axis.delay_s + axis.delay_resolution_s);
     }
   }
-  if (std::isfinite(damping)) {
+  const bool any = std::isfinite(damping);
+  if (any && assumed.damping_n_s_per_m > 0.0 && !axes_not_found(report).empty()) {
+    damping = std::min(damping, assumed.damping_n_s_per_m);
+    friction_n = std::min(friction_n, assumed.coulomb_n);
+    delay_s = std::max(delay_s, assumed.delay_s);
+  }
+  if (any) {
     limits.damping_n_s_per_m = damping > 0.0 ? damping : assumed.damping_n_s_per_m;
     limits.coulomb_n = std::max(0.0, friction_n);
     limits.delay_s = delay_s;

@@ -1,7 +1,9 @@
 // `palpate-run probe`: prints what a probe of a device found.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,7 +30,8 @@ void print_probe(const ProbeFlags& flags) {
   }
   const ProbeReport report = read_probe(flags.file);
   const DeviceLimits limits = probed_limits(report, {});
-  const StabilityBounds bounds = stability_bounds(limits, 1.0 / flags.fast_hz);
+  const StabilityBounds bounds =
+      stability_bounds(limits, std::max(1.0 / flags.fast_hz, limits.hold_s));
   if (flags.json) {
     nlohmann::ordered_json json = parse_ordered_json(probe_json(report));
     for (auto& axis : json["axes"]) {
@@ -38,10 +41,13 @@ void print_probe(const ProbeFlags& flags) {
     fmt::print("{}\n", json_text(json, 2));
     return;
   }
+  const std::string missing = axes_not_found(report);
+  const std::string elsewhere =
+      missing.empty() ? "" : fmt::format(" along other axes than {}", missing);
   fmt::print(
-      "{}at {:g} Hz it holds a stiffness of {:.3g} N/m: {:.3g} by damping and delay, "
+      "{}at {:g} Hz it holds a stiffness of {:.3g} N/m{}: {:.3g} by damping and delay, "
       "{:.3g} by friction and step\n",
-      probe_text(report), flags.fast_hz, bounds.renderable_n_per_m(),
+      probe_text(report), flags.fast_hz, bounds.renderable_n_per_m(), elsewhere,
       bounds.delay_n_per_m, bounds.quantisation_n_per_m);
 }
 

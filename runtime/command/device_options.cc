@@ -61,6 +61,12 @@ void take_probed(const DeviceFlags& flags, SimulationOptions& options) {
                   "{:.3g} ms",
                   report.device, limits.damping_n_s_per_m, limits.coulomb_n,
                   1e3 * limits.resolution_m, 1e3 * limits.delay_s));
+  if (const std::string axes = axes_not_found(report); !axes.empty()) {
+    tell_person(
+        fmt::format("{}: its probe has not found {}: as assumed, where that is "
+                    "worse",
+                    report.device, axes));
+  }
 }
 
 }  // namespace

@@ -101,6 +101,30 @@ TEST(Probe, LimitsAreOnTheSafeSideOfWhatWasMade) {
       0.7);
 }
 
+// Of an axis along which nothing was found what is assumed stands, where it is worse.
+TEST(Probe, LimitsAreOfTheAxesThatWereNotFoundToo) {
+  ProbeReport report = probed(let_go(), {});
+  ProbedAxis none;
+  none.axis = 1;
+  none.failure = "somebody holds it";
+  report.axis.push_back(none);
+  EXPECT_EQ(axes_not_found(report), "y");
+  const DeviceLimits limits = probed_limits(
+      report, {.damping_n_s_per_m = 0.1, .coulomb_n = 0.01, .delay_s = 5e-3});
+  EXPECT_EQ(limits.damping_n_s_per_m, 0.1);
+  EXPECT_EQ(limits.coulomb_n, 0.01);
+  EXPECT_EQ(limits.delay_s, 5e-3);
+}
+
+// A stranger's file, read in a terminal.
+TEST(Probe, PrintsNothingThatATerminalObeys) {
+  ProbeReport report = probed(let_go(), {});
+  report.device = "falcon\x1b[2J";
+  report.palpate = "\x1b]0;1\x07";
+  report.axis.at(0).failure = "\x1b[31mred";
+  EXPECT_EQ(probe_text(report).find('\x1b'), std::string::npos);
+}
+
 // A hand that does as is said: holds, moves to each side; and may let go.
 class LedHand {
  public:
