@@ -69,6 +69,10 @@ void WatchView::obey(ViewClient client, const ViewRequest& request) {
   } else if (request.action == ViewAction::kField) {
     outbox_->send(client, field_text(body_.table, request.node));
   } else if (request.action == ViewAction::kAnew && news_ != nullptr) {
+    // As of a steered view: the oldest page's to say.
+    if (clients_.empty() || clients_.front() != client) {
+      throw InputError("another page was there before, which may start the scene anew");
+    }
     news_->start_anew();
   } else {
     throw InputError(fmt::format("the {} steers, pages watch", body_.device));
