@@ -169,14 +169,14 @@ void HostBody::open_scene(const std::filesystem::path& scene) {
   fast_ = fast_config(options_, tool);
 }
 
-HostTool& HostBody::serve_scene() {
+std::unique_ptr<HostBody::Served> HostBody::of_scene() const {
   auto elements =
       std::make_unique<FedElements>(*client_, *database_, renderable_n_per_m(options_));
   const GrowingElements& grown = elements->elements();
-  tools_.push_back(std::make_unique<Served>(std::move(elements), fast_, options_.tick_s,
-                                            options_.stall_s));
-  tools_.back()->grown = &grown;
-  return tools_.back()->tool;
+  auto made = std::make_unique<Served>(std::move(elements), fast_, options_.tick_s,
+                                       options_.stall_s);
+  made->grown = &grown;
+  return made;
 }
 
 const GrowingElements* HostBody::grown(const HostTool& tool) const {
@@ -211,31 +211,36 @@ double HostBody::needed_damping_n_s_per_m() const {
 }
 
 void HostBody::check_room() const {
+  const std::scoped_lock lock(mutex_);
   if (tools_.size() == kHostToolsMax) {
     throw InputError(
         fmt::format("a body takes {} tools at most, all are there", kHostToolsMax));
   }
 }
 
-HostTool& HostBody::serve_contacts(const CoupledSet& set) {
-  tools_.push_back(std::make_unique<Served>(
+std::unique_ptr<HostBody::Served> HostBody::of_contacts(const CoupledSet& set) const {
+  return std::make_unique<Served>(
       std::make_unique<HostContacts>(set, fast_, options_.tick_s, options_.stall_s),
-      fast_, options_.tick_s, options_.stall_s));
+      fast_, options_.tick_s, options_.stall_s);
+}
+
+// Made before: who makes it takes its time, and others in contact wait for elements.
+HostTool& HostBody::keep(std::unique_ptr<Served> tool) {
+  const std::scoped_lock lock(mutex_);
+  tools_.push_back(std::move(tool));
   return tools_.back()->tool;
 }
 
 HostTool& HostBody::add_tool() {
-  const std::scoped_lock lock(mutex_);
   check_room();
   if (contact_stream_ != nullptr) {
-    return serve_contacts(contact_stream_->set());
+    return keep(of_contacts(contact_stream_->set()));
   }
   if (client_ != nullptr) {
-    return serve_scene();
+    return keep(of_scene());
   }
-  tools_.push_back(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
-                                            fast_, options_.tick_s, options_.stall_s));
-  return tools_.back()->tool;
+  return keep(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr, fast_,
+                                       options_.tick_s, options_.stall_s));
 }
 
 HostBody::Together HostBody::add_together(const std::string& second) {
@@ -255,11 +260,10 @@ HostBody::Together HostBody::add_together(const std::string& second) {
   if (const char* wrong = check(stream->set(), fast_)) {
     throw InputError(fmt::format("two hands: {}", wrong));
   }
-  const std::scoped_lock lock(mutex_);
   check_room();
-  HostTool& tool = serve_contacts(stream->set());
-  tools_.back()->together = std::move(stream);
-  return {tool, scale};
+  auto made = of_contacts(stream->set());
+  made->together = std::move(stream);
+  return {keep(std::move(made)), scale};
 }
 
 std::size_t HostBody::slow_step() {

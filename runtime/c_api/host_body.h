@@ -106,11 +106,12 @@ class HostBody {
 
   void open_whole(std::shared_ptr<const ResponseDatabase> database);
   void open_contacts(const ResponseTable& table);
-  void check_room() const;  // with mutex_ held
-  HostTool& serve_contacts(const CoupledSet& set);
+  void check_room() const;
+  HostTool& keep(std::unique_ptr<Served> tool);
+  [[nodiscard]] std::unique_ptr<Served> of_contacts(const CoupledSet& set) const;
   void open_streamed(const std::filesystem::path& file);
   void open_scene(const std::filesystem::path& scene);
-  HostTool& serve_scene();
+  [[nodiscard]] std::unique_ptr<Served> of_scene() const;
   void begin();
   void take_stiffness(const RenderedStiffness& stiffness);
   std::size_t serve();  // with mutex_ held

@@ -65,19 +65,25 @@ void GrowingElements::hand_over(std::vector<GrownNode> answers) {
 
 void GrowingElements::take_in() {
   if (outdated_.exchange(false)) {
+    while (next_taken_ < taken_.size()) {  // of the scene before, too
+      take_in(taken_[next_taken_++]);
+    }
     for (Node& node : node_) {
       node.known = GrownQuality::kNone;
       node.rendered = std::min(node.rendered, GrownQuality::kCheap);
     }
   }
-  if (mutex_.try_lock()) {  // else at the next update
-    taken_.swap(waiting_);
-    mutex_.unlock();
+  if (next_taken_ == taken_.size()) {
+    taken_.clear();
+    next_taken_ = 0;
+    if (mutex_.try_lock()) {  // else at the next update
+      taken_.swap(waiting_);
+      mutex_.unlock();
+    }
   }
-  for (const GrownNode& answer : taken_) {
-    take_in(answer);
+  for (std::size_t i = 0; i < kAnUpdate && next_taken_ < taken_.size(); ++i) {
+    take_in(taken_[next_taken_++]);
   }
-  taken_.clear();
 }
 
 void GrowingElements::take_in(const GrownNode& answer) {

@@ -37,6 +37,9 @@ class GrowingElements : public ElementSender {
  public:
   static constexpr double kStepShare = 0.05;  ///< [-] of a node's largest force ...
   static constexpr double kStepS = 0.01;      ///< [s] ... in this time, and at once
+  /// Answers that one update looks at besides those that the tool may feel: the end of
+  /// a large scene tells all of them at once.
+  static constexpr std::size_t kAnUpdate = 1024;
 
   /// Body and normals must outlive it. @param stiffness_max_n_per_m [N/m] > 0 what is
   /// steeper is softened (soften()), and counted.
@@ -87,7 +90,7 @@ class GrowingElements : public ElementSender {
     return node_[static_cast<std::size_t>(node)].largest_n;
   }
   [[nodiscard]] std::int64_t waiting() const noexcept {
-    return static_cast<std::int64_t>(pending_.size());
+    return static_cast<std::int64_t>(pending_.size() + taken_.size() - next_taken_);
   }
 
  private:
@@ -143,7 +146,8 @@ class GrowingElements : public ElementSender {
   std::vector<std::int32_t> pending_;    // nodes
   std::vector<std::int32_t> held_;       // triangles, the latest sent first
   std::vector<std::uint8_t> held_mark_;  // (t)
-  std::vector<GrownNode> taken_;         // of waiting_, not looked at yet
+  std::vector<GrownNode> taken_;         // of waiting_, from next_taken_ not looked at
+  std::size_t next_taken_ = 0;
   std::uint64_t sequence_ = 0;
   bool whole_ = true;  // all of the last update fitted the queue
   ToolState last_;

@@ -90,6 +90,23 @@ TEST_F(GrowingPlate, HasNoForceAtFirstAndTakesAnswersElsewhereAtOnce) {
   EXPECT_EQ(elements_.quality(body_.triangle(triangle_, 0)), GrownQuality::kNone);
 }
 
+// Which the end of a large scene tells at once.
+TEST_F(GrowingPlate, AnUpdateLooksAtNoMoreAnswersThanItsTimeAllows) {
+  (void)turn();
+  for (int i = 0; i < 10; ++i) {
+    answer_all(GrownQuality::kCheap, kSlope);
+  }
+  const std::int64_t all = 10 * body_.position_m.rows();
+  (void)turn();
+  EXPECT_GE(elements_.waiting(),
+            all - static_cast<std::int64_t>(GrowingElements::kAnUpdate));
+  for (int i = 0; i < 4; ++i) {
+    (void)turn();
+  }
+  EXPECT_LT(elements_.waiting(), 20);  // those under the tool
+  EXPECT_EQ(elements_.quality(0), GrownQuality::kCheap);
+}
+
 TEST_F(GrowingPlate, UnderTheToolForceRisesAndFallsInSteps) {
   (void)turn();
   answer_all(GrownQuality::kCheap, kSlope);
