@@ -80,8 +80,9 @@ struct HostSample {
 class HostContacts;
 
 /// About 1 MB. Three threads at most: the haptic one calls step(), delivered() and,
-/// outside a tick, reset(), the slow one fetches from exchange().tool and pushes to exchange().elements, one reads
-/// latest(). The haptic functions do not allocate, lock, throw or read a clock.
+/// outside a tick, reset(), the slow one fetches from exchange().tool and pushes to
+/// exchange().elements, one reads latest(). The haptic functions do not allocate, lock,
+/// throw or read a clock.
 class HostTool {
  public:
   /// @param fast valid. @param tick_s, stall_s as in HostOptions.

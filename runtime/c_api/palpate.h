@@ -311,11 +311,11 @@ PALPATE_API int palpate_delivered(palpate_tool* tool, const double* force,
 PALPATE_API void palpate_state_get(palpate_tool* tool, palpate_state* state);
 
 /* While no other call of the tool is under way, and not in a tick: it clears 0.4 MB for
- * each contact of a tool with several, 0.4 ms of three, 3 ms of 64. Clears a fault, the account, what is known of the tool's place, as
- * after a jump, and what a body that relaxes remembers of this tool. Dents that stay
- * and curves that have softened stay: palpate_surface_load() with no file makes the
- * body fresh. Of several contacts it is fresh at once. The next slow step finds the
- * tool again; the force ramps up anew. */
+ * each contact of a tool with several, 0.4 ms of three, 3 ms of 64. Clears a fault, the
+ * account, what is known of the tool's place, as after a jump, and what a body that
+ * relaxes remembers of this tool. Dents that stay and curves that have softened stay:
+ * palpate_surface_load() with no file makes the body fresh. Of several contacts it is
+ * fresh at once. The next slow step finds the tool again; the force ramps up anew. */
 PALPATE_API void palpate_reset(palpate_tool* tool);
 
 /* While no other call of the tool is under way, and not of a tool with several

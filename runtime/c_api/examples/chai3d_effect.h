@@ -1,8 +1,9 @@
-// A CHAI3D effect: object->addEffect(new PalpateEffect(object, "liver.h5", scale)).
+// A CHAI3D effect: object->addEffect(new PalpateEffect(object, "liver.h5", scale,
+// 4000)).
 //
 // CHAI3D calls from its haptic thread, in the object's frame, with the id of one of up
-// to 16 tools and without the time. A tool with workspace scale s makes the device feel
-// s times the stiffness.
+// to 16 tools and without the time: how often, its host says. A tool with workspace
+// scale s makes the device feel s times the stiffness.
 #pragma once
 
 #include <stdexcept>
@@ -11,12 +12,14 @@
 
 class PalpateEffect : public chai3d::cGenericEffect {
  public:
-  PalpateEffect(chai3d::cGenericObject* object, const char* file, double scale)
+  PalpateEffect(chai3d::cGenericObject* object, const char* file, double scale,
+                double haptic_hz = 1000.0)
       : cGenericEffect(object) {
     char error[256];
     palpate_options options{};
     options.struct_size = sizeof options;
     options.position_gain = scale;
+    options.nominal_tick_s = 1.0 / haptic_hz;
     body_ = palpate_open(file, &options, error, sizeof error);
     if (body_ == nullptr) {
       throw std::runtime_error(error);

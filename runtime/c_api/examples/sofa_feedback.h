@@ -1,8 +1,8 @@
 // A SOFA force feedback: what a device driver's thread asks for a force.
 //
-// SOFA gives position and quaternion of the tool, often 0 0 0 0, without the time, and
-// lengths in the unit of its scene. It takes no torque: palpate_force() turns a tool of
-// several contacts at no gain for the hand.
+// SOFA gives position and quaternion of the tool, often 0 0 0 0, without the time (its
+// driver's rate), and lengths in the unit of its scene. It takes no torque:
+// palpate_force() turns a tool of several contacts at no gain for the hand.
 #pragma once
 
 #include <stdexcept>
@@ -12,8 +12,11 @@
 
 class PalpateForceFeedback : public sofa::component::controller::ForceFeedback {
  public:
-  PalpateForceFeedback(std::string file, double metres_per_unit)
-      : file_(std::move(file)), metres_per_unit_(metres_per_unit) {}
+  PalpateForceFeedback(std::string file, double metres_per_unit,
+                       double haptic_hz = 1000.0)
+      : file_(std::move(file)),
+        metres_per_unit_(metres_per_unit),
+        haptic_hz_(haptic_hz) {}
   ~PalpateForceFeedback() override { palpate_close(body_); }
 
   void init() override {
@@ -21,6 +24,7 @@ class PalpateForceFeedback : public sofa::component::controller::ForceFeedback {
     palpate_options options{};
     options.struct_size = sizeof options;
     options.metres_per_unit = metres_per_unit_;
+    options.nominal_tick_s = 1.0 / haptic_hz_;
     body_ = palpate_open(file_.c_str(), &options, error, sizeof error);
     if (body_ == nullptr) {
       throw std::runtime_error(error);
@@ -42,6 +46,7 @@ class PalpateForceFeedback : public sofa::component::controller::ForceFeedback {
  private:
   std::string file_;
   double metres_per_unit_;
+  double haptic_hz_;
   palpate_body* body_ = nullptr;
   palpate_tool* tool_ = nullptr;
 };
