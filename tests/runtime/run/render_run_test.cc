@@ -74,10 +74,13 @@ TEST(Simulation, RefusesWhatTheDeviceCannotRenderAndScalesItOnRequest) {
 }
 
 TEST(Simulation, HoldsForcesForTheSlowPeriodWhereTheModelDoes) {
-  EXPECT_EQ(hold_s(LocalModel::kSingle, 2000.0, 100.0), 0.01);
-  EXPECT_EQ(hold_s(LocalModel::kFirstOrderHold, 2000.0, 100.0), 0.01);
-  EXPECT_EQ(hold_s(LocalModel::kEqualEnergy, 2000.0, 100.0), 0.0005);
-  EXPECT_EQ(hold_s(LocalModel::kElement, 2000.0, 100.0), 0.0005);
+  EXPECT_EQ(hold_s(LocalModel::kSingle, 2000.0, 100.0, 0.0), 0.01);
+  EXPECT_EQ(hold_s(LocalModel::kFirstOrderHold, 2000.0, 100.0, 0.0), 0.01);
+  EXPECT_EQ(hold_s(LocalModel::kEqualEnergy, 2000.0, 100.0, 0.0), 0.0005);
+  EXPECT_EQ(hold_s(LocalModel::kElement, 2000.0, 100.0, 0.0), 0.0005);
+  // Whatever rate the fast process is told, a wire holds a force as long as it does.
+  EXPECT_EQ(hold_s(LocalModel::kElement, 20000.0, 100.0, 0.001), 0.001);
+  EXPECT_EQ(hold_s(LocalModel::kElement, 500.0, 100.0, 0.001), 0.002);
 }
 
 TEST(Simulation, RefusesOptionsThatCannotBe) {
