@@ -88,7 +88,7 @@ void print_failures(const std::vector<std::string>& failures) {
 }
 
 // What estimates were multiplied by, and what says so.
-void print_checks(const Assembly& all) {
+void print_coverage(const Assembly& all) {
   if (all.hard_path > 0) {
     fmt::print(
         "              {:.2g} times estimates where the path was hard to follow, so "
@@ -130,7 +130,7 @@ void print_checks(const Assembly& all) {
 void print_errors(const Assembly& all, double budget) {
   fmt::print("force error   {:.1f} % median, {:.1f} % at the 95th percentile\n",
              100 * quantile(all.error, 0.5), 100 * quantile(all.error, 0.95));
-  print_checks(all);
+  print_coverage(all);
   print_failures(all.failures);
   if (all.over_budget > 0) {
     fmt::print("warning       {} of {} responses may miss the budget of {} %\n",
