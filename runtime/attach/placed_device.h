@@ -76,6 +76,7 @@ class PlacedDevice : public Device {
     reading = {.position_m = placement_.to_body(inner.position_m),
                .time_ns = inner.time_ns,
                .withheld_n = placement_.rotation * inner.withheld_n,
+               .read_ns = inner.read_ns,
                .turn = turned(inner.turn, to_device.conjugate())};
     return status;
   }

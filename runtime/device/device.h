@@ -54,6 +54,8 @@ struct DeviceReading {
   /// written
   /// - withheld.
   Eigen::Vector3d withheld_n = Eigen::Vector3d::Zero();
+  /// [ns] likewise, when it was read: a driver may have kept it. 0: when measured.
+  std::int64_t read_ns = 0;
   /// The tool from its orientation when upright, where the device measures it; a device
   /// that does not leaves it.
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();

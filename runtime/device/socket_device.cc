@@ -265,7 +265,8 @@ DeviceStatus SocketDevice::read(DeviceReading& reading, int states_max) noexcept
     return DeviceStatus::kLate;
   }
   reading = latest_;
-  const bool stale = clock.now_ns() - heard_ns_ > nanoseconds_in(patience_.stale_s);
+  reading.read_ns = clock.now_ns();
+  const bool stale = reading.read_ns - heard_ns_ > nanoseconds_in(patience_.stale_s);
   return stale ? DeviceStatus::kLate : DeviceStatus::kOk;
 }
 

@@ -52,7 +52,9 @@ DeviceStatus LinkedDevice::read(DeviceReading& reading) noexcept {
   static_cast<void>(reading_.fetch());
   reading = reading_.latest().reading;
   MonotonicClock clock;
-  const bool stale = clock.now_ns() - reading.time_ns > nanoseconds_in(timing_.stale_s);
+  reading.read_ns = clock.now_ns();
+  const bool stale =
+      reading.read_ns - reading.time_ns > nanoseconds_in(timing_.stale_s);
   return stale ? DeviceStatus::kLate : DeviceStatus::kOk;
 }
 

@@ -118,16 +118,15 @@ FastCommand FastProcess::timed_step(const DeviceReading& reading) noexcept {
 // A position that is no number is a fault; the hand felt nothing of it.
 void FastProcess::account_hand(const DeviceReading& reading,
                                const FastCommand& command) noexcept {
-  if (report_.ticks == 0 || !reading.position_m.allFinite()) {
-    return;
+  if (report_.ticks > 0 && reading.position_m.allFinite()) {
+    const Eigen::Vector3d moved_m = reading.position_m - last_.position_m;
+    const double work_j = -held_n_.dot(moved_m);
+    (work_j > 0.0 ? report_.energy_in_j : report_.energy_out_j) += std::abs(work_j);
+    wire_.move(last_.time_ns, reading.time_ns, moved_m, reading.withheld_n,
+               body_.work_j() - command.dissipated_j);
+    report_.held_s = wire_.held_s();
   }
-  const Eigen::Vector3d moved_m = reading.position_m - last_.position_m;
-  const double work_j = -held_n_.dot(moved_m);
-  (work_j > 0.0 ? report_.energy_in_j : report_.energy_out_j) += std::abs(work_j);
-  wire_.add(held_n_ - reading.withheld_n, moved_m,
-            seconds_in(reading.time_ns - last_.time_ns),
-            body_.work_j() - command.dissipated_j);
-  report_.held_s = wire_.held_s();
+  wire_.hold(reading.read_ns == 0 ? reading.time_ns : reading.read_ns, command.force_n);
 }
 
 void FastProcess::account(const DeviceReading& reading,

@@ -3,29 +3,58 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/realtime/clock.h"
+
 namespace palpate {
 
-void WireWatch::add(const Eigen::Vector3d& felt_n, const Eigen::Vector3d& moved_m,
-                    double held_s, double available_j) noexcept {
+void WireWatch::hold(std::int64_t now_ns, const Eigen::Vector3d& force_n) noexcept {
+  held_[holds_++ % kHeldMax] = {now_ns, force_n};
+}
+
+// Over a time with an end, from the newest back; a force that is forgotten was as the
+// oldest that is known.
+Eigen::Vector3d WireWatch::mean_n(std::int64_t from_ns,
+                                  std::int64_t to_ns) const noexcept {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::int64_t until_ns = to_ns;
+  const std::size_t kept = std::min(holds_, kHeldMax);
+  for (std::size_t i = 1; i <= kept && until_ns > from_ns; ++i) {
+    const Held& held = held_[(holds_ - i) % kHeldMax];
+    const std::int64_t since_ns = i == kept ? from_ns : std::max(from_ns, held.from_ns);
+    if (since_ns < until_ns) {
+      sum += static_cast<double>(until_ns - since_ns) * held.force_n;
+      until_ns = since_ns;
+    }
+  }
+  return sum / static_cast<double>(to_ns - from_ns);
+}
+
+void WireWatch::move(std::int64_t from_ns, std::int64_t to_ns,
+                     const Eigen::Vector3d& moved_m, const Eigen::Vector3d& withheld_n,
+                     double available_j) noexcept {
   constexpr double kMemoryS = 0.05;
-  if (!std::isfinite(limits_.damping_n_s_per_m)) {
+  constexpr double kHandW = 2e-3;
+  if (!std::isfinite(limits_.damping_n_s_per_m) || to_ns <= from_ns) {
     return;
   }
-  double gained_j = -felt_n.dot(moved_m);
-  if (held_s > 0.0) {
-    gained_j += limits_.damping_n_s_per_m * moved_m.squaredNorm() / held_s;
-    held_s_ += (held_s - held_s_) * -std::expm1(-held_s / kMemoryS);
+  const double held_s = seconds_in(to_ns - from_ns);
+  const Eigen::Vector3d felt_n = mean_n(from_ns, to_ns) - withheld_n;
+  double gained_j = kHandW * held_s;
+  if (felt_n != Eigen::Vector3d::Zero()) {
+    gained_j += limits_.damping_n_s_per_m * moved_m.squaredNorm() / held_s -
+                felt_n.dot(moved_m);
   }
   left_j_ = begun_ ? std::min(available_j, left_j_ + gained_j) : available_j;
   begun_ = true;
+  held_s_ += (held_s - held_s_) * -std::expm1(-held_s / kMemoryS);
 }
 
 Fault WireWatch::fault() const noexcept {
-  if (!(left_j_ < -limits_.floor_j)) {
-    return Fault::kNone;
-  }
   const double share = limits_.stiffness_n_per_m * (0.5 * held_s_ + limits_.delay_s);
-  return share > limits_.damping_n_s_per_m ? Fault::kSlowWire : Fault::kEnergy;
+  if (share > limits_.damping_n_s_per_m && left_j_ < -0.25 * limits_.floor_j) {
+    return Fault::kSlowWire;
+  }
+  return left_j_ < -limits_.floor_j ? Fault::kEnergy : Fault::kNone;
 }
 
 }  // namespace palpate

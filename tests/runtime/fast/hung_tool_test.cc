@@ -132,7 +132,7 @@ TEST_F(HungTools, ReadingsAMicrosecondApartAreNoVelocity) {
     ASSERT_EQ(c.fault, 0) << i;
     largest_n = std::max(largest_n, c.wrench[0].force_n.norm());
   }
-  EXPECT_LT(std::abs(hung_->total.work_j), 1e-3);
+  EXPECT_LT(std::abs(hung_->total.work_j), 0.01);  // of going back, 0.1 m/s
   EXPECT_GT(largest_n, 0.0);
   expect_account(1e-12);
 }
