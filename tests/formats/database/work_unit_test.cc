@@ -239,22 +239,22 @@ TEST(Assembly, StatesEstimatesTimesWhatTheChecksFound) {
   EXPECT_EQ(all.over_budget, over);
 }
 
-// A force that turns by 0.6 over a depth as long as the node's edges, 28.3 mm, and one
-// that turns by 0.4: the first is limited, and what it lost is in its error.
 TEST(Assembly, StatesWhatShareOfNodesSoManyChecksCover) {
-  const Assembly one = assemble(sample_plan(), sample_units());
+  const Assembly one = assemble(sample_plan(), sample_units(), {});
   EXPECT_DOUBLE_EQ(one.error_covered, 0.5);
   EXPECT_EQ(one.checked_in_vain, 0);
   std::vector<WorkUnitOutcome> units = sample_units();
   units[2].node.front().response = {};
   units[2].node.front().failure = "it does not converge";
-  const Assembly none = assemble(sample_plan(), units);
+  const Assembly none = assemble(sample_plan(), units, {});
   EXPECT_EQ(none.error_covered, 0.0);
   EXPECT_EQ(none.checked_in_vain, 1);
   EXPECT_TRUE(none.checked.empty());
   EXPECT_NO_THROW(check(none.database));
 }
 
+// A force that turns by 0.6 over a depth as long as the node's edges, 28.3 mm, and one
+// that turns by 0.4: the first is limited, and what it lost is in its error.
 TEST(Assembly, LimitsTiltsAndSaysSo) {
   const JobDescription plan = sample_plan();
   std::vector<WorkUnitOutcome> units = sample_units();
