@@ -72,7 +72,7 @@ void run(const ContactsBenchOptions& options, std::uint64_t (*allocations)(),
          ContactsBenchRow& row) {
   const ContactBody body = body_of(row);
   FastConfig config;
-  config.model = LocalModel::kPotential;
+  config.model = options.facets ? LocalModel::kFacets : LocalModel::kPotential;
   config.force_max_n = 1e9;
   config.slew_max_n_per_s = std::numeric_limits<double>::infinity();
   CoupledStorage storage(

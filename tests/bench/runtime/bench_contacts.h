@@ -11,6 +11,7 @@ namespace palpate {
 struct ContactsBenchOptions {
   int ticks = 20000;  ///< of each walk, at 2 kHz
   int ticks_per_slow = 20;
+  bool facets = false;  ///< the field over facets, to compare; else the smooth one
 };
 
 /// One walk of a plate over a wavy body of contrast 9.

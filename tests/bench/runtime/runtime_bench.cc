@@ -48,6 +48,7 @@ void add_contacts(Command app) {
   command.add_option("--ticks", flags->ticks, "of each walk, at 2 kHz")
       .show_default()
       .in_range(100, 100000000);
+  command.add_flag("--facets", flags->facets, "the field over facets, to compare");
   command.add_flag("--json", flags->json, "one JSON object on stdout");
   command.callback([flags] {
     const std::vector<ContactsBenchRow> rows =
