@@ -21,8 +21,8 @@ struct SymbolicFactor {
   std::vector<std::int32_t> row;        ///< of each, ascending, its own columns first
 };
 
-/// Same input, same answer, from any thread, in a child process.
-/// @throws ResourceError where memory does not suffice; as run_in_child().
+/// Same input, same answer, from any thread.
+/// @throws ResourceError where memory does not suffice.
 [[nodiscard]] SymbolicFactor symbolic_factor(const LowerPattern& pattern);
 
 }  // namespace palpate

@@ -34,9 +34,10 @@ void wait_for_signals(sigset_t wanted) {
 
 }  // namespace
 
-// This thread and all that it starts block these signals, and one waits for them, so
-// that no call of the others is cut short. The handler is for threads that libraries
-// started before.
+// METIS has handlers of its own while it orders a matrix, for all threads, and jumps
+// out of them: a signal that another thread gets meanwhile ends the process. So this
+// thread and all that it starts block these signals, and one waits for them. The
+// handler is for threads that libraries started before.
 void note_interrupts() {
   sigset_t wanted;
   sigemptyset(&wanted);

@@ -23,6 +23,7 @@
 #include "formats/base/error.h"
 #include "precompute/process/die_with_parent.h"
 #include "precompute/process/patience.h"
+#include "precompute/process/random_sequence.h"
 
 namespace palpate {
 namespace {
@@ -102,10 +103,10 @@ class Forked {
 
 // Children do not execute another program, so what is open is theirs, too. One at a
 // time makes a pipe, forks and closes the end that writes: no other child holds that
-// open, and the end of this one is its end.
+// open, and the end of this one is its end. Nobody draws from the random sequence
+// meanwhile, whose lock the child would find taken.
 Forked fork_with_pipe(const std::function<void(int pipe)>& in_child) {
-  static std::mutex alone;
-  const std::lock_guard lock(alone);
+  const std::lock_guard nobody_draws(random_sequence_mutex());
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) {
     throw ResourceError(

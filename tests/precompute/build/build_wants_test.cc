@@ -37,7 +37,6 @@ class BuildWants : public testing::Test {
   BuildReport build_it(const BuildOptions& options) const {
     Progress quiet(nullptr);
     BuildOptions all = options;
-    all.output = out_;
     all.precision = Precision::kFloat64;
     all.workers = 1;
     return build(read_scene(folder_ / "scene.toml"), all, quiet);
@@ -45,7 +44,7 @@ class BuildWants : public testing::Test {
 
   // The bytes of an undisturbed build; nothing is left of it.
   std::string undisturbed() const {
-    (void)build_it({});
+    (void)build_it({.output = out_});
     std::string bytes = bytes_of(out_);
     fs::remove(out_);
     return bytes;
@@ -81,7 +80,7 @@ class BuildWants : public testing::Test {
 TEST_F(BuildWants, MemoryThatIsWantingOnceCostsNothing) {
   const std::string bytes = undisturbed();
   want_memory(5, true);
-  const BuildReport report = build_it({.patience_s = 60.0});
+  const BuildReport report = build_it({.output = out_, .patience_s = 60.0});
   EXPECT_EQ(report.assembly.failed, 0);
   EXPECT_TRUE(bytes_of(out_) == bytes);
 }
@@ -94,14 +93,14 @@ TEST_F(BuildWants, MemoryThatIsWantingForGoodEndsTheBuildAndLosesNothing) {
       throw std::bad_alloc();
     }
   });
-  const std::string want = want_of({.patience_s = 0.2});
+  const std::string want = want_of({.output = out_, .patience_s = 0.2});
   EXPECT_NE(want.find("2 of 3 units could not be solved: its press needed more memory"),
             std::string::npos)
       << want;
   EXPECT_NE(want.find("--resume"), std::string::npos) << want;
   EXPECT_FALSE(fs::exists(out_));
   set_fault_maker({});
-  const BuildReport report = build_it({.resume = true});
+  const BuildReport report = build_it({.output = out_, .resume = true});
   EXPECT_EQ(report.resumed, 1);
   EXPECT_TRUE(bytes_of(out_) == bytes);
 }
@@ -111,7 +110,7 @@ TEST_F(BuildWants, AUnitThatTheDiskDoesNotTakeIsInTheFileAllTheSame) {
   set_fault_maker([&](FaultPlace, std::int32_t, std::span<double>) {
     fs::create_directories(partial_ / "unit-000000");
   });
-  const BuildReport report = build_it({});
+  const BuildReport report = build_it({.output = out_});
   EXPECT_EQ(report.assembly.failed, 0);
   EXPECT_TRUE(bytes_of(out_) == bytes);
   ASSERT_FALSE(report.notes.empty());
@@ -125,7 +124,7 @@ TEST_F(BuildWants, AFolderThatSomebodyTakesAwayCostsNothing) {
   set_fault_maker([&](FaultPlace, std::int32_t, std::span<double>) {
     fs::remove_all(partial_);
   });
-  const BuildReport report = build_it({});
+  const BuildReport report = build_it({.output = out_});
   EXPECT_EQ(report.assembly.failed, 0);
   EXPECT_TRUE(bytes_of(out_) == bytes);
 }
@@ -134,20 +133,20 @@ TEST_F(BuildWants, ASecondBuildOfOneOutputIsToldWhoIsAtIt) {
   fs::create_directories(partial_);
   {
     const FolderLock first(partial_, FolderUse::kAlone);
-    const std::string want = want_of({});
+    const std::string want = want_of({.output = out_});
     EXPECT_NE(want.find("process " + std::to_string(getpid()) + " on "),
               std::string::npos)
         << want;
     EXPECT_NE(want.find("works on " + partial_.string() + " already"),
               std::string::npos)
         << want;
-    EXPECT_NE(want_of({.resume = true, .patience_s = 0.3}), "");
+    EXPECT_NE(want_of({.output = out_, .resume = true, .patience_s = 0.3}), "");
     EXPECT_FALSE(fs::exists(out_));
   }
   {
     const FolderLock service(partial_, FolderUse::kShared);
-    EXPECT_NE(want_of({}), "");
-    EXPECT_NO_THROW((void)build_it({.folder_use = FolderUse::kShared}));
+    EXPECT_NE(want_of({.output = out_}), "");
+    EXPECT_NO_THROW((void)build_it({.output = out_, .folder_use = FolderUse::kShared}));
   }
   EXPECT_TRUE(fs::exists(out_));
 }
@@ -159,7 +158,8 @@ TEST_F(BuildWants, AResumedBuildTakesWhatTheFirstHasFinishedMeanwhile) {
   set_fault_maker([&](FaultPlace, std::int32_t, std::span<double>) {
     if (!second.joinable()) {
       second = std::thread([&] {
-        const BuildReport report = build_it({.resume = true, .patience_s = 60.0});
+        const BuildReport report =
+            build_it({.output = out_, .resume = true, .patience_s = 60.0});
         EXPECT_EQ(report.resumed, report.units);
         EXPECT_GT(report.assembly.solved, 0);
         EXPECT_EQ(report.assembly.failed, 0);
@@ -167,7 +167,7 @@ TEST_F(BuildWants, AResumedBuildTakesWhatTheFirstHasFinishedMeanwhile) {
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
     }
   });
-  (void)build_it({});
+  (void)build_it({.output = out_});
   ASSERT_TRUE(second.joinable());
   second.join();
   EXPECT_TRUE(bytes_of(out_) == bytes);
@@ -175,7 +175,7 @@ TEST_F(BuildWants, AResumedBuildTakesWhatTheFirstHasFinishedMeanwhile) {
 }
 
 TEST_F(BuildWants, AFileWithMoreResponsesStays) {
-  (void)build_it({});
+  (void)build_it({.output = out_});
   const std::string better = bytes_of(out_);
   std::int32_t bad = -1;
   set_fault_maker([&](FaultPlace at, std::int32_t vertex, std::span<double>) {
@@ -184,7 +184,7 @@ TEST_F(BuildWants, AFileWithMoreResponsesStays) {
       throw NumericalError("the floor fell in");
     }
   });
-  EXPECT_THROW((void)build_it({}), NumericalError);
+  EXPECT_THROW((void)build_it({.output = out_}), NumericalError);
   EXPECT_TRUE(bytes_of(out_) == better);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -14,6 +15,8 @@
 #include <unistd.h>
 
 #include "formats/base/error.h"
+#include "precompute/process/peak_memory.h"
+#include "precompute/process/random_sequence.h"
 #include "tests/support/comes_true.h"
 #include "tests/support/test_data.h"
 
@@ -32,6 +35,31 @@ TEST(RunInChild, ReturnsWhatTheWorkReturned) {
       {});
   ASSERT_TRUE(result.done) << result.failure;
   EXPECT_EQ(result.bytes, sent);
+}
+
+TEST(RunInChild, DrawsRandomNumbersWhateverOtherThreadsDraw) {
+  std::atomic<bool> enough = false;
+  std::thread other([&] {
+    while (!enough) {
+      const std::lock_guard lock(random_sequence_mutex());
+      for (int i = 0; i < 1000; ++i) {
+        (void)random();
+      }
+    }
+  });
+  bool all = true;
+  for (int i = 0; i < 100 && all; ++i) {
+    all = run_in_child(
+              [] {
+                srandom(1);
+                return std::vector<char>{'x'};
+              },
+              {.time_s = 10.0})
+              .done;
+  }
+  enough = true;
+  other.join();
+  EXPECT_TRUE(all);
 }
 
 // A child that has taken another's pipe with it holds that open until it ends itself.
@@ -118,7 +146,8 @@ TEST(RunInChild, SurvivesAbortExitAndThrow) {
 TEST(RunInChild, EndsWorkThatTakesTooLong) {
   const ChildResult result = run_in_child(
       []() -> std::vector<char> {
-        for (volatile int i = 0;; i = i + 1) {
+        while (true) {
+          (void)cpu_seconds();  // reads a clock, which is work
         }
       },
       {.time_s = 0.05});
