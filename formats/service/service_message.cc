@@ -77,14 +77,16 @@ void check_plan(const JobDescription& plan) {
   for (const ToolShape& tool : plan.tool) {
     check(tool);
   }
-  for (const double number :
-       {plan.force_relative, plan.depth_max_m, plan.force_max_n}) {
+  for (const double number : {plan.force_relative, plan.depth_max_m}) {
     if (!(number >= 0.0) || !std::isfinite(number)) {
       throw FormatError(fmt::format(
-          "force_relative, depth_max_m or force_max_n is {}, must be finite and not "
-          "negative",
+          "force_relative or depth_max_m is {}, must be finite and not negative",
           number));
     }
+  }
+  if (!(plan.force_max_n >= 0.0)) {  // infinite where the scene has none
+    throw FormatError(
+        fmt::format("force_max_n is {}, must not be negative", plan.force_max_n));
   }
 }
 

@@ -135,6 +135,16 @@ void print_errors(const Assembly& all, double budget) {
   if (all.over_budget > 0) {
     fmt::print("warning       {} of {} responses may miss the budget of {} %\n",
                all.over_budget, all.solved + all.interpolated, 100 * budget);
+    const bool between = std::any_of(
+        all.database.tools.begin(), all.database.tools.end(),
+        [](const ResponseTable& table) {
+          return table.accuracy.between_nodes > 0;
+        });
+    if (between && all.error_factor > 2.0 * kLeastErrorFactor) {
+      fmt::print(
+          "              most of it lies between the nodes, where the tool comes to "
+          "flat triangles: a surface with shorter edges has less\n");
+    }
   }
   if (all.hard_path > 0) {
     fmt::print(
