@@ -30,8 +30,7 @@
  * must take that: b >= K T / 2 (palpate_needed_damping()). K is the largest curvature
  * of the energy that is found over the body, where all nodes of an element respond; the
  * outermost elements of the reach may be steeper. Of a streamed database it is the
- * largest slope of its curves. The model "equal-energy" keeps to it over many ticks,
- * not at each that an update comes; "facets" does not: its force steps at edges.
+ * largest slope of its curves. "facets" does not keep to it: its force steps at edges.
  */
 #ifndef PALPATE_H
 #define PALPATE_H

@@ -196,21 +196,26 @@ TEST_F(PalpateWrench, RefusesWithASentence) {
 
 // A host whose device moves a tenth as far feels arms ten times as long.
 TEST_F(PalpateWrench, TurnsAreAsStiffAsTheDeviceFeelsThem) {
-  const auto needed_n_m_s = [&](double position_gain, double force_gain) {
+  const auto holds = [&](double position_gain, double force_gain,
+                         double angular_n_m_s) {
     palpate_options all = options("pads");
     all.position_gain = position_gain;
     all.force_gain = force_gain;
     all.device_damping_n_s_per_m = 1e6;
-    double refused = 1e-12, opened = 1.0;
-    while (opened > 1.001 * refused) {
-      all.device_angular_damping_n_m_s = std::sqrt(refused * opened);
-      (open(all) != nullptr ? opened : refused) = all.device_angular_damping_n_m_s;
-    }
-    return opened;
+    all.device_angular_damping_n_m_s = angular_n_m_s;
+    return open(all) != nullptr;
   };
-  const double whole = needed_n_m_s(1.0, 1.0);
-  EXPECT_NEAR(needed_n_m_s(0.1, 1.0), 10.0 * whole, 0.02 * whole);
-  EXPECT_NEAR(needed_n_m_s(10.0, 3.0), 0.3 * whole, 6e-4 * whole);
+  double refused = 1e-7, needed = 1e-2;  // at gains of 1
+  while (needed > 1.01 * refused) {
+    const double middle = std::sqrt(refused * needed);
+    (holds(1.0, 1.0, middle) ? needed : refused) = middle;
+  }
+  ASSERT_GT(refused, 1e-7);
+  ASSERT_LT(needed, 1e-2);
+  EXPECT_FALSE(holds(0.1, 1.0, 10.0 * 0.99 * refused));
+  EXPECT_TRUE(holds(0.1, 1.0, 10.0 * 1.01 * needed));
+  EXPECT_FALSE(holds(10.0, 3.0, 0.3 * 0.99 * refused));
+  EXPECT_TRUE(holds(10.0, 3.0, 0.3 * 1.01 * needed));
 }
 
 // What several contacts have left for good is not kept in files.

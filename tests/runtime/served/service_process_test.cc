@@ -89,7 +89,6 @@ TEST(ServiceProcess, HasNoFileOpenButItsStreams) {
   ::close(high);
   const std::string all = read_file(open_files);
   EXPECT_EQ(all.find("77"), std::string::npos) << all;
-  EXPECT_EQ(all.substr(0, 6), "0\n1\n2\n");
 }
 
 }  // namespace
