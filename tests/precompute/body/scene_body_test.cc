@@ -119,10 +119,11 @@ TEST_F(BodySources, ASupportThatHoldsNothingIsRefused) {
   }
   // A patch between vertices is not nothing.
   scene.support.back().box_m.reset();
-  const Eigen::Vector3d inside =
-      (read_body(scene_of(icosphere(0.03, 2))).surface.position_m.topRows(2))
-          .colwise()
-          .mean();
+  const SurfaceMesh ball = read_body(scene_of(icosphere(0.03, 2))).surface;
+  Eigen::Vector3d inside = Eigen::Vector3d::Zero();
+  for (const std::int32_t corner : ball.triangle.row(0)) {
+    inside += ball.position_m.row(corner).transpose() / 3.0;
+  }
   scene.support.back().patch = SceneBall{inside, 0.004};
   EXPECT_NO_THROW((void)read_body(scene));
 }
