@@ -67,7 +67,7 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
   if (report_.ticks > 0 && jumped(reading)) {
     body_.raise(Fault::kJump);
   }
-  if (const Fault fault = wire_.fault(); fault != Fault::kNone) {
+  if (const Fault fault = wire_.fault(body_.in_contact()); fault != Fault::kNone) {
     body_.raise(fault);
   }
   const double silent_s = seconds_in(reading.time_ns - element_ns_);
@@ -118,15 +118,20 @@ FastCommand FastProcess::timed_step(const DeviceReading& reading) noexcept {
 // A position that is no number is a fault; the hand felt nothing of it.
 void FastProcess::account_hand(const DeviceReading& reading,
                                const FastCommand& command) noexcept {
+  const std::int64_t now_ns = reading.read_ns == 0 ? reading.time_ns : reading.read_ns;
   if (report_.ticks > 0 && reading.position_m.allFinite()) {
     const Eigen::Vector3d moved_m = reading.position_m - last_.position_m;
     const double work_j = -held_n_.dot(moved_m);
     (work_j > 0.0 ? report_.energy_in_j : report_.energy_out_j) += std::abs(work_j);
-    wire_.move(last_.time_ns, reading.time_ns, moved_m, reading.withheld_n,
+    wire_.move({.from_ns = last_.time_ns,
+                .to_ns = reading.time_ns,
+                .read_ns = now_ns,
+                .moved_m = moved_m,
+                .withheld_n = reading.withheld_n},
                body_.work_j() - command.dissipated_j);
     report_.held_s = wire_.held_s();
   }
-  wire_.hold(reading.read_ns == 0 ? reading.time_ns : reading.read_ns, command.force_n);
+  wire_.hold(now_ns, command.force_n);
 }
 
 void FastProcess::account(const DeviceReading& reading,

@@ -41,16 +41,24 @@ class WireWatch {
   /// falling.
   void hold(std::int64_t now_ns, const Eigen::Vector3d& force_n) noexcept;
 
-  /// A position came. @param from_ns, to_ns when it and the last were measured; the
-  /// same one: nothing has moved. @param withheld_n [N] that the driver could not
-  /// render of what acted. @param available_j [J] >= 0 in the model.
-  void move(std::int64_t from_ns, std::int64_t to_ns, const Eigen::Vector3d& moved_m,
-            const Eigen::Vector3d& withheld_n, double available_j) noexcept;
+  struct Movement {
+    std::int64_t from_ns = 0;  ///< when the position before was measured
+    std::int64_t to_ns = 0;    ///< and this one; the same: nothing has moved
+    std::int64_t read_ns = 0;  ///< when this one was known
+    Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();
+    /// [N] that the driver could not render of what acted.
+    Eigen::Vector3d withheld_n = Eigen::Vector3d::Zero();
+  };
 
-  /// kSlowWire where the wire holds forces too long for the stiffness, and the hand was
-  /// given a quarter of the floor; kEnergy where it was given more than the floor; else
-  /// kNone.
-  [[nodiscard]] Fault fault() const noexcept;
+  /// A position came. @param available_j [J] >= 0 in the model.
+  void move(const Movement& movement, double available_j) noexcept;
+
+  /// kSlowWire where K (T/2 + delay) > b, T the time that forces are held and delay the
+  /// driver's or the age of positions, if that is more: in the mean of 50 ms, if the
+  /// hand was given a quarter of the floor; at once in contact where it was four times
+  /// b in the latest four positions. kEnergy where the hand was given more than the
+  /// floor; else kNone.
+  [[nodiscard]] Fault fault(bool in_contact) const noexcept;
 
   /// [s] that a force is held, of the latest 50 ms: mean over time.
   [[nodiscard]] double held_s() const noexcept { return held_s_; }
@@ -64,6 +72,8 @@ class WireWatch {
 
   [[nodiscard]] Eigen::Vector3d mean_n(std::int64_t from_ns,
                                        std::int64_t to_ns) const noexcept;
+  // K (T/2 + delay) / b
+  [[nodiscard]] double share(double held_s, double age_s) const noexcept;
 
   WireLimits limits_;
   std::array<Held, kHeldMax> held_{};
@@ -71,6 +81,8 @@ class WireWatch {
   bool begun_ = false;
   double left_j_ = 0.0;
   double held_s_ = 0.0;
+  double age_s_ = 0.0;  // of positions when they are known, likewise
+  int slow_ = 0;        // positions in a row
 };
 
 }  // namespace palpate
