@@ -129,8 +129,7 @@ TEST_F(ServiceSocket, OneOfManyThatBeginAtOnceListens) {
         }
         all.arrive_and_wait();
         if (listener) {
-          while (listener->accept(std::chrono::milliseconds(0))) {
-            // One who looked whether somebody listens.
+          while (listener->accept(milliseconds(0))) {  // those who looked
           }
           joined += ServiceConnection::join(socket_) ? 1 : 0;
         }
