@@ -120,18 +120,17 @@ PressedNode PressedMiddle::all_;
 // Between solved depths energy and contact are those of the nonlinear body, too.
 TEST_F(PressedMiddle, DepthsThatAreNotSolvedKeepNothingOfTheLinearBody) {
   ASSERT_LT(few_.nonlinear->sample.size(), all_.nonlinear->sample.size());
+  double made_off = 0.0;
   double linear_off = 0.0;
-  for (std::size_t k = 2; k <= kDepths; ++k) {
-    const IndentationSample& made = few_.indentation.sample[k];
-    const IndentationSample& solved = all_.indentation.sample[k];
-    EXPECT_NEAR(made.energy_j / solved.energy_j, 1.0, 0.02) << k;
-    EXPECT_GE(made.contact_radius_m,
-              0.99 * few_.indentation.sample[k - 1].contact_radius_m)
-        << k;
-    linear_off = std::max(
-        linear_off, std::abs(few_.linear.sample[k].energy_j / solved.energy_j - 1.0));
+  for (std::size_t k = few_.nonlinear->sample.front().step + 1; k <= kDepths; ++k) {
+    const double energy_j = all_.indentation.sample[k].energy_j;
+    const auto off = [&](const Indentation& path) {
+      return std::abs(path.sample[k].energy_j / energy_j - 1.0);
+    };
+    made_off = std::max(made_off, off(few_.indentation));
+    linear_off = std::max(linear_off, off(few_.linear));
   }
-  EXPECT_GT(linear_off, 0.02) << "this press does not tell";
+  EXPECT_LT(made_off, 0.5 * linear_off);
 }
 
 TEST_F(PressedMiddle, CountsTheWorkOfEveryAttempt) {
