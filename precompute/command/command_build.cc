@@ -104,9 +104,8 @@ void print_coverage(const Assembly& all) {
     fmt::print(
         "              {:.2g} times estimates, so that it holds at {:.0f} % of "
         "places:\n"
-        "checked       {} places of the surface, solved better; they differ by {:.1f} "
-        "% in the "
-        "median, {:.1f} % at most\n",
+        "checked       {} places of the surface, solved better; they differ by "
+        "{:.1f} % in the median, {:.1f} % at most\n",
         all.error_factor, 100 * all.error_covered, all.checked.size(),
         100 * quantile(all.checked, 0.5), 100 * quantile(all.checked, 1.0));
   }
@@ -135,11 +134,11 @@ void print_errors(const Assembly& all, double budget) {
   if (all.over_budget > 0) {
     fmt::print("warning       {} of {} responses may miss the budget of {} %\n",
                all.over_budget, all.solved + all.interpolated, 100 * budget);
-    const bool between = std::any_of(
-        all.database.tools.begin(), all.database.tools.end(),
-        [](const ResponseTable& table) {
-          return table.accuracy.between_nodes > 0;
-        });
+    const bool between =
+        std::any_of(all.database.tools.begin(), all.database.tools.end(),
+                    [](const ResponseTable& table) {
+                      return table.accuracy.between_nodes > 0;
+                    });
     if (between && all.error_factor > 2.0 * kLeastErrorFactor) {
       fmt::print(
           "              most of it lies between the nodes, where the tool comes to "

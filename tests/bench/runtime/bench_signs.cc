@@ -108,7 +108,7 @@ class SignsHunt {
 
 namespace {
 
-// Forces that go where they like but below zero, a first touch up to a tenth of the
+// Forces that rise by steps as they like, a first touch up to a tenth of the
 // depth early or late, a tilt that turns with depth; within a database's rules.
 void give_own_curve(NodeResponse& response, const Vector3d& normal, double edge_m,
                     std::mt19937_64& random) {
@@ -116,7 +116,7 @@ void give_own_curve(NodeResponse& response, const Vector3d& normal, double edge_
   const double mean_n = response.force_n.back();
   for (std::size_t k = 1; k < response.force_n.size(); ++k) {
     response.force_n[k] =
-        std::max(0.0, response.force_n[k - 1] + mean_n * (0.1 + part(random)));
+        response.force_n[k - 1] + mean_n * std::max(0.0, 0.1 + part(random));
   }
   const double depth_m = response.depth_m.back();
   response.touch_offset_m = 0.1 * depth_m * part(random);

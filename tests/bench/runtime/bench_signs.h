@@ -45,7 +45,9 @@ struct SignsBenchReport {
 
 /// Gives every node of a table its own factor of forces and its own lean, and takes the
 /// response from a share of them. @param lean_rad at most.
-/// @param own_curves forces that rise and fall by chance, touches and tilts too.
+/// @param own_curves forces that rise by chance, touches and tilts too. Where curves
+/// fall to nothing no force keeps the tool off while energies of neighbours differ, and
+/// what is left of the force may point a little inwards.
 void make_discordant(ResponseDatabase& database, ResponseTable& table,
                      double log_factor, double lean_rad, double silent_share,
                      std::uint64_t seed, bool own_curves = false);
