@@ -201,7 +201,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
   const std::vector<WorkUnit> mine = units_of_shard(units, options);
   std::optional<Checkpoint> checkpoint;
   with_patience(options.resume ? options.patience_s : 0.0, "its folder", [&] {
-    checkpoint.emplace(options.output, plan, options.resume, options.folder_use);
+    checkpoint.emplace(options.output, job.plan, options.resume, options.folder_use);
   });
   report.nodes = body.surface.position_m.rows();
   report.units = static_cast<std::int64_t>(mine.size());
