@@ -82,6 +82,21 @@ nlohmann::json device_json(const SimulationReport& report) {
           {"device_turns", report.device_turns}};
 }
 
+// What was felt, by the forces as they were held, and where the account has it.
+nlohmann::json energy_json(const RenderReport& r) {
+  return {{"energy_in_j", r.energy_in_j},
+          {"energy_out_j", r.energy_out_j},
+          {"held_s", r.held_s},
+          {"net_energy_j", r.net_energy_j()},
+          {"model_work_j", r.model_work_j},
+          {"stored_j", r.stored_j},
+          {"dissipated_j", r.dissipated_j},
+          {"tank_j", r.tank_j},
+          {"tank_max_j", r.tank_max_j},
+          {"memory_j", r.memory_j},
+          {"memory_max_j", r.memory_max_j}};
+}
+
 }  // namespace
 
 nlohmann::json as_json(const SimulationReport& report) {
@@ -116,17 +131,6 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"elements_dropped", r.elements_dropped},
       {"depth_max_m", r.depth_max_m},
       {"force_max_n", r.force_max_n},
-      {"energy_in_j", r.energy_in_j},
-      {"energy_out_j", r.energy_out_j},
-      {"held_s", r.held_s},
-      {"net_energy_j", r.net_energy_j()},
-      {"model_work_j", r.model_work_j},
-      {"stored_j", r.stored_j},
-      {"dissipated_j", r.dissipated_j},
-      {"tank_j", r.tank_j},
-      {"tank_max_j", r.tank_max_j},
-      {"memory_j", r.memory_j},
-      {"memory_max_j", r.memory_max_j},
       {"relaxed_shift_max_m", r.relaxed_shift_max_m},
       {"step_p50_ns", r.step_time.percentile_ns(0.5)},
       {"step_p99_ns", r.step_time.percentile_ns(0.99)},
@@ -142,6 +146,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"service", report.served ? as_json(*report.served) : nlohmann::json()},
       {"fault", name(r.fault)},
       {"interrupted", r.interrupted}};
+  json.update(energy_json(r));
   json.update(memory_json(r));
   json.update(device_json(report));
   return json;
