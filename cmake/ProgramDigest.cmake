@@ -1,9 +1,11 @@
 # cmake -D DIR=<source folder> -D OUTPUT=<file.cc> -P ProgramDigest.cmake
 # Writes what precompute/build/program_digest.h promises: one digest of the sources of
-# formats/ and precompute/, but for those that only show results or hand them out.
+# formats/ and precompute/, but for those that only show results or hand them out, and of the
+# rendered field, which stated errors are of.
 file(GLOB sources RELATIVE ${DIR}
      ${DIR}/formats/base/*.* ${DIR}/formats/hdf5/*.* ${DIR}/formats/mesh/*.* ${DIR}/formats/response/*.*
-     ${DIR}/formats/database/*.* ${DIR}/formats/scene/*.* ${DIR}/precompute/*/*.*)
+     ${DIR}/formats/database/*.* ${DIR}/formats/scene/*.* ${DIR}/precompute/*/*.*
+     ${DIR}/runtime/fast/*.* ${DIR}/runtime/slow/*.*)
 list(FILTER sources INCLUDE REGEX "\\.(cc|h)$")
 list(FILTER sources EXCLUDE REGEX "^precompute/(command|serve)/")
 list(SORT sources)

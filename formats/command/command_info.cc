@@ -128,6 +128,8 @@ Json to_json(const ToolSummary& tool) {
           {"checked_between_nodes", tool.accuracy.between_nodes},
           {"error_factor", tool.accuracy.error_factor},
           {"hard_error_factor", tool.accuracy.hard_error_factor},
+          {"error_covered", tool.accuracy.covered},
+          {"hard_error_covered", tool.accuracy.hard_covered},
           {"error_depth_share", tool.accuracy.depth_share},
           {"error_covering_relative", tool.accuracy.covering_relative},
           {"relaxation", to_json(tool.relaxation)},

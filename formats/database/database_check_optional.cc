@@ -98,6 +98,12 @@ void check_sample_directions(const std::string& group, const ResponseTable& tabl
   }
 }
 
+void require_ascending(const std::string& path, const std::vector<double>& values) {
+  if (!std::is_sorted(values.begin(), values.end())) {
+    fail("{} falls, must increase", path);
+  }
+}
+
 void check_accuracy(const std::string& group, const AccuracyRecord& accuracy) {
   const std::string path = group + "/accuracy";
   require_range(path + "@budget_relative", std::vector{accuracy.budget_relative}, 0.0,
@@ -113,16 +119,14 @@ void check_accuracy(const std::string& group, const AccuracyRecord& accuracy) {
   require_range(path + "/error_relative", accuracy.error_relative, 0.0, kLargest);
   require_rows(path + "/error_relative", accuracy.error_relative.size(),
                accuracy.quantile_level.size(), false);
-  if (!std::is_sorted(accuracy.quantile_level.begin(), accuracy.quantile_level.end())) {
-    fail("{}/quantile_level falls, must increase", path);
-  }
+  require_ascending(path + "/quantile_level", accuracy.quantile_level);
   require_range(path + "/depth_share", accuracy.depth_share, 0.0, 1.0);
   require_range(path + "/covering_relative", accuracy.covering_relative, 0.0, kLargest);
   require_rows(path + "/covering_relative", accuracy.covering_relative.size(),
                accuracy.depth_share.size(), false);
-  if (!std::is_sorted(accuracy.depth_share.begin(), accuracy.depth_share.end())) {
-    fail("{}/depth_share falls, must increase", path);
-  }
+  require_ascending(path + "/depth_share", accuracy.depth_share);
+  require_range(path + "@covered", std::vector{accuracy.covered}, 0.0, 1.0);
+  require_range(path + "@hard_covered", std::vector{accuracy.hard_covered}, 0.0, 1.0);
 }
 
 void check_displacement(const std::string& group, const DisplacementField& field,

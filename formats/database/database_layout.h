@@ -55,6 +55,8 @@ void exchange_accuracy(File& file, const std::string& group, Accuracy& accuracy)
     exchange_number(file, group, "between_nodes", accuracy.between_nodes);
     exchange_number(file, group, "error_factor", accuracy.error_factor);
     exchange_number(file, group, "hard_error_factor", accuracy.hard_error_factor);
+    exchange_number(file, group, "covered", accuracy.covered);
+    exchange_number(file, group, "hard_covered", accuracy.hard_covered);
     exchange_if_any(file, group + "/quantile_level", "1", accuracy.quantile_level);
     exchange_if_any(file, group + "/error_relative", "1", accuracy.error_relative);
     exchange_if_any(file, group + "/depth_share", "1", accuracy.depth_share);

@@ -160,19 +160,23 @@ std::string describe(const AccuracyRecord& accuracy) {
     factor += fmt::format(", {:.2g} times where the path was hard to follow",
                           accuracy.hard_error_factor);
   }
-  const double coverage = 100.0 * kErrorCoverage;
   if (accuracy.verified == 0) {
     return fmt::format(
-        "meant to hold at {:.0f} % of nodes: {}; nothing was solved again to see",
-        coverage, factor);
+        "meant to hold at {:.0f} % of places: {}; nothing was solved again to see",
+        100.0 * kErrorCoverage, factor);
   }
   const char* const places = accuracy.between_nodes > 0 ? "places" : "nodes";
-  const bool enough =
-      accuracy.verified >= static_cast<std::int64_t>(kChecksToCalibrate);
-  std::string text =
-      fmt::format("{} at {:.0f} % of {}: {}, by {} {} that were solved again, better",
-                  enough ? "hold" : "meant to hold", coverage, places, factor,
-                  accuracy.verified, places);
+  const auto n = static_cast<std::size_t>(accuracy.verified);
+  const double covered =
+      accuracy.covered > 0.0 ? accuracy.covered : covered_share(n, n);
+  std::string text = fmt::format(
+      "hold at {:.0f} % of {}{}: {}, by {} {} that were solved again, better",
+      100.0 * covered, places,
+      accuracy.hard_covered > 0.0
+          ? fmt::format(", {:.0f} % where the path was hard to follow",
+                        100.0 * accuracy.hard_covered)
+          : "",
+      factor, accuracy.verified, places);
   for (std::size_t i = 0; i < accuracy.quantile_level.size(); ++i) {
     if (accuracy.quantile_level[i] == 0.5) {
       text += fmt::format(

@@ -1,4 +1,4 @@
-// From estimates of error to errors that hold: measured at nodes that were solved
+// From estimates of error to errors that hold: measured at places that were solved
 // again, better (split conformal prediction; Lei, G'Sell, Rinaldo, Tibshirani and
 // Wasserman, J. Am. Stat. Assoc. 113, 2018, section 5.2).
 #pragma once
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// The share of nodes whose error is to be within what is stated.
+/// The share of places whose error is to be within what is stated.
 inline constexpr double kErrorCoverage = 0.95;
 
 /// Fewer checks cannot tell the 95 % quantile: the largest of n ratios covers
@@ -30,10 +30,10 @@ inline constexpr double kLeastErrorFactor = 1.5;
 /// to cover: n / (n + 1) of few, less where what is known does not reach that far.
 [[nodiscard]] double covered_share(std::size_t known, std::size_t n);
 
-/// [-] The factor on estimates that covers 95 % of new nodes, whatever the distribution
-/// of errors, if checked nodes were chosen at random: covering() of the ratios of
-/// error and estimate, and at least kLeastErrorFactor.
-/// @param estimate (n) [-] positive. @param error (n) [-] found at the same nodes;
+/// [-] The factor on estimates that covers 95 % of new places, whatever the
+/// distribution of errors, if checked places were chosen at random: covering() of the
+/// ratios of error and estimate, and at least kLeastErrorFactor.
+/// @param estimate (n) [-] positive. @param error (n) [-] found at the same places;
 /// infinite where the check itself failed, so that nobody knows: where these reach into
 /// what is to be covered, the largest that is known is taken (covered_share()).
 [[nodiscard]] double calibrate_errors(std::span<const double> estimate,

@@ -220,11 +220,14 @@ void state_by_depth(const std::vector<PlaceCheck>& checks, AccuracyRecord& recor
 
 AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
                                const std::vector<PlaceCheck>& checks) {
-  AccuracyRecord record{.budget_relative = budget,
-                        .error_factor = factor.easy.factor,
-                        .hard_error_factor = factor.hard.factor,
-                        .quantile_level = {},
-                        .error_relative = {}};
+  AccuracyRecord record{
+      .budget_relative = budget,
+      .error_factor = factor.easy.factor,
+      .hard_error_factor = factor.hard.factor,
+      .covered = factor.easy.covered,
+      .hard_covered = factor.hard.factor > 0.0 ? factor.hard.covered : 0.0,
+      .quantile_level = {},
+      .error_relative = {}};
   std::vector<double> verified;
   for (const PlaceCheck& check : checks) {
     if (std::isfinite(check.found)) {
@@ -245,10 +248,14 @@ AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
   return record;
 }
 
-ResponseTable table_of(const JobDescription& plan, std::size_t t,
-                       const ToolAnswers& tool, const ErrorFactors& error_factor) {
-  ResponseTable table = make_table(plan.tool[t], tool.response);
-  table.accuracy = accuracy_record(plan.force_relative, error_factor, tool.check);
+// What checks and failures say of a tool's table, whose errors are estimates so far.
+void complete(double budget, const ToolAnswers& tool, const ErrorFactors& error_factor,
+              ResponseTable& table) {
+  for (std::size_t v = 0; v < tool.response.size(); ++v) {
+    table.error_relative[v] = tool.response[v].error_relative;
+    table.flags[v] = static_cast<std::uint8_t>(table.flags[v] | tool.response[v].flags);
+  }
+  table.accuracy = accuracy_record(budget, error_factor, tool.check);
   if (table.accuracy.verified > 0) {
     table.verified_error_relative.assign(tool.response.size(),
                                          std::numeric_limits<double>::quiet_NaN());
@@ -277,7 +284,6 @@ ResponseTable table_of(const JobDescription& plan, std::size_t t,
       table.failure.push_back(found);
     }
   }
-  return table;
 }
 
 void count_checks(const std::vector<PlaceCheck>& checks, Assembly& assembly) {
@@ -338,7 +344,7 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     assembly.error_covered = std::min(assembly.error_covered, factor.easy.covered);
     assembly.hard_error_covered =
         std::min(assembly.hard_error_covered, factor.hard.covered);
-    database.tools.back() = table_of(plan, t, answers[t], factor);
+    complete(plan.force_relative, answers[t], factor, database.tools.back());
     Viscoelasticity relaxation = plan.relaxation;
     relaxation.yielding = plan.yielding.empty() ? Yielding{} : plan.yielding[t];
     give_memory(plan.body, plan.normal, relaxation, plan.bundles,

@@ -75,7 +75,12 @@ struct AccuracyRecord {
   /// 95 % of places (error_calibration.h); 0: not calibrated.
   double error_factor = 0.0;
   double hard_error_factor = 0.0;  ///< [-] the same of nodes with kHardPath; 0: none
-  std::int64_t verified = 0;       ///< places behind the quantiles
+  /// [-] The share of places that error_relative holds for, as the number of checks and
+  /// of failed ones tells (covered_share()); and beside nodes with kHardPath. 0:
+  /// unknown.
+  double covered = 0.0;
+  double hard_covered = 0.0;
+  std::int64_t verified = 0;  ///< places behind the quantiles
   /// Of those: inside elements and on their edges, where the field of the nodes'
   /// responses is compared. 0: all are at nodes, and nothing is said of places between.
   std::int64_t between_nodes = 0;

@@ -74,8 +74,7 @@ const std::vector<WorkUnitOutcome>& UnitRun::run(std::span<const WorkUnit> units
   if (wanting_ > 0) {
     throw ResourceError(
         fmt::format("{} of {} units could not be solved: {}; what was solved is kept: "
-                    "--resume goes "
-                    "on with it",
+                    "--resume goes on with it",
                     wanting_.load(), units.size(), want_));
   }
   if (const std::string reason = keep_left(); !reason.empty()) {

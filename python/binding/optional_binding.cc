@@ -17,6 +17,8 @@ py::dict accuracy(const HeldTool& tool) {
   parts["budget_relative"] = from.budget_relative;
   parts["error_factor"] = from.error_factor;
   parts["hard_error_factor"] = from.hard_error_factor;
+  parts["covered"] = from.covered;
+  parts["hard_covered"] = from.hard_covered;
   parts["verified"] = from.verified;
   parts["between_nodes"] = from.between_nodes;
   parts["quantile_level"] = looking_at(from.quantile_level, owner);

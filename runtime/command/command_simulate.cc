@@ -57,10 +57,6 @@ SimulationOptions options_of(const SimulateFlags& flags) {
   options.model = requested_model(flags.model);
   options.coupling = wanted_coupling(flags.coupling);
   options.real_time = flags.clock == "real" || is_scene(flags.database);
-  if (!(flags.wander_mm_per_s >= 0.0 && flags.wander_mm_per_s <= 1000.0)) {
-    throw InputError(
-        fmt::format("--wander {}: must lie in [0, 1000] mm/s", flags.wander_mm_per_s));
-  }
   options.wander_m_per_s = 1e-3 * flags.wander_mm_per_s;
   return options;
 }
@@ -333,7 +329,8 @@ void add_wander_options(Command command, SimulateFlags& flags) {
       .add_option("--wander", flags.wander_mm_per_s,
                   "The hand wanders over the body at this speed [mm/s], pressing; 0: "
                   "it presses one place")
-      .show_default();
+      .show_default()
+      .in_range(0.0, 1000.0);
   command.add_option("--quality-csv", flags.quality_csv,
                      "Of a scene: shares of the ticks in the body without an answer, "
                      "with a cheap and with a good one, by second");

@@ -41,7 +41,6 @@ class FastProcess {
   /// All must outlive the process. The device is open.
   FastProcess(const FastProcessConfig& config, Device& device, RenderedBody& body,
               const TickOutputs& outputs)
-
       : config_(config),
         device_(device),
         body_(body),

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "formats/base/error.h"
 #include "formats/response/force_difference.h"
@@ -155,7 +156,8 @@ class Places {
   [[nodiscard]] PlacesCoverage coverage_of(const StaticField& field,
                                            FieldKind kind) const {
     std::vector<double> found(spots_.size(), 0.0);
-    std::vector<std::string> all(spots_.size());
+    Eigen::MatrixXd by_depth =
+        Eigen::MatrixXd::Zero(std::ssize(spots_), kCoverageDepths);
     for (int k = 0; k < kCoverageDepths; ++k) {
       const double share =
           kErrorCountsFrom + (1.0 - kErrorCountsFrom) * k / (kCoverageDepths - 1);
@@ -166,8 +168,9 @@ class Places {
           const double least_n = kErrorCountsFrom * truth_[i].at(depth_m_).norm();
           const double off_n =
               (force.row(static_cast<Eigen::Index>(i)).transpose() - truth).norm();
-          found[i] = std::max(found[i], off_n / std::max(truth.norm(), least_n));
-          all[i] += fmt::format(" {:.4g}", off_n / std::max(truth.norm(), least_n));
+          by_depth(static_cast<Eigen::Index>(i), k) =
+              off_n / std::max(truth.norm(), least_n);
+          found[i] = by_depth.row(static_cast<Eigen::Index>(i)).maxCoeff();
         }
       }
     }
@@ -189,11 +192,12 @@ class Places {
       stated.push_back(blended);
       pressed.push_back(found[i]);
       if (kind == FieldKind::kSmooth && !options_.rows.empty()) {
-        write_row(i, found[i], blended, all[i]);
+        write_row(i, found[i], blended, by_depth.row(static_cast<Eigen::Index>(i)));
       }
       coverage.within_blended += found[i] <= blended ? 1.0 : 0.0;
       coverage.within_largest += found[i] <= largest ? 1.0 : 0.0;
     }
+    coverage.within_from = within_from(by_depth);
     coverage.within_blended /= static_cast<double>(stated.size());
     coverage.within_largest /= static_cast<double>(stated.size());
     coverage.stated_median = at_share(stated, 0.5);
@@ -202,13 +206,35 @@ class Places {
     return coverage;
   }
 
-  // Position [m], found, stated, found at each depth [-].
+  [[nodiscard]] std::vector<double> within_from(const Eigen::MatrixXd& by_depth) const {
+    const AccuracyRecord& accuracy = table_.accuracy;
+    std::vector<double> within;
+    for (std::size_t k = 0; k < accuracy.depth_share.size(); ++k) {
+      const auto first = static_cast<Eigen::Index>(
+          std::ceil((accuracy.depth_share[k] - kErrorCountsFrom) /
+                        (1.0 - kErrorCountsFrom) * (kCoverageDepths - 1) -
+                    1e-9));
+      double count = 0.0;
+      double all = 0.0;
+      for (std::size_t i = 0; i < spots_.size(); ++i) {
+        if (truth_[i].failure.empty()) {
+          const double found = by_depth.row(static_cast<Eigen::Index>(i))
+                                   .tail(kCoverageDepths - first)
+                                   .maxCoeff();
+          count += found <= accuracy.covering_relative[k] ? 1.0 : 0.0;
+          all += 1.0;
+        }
+      }
+      within.push_back(count / all);
+    }
+    return within;
+  }
+
   void write_row(std::size_t i, double found, double stated,
-                 const std::string& by_depth) const {
+                 const Eigen::RowVectorXd& by_depth) const {
     const Vector3d& at_m = spots_[i].press.at_m;
     std::ofstream(options_.rows, i == 0 ? std::ios::trunc : std::ios::app)
-        << fmt::format("{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {}\n", at_m.x(), at_m.y(),
-                       at_m.z(), found, stated, by_depth);
+        << at_m.transpose() << ' ' << found << ' ' << stated << ' ' << by_depth << '\n';
   }
 
   const ResponseDatabase& database_;
@@ -249,6 +275,10 @@ std::string table_text(const PlacesReport& report) {
         "{:.3f}\n",
         name(c.kind), 100.0 * c.stated_median, 100.0 * c.found_median,
         100.0 * c.found_p95, c.within_blended, c.within_largest);
+    if (!c.within_from.empty()) {
+      text += fmt::format("  within what the file says by depth: {:.3f}\n",
+                          fmt::join(c.within_from, ", "));
+    }
   }
   return text;
 }

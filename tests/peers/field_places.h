@@ -18,7 +18,9 @@ namespace palpate::peers {
 struct PlacesOptions {
   int places = 200;
   double times_finer = 2.0;  ///< than the scene's budget asks for
-  std::string rows;  ///< file for one line a place of the smooth field; "": none
+  /// File for one line a place of the smooth field: where [m], found, stated, and what
+  /// is found at each depth [-]; "": none.
+  std::string rows;
   unsigned seed = 1;
 };
 
@@ -44,6 +46,9 @@ struct PlacesCoverage {
   double found_p95 = 0.0;       ///< [-]
   double within_blended = 0.0;  ///< [-] share of places within the nodes' own, blended
   double within_largest = 0.0;  ///< [-] within the largest of the three
+  /// By AccuracyRecord::depth_share, [-] the share of places that are from there on
+  /// within what the file says.
+  std::vector<double> within_from = {};
 };
 
 struct PlacesReport {

@@ -67,12 +67,12 @@ const std::vector<Violation<ResponseDatabase>> kOptionalViolations = {
      "/tools/tip/sample_direction: row 0 has length"},
     {"QuantileBeyondOne",
      [](ResponseDatabase& d) {
-       tip(d).accuracy = {0.05, 1.2, 0.0, 1, 0, {1.5}, {0.1}};
+       tip(d).accuracy = {0.05, 1.2, 0.0, 0.5, 0.0, 1, 0, {1.5}, {0.1}};
      },
      "/tools/tip/accuracy/quantile_level: element 0 is 1.5"},
     {"MorePlacesBetweenNodesThanChecks",
      [](ResponseDatabase& d) {
-       tip(d).accuracy = {0.05, 1.2, 0.0, 1, 2, {0.5}, {0.1}};
+       tip(d).accuracy = {0.05, 1.2, 0.0, 0.5, 0.0, 1, 2, {0.5}, {0.1}};
      },
      "/tools/tip/accuracy@between_nodes: element 0 is 2"},
     {"ModesDoNotFit",

@@ -106,8 +106,8 @@ void fill_optional_parts(ResponseTable& table) {
   table.direction_begin = {0, 4, 4, 4, 4, 4, 4};
   table.sample_direction = Points::Zero(4, 3);
   table.sample_direction.col(2).setOnes();
-  table.accuracy = {0.05,       1.3,          2.1,        2,           1,
-                    {0.5, 1.0}, {0.02, 0.03}, {0.1, 0.5}, {0.04, 0.02}};
+  table.accuracy = {0.05, 1.3,        2.1,          0.9,        0.5,         2,
+                    1,    {0.5, 1.0}, {0.02, 0.03}, {0.1, 0.5}, {0.04, 0.02}};
   table.displacement.basis.setRandom(18, 2);
   table.displacement.coefficient.setRandom(3, 2);
   table.displacement.node = {0, 2, 4};
@@ -145,6 +145,8 @@ TEST(ResponseDatabase, KeepsTheOptionalParts) {
   EXPECT_EQ(a.accuracy.budget_relative, b.accuracy.budget_relative);
   EXPECT_EQ(a.accuracy.error_factor, b.accuracy.error_factor);
   EXPECT_EQ(a.accuracy.hard_error_factor, b.accuracy.hard_error_factor);
+  EXPECT_EQ(a.accuracy.covered, b.accuracy.covered);
+  EXPECT_EQ(a.accuracy.hard_covered, b.accuracy.hard_covered);
   EXPECT_EQ(a.accuracy.verified, b.accuracy.verified);
   EXPECT_EQ(a.accuracy.between_nodes, b.accuracy.between_nodes);
   EXPECT_EQ(a.accuracy.quantile_level, b.accuracy.quantile_level);

@@ -242,6 +242,7 @@ TEST(Assembly, StatesEstimatesTimesWhatTheChecksFound) {
 TEST(Assembly, StatesWhatShareOfNodesSoManyChecksCover) {
   const Assembly one = assemble(sample_plan(), sample_units(), {});
   EXPECT_DOUBLE_EQ(one.error_covered, 0.5);
+  EXPECT_DOUBLE_EQ(one.database.tools.front().accuracy.covered, 0.5);
   EXPECT_EQ(one.checked_in_vain, 0);
   std::vector<WorkUnitOutcome> units = sample_units();
   units[2].node.front().response = {};

@@ -8,6 +8,7 @@
 #include "runtime/bench/bench_body.h"
 #include "runtime/fast/fast_step.h"
 #include "tests/support/energy_account.h"
+#include "tests/support/model_test_name.h"
 
 namespace palpate {
 namespace {
@@ -57,11 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Models, FallingCurve,
                          testing::Values(LocalModel::kElement, LocalModel::kPotential,
                                          LocalModel::kEnergyTank,
                                          LocalModel::kEqualEnergy),
-                         [](const auto& model) {
-                           std::string text(name(model.param));
-                           std::erase(text, '-');
-                           return text;
-                         });
+                         model_test_name);
 
 TEST_P(FallingCurve, HoldsItsForceBeyondTheLastSample) {
   for (int n = -20; n <= 3300; ++n) {  // 33 mm deep

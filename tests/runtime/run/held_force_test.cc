@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/c_api/host_body.h"
+#include "tests/support/model_test_name.h"
 #include "tests/support/sample_bodies.h"
 
 namespace palpate {
@@ -83,11 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Models, HeldForce,
                          testing::Values(LocalModel::kPotential, LocalModel::kElement,
                                          LocalModel::kEnergyTank,
                                          LocalModel::kEqualEnergy),
-                         [](const auto& model) {
-                           std::string text(name(model.param));
-                           std::erase(text, '-');
-                           return text;
-                         });
+                         model_test_name);
 
 }  // namespace
 }  // namespace palpate

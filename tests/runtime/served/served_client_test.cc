@@ -11,49 +11,14 @@
 #include "formats/base/error.h"
 #include "tests/support/comes_true.h"
 #include "tests/support/fake_service.h"
-#include "tests/support/sample_bodies.h"
-#include "tests/support/test_data.h"
+#include "tests/support/served_plate.h"
 
 namespace palpate {
 namespace {
 
 using std::chrono::milliseconds;
-using GoesOn = std::function<bool()>;
 
-const std::atomic<bool> kNever = false;
-
-class ServedClientOfPlate : public testing::Test {
- protected:
-  [[nodiscard]] ServiceState state(const ServedClient& client) const {
-    return client.status().state;
-  }
-
-  [[nodiscard]] ServedClientOptions options() const {
-    return {.socket = socket_, .silent = milliseconds(300), .again = milliseconds(60)};
-  }
-
-  // Scene, cheap answers; then it listens.
-  FakeService::Script plain(FakeService*& service) {
-    return [&](ServiceConnection& to, const GoesOn& goes_on) {
-      (void)to.send(served_scene(database_), milliseconds(1000));
-      (void)to.send(served_responses(database_, AnswerQuality::kCheap),
-                    milliseconds(1000));
-      while (service == nullptr) {
-        std::this_thread::sleep_for(milliseconds(1));
-      }
-      service->listen(to, std::chrono::hours(1), goes_on);
-    };
-  }
-
-  const ResponseDatabase database_ = sample_database(
-      plate(0.1, 6), ball(0.005, 0.3, 5e-4),
-      [](Eigen::Index, double d) {
-        return 200.0 * d;
-      },
-      0.01);
-  const ScratchFolder folder_;
-  const std::filesystem::path socket_ = folder_ / "s.socket";
-};
+class ServedClientOfPlate : public ServedPlate {};
 
 TEST_F(ServedClientOfPlate, TakesSceneAndAnswersAndTellsWhereTheHandIs) {
   FakeService* at = nullptr;
@@ -243,87 +208,6 @@ TEST_F(ServedClientOfPlate, AServiceThatFailsSaysWhy) {
       },
       milliseconds(2000)));
   EXPECT_EQ(client.status().detail, "no node was solved");
-}
-
-TEST_F(ServedClientOfPlate, ASceneThatItsFileDoesNotHaveIsRefused) {
-  FakeService* at = nullptr;
-  FakeService service(socket_, plain(at));
-  at = &service;
-  ServedClientOptions wanted = options();
-  wanted.text = "a scene";
-  (void)ServedClient(wanted).scene(kNever);
-  wanted.text = "the same with another material";
-  ServedClient client(wanted);
-  try {
-    (void)client.scene(kNever);
-    FAIL() << "another scene is rendered";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("computes another scene"),
-              std::string::npos)
-        << error.what();
-  }
-  EXPECT_TRUE(comes_true(
-      [&] {
-        return state(client) == ServiceState::kOther;
-      },
-      milliseconds(2000)));
-}
-
-// Of a command that was killed: its service ends, too.
-TEST_F(ServedClientOfPlate, WhereAServiceOfSomebodyElseGoesItsOwnIsStarted) {
-  FakeService* at = nullptr;
-  FakeService service(socket_, plain(at));
-  at = &service;
-  std::atomic<int> started = 0;
-  ServedClientOptions own = options();
-  own.start = [&](bool /*anew*/) {
-    ++started;
-    return std::make_unique<ServiceProcess>(
-        ServiceCommand{.program = "/bin/sleep", .scene = "", .output = ""});
-  };
-  ServedClient client(own);
-  (void)client.scene(kNever);
-  EXPECT_EQ(started, 0);
-  service.die();
-  EXPECT_TRUE(comes_true(
-      [&] {
-        return started == 1;
-      },
-      milliseconds(2000)));
-}
-
-TEST_F(ServedClientOfPlate, AnotherSceneIsTakenOnlyWhenItWasAskedFor) {
-  std::atomic<int> digest = 1;
-  FakeService service(socket_, [&](ServiceConnection& to, const GoesOn& goes_on) {
-    const int mine = digest;
-    (void)to.send(served_scene(database_, std::to_string(mine)), milliseconds(1000));
-    (void)to.send(served_responses(database_, AnswerQuality::kGood, mine),
-                  milliseconds(1000));
-    while (goes_on() && digest == mine) {
-      std::this_thread::sleep_for(milliseconds(5));
-    }
-  });
-  ServedClient client(options());
-  (void)client.scene(kNever);
-  EXPECT_EQ(client.scene_text(), "1");
-  ASSERT_TRUE(comes_true(
-      [&] {
-        return client.answers().all().size() == 49;
-      },
-      milliseconds(2000)));
-  digest = 2;
-  ASSERT_TRUE(comes_true(
-      [&] {
-        return state(client) == ServiceState::kOther;
-      },
-      milliseconds(3000)));
-  EXPECT_EQ(client.answers().at(0)->node->response.force_n.back(), 2.0);
-  client.start_anew();
-  ASSERT_TRUE(comes_true(
-      [&] {
-        return client.status().detail == "no service can be started from here";
-      },
-      milliseconds(2000)));
 }
 
 TEST_F(ServedClientOfPlate, RefusesInOneSentenceWhatItCannotRender) {
