@@ -214,7 +214,7 @@ AttachedDevice inverse3(const DeviceRequest& request) {
 }
 
 AttachedDevice emulated_inverse(const DeviceRequest& request) {
-  return attach_emulated_inverse(request, 0, nullptr);
+  return attach_emulated_inverse(request, {}, nullptr);
 }
 
 AttachedDevice emulated_inverse3(const DeviceRequest& request) {

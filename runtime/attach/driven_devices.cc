@@ -162,16 +162,15 @@ AttachedDevice attach_haply_inverse(const DeviceRequest& request) {
 }
 
 AttachedDevice attach_emulated_inverse(const DeviceRequest& request,
-                                       std::size_t trace_max,
+                                       const EmulatedInverseConfig& like,
                                        std::shared_ptr<EmulatedInverse>* service) {
   InverseConfig config = inverse_config(request);
   const DeviceLimits limits = InverseLink(config).limits();
   return attach_driven(limits, inverse_rest_m(), [=](const HandScript& hand) {
-    EmulatedInverseConfig emulated;
+    EmulatedInverseConfig emulated = like;
     emulated.hand = hand;
     emulated.start_m = hand.at(0.0).position_m;
     emulated.dynamics.resolution_m = config.resolution_m;
-    emulated.trace_max = trace_max;
     emulated.grip = {.normal = hand.normal};
     const auto running = std::make_shared<EmulatedInverse>(emulated);
     if (service != nullptr) {

@@ -2,7 +2,6 @@
 // library of their maker.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -28,9 +27,9 @@ namespace palpate {
 [[nodiscard]] AttachedDevice attach_openhaptics(const DeviceRequest& request);
 
 /// "emulated-inverse". @param service unless null: the one that runs, once the device
-/// was made. @param trace_max commands of which it keeps the motors' account.
+/// was made. @param like what it is but for the hand, its start, and its resolution.
 [[nodiscard]] AttachedDevice attach_emulated_inverse(
-    const DeviceRequest& request, std::size_t trace_max,
+    const DeviceRequest& request, const EmulatedInverseConfig& like,
     std::shared_ptr<EmulatedInverse>* service);
 
 /// The protocol of an emulated service's device that nobody holds; the service lives as

@@ -218,6 +218,12 @@ std::string EmulatedInverse::refused() const {
   return parts_->refused;
 }
 
+double EmulatedInverse::given_to_hand_j() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->tool.rendered_work_j() - parts_->config.dynamics.damping_n_s_per_m *
+                                              parts_->tool.squared_speed_m2_per_s();
+}
+
 std::int64_t EmulatedInverse::released_ns() const {
   const std::lock_guard lock(parts_->mutex);
   return parts_->released_ns;

@@ -40,6 +40,7 @@ struct InverseFaults {
   InverseFault fault = InverseFault::kNone;
   std::int64_t from = 1;    ///< number of the message, from 1, over all sessions
   std::int64_t count = -1;  ///< messages that it concerns; -1: all from there on
+  std::int64_t every = 1;   ///< > 0: of them each n-th
   std::int64_t late_ns = 0;
   std::string text{};
 };
@@ -86,6 +87,9 @@ class EmulatedInverse {
   [[nodiscard]] std::int64_t messages() const;
   [[nodiscard]] std::string profile() const;
   [[nodiscard]] std::string refused() const;
+
+  /// [J] of the forces on the tool so far, less what its own damping took.
+  [[nodiscard]] double given_to_hand_j() const;
 
   /// [ns] monotonic, when the force last became zero after it was not; 0: never.
   [[nodiscard]] std::int64_t released_ns() const;

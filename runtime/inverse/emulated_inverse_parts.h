@@ -36,7 +36,8 @@ struct EmulatedInverse::Parts {
   [[nodiscard]] bool is_faulty(InverseFault fault) const {
     const InverseFaults& f = config.faults;
     return f.fault == fault && message >= f.from &&
-           (f.count < 0 || message < f.from + f.count);
+           (f.count < 0 || message < f.from + f.count) &&
+           (message - f.from) % f.every == 0;
   }
   [[nodiscard]] std::string version() const;
   [[nodiscard]] std::string first_message();

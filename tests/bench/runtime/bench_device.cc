@@ -71,7 +71,8 @@ TracedDevice traced_inverse(const DeviceBenchOptions& options, std::size_t comma
   const auto service = std::make_shared<std::shared_ptr<EmulatedInverse>>();
   DeviceRequest request{.name = "emulated-inverse"};
   request.driver_program = options.driver_program;
-  return {attach_emulated_inverse(request, commands, service.get()), [service] {
+  return {attach_emulated_inverse(request, {.trace_max = commands}, service.get()),
+          [service] {
             return (*service)->trace();
           }};
 }
