@@ -64,8 +64,18 @@ Counts read_counts(Lines& lines) {
   if (!lines.next(words)) {
     throw FormatError("empty");
   }
-  const std::string_view keyword = take_word(words);
+  std::string_view keyword = take_word(words);
   std::string_view first = take_word(words);
+  // The first count may stand close to the keyword.
+  if (const auto end = keyword.find("OFF");
+      end != std::string_view::npos && keyword.size() > end + 3) {
+    words = first.empty() ? first
+                          : std::string_view(
+                                first.data(),
+                                static_cast<std::size_t>(words.end() - first.begin()));
+    first = keyword.substr(end + 3);
+    keyword = keyword.substr(0, end + 3);
+  }
   require_plain_off(keyword, first);
   if (first.empty() && lines.next(words)) {
     first = take_word(words);

@@ -15,6 +15,7 @@
 #include "formats/mesh/obj_reader.h"
 #include "formats/mesh/off_reader.h"
 #include "formats/mesh/ply_reader.h"
+#include "formats/mesh/weld_points.h"
 
 namespace palpate {
 namespace {
@@ -88,6 +89,40 @@ class CornerSoup {
   std::map<std::array<std::uint64_t, 3>, std::size_t> place_;
 };
 
+// Corners of neighbours that exporters have rounded apart.
+void weld_rounded(PolygonSoup& soup) {
+  const std::vector<std::size_t> first =
+      first_within(soup.point, rounding_of(soup.point));
+  std::vector<std::size_t> number(first.size());
+  std::vector<Eigen::Vector3d> kept;
+  for (std::size_t v = 0; v < first.size(); ++v) {
+    number[v] = first[v] == v ? kept.size() : number[first[v]];
+    if (first[v] == v) {
+      kept.push_back(soup.point[v]);
+    }
+  }
+  if (kept.size() == soup.point.size()) {
+    return;
+  }
+  std::vector<std::vector<std::size_t>> whole;
+  for (std::vector<std::size_t>& face : soup.face) {
+    for (std::size_t& corner : face) {
+      corner = number[corner];
+    }
+    if (face.size() != 3 ||
+        (face[0] != face[1] && face[1] != face[2] && face[2] != face[0])) {
+      whole.push_back(std::move(face));
+    }
+  }
+  soup.note.push_back(fmt::format(
+      "{} vertices that differed by rounding alone are welded, to {:.2g} of the file's "
+      "unit; {} triangles had no size",
+      soup.point.size() - kept.size(), rounding_of(soup.point),
+      soup.face.size() - whole.size()));
+  soup.point = std::move(kept);
+  soup.face = std::move(whole);
+}
+
 PolygonSoup read_binary_stl(const std::string& bytes) {
   constexpr std::size_t kNormal = 12;
   CornerSoup corners;
@@ -113,7 +148,12 @@ PolygonSoup read_text_stl(const std::string& plain) {
   for (std::string line; std::getline(lines, line);) {
     ++number;
     std::string_view words = line;
-    const std::string_view word = take_word(words);
+    std::string_view word = take_word(words);
+    if (constexpr std::string_view kVertex = "vertex"; word.starts_with(kVertex)) {
+      // The number may stand close to it.
+      words = std::string_view(line).substr(line.find(kVertex) + kVertex.size());
+      word = kVertex;
+    }
     if (word == "vertex") {
       corners.add(read_point(words, ++vertices, number));
     } else if (word == "endfacet" && !corners.close_face()) {
@@ -132,16 +172,26 @@ PolygonSoup read_text_stl(const std::string& plain) {
 // Binary by its size: some binary files start with "solid". Text has no zero byte.
 PolygonSoup read_stl(const std::string& bytes) {
   static_assert(std::endian::native == std::endian::little);
-  if (bytes.size() >= kStlHeader &&
-      bytes.size() == kStlHeader + kStlTriangle * stl_count(bytes)) {
+  const std::size_t whole =
+      bytes.size() < kStlHeader ? 0 : kStlHeader + kStlTriangle * stl_count(bytes);
+  if (whole > 0 && bytes.size() == whole) {
     return read_binary_stl(bytes);
   }
   std::string plain = plain_stl(bytes);
   plain.erase(0, std::min(plain.find_first_not_of('\n'), plain.size()));
-  if (bytes.find('\0') != std::string::npos || !plain.starts_with("solid")) {
+  if (bytes.find('\0') == std::string::npos && plain.starts_with("solid")) {
+    return read_text_stl(plain);
+  }
+  if (whole <= kStlHeader || bytes.size() < whole ||
+      bytes.size() >= whole + kStlTriangle) {
     throw FormatError(stl_sizes(bytes));
   }
-  return read_text_stl(plain);
+  PolygonSoup soup = read_binary_stl(bytes);
+  soup.note.push_back(
+      fmt::format("{} bytes behind the last triangle are passed over; all that the "
+                  "header announces are there",
+                  bytes.size() - whole));
+  return soup;
 }
 
 }  // namespace
@@ -157,7 +207,9 @@ PolygonSoup read_polygon_soup(std::string bytes, std::string_view extension) {
     return read_off(std::move(bytes));
   }
   if (extension == ".stl") {
-    return read_stl(bytes);
+    PolygonSoup soup = read_stl(bytes);
+    weld_rounded(soup);
+    return soup;
   }
   throw FormatError(fmt::format("unknown extension \"{}\"", extension));
 }

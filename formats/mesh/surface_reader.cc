@@ -111,7 +111,8 @@ void check_extent(const SurfaceMesh& mesh, const std::string& name,
 }  // namespace
 
 SurfaceMesh read_surface(const std::filesystem::path& file,
-                         std::string_view length_unit) {
+                         std::string_view length_unit,
+                         std::vector<std::string>* notes) {
   const double metres = metres_per(length_unit);
   const std::string extension = extension_of(file);
   const std::string name = file.string();
@@ -128,6 +129,11 @@ SurfaceMesh read_surface(const std::filesystem::path& file,
   if (soup.point.empty() || soup.face.empty()) {
     throw InputError(fmt::format("{}: {} vertices and {} faces, need some of both",
                                  name, soup.point.size(), soup.face.size()));
+  }
+  for (const std::string& note : soup.note) {
+    if (notes != nullptr) {
+      notes->push_back(fmt::format("{}: {}", file.filename().string(), note));
+    }
   }
   check_points(soup, name);
   check_faces(soup, name);

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "formats/mesh/surface_mesh.h"
 
@@ -16,15 +18,17 @@ namespace palpate {
 ///
 /// None of them records a unit of length that can be trusted, so one is required (see
 /// formats/base/units.h). Vertices keep their order and number in OBJ, PLY and OFF; STL
-/// lists three points per face, so equal points (bit for bit) become one vertex,
-/// numbered by first appearance. Faces of more than three corners are cut into
-/// triangles without new vertices.
+/// lists three points per face, so points that are equal but for rounding become one
+/// vertex (weld_points.h), numbered by first appearance. Faces of more than three
+/// corners are cut into triangles without new vertices.
 ///
+/// @param notes gains a line for what was passed over or welded, with the file's name.
 /// @throws InputError if the file is missing, empty, of an unknown extension, has a
 ///   coordinate that is not finite, a face with an index out of range, or an extent
 ///   outside [1e-7, 1e3] m (a slip of the unit).
 /// @throws FormatError if the file is not what its extension says, or is cut short.
 [[nodiscard]] SurfaceMesh read_surface(const std::filesystem::path& file,
-                                       std::string_view length_unit);
+                                       std::string_view length_unit,
+                                       std::vector<std::string>* notes = nullptr);
 
 }  // namespace palpate

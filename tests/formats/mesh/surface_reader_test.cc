@@ -302,5 +302,50 @@ TEST_F(SurfaceReader, WriterRefusesOtherFormats) {
                InputError);
 }
 
+TEST_F(SurfaceReader, BytesBehindAWholeBinaryStlArePassedOverAndSaid) {
+  const SurfaceMesh mesh = sphere_surface(1.0, 0);
+  std::vector<std::string> notes;
+  const SurfaceMesh read =
+      read_surface(file("a.stl", binary_stl(mesh) + "\r\n"), "mm", &notes);
+  EXPECT_EQ(read.triangle.rows(), mesh.triangle.rows());
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("2 bytes behind"), std::string::npos) << notes[0];
+  // As many as a triangle has: the header may be wrong.
+  EXPECT_NE(message("b.stl", binary_stl(mesh) + std::string(50, ' ')), "accepted");
+}
+
+TEST_F(SurfaceReader, CornersOfStlThatRoundingPartedAreWeldedAndSaid) {
+  SurfaceMesh mesh = sphere_surface(1.0, 0);
+  mesh.position_m.rowwise() += Eigen::RowVector3d(100.0, 0.0, 1000.0);
+  SurfaceMesh soup;
+  soup.triangle.resize(mesh.triangle.rows(), 3);
+  soup.position_m.resize(3 * mesh.triangle.rows(), 3);
+  for (std::int32_t t = 0; t < mesh.triangle.rows(); ++t) {
+    for (int j = 0; j < 3; ++j) {
+      soup.triangle(t, j) = 3 * t + j;
+      soup.position_m.row(3 * t + j) = mesh.position_m.row(mesh.triangle(t, j));
+      soup.position_m(3 * t + j, 2) += t % 2 == 0 ? 0.0 : 6e-5;  // a step at 1000
+    }
+  }
+  std::vector<std::string> notes;
+  const SurfaceMesh read = read_surface(file("a.stl", binary_stl(soup)), "mm", &notes);
+  EXPECT_EQ(read.position_m.rows(), mesh.position_m.rows());
+  EXPECT_EQ(read.triangle.rows(), mesh.triangle.rows());
+  EXPECT_EQ(notes.size(), 1U);
+}
+
+TEST_F(SurfaceReader, NumbersMayStandCloseToTheirWord) {
+  const SurfaceMesh off = read_surface(
+      file("a.off", "OFF4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n"
+                    "3 0 3 2\n3 1 2 3\n"),
+      "mm");
+  EXPECT_EQ(off.triangle.rows(), 4);
+  std::string text = ascii_stl(sphere_surface(1.0, 0), "solid\n");
+  for (std::size_t at = 0; (at = text.find("vertex ", at)) != std::string::npos;) {
+    text.erase(at + 6, 1);
+  }
+  EXPECT_EQ(read_surface(file("a.stl", text), "cm").triangle.rows(), 20);
+}
+
 }  // namespace
 }  // namespace palpate
