@@ -1,8 +1,12 @@
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +15,8 @@
 #include "formats/base/json_text.h"
 #include "formats/mesh/obj_writer.h"
 #include "formats/mesh/surface_reader.h"
+#include "formats/scene/scene.h"
+#include "precompute/body/scene_body.h"
 #include "precompute/command/commands.h"
 #include "precompute/surface/bad_faces.h"
 #include "precompute/surface/repair.h"
@@ -19,6 +25,8 @@
 
 namespace palpate {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct CheckFlags {
   std::string mesh;
@@ -51,6 +59,14 @@ nlohmann::json to_json(const SurfaceReport& report) {
                       {"edge_mean_m", report.edge_mean_m},
                       {"smallest_angle_rad", report.smallest_angle_rad},
                       {"notes", quality_notes(report)}};
+  for (const SurfacePart& part : report.part) {
+    json["parts"].push_back({{"triangles", part.triangle.size()},
+                             {"closed", part.closed},
+                             {"area_m2", part.area_m2},
+                             {"volume_m3", std::abs(part.volume_m3)},
+                             {"middle_m", to_json(part.middle_m)},
+                             {"speck", part.speck}});
+  }
   for (const DefectKind& kind : defect_kinds()) {
     const SurfaceDefect& defect = report.*kind.defect;
     nlohmann::json where = nlohmann::json::array();
@@ -62,11 +78,38 @@ nlohmann::json to_json(const SurfaceReport& report) {
   return json;
 }
 
+// The largest first, as far as a screen goes.
+void print_parts(const SurfaceReport& report) {
+  constexpr std::size_t kMost = 8;
+  std::vector<const SurfacePart*> parts;
+  for (const SurfacePart& part : report.part) {
+    parts.push_back(&part);
+  }
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const SurfacePart* a, const SurfacePart* b) {
+                     return a->area_m2 > b->area_m2;
+                   });
+  for (std::size_t i = 0; i < std::min(kMost, parts.size()); ++i) {
+    const SurfacePart& part = *parts[i];
+    fmt::print("    part {:<16} {} triangles, {}, about {} m{}\n", i + 1,
+               part.triangle.size(),
+               part.closed ? fmt::format("{:.4g} m^3", std::abs(part.volume_m3))
+                           : fmt::format("open, {:.4g} m^2", part.area_m2),
+               place_text(part.middle_m), part.speck ? ": a speck" : "");
+  }
+  if (parts.size() > kMost) {
+    fmt::print("    and {} smaller ones\n", parts.size() - kMost);
+  }
+}
+
 void print_table(const SurfaceReport& report) {
   const Eigen::Vector3d& size_m = report.extent_m;
   fmt::print("  vertices              {}\n", report.vertices);
   fmt::print("  triangles             {}\n", report.triangles);
   fmt::print("  parts                 {}\n", report.components);
+  if (report.components > 1) {
+    print_parts(report);
+  }
   fmt::print("  size [m]              {:.6g} x {:.6g} x {:.6g}\n", size_m.x(),
              size_m.y(), size_m.z());
   fmt::print("  area [m^2]            {:.6g}\n", report.area_m2);
@@ -120,8 +163,11 @@ void print_repair(const RepairReport& report) {
                                   });
   fmt::print("  vertices kept         {}, new {}\n", kept,
              std::ssize(report.original_vertex) - kept);
-  fmt::print("  moved by              {:.3g} m at most, volume {:+.2f} %\n",
-             report.displaced_m, 100.0 * report.volume_relative);
+  fmt::print("  moved by              {:.3g} m at most", report.displaced_m);
+  if (std::abs(report.volume_relative) <= 1.0) {  // else there was none before
+    fmt::print(", volume {:+.2f} %", 100.0 * report.volume_relative);
+  }
+  fmt::print("\n");
 }
 
 // The end of a refusal: the command that works.
@@ -147,9 +193,44 @@ void write_files(const CheckFlags& flags, const SurfaceMesh& mesh,
   }
 }
 
-void run_check(const CheckFlags& flags) {
+// What a build would refuse before it works, and what it would say.
+void check_scene(const Scene& scene, RepairMode mode, bool json) {
+  const BodySource body = read_body(scene, mode);
+  const auto nodes = reachable_vertices(scene, body).size();
+  for (const std::string& note : body.notes) {
+    if (!json) {
+      fmt::print("  note                  {}\n", note);
+    }
+  }
+  if (!json) {
+    fmt::print("  nodes in reach        {}\n", nodes);
+  }
+}
+
+// What the unit may be: the file's numbers, as lengths.
+[[noreturn]] void ask_for_unit(const std::string& file) {
+  const Eigen::Vector3d mm = bounding_box(read_surface(file, "mm")).sizes() * 1e3;
+  throw InputError(fmt::format(
+      "--length-unit is required: {} spans {:.4g} x {:.4g} x {:.4g} of a unit that it "
+      "does not name; give --length-unit mm, cm, m, in, ... (with mm the longest side "
+      "is {:.4g} m)",
+      file, mm.x(), mm.y(), mm.z(), 1e-3 * mm.maxCoeff()));
+}
+
+void run_check(CheckFlags flags) {
   const RepairMode mode = repair_mode(flags.repair);
-  const SurfaceMesh mesh = read_surface(flags.mesh, flags.length_unit);
+  const std::string given = flags.mesh;
+  std::optional<Scene> scene;
+  if (fs::path(given).extension() == ".toml") {
+    scene = read_scene(given);
+    flags.mesh = scene->mesh.string();
+    flags.length_unit = scene->length_unit;
+  }
+  if (flags.length_unit.empty()) {
+    ask_for_unit(flags.mesh);
+  }
+  std::vector<std::string> notes;
+  const SurfaceMesh mesh = read_surface(flags.mesh, flags.length_unit, &notes);
   const RepairedSurface repaired = repair_surface(mesh, mode);
   const RepairReport& report = repaired.report;
   const bool failed = !report.refusal.empty() && mode != RepairMode::kOff;
@@ -161,6 +242,9 @@ void run_check(const CheckFlags& flags) {
   } else {
     fmt::print("{}: {}\n", flags.mesh, verdict);
     print_table(report.after);
+    for (const std::string& note : notes) {
+      fmt::print("  note                  {}\n", note);
+    }
     if (mode != RepairMode::kOff && !report.before.accepted()) {
       print_repair(report);
     }
@@ -170,6 +254,9 @@ void run_check(const CheckFlags& flags) {
     throw InputError(fmt::format("{}: {}; {}", flags.mesh, verdict,
                                  next_step(flags, working_repair(mesh, mode))));
   }
+  if (scene) {
+    check_scene(*scene, mode, flags.json);
+  }
 }
 
 }  // namespace
@@ -178,11 +265,14 @@ void add_check_command(Command app) {
   const auto flags = std::make_shared<CheckFlags>();
   Command command =
       app.add_subcommand("check", "Reports whether a surface mesh bounds a body");
-  command.add_option("mesh", flags->mesh, "OBJ, STL, PLY or OFF file").required();
   command
-      .add_option("--length-unit", flags->length_unit,
-                  "unit of the file's coordinates: m, cm, mm, um, in, ...")
+      .add_option(
+          "mesh", flags->mesh,
+          "OBJ, STL, PLY or OFF file, or a scene: then what holds its body, and "
+          "its parts, are checked, too")
       .required();
+  command.add_option("--length-unit", flags->length_unit,
+                     "unit of the mesh file's coordinates: m, cm, mm, um, in, ...");
   command
       .add_option("--repair", flags->repair,
                   "safe: mend, no vertex moves, the surface by at most 1 % of "

@@ -14,6 +14,7 @@
 #include "precompute/surface/surface_distance.h"
 #include "precompute/surface/surface_in_child.h"
 #include "precompute/surface/surface_soup.h"
+#include "precompute/surface/t_junctions.h"
 #include "precompute/surface/winding_number.h"
 #include "precompute/surface/wrap_surface.h"
 
@@ -29,12 +30,14 @@ constexpr double kWrapOffset = 0.0005;
 constexpr double kLostMax = 0.1;  // [-] of what is enclosed, by a wrap
 
 // What each of the counts that the child sends back stands for.
-constexpr std::size_t kFilledHoles = 8;
-constexpr std::array<const char*, 10> kRepairSteps{
+constexpr std::size_t kFilledHoles = 10;
+constexpr std::array<const char*, 12> kRepairSteps{
     "duplicate vertices welded",
     "collapsed triangles taken out",
     "duplicate triangles taken out",
     "vertices of no triangle taken out",
+    "specks taken out: parts below 0.1 % of the body",
+    "vertices put on edges of neighbours that they lie on",
     "triangles turned to agree with their neighbours",
     "vertices added to part sheets that touched",
     "pairs of coinciding border edges joined",
@@ -53,18 +56,45 @@ SurfaceMesh without_intersections(const SurfaceMesh& mesh, std::size_t& replaced
   return result;
 }
 
-SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
+// What is there, once, but for specks.
+struct Cleaned {
+  SurfaceMesh mesh;
   SoupChanges soup;
+  std::size_t specks = 0;
+};
+
+Cleaned cleaned(const SurfaceMesh& mesh) {
+  Cleaned result;
+  result.mesh = clean_soup(mesh, result.soup);
+  std::vector<Eigen::Index> kept;
+  for (const SurfacePart& part : surface_parts(result.mesh)) {
+    result.specks += part.speck ? 1U : 0U;
+    if (!part.speck) {
+      kept.insert(kept.end(), part.triangle.begin(), part.triangle.end());
+    }
+  }
+  if (result.specks > 0) {
+    SoupChanges ignored;
+    std::sort(kept.begin(), kept.end());
+    result.mesh.triangle = result.mesh.triangle(kept, Eigen::all).eval();
+    result.mesh = clean_soup(result.mesh, ignored);
+  }
+  return result;
+}
+
+SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
   TopologyChanges topology;
-  SurfaceMesh result = clean_soup(mesh, soup);
-  result = repair_topology(result, kHoleMax * diagonal_m(mesh), topology);
+  const auto [clean, soup, specks] = cleaned(mesh);
+  std::size_t junctions = 0;
+  SurfaceMesh result = repair_topology(cut_at_t_junctions(clean, junctions),
+                                       kHoleMax * diagonal_m(mesh), topology);
   std::size_t replaced = 0;
   if (check_surface(result).report.closed()) {
     result = without_intersections(result, replaced);
   }
   return {.mesh = in_original_order(result, mesh),
           .count = {soup.welded_vertices, soup.collapsed_triangles,
-                    soup.duplicate_triangles, soup.isolated_vertices,
+                    soup.duplicate_triangles, soup.isolated_vertices, specks, junctions,
                     topology.turned_triangles, topology.split_vertices,
                     topology.stitched_borders, topology.degenerate_triangles,
                     topology.filled_holes, replaced}};
@@ -85,27 +115,22 @@ SurfaceAndCounts wrap_repair(const SurfaceMesh& mesh) {
   return result;
 }
 
-// Parts of the surface once equal vertices are one: a file may list each triangle
-// alone.
-Eigen::Index parts(const SurfaceMesh& mesh) {
-  SoupChanges ignored;
-  return check_surface(clean_soup(mesh, ignored)).report.components;
-}
-
 bool had_volume(const SurfaceReport& before) {
   return before.closed() && before.flipped_edges.count == 0 &&
          before.non_manifold_edges.count == 0 && before.nested_components.count == 0;
 }
 
 // Why a safe repair is not to be trusted; empty if it is.
-std::string doubts(const SurfaceMesh& mesh, const RepairReport& report) {
+// @param clean a file may list each triangle alone, or twice: what is there once.
+std::string doubts(const SurfaceMesh& clean, const RepairReport& report) {
   const SurfaceReport& before = report.before;
   const SurfaceReport& after = report.after;
-  const Eigen::Index parts_before = parts(mesh);
+  const Eigen::Index parts_before = std::ssize(surface_parts(clean));
+  const double area_m2 = surface_area_m2(clean);
   if (after.components != parts_before) {
     return fmt::format("{} parts became {}", parts_before, after.components);
   }
-  const double displaced_max_m = kDisplacedMax * diagonal_m(mesh);
+  const double displaced_max_m = kDisplacedMax * diagonal_m(clean);
   if (!(report.displaced_m <= displaced_max_m)) {
     return fmt::format("the surface moved by {:.3g} m, at most {:.3g} m is safe",
                        report.displaced_m, displaced_max_m);
@@ -115,9 +140,8 @@ std::string doubts(const SurfaceMesh& mesh, const RepairReport& report) {
       return fmt::format("the volume changed from {:.4g} to {:.4g} m^3",
                          before.volume_m3, after.volume_m3);
     }
-  } else if (!(std::abs(after.area_m2 - before.area_m2) <=
-               kAreaChange * before.area_m2)) {
-    return fmt::format("the area changed from {:.4g} to {:.4g} m^2", before.area_m2,
+  } else if (!(std::abs(after.area_m2 - area_m2) <= kAreaChange * area_m2)) {
+    return fmt::format("the area changed from {:.4g} to {:.4g} m^2", area_m2,
                        after.area_m2);
   }
   return {};
@@ -152,13 +176,15 @@ void describe_repair(const SurfaceMesh& mesh, RepairMode mode,
     report.refusal = report.after.verdict();
     return;
   }
-  report.displaced_m = distance_to_surface_m(mesh, result.mesh);
+  // What was left out on purpose was not displaced.
+  const SurfaceMesh clean = mode == RepairMode::kSafe ? cleaned(mesh).mesh : mesh;
+  report.displaced_m = distance_to_surface_m(clean, result.mesh);
   if (report.before.closed()) {  // else a filled hole would count
     report.displaced_m =
-        std::max(report.displaced_m, distance_to_surface_m(result.mesh, mesh));
+        std::max(report.displaced_m, distance_to_surface_m(result.mesh, clean));
   }
   if (mode == RepairMode::kSafe) {
-    report.refusal = doubts(mesh, report);
+    report.refusal = doubts(clean, report);
   } else if (made.lost_share > kLostMax) {
     report.refusal = lost(made.lost_share);
   }
@@ -195,7 +221,9 @@ RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode) {
   CheckedSurface checked = check_surface(mesh);
   RepairedSurface result;
   result.report.before = checked.report;
-  if (mode == RepairMode::kOff || checked.report.accepted()) {
+  const bool specks = mode == RepairMode::kSafe && checked.report.specks() > 0;
+  if (mode == RepairMode::kOff || checked.report.in_a_plane() ||
+      (checked.report.accepted() && !specks)) {
     result.mesh = std::move(checked.mesh);
     result.report.after = checked.report;
     result.report.original_vertex = original_vertices(result.mesh, mesh);

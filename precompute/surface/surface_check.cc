@@ -131,56 +131,23 @@ void find_duplicates(const SurfaceMesh& mesh, SurfaceReport& report) {
   }
 }
 
-// The triangles of each part.
-std::vector<std::vector<Eigen::Index>> parts_of(const SurfaceMesh& mesh) {
-  Partition part(static_cast<std::size_t>(mesh.position_m.rows()));
-  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
-    part.join(mesh.triangle(t, 0), mesh.triangle(t, 1));
-    part.join(mesh.triangle(t, 0), mesh.triangle(t, 2));
-  }
-  std::map<std::int32_t, std::size_t> number;
-  std::vector<std::vector<Eigen::Index>> parts;
-  for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
-    const auto [at, inserted] =
-        number.try_emplace(part.find(mesh.triangle(t, 0)), parts.size());
-    if (inserted) {
-      parts.emplace_back();
-    }
-    parts[at->second].push_back(t);
-  }
-  return parts;
-}
-
-SurfaceMesh part_mesh(const SurfaceMesh& mesh, const std::vector<Eigen::Index>& part) {
-  SurfaceMesh one;
-  one.triangle.resize(std::ssize(part), 3);
-  one.position_m.resize(3 * std::ssize(part), 3);
-  for (std::int32_t t = 0; t < std::ssize(part); ++t) {
-    for (int j = 0; j < 3; ++j) {
-      one.triangle(t, j) = 3 * t + j;
-      one.position_m.row(3 * t + j) =
-          corner_m(mesh, part[static_cast<std::size_t>(t)], j).transpose();
-    }
-  }
-  return one;
-}
-
-void turn(SurfaceMesh& mesh, const std::vector<Eigen::Index>& part) {
-  for (const Eigen::Index t : part) {
+void turn(SurfaceMesh& mesh, const SurfacePart& part) {
+  for (const Eigen::Index t : part.triangle) {
     std::swap(mesh.triangle(t, 1), mesh.triangle(t, 2));
   }
 }
 
 // Parts by themselves: which way they face, whether one lies inside another.
 void check_parts(SurfaceMesh& mesh, SurfaceReport& report) {
-  const auto parts = parts_of(mesh);
+  report.part = surface_parts(mesh);
+  const std::vector<SurfacePart>& parts = report.part;
   report.components = std::ssize(parts);
   if (!report.closed() || report.flipped_edges.count > 0 ||
       report.non_manifold_edges.count > 0) {
     return;  // no inside to speak of
   }
   std::vector<SurfaceMesh> alone;
-  for (const auto& part : parts) {
+  for (const SurfacePart& part : parts) {
     alone.push_back(part_mesh(mesh, part));
     const double volume_m3 = enclosed_volume_m3(alone.back());
     const double extent_m = bounding_box(alone.back()).sizes().maxCoeff();
@@ -223,6 +190,11 @@ std::string accepted_verdict(const SurfaceReport& report) {
                   report.volume_m3, report.vertices, report.triangles);
   if (report.components > 1) {
     text += fmt::format(", in {} disjoint parts", report.components);
+  }
+  if (report.specks() > 0) {
+    text += fmt::format(
+        ", {} of them below {} % of the volume: --repair=safe leaves specks out",
+        report.specks(), 100.0 * kSpeckShare);
   }
   if (report.components_turned > 0) {
     text += fmt::format("; {} inside out, turned",
@@ -287,6 +259,16 @@ const std::array<DefectKind, 9>& defect_kinds() {
   return kKinds;
 }
 
+bool SurfaceReport::in_a_plane() const {
+  return triangles > 0 && !(extent_m.minCoeff() > 1e-9 * extent_m.maxCoeff());
+}
+
+Eigen::Index SurfaceReport::specks() const {
+  return std::count_if(part.begin(), part.end(), [](const SurfacePart& one) {
+    return one.speck;
+  });
+}
+
 bool SurfaceReport::accepted() const {
   return !flat && triangles > 0 &&
          std::all_of(defect_kinds().begin(), defect_kinds().end(),
@@ -300,14 +282,18 @@ std::string SurfaceReport::verdict() const {
     return accepted_verdict(*this);
   }
   std::string text;
-  const auto add = [&](const std::string& part) {
-    text += (text.empty() || part.empty() ? "" : "; ") + part;
+  const auto add = [&](const std::string& more) {
+    text += (text.empty() || more.empty() ? "" : "; ") + more;
   };
   for (const DefectKind& kind : defect_kinds()) {
     add(described(this->*kind.defect, kind.one, kind.many));
   }
   add(triangles == 0 ? "no triangles" : "");
   add(flat ? "it encloses no volume" : "");
+  add(in_a_plane() ? "all of it lies in one plane, where a body has a volume: give the "
+                     "sheet its "
+                     "thickness in the program that made it (extrude, solidify)"
+                   : "");
   return "not a body: " + text;
 }
 

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "formats/mesh/surface_mesh.h"
+#include "precompute/surface/surface_parts.h"
 
 namespace palpate {
 
@@ -25,7 +26,8 @@ inline constexpr std::size_t kDefectsShown = 3;
 struct SurfaceReport {
   Eigen::Index vertices = 0;
   Eigen::Index triangles = 0;
-  Eigen::Index components = 0;  ///< parts that share no vertex
+  Eigen::Index components = 0;    ///< parts that share no vertex
+  std::vector<SurfacePart> part;  ///< as many
   double area_m2 = 0.0;
   double volume_m3 = 0.0;  ///< after turning; only meaningful if closed
   Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< sides of the bounding box
@@ -45,6 +47,8 @@ struct SurfaceReport {
   SurfaceDefect nested_components;   ///< parts that lie inside another part
   bool flat = false;                 ///< closed, but encloses no volume
 
+  [[nodiscard]] bool in_a_plane() const;      ///< one that lies across an axis
+  [[nodiscard]] Eigen::Index specks() const;  ///< parts that are too small to matter
   [[nodiscard]] bool closed() const { return border_edges.count == 0; }
   /// Whether the surface bounds a body that can be meshed.
   [[nodiscard]] bool accepted() const;

@@ -7,6 +7,8 @@
 #include <set>
 #include <vector>
 
+#include "formats/mesh/weld_points.h"
+
 namespace palpate {
 namespace {
 
@@ -39,13 +41,16 @@ SurfaceMesh renumbered(const SurfaceMesh& mesh, const std::vector<std::int32_t>&
   return result;
 }
 
-// The first vertex at the place of each.
+// The first vertex at the place of each, but for rounding.
 std::vector<std::int32_t> first_at_place(const SurfaceMesh& mesh) {
-  std::map<Place, std::int32_t> seen;
+  std::vector<Eigen::Vector3d> points;
+  for (Eigen::Index v = 0; v < mesh.position_m.rows(); ++v) {
+    points.emplace_back(mesh.position_m.row(v).transpose());
+  }
+  const double tolerance_m = std::min(rounding_of(points), 0.01 * mean_edge_m(mesh));
   std::vector<std::int32_t> first;
-  first.reserve(static_cast<std::size_t>(mesh.position_m.rows()));
-  for (std::int32_t v = 0; v < mesh.position_m.rows(); ++v) {
-    first.push_back(seen.try_emplace(place(mesh, v), v).first->second);
+  for (const std::size_t v : first_within(points, tolerance_m)) {
+    first.push_back(static_cast<std::int32_t>(v));
   }
   return first;
 }

@@ -9,13 +9,14 @@ namespace palpate {
 
 /// How many of each have been taken out of a triangle list.
 struct SoupChanges {
-  std::size_t welded_vertices = 0;      ///< at the place of an earlier one
+  std::size_t welded_vertices = 0;      ///< where an earlier one is, but for rounding
   std::size_t collapsed_triangles = 0;  ///< with a corner twice, after welding
   std::size_t duplicate_triangles = 0;  ///< corners of an earlier one, either way round
   std::size_t isolated_vertices = 0;    ///< of no triangle, after all that
 };
 
-/// The surface with equal vertices (bit for bit, -0 as 0) as one, no triangle twice,
+/// The surface with vertices that are equal but for single precision's rounding
+/// (weld_points.h, and a hundredth of the mean edge at most) as one, no triangle twice,
 /// and no vertex without a triangle. Vertices and triangles that stay keep their order.
 [[nodiscard]] SurfaceMesh clean_soup(const SurfaceMesh& mesh, SoupChanges& changes);
 
