@@ -29,12 +29,16 @@ struct SceneMesh {
   std::string length_unit;  ///< known to metres_per
 };
 
-/// A part of the body of other material, or a hole. One of sphere and mesh is given.
+/// A part of the body of other material, or a hole. One of sphere, mesh and under_m is
+/// given.
 struct SceneInclusion {
   std::string name;  ///< unique, not "body"
   std::optional<SceneBall> sphere;
   std::optional<SceneMesh> mesh;
   bool cavity = false;
+  /// [m] (0, inf) of a [[layer]]: all that lies so far or less under the body's
+  /// surface, and in no layer above.
+  std::optional<double> under_m = std::nullopt;
 };
 
 /// G(t) = 1 - sum g_k (1 - exp(-t / tau_k)) of all stresses; without terms 1.

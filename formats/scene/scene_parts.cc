@@ -8,9 +8,9 @@
 namespace palpate::scene_parts {
 namespace {
 
-constexpr std::string_view kSceneKeys[] = {"body",     "inclusion", "material",
-                                           "support",  "tool",      "reach",
-                                           "accuracy", "drawing",   "cutout"};
+constexpr std::string_view kSceneKeys[] = {"body",    "inclusion", "layer", "material",
+                                           "support", "tool",      "reach", "accuracy",
+                                           "drawing", "cutout"};
 constexpr std::string_view kBallKeys[] = {"center_m", "radius_m"};
 
 SceneSection opened(const SceneFile& file, const std::string& title,

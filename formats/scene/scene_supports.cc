@@ -1,4 +1,4 @@
-// [[inclusion]] and [[support]]: what is in the body and where it is held.
+// [[inclusion]], [[layer]] and [[support]]: what is in the body, where it is held.
 #include <algorithm>
 
 #include "formats/scene/scene_parts.h"
@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::string_view kInclusionKeys[] = {"name", "sphere", "mesh", "length_unit",
                                                "cavity"};
+constexpr std::string_view kLayerKeys[] = {"name", "thickness_m"};
 constexpr std::string_view kInclusionShapes[] = {"sphere", "mesh"};
 constexpr std::string_view kSupportKeys[] = {"kind", "box_m", "plane", "patch",
                                              "stiffness_pa_per_m"};
@@ -34,25 +35,47 @@ void read_place(const SceneSection& section, SceneSupport& support) {
   }
 }
 
+// Of an inclusion or a layer; the scene has those before it.
+std::string read_region_name(const SceneSection& section, const Scene& scene) {
+  std::string name = section.text("name");
+  if (name == kBodyRegion) {
+    section.fail(section.need("name"),
+                 "an inclusion cannot be named \"body\", which is what is around it");
+  }
+  for (const SceneInclusion& other : scene.inclusion) {
+    if (other.name == name) {
+      section.fail(section.need("name"), "the name {:?} belongs to two inclusions",
+                   name);
+    }
+  }
+  return name;
+}
+
+// From the surface inwards: each starts where the one before it ends.
+void read_layers(const Sections& sections, Scene& scene) {
+  if (!sections.has("layer")) {
+    return;
+  }
+  double under_m = 0.0;
+  for (const SceneSection& section : sections.all("layer", kLayerKeys)) {
+    SceneInclusion layer;
+    layer.name = read_region_name(section, scene);
+    under_m += section.number("thickness_m", kPositive);
+    layer.under_m = under_m;
+    scene.inclusion.push_back(std::move(layer));
+  }
+}
+
 }  // namespace
 
 void read_inclusions(const Sections& sections, Scene& scene) {
+  read_layers(sections, scene);
   if (!sections.has("inclusion")) {
     return;
   }
   for (const SceneSection& section : sections.all("inclusion", kInclusionKeys)) {
     SceneInclusion inclusion;
-    inclusion.name = section.text("name");
-    if (inclusion.name == kBodyRegion) {
-      section.fail(section.need("name"),
-                   "an inclusion cannot be named \"body\", which is what is around it");
-    }
-    for (const SceneInclusion& other : scene.inclusion) {
-      if (other.name == inclusion.name) {
-        section.fail(section.need("name"), "the name {:?} belongs to two inclusions",
-                     inclusion.name);
-      }
-    }
+    inclusion.name = read_region_name(section, scene);
     if (section.only_one_of(kInclusionShapes) == "sphere") {
       inclusion.sphere = read_ball(section, "sphere");
       if (const toml::node* unit = section.find("length_unit")) {

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/mesh/surface_search.h"
 #include "precompute/contact/tool_surface.h"
 #include "precompute/process/machine_memory.h"
 #include "precompute/surface/coarsen_surface.h"
@@ -154,14 +157,46 @@ Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
 
 namespace {
 
-TetMesh filled(const BodySource& body, const SurfaceMesh& surface) {
-  require_memory(surface.triangle.rows());
-  return tetrahedralise(surface, {}, body.inner);
+// Edges under a surface that shrink with the depth, so that walls at any depth are met
+// by tets that are as fine there as the surface's triangles are as far from a contact.
+std::function<double(const Eigen::Vector3d&)> edges_by_depth(const SurfaceMesh& surface,
+                                                             double growth) {
+  return [search = std::make_shared<SurfaceSearch>(surface), &surface,
+          growth](const Eigen::Vector3d& p_m) {
+    const SurfacePoint nearest = search->nearest(p_m);
+    double edges_m = 0.0;
+    for (int j = 0; j < 3; ++j) {
+      edges_m +=
+          (surface.position_m.row(surface.triangle(nearest.triangle, j)) -
+           surface.position_m.row(surface.triangle(nearest.triangle, (j + 1) % 3)))
+              .norm();
+    }
+    return std::max(edges_m / 3.0, growth * nearest.distance_m);
+  };
 }
 
-BodyModel model_of(const Scene& scene, const BodySource& body,
-                   const SurfaceMesh& surface, const TetMesh& tets,
+}  // namespace
+
+FilledBody filled_body(const BodySource& body, const SurfaceMesh& surface,
+                       double growth) {
+  constexpr double kOfGrowth = 0.5;
+  require_memory(surface.triangle.rows());
+  if (std::none_of(body.inner.begin(), body.inner.end(), [](const InnerSurface& one) {
+        return one.cut;
+      })) {
+    return {surface, tetrahedralise(surface, {}, body.inner)};
+  }
+  TetOptions options;
+  options.size = edges_by_depth(surface, kOfGrowth * growth);
+  return cut_regions(body.surface, body.inner,
+                     {surface, tetrahedralise(surface, options, body.inner)});
+}
+
+namespace {
+
+BodyModel model_of(const Scene& scene, const BodySource& body, const FilledBody& filled,
                    bool keep_stiffness) {
+  const auto& [surface, tets] = filled;
   BodyModel model;
   model.min_dihedral_deg =
       tet_quality(tets).smallest_dihedral_rad * 180.0 / std::numbers::pi;
@@ -184,7 +219,8 @@ BodyModel model_of(const Scene& scene, const BodySource& body,
 
 BodyModel make_body_model(const Scene& scene, const BodySource& body,
                           const SurfaceMesh& surface) {
-  return model_of(scene, body, surface, filled(body, surface), false);
+  return model_of(scene, body,
+                  filled_body(body, surface, contact_focus(scene, body).growth), false);
 }
 
 std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
@@ -229,20 +265,18 @@ SurfaceMesh graded_surface(const Scene& scene, const BodySource& body,
 namespace {
 
 // A refined surface and the tets that fill it.
-struct FilledSurface {
-  SurfaceMesh surface;
-  TetMesh tets;
+struct GradedBody {
+  FilledBody filled;
   std::vector<std::int32_t> corner;  // of the vertices; empty: the body's own
 };
 
-FilledSurface graded_tets(const Scene& scene, const BodySource& body,
-                          std::span<const std::int32_t> vertices,
-                          const ContactFocus& focus) {
+GradedBody graded_tets(const Scene& scene, const BodySource& body,
+                       std::span<const std::int32_t> vertices,
+                       const ContactFocus& focus) {
   const auto wanted = wanted_edges(body.surface, vertices, focus);
   const auto fill = [&](const SurfaceMesh& coarse, std::vector<std::int32_t> corner) {
-    SurfaceMesh surface = refine_longest_edge(coarse, wanted, 4 * kMostTriangles);
-    TetMesh tets = filled(body, surface);
-    return FilledSurface{std::move(surface), std::move(tets), std::move(corner)};
+    const SurfaceMesh surface = refine_longest_edge(coarse, wanted, 4 * kMostTriangles);
+    return GradedBody{filled_body(body, surface, focus.growth), std::move(corner)};
   };
   if (!body.inner.empty()) {
     return fill(body.surface, {});  // inner surfaces might cross a coarse one
@@ -260,15 +294,15 @@ FilledSurface graded_tets(const Scene& scene, const BodySource& body,
 }
 
 // Shape of the poorest tet where the tool touches.
-double poorest_shape(const FilledSurface& filled, const EdgeLength& beyond) {
+double poorest_shape(const TetMesh& tets, const EdgeLength& beyond) {
   double poorest = 1.0;
-  for (Eigen::Index t = 0; t < filled.tets.tet.rows(); ++t) {
+  for (Eigen::Index t = 0; t < tets.tet.rows(); ++t) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const std::int32_t corner : filled.tets.tet.row(t)) {
-      middle += 0.25 * filled.tets.position_m.row(corner).transpose();
+    for (const std::int32_t corner : tets.tet.row(t)) {
+      middle += 0.25 * tets.position_m.row(corner).transpose();
     }
     if (beyond(middle) <= 0.0) {
-      poorest = std::min(poorest, tet_shape(filled.tets, t));
+      poorest = std::min(poorest, tet_shape(tets, t));
     }
   }
   return poorest;
@@ -277,9 +311,9 @@ double poorest_shape(const FilledSurface& filled, const EdgeLength& beyond) {
 // Of surfaces that differ a little the first whose tets are well shaped where the tool
 // touches, else the best: where the mesher gives up improving them is a matter of
 // chance.
-FilledSurface well_filled(const Scene& scene, const BodySource& body,
-                          std::span<const std::int32_t> vertices,
-                          const ContactFocus& focus) {
+GradedBody well_filled(const Scene& scene, const BodySource& body,
+                       std::span<const std::int32_t> vertices,
+                       const ContactFocus& focus) {
   constexpr std::array<double, 3> kTimesFiner{1.07, 0.93, 1.15};
   constexpr double kWellShaped = 0.01;
   const EdgeLength beyond = wanted_edges(
@@ -287,15 +321,15 @@ FilledSurface well_filled(const Scene& scene, const BodySource& body,
       {.growth = 1.0,
        .finest_m = 0.0,
        .core_m = touched_radius_m(scene, body, 0.5 * focus.growth * focus.contact_m)});
-  FilledSurface best = graded_tets(scene, body, vertices, focus);
-  double shape = poorest_shape(best, beyond);
+  GradedBody best = graded_tets(scene, body, vertices, focus);
+  double shape = poorest_shape(best.filled.tets, beyond);
   for (const double times : kTimesFiner) {
     if (shape > kWellShaped) {
       break;
     }
     try {
-      FilledSurface other = graded_tets(scene, body, vertices, finer(focus, times));
-      const double other_shape = poorest_shape(other, beyond);
+      GradedBody other = graded_tets(scene, body, vertices, finer(focus, times));
+      const double other_shape = poorest_shape(other.filled.tets, beyond);
       if (other_shape > shape) {
         best = std::move(other);
         shape = other_shape;
@@ -312,8 +346,8 @@ FilledSurface well_filled(const Scene& scene, const BodySource& body,
 BodyModel make_graded_model(const Scene& scene, const BodySource& body,
                             std::span<const std::int32_t> vertices,
                             const ContactFocus& focus, bool keep_stiffness) {
-  const FilledSurface made = well_filled(scene, body, vertices, focus);
-  BodyModel model = model_of(scene, body, made.surface, made.tets, keep_stiffness);
+  const GradedBody made = well_filled(scene, body, vertices, focus);
+  BodyModel model = model_of(scene, body, made.filled, keep_stiffness);
   model.contact_spacing_m = 0.5 * focus.growth * focus.contact_m;
   for (std::size_t i = 0; i < made.corner.size(); ++i) {
     model.corner.emplace(vertices[i], made.corner[i]);

@@ -15,6 +15,7 @@
 #include "precompute/contact/contact_surface.h"
 #include "precompute/contact/surface_compliance.h"
 #include "precompute/fem/cholesky_factor.h"
+#include "precompute/tets/cut_regions.h"
 
 namespace palpate {
 
@@ -36,6 +37,12 @@ struct BodyModel {
   double contact_spacing_m = 0.0;  ///< [m] of contact nodes where a contact ends
   double min_dihedral_deg = 0.0;   ///< [deg] of the tets
 };
+
+/// Tets that fill a surface of the body. Where it has parts that reach its surface,
+/// tets are cut along them, and the surface with them.
+/// @param growth [-] of edges over the distance from a contact.
+[[nodiscard]] FilledBody filled_body(const BodySource& body, const SurfaceMesh& surface,
+                                     double growth);
 
 /// The body's surface with every triangle cut into four until contact nodes are no
 /// farther apart than wanted.

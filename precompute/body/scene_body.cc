@@ -10,10 +10,12 @@
 
 #include "formats/base/error.h"
 #include "formats/mesh/surface_reader.h"
+#include "precompute/body/body_surface.h"
 #include "precompute/material/material_of_scene.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "precompute/surface/split_at.h"
 #include "precompute/surface/surface_check.h"
+#include "precompute/tets/cut_regions.h"
 #include "precompute/tets/quality_notes.h"
 
 namespace palpate {
@@ -21,8 +23,8 @@ namespace {
 
 SurfaceMesh read_mesh(const Scene& scene, RepairMode repair,
                       std::vector<std::string>& notes) {
-  CheckedSurface checked = require_body(read_surface(scene.mesh, scene.length_unit),
-                                        repair, scene.mesh.string(), notes);
+  const SurfaceMesh read = read_surface(scene.mesh, scene.length_unit, &notes);
+  CheckedSurface checked = require_body(read, repair, scene.mesh.string(), notes);
   if (checked.report.components_turned > 0) {
     notes.push_back(fmt::format("{}: the surface was inside out and has been turned",
                                 scene.mesh.filename().string()));
@@ -34,7 +36,8 @@ SurfaceMesh read_mesh(const Scene& scene, RepairMode repair,
   for (const std::string& note : quality_notes(checked.report)) {
     notes.push_back(note);
   }
-  return std::move(checked.mesh);
+  require_held_parts(scene, checked);
+  return refined_for_reach(scene, std::move(checked.mesh), notes);
 }
 
 // A tool that the body cannot hold, or a press right through it, is a slip of units.
@@ -72,7 +75,10 @@ const SceneMaterial& scene_material(const Scene& scene, std::string_view region)
 InnerSurface inner_surface(const SceneInclusion& inclusion) {
   constexpr double kEdgeOfRadius = 0.5;  // an icosphere of 42 or 162 vertices
   InnerSurface inner{.cavity = inclusion.cavity, .name = inclusion.name};
-  if (inclusion.sphere) {
+  if (inclusion.under_m) {
+    inner.cut = true;
+    inner.under_m = *inclusion.under_m;
+  } else if (inclusion.sphere) {
     const SceneBall& ball = *inclusion.sphere;
     inner.surface =
         sphere_surface(ball.center_m, ball.radius_m, kEdgeOfRadius * ball.radius_m);
@@ -85,6 +91,31 @@ InnerSurface inner_surface(const SceneInclusion& inclusion) {
   return inner;
 }
 
+// What of inclusions that reach the surface lies outside of the body is left out.
+void check_left_out(BodySource& body) {
+  constexpr double kMost = 0.5;
+  constexpr double kSaid = 0.05;  // share_outside() tells it to 0.03
+  for (std::size_t i = 0; i < body.inner.size(); ++i) {
+    if (!body.inner[i].cut) {
+      continue;
+    }
+    const double share = share_left_out(body.surface, body.inner[i]);
+    const std::string name = inner_surface_name(body.inner, i);
+    if (share > kMost) {
+      throw InputError(fmt::format(
+          "{} lies outside of the body by {:.0f} % of its volume, at most half is left "
+          "out: is its length_unit right, and its place?",
+          name, 100.0 * share));
+    }
+    body.notes.push_back(
+        share > kSaid
+            ? fmt::format("{} reaches out of the body: {:.0f} % of it is left out",
+                          name, 100.0 * share)
+            : fmt::format("{} shares faces with the body's surface or other parts",
+                          name));
+  }
+}
+
 void read_inclusions(const Scene& scene, BodySource& body) {
   body.material = materials_of(scene);
   for (const SceneInclusion& inclusion : scene.inclusion) {
@@ -93,6 +124,8 @@ void read_inclusions(const Scene& scene, BodySource& body) {
       body.files.push_back(inclusion.mesh->file);
     }
   }
+  mark_cut(body.surface, body.inner);
+  check_left_out(body);
   body.inner = check_inner_surfaces(body.surface, body.inner);
 }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "formats/mesh/surface_search.h"
 #include "formats/response/memory_sites.h"
 #include "precompute/surface/winding_number.h"
 
@@ -105,16 +107,27 @@ Yielding columns_of(const std::vector<const SceneYielding*>& of_node, double mos
   return all;
 }
 
+// The region of the first layer that is deep enough; 0: none.
+std::int32_t layer_of(const BodySource& body, const Eigen::Vector3d& p_m) {
+  for (std::size_t i = 0; i < body.inner.size(); ++i) {
+    if (body.inner[i].under_m > 0.0 &&
+        SurfaceSearch(body.surface).nearest(p_m).distance_m < body.inner[i].under_m) {
+      return static_cast<std::int32_t>(i) + 1;
+    }
+  }
+  return 0;
+}
+
 }  // namespace
 
 std::int32_t region_of(const BodySource& body, const Eigen::Vector3d& p_m) {
-  std::int32_t region = 0;
-  double smallest_m3 = 0.0;
+  std::int32_t region = layer_of(body, p_m);
+  double smallest_m3 = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < body.inner.size(); ++i) {
     const SurfaceMesh& surface = body.inner[i].surface;
     const double size_m3 = box_m3(surface);
-    if (!body.inner[i].cavity && winding_number(surface, p_m) > 0.5 &&
-        (region == 0 || size_m3 < smallest_m3)) {
+    if (!body.inner[i].cavity && surface.triangle.rows() > 0 &&
+        winding_number(surface, p_m) > 0.5 && size_m3 < smallest_m3) {
       region = static_cast<std::int32_t>(i) + 1;
       smallest_m3 = size_m3;
     }

@@ -40,23 +40,38 @@ void append_surface(const SurfaceMesh& part, Joined& joined) {
   joined.end.push_back(mesh.triangle.rows());
 }
 
-void check_apart(const SurfaceMesh& outer, std::span<const InnerSurface> inner) {
+// Pairs of surfaces that touch or cross, 0 the outer one, and a triangle where.
+struct Meeting {
+  std::size_t first = 0;
+  std::size_t second = 0;
+  Eigen::Vector3d at_m;
+};
+
+std::vector<Meeting> meetings(const SurfaceMesh& outer,
+                              std::span<const InnerSurface> inner) {
   Joined joined;
   append_surface(outer, joined);
   for (const InnerSurface& one : inner) {
-    append_surface(one.surface, joined);
+    append_surface(one.cut ? SurfaceMesh{} : one.surface, joined);
   }
+  std::vector<Meeting> found;
   for (const auto& [a, b] : self_intersections(joined.mesh)) {
     const std::size_t first = joined.owner(a);
     const std::size_t second = joined.owner(b);
     if (first != second) {
-      throw InputError(fmt::format(
-          "{} touches or crosses {} at {} m; surfaces in a body must keep apart",
-          inner_surface_name(inner, second - 1),
-          first == 0 ? "the body's surface" : inner_surface_name(inner, first - 1),
-          place_text(triangle_middle_m(joined.mesh, b))));
+      found.push_back({first, second, triangle_middle_m(joined.mesh, b)});
     }
   }
+  return found;
+}
+
+[[noreturn]] void refuse(std::span<const InnerSurface> inner, const Meeting& meeting) {
+  throw InputError(fmt::format(
+      "{} touches or crosses {} at {} m; surfaces in a body must keep apart",
+      inner_surface_name(inner, meeting.second - 1),
+      meeting.first == 0 ? "the body's surface"
+                         : inner_surface_name(inner, meeting.first - 1),
+      place_text(meeting.at_m)));
 }
 
 // One vertex of each part.
@@ -103,6 +118,23 @@ std::string inner_surface_name(std::span<const InnerSurface> inner, std::size_t 
                                : fmt::format("inner surface \"{}\"", inner[i].name);
 }
 
+void mark_cut(const SurfaceMesh& outer, std::span<InnerSurface> inner) {
+  std::vector<bool> meets(inner.size(), false);
+  for (const Meeting& meeting : meetings(outer, inner)) {
+    for (const std::size_t of : {meeting.first, meeting.second}) {
+      if (of > 0 && inner[of - 1].cavity) {
+        refuse(inner, meeting);
+      }
+      if (of > 0) {
+        meets[of - 1] = true;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < inner.size(); ++i) {
+    inner[i].cut = inner[i].cut || meets[i];
+  }
+}
+
 std::vector<InnerSurface> check_inner_surfaces(const SurfaceMesh& outer,
                                                std::span<const InnerSurface> inner) {
   std::vector<InnerSurface> checked(inner.begin(), inner.end());
@@ -110,12 +142,19 @@ std::vector<InnerSurface> check_inner_surfaces(const SurfaceMesh& outer,
     return checked;
   }
   for (std::size_t i = 0; i < checked.size(); ++i) {
+    if (checked[i].cut) {
+      continue;
+    }
     checked[i].surface =
         require_body(std::move(checked[i].surface), inner_surface_name(inner, i)).mesh;
   }
-  check_apart(outer, checked);
+  for (const Meeting& meeting : meetings(outer, checked)) {
+    refuse(checked, meeting);
+  }
   for (std::size_t i = 0; i < checked.size(); ++i) {
-    check_place(outer, checked, i);
+    if (!checked[i].cut) {
+      check_place(outer, checked, i);
+    }
   }
   return checked;
 }

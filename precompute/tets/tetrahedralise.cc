@@ -78,7 +78,7 @@ Walls make_walls(const SurfaceMesh& surface, std::span<const InnerSurface> inner
               .hollow = std::make_unique<bool[]>(inner.size() + 1),
               .region = {"the body"}};
   for (std::size_t i = 0; i < inner.size(); ++i) {
-    const SurfaceMesh& part = inner[i].surface;
+    const SurfaceMesh& part = inner[i].cut ? SurfaceMesh{} : inner[i].surface;
     const Eigen::Index vertices = walls.all.position_m.rows();
     walls.all.position_m.conservativeResize(vertices + part.position_m.rows(), 3);
     walls.all.position_m.bottomRows(part.position_m.rows()) = part.position_m;

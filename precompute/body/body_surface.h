@@ -1,0 +1,26 @@
+// A body's surface made fit for its scene, or refused with what would help.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/mesh/surface_mesh.h"
+#include "formats/scene/scene.h"
+#include "precompute/surface/surface_check.h"
+
+namespace palpate {
+
+/// Halves edges where the scene reaches, until none is longer than an eighth of the
+/// reach's diagonal (of what its box and the body's share); beyond, they may grow by
+/// half of the distance. Only for a surface that is too coarse to be pressed as it is:
+/// no vertex of it is in reach, or its mean edge is longer than a quarter of its
+/// diagonal, as a block of twelve triangles has them. Other surfaces are left alone.
+/// Old vertices stay first and in place.
+/// @param notes gains a line if it was refined.
+[[nodiscard]] SurfaceMesh refined_for_reach(const Scene& scene, SurfaceMesh surface,
+                                            std::vector<std::string>& notes);
+
+/// @throws InputError naming a part of the surface that no support holds.
+void require_held_parts(const Scene& scene, const CheckedSurface& checked);
+
+}  // namespace palpate

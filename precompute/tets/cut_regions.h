@@ -1,0 +1,41 @@
+// Tets cut along parts of a body that reach its surface or touch each other.
+#pragma once
+
+#include <span>
+
+#include "formats/mesh/surface_mesh.h"
+#include "precompute/tets/inner_surface.h"
+#include "precompute/tets/tet_mesh.h"
+
+namespace palpate {
+
+/// A surface and the tets that fill it, conforming.
+struct FilledBody {
+  SurfaceMesh surface;
+  TetMesh tets;
+};
+
+/// Cuts tets and the triangles on their boundary along the inner surfaces that are
+/// `cut`, so that every tet has one region: that of the smallest of these around it
+/// (by volume; a layer is larger than any of them, and than a deeper layer smaller). No
+/// wall is meshed before, so that faces may be shared: with the outer surface or with
+/// each other, coinciding to a five-hundredth of the outer surface's diagonal or a
+/// fifth of the part's thickness, whichever is less. What lies outside is left out.
+///
+/// Old vertices of the surface stay first, and in place; new ones on old edges follow.
+/// A wall that would pass an inner vertex by less than a tenth of an edge goes through
+/// it, which is moved onto the wall; one that passes another vertex by less than a
+/// fiftieth goes through it, too. A wall is flat in each tet: where it is curved or has
+/// an edge, its place is off by the square of the tets' size over its radius. A part
+/// that is thinner than the tets may be missed where no vertex lies in it.
+/// @param outer the body's own surface, from which layers count.
+/// @throws InputError if a part holds no tet.
+[[nodiscard]] FilledBody cut_regions(const SurfaceMesh& outer,
+                                     std::span<const InnerSurface> inner,
+                                     FilledBody filled);
+
+/// Share of the inner surface's volume that is outside of the outer one [0, 1].
+[[nodiscard]] double share_left_out(const SurfaceMesh& outer,
+                                    const InnerSurface& inner);
+
+}  // namespace palpate
