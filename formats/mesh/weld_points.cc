@@ -10,10 +10,10 @@
 namespace palpate {
 namespace {
 
-using Cell = std::array<std::int64_t, 3>;
+using WeldCell = std::array<std::int64_t, 3>;
 
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const {
+struct WeldCellHash {
+  std::size_t operator()(const WeldCell& cell) const {
     std::uint64_t hash = 0;
     for (const std::int64_t c : cell) {
       hash = (hash ^ static_cast<std::uint64_t>(c)) * 0x9e3779b97f4a7c15ULL;
@@ -23,8 +23,8 @@ struct CellHash {
   }
 };
 
-Cell cell_of(const Eigen::Vector3d& p, double width) {
-  Cell cell{};
+WeldCell weld_cell_of(const Eigen::Vector3d& p, double width) {
+  WeldCell cell{};
   for (std::size_t k = 0; k < 3; ++k) {
     cell[k] =
         static_cast<std::int64_t>(std::floor(p[static_cast<Eigen::Index>(k)] / width));
@@ -47,7 +47,7 @@ std::vector<std::size_t> first_within(const std::vector<Eigen::Vector3d>& points
                                       double tolerance) {
   // Cells so wide that a point is rarely as close as the tolerance to another one.
   const double width = 256.0 * tolerance;
-  std::unordered_map<Cell, std::vector<std::size_t>, CellHash> kept;
+  std::unordered_map<WeldCell, std::vector<std::size_t>, WeldCellHash> kept;
   std::vector<std::size_t> first;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d& p = points[i];
@@ -55,8 +55,8 @@ std::vector<std::size_t> first_within(const std::vector<Eigen::Vector3d>& points
     if (!p.allFinite() || !(tolerance > 0.0) || !std::isfinite(tolerance)) {
       continue;
     }
-    const Cell low = cell_of(p.array() - tolerance, width);
-    const Cell high = cell_of(p.array() + tolerance, width);
+    const WeldCell low = weld_cell_of(p.array() - tolerance, width);
+    const WeldCell high = weld_cell_of(p.array() + tolerance, width);
     for (std::int64_t x = low[0]; x <= high[0]; ++x) {
       for (std::int64_t y = low[1]; y <= high[1]; ++y) {
         for (std::int64_t z = low[2]; z <= high[2]; ++z) {
@@ -73,7 +73,7 @@ std::vector<std::size_t> first_within(const std::vector<Eigen::Vector3d>& points
       }
     }
     if (first[i] == i) {
-      kept[cell_of(p, width)].push_back(i);
+      kept[weld_cell_of(p, width)].push_back(i);
     }
   }
   return first;

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <memory>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "formats/mesh/surface_search.h"
 #include "precompute/contact/tool_surface.h"
 #include "precompute/process/machine_memory.h"
 #include "precompute/surface/coarsen_surface.h"
@@ -155,41 +153,15 @@ Stiffness scene_stiffness(const Scene& scene, const QuadraticMesh& mesh,
   return K;
 }
 
-namespace {
-
-// Edges under a surface that shrink with the depth, so that walls at any depth are met
-// by tets that are as fine there as the surface's triangles are as far from a contact.
-std::function<double(const Eigen::Vector3d&)> edges_by_depth(const SurfaceMesh& surface,
-                                                             double growth) {
-  return [search = std::make_shared<SurfaceSearch>(surface), &surface,
-          growth](const Eigen::Vector3d& p_m) {
-    const SurfacePoint nearest = search->nearest(p_m);
-    double edges_m = 0.0;
-    for (int j = 0; j < 3; ++j) {
-      edges_m +=
-          (surface.position_m.row(surface.triangle(nearest.triangle, j)) -
-           surface.position_m.row(surface.triangle(nearest.triangle, (j + 1) % 3)))
-              .norm();
-    }
-    return std::max(edges_m / 3.0, growth * nearest.distance_m);
-  };
-}
-
-}  // namespace
-
-FilledBody filled_body(const BodySource& body, const SurfaceMesh& surface,
-                       double growth) {
-  constexpr double kOfGrowth = 0.5;
+FilledBody filled_body(const BodySource& body, const SurfaceMesh& surface) {
   require_memory(surface.triangle.rows());
+  FilledBody filled{surface, tetrahedralise(surface, {}, body.inner)};
   if (std::none_of(body.inner.begin(), body.inner.end(), [](const InnerSurface& one) {
         return one.cut;
       })) {
-    return {surface, tetrahedralise(surface, {}, body.inner)};
+    return filled;
   }
-  TetOptions options;
-  options.size = edges_by_depth(surface, kOfGrowth * growth);
-  return cut_regions(body.surface, body.inner,
-                     {surface, tetrahedralise(surface, options, body.inner)});
+  return cut_regions(body.surface, body.inner, std::move(filled));
 }
 
 namespace {
@@ -219,8 +191,7 @@ BodyModel model_of(const Scene& scene, const BodySource& body, const FilledBody&
 
 BodyModel make_body_model(const Scene& scene, const BodySource& body,
                           const SurfaceMesh& surface) {
-  return model_of(scene, body,
-                  filled_body(body, surface, contact_focus(scene, body).growth), false);
+  return model_of(scene, body, filled_body(body, surface), false);
 }
 
 std::int32_t corner_of(const BodyModel& model, std::int32_t vertex) {
@@ -276,7 +247,7 @@ GradedBody graded_tets(const Scene& scene, const BodySource& body,
   const auto wanted = wanted_edges(body.surface, vertices, focus);
   const auto fill = [&](const SurfaceMesh& coarse, std::vector<std::int32_t> corner) {
     const SurfaceMesh surface = refine_longest_edge(coarse, wanted, 4 * kMostTriangles);
-    return GradedBody{filled_body(body, surface, focus.growth), std::move(corner)};
+    return GradedBody{filled_body(body, surface), std::move(corner)};
   };
   if (!body.inner.empty()) {
     return fill(body.surface, {});  // inner surfaces might cross a coarse one

@@ -40,9 +40,8 @@ struct BodyModel {
 
 /// Tets that fill a surface of the body. Where it has parts that reach its surface,
 /// tets are cut along them, and the surface with them.
-/// @param growth [-] of edges over the distance from a contact.
-[[nodiscard]] FilledBody filled_body(const BodySource& body, const SurfaceMesh& surface,
-                                     double growth);
+[[nodiscard]] FilledBody filled_body(const BodySource& body,
+                                     const SurfaceMesh& surface);
 
 /// The body's surface with every triangle cut into four until contact nodes are no
 /// farther apart than wanted.

@@ -63,8 +63,7 @@ CutOutSolver::CutOutSolver(const Scene& scene, const BodySource& body,
                            std::span<const std::int32_t> vertices)
     : scene_(scene),
       body_(body),
-      tets_(
-          connect(filled_body(body, surface, contact_focus(scene, body).growth).tets)),
+      tets_(connect(filled_body(body, surface).tets)),
       contact_spacing_m_(spacing_m) {
   for (const SharedTool& tool : body.tool) {
     const IndentationPath path{.vertex_m = Eigen::Vector3d::Zero(),

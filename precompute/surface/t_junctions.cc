@@ -29,13 +29,13 @@ std::optional<double> share_on(const SurfaceMesh& mesh, std::int32_t a, std::int
 }
 
 // One cut: the triangle's border edge (j, j + 1) at the first of the vertices on it.
-struct Cut {
+struct BorderCut {
   Eigen::Index triangle = 0;
   int j = 0;
   std::int32_t vertex = -1;
 };
 
-std::optional<Cut> next_cut(const SurfaceMesh& mesh) {
+std::optional<BorderCut> next_cut(const SurfaceMesh& mesh) {
   const Triangles neighbour = triangle_neighbours(mesh.triangle);
   std::vector<std::int32_t> border;
   for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
@@ -59,7 +59,7 @@ std::optional<Cut> next_cut(const SurfaceMesh& mesh) {
       for (const std::int32_t v : border) {
         if (v != mesh.triangle(t, (j + 2) % 3) &&
             share_on(mesh, mesh.triangle(t, j), mesh.triangle(t, (j + 1) % 3), v)) {
-          return Cut{t, j, v};
+          return BorderCut{t, j, v};
         }
       }
     }
@@ -72,7 +72,7 @@ std::optional<Cut> next_cut(const SurfaceMesh& mesh) {
 SurfaceMesh cut_at_t_junctions(const SurfaceMesh& mesh, std::size_t& cuts) {
   SurfaceMesh result = mesh;
   for (std::ptrdiff_t i = 0; i < kMostBorder; ++i) {
-    const std::optional<Cut> cut = next_cut(result);
+    const std::optional<BorderCut> cut = next_cut(result);
     if (!cut) {
       break;
     }

@@ -11,17 +11,17 @@
 namespace palpate {
 namespace {
 
-SurfaceMesh moved(SurfaceMesh mesh, const Eigen::RowVector3d& by_m) {
+SurfaceMesh shifted(SurfaceMesh mesh, const Eigen::RowVector3d& by_m) {
   mesh.position_m.rowwise() += by_m;
   return mesh;
 }
 
-SurfaceMesh ball() {
+SurfaceMesh whole_ball() {
   return icosphere(0.03, 3);
 }
 
 SurfaceMesh speck(double x_m) {
-  return moved(icosphere(2e-5, 0), {x_m, 0.0, 0.0});
+  return shifted(icosphere(2e-5, 0), {x_m, 0.0, 0.0});
 }
 
 // Every triangle a second time, the other way round.
@@ -56,7 +56,7 @@ SurfaceMesh cracked(const SurfaceMesh& mesh) {
 
 TEST(StrangerSurfaces, SpecksAreNamedAndSafeRepairLeavesThemOut) {
   for (const double at_m : {0.05, 0.0}) {  // beside the body, and inside
-    const SurfaceMesh mesh = joined(ball(), speck(at_m));
+    const SurfaceMesh mesh = joined(whole_ball(), speck(at_m));
     const SurfaceReport report = check_surface(mesh).report;
     EXPECT_EQ(report.specks(), 1);
     ASSERT_EQ(report.part.size(), 2U);
@@ -64,51 +64,53 @@ TEST(StrangerSurfaces, SpecksAreNamedAndSafeRepairLeavesThemOut) {
     EXPECT_NEAR(report.part[1].middle_m.x(), at_m, 1e-5);
     const RepairedSurface repaired = repair_surface(mesh, RepairMode::kSafe);
     EXPECT_EQ(repaired.report.refusal, "");
-    EXPECT_EQ(repaired.mesh.position_m, ball().position_m);
-    EXPECT_EQ(repaired.mesh.triangle, ball().triangle);
+    EXPECT_EQ(repaired.mesh.position_m, whole_ball().position_m);
+    EXPECT_EQ(repaired.mesh.triangle, whole_ball().triangle);
     ASSERT_EQ(repaired.report.changed.size(), 1U);
     EXPECT_NE(repaired.report.changed[0].what.find("specks"), std::string::npos);
   }
 }
 
 TEST(StrangerSurfaces, AStrayTriangleIsASpeck) {
-  SurfaceMesh mesh = joined(ball(), speck(0.05));
-  mesh.triangle.conservativeResize(ball().triangle.rows() + 1, 3);
+  SurfaceMesh mesh = joined(whole_ball(), speck(0.05));
+  mesh.triangle.conservativeResize(whole_ball().triangle.rows() + 1, 3);
   const RepairedSurface repaired = repair_surface(mesh, RepairMode::kSafe);
   EXPECT_EQ(repaired.report.refusal, "");
-  EXPECT_EQ(repaired.mesh.triangle, ball().triangle);
+  EXPECT_EQ(repaired.mesh.triangle, whole_ball().triangle);
 }
 
 TEST(StrangerSurfaces, APartOfSomeSizeIsNone) {
-  const SurfaceMesh mesh = joined(ball(), moved(icosphere(0.004, 2), {0.05, 0.0, 0.0}));
+  const SurfaceMesh mesh =
+      joined(whole_ball(), shifted(icosphere(0.004, 2), {0.05, 0.0, 0.0}));
   const SurfaceReport report = check_surface(mesh).report;
   EXPECT_EQ(report.specks(), 0);
   EXPECT_EQ(repair_surface(mesh, RepairMode::kSafe).mesh.triangle, mesh.triangle);
 }
 
 TEST(StrangerSurfaces, PiecesThatMakeUpTheBodyAreNoSpecks) {
-  EXPECT_EQ(check_surface(cracked(ball())).report.specks(), 0);
+  EXPECT_EQ(check_surface(cracked(whole_ball())).report.specks(), 0);
 }
 
 TEST(StrangerSurfaces, OneOfTwoFacesIsKept) {
   const RepairedSurface repaired =
-      repair_surface(double_sided(ball()), RepairMode::kSafe);
+      repair_surface(double_sided(whole_ball()), RepairMode::kSafe);
   EXPECT_EQ(repaired.report.refusal, "");
-  EXPECT_EQ(repaired.mesh.triangle.rows(), ball().triangle.rows());
-  EXPECT_NEAR(enclosed_volume_m3(repaired.mesh) / enclosed_volume_m3(ball()), 1.0,
+  EXPECT_EQ(repaired.mesh.triangle.rows(), whole_ball().triangle.rows());
+  EXPECT_NEAR(enclosed_volume_m3(repaired.mesh) / enclosed_volume_m3(whole_ball()), 1.0,
               1e-12);
 }
 
 TEST(StrangerSurfaces, CracksOfTheLastBitAreWelded) {
-  const RepairedSurface repaired = repair_surface(cracked(ball()), RepairMode::kSafe);
+  const RepairedSurface repaired =
+      repair_surface(cracked(whole_ball()), RepairMode::kSafe);
   EXPECT_EQ(repaired.report.refusal, "");
-  EXPECT_EQ(repaired.mesh.position_m.rows(), ball().position_m.rows());
-  EXPECT_EQ(repaired.mesh.triangle.rows(), ball().triangle.rows());
+  EXPECT_EQ(repaired.mesh.position_m.rows(), whole_ball().position_m.rows());
+  EXPECT_EQ(repaired.mesh.triangle.rows(), whole_ball().triangle.rows());
   EXPECT_LT(repaired.report.displaced_m, 5e-7);  // four steps of 1.2e-7 at 1 m
 }
 
 TEST(StrangerSurfaces, AVertexOnANeighboursEdgeIsPutThere) {
-  SurfaceMesh mesh = ball();
+  SurfaceMesh mesh = whole_ball();
   const Eigen::RowVector3i first = mesh.triangle.row(0);
   const auto middle = static_cast<std::int32_t>(mesh.position_m.rows());
   mesh.position_m.conservativeResize(middle + 1, 3);
@@ -121,7 +123,7 @@ TEST(StrangerSurfaces, AVertexOnANeighboursEdgeIsPutThere) {
   EXPECT_EQ(repaired.report.refusal, "");
   EXPECT_EQ(repaired.mesh.position_m, mesh.position_m);
   EXPECT_EQ(repaired.mesh.triangle.rows(), mesh.triangle.rows() + 1);
-  EXPECT_NEAR(enclosed_volume_m3(repaired.mesh) / enclosed_volume_m3(ball()), 1.0,
+  EXPECT_NEAR(enclosed_volume_m3(repaired.mesh) / enclosed_volume_m3(whole_ball()), 1.0,
               1e-12);
 }
 

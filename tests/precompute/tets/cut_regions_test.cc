@@ -31,7 +31,7 @@ SurfaceMesh block(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m,
   return mesh;
 }
 
-SurfaceMesh cube() {
+SurfaceMesh unit_cube() {
   return block({0, 0, 0}, {1, 1, 1}, 3);
 }
 
@@ -40,7 +40,7 @@ FilledBody filled(const SurfaceMesh& outer, std::vector<InnerSurface> inner) {
   return cut_regions(outer, inner, {outer, tetrahedralise(outer, {}, inner)});
 }
 
-double region_m3(const TetMesh& mesh, std::int32_t region) {
+double part_m3(const TetMesh& mesh, std::int32_t region) {
   double sum = 0.0;
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
     sum += mesh.region[static_cast<std::size_t>(t)] == region ? tet_volume_m3(mesh, t)
@@ -65,27 +65,27 @@ InnerSurface slab(double low_m, double high_m) {
 }
 
 TEST(CutRegions, ASlabSharesTheSidesOfTheBody) {
-  const FilledBody body = filled(cube(), {slab(0.83, 1.0)});
-  expect_conforming(body, cube());
+  const FilledBody body = filled(unit_cube(), {slab(0.83, 1.0)});
+  expect_conforming(body, unit_cube());
   // A flat wall is where it is, but for a fiftieth of an edge (0.125) at the sides.
-  EXPECT_NEAR(region_m3(body.tets, 1), 0.17, 5e-4);
+  EXPECT_NEAR(part_m3(body.tets, 1), 0.17, 5e-4);
 }
 
 TEST(CutRegions, PartsThatTouchShareTheirFace) {
-  const FilledBody body = filled(cube(), {slab(0.83, 1.0), slab(0.41, 0.83)});
-  expect_conforming(body, cube());
-  EXPECT_NEAR(region_m3(body.tets, 1), 0.17, 5e-4);
-  EXPECT_NEAR(region_m3(body.tets, 2), 0.42, 1e-3);
-  EXPECT_NEAR(region_m3(body.tets, 0), 0.41, 5e-4);
+  const FilledBody body = filled(unit_cube(), {slab(0.83, 1.0), slab(0.41, 0.83)});
+  expect_conforming(body, unit_cube());
+  EXPECT_NEAR(part_m3(body.tets, 1), 0.17, 5e-4);
+  EXPECT_NEAR(part_m3(body.tets, 2), 0.42, 1e-3);
+  EXPECT_NEAR(part_m3(body.tets, 0), 0.41, 5e-4);
 }
 
 TEST(CutRegions, FacesThatNearlyCoincideAreShared) {
   for (const double off_m : {-1e-3, 1e-3}) {  // less than 1/500 of the diagonal
     InnerSurface top{
         .surface = block({-off_m, -off_m, 0.83}, {1 + off_m, 1 + off_m, 1 + off_m}, 1)};
-    const FilledBody body = filled(cube(), {top});
-    expect_conforming(body, cube());
-    EXPECT_NEAR(region_m3(body.tets, 1), 0.17, 1.5e-3);
+    const FilledBody body = filled(unit_cube(), {top});
+    expect_conforming(body, unit_cube());
+    EXPECT_NEAR(part_m3(body.tets, 1), 0.17, 1.5e-3);
   }
 }
 
@@ -98,44 +98,44 @@ TEST(CutRegions, LayersCountFromTheSurfaceInAnyOrder) {
     if (deep_first) {
       std::swap(layers[0], layers[1]);
     }
-    const FilledBody body = filled(cube(), layers);
-    expect_conforming(body, cube());
+    const FilledBody body = filled(unit_cube(), layers);
+    expect_conforming(body, unit_cube());
     // Edges of the inner cubes are cut off: below edge^2 / 8 along 12 edges of 0.8.
-    EXPECT_NEAR(region_m3(body.tets, deep_first ? 2 : 1), outer_m3, 0.015);
-    EXPECT_NEAR(region_m3(body.tets, deep_first ? 1 : 2), next_m3, 0.015);
+    EXPECT_NEAR(part_m3(body.tets, deep_first ? 2 : 1), outer_m3, 0.015);
+    EXPECT_NEAR(part_m3(body.tets, deep_first ? 1 : 2), next_m3, 0.015);
   }
 }
 
 TEST(CutRegions, APartInALayerIsLeftWhole) {
   const FilledBody body =
-      filled(cube(), {{.name = "skin", .cut = true, .under_m = 0.3},
-                      {.surface = sphere_surface({0.5, 0.5, 0.78}, 0.1, 0.05)}});
-  expect_conforming(body, cube());
+      filled(unit_cube(), {{.name = "skin", .cut = true, .under_m = 0.3},
+                           {.surface = sphere_surface({0.5, 0.5, 0.78}, 0.1, 0.05)}});
+  expect_conforming(body, unit_cube());
   const double ball_m3 =
       enclosed_volume_m3(sphere_surface({0.5, 0.5, 0.78}, 0.1, 0.05));
-  EXPECT_NEAR(region_m3(body.tets, 2) / ball_m3, 1.0, 1e-12);
+  EXPECT_NEAR(part_m3(body.tets, 2) / ball_m3, 1.0, 1e-12);
 }
 
 TEST(CutRegions, WhatReachesOutIsLeftOut) {
   InnerSurface rod{.surface = block({0.4, 0.4, 0.6}, {0.6, 0.6, 1.2}, 2)};
-  EXPECT_NEAR(share_left_out(cube(), rod), 1.0 / 3.0, 0.06);
-  const FilledBody body = filled(cube(), {rod});
-  expect_conforming(body, cube());
-  EXPECT_NEAR(region_m3(body.tets, 1), 0.016, 0.003);  // its edges are cut off
+  EXPECT_NEAR(share_left_out(unit_cube(), rod), 1.0 / 3.0, 0.06);
+  const FilledBody body = filled(unit_cube(), {rod});
+  expect_conforming(body, unit_cube());
+  EXPECT_NEAR(part_m3(body.tets, 1), 0.016, 0.003);  // its edges are cut off
 }
 
 TEST(CutRegions, ACavityMayNotReachTheSurface) {
   InnerSurface hole{.surface = block({0.4, 0.4, 0.6}, {0.6, 0.6, 1.0}, 1),
                     .cavity = true,
                     .name = "hole"};
-  EXPECT_THROW((void)filled(cube(), {hole}), InputError);
+  EXPECT_THROW((void)filled(unit_cube(), {hole}), InputError);
 }
 
 TEST(CutRegions, APartThatNoTetLiesInIsNamed) {
   InnerSurface sheet{.surface = block({0.31, 0.31, 0.5001}, {0.32, 0.32, 0.5003}, 0),
                      .name = "sheet",
                      .cut = true};
-  EXPECT_THROW((void)filled(cube(), {sheet}), InputError);
+  EXPECT_THROW((void)filled(unit_cube(), {sheet}), InputError);
 }
 
 }  // namespace
