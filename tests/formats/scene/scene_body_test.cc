@@ -25,6 +25,20 @@ std::string with_nodule(const std::string& keys) {
 
 constexpr const char* kBall = "sphere = { center_m = [0, 0, 0.01], radius_m = 0.002 }";
 
+TEST(SceneLayers, FollowEachOtherInwardsAndHaveMaterials) {
+  const std::string material =
+      "[[material]]\nlaw = \"linear\"\nyoungs_modulus_pa = 1\npoissons_ratio = 0\n";
+  const std::string layers =
+      kScene + ("\n[[layer]]\nname = \"skin\"\nthickness_m = 0.002\n[[layer]]\n"
+                "name = \"fat\"\nthickness_m = 0.003\n" +
+                material + "region = \"skin\"\n" + material);
+  const Scene scene = read_scene_text(layers + "region = \"fat\"\n");
+  ASSERT_EQ(scene.inclusion.size(), 2U);
+  EXPECT_EQ(scene.inclusion[0].under_m, 0.002);
+  EXPECT_EQ(scene.inclusion[1].under_m, 0.002 + 0.003);
+  EXPECT_THROW((void)read_scene_text(layers + "region = \"skin\"\n"), InputError);
+}
+
 TEST(SceneMaterial, IsotropicLawsHaveModulusAndRatio) {
   for (const std::string law : {"linear", "st-venant-kirchhoff", "neo-hookean"}) {
     const SceneMaterial material = material_of(
