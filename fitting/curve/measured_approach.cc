@@ -13,6 +13,8 @@
 namespace palpate {
 namespace {
 
+// m and N: squares of what is larger, or smaller, are no numbers.
+constexpr double kLargest = 1e30, kSmallest = 1e-30;
 constexpr double kHoldTolerance = 1e-3;  // [-] of the travel: a stage's position noise
 constexpr std::size_t kHoldMin = 3;      // samples
 constexpr double kRetractMin = 0.2;      // [-] of the travel: less is no loop
@@ -33,10 +35,16 @@ void check_measurement(const Measurement& measurement) {
                     x.size(), f.size(), kSamplesMin));
   }
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(x[i]) || !std::isfinite(f[i])) {
+    if (!(std::abs(x[i]) <= kLargest) || !(std::abs(f[i]) <= kLargest)) {
       throw InputError(
-          fmt::format("sample {} is ({} m, {} N), must be finite", i + 1, x[i], f[i]));
+          fmt::format("sample {} is ({} m, {} N), must be finite and at most {:g}",
+                      i + 1, x[i], f[i], kLargest));
     }
+  }
+  if (const double range = extent(f); range > 0.0 && range < kSmallest) {
+    throw InputError(fmt::format(
+        "the forces differ by {:g} N, need none or {:g} N: tell the force's unit",
+        range, kSmallest));
   }
 }
 
@@ -252,7 +260,7 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
         fmt::format("fit range from {} m to {} m is empty", range.from_m, range.to_m));
   }
   const double travel = extent(measurement.depth_m);
-  if (!(travel > 0.0)) {
+  if (!(travel >= kSmallest)) {
     throw InputError(
         fmt::format("the displacement is {} m in all {} samples: no travel",
                     measurement.depth_m.front(), measurement.depth_m.size()));

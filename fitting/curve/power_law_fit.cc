@@ -22,7 +22,8 @@ constexpr double kFlatShares[] = {1.0 / 6, 1.0 / 12, 1.0 / 24,
 constexpr double kFlatSlope = 0.05;           // [-] of the force range over the travel
 constexpr std::ptrdiff_t kFlatSamplesMin = 8;
 
-// Slope of the least-squares line through the samples in contact [N/m].
+// Slope of the least-squares line through the samples in contact [N/m]; NaN where they
+// are too few for a line.
 double mean_stiffness(const ScaledApproach& s, const PowerLawSolution& solution) {
   std::vector<double> x, f;
   for (std::size_t i = 0; i < solution.used.x.size(); ++i) {
@@ -30,6 +31,9 @@ double mean_stiffness(const ScaledApproach& s, const PowerLawSolution& solution)
       x.push_back(solution.used.x[i]);
       f.push_back(solution.used.f[i]);
     }
+  }
+  if (x.size() < 2) {
+    return std::numeric_limits<double>::quiet_NaN();
   }
   const auto n = static_cast<Eigen::Index>(x.size());
   const Eigen::Map<const Eigen::ArrayXd> xs(x.data(), n), fs(f.data(), n);

@@ -52,7 +52,8 @@ struct ContactFit {
   double depth_max_m = 0.0;  ///< [m] largest displacement beyond the contact point
   double rms_n = 0.0;        ///< [N] of the weighed residuals of the samples used
   Misfit misfit;             ///< [N] what of them is noise, and what is not
-  double mean_stiffness_n_per_m = 0.0;  ///< [N/m] of the line through those in contact
+  /// [N/m] of the line through those in contact; NaN: fewer than two
+  double mean_stiffness_n_per_m = 0.0;
   std::size_t samples_used = 0;
   std::size_t outliers = 0;    ///< beyond 5 robust standard deviations; left out
   std::vector<FitFlag> flags;  ///< the approach's first

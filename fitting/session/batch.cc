@@ -86,6 +86,17 @@ void compare_repeats(BatchReport& report) {
   }
 }
 
+// What is being thrown, whatever it is.
+std::string thrown() {
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "an error without a name";
+  }
+}
+
 void fit_or_say(const Session& session, const Measurement& samples,
                 const FrameCompliance* frame, const std::string& unreadable,
                 RunResult& result) {
@@ -94,8 +105,8 @@ void fit_or_say(const Session& session, const Measurement& samples,
     try {
       fit(session, samples, frame, result);
       return;
-    } catch (const std::exception& error) {
-      result.bad = fmt::format("{}: {}", result.run_name, error.what());
+    } catch (...) {
+      result.bad = fmt::format("{}: {}", result.run_name, thrown());
     }
   }
   result.rating = Rating{};
@@ -135,8 +146,8 @@ std::vector<RunResult> fit_run(const Session& session, const SessionRun& run,
   try {
     presses = split_presses(read_run(session, run).samples);
     chosen = chosen_cycles(session.fit.cycle.value_or(CycleChoice{}), presses.size());
-  } catch (const std::exception& error) {
-    unreadable = error.what();
+  } catch (...) {
+    unreadable = thrown();
     presses.resize(std::max<std::size_t>(1, presses.size()));
   }
   std::vector<RunResult> results;
@@ -152,7 +163,11 @@ std::vector<RunResult> fit_run(const Session& session, const SessionRun& run,
     result.position_m = run.position_m;
     fit_or_say(session, presses[number - 1], frame, unreadable, result);
     if (results.size() == 1 && unreadable.empty()) {
-      result.cycles = summarise_cycles(presses, frame);
+      try {
+        result.cycles = summarise_cycles(presses, frame);
+      } catch (...) {  // each press says what ails it
+        result.cycles.clear();
+      }
     }
     result.seconds = seconds_since(begin) - told;
     told += result.seconds;

@@ -1,0 +1,71 @@
+// No curve ends the program, however odd: it is fitted, or refused in words.
+#include "tests/support/odd_curve.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "fitting/session/press_fit.h"
+#include "formats/base/error.h"
+#include "tests/support/batch_folder.h"
+
+namespace palpate {
+namespace {
+
+class OddCurveTest : public BatchFolder {};
+
+// A load cell of 2 gf a step, which flickers before a soft specimen.
+Measurement flicker() {
+  Measurement m;
+  for (const int at : {60, 66, 71, 75, 79, 82, 86, 89, 92, 95, 97, 99}) {
+    m.depth_m.resize(static_cast<std::size_t>(at) + 1);
+    m.force_n.resize(m.depth_m.size(), 0.0);
+    m.force_n.back() = 0.0196;
+  }
+  for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
+    m.depth_m[i] = 7.7e-4 + 3.4e-6 * static_cast<double>(i);
+  }
+  return m;
+}
+
+TEST_F(OddCurveTest, ALoadCellBelowItsResolutionIsAnswered) {
+  const RunResult run = fit(flicker());
+  if (run.bad.empty()) {
+    EXPECT_FALSE(run.rating.gates.empty());
+  }
+  write("a.csv", flicker());
+}
+
+TEST_F(OddCurveTest, EveryOddCurveIsFittedOrRefusedInWords) {
+  const Indenter sphere{.shape = "sphere", .radius_m = 5e-3};
+  unsigned fitted = 0;
+  for (unsigned seed = 1; seed <= 250; ++seed) {
+    SCOPED_TRACE(seed);
+    const Measurement m = OddCurve(seed).make();
+    try {
+      const PressFit press =
+          fit_press(m, {.range = {}, .indenter = sphere, .frame = {}});
+      (void)to_json(press, {}).dump();
+      ++fitted;
+    } catch (const Error& error) {
+      EXPECT_STRNE(error.what(), "");
+    }
+  }
+  EXPECT_GT(fitted, 60U);
+}
+
+TEST_F(OddCurveTest, ABatchOfOddCurvesListsEachOfThem) {
+  constexpr unsigned kRuns = 60;
+  for (unsigned seed = 1; seed <= kRuns; ++seed) {
+    write(fmt::format("{:03}.csv", seed), OddCurve(1000 + seed).make());
+  }
+  const Session s = session(kRead);
+  const BatchReport report = fit_session(s, 2, [](std::size_t) {});
+  EXPECT_GE(report.runs.size(), kRuns);
+  EXPECT_FALSE(batch_csv(s, report).empty());
+  EXPECT_FALSE(batch_json(s, report).empty());
+  EXPECT_FALSE(batch_page(s, report).empty());
+}
+
+}  // namespace
+}  // namespace palpate
