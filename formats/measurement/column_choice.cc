@@ -1,6 +1,7 @@
 #include "formats/measurement/column_choice.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
 
@@ -167,6 +168,46 @@ std::string all_names(const TableHeader& header) {
   return all;
 }
 
+// "Mass (g)" or "Specimen (g)" is what was weighed, no force.
+bool is_weighed(const std::string& name) {
+  std::string lower = name;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return lower.find("mass") != std::string::npos ||
+         lower.find("specimen") != std::string::npos ||
+         lower.find("sample") != std::string::npos;
+}
+
+// Where nothing states a force, but one column a mass, that is one: what a scale shows.
+std::optional<MeasurementColumn> only_mass(const TableHeader& header) {
+  std::optional<MeasurementColumn> mass;
+  for (std::size_t i = 0; i < header.unit.size(); ++i) {
+    const std::string unit = unit_beside("force", header.unit[i]);
+    if (!header.unit[i].empty() && unit != header.unit[i] &&
+        !is_weighed(header.name[i])) {
+      if (mass) {
+        return std::nullopt;
+      }
+      mass = MeasurementColumn{chosen_by(header, i), unit};
+    }
+  }
+  return mass;
+}
+
+// Two lengths and no force: what an AFM writes before it is calibrated.
+void refuse_deflection(const std::string& file, const TableHeader& header) {
+  const auto lengths = columns_with_unit(header, kDepth);
+  if (lengths.size() == 2 && columns_with_unit(header, kForce).empty() &&
+      !only_mass(header)) {
+    throw InputError(fmt::format(
+        "{}: {} are lengths, and none is a force: where one is the deflection of a "
+        "cantilever, export the force (deflection times spring constant, N/m) beside "
+        "them, or tell which column is the force, and its unit",
+        file, listed(header, lengths)));
+  }
+}
+
 std::string only_one(const std::string& file, std::span<const TextLine> lines,
                      const TableHeader& header, std::size_t which,
                      std::vector<std::string>* notes) {
@@ -207,9 +248,30 @@ MeasurementColumns columns_of_lines(const std::string& file,
   if (told.depth.column.empty() || told.force.column.empty()) {
     header = header_of(file, lines);
   }
+  if (told.depth.column.empty() && told.force.column.empty()) {
+    refuse_deflection(file, *header);
+  }
+  if (header && !told.time && notes != nullptr) {
+    if (const auto times = columns_with_unit(*header, kTime); times.size() > 1) {
+      notes->push_back(fmt::format("{} are times: none is taken; tell which",
+                                   listed(*header, times)));
+    }
+  }
   MeasurementColumn* asked[] = {&columns.depth, &columns.force};
   for (std::size_t which = 0; which < std::size(asked); ++which) {
     MeasurementColumn& column = *asked[which];
+    if (column.column.empty() && which == kForce && column.unit.empty() &&
+        columns_with_unit(*header, kForce).empty()) {
+      if (const auto mass = only_mass(*header)) {
+        column = *mass;
+        if (notes != nullptr) {
+          notes->push_back(
+              fmt::format("\"{}\" is the force, in {}: no other column is one",
+                          column.column, column.unit));
+        }
+        continue;
+      }
+    }
     if (column.column.empty()) {
       column.column = only_one(file, lines, *header, which, notes);
     }

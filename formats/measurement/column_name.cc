@@ -179,6 +179,14 @@ ColumnName parse_column_name(std::string_view header) {
 
 std::vector<std::size_t> matching_columns(const std::vector<std::string>& headers,
                                           std::string_view name) {
+  // A mark of comments before the line of names belongs to no name.
+  if (const std::size_t mark = name.find_first_not_of("%# ");
+      mark > 0 && mark < name.size()) {
+    if (auto exact = std::find(headers.begin(), headers.end(), name);
+        exact == headers.end()) {
+      name.remove_prefix(mark);
+    }
+  }
   using Reading = std::function<std::string(const std::string&)>;
   const std::string lower = lower_case(name);
   const Reading readings[] = {[](const std::string& header) {

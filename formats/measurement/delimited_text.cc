@@ -59,6 +59,21 @@ std::vector<std::string> joined_cells(const std::vector<std::string>& cells) {
   return joined;
 }
 
+// "1,000.062" in quotes: the point tells what the commas are.
+void drop_thousands(std::string& cell) {
+  const std::size_t point = cell.find('.');
+  if (point == std::string::npos || cell.find(',') > point) {
+    return;
+  }
+  const std::size_t sign = cell.front() == '-' || cell.front() == '+' ? 1 : 0;
+  const std::string_view whole = std::string_view(cell).substr(sign, point - sign);
+  if (ends_in_groups(whole, ',') && whole.front() != ',' &&
+      whole.find_first_not_of("0123456789,") == std::string_view::npos &&
+      cell.find_first_not_of("0123456789", point + 1) == std::string::npos) {
+    std::erase(cell, ',');
+  }
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
@@ -112,6 +127,7 @@ std::vector<TextLine> read_text_lines(const std::filesystem::path& file) {
 std::vector<std::string> split_cells(std::string_view line, char delimiter) {
   std::vector<std::string> cells(1);
   bool quoted = false;
+  const bool quotes = line.find('"') != std::string_view::npos;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const bool quote = line[i] == '"';
     if (quote && quoted && i + 1 < line.size() && line[i + 1] == '"') {
@@ -127,6 +143,9 @@ std::vector<std::string> split_cells(std::string_view line, char delimiter) {
   }
   for (std::string& cell : cells) {
     cell = std::string(trimmed(cell));
+    if (quotes) {
+      drop_thousands(cell);
+    }
   }
   return delimiter == ' ' ? joined_cells(cells) : cells;
 }

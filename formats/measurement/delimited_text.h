@@ -38,8 +38,10 @@ inline constexpr std::array kDelimiters{'\t', ';', ',', ' '};
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
 /// Cells between delimiters, blanks around them taken off. A cell in double quotes may
-/// hold the delimiter; "" inside it is one quote. The delimiter ' ' stands for any
-/// blanks, and a unit in brackets behind them belongs to the cell before.
+/// hold the delimiter; "" inside it is one quote. Commas that separate thousands before
+/// a decimal point, "1,000.06", are taken out of lines with quotes. The delimiter ' '
+/// stands for any blanks, and a unit in brackets behind them belongs to the cell
+/// before.
 [[nodiscard]] std::vector<std::string> split_cells(std::string_view line,
                                                    char delimiter);
 

@@ -10,6 +10,7 @@
 #include "formats/base/input_file.h"
 #include "formats/measurement/afm_file.h"
 #include "formats/measurement/afm_tab_file.h"
+#include "formats/measurement/cantilever_text_file.h"
 #include "formats/measurement/jpk_file.h"
 #include "formats/measurement/mach1_file.h"
 #include "formats/measurement/machine_table.h"
@@ -39,6 +40,10 @@ MeasurementFile read_afm(const fs::path& file, const InstrumentCurve& curve,
   return read_afm_curve(file, curve.number);
 }
 
+InstrumentFile list_one(const fs::path&) {
+  return {.curve = {InstrumentCurve{}}};
+}
+
 // The first that recognises a file has it; text is left for the last.
 constexpr std::array kLayouts{
     InstrumentLayout{"afmformats HDF5", &is_hdf5, &list_afm, &read_afm},
@@ -47,8 +52,46 @@ constexpr std::array kLayouts{
     InstrumentLayout{"Biomomentum Mach-1 text", &is_mach1, &list_mach1, &read_mach1},
     InstrumentLayout{"Optics11 text", &is_optics11, &list_optics11, &read_optics11},
     InstrumentLayout{"afmformats text", &is_afm_tab, &list_afm_tab, &read_afm_tab},
+    InstrumentLayout{"JPK text", &is_jpk_text, &list_one, &read_jpk_text},
+    InstrumentLayout{"NanoScope text", &is_nanoscope_text, &list_one,
+                     &read_nanoscope_text},
     InstrumentLayout{"delimited text", &is_text, &list_tables, &read_machine_table},
 };
+
+// Binary files of others that hold no text, by how they begin, and what to do.
+constexpr std::array<std::string_view, 3> kOthers[] = {
+    {"\xD0\xCF\x11\xE0", "an Excel workbook before 2007 (.xls)", "save it as .xlsx"},
+    {"TDSm", "a LabVIEW file (.tdms)",
+     "take the text that Optics11 writes beside it, or export it as text"},
+    {"\\*Force file list", "a NanoScope file of Bruker (.spm, .pfc)",
+     "export the force curve as ASCII with force and separation or ramp"},
+    {"\\*File list", "a NanoScope file of Bruker (.spm)",
+     "export the force curve as ASCII with force and separation or ramp"},
+    {"\x1F\x8B", "compressed (gzip)", "unpack it"},
+    {"%PDF", "a PDF", "export the samples as text"},
+};
+
+// Versions 2 and 5, in either order of bytes, which no text begins with.
+bool is_igor_wave(std::string_view head) {
+  return head.size() > 64 && ((head[1] == '\0' && (head[0] == 2 || head[0] == 5)) ||
+                              (head[0] == '\0' && (head[1] == 2 || head[1] == 5)));
+}
+
+void refuse_others(const fs::path& file, std::string_view head) {
+  const bool binary = head.find('\0') != std::string_view::npos;
+  if (is_igor_wave(head)) {
+    throw FormatError(fmt::format(
+        "{}: is an Igor binary wave (.ibw, Asylum Research): export it as text, or by "
+        "afmformats as .h5",
+        file.string()));
+  }
+  for (const auto& [begin, what, remedy] : kOthers) {
+    if (head.starts_with(begin) && (binary || begin.front() != '\\')) {
+      throw FormatError(
+          fmt::format("{}: is {}, which is not read: {}", file.string(), what, remedy));
+    }
+  }
+}
 
 std::string head_of(const fs::path& file) {
   require_regular_file(file);
@@ -63,6 +106,7 @@ std::string head_of(const fs::path& file) {
 
 const InstrumentLayout& layout_of(const fs::path& file) {
   const std::string head = head_of(file);
+  refuse_others(file, head);
   const auto* const found = std::find_if(kLayouts.begin(), kLayouts.end() - 1,
                                          [&](const InstrumentLayout& layout) {
                                            return layout.recognises(file, head);

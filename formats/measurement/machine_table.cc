@@ -1,7 +1,10 @@
 #include "formats/measurement/machine_table.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -15,14 +18,29 @@ namespace {
 
 using Columns = std::vector<std::size_t>;
 
+constexpr double kMoves = 5.0;  // standard deviations
+
 MeasurementColumn by_number(std::size_t column) {
   return {std::to_string(column + 1), kUnitFromHeader};
 }
 
-// Whether the columns have one name: presses side by side.
+// A name whose numbers are all the same one: "Y_gel_#_Fn".
+std::string without_numbers(const std::string& name) {
+  std::string text;
+  for (const char c : name) {
+    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    if (!digit || text.empty() || text.back() != '#') {
+      text += digit ? '#' : c;
+    }
+  }
+  return text;
+}
+
+// Whether the columns have one name, but for its number: presses side by side.
 bool of_one_name(const TableHeader& header, const Columns& columns) {
   return std::all_of(columns.begin(), columns.end(), [&](std::size_t column) {
-    return header.name[column] == header.name[columns.front()];
+    return without_numbers(header.name[column]) ==
+           without_numbers(header.name[columns.front()]);
   });
 }
 
@@ -50,14 +68,14 @@ std::vector<InstrumentCurve> curves_of(const TableHeader& header) {
                 force = columns_with_unit(header, kForce),
                 time = columns_with_unit(header, kTime);
   const bool several = force.size() > 1 && depth.size() == force.size() &&
-                       (time.size() <= 1 || time.size() == force.size()) &&
+                       (time.size() <= 1 || time.size() % force.size() == 0) &&
                        of_one_name(header, depth) && of_one_name(header, force);
   std::vector<InstrumentCurve> curves(several ? force.size() : 1);
   for (std::size_t i = 0; several && i < curves.size(); ++i) {
     curves[i].columns.depth = by_number(depth[i]);
     curves[i].columns.force = by_number(force[i]);
     if (!time.empty()) {
-      curves[i].columns.time = by_number(time[std::min(i, time.size() - 1)]);
+      curves[i].columns.time = by_number(time[i * time.size() / curves.size()]);
     }
   }
   if (const auto known = known_depth(header); known && !several) {
@@ -68,6 +86,23 @@ std::vector<InstrumentCurve> curves_of(const TableHeader& header) {
         MeasurementColumn{chosen_by(header, time.front()), kUnitFromHeader};
   }
   return curves;
+}
+
+// Whether the force goes on in one direction in the first samples, more than from one
+// to the next: a motor that has yet to start moves nothing.
+bool force_moves(const Measurement& samples, std::size_t count) {
+  const auto f = std::span(samples.force_n).first(count);
+  const std::size_t half = count / 2;
+  const auto mean = [](std::span<const double> part) {
+    return std::accumulate(part.begin(), part.end(), 0.0) /
+           static_cast<double>(part.size());
+  };
+  double squares = 0.0;
+  for (std::size_t i = 1; i < count; ++i) {
+    squares += 0.5 * (f[i] - f[i - 1]) * (f[i] - f[i - 1]);
+  }
+  const double sd = std::sqrt(squares / static_cast<double>((count - 1) * half) * 2.0);
+  return std::abs(mean(f.last(half)) - mean(f.first(half))) > kMoves * sd;
 }
 
 struct Table {
@@ -169,7 +204,8 @@ MeasurementFile read_lines(const std::string& file, std::span<const TextLine> li
       columns_of_lines(file, part, told_columns(curve, request), &notes);
   MeasurementFile result = read_table(file, part, columns, request.header_units);
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
-  if (const std::size_t clipped = clipped_samples(result.samples); clipped > 0) {
+  if (const std::size_t clipped = clipped_samples(result.samples);
+      clipped > 0 && force_moves(result.samples, clipped)) {
     result.notes.push_back(fmt::format(
         "the depth stands at 0 in the first {} samples: if it was clipped before "
         "contact, take the way of the tool instead",

@@ -1,6 +1,8 @@
 #include "formats/measurement/table_header.h"
 
 #include <algorithm>
+#include <cctype>
+#include <string>
 #include <string_view>
 
 #include "formats/measurement/column_name.h"
@@ -14,6 +16,26 @@ constexpr std::size_t kUnitLength = 8;  // bytes: "mm/min", "N/mm2", "(MPa)"
 
 bool is_mass(const std::string& unit) {
   return unit == "g" || unit == "kg";  // a force beside a force's name
+}
+
+// "F_std", "Load SD", "error": how sure another column is.
+bool is_spread(std::string_view name) {
+  std::string word;
+  const auto told = [&] {
+    return word == "std" || word == "sd" || word == "stdev" || word == "stddev" ||
+           word == "error" || word == "err" || word == "sem" || word == "sigma" ||
+           word == "deviation" || word == "uncertainty";
+  };
+  for (const char c : name) {
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
+      word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else if (told()) {
+      return true;
+    } else {
+      word.clear();
+    }
+  }
+  return told();
 }
 
 // Units alone: all known, or two known and others that are short. Numbers beside them
@@ -59,7 +81,9 @@ Cells units_of(const Cells& names, const Cells& below) {
   Cells units;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const ColumnName name = parse_column_name(names[i]);
-    units.push_back(name.unit.empty() && i < below.size()
+    const bool bare = name.unit.empty() && below.empty() && is_known_unit(names[i]);
+    units.push_back(bare ? names[i]
+                    : name.unit.empty() && i < below.size()
                         ? unit_beside(name.quantity, stated_unit(below[i]))
                         : name.unit);
   }
@@ -125,6 +149,12 @@ std::vector<std::size_t> columns_with_unit(const TableHeader& header,
     if (unit_si(quantity, header.unit[i])) {
       found.push_back(i);
     }
+  }
+  const auto spread = [&](std::size_t column) {
+    return is_spread(parse_column_name(header.name[column]).quantity);
+  };
+  if (!std::all_of(found.begin(), found.end(), spread)) {
+    std::erase_if(found, spread);
   }
   return found;
 }

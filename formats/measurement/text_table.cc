@@ -31,6 +31,8 @@ struct Request {
   HeaderUnits header_units;
 };
 
+constexpr std::size_t kFirstRows = 3;
+
 constexpr double (*kUnitSize[])(std::string_view) = {metres_per, newtons_per,
                                                      seconds_per};
 
@@ -297,6 +299,24 @@ std::span<const TextLine> within_table(const TableLayout& table,
   return lines.first(end == 0 ? lines.size() : end);
 }
 
+// A word alone among the first rows, as "eoh" at the end of a header, is none of them;
+// its place, or that of the end.
+std::size_t word_among(const TableLayout& table, std::span<const TextLine> rows) {
+  const auto first = rows.first(std::min(rows.size(), kFirstRows));
+  const auto found =
+      std::find_if(first.begin(), first.end(), [&](const TextLine& line) {
+        const Cells cells = split_cells(line.text, table.delimiter);
+        const auto filled =
+            std::count_if(cells.begin(), cells.end(), [](const auto& cell) {
+              return !cell.empty();
+            });
+        return filled == 1 &&
+               line.text.find_first_of("0123456789") == std::string::npos;
+      });
+  return found == first.end() ? rows.size()
+                              : static_cast<std::size_t>(found - first.begin());
+}
+
 void read_rows(const Request& request, const TableLayout& table,
                std::span<const TextLine> lines, const std::vector<double>& size,
                Measurement& measurement) {
@@ -346,7 +366,16 @@ MeasurementFile read_table(const std::string& file, std::span<const TextLine> li
         "after it",
         rows[within.size()].number));
   }
-  read_rows(request, table, within, size, result.samples);
+  const std::size_t word = word_among(table, within);
+  if (word < within.size()) {
+    result.notes.push_back(fmt::format("line {} (\"{}\") holds no number: left out",
+                                       within[word].number,
+                                       trimmed(within[word].text)));
+  }
+  read_rows(request, table, within.first(word), size, result.samples);
+  if (word < within.size()) {
+    read_rows(request, table, within.subspan(word + 1), size, result.samples);
+  }
   if (result.samples.depth_m.empty()) {
     throw InputError(
         fmt::format("{}: no rows of numbers below the header", request.file));
