@@ -55,7 +55,9 @@ void FastProcess::watch(const DeviceReading& reading, DeviceStatus status,
   report_.late_reads += late ? 1 : 0;
   // A driver whose clock stands still measures nothing new, whatever it says.
   const bool stands = report_.ticks > 0 && reading.time_ns == last_.time_ns;
-  silent_ticks_ = late || stands ? silent_ticks_ + 1 + skipped : 0;
+  // After ticks that this process itself missed, a device has until the next one.
+  const std::int64_t silent = silent_ticks_ > 0 ? 1 + skipped : 1;
+  silent_ticks_ = late || stands ? silent_ticks_ + silent : 0;
   flags_ = static_cast<std::uint8_t>(bit(TickFlag::kLateRead, late) |
                                      bit(TickFlag::kSkipped, skipped > 0));
   if (status == DeviceStatus::kLost) {

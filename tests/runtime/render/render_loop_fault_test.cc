@@ -168,6 +168,22 @@ TEST_F(RenderLoopFault, FaultsWhenTheDeviceStaysSilent) {
   EXPECT_EQ(device.force.back().norm(), 0.0);
 }
 
+// A machine that stood still for 0.2 s, device and renderer alike.
+TEST_F(RenderLoopFault, TicksThatItMissedItselfAreNoSilenceOfTheDevice) {
+  for (const bool answers : {true, false}) {
+    ElementStream stream(database_, database_.tools[0]);
+    FakeClock clock(1'000'000);
+    clock.oversleep(1500, 200'000'000);
+    FakeDevice device(clock, press(0.006, 2.0));
+    (answers ? device.late_read : device.silent_from) = 1501;
+    const RenderReport report =
+        render_in_turns(config(LocalModel::kElement),
+                        {.device = device, .stream = &stream, .stop = stop_}, clock);
+    EXPECT_EQ(report.fault, answers ? Fault::kNone : Fault::kDeviceSilent);
+    EXPECT_EQ(report.late_reads, answers ? 1 : 202);  // and 0.1 s more
+  }
+}
+
 TEST_F(RenderLoopFault, AClockThatStandsStillIsADeviceThatIsSilent) {
   FakeDevice device(clock_, press(0.006, 2.0));
   std::int64_t stood_ns = 0;
