@@ -120,7 +120,7 @@ depth_max_m = {}
   const std::vector<PressedNode> pressed = press_on_own_mesh(
       scene, source, source.tool.front(), {&middle, 1},
       finer(contact_focus(scene, source), times), {.nonlinear = false});
-  return pressed.front().indentation.sample.back().force_n;
+  return pressed.front().indentation.sample.back().force_n.norm();
 }
 
 TEST(LayeredPress, TheReferenceIsHertzsWithoutALayerAndTheBondedLayersOnRock) {
@@ -137,7 +137,7 @@ TEST(LayeredPress, TheReferenceIsHertzsWithoutALayerAndTheBondedLayersOnRock) {
   }
 }
 
-TEST(LayeredPress, MeetsTheLayeredHalfSpaceAndComesCloserOnFinerMeshes) {
+TEST(LayeredPress, MeetsTheLayeredHalfSpaceWithinTheBudgetAndHalfOfItOnFinerMeshes) {
   const double ball_m = 0.01;
   for (const auto& [layer_pa, below_pa] :
        {std::pair{1e5, 1e4}, std::pair{1e4, 1e4}, std::pair{1e4, 1e5}}) {
@@ -145,8 +145,6 @@ TEST(LayeredPress, MeetsTheLayeredHalfSpaceAndComesCloserOnFinerMeshes) {
     const auto [force_n, depth_m] = ball_on_layer(body, ball_m, 1e-3);
     const double coarse = pressed_n(body, ball_m, depth_m, 1.0) / force_n - 1.0;
     const double fine = pressed_n(body, ball_m, depth_m, 2.0) / force_n - 1.0;
-    fmt::print("{} on {}: {:.3g} N, off by {:+.4f}, finer {:+.4f}\n", layer_pa,
-               below_pa, force_n, coarse, fine);
     EXPECT_LT(std::abs(coarse), 0.05);  // the scene's budget
     EXPECT_LT(std::abs(fine), 0.5 * 0.05);
   }

@@ -79,30 +79,39 @@ TEST(CutRegions, PartsThatTouchShareTheirFace) {
   EXPECT_NEAR(part_m3(body.tets, 0), 0.41, 5e-4);
 }
 
+// Flush at the top; the sides are off by less than 1/500 of the diagonal.
 TEST(CutRegions, FacesThatNearlyCoincideAreShared) {
-  for (const double off_m : {-1e-3, 1e-3}) {  // less than 1/500 of the diagonal
-    InnerSurface top{
-        .surface = block({-off_m, -off_m, 0.83}, {1 + off_m, 1 + off_m, 1 + off_m}, 1)};
+  for (const double off_m : {-1e-3, 1e-3}) {
+    InnerSurface top{.surface =
+                         block({-off_m, -off_m, 0.83}, {1 + off_m, 1 + off_m, 1.0}, 1)};
     const FilledBody body = filled(unit_cube(), {top});
     expect_conforming(body, unit_cube());
     EXPECT_NEAR(part_m3(body.tets, 1), 0.17, 1.5e-3);
   }
 }
 
+// Walls with edges are cut off there, by less the finer the tets are.
+double largest_volume_error_m3(int halvings, bool deep_first) {
+  std::vector<InnerSurface> layers{{.name = "skin", .cut = true, .under_m = 0.11},
+                                   {.name = "fat", .cut = true, .under_m = 0.23}};
+  if (deep_first) {
+    std::swap(layers[0], layers[1]);
+  }
+  const SurfaceMesh outer = block({0, 0, 0}, {1, 1, 1}, halvings);
+  const FilledBody body = filled(outer, layers);
+  expect_conforming(body, outer);
+  const double skin_m3 = part_m3(body.tets, deep_first ? 2 : 1);
+  const double fat_m3 = part_m3(body.tets, deep_first ? 1 : 2);
+  return std::max(std::abs(skin_m3 - (1.0 - std::pow(0.78, 3))),
+                  std::abs(fat_m3 - (std::pow(0.78, 3) - std::pow(0.54, 3))));
+}
+
 TEST(CutRegions, LayersCountFromTheSurfaceInAnyOrder) {
-  const double outer_m3 = 1.0 - std::pow(0.78, 3);
-  const double next_m3 = std::pow(0.78, 3) - std::pow(0.54, 3);
   for (const bool deep_first : {false, true}) {
-    std::vector<InnerSurface> layers{{.name = "skin", .cut = true, .under_m = 0.11},
-                                     {.name = "fat", .cut = true, .under_m = 0.23}};
-    if (deep_first) {
-      std::swap(layers[0], layers[1]);
-    }
-    const FilledBody body = filled(unit_cube(), layers);
-    expect_conforming(body, unit_cube());
-    // Edges of the inner cubes are cut off: below edge^2 / 8 along 12 edges of 0.8.
-    EXPECT_NEAR(part_m3(body.tets, deep_first ? 2 : 1), outer_m3, 0.015);
-    EXPECT_NEAR(part_m3(body.tets, deep_first ? 1 : 2), next_m3, 0.015);
+    const double coarse = largest_volume_error_m3(3, deep_first);
+    const double fine = largest_volume_error_m3(5, deep_first);
+    // Not a fourth of it: tets in the depth do not shrink as the surface's edges do.
+    EXPECT_LT(fine, 0.5 * coarse) << coarse << " " << fine;
   }
 }
 
@@ -117,11 +126,17 @@ TEST(CutRegions, APartInALayerIsLeftWhole) {
 }
 
 TEST(CutRegions, WhatReachesOutIsLeftOut) {
-  InnerSurface rod{.surface = block({0.4, 0.4, 0.6}, {0.6, 0.6, 1.2}, 2)};
+  const InnerSurface rod{.surface = block({0.4, 0.4, 0.6}, {0.6, 0.6, 1.2}, 2)};
   EXPECT_NEAR(share_left_out(unit_cube(), rod), 1.0 / 3.0, 0.06);
-  const FilledBody body = filled(unit_cube(), {rod});
-  expect_conforming(body, unit_cube());
-  EXPECT_NEAR(part_m3(body.tets, 1), 0.016, 0.003);  // its edges are cut off
+  double error_m3 = 0.016;
+  for (const int halvings : {3, 5}) {
+    const SurfaceMesh outer = block({0, 0, 0}, {1, 1, 1}, halvings);
+    const FilledBody body = filled(outer, {rod});
+    expect_conforming(body, outer);
+    const double now_m3 = std::abs(part_m3(body.tets, 1) - 0.016);
+    EXPECT_LT(now_m3, 0.6 * error_m3);
+    error_m3 = now_m3;
+  }
 }
 
 TEST(CutRegions, ACavityMayNotReachTheSurface) {
