@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kEdgeOfReach = 0.125;
 constexpr double kGrowth = 0.5;
-constexpr double kCoarse = 0.25;
 
 bool any_vertex_to_press(const Scene& scene, const SurfaceMesh& surface) {
   for (Eigen::Index v = 0; v < surface.position_m.rows(); ++v) {
@@ -50,11 +49,10 @@ bool held(const Scene& scene, const SurfaceMesh& part) {
 
 SurfaceMesh refined_for_reach(const Scene& scene, SurfaceMesh surface,
                               std::vector<std::string>& notes) {
-  const Eigen::AlignedBox3d body = bounding_box(surface);
-  const bool coarse = mean_edge_m(surface) > kCoarse * body.diagonal().norm();
-  if (!coarse && any_vertex_to_press(scene, surface)) {
+  if (any_vertex_to_press(scene, surface)) {
     return surface;
   }
+  const Eigen::AlignedBox3d body = bounding_box(surface);
   const Eigen::AlignedBox3d reach =
       scene.reach.box_m ? body.intersection(*scene.reach.box_m) : body;
   if (reach.isEmpty() || !(reach.diagonal().norm() > 0.0)) {

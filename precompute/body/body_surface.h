@@ -12,9 +12,8 @@ namespace palpate {
 
 /// Halves edges where the scene reaches, until none is longer than an eighth of the
 /// reach's diagonal (of what its box and the body's share); beyond, they may grow by
-/// half of the distance. Only for a surface that is too coarse to be pressed as it is:
-/// no vertex of it is in reach, or its mean edge is longer than a quarter of its
-/// diagonal, as a block of twelve triangles has them. Other surfaces are left alone.
+/// half of the distance. Only for a surface that cannot be pressed as it is, because no
+/// vertex of it is in reach, as of a block of twelve triangles; others are left alone.
 /// Old vertices stay first and in place.
 /// @param notes gains a line if it was refined.
 [[nodiscard]] SurfaceMesh refined_for_reach(const Scene& scene, SurfaceMesh surface,
