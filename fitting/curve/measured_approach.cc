@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 // m and N: squares of what is larger, or smaller, are no numbers.
-constexpr double kLargest = 1e30, kSmallest = 1e-30;
+constexpr double kLargestReading = 1e30, kSmallest = 1e-30;
 constexpr double kHoldTolerance = 1e-3;  // [-] of the travel: a stage's position noise
 constexpr std::size_t kHoldMin = 3;      // samples
 constexpr double kRetractMin = 0.2;      // [-] of the travel: less is no loop
@@ -35,10 +35,10 @@ void check_measurement(const Measurement& measurement) {
                     x.size(), f.size(), kSamplesMin));
   }
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!(std::abs(x[i]) <= kLargest) || !(std::abs(f[i]) <= kLargest)) {
+    if (!(std::abs(x[i]) <= kLargestReading) || !(std::abs(f[i]) <= kLargestReading)) {
       throw InputError(
           fmt::format("sample {} is ({} m, {} N), must be finite and at most {:g}",
-                      i + 1, x[i], f[i], kLargest));
+                      i + 1, x[i], f[i], kLargestReading));
     }
   }
   if (const double range = extent(f); range > 0.0 && range < kSmallest) {

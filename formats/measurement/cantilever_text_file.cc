@@ -94,8 +94,8 @@ JpkColumns columns_of(const std::string& file, const JpkText& head) {
   return at;
 }
 
-double number_in(const std::string& file, const TextLine& line, const Cells& cells,
-                 std::size_t column) {
+double number_of_head(const std::string& file, const TextLine& line, const Cells& cells,
+                      std::size_t column) {
   const auto value =
       column < cells.size() ? parse_number(cells[column], false) : std::nullopt;
   if (!value || !std::isfinite(*value)) {
@@ -129,12 +129,12 @@ struct JpkRows {
       segments += (segments.empty() ? "" : ", ") + head.told["segment"];
     }
     const Cells cells = split_cells(line.text, ' ');
-    const double force_n = at.newtons * number_in(file, line, cells, at.force);
-    const double height_m = at.metres * number_in(file, line, cells, at.height);
+    const double force_n = at.newtons * number_of_head(file, line, cells, at.force);
+    const double height_m = at.metres * number_of_head(file, line, cells, at.height);
     samples.depth_m.push_back(-height_m - force_n / at.spring_n_per_m);
     samples.force_n.push_back(force_n);
     if (at.time && with_time) {
-      samples.time_s.push_back(number_in(file, line, cells, *at.time));
+      samples.time_s.push_back(number_of_head(file, line, cells, *at.time));
     }
   }
 };
@@ -255,14 +255,15 @@ void take_way(const NanoScope& curve, const NanoScopeWay& at, Measurement& sampl
     if (at.ramp >= cells.size() || cells[at.ramp].empty()) {
       continue;  // columns of unequal length
     }
-    const double bent_m = at.metres * number_in(curve.file, line, cells, at.deflection);
-    samples.depth_m.push_back(1e-9 * number_in(curve.file, line, cells, at.ramp) -
+    const double bent_m =
+        at.metres * number_of_head(curve.file, line, cells, at.deflection);
+    samples.depth_m.push_back(1e-9 * number_of_head(curve.file, line, cells, at.ramp) -
                               bent_m);
     samples.force_n.push_back(
-        at.force ? at.newtons * number_in(curve.file, line, cells, *at.force)
+        at.force ? at.newtons * number_of_head(curve.file, line, cells, *at.force)
                  : bent_m * *curve.spring_n_per_m);
     if (at.time) {
-      samples.time_s.push_back(number_in(curve.file, line, cells, *at.time));
+      samples.time_s.push_back(number_of_head(curve.file, line, cells, *at.time));
     }
   }
 }

@@ -335,10 +335,11 @@ TEST_F(SurfaceReader, CornersOfStlThatRoundingPartedAreWeldedAndSaid) {
 }
 
 TEST_F(SurfaceReader, NumbersMayStandCloseToTheirWord) {
-  const SurfaceMesh off = read_surface(
-      file("a.off", "OFF4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n"
-                    "3 0 3 2\n3 1 2 3\n"),
-      "mm");
+  const SurfaceMesh off =
+      read_surface(file("a.off",
+                        "OFF4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n"
+                        "3 0 3 2\n3 1 2 3\n"),
+                   "mm");
   EXPECT_EQ(off.triangle.rows(), 4);
   std::string text = ascii_stl(sphere_surface(1.0, 0), "solid\n");
   for (std::size_t at = 0; (at = text.find("vertex ", at)) != std::string::npos;) {

@@ -139,8 +139,7 @@ TEST(LayeredPress, TheReferenceIsHertzsWithoutALayerAndTheBondedLayersOnRock) {
 
 TEST(LayeredPress, MeetsTheLayeredHalfSpaceWithinTheBudgetAndHalfOfItOnFinerMeshes) {
   const double ball_m = 0.01;
-  for (const auto& [layer_pa, below_pa] :
-       {std::pair{1e5, 1e4}, std::pair{1e4, 1e5}}) {
+  for (const auto& [layer_pa, below_pa] : {std::pair{1e5, 1e4}, std::pair{1e4, 1e5}}) {
     const Layered body{layer_pa, below_pa};
     const auto [force_n, depth_m] = ball_on_layer(body, ball_m, 1e-3);
     const double coarse = pressed_n(body, ball_m, depth_m, 1.0) / force_n - 1.0;
