@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -32,9 +31,8 @@ class WiredTool : public Device {
   /// Period [s] of state i.
   using Periods = std::function<double(int)>;
 
-  /// @param swing_m half of the way that it is moved to and fro sideways, in a second.
-  WiredTool(Clock& clock, Periods periods, bool late, double swing_m)
-      : clock_(clock), periods_(std::move(periods)), late_(late), swing_m_(swing_m) {}
+  WiredTool(Clock& clock, Periods periods, bool late)
+      : clock_(clock), periods_(std::move(periods)), late_(late) {}
 
   [[nodiscard]] std::string name() const override { return "wired tool"; }
   [[nodiscard]] DeviceLimits limits() const override {
@@ -75,10 +73,7 @@ class WiredTool : public Device {
 
  private:
   [[nodiscard]] DeviceReading here(std::int64_t now_ns) const {
-    const double turn = 2.0 * std::numbers::pi * seconds_in(now_ns - begun_ns_);
-    return {
-        .position_m = {0.0031 + swing_m_ * std::sin(turn), 0.0017, kRadius + height_m_},
-        .time_ns = now_ns};
+    return {.position_m = {0.0031, 0.0017, kRadius + height_m_}, .time_ns = now_ns};
   }
   void move_until(std::int64_t now_ns) noexcept {
     constexpr std::int64_t kStepNs = 50'000;
@@ -95,7 +90,6 @@ class WiredTool : public Device {
   Clock& clock_;
   Periods periods_;
   bool late_;
-  double swing_m_;
   std::int64_t begun_ns_ = 0, moved_ns_ = 0, next_ns_ = 0;
   int states_ = 0;
   DeviceReading begun_, said_;
@@ -107,18 +101,16 @@ struct WireCase {
   std::string name;
   WiredTool::Periods periods;
   bool late = false;
-  double friction = 0.0;
-  double swing_m = 0.0;
 };
 
 class SlowWire : public PressedPlate {
  protected:
   RenderReport rendered(const WireCase& wire, double& given_max_j) {
     const ResponseDatabase database = sample_database(
-        plate(0.1, 10), ball(kRadius, wire.friction, 5e-4), linear, kDepthMax, 41);
+        plate(0.1, 10), ball(kRadius, 0.0, 5e-4), linear, kDepthMax, 41);
     ElementStream stream(database, database.tools[0]);
     FakeClock clock(1'000'000);
-    WiredTool tool(clock, wire.periods, wire.late, wire.swing_m);
+    WiredTool tool(clock, wire.periods, wire.late);
     RenderConfig c = config(LocalModel::kPotential);
     c.duration_s = 5.0;
     c.fast.wire = {.damping_n_s_per_m = kDampingNsPerM,
@@ -157,23 +149,6 @@ TEST_F(SlowWire, EndsWithItsNameBeforeTheHandGetsMuch) {
     EXPECT_LE(given_max_j, 0.02) << wire.name;
     EXPECT_GT(report.held_s, 0.005) << wire.name;
   }
-}
-
-// Friction takes 40 mJ of a tool that is moved to and fro, before its wire is late.
-TEST_F(SlowWire, IsLentNothingOfWhatFrictionTook) {
-  double given_max_j = 0.0;
-  const RenderReport report = rendered({.name = "8 ms late after three seconds",
-                                        .periods =
-                                            [](int i) {
-                                              return i < 3000 ? 0.001 : 0.008;
-                                            },
-                                        .late = true,
-                                        .friction = 1.0,
-                                        .swing_m = 0.015},
-                                       given_max_j);
-  EXPECT_EQ(report.fault, Fault::kSlowWire) << given_max_j;
-  EXPECT_GT(report.model_work_j, 0.03);
-  EXPECT_LE(given_max_j, 0.02);
 }
 
 TEST_F(SlowWire, WithinItsBoundEndsNothing) {
