@@ -19,9 +19,7 @@ constexpr double kGrowth = 0.5;
 
 bool any_vertex_to_press(const Scene& scene, const SurfaceMesh& surface) {
   for (Eigen::Index v = 0; v < surface.position_m.rows(); ++v) {
-    const Eigen::Vector3d p_m = surface.position_m.row(v).transpose();
-    if (!is_held(scene, p_m) &&
-        (!scene.reach.box_m || scene.reach.box_m->contains(p_m))) {
+    if (is_reachable(scene, surface.position_m.row(v).transpose())) {
       return true;
     }
   }
@@ -46,6 +44,11 @@ bool held(const Scene& scene, const SurfaceMesh& part) {
 }
 
 }  // namespace
+
+bool is_reachable(const Scene& scene, const Eigen::Vector3d& p_m) {
+  return !is_held(scene, p_m) &&
+         (!scene.reach.box_m || scene.reach.box_m->contains(p_m));
+}
 
 SurfaceMesh refined_for_reach(const Scene& scene, SurfaceMesh surface,
                               std::vector<std::string>& notes) {

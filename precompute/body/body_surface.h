@@ -10,6 +10,9 @@
 
 namespace palpate {
 
+/// Whether the scene presses a vertex there: free, and in the reach's box.
+[[nodiscard]] bool is_reachable(const Scene& scene, const Eigen::Vector3d& p_m);
+
 /// Halves edges where the scene reaches, until none is longer than an eighth of the
 /// reach's diagonal (of what its box and the body's share); beyond, they may grow by
 /// half of the distance. Only for a surface that cannot be pressed as it is, because no

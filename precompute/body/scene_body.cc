@@ -273,9 +273,7 @@ std::vector<std::int32_t> reachable_vertices(const Scene& scene,
                                              const BodySource& body) {
   std::vector<std::int32_t> vertices;
   for (Eigen::Index v = 0; v < body.surface.position_m.rows(); ++v) {
-    const Eigen::Vector3d p = body.surface.position_m.row(v).transpose();
-    const bool in_reach = !scene.reach.box_m || scene.reach.box_m->contains(p);
-    if (!is_held(scene, p) && in_reach) {
+    if (is_reachable(scene, body.surface.position_m.row(v).transpose())) {
       vertices.push_back(static_cast<std::int32_t>(v));
     }
   }

@@ -107,15 +107,25 @@ Yielding columns_of(const std::vector<const SceneYielding*>& of_node, double mos
   return all;
 }
 
-// The region of the first layer that is deep enough; 0: none.
+// The region of the thinnest layer that is deep enough; 0: none.
 std::int32_t layer_of(const BodySource& body, const Eigen::Vector3d& p_m) {
+  std::int32_t region = 0;
+  double thinnest_m = std::numeric_limits<double>::infinity();
+  double depth_m = -1.0;  // not known yet
   for (std::size_t i = 0; i < body.inner.size(); ++i) {
-    if (body.inner[i].under_m > 0.0 &&
-        SurfaceSearch(body.surface).nearest(p_m).distance_m < body.inner[i].under_m) {
-      return static_cast<std::int32_t>(i) + 1;
+    const double under_m = body.inner[i].under_m;
+    if (!(under_m > 0.0) || under_m >= thinnest_m) {
+      continue;
+    }
+    if (depth_m < 0.0) {
+      depth_m = SurfaceSearch(body.surface).nearest(p_m).distance_m;
+    }
+    if (depth_m < under_m) {
+      region = static_cast<std::int32_t>(i) + 1;
+      thinnest_m = under_m;
     }
   }
-  return 0;
+  return region;
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-/// Region of a point of the body: 0 the body itself, i + 1 inside inner surface i and
-/// not deeper; cavities are passed over.
+/// Region of a point of the body: 0 the body itself, i + 1 in inner surface or layer i
+/// and in no smaller one; cavities are passed over.
 [[nodiscard]] std::int32_t region_of(const BodySource& body,
                                      const Eigen::Vector3d& p_m);
 

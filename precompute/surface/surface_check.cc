@@ -290,10 +290,10 @@ std::string SurfaceReport::verdict() const {
   }
   add(triangles == 0 ? "no triangles" : "");
   add(flat ? "it encloses no volume" : "");
-  add(in_a_plane() ? "all of it lies in one plane, where a body has a volume: give the "
-                     "sheet its "
-                     "thickness in the program that made it (extrude, solidify)"
-                   : "");
+  add(in_a_plane()
+          ? "all of it lies in one plane, where a body has a volume: give the "
+            "sheet its thickness in the program that made it (extrude, solidify)"
+          : "");
   return "not a body: " + text;
 }
 

@@ -139,11 +139,15 @@ TEST(LayeredPress, TheReferenceIsHertzsWithoutALayerAndTheBondedLayersOnRock) {
 
 TEST(LayeredPress, MeetsTheLayeredHalfSpaceWithinTheBudgetAndHalfOfItOnFinerMeshes) {
   const double ball_m = 0.01;
-  for (const auto& [layer_pa, below_pa] : {std::pair{1e5, 1e4}, std::pair{1e4, 1e5}}) {
+  for (const auto& [layer_pa, below_pa] :
+       {std::pair{1e5, 1e4}, std::pair{1e4, 1e4}, std::pair{1e4, 1e5}}) {
     const Layered body{layer_pa, below_pa};
     const auto [force_n, depth_m] = ball_on_layer(body, ball_m, 1e-3);
     const double coarse = pressed_n(body, ball_m, depth_m, 1.0) / force_n - 1.0;
     const double fine = pressed_n(body, ball_m, depth_m, 2.0) / force_n - 1.0;
+    const std::string ratio = fmt::format("{:g}", layer_pa / below_pa);
+    RecordProperty("off_" + ratio, fmt::format("{:+.4f}", coarse));
+    RecordProperty("off_" + ratio + "_finer", fmt::format("{:+.4f}", fine));
     EXPECT_LT(std::abs(coarse), 0.05);  // the scene's budget
     EXPECT_LT(std::abs(fine), 0.5 * 0.05);
   }

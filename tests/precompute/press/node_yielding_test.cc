@@ -132,5 +132,16 @@ TEST(YieldingScene, TheDemosOrganKeepsDentsAndSoftens) {
   EXPECT_EQ(yielding[0].largest, (std::vector<double>{0.3}));
 }
 
+// Whatever their order.
+TEST(RegionOf, APointIsInTheThinnestLayerThatIsDeepEnough) {
+  BodySource body;
+  body.surface = icosphere(0.03, 3);
+  body.inner = {{.name = "fat", .cut = true, .under_m = 0.01},
+                {.name = "skin", .cut = true, .under_m = 0.003}};
+  EXPECT_EQ(region_of(body, {0.0, 0.0, 0.028}), 2);
+  EXPECT_EQ(region_of(body, {0.0, 0.0, 0.023}), 1);
+  EXPECT_EQ(region_of(body, {0.0, 0.0, 0.015}), 0);
+}
+
 }  // namespace
 }  // namespace palpate
