@@ -135,9 +135,11 @@ std::int32_t region_of(const BodySource& body, const Eigen::Vector3d& p_m) {
   double smallest_m3 = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < body.inner.size(); ++i) {
     const SurfaceMesh& surface = body.inner[i].surface;
+    if (body.inner[i].cavity || body.inner[i].under_m > 0.0) {
+      continue;
+    }
     const double size_m3 = box_m3(surface);
-    if (!body.inner[i].cavity && surface.triangle.rows() > 0 &&
-        winding_number(surface, p_m) > 0.5 && size_m3 < smallest_m3) {
+    if (winding_number(surface, p_m) > 0.5 && size_m3 < smallest_m3) {
       region = static_cast<std::int32_t>(i) + 1;
       smallest_m3 = size_m3;
     }
