@@ -37,6 +37,7 @@ ReusedDoubles mapped(std::size_t count) {
     throw std::bad_alloc();
   }
   madvise(numbers, count * sizeof(double), MADV_DONTFORK);
+  madvise(numbers, count * sizeof(double), MADV_HUGEPAGE);
   return {static_cast<double*>(numbers), ReusedMemoryDeleter{count}};
 }
 

@@ -2,7 +2,7 @@
 //
 // A new array of many pages costs a page fault for each of them, and every fork copies
 // what maps them (run_in_child). These are kept for the next array of the same thread,
-// and children do not see them.
+// children do not see them, and the system may give them pages of two megabytes.
 #pragma once
 
 #include <cstddef>
