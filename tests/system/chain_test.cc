@@ -59,6 +59,7 @@ depth_max_m = 0.004
 force_max_n = 8.0
 [accuracy]
 force_relative = 0.1
+verify = 1
 )";
 }
 
