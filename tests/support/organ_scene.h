@@ -18,12 +18,12 @@ kind = "fixed"
 )";
 }
 
-/// A ball on the organ's top, so coarse that a build of it takes a second or two;
-/// [accuracy] goes on.
+/// A ball on the organ's top, so large that meshes are coarse and a build of it takes less
+/// than a second; [accuracy] goes on.
 inline constexpr const char* kBallOnTop = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
-radius_m = 0.03
+radius_m = 0.06
 [reach]
 box_m = [[-1.0, -1.0, 0.040], [1.0, 1.0, 1.0]]
 depth_max_m = 0.004

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
@@ -66,9 +67,11 @@ class BuildFaults : public testing::Test {
   ~BuildFaults() override { set_fault_maker({}); }
 
   Scene scene(const std::string& law) const {
+    std::string ball = kBallOnTop;
+    ball.replace(ball.find("0.040"), 5, fmt::format("{:.3f}", reach_from_m_));
     std::ofstream(folder_ / "scene.toml")
-        << organ_on_table(law) << kBallOnTop
-        << "refine = \"global\"\nverify = " << verify_ << "\n";
+        << organ_on_table(law) << ball << "refine = \"global\"\nverify = " << verify_
+        << "\n";
     return read_scene(folder_ / "scene.toml");
   }
 
@@ -151,6 +154,7 @@ class BuildFaults : public testing::Test {
   }
 
   int verify_ = 0;
+  double reach_from_m_ = 0.040;  // places above are reached: 22
   ScratchFolder folder_;
 };
 
@@ -164,6 +168,7 @@ TEST_F(BuildFaults, ANaNFromALinearPressCostsItsNodeAlone) {
 }
 
 TEST_F(BuildFaults, AnInfiniteForceOfANonlinearPressCostsItsNodeAlone) {
+  reach_from_m_ = 0.044;  // ten
   expect_only(
       "neo-hookean", ResponseOrigin::kSimulated, FaultPlace::kCorrection,
       [](std::span<double> force) {

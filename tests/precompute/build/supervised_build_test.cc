@@ -23,8 +23,8 @@ class SupervisedBuild : public testing::Test {
  protected:
   SupervisedBuild() {
     write_obj(organ(2), folder_ / "organ.obj", "an organ");
-    std::ofstream(folder_ / "scene.toml")
-        << organ_on_table("linear") << kBallOnTop << "verify = 0\n";
+    std::ofstream(folder_ / "scene.toml") << organ_on_table("linear") << kBallOnTop
+                                          << "refine = \"global\"\nverify = 0\n";
   }
   ~SupervisedBuild() override { set_fault_maker({}); }
 
