@@ -39,7 +39,8 @@ class SceneWhileComputed : public testing::Test {
   static void TearDownTestSuite() { made_.reset(); }
 
   static void write_scene(const std::filesystem::path& file) {
-    std::ofstream(file) << organ_on_table("linear") << kBallOnTop << "verify = 0\n";
+    std::ofstream(file) << organ_on_table("linear") << kBallOnTop
+                        << "refine = \"global\"\nverify = 0\n";
   }
 
   SceneWhileComputed() {
@@ -160,7 +161,7 @@ TEST_F(SceneWhileComputed, AHostInCFeelsItComeIn) {
                       "palpate-precompute";
   const ToolRun run = run_tool_process(
       "c_scene_host", {(folder_ / "scene.toml").string(), (folder_ / "out.h5").string(),
-                       server.string(), "0", "0", "0.0467", "0.03", "0.003"});
+                       server.string(), "0", "0", "0.0467", "0.06", "0.003"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_NE(run.out.find("good"), std::string::npos) << run.out;
 }
