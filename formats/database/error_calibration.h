@@ -43,15 +43,9 @@ inline constexpr double kLeastErrorFactor = 1.5;
 /// checks yet.
 inline constexpr double kExpectedErrorFactor = kLeastErrorFactor;
 
-/// The error of a solution over its difference to a check. In the median of presses
-/// beside much finer ones 1.4 and 0.9 of a linear organ and a linear liver, 1.0 of a
-/// neo-Hookean gel (press_error_study, MEASURED.md).
+/// The error of a solution at a vertex over its difference to a check. In the median of
+/// presses beside much finer ones 1.4 and 0.9 of a linear organ and a linear liver, 1.0
+/// of a neo-Hookean gel (press_error_study, MEASURED.md).
 inline constexpr double kErrorPerCheck = 1.6;
-
-/// The same between vertices, where interpolation makes most of the error: at 200
-/// places of an organ the difference to presses on a mesh four times as fine is 0.80 of
-/// that on one twice as fine in the median, 0.91 of the fifth where it is largest (1.29
-/// at most).
-inline constexpr double kErrorPerPlaceCheck = 1.1;
 
 }  // namespace palpate

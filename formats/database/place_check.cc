@@ -74,6 +74,11 @@ void compare_between(const ResponseDatabase& database,
 
 }  // namespace
 
+double PlaceCheck::error(double found_here) const {
+  return place.triangle < 0 ? kErrorPerCheck * found_here
+                            : std::hypot(found_here, response.error_relative);
+}
+
 CheckCorners::CheckCorners(const SurfaceMesh& body, const PlaceCheck& check) {
   vertex.fill(static_cast<std::size_t>(check.vertex));
   if (check.place.triangle >= 0) {

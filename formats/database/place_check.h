@@ -31,6 +31,11 @@ struct PlaceCheck {
   double found = std::numeric_limits<double>::quiet_NaN();
   /// [-] The same from each of kErrorsFrom on; only between vertices.
   std::array<double, kErrorsFrom.size()> found_from{};
+
+  /// [-] The error of what is stored, of which so much was found: at a vertex
+  /// kErrorPerCheck of it. Between vertices the stored field and the check err
+  /// independently, and the check's own error is what its press estimates.
+  [[nodiscard]] double error(double found_here) const;
 };
 
 /// The corners of a check's place and their shares of it.

@@ -181,8 +181,7 @@ ErrorFactor calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) 
     }
     if (!std::isnan(check.found) && blended > 0.0 && any_hard == hard) {
       estimate.push_back(blended);
-      error.push_back(check.found * (check.place.triangle < 0 ? kErrorPerCheck
-                                                              : kErrorPerPlaceCheck));
+      error.push_back(check.error(check.found));
     }
   }
   const double factor = calibrate_errors(estimate, error);
@@ -204,9 +203,8 @@ void state_by_depth(const std::vector<PlaceCheck>& checks, AccuracyRecord& recor
     std::vector<double> found;
     for (const PlaceCheck& check : checks) {
       if (check.place.triangle >= 0 && !std::isnan(check.found)) {
-        found.push_back(std::isinf(check.found)
-                            ? check.found
-                            : kErrorPerPlaceCheck * check.found_from[i]);
+        found.push_back(
+            check.error(std::isinf(check.found) ? check.found : check.found_from[i]));
       }
     }
     const std::size_t count = found.size();

@@ -31,8 +31,6 @@ constexpr int kSweeps = 3;
 // Left-out ratios that agree better do so by chance.
 constexpr double kLeastError = 1e-3;
 
-// Expected errors, as estimates of meshes: checks ask for 1.5 times that or more.
-constexpr double kDeviations = 1.5;
 // Nine tenths of the squares, the least, have this mean where values are normal, over
 // that of all. The others may be of presses that snapped, and count around themselves.
 constexpr double kOrdinary = 0.9;
@@ -339,7 +337,7 @@ double RatioModel::expected(std::int32_t vertex, const Indentation& cheap,
   const Around near = around(place, roughness);
   const double variance = kriging_->at(scaled(place, lengths_)).variance *
                           std::max(near.roughness, roughness.ordinary);
-  return std::hypot(kDeviations * std::sqrt(variance),
+  return std::hypot(kExpectedDeviations * std::sqrt(variance),
                     kUnlikeError * std::sqrt(near.unlike));
 }
 

@@ -79,6 +79,9 @@ class RatioField {
   std::size_t ratios_ = 0;
 };
 
+/// Standard deviations in an expected error [-].
+inline constexpr double kExpectedDeviations = 1.5;
+
 /// What a field predicts. Logarithms of ratios, and turns of forces in the frame of
 /// their vertex, are taken for a random field over all coordinates, alike at all
 /// depths. Errors are those of force vectors, |F - F'| over |F|. Lengths over which it
@@ -98,8 +101,8 @@ class RatioModel {
   [[nodiscard]] PathRatio from_others(std::int32_t vertex,
                                       const Indentation& cheap) const;
 
-  /// Error of force [-] that is expected at a vertex if it takes this ratio: 1.5
-  /// standard deviations of a field that is as rough as around the vertex, or as
+  /// Error of force [-] that is expected at a vertex if it takes this ratio:
+  /// kExpectedDeviations of a field that is as rough as around the vertex, or as
   /// everywhere, whichever is more; and more where presses nearby were not alike.
   [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap) const;
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/base/reproducible.h"
 #include "formats/database/error_calibration.h"
 #include "precompute/body/mesh_grading.h"
 #include "precompute/contact/indentation_response.h"
@@ -21,6 +22,19 @@ namespace {
 constexpr double kOtherKind = 0.3;
 
 }  // namespace
+
+bool keeps_budget(std::span<const double> expected, std::size_t known, double budget) {
+  if (known < kChecksToCalibrate) {
+    return kExpectedErrorFactor * *std::max_element(expected.begin(), expected.end()) <=
+           budget;
+  }
+  double beyond = 0.0;
+  for (const double error : expected) {
+    beyond +=
+        reproducible::erfc(budget * kExpectedDeviations / (std::sqrt(2.0) * error));
+  }
+  return beyond <= (1.0 - kErrorCoverage) * static_cast<double>(expected.size());
+}
 
 Territory::Territory(const Scene& scene, const BodySource& body,
                      const SceneSolver& solver, const SharedTool& tool,
@@ -137,8 +151,7 @@ void Territory::solve_kinds_until_within_budget() {
         error[i] = expected_error(i, ratios);
       }
     }
-    const double worst = *std::max_element(error.begin(), error.end());
-    if (!(kExpectedErrorFactor * worst > scene_.force_relative)) {
+    if (keeps_budget(error, field_.size(), scene_.force_relative)) {
       return;
     }
     const Places more =

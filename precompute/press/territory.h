@@ -23,6 +23,14 @@ inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within
 /// Rounds grow with what is known: a tenth of it.
 inline constexpr std::size_t kKnownPerSample = 10;
 
+/// Whether errors are within the budget at 95 % of vertices (kErrorCoverage), if they
+/// are normal. Fewer than 19 ratios (kChecksToCalibrate) cannot tell what 95 % are
+/// within: then all must be, kExpectedErrorFactor times.
+/// @param expected (n >= 1) [-] RatioModel::error_at(), 0 where solved. @param known
+/// ratios that they are told from.
+[[nodiscard]] bool keeps_budget(std::span<const double> expected, std::size_t known,
+                                double budget);
+
 /// Every vertex has a cheap press, once press_cheap() was called, and a good one where
 /// it is solved; the ratio of the two (path_ratio) is known where they are alike. There
 /// are four ways to work, each ended by answer():
@@ -44,8 +52,9 @@ class Territory {
 
   void solve_all() { solve(unsolved()); }
 
-  /// Solves vertices that only a solve can answer, a few others, and more until every
-  /// ratio's magnitude is expected within the budget. Turns count in stated errors.
+  /// Solves vertices that only a solve can answer, a few others, and more until at 95 %
+  /// of all (kErrorCoverage) the ratio's magnitude is expected within the budget. Turns
+  /// count in stated errors.
   void solve_within_budget();
 
   /// As solve_within_budget(), without cheap presses so far: a few good ones tell

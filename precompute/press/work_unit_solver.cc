@@ -39,8 +39,7 @@ std::size_t territory_size(std::size_t vertices) {
 WorkUnitOutcome solve_check(const Scene& scene, const BodySource& body,
                             const PressStrategy& strategy, const SceneSolver& solver,
                             const WorkUnit& unit) {
-  const double times_finer =
-      strategy.nonlinear ? kNonlinearCheckTimesFiner : kLinearCheckTimesFiner;
+  const double times_finer = check_times_finer(strategy, unit.place);
   WorkUnitOutcome outcome{
       .index = unit.index, .is_check = true, .node = {}, .place = unit.place};
   for (std::size_t t = 0; t < body.tool.size(); ++t) {
@@ -146,6 +145,13 @@ std::vector<WorkUnit> checks_of(const Scene& scene, const BodySource& body,
 }
 
 }  // namespace
+
+double check_times_finer(const PressStrategy& strategy, const SurfacePoint& place) {
+  if (!strategy.nonlinear) {
+    return kLinearCheckTimesFiner;
+  }
+  return place.triangle < 0 ? kNonlinearCheckTimesFiner : 1.0;
+}
 
 std::size_t expected_samples(std::size_t vertices, double force_relative) {
   constexpr double kShare = 0.35;

@@ -13,10 +13,15 @@
 
 namespace palpate {
 
-/// Elements of checks. Nonlinear ones would cost nearly twice as much on meshes twice
-/// as fine; linear ones are a small part of a build (MEASURED.md).
+/// Elements of checks beside those of a build. A linear check is a small part of a
+/// build. Between vertices a nonlinear one has a mesh of its own that is as fine as a
+/// build's: what is found there is the field's error, not the mesh's, and on finer ones
+/// a hard press takes ten times as long (MEASURED.md). At a vertex that mesh may be the
+/// build's own.
 inline constexpr double kLinearCheckTimesFiner = 2.0;
 inline constexpr double kNonlinearCheckTimesFiner = 1.5;
+[[nodiscard]] double check_times_finer(const PressStrategy& strategy,
+                                       const SurfacePoint& place);
 
 /// Good presses that a territory of so many vertices will probably need at a budget
 /// [-]. A third: a gel cylinder, an organ and a liver of neo-Hookean material need

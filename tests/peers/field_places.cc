@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -79,22 +80,37 @@ double at_share(std::vector<double> values, double share) {
                               share * static_cast<double>(values.size() - 1))];
 }
 
+// What was pressed, to judge fields by.
+struct Truth {
+  double depth_m = 0.0;
+  std::vector<Spot> spot;
+  std::vector<TrueCurve> curve;
+};
+
+Truth pressed(const Scene& scene, const ResponseDatabase& database,
+              const PlacesOptions& options) {
+  const ResponseTable& table = find_tool(database, scene.tool.front().name);
+  Truth truth{.depth_m = scene.reach.depth_max_m,
+              .spot = drawn(database, table, scene.reach.depth_max_m, options),
+              .curve = {}};
+  std::vector<PlacedDepth> presses;
+  for (const Spot& spot : truth.spot) {
+    presses.push_back(spot.press);
+  }
+  truth.curve = true_curves(scene, read_body(scene), presses, options.times_finer);
+  return truth;
+}
+
 class Places {
  public:
-  Places(const Scene& scene, const ResponseDatabase& database,
-         const PlacesOptions& options)
+  Places(const Truth& truth, const ResponseDatabase& database,
+         const ResponseTable& table, std::string rows)
       : database_(database),
-        table_(find_tool(database, scene.tool.front().name)),
-        options_(options) {
-    depth_m_ = table_.depth_max_m();
-    spots_ = drawn(database_, table_, scene.reach.depth_max_m, options);
-    std::vector<PlacedDepth> presses;
-    for (const Spot& spot : spots_) {
-      presses.push_back(spot.press);
-    }
-    depth_m_ = scene.reach.depth_max_m;
-    truth_ = true_curves(scene, read_body(scene), presses, options.times_finer);
-  }
+        table_(table),
+        rows_(std::move(rows)),
+        depth_m_(truth.depth_m),
+        spots_(truth.spot),
+        truth_(truth.curve) {}
 
   PlacesReport report() {
     PlacesReport report;
@@ -191,7 +207,7 @@ class Places {
       }
       stated.push_back(blended);
       pressed.push_back(found[i]);
-      if (kind == FieldKind::kSmooth && !options_.rows.empty()) {
+      if (kind == FieldKind::kSmooth && !rows_.empty()) {
         write_row(i, found[i], blended, by_depth.row(static_cast<Eigen::Index>(i)));
       }
       coverage.within_blended += found[i] <= blended ? 1.0 : 0.0;
@@ -233,16 +249,16 @@ class Places {
   void write_row(std::size_t i, double found, double stated,
                  const Eigen::RowVectorXd& by_depth) const {
     const Vector3d& at_m = spots_[i].press.at_m;
-    std::ofstream(options_.rows, i == 0 ? std::ios::trunc : std::ios::app)
+    std::ofstream(rows_, i == 0 ? std::ios::trunc : std::ios::app)
         << at_m.transpose() << ' ' << found << ' ' << stated << ' ' << by_depth << '\n';
   }
 
   const ResponseDatabase& database_;
   const ResponseTable& table_;
-  const PlacesOptions options_;
-  double depth_m_ = 0.0;
-  std::vector<Spot> spots_;
-  std::vector<TrueCurve> truth_;
+  const std::string rows_;
+  const double depth_m_;
+  const std::vector<Spot>& spots_;
+  const std::vector<TrueCurve>& truth_;
 };
 
 const char* name(FieldKind kind) {
@@ -251,9 +267,25 @@ const char* name(FieldKind kind) {
 
 }  // namespace
 
-PlacesReport measure_places(const Scene& scene, const ResponseDatabase& database,
-                            const PlacesOptions& options) {
-  return Places(scene, database, options).report();
+std::vector<PlacesReport> measure_places(const Scene& scene,
+                                         std::span<const ResponseDatabase> databases,
+                                         const PlacesOptions& options) {
+  const Points& body_m = databases.front().body.position_m;
+  for (const ResponseDatabase& database : databases) {
+    if (database.body.position_m.rows() != body_m.rows() ||
+        database.body.position_m != body_m) {
+      throw InputError("the databases are of different bodies, must be of one");
+    }
+  }
+  const Truth truth = pressed(scene, databases.front(), options);
+  std::vector<PlacesReport> reports;
+  for (const ResponseDatabase& database : databases) {
+    reports.push_back(Places(truth, database,
+                             find_tool(database, scene.tool.front().name),
+                             reports.empty() ? options.rows : "")
+                          .report());
+  }
+  return reports;
 }
 
 std::string table_text(const PlacesReport& report) {

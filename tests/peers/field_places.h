@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,8 @@ namespace palpate::peers {
 struct PlacesOptions {
   int places = 200;
   double times_finer = 2.0;  ///< than the scene's budget asks for
-  /// File for one line a place of the smooth field: where [m], found, stated, and what
-  /// is found at each depth [-]; "": none.
+  /// File for one line a place of the first database's smooth field: where [m], found,
+  /// stated, and what is found at each depth [-]; "": none.
   std::string rows;
   unsigned seed = 1;
 };
@@ -58,10 +59,13 @@ struct PlacesReport {
   std::vector<PlacesCoverage> coverage;
 };
 
-/// @param scene of the database, whose first tool is pressed.
-[[nodiscard]] PlacesReport measure_places(const Scene& scene,
-                                          const ResponseDatabase& database,
-                                          const PlacesOptions& options);
+/// The same presses judge each database.
+/// @param scene of the databases, whose first tool is pressed. @param databases (n >=
+/// 1) of one body; the first decides where elements respond. @throws InputError
+/// otherwise.
+[[nodiscard]] std::vector<PlacesReport> measure_places(
+    const Scene& scene, std::span<const ResponseDatabase> databases,
+    const PlacesOptions& options);
 
 [[nodiscard]] std::string table_text(const PlacesReport& report);
 

@@ -1,6 +1,7 @@
 // peers_places: how far off the field of a database is between its nodes.
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,13 +15,14 @@ namespace {
 void add_measure(Command app) {
   struct Flags : PlacesOptions {
     std::filesystem::path scene;
-    std::filesystem::path database;
+    std::vector<std::string> database;
   };
   Command command = app.add_subcommand(
       "measure", "Presses random places of a scene, and compares the stored field");
   auto flags = std::make_shared<Flags>();
   command.add_option("scene", flags->scene, "Scene (TOML)").required();
-  command.add_option("database", flags->database, "Built from it (HDF5)").required();
+  command.add_option("database", flags->database, "Built from it (HDF5), one or more")
+      .required();
   command.add_option("--places", flags->places, "of the surface")
       .show_default()
       .in_range(1, 100000);
@@ -31,8 +33,14 @@ void add_measure(Command app) {
   command.add_option("--rows", flags->rows, "file for one line a place");
   command.callback([flags] {
     const Scene scene = read_scene(flags->scene);
-    const ResponseDatabase database = read_database(flags->database);
-    fmt::print("{}", table_text(measure_places(scene, database, *flags)));
+    std::vector<ResponseDatabase> databases;
+    for (const auto& file : flags->database) {
+      databases.push_back(read_database(file));
+    }
+    const auto reports = measure_places(scene, databases, *flags);
+    for (std::size_t i = 0; i < reports.size(); ++i) {
+      fmt::print("{}\n{}", flags->database[i], table_text(reports[i]));
+    }
   });
 }
 

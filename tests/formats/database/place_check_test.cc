@@ -12,7 +12,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::int32_t kFails = 4;  // a vertex of the sample
+constexpr std::int32_t kFails = 4;   // a vertex of the sample
+constexpr double kCheckError = 0.2;  // that the check's press estimates of itself
 
 // A place of a triangle of the octahedron that has the vertex.
 SurfacePoint place_beside(const JobDescription& plan, std::int32_t vertex) {
@@ -34,6 +35,7 @@ std::vector<WorkUnitOutcome> units_with(const SurfacePoint& place,
   NodeResponse& response = units.back().node.front().response;
   response.touch_offset_m = 0.0;
   response.sample_direction.clear();
+  response.error_relative = kCheckError;
   if (all_answer) {
     WorkUnitNode& failed = units[1].node.back();
     failed = units[0].node.front();
@@ -104,7 +106,7 @@ TEST(PlaceCheck, StatesWhatCoversThePlaceByTheCornersShares) {
               table.error_relative[static_cast<std::size_t>(
                   plan.body.triangle(units.back().place.triangle, j))];
   }
-  EXPECT_NEAR(stated, kErrorPerPlaceCheck * all.checked.front(), 1e-12);
+  EXPECT_NEAR(stated, std::hypot(all.checked.front(), kCheckError), 1e-12);
 }
 
 // A field that is 30 % off up to a quarter of the largest force, at 0.4 of the depth,
@@ -141,9 +143,9 @@ TEST(PlaceCheck, TellsErrorsByDepthWhereSoManyChecksAllow) {
       continue;
     }
     ASSERT_EQ(accuracy.covering_relative.size(), 3U);
-    EXPECT_NEAR(accuracy.covering_relative[0], 0.3 * kErrorPerPlaceCheck, 0.03);
-    EXPECT_NEAR(accuracy.covering_relative[1], 0.3 * kErrorPerPlaceCheck, 0.03);
-    EXPECT_LT(accuracy.covering_relative[2], 0.03);
+    EXPECT_NEAR(accuracy.covering_relative[0], std::hypot(0.3, kCheckError), 0.03);
+    EXPECT_NEAR(accuracy.covering_relative[1], std::hypot(0.3, kCheckError), 0.03);
+    EXPECT_NEAR(accuracy.covering_relative[2], kCheckError, 0.03);
   }
 }
 

@@ -98,6 +98,29 @@ TEST(Territory, CurvesEndAtALimitOrSayThatTheyDoNot) {
   EXPECT_GT(capped, 5);
 }
 
+// A budget of so many deviations of every vertex' error that one in twenty is beyond it
+// (1.96 for two sides) is kept, a little less is not.
+TEST(Territory, KeepsABudgetAtNinetyFivePercent) {
+  const std::vector<double> expected(40, 0.03);
+  const double quantile = 1.9599639845 * 0.03 / kExpectedDeviations;
+  EXPECT_TRUE(keeps_budget(expected, 19, 1.0001 * quantile));
+  EXPECT_FALSE(keeps_budget(expected, 19, 0.9999 * quantile));
+  // Of twice as many, half of them solved, one in ten of the others may be beyond.
+  std::vector<double> half = expected;
+  half.resize(80, 0.0);
+  const double tenth = 1.6448536270 * 0.03 / kExpectedDeviations;
+  EXPECT_TRUE(keeps_budget(half, 19, 1.0001 * tenth));
+  EXPECT_FALSE(keeps_budget(half, 19, 0.9999 * tenth));
+}
+
+TEST(Territory, KeepsABudgetEverywhereWhereFewRatiosAreKnown) {
+  std::vector<double> expected(40, 0.001);
+  expected[7] = 0.03;
+  EXPECT_TRUE(keeps_budget(expected, 19, 0.04));
+  EXPECT_FALSE(keeps_budget(expected, 18, 0.0449));
+  EXPECT_TRUE(keeps_budget(expected, 18, 0.0451));
+}
+
 TEST(Territory, SolvesOtherKindsOfPlacesBeforeOthersAreInterpolated) {
   const auto [body, nodes] = answers_of(kScene);
   std::vector<std::int32_t> solved;

@@ -124,6 +124,17 @@ TEST_F(Checks, AreAtVerticesWhereNoTriangleIsReachable) {
   }
 }
 
+// At a vertex a mesh as fine as the build's would be the build's own.
+TEST(CheckMeshes, AreFinerWhereTheBuildMayHavePressedTheSame) {
+  const SurfacePoint between{.triangle = 0, .area_coordinate = {0.2, 0.3, 0.5}};
+  PressStrategy strategy;
+  EXPECT_EQ(check_times_finer(strategy, between), kLinearCheckTimesFiner);
+  EXPECT_EQ(check_times_finer(strategy, {}), kLinearCheckTimesFiner);
+  strategy.nonlinear = true;
+  EXPECT_EQ(check_times_finer(strategy, between), 1.0);
+  EXPECT_EQ(check_times_finer(strategy, {}), kNonlinearCheckTimesFiner);
+}
+
 // A place is pressed where it is: the same force as at a vertex there, of a body that
 // has one.
 TEST_F(Checks, PressThePlaceAsAVertexThere) {
