@@ -133,7 +133,8 @@ struct SceneAccuracy {
   /// auto: of a nonlinear press some depths are solved, and the linear press corrected
   /// between them where the budget allows; or all.
   std::string solve_depths = "auto";
-  int verify = 24;  ///< [-] [0, 1000000] places solved better
+  /// [-] [0, 1000000] places solved better; the largest of 19 errors covers 95 %.
+  int verify = 19;
   int bundles = 1;  ///< [-] [1, 8] parts of a relaxing curve
 };
 

@@ -63,7 +63,7 @@ TEST(Scene, OptionalKeysHaveDefaults) {
   EXPECT_EQ(scene.accuracy.refine, "auto");
   EXPECT_EQ(scene.accuracy.solve, "auto");
   EXPECT_EQ(scene.accuracy.solve_depths, "auto");
-  EXPECT_EQ(scene.accuracy.verify, 24);
+  EXPECT_EQ(scene.accuracy.verify, 19);
   EXPECT_FALSE(scene.drawing.displacement);
   EXPECT_EQ(scene.drawing.error_relative, 0.02);
   EXPECT_TRUE(scene.inclusion.empty());
