@@ -99,7 +99,7 @@ struct Assembly {
   std::int64_t hard_path = 0;      ///< other equilibria may lie near
   double error_factor =
       0.0;  ///< [-] stated errors over estimates, of tools the largest
-  double hard_error_factor = 0.0;  ///< [-] the same of nodes with kHardPath
+  double hard_error_factor = 0.0;  ///< [-] the same beside nodes with kHardPath
   /// [-] The share of nodes that stated errors hold for, as the number of checks tells:
   /// of tools the least, 0.95 at most; and of nodes with kHardPath.
   double error_covered = kErrorCoverage;

@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 
 #include "formats/base/error.h"
-#include "formats/base/quantile.h"
 #include "formats/database/error_calibration.h"
 #include "formats/database/place_check.h"
+#include "formats/database/stated_errors.h"
 #include "formats/database/table_memory.h"
 #include "formats/database/work_unit.h"
 
@@ -142,110 +142,6 @@ void take(const WorkUnitOutcome& unit, std::vector<ToolAnswers>& answers) {
   }
 }
 
-// Factors on estimates: of nodes whose path was easy to follow, and of the others,
-// which are few and off by more.
-struct ErrorFactor {
-  double factor = 0.0;              // 0: there is no such node
-  double covered = kErrorCoverage;  // the share of nodes that so many checks cover
-};
-struct ErrorFactors {
-  ErrorFactor easy;
-  ErrorFactor hard;
-};
-
-// Estimates become stated errors, and flags where those are above the budget.
-ErrorFactor calibrate(const JobDescription& plan, ToolAnswers& tool, bool hard) {
-  const auto is_hard = [&](const NodeResponse& response) {
-    return (response.flags & kHardPath) != 0;
-  };
-  std::vector<NodeResponse*> nodes;
-  for (NodeResponse& response : tool.response) {
-    if (response.origin != ResponseOrigin::kNone && is_hard(response) == hard) {
-      nodes.push_back(&response);
-    }
-  }
-  if (nodes.empty()) {
-    return {};
-  }
-  std::vector<double> estimate;
-  std::vector<double> error;
-  for (const PlaceCheck& check : tool.check) {
-    const CheckCorners corners(plan.body, check);
-    double blended = 0.0;
-    bool any_hard = false;
-    for (std::size_t j = 0; j < 3; ++j) {
-      const double share = corners.share(static_cast<Eigen::Index>(j));
-      const NodeResponse& response = tool.response[corners.vertex[j]];
-      blended += share * response.error_relative;
-      any_hard = any_hard || (share > 0.0 && is_hard(response));
-    }
-    if (!std::isnan(check.found) && blended > 0.0 && any_hard == hard) {
-      estimate.push_back(blended);
-      error.push_back(check.error(check.found));
-    }
-  }
-  const double factor = calibrate_errors(estimate, error);
-  const auto known = std::count_if(error.begin(), error.end(), [](double e) {
-    return std::isfinite(e);
-  });
-  for (NodeResponse* response : nodes) {
-    response->error_relative *= factor;
-    if (response->error_relative > plan.force_relative) {
-      response->flags = static_cast<std::uint8_t>(response->flags | kErrorOverBudget);
-    }
-  }
-  return {factor, covered_share(static_cast<std::size_t>(known), error.size())};
-}
-
-// What 95 % of places are within, by the depth from which on errors count.
-void state_by_depth(const std::vector<PlaceCheck>& checks, AccuracyRecord& record) {
-  for (std::size_t i = 0; i < kErrorsFrom.size(); ++i) {
-    std::vector<double> found;
-    for (const PlaceCheck& check : checks) {
-      if (check.place.triangle >= 0 && !std::isnan(check.found)) {
-        found.push_back(
-            check.error(std::isinf(check.found) ? check.found : check.found_from[i]));
-      }
-    }
-    const std::size_t count = found.size();
-    const double covered = found.empty() ? 0.0 : covering(std::move(found));
-    if (count >= kChecksToCalibrate && std::isfinite(covered)) {
-      record.depth_share.push_back(kErrorsFrom[i]);
-      record.covering_relative.push_back(covered);
-    }
-  }
-}
-
-AccuracyRecord accuracy_record(double budget, const ErrorFactors& factor,
-                               const std::vector<PlaceCheck>& checks) {
-  AccuracyRecord record{
-      .budget_relative = budget,
-      .error_factor = factor.easy.factor,
-      .hard_error_factor = factor.hard.factor,
-      .covered = factor.easy.covered,
-      .hard_covered = factor.hard.factor > 0.0 ? factor.hard.covered : 0.0,
-      .quantile_level = {},
-      .error_relative = {}};
-  std::vector<double> verified;
-  for (const PlaceCheck& check : checks) {
-    if (std::isfinite(check.found)) {
-      verified.push_back(check.found);
-      record.between_nodes += check.place.triangle >= 0 ? 1 : 0;
-    }
-  }
-  if (verified.empty()) {
-    return record;
-  }
-  std::sort(verified.begin(), verified.end());
-  record.verified = std::ssize(verified);
-  record.quantile_level = {0.0, 0.25, 0.5, 0.75, 0.95, 1.0};
-  for (const double level : record.quantile_level) {
-    record.error_relative.push_back(quantile(verified, level));
-  }
-  state_by_depth(checks, record);
-  return record;
-}
-
 // What checks and failures say of a tool's table, whose errors are estimates so far.
 void complete(double budget, const ToolAnswers& tool, const ErrorFactors& error_factor,
               ResponseTable& table) {
@@ -328,8 +224,8 @@ Assembly assemble(const JobDescription& plan, std::span<const WorkUnitOutcome> u
     database.tools.push_back(make_table(plan.tool[t], answers[t].response));
     compare(database, answers[t].response, stored, answers[t].check);
     count_checks(answers[t].check, assembly);
-    const ErrorFactors factor{calibrate(plan, answers[t], false),
-                              calibrate(plan, answers[t], true)};
+    const ErrorFactors factor = state_errors(plan.body, plan.force_relative,
+                                             answers[t].check, answers[t].response);
     for (const NodeResponse& response : answers[t].response) {
       if (response.origin != ResponseOrigin::kNone) {
         assembly.error.push_back(response.error_relative);

@@ -74,7 +74,8 @@ struct AccuracyRecord {
   /// [-] What estimates were multiplied by to give error_relative, so that it holds at
   /// 95 % of places (error_calibration.h); 0: not calibrated.
   double error_factor = 0.0;
-  double hard_error_factor = 0.0;  ///< [-] the same of nodes with kHardPath; 0: none
+  /// [-] The same in elements that have a node with kHardPath; 0: none.
+  double hard_error_factor = 0.0;
   /// [-] The share of places that error_relative holds for, as the number of checks and
   /// of failed ones tells (covered_share()); and beside nodes with kHardPath. 0:
   /// unknown.

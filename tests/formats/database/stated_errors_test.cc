@@ -1,0 +1,115 @@
+#include "formats/database/stated_errors.h"
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kEstimate = 0.01;
+constexpr double kBudget = 0.05;
+constexpr int kVertices = 7;
+
+// A strip of five triangles, 0 1 2, 1 2 3 and so on, whose first vertex was hard.
+SurfaceMesh strip() {
+  SurfaceMesh body;
+  body.position_m.resize(kVertices, 3);
+  body.triangle.resize(kVertices - 2, 3);
+  for (int v = 0; v < kVertices; ++v) {
+    body.position_m.row(v) << 0.5 * v, v % 2, 0.0;
+  }
+  for (int t = 0; t + 2 < kVertices; ++t) {
+    body.triangle.row(t) << t, t + 1, t + 2;
+  }
+  return body;
+}
+
+std::vector<NodeResponse> responses() {
+  std::vector<NodeResponse> all(kVertices);
+  for (NodeResponse& response : all) {
+    response.origin = ResponseOrigin::kSimulated;
+    response.error_relative = kEstimate;
+  }
+  all.front().flags = kHardPath;
+  return all;
+}
+
+// Of a press that knows itself well.
+PlaceCheck check_in(std::int32_t triangle, double found) {
+  PlaceCheck check{.vertex = triangle,
+                   .place = {.triangle = triangle, .area_coordinate = {0.2, 0.3, 0.5}},
+                   .response = {}};
+  check.found = found;
+  check.found_from.fill(found);
+  return check;
+}
+
+double stated_in(const SurfaceMesh& body, const std::vector<NodeResponse>& response,
+                 const PlaceCheck& check) {
+  const CheckCorners corners(body, check);
+  double blended = 0.0;
+  for (std::size_t j = 0; j < 3; ++j) {
+    blended += corners.share(static_cast<Eigen::Index>(j)) *
+               response[corners.vertex[j]].error_relative;
+  }
+  return blended;
+}
+
+// The hard vertex has a fifth of the place; its neighbours' errors count there, too.
+TEST(StateErrors, CoverThePlacesOfElementsWithAHardNode) {
+  const SurfaceMesh body = strip();
+  std::vector<NodeResponse> response = responses();
+  const std::vector<PlaceCheck> checks{check_in(0, 0.08), check_in(4, 0.02)};
+  const ErrorFactors factor = state_errors(body, kBudget, checks, response);
+  EXPECT_NEAR(factor.hard.factor, 8.0, 1e-12);
+  EXPECT_NEAR(factor.easy.factor, 2.0, 1e-12);
+  EXPECT_NEAR(stated_in(body, response, checks[0]), 0.08, 1e-12);
+  EXPECT_NEAR(stated_in(body, response, checks[1]), 0.02, 1e-12);
+  for (std::size_t v = 0; v < response.size(); ++v) {
+    const bool beside = v < 3;
+    EXPECT_NEAR(response[v].error_relative, beside ? 0.08 : 0.02, 1e-12) << v;
+    EXPECT_EQ((response[v].flags & kErrorOverBudget) != 0, beside) << v;
+  }
+}
+
+// Between nodes of both kinds lies an element without a hard node: its places are easy
+// ones, which must not be covered worse.
+TEST(StateErrors, StateNoLessBesideHardNodesThanElsewhere) {
+  const SurfaceMesh body = strip();
+  std::vector<NodeResponse> response = responses();
+  const std::vector<PlaceCheck> checks{check_in(0, 0.016), check_in(1, 0.03)};
+  const ErrorFactors factor = state_errors(body, kBudget, checks, response);
+  EXPECT_NEAR(factor.easy.factor, 3.0, 1e-12);
+  EXPECT_NEAR(factor.hard.factor, 3.0, 1e-12);
+  EXPECT_NEAR(stated_in(body, response, checks[1]), 0.03, 1e-12);
+}
+
+TEST(StateErrors, SayHowManyPlacesOfEachKindSoManyChecksCover) {
+  const SurfaceMesh body = strip();
+  std::vector<NodeResponse> response = responses();
+  std::vector<PlaceCheck> checks(4, check_in(4, 0.02));
+  checks.push_back(check_in(0, 0.02));
+  checks.push_back(check_in(0, std::numeric_limits<double>::infinity()));
+  const ErrorFactors factor = state_errors(body, kBudget, checks, response);
+  EXPECT_NEAR(factor.easy.covered, 4.0 / 5.0, 1e-12);
+  EXPECT_NEAR(factor.hard.covered, 1.0 / 3.0, 1e-12);
+  const AccuracyRecord record = accuracy_record(kBudget, factor, checks);
+  EXPECT_EQ(record.verified, 5);
+  EXPECT_EQ(record.between_nodes, 5);
+  EXPECT_NEAR(record.hard_covered, 1.0 / 3.0, 1e-12);
+}
+
+TEST(StateErrors, HaveNoFactorOfAKindThatIsNotThere) {
+  const SurfaceMesh body = strip();
+  std::vector<NodeResponse> response = responses();
+  response.front().flags = 0;
+  const ErrorFactors factor = state_errors(body, kBudget, {}, response);
+  EXPECT_EQ(factor.hard.factor, 0.0);
+  EXPECT_EQ(factor.easy.factor, kLeastErrorFactor);
+}
+
+}  // namespace
+}  // namespace palpate
