@@ -53,13 +53,6 @@ double ordinary_variance(const Eigen::VectorXd& square) {
 
 }  // namespace
 
-RatioModel::Roughness RatioModel::roughness_of(const Eigen::VectorXd& error,
-                                               const Eigen::VectorXd& variance) {
-  Eigen::VectorXd each = error.array().square() / variance.array();
-  const double ordinary = ordinary_variance(each);
-  return {.each = std::move(each), .ordinary = ordinary};
-}
-
 RatioField::Place RatioField::place_of(std::int32_t vertex, const Indentation& cheap) {
   // Of the secant at the path's end.
   const double force_n =
@@ -156,8 +149,8 @@ RatioModel::RatioModel(const RatioField& field)
   }
   if (n > 1) {
     left_out_ = left_out(*kriging_);
-    vector_ = roughness_of(left_out_.error, left_out_.variance);
-    magnitude_ = roughness_of(left_out_.magnitude, left_out_.variance);
+    roughness_.each = left_out_.error.array().square() / left_out_.variance.array();
+    roughness_.ordinary = ordinary_variance(roughness_.each);
   }
 }
 
@@ -184,7 +177,6 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
   const Eigen::Index depths = weight_.cols();
   const Eigen::MatrixXd off = kriging.left_out(value_.leftCols(4 * depths));
   LeftOut result{.error = Eigen::VectorXd::Zero(off.rows()),
-                 .magnitude = Eigen::VectorXd::Zero(off.rows()),
                  .variance = kriging.left_out_variance()};
   for (Eigen::Index i = 0; i < off.rows(); ++i) {
     const RatioField::Known& known =
@@ -200,8 +192,6 @@ RatioModel::LeftOut RatioModel::left_out(const Kriging& kriging) const {
       const double turned = ((cheap + told.turn.row(k)).normalized() -
                              (cheap + known.ratio->turn.row(k)).normalized())
                                 .norm();
-      result.magnitude[i] =
-          std::max(result.magnitude[i], weight_(i, k) * std::abs(off_by));
       result.error[i] = std::max(
           result.error[i],
           weight_(i, k) * std::hypot(off_by, std::sqrt(1.0 + off_by) * turned));
@@ -294,8 +284,7 @@ PathRatio RatioModel::from_others(std::int32_t vertex, const Indentation& cheap)
 }
 
 // Means over the nearest known vertices, weighted by inverse squares of distance.
-RatioModel::Around RatioModel::around(const RatioField::Place& place,
-                                      const Roughness& roughness) const {
+RatioModel::Around RatioModel::around(const RatioField::Place& place) const {
   std::vector<std::pair<double, std::size_t>> nearest;  // distance, in field_.known()
   for (std::size_t i = 0; i < field_.known().size(); ++i) {
     nearest.emplace_back(field_.distance_m(place, field_.known()[i].place), i);
@@ -311,7 +300,7 @@ RatioModel::Around RatioModel::around(const RatioField::Place& place,
     sum += weight;
     const auto at = std::lower_bound(with_ratio_.begin(), with_ratio_.end(), known);
     if (at != with_ratio_.end() && *at == known) {
-      mean.roughness += weight * roughness.each[at - with_ratio_.begin()];
+      mean.roughness += weight * roughness_.each[at - with_ratio_.begin()];
     } else {
       mean.unlike += weight;
     }
@@ -320,23 +309,13 @@ RatioModel::Around RatioModel::around(const RatioField::Place& place,
 }
 
 double RatioModel::error_at(std::int32_t vertex, const Indentation& cheap) const {
-  return expected(vertex, cheap, vector_);
-}
-
-double RatioModel::magnitude_error_at(std::int32_t vertex,
-                                      const Indentation& cheap) const {
-  return expected(vertex, cheap, magnitude_);
-}
-
-double RatioModel::expected(std::int32_t vertex, const Indentation& cheap,
-                            const Roughness& roughness) const {
   if (with_ratio_.size() < 2) {
     return kUnlikeError;
   }
   const RatioField::Place place = RatioField::place_of(vertex, cheap);
-  const Around near = around(place, roughness);
+  const Around near = around(place);
   const double variance = kriging_->at(scaled(place, lengths_)).variance *
-                          std::max(near.roughness, roughness.ordinary);
+                          std::max(near.roughness, roughness_.ordinary);
   return std::hypot(kExpectedDeviations * std::sqrt(variance),
                     kUnlikeError * std::sqrt(near.unlike));
 }

@@ -106,12 +106,6 @@ class RatioModel {
   /// everywhere, whichever is more; and more where presses nearby were not alike.
   [[nodiscard]] double error_at(std::int32_t vertex, const Indentation& cheap) const;
 
-  /// The same of the force's magnitude alone. Where forces turn abruptly, as over a
-  /// rim, vertices say little about each other's turn: only solving each would keep a
-  /// budget.
-  [[nodiscard]] double magnitude_error_at(std::int32_t vertex,
-                                          const Indentation& cheap) const;
-
   /// Error [-] of every known ratio as the others predict it, in the order of
   /// field.known(); 1 where there is no ratio, or no other.
   [[nodiscard]] std::vector<double> left_out_errors() const;
@@ -119,11 +113,10 @@ class RatioModel {
  private:
   using Lengths = std::array<double, 4>;
   struct LeftOut {
-    Eigen::VectorXd error;      // (n) [-] of force
-    Eigen::VectorXd magnitude;  // (n) [-] of its magnitude
-    Eigen::VectorXd variance;   // (n) [-] that the kriging expects
+    Eigen::VectorXd error;     // (n) [-] of force
+    Eigen::VectorXd variance;  // (n) [-] that the kriging expects
   };
-  // Squares of errors over variances.
+  // Squares of left-out errors over their variances.
   struct Roughness {
     Eigen::VectorXd each;   // (n)
     double ordinary = 0.0;  // of nine tenths of them
@@ -132,12 +125,7 @@ class RatioModel {
     double roughness = 0.0;
     double unlike = 0.0;  // share of those that were not alike
   };
-  [[nodiscard]] static Roughness roughness_of(const Eigen::VectorXd& error,
-                                              const Eigen::VectorXd& variance);
-  [[nodiscard]] Around around(const RatioField::Place& place,
-                              const Roughness& roughness) const;
-  [[nodiscard]] double expected(std::int32_t vertex, const Indentation& cheap,
-                                const Roughness& roughness) const;
+  [[nodiscard]] Around around(const RatioField::Place& place) const;
   [[nodiscard]] Eigen::VectorXd scaled(const RatioField::Place& place,
                                        const Lengths& lengths) const;
   [[nodiscard]] Kriging kriging(const Lengths& lengths) const;
@@ -156,8 +144,7 @@ class RatioModel {
   Lengths lengths_;
   std::optional<Kriging> kriging_;
   LeftOut left_out_;
-  Roughness vector_;
-  Roughness magnitude_;
+  Roughness roughness_;
 };
 
 }  // namespace palpate

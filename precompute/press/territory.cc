@@ -305,12 +305,10 @@ Territory::Places Territory::spread(
   return chosen;
 }
 
-// What more solves are chosen by: of the magnitude. Infinite where only a solve can
-// tell.
+// Infinite where only a solve can tell.
 double Territory::expected_error(std::size_t i, const RatioModel& ratios) const {
-  return field_.size() < 2
-             ? std::numeric_limits<double>::infinity()
-             : ratios.magnitude_error_at(vertex_[i], cheap_[i].indentation);
+  return field_.size() < 2 ? std::numeric_limits<double>::infinity()
+                           : ratios.error_at(vertex_[i], cheap_[i].indentation);
 }
 
 NodeResponse Territory::interpolated(std::size_t i, const RatioModel& ratios,

@@ -53,8 +53,7 @@ class Territory {
   void solve_all() { solve(unsolved()); }
 
   /// Solves vertices that only a solve can answer, a few others, and more until at 95 %
-  /// of all (kErrorCoverage) the ratio's magnitude is expected within the budget. Turns
-  /// count in stated errors.
+  /// of all (kErrorCoverage) the force vector is expected within the budget.
   void solve_within_budget();
 
   /// As solve_within_budget(), without cheap presses so far: a few good ones tell
