@@ -154,7 +154,7 @@ double check_times_finer(const PressStrategy& strategy, const SurfacePoint& plac
 }
 
 std::size_t expected_samples(std::size_t vertices, double force_relative) {
-  constexpr double kShare = 0.27;
+  constexpr double kShare = 0.35;
   constexpr double kTightShare = 0.5;  // a guess: no build to so little was counted
   if (is_small(vertices, force_relative)) {
     return vertices;
