@@ -26,6 +26,7 @@ struct CurveOptions {
   CurveFile file;
   bool ignore_header_units = false;
   FitRange range;
+  std::vector<double> baseline_m;
   IndenterOptions indenter;
   MachineOptions machine;
   std::string output;
@@ -41,6 +42,9 @@ struct CurveResult {
 void compute_curve(const CurveOptions& options, const Indenter& indenter,
                    CurveResult& result) {
   PressFitOptions wanted{.range = options.range, .indenter = indenter, .frame = {}};
+  if (!options.baseline_m.empty()) {
+    wanted.baseline = FitRange{options.baseline_m[0], options.baseline_m[1]};
+  }
   wanted.frame = frame_of(options.machine, [&](const std::string& file) {
     CurveFile plate = options.file;
     plate.file = file;
@@ -127,7 +131,8 @@ void print_curve(const CurveResult& r, const CurveOptions& options,
       r.read.measurement.samples.force_n.size(), approach.hold_samples,
       approach.retract_samples, approach.spikes, r.press.contact.outliers);
   if (r.press.contact.family == "power_law") {
-    fmt::print("{:<24} b0 + b1 x + K max(x - x0, 0)^p\n", "law");
+    fmt::print("{:<24} b0 + b1 x + K max(x - x0, 0)^p; +- is one standard deviation\n",
+               "law");
     for (const FitParameter& p : r.press.contact.parameters) {
       print_line(p.name, p.value, p.sd,
                  p.held.empty() ? p.unit : fmt::format("{} ({})", p.unit, p.held));
@@ -212,6 +217,11 @@ void add_curve_command(Command app) {
                      "number of the press to fit, where the file holds several");
   command.add_option("--from-m", options->range.from_m, "fit from this displacement");
   command.add_option("--to-m", options->range.to_m, "fit up to this displacement");
+  command
+      .add_option("--baseline-m", options->baseline_m,
+                  "displacements FROM,TO that are surely before contact")
+      .separated_by(',')
+      .values(2);
   add_indenter_options(command, options->indenter);
   add_machine_options(command, options->machine);
   command.add_option("-o,--output", options->output,

@@ -239,8 +239,8 @@ double cross_validated(const FamilyData& all, const FamilyFit& fit, bool contact
   return all.force_n * std::sqrt(squares / static_cast<double>(n));
 }
 
-// By the noise of the family that misses least.
-void find_misfits(const FamilyData& data, FamilyChoice& choice) {
+// By the noise of the family that misses least, or of what is free.
+void find_misfits(const FamilyData& data, double free_to_m, FamilyChoice& choice) {
   const auto residuals_of = [&](const FamilyFit& fit) {
     std::vector<double> r = residuals(data, *fit.curve, fit.scaled);
     for (double& value : r) {
@@ -252,7 +252,12 @@ void find_misfits(const FamilyData& data, FamilyChoice& choice) {
                                         [](const auto& a, const auto& b) {
                                           return a.rms_n < b.rms_n;
                                         });
-  const ResidualNoise noise(choice.displacement_m, residuals_of(*closest));
+  const auto& x = choice.displacement_m;
+  const auto free = std::find_if(x.begin(), x.end(), [&](double at) {
+    return !(at < free_to_m);
+  });
+  const ResidualNoise noise(x, residuals_of(*closest),
+                            static_cast<std::size_t>(free - x.begin()));
   choice.noise_sd_n = noise.noise_sd();
   choice.independent_samples = noise.independent_samples();
   for (FamilyFit& fit : choice.fits) {
@@ -357,7 +362,7 @@ FamilyChoice fit_families(const Approach& approach, const ContactFit& reference,
   for (const std::string& name : families) {
     choice.fits.push_back(fit_named(name, data, law, start.contact.sd_m, with));
   }
-  find_misfits(data, choice);
+  find_misfits(data, reference.free_to_m, choice);
   rank_fits(choice);
   choice.features = features_of(choice, approach);
   return choice;

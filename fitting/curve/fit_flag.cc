@@ -35,7 +35,8 @@ constexpr Text kText[] = {
     {FitFlag::kAlreadyInContact, "already_in_contact",
      "no free travel: depth is counted from the first sample"},
     {FitFlag::kContactPointNotIdentified, "contact_point_not_identified",
-     "contact point assumed, or uncertain by more than 10 % of the depth"},
+     "contact point assumed, uncertain by more than 10 % of the depth, or of a law "
+     "that follows no beginning of the curve: baseline_m tells what is surely free"},
     {FitFlag::kParameterAtBound, "parameter_at_bound",
      "a parameter stopped at its bound and was held"},
     {FitFlag::kCovarianceNotAvailable, "covariance_not_available",
@@ -45,7 +46,8 @@ constexpr Text kText[] = {
     {FitFlag::kHertzDepthExceeded, "hertz_depth_exceeded",
      "deeper than a quarter of the radius: Hertz's parabola is not the sphere"},
     {FitFlag::kModulusLawMisfit, "modulus_law_misfit",
-     "the modulus' law misses the data by more than their noise"},
+     "the modulus' law misses the data by more than their noise: fit the part where it "
+     "holds (from_m, to_m)"},
     {FitFlag::kHertzExponentRefuted, "hertz_exponent_refuted",
      "the free exponent is not 1.5: the modulus depends on depth"},
     {FitFlag::kFrameTakesMost, "frame_takes_most",
@@ -55,8 +57,13 @@ constexpr Text kText[] = {
     {FitFlag::kAdhesion, "adhesion",
      "the force falls clearly below the baseline: the specimen sticks, contact "
      "point and laws that only push are off"},
+    {FitFlag::kNotConverged, "not_converged",
+     "the power law's fit did not converge; the families' own are judged alone"},
+    {FitFlag::kSeveralHolds, "several_holds",
+     "the tool stands still on its way and goes on: what relaxes there is in the fit; "
+     "end it before the first hold (to_m)"},
 };
-static_assert(std::size(kText) == static_cast<std::size_t>(FitFlag::kAdhesion) + 1);
+static_assert(std::size(kText) == static_cast<std::size_t>(FitFlag::kSeveralHolds) + 1);
 
 Text text(FitFlag flag) noexcept {
   const auto* const found =

@@ -26,6 +26,8 @@ enum class FitFlag {
   kFrameTakesMost,
   kTimeDriftRemoved,
   kAdhesion,
+  kNotConverged,
+  kSeveralHolds,
 };
 
 /// As reports name it: "already_in_contact".

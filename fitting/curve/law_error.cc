@@ -64,10 +64,10 @@ Eigen::VectorXd log_force_errors(const Approach& approach, const ContactFit& fit
   }
   Eigen::VectorXd errors = Eigen::VectorXd::Constant(
       depth_m.size(), std::numeric_limits<double>::infinity());
-  const Eigen::MatrixXd C =
-      covariance_under_noise(J, r, rows,
-                             is_sure(fit.misfit, law.force_n) ? SharedNoise::kAlsoSmooth
-                                                              : SharedNoise::kRough);
+  const Eigen::MatrixXd C = covariance_under_noise(J, r, rows,
+                                                   is_sure(fit.misfit, law.force_n)
+                                                       ? SharedNoise::kAlsoSmooth
+                                                       : SharedNoise::kAlsoRegression);
   if (!C.allFinite()) {
     return errors;
   }

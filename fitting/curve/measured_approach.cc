@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "fitting/curve/segments.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/base/error.h"
 
@@ -19,6 +20,7 @@ constexpr double kHoldTolerance = 1e-3;  // [-] of the travel: a stage's positio
 constexpr std::size_t kHoldMin = 3;      // samples
 constexpr double kRetractMin = 0.2;      // [-] of the travel: less is no loop
 constexpr double kRiseInHold = 0.1;      // [-] of the forces' range
+constexpr std::size_t kDense = 5000;     // samples of an approach
 constexpr double kSlowingShare = 0.1;    // [-] of the travel
 constexpr double kFallDeviations = 5.0;
 constexpr double kSpikeDeviations = 8.0;
@@ -113,9 +115,12 @@ void turn_signs(Measurement& m, Approach& approach) {
   const std::span f(m.force_n);
   const auto start = f.first(few);
   const auto deepest = f.subspan(end - few, few);
-  const double rise =
-      median({deepest.begin(), deepest.end()}) - median({start.begin(), start.end()});
-  if (rise < -5.0 * noise_standard_deviation(f)) {
+  const double begin = median({start.begin(), start.end()});
+  const double rise = median({deepest.begin(), deepest.end()}) - begin;
+  // What breaks may end below where it began, but has risen by more before.
+  const std::vector<double> smooth = running_median(f.first(end), kSpikeReach);
+  const auto [least, most] = std::minmax_element(smooth.begin(), smooth.end());
+  if (*most - begin < begin - *least && rise < -5.0 * noise_standard_deviation(f)) {
     turn(m.force_n);
     approach.flags.push_back(FitFlag::kForceSignTurned);
   }
@@ -179,6 +184,38 @@ void count_rest(const Measurement& m, std::size_t end, Approach& approach) {
   if (approach.retract_samples > 0) {
     approach.flags.push_back(FitFlag::kRetractCutOff);
   }
+}
+
+// Whether the force falls while the tool stands still on its way, and goes on.
+bool holds_on_its_way(const Measurement& m, std::size_t end, double noise_n) {
+  std::size_t holds = 0;
+  const auto segments = find_segments(std::span(m.depth_m).first(end));
+  for (std::size_t i = 0; i + 1 < segments.size(); ++i) {
+    const auto [kind, begin, after] = segments[i];
+    const auto force = std::span(m.force_n).subspan(begin, after - begin);
+    holds +=
+        kind == SegmentKind::kHold && rise(force) < -kFallDeviations * noise_n ? 1 : 0;
+  }
+  return holds > 0;
+}
+
+// Means of neighbours where samples are far denser than any law needs.
+void thin(Approach& approach) {
+  const std::size_t together = approach.force_n.size() / kDense;
+  if (together < 2) {
+    return;
+  }
+  const std::size_t count = approach.force_n.size() / together;
+  for (std::vector<double>* values : {&approach.displacement_m, &approach.force_n}) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto first = values->begin() + static_cast<std::ptrdiff_t>(i * together);
+      const double sum =
+          std::accumulate(first, first + static_cast<std::ptrdiff_t>(together), 0.0);
+      (*values)[i] = sum / static_cast<double>(together);
+    }
+    values->resize(count);
+  }
+  approach.noise_sd_n = noise_standard_deviation(approach.force_n);
 }
 
 bool goes_back(std::span<const double> x, double tolerance) {
@@ -273,6 +310,9 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
   end = before_relaxation(turned, end, approach.noise_sd_n);
   approach.samples = end;
   count_rest(turned, end, approach);
+  if (holds_on_its_way(turned, end, approach.noise_sd_n)) {
+    approach.flags.push_back(FitFlag::kSeveralHolds);
+  }
   if (goes_back(std::span(turned.depth_m).first(end), kHoldTolerance * travel)) {
     approach.flags.push_back(FitFlag::kNonMonotoneDepth);
   }
@@ -294,6 +334,7 @@ Approach select_approach(const Measurement& measurement, const FitRange& range,
         approach.hold_samples, approach.retract_samples, approach.spikes,
         approach.out_of_range));
   }
+  thin(approach);
   if (baseline) {
     take_baseline(*baseline, approach);
   }

@@ -86,6 +86,16 @@ std::vector<double> clipped(std::span<const double> residual) {
   return values;
 }
 
+// What samples that touch nothing are beside a straight line is their noise.
+std::vector<ProbableNoise> noises_beside_line(const Eigen::VectorXd& x,
+                                              const Eigen::VectorXd& r) {
+  Eigen::MatrixXd line(r.size(), 2);
+  line << Eigen::VectorXd::Ones(r.size()), x;
+  line.col(1).array() -= x.mean();
+  const Eigen::VectorXd left = r - line * line.colPivHouseholderQr().solve(r);
+  return noises_of(line, left, SharedNoise::kAlsoRegression);
+}
+
 }  // namespace
 
 bool may_miss(const Misfit& misfit, double force_range) {
@@ -111,31 +121,44 @@ Eigen::VectorXd ResidualNoise::averaged(std::span<const double> values) const {
   return means;
 }
 
-ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> all)
+ResidualNoise::ResidualNoise(std::span<const double> x, std::span<const double> all,
+                             std::size_t free)
     : samples_(std::ssize(all)),
       together_(
           std::max<Eigen::Index>(1, (samples_ + kMisfitRowsMax - 1) / kMisfitRowsMax)) {
   const std::vector<double> residual = clipped(all);
   const Eigen::VectorXd r = averaged(residual);
+  const Eigen::VectorXd at = averaged(x);
   Q_ = orthonormal(spline_basis(
-      averaged(x),
-      std::clamp<Eigen::Index>(r.size() / kRowsPerInterval, 1, kIntervals)));
-  const Eigen::VectorXd left = r - Q_ * (Q_.transpose() * r);
+      at, std::clamp<Eigen::Index>(r.size() / kRowsPerInterval, 1, kIntervals)));
   double variance = 0.0;  // of a row
   const double interval =
       static_cast<double>(r.size()) / static_cast<double>(Q_.cols());
-  noises_ = noises_of(Q_, left, SharedNoise::kRough, std::max(1.0, interval));
+  const auto first = static_cast<Eigen::Index>(free) / together_;
+  noises_ = first > 0 ? noises_beside_line(at.head(first), r.head(first))
+                      : noises_of(Q_, r - Q_ * (Q_.transpose() * r),
+                                  SharedNoise::kRough, std::max(1.0, interval));
+  double squares = 0.0;  // of what the spline is expected to take
   for (auto& [noise, weight] : noises_) {
     noise.white = std::max(noise.white, std::numeric_limits<double>::min());
     squares_.push_back(weighed_squares(noise, r));
     const Eigen::MatrixXd M = Q_.transpose() * times_covariance(noise, Q_);
     expected_ += weight * M.trace();
+    squares += weight * std::pow(M.trace(), 2);
     expected_sd_ += weight * std::sqrt(2.0 * M.squaredNorm());
-    const double all_of_it = noise.white * noise.white + noise.shared * noise.shared;
+    const double all_of_it = noise.variance();
     long_run_variance_ += weight * noise.long_run_variance();
     variance += weight * all_of_it;
     independent_ +=
         weight * (all_of_it > 0.0 ? all_of_it / noise.long_run_variance() : 1.0);
+  }
+  if (first > 0) {
+    // Few free samples leave open how much noise there is: that is told by their
+    // residuals as by the spline's share of all.
+    const double open = std::max(0.0, squares - expected_ * expected_) +
+                        std::pow(expected_sd_, 2) * static_cast<double>(r.size()) /
+                            static_cast<double>(first);
+    expected_sd_ = std::sqrt(std::pow(expected_sd_, 2) + open);
   }
   // Rows are means: within them the samples differ by what the means do not have.
   double within = 0.0;

@@ -6,7 +6,8 @@
 // Under that noise V the spline takes tr(Q^T V Q) of the residuals' squares, Q its
 // orthonormal basis, with variance 2 tr((Q^T V Q)^2); the law misses what it takes
 // more, or what the residuals' mean square is above the noise's: that is how a sharp
-// miss shows. What neighbours share over more than a spline's interval counts as shape.
+// miss shows. What neighbours share over more than a spline's interval counts as shape,
+// unless samples that surely touch nothing have it too.
 #pragma once
 
 #include <span>
@@ -43,7 +44,10 @@ struct Misfit {
 class ResidualNoise {
  public:
   /// @param x (n) displacements, any order. @param residual (n) in the samples' order.
-  ResidualNoise(std::span<const double> x, std::span<const double> residual);
+  /// @param free so many of the first samples touch nothing: all that they are beside a
+  /// straight line is noise, and the other samples' is the same. 0: none is known.
+  ResidualNoise(std::span<const double> x, std::span<const double> residual,
+                std::size_t free = 0);
 
   /// Of other residuals of the same samples (n).
   [[nodiscard]] Misfit misfit(std::span<const double> residual) const;

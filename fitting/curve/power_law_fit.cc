@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "fitting/curve/free_travel.h"
 #include "fitting/curve/power_law_search.h"
 #include "fitting/numerics/robust_statistics.h"
 #include "formats/base/error.h"
@@ -17,10 +18,6 @@ namespace {
 
 constexpr double kBeginnings[] = {0.4, 0.15, 0.05};  // [-] of the force's range
 constexpr double kFreeDeviations = 3.0;
-constexpr double kFlatShares[] = {1.0 / 6, 1.0 / 12, 1.0 / 24,
-                                  1.0 / 48};  // of the travel
-constexpr double kFlatSlope = 0.05;           // [-] of the force range over the travel
-constexpr std::ptrdiff_t kFlatSamplesMin = 8;
 
 // Slope of the least-squares line through the samples in contact [N/m]; NaN where they
 // are too few for a line.
@@ -76,8 +73,10 @@ void unscale(const ScaledApproach& s, const PowerLawSolution& solution,
   J(kExponent, kExponent) = 1.0;
   J(kCoefficient, kCoefficient) = K / m.coefficient;
   J(kCoefficient, kExponent) = -K * std::log(s.length_m);
-  const Matrix covariance =
-      J * contact_covariance(solution.used, m, solution.held) * J.transpose();
+  const Matrix covariance = J *
+                            contact_covariance(solution.used, m, solution.held,
+                                               SharedNoise::kAlsoRegression) *
+                            J.transpose();
   fit.covariance = covariance;
   const double value[] = {m.baseline_force * s.force_n - b1 * s.x_min_m, b1,
                           s.x_min_m + m.contact * s.length_m, m.exponent, K};
@@ -164,6 +163,9 @@ ContactFit fit_once(const Approach& approach, const ContactFitOptions& options,
   unscale(s, solution, options, fit);
   raise_flags(s, solution, fit);
   fit.converged = solution.converged;
+  if (!fit.converged) {
+    fit.flags.push_back(FitFlag::kNotConverged);
+  }
   fit.iterations = solution.iterations;
   return fit;
 }
@@ -255,38 +257,35 @@ void take_beginning(ContactFit& fit) {
   }
 }
 
-// [m] The end of the first sixth of the travel, or a half, a quarter, an eighth of it,
-// where the force is flat until there: no fit is needed to see that contact is not
-// before.
-std::optional<double> flat_until_m(const Approach& approach) {
-  const ScaledCurve curve = scale_approach(approach, 0.0).curve;
-  for (const double share : kFlatShares) {
-    const auto first = std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
-      return x < share;
-    });
-    if (first < kFlatSamplesMin) {
-      break;
-    }
-    const Eigen::Map<const Eigen::ArrayXd> x(curve.x.data(), first),
-        f(curve.f.data(), first);
-    const Eigen::ArrayXd dx = x - x.mean(), df = f - f.mean();
-    const double slope = (dx * df).sum() / dx.square().sum();
-    const double sd = std::sqrt((df - slope * dx).square().sum() /
-                                static_cast<double>(first - 2) / dx.square().sum());
-    if (std::abs(slope) <= kFlatSlope && sd <= kFlatSlope) {
-      const auto& all = approach.displacement_m;
-      return *std::min_element(all.begin(), all.end()) + share * extent(all);
-    }
-  }
-  return std::nullopt;
-}
-
 // [m] Displacements that are surely free, where the whole law has found none.
 std::optional<double> free_until_m(const Approach& approach,
                                    const std::shared_ptr<const ContactFit>& beginning) {
   return beginning ? std::optional(beginning->contact_point_m -
                                    kFreeDeviations * beginning->contact_point_sd_m)
                    : flat_until_m(approach);
+}
+
+ContactFit fit_as_is(const Approach& approach, const ContactFitOptions& options);
+
+// Of what precedes the first fall, where the law takes that for free travel: a dome
+// before its end stop, a break.
+std::shared_ptr<const ContactFit> fit_before_fall(const Approach& approach,
+                                                  const ContactFitOptions& options) {
+  const auto part = before_fall(approach);
+  if (!part) {
+    return nullptr;
+  }
+  ContactFit fit = fit_as_is(*part, {.noise_relative = options.noise_relative});
+  if (!fit.converged || fit.has(FitFlag::kEmptyRun)) {
+    return nullptr;
+  }
+  if (fit.beginning) {
+    return fit.beginning;
+  }
+  if (fit.has(FitFlag::kContactPointNotIdentified)) {
+    fit.contact.sd_m = std::numeric_limits<double>::quiet_NaN();
+  }
+  return std::make_shared<const ContactFit>(std::move(fit));
 }
 
 // What a law that misses says of the drift and of where it begins is led by what it
@@ -308,29 +307,55 @@ ContactFit fit_led_astray(const Approach& approach, const ContactFitOptions& opt
     fit = fit_once(told, options, drift_max);
     fit.beginning = fit_beginning(told, options, fit);
   }
+  if (!fit.beginning && !options.exponent) {
+    fit.beginning = fit_before_fall(approach, options);
+  }
   if (!options.exponent && !fit.has(FitFlag::kAlreadyInContact)) {
     take_beginning(fit);
   }
   return fit;
 }
 
-// Whether the law surely misses the curve, or what it takes for free travel is no
-// straight line: on a toe of the curve the noise of all is no yardstick.
-bool is_led_astray(const Approach& approach, const ContactFit& fit) {
-  const double range = extent(approach.force_n);
-  if (is_sure(fit.misfit, range)) {
+bool is_fitted(const ContactFit& fit) {
+  return fit.converged && !fit.has(FitFlag::kEmptyRun);
+}
+
+bool follows(const Approach& approach, ContactFit& fit) {
+  if (!is_led_astray(approach, fit)) {
     return true;
   }
-  std::vector<double> x, residual;
-  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
-    const double at = approach.displacement_m[i];
-    if (at < fit.contact_point_m) {
-      x.push_back(at);
-      residual.push_back(fit.parameters[0].value + fit.parameters[1].value * at -
-                         approach.force_n[i]);
-    }
+  if (!explain_by_free_travel(approach, fit)) {
+    return false;
   }
-  return x.size() >= 2 * kSamplesMin && matters(find_misfit(x, residual), range);
+  std::erase(fit.flags, FitFlag::kMisfit);
+  return true;
+}
+
+ContactFit fit_as_is(const Approach& approach, const ContactFitOptions& options) {
+  ContactFit fit = fit_once(approach, options);
+  return !is_fitted(fit) || follows(approach, fit)
+             ? fit
+             : fit_led_astray(approach, options, std::move(fit));
+}
+
+// A bend of the drift that the law has not moves its contact point; without the bend
+// the law follows the curve.
+bool explain_by_bend(const Approach& straight, const ContactFitOptions& options,
+                     ContactFit& fit) {
+  ContactFit other = fit_once(straight, options);
+  if (!is_fitted(other) || !follows(straight, other)) {
+    return false;
+  }
+  fit.misfit = other.misfit;
+  fit.free_to_m = other.free_to_m;
+  std::erase(fit.flags, FitFlag::kMisfit);
+  const double apart_m = std::abs(other.contact.m - fit.contact.m);
+  fit.contact.sd_m = fit.contact_point_sd_m = fit.parameters[kContact].sd =
+      std::hypot(fit.contact.sd_m, apart_m);
+  if (!is_known(fit) && !fit.has(FitFlag::kContactPointNotIdentified)) {
+    fit.flags.push_back(FitFlag::kContactPointNotIdentified);
+  }
+  return true;
 }
 
 }  // namespace
@@ -347,7 +372,11 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
   }
   const auto begin = std::chrono::steady_clock::now();
   ContactFit fit = fit_once(approach, options);
-  if (fit.converged && !fit.has(FitFlag::kEmptyRun) && is_led_astray(approach, fit)) {
+  const auto straight = is_fitted(fit) ? straightened(approach, fit) : std::nullopt;
+  const bool done = !is_fitted(fit) ||
+                    (straight && explain_by_bend(*straight, options, fit)) ||
+                    follows(approach, fit);
+  if (!done) {
     fit = fit_led_astray(approach, options, std::move(fit));
   }
   fit.seconds =

@@ -54,6 +54,9 @@ struct ContactFit {
   Misfit misfit;             ///< [N] what of them is noise, and what is not
   /// [N/m] of the line through those in contact; NaN: fewer than two
   double mean_stiffness_n_per_m = 0.0;
+  /// [m] what precedes it tells the noise by which `misfit` is judged (free_travel.h);
+  /// NaN: the residuals' own
+  double free_to_m = std::numeric_limits<double>::quiet_NaN();
   std::size_t samples_used = 0;
   std::size_t outliers = 0;    ///< beyond 5 robust standard deviations; left out
   std::vector<FitFlag> flags;  ///< the approach's first
@@ -92,7 +95,10 @@ struct ContactFitOptions {
 /// `contact` is then that of the longest beginning that the law follows (0.4, 0.15 or
 /// 0.05 of the force), and the most that it differs from those of the whole and of the
 /// next longer and shorter beginning is part of its standard deviation; where the law
-/// follows none, it counts as not identified.
+/// follows none, that of what precedes the first fall counts, or it is not identified.
+/// What the noise before contact explains is not missed by the law, nor what a bend of
+/// the drift explains; the bend widens the contact point's standard deviation by what
+/// it moves it (free_travel.h).
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

@@ -90,11 +90,12 @@ std::vector<double> contact_residuals(const ScaledCurve& curve,
 }
 
 Eigen::Matrix<double, kContactParameters, kContactParameters> contact_covariance(
-    const ScaledCurve& curve, const ContactModel& model, const HeldParameters& held) {
+    const ScaledCurve& curve, const ContactModel& model, const HeldParameters& held,
+    SharedNoise kinds) {
   LeastSquaresProblem problem = contact_problem(curve, held);
   problem.lower.resize(0);  // the caller holds what stands at a bound
   problem.upper.resize(0);
-  return least_squares_covariance(problem, as_vector(model));
+  return least_squares_covariance(problem, as_vector(model), kinds);
 }
 
 }  // namespace palpate

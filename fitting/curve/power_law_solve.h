@@ -52,6 +52,6 @@ struct ContactSolveReport {
 /// (5 x 5); all NaN where the free parameters cannot be told apart.
 [[nodiscard]] Eigen::Matrix<double, kContactParameters, kContactParameters>
 contact_covariance(const ScaledCurve& curve, const ContactModel& model,
-                   const HeldParameters& held);
+                   const HeldParameters& held, SharedNoise kinds = SharedNoise::kRough);
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "fitting/curve/free_travel.h"
 #include "fitting/curve/law_error.h"
 #include "fitting/material/layer_fit.h"
 #include "fitting/numerics/correlated_noise.h"
@@ -19,11 +20,27 @@ namespace {
 
 constexpr double kHertzDepthShareMax = 0.25;  // [-] of a sphere's radius
 constexpr double kStrainMax = 0.1;            // [-] of a cylinder under a plate
+constexpr double kHalvesApart = 0.15;         // [-] of the slope
 constexpr double kExponentApart = 0.1;
 constexpr double kSdStep = 0.5;  // [-] of a standard deviation, for derivatives
 constexpr double kExponentDeviations = 3.0;
-constexpr const char* kNoContactPoint =
-    "contact point not identified: the depth is not known";
+constexpr double kSameExponent = 2.0;  // standard deviations
+
+std::string no_contact_point(double sd_m, double depth_m) {
+  const double share = sd_m / depth_m;
+  const std::string why =
+      !(share == share) ? std::string("its standard deviation is not known")
+      : share > kContactSdShareMax
+          ? fmt::format(
+                "its standard deviation {:.2g} m is {:.2g} % of the depth, more "
+                "than {:g} %",
+                sd_m, 100.0 * share, 100.0 * kContactSdShareMax)
+          : std::string("the law follows no beginning of the curve");
+  return fmt::format(
+      "contact point not identified: {}; tell displacements that are surely free "
+      "(--baseline-m, [fit] baseline_m)",
+      why);
+}
 
 // @param layer its own law finds the contact point then.
 std::string reason_to_refuse(const ContactFit& fit, bool layer) {
@@ -33,7 +50,17 @@ std::string reason_to_refuse(const ContactFit& fit, bool layer) {
   if (fit.has(FitFlag::kAlreadyInContact)) {
     return "already in contact at the first sample: the depth is not known";
   }
-  return !layer && fit.has(FitFlag::kContactPointNotIdentified) ? kNoContactPoint : "";
+  return !layer && fit.has(FitFlag::kContactPointNotIdentified)
+             ? no_contact_point(fit.contact.sd_m, fit.depth_max_m)
+             : "";
+}
+
+// Where a free exponent leaves the contact point open, but does not speak against the
+// tip's, its law may know it.
+bool may_be_known_by_law(const ContactFit& free, double exponent) {
+  return free.converged && free.beginning == nullptr && !free.has(FitFlag::kEmptyRun) &&
+         !free.has(FitFlag::kAlreadyInContact) &&
+         std::abs(free.exponent - exponent) <= kSameExponent * free.parameters[3].sd;
 }
 
 bool on_a_layer(const Indenter& indenter) {
@@ -89,7 +116,7 @@ FromData contact_modulus(const Approach& approach, const ContactFit& held,
   if (on_a_layer(indenter)) {
     const LayerFit fit = fit_sphere_on_layer(approach, free, indenter);
     if (!(fit.contact_point_sd_m <= kContactSdShareMax * free.depth_max_m)) {
-      throw InputError(kNoContactPoint);
+      throw InputError(no_contact_point(fit.contact_point_sd_m, free.depth_max_m));
     }
     return {fit.youngs_modulus_pa, fit.sd_pa};
   }
@@ -141,14 +168,9 @@ Modulus with_errors(double modulus_pa, std::vector<ModulusError> errors) {
   return modulus;
 }
 
-// Slope of force over displacement at strains up to kStrainMax: where the plate has met
-// the cylinder hardly matters then, so that a missing free travel is no reason to
-// refuse.
-FromData plate_slope(const Approach& approach, const ContactFit& free,
-                     double height_m) {
+// Slope of force over displacement at displacements of a range.
+FromData slope_within(const Approach& approach, double from, double to) {
   std::vector<double> x, f;
-  const double from = free.contact_point_m + 0.1 * kStrainMax * height_m;
-  const double to = free.contact_point_m + kStrainMax * height_m;
   for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
     if (approach.displacement_m[i] >= from && approach.displacement_m[i] <= to) {
       x.push_back(approach.displacement_m[i]);
@@ -156,8 +178,10 @@ FromData plate_slope(const Approach& approach, const ContactFit& free,
     }
   }
   if (f.size() < kSamplesMin) {
-    throw InputError(
-        fmt::format("fewer than {} samples between 1 and 10 % strain", kSamplesMin));
+    throw InputError(fmt::format(
+        "fewer than {} samples between 1 and 10 % strain, counted from the contact "
+        "point",
+        kSamplesMin));
   }
   const auto n = std::ssize(f);
   const Eigen::Map<const Eigen::ArrayXd> xs(x.data(), n), fs(f.data(), n);
@@ -165,7 +189,41 @@ FromData plate_slope(const Approach& approach, const ContactFit& free,
   J << Eigen::VectorXd::Ones(n), (xs - xs.mean()).matrix();
   const double slope = J.col(1).dot(fs.matrix()) / J.col(1).squaredNorm();
   const Eigen::VectorXd residual = fs - fs.mean() - slope * J.col(1).array();
-  return {slope, std::sqrt(covariance_under_noise(J, residual, n)(1, 1))};
+  return {slope, std::sqrt(covariance_under_noise(J, residual, n,
+                                                  SharedNoise::kAlsoRegression)(1, 1))};
+}
+
+// At strains up to kStrainMax, with what an error of the contact point and a curve that
+// is no line there make of it. On a line it hardly matters where the plate has met the
+// cylinder, so that a missing free travel is no reason to refuse.
+struct PlateSlope {
+  double slope = 0.0, data_sd = 0.0, contact_sd = 0.0, law_sd = 0.0;
+};
+
+PlateSlope plate_slope(const Approach& approach, const ContactFit& free,
+                       double height_m) {
+  const double length = kStrainMax * height_m;
+  const auto within = [&](double contact_m, double first, double last) {
+    return slope_within(approach, contact_m + first * length,
+                        contact_m + last * length);
+  };
+  const double at = free.contact.m, middle = 0.5 * (0.1 + 1.0);
+  const FromData all = within(at, 0.1, 1.0);
+  PlateSlope found{all.youngs_modulus_pa, all.sd_pa};
+  const double sd_m = std::min(free.contact.sd_m, length);
+  if (sd_m > 0.0) {
+    found.contact_sd =
+        std::abs(within(at + kSdStep * sd_m, 0.1, 1.0).youngs_modulus_pa -
+                 within(at - kSdStep * sd_m, 0.1, 1.0).youngs_modulus_pa) /
+        (2.0 * kSdStep);
+  }
+  const FromData less = within(at, 0.1, middle), more = within(at, middle, 1.0);
+  const double apart = std::abs(more.youngs_modulus_pa - less.youngs_modulus_pa);
+  if (apart > kExponentDeviations * std::hypot(less.sd_pa, more.sd_pa) &&
+      apart > kHalvesApart * std::abs(all.youngs_modulus_pa)) {
+    found.law_sd = 0.5 * apart;
+  }
+  return found;
 }
 
 Modulus plate_modulus(const Approach& approach, const ContactFit& free,
@@ -173,17 +231,25 @@ Modulus plate_modulus(const Approach& approach, const ContactFit& free,
   if (free.has(FitFlag::kEmptyRun)) {
     throw InputError("empty run");
   }
-  const FromData slope = plate_slope(approach, free, indenter.height_m);
+  const PlateSlope found = plate_slope(approach, free, indenter.height_m);
   const auto per_slope = [](const Indenter& at) {
     return at.height_m / (std::numbers::pi * at.radius_m * at.radius_m);
   };
   std::vector<ModulusError> errors = geometry_errors(indenter, [&](const Indenter& at) {
-    return per_slope(at) * slope.youngs_modulus_pa;
+    return per_slope(at) * found.slope;
   });
-  errors.insert(errors.begin(), {"data", per_slope(indenter) * slope.sd_pa});
-  Modulus modulus =
-      with_errors(per_slope(indenter) * slope.youngs_modulus_pa, std::move(errors));
-  modulus.law = "plate on cylinder";
+  const double per = per_slope(indenter);
+  errors.insert(errors.begin(), {{"data", per * found.data_sd},
+                                 {"contact", per * found.contact_sd},
+                                 {"law", per * found.law_sd}});
+  std::erase_if(errors, [](const ModulusError& error) {
+    return error.sd_pa == 0.0 && error.name != "data";
+  });
+  Modulus modulus = with_errors(per * found.slope, std::move(errors));
+  modulus.law = "plate on cylinder, strains 1 to 10 %";
+  if (found.law_sd > 0.0) {
+    modulus.flags.push_back(FitFlag::kModulusLawMisfit);
+  }
   return modulus;
 }
 
@@ -191,8 +257,9 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
                          const Indenter& indenter) {
   const double exponent = exponent_of(indenter);
   const bool layer = on_a_layer(indenter);
-  const ContactFit fit = fit_contact(
-      approach, {.exponent = exponent, .noise_relative = free.noise_relative});
+  const ContactFitOptions told{.exponent = exponent,
+                               .noise_relative = free.noise_relative};
+  const ContactFit fit = fit_contact(approach, told);
   if (const std::string reason = reason_to_refuse(fit, layer); !reason.empty()) {
     return refused_modulus(reason);
   }
@@ -201,6 +268,13 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
     return contact_modulus(approach, fit, free, at).youngs_modulus_pa;
   });
   errors.insert(errors.begin(), {"data", found.sd_pa});
+  if (const auto straight = straightened(approach, fit)) {
+    const ContactFit other = fit_contact(*straight, told);
+    errors.push_back(
+        {"drift",
+         std::abs(contact_modulus(*straight, other, free, indenter).youngs_modulus_pa -
+                  found.youngs_modulus_pa)});
+  }
   Modulus modulus = with_errors(found.youngs_modulus_pa, std::move(errors));
   modulus.law = law_of(indenter);
   modulus.flags = fit.flags;
@@ -233,7 +307,7 @@ Modulus find_modulus(const Approach& approach, const ContactFit& free,
       return plate_modulus(approach, free, indenter);
     }
     if (const std::string reason = reason_to_refuse(free, on_a_layer(indenter));
-        !reason.empty()) {
+        !reason.empty() && !may_be_known_by_law(free, exponent_of(indenter))) {
       return refused_modulus(reason);
     }
     return indented_modulus(approach, free, indenter);

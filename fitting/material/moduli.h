@@ -19,8 +19,10 @@
 namespace palpate {
 
 /// A part of a modulus' standard deviation: "data", "radius", "half_angle", "height",
-/// "thickness", "poissons_ratio"; "law": where that surely misses the curve, what E
-/// differs when fitted to half of the depth.
+/// "thickness", "poissons_ratio"; of a plate "contact", what the contact point's error
+/// makes of E, and "law", half of what the slopes of both halves of the strains differ
+/// where they surely do (then flagged kModulusLawMisfit); "drift": where that surely
+/// bends before contact, what E differs without the bend.
 struct ModulusError {
   std::string name;
   double sd_pa = 0.0;

@@ -14,6 +14,9 @@ namespace palpate {
 namespace {
 
 constexpr Eigen::Index kNoiseRowsMax = 4000;
+// Of noise that is not white: what a fit makes of it is told by its slow part, which
+// the likelihood of every sample would sacrifice for the quick one.
+constexpr Eigen::Index kCoarseRows = 200;
 // Noises that are tried: shares of all that neighbours share, and lengths [samples].
 constexpr std::array<double, 6> kShares{0.03, 0.12, 0.3, 0.6, 0.9, 1.0};
 constexpr double kShortest = 0.5, kShortestSmooth = 2.0;
@@ -21,9 +24,10 @@ constexpr double kLongestPerSample = 0.25;
 constexpr int kLengths = 12;
 constexpr Eigen::Index kLeftMin = 20;  // fewer tell nothing of what they share
 constexpr double kNoiseWeightMin = 1e-3;
-constexpr double kSettled = 1e-13;  // of a variance from sample to sample
-constexpr double kSizeMin = 1e-3;   // of residuals near a sample, of that of all
-constexpr double kSure = 0.5;       // the grid is coarser than what samples tell
+constexpr Eigen::Index kOrderMax = 40, kSamplesPerOrder = 10;
+constexpr double kSizeMin = 1e-3;  // of residuals near a sample, of that of all
+constexpr double kFreedomMin = 3.0;
+constexpr double kSure = 0.5;  // the grid is coarser than what samples tell
 
 double squashed(double x) {
   return 1.0 / (1.0 + std::exp(-x));
@@ -35,109 +39,6 @@ double unsquashed(double share) {
 // Of variance 1 in all.
 CorrelatedNoise unit_noise(double share, double rho, bool smooth = false) {
   return {std::sqrt(1.0 - share), std::sqrt(share), rho, smooth};
-}
-
-// Of smooth noise, (1 + l k) exp(-l k) over k samples.
-double decay(const CorrelatedNoise& noise) {
-  return -std::sqrt(3.0) * std::log(noise.rho);
-}
-
-// Kalman's filter of what neighbours share: what is expected of the next sample, and
-// its variance, which soon settles. Samples are columns, so that each lies in a piece.
-class RoughFilter {
- public:
-  RoughFilter(const CorrelatedNoise& noise, Eigen::Index values)
-      : rho_(noise.rho),
-        shared_(noise.shared * noise.shared),
-        white_(noise.white * noise.white),
-        variance_(shared_),
-        state_(Eigen::VectorXd::Zero(values)) {}
-
-  [[nodiscard]] double variance() const { return variance_ + white_; }
-  [[nodiscard]] const Eigen::VectorXd& expected() const { return state_; }
-  void predict(const Eigen::Ref<const Eigen::VectorXd>& surprise) {
-    state_ += gain() * surprise;
-    state_ *= rho_;
-  }
-  // Whether the variance no longer changes.
-  bool settle() {
-    const double before = variance_;
-    variance_ =
-        rho_ * rho_ * variance_ * (1.0 - gain()) + (1.0 - rho_ * rho_) * shared_;
-    return std::abs(variance_ - before) <= kSettled * before;
-  }
-
- private:
-  [[nodiscard]] double gain() const { return variance_ / (variance_ + white_); }
-
-  double rho_, shared_, white_, variance_;
-  Eigen::VectorXd state_;
-};
-
-// Of smooth noise, whose state is its value and slope.
-class SmoothFilter {
- public:
-  SmoothFilter(const CorrelatedNoise& noise, Eigen::Index values)
-      : white_(noise.white * noise.white),
-        value_(Eigen::VectorXd::Zero(values)),
-        slope_(value_) {
-    const double l = decay(noise), shared = noise.shared * noise.shared;
-    A_ << 1.0 + l, 1.0, -l * l, 1.0 - l;
-    A_ *= std::exp(-l);
-    P_ = Eigen::Vector2d(shared, l * l * shared).asDiagonal();
-    fresh_ = P_ - A_ * P_ * A_.transpose();
-  }
-
-  [[nodiscard]] double variance() const { return P_(0, 0) + white_; }
-  [[nodiscard]] const Eigen::VectorXd& expected() const { return value_; }
-  void predict(const Eigen::Ref<const Eigen::VectorXd>& surprise) {
-    const Eigen::Vector2d gain = P_.col(0) / variance();
-    value_ += gain[0] * surprise;
-    slope_ += gain[1] * surprise;
-    for (Eigen::Index k = 0; k < value_.size(); ++k) {
-      const double value = value_[k], slope = slope_[k];
-      value_[k] = A_(0, 0) * value + A_(0, 1) * slope;
-      slope_[k] = A_(1, 0) * value + A_(1, 1) * slope;
-    }
-  }
-  bool settle() {
-    const Eigen::Vector2d gain = P_.col(0) / variance();
-    const Eigen::Matrix2d before = P_;
-    P_ = A_ * (P_ - gain * P_.row(0)) * A_.transpose() + fresh_;
-    return (P_ - before).cwiseAbs().maxCoeff() <=
-           kSettled * before.cwiseAbs().maxCoeff();
-  }
-
- private:
-  double white_;
-  Eigen::Matrix2d A_, P_, fresh_;
-  Eigen::VectorXd value_, slope_;
-};
-
-// L^-1 X for V = L L^T, sample by sample, and log det V.
-// @param X (k x n), a column a sample
-template <typename Filter>
-double filtered(Filter&& filter, Eigen::MatrixXd& X) {
-  double log_det = 0.0, log_variance = 0.0, root = 0.0;
-  bool settled = false;
-  for (Eigen::Index i = 0; i < X.cols(); ++i) {
-    if (!settled) {
-      const double variance = filter.variance();
-      log_variance = std::log(variance);
-      root = 1.0 / std::sqrt(variance);
-    }
-    log_det += log_variance;
-    X.col(i) -= filter.expected();  // the surprise
-    filter.predict(X.col(i));
-    settled = settled || filter.settle();
-    X.col(i) *= root;
-  }
-  return log_det;
-}
-
-double whiten(const CorrelatedNoise& noise, Eigen::MatrixXd& X) {
-  return noise.smooth ? filtered(SmoothFilter(noise, X.rows()), X)
-                      : filtered(RoughFilter(noise, X.rows()), X);
 }
 
 struct Tried {
@@ -169,9 +70,11 @@ class Restricted {
     const double squares =
         std::max(products(p, p) - target.dot(normal.solve(target)), least);
     const double sd = std::sqrt(squares / left);
-    return {{sd * unit.white, sd * unit.shared, unit.rho, unit.smooth},
-            left * std::log(squares) + log_det +
-                normal.vectorD().array().max(least).log().sum()};
+    CorrelatedNoise noise = unit;
+    noise.white *= sd;
+    noise.shared *= sd;
+    return {std::move(noise), left * std::log(squares) + log_det +
+                                  normal.vectorD().array().max(least).log().sum()};
   }
 
  private:
@@ -227,8 +130,8 @@ CorrelatedNoise refined(const Restricted& likelihood, const CorrelatedNoise& sta
 
 // Means of as many neighbours as leave few enough rows: what is shared over a few
 // samples of very many is white to the fit.
-Eigen::MatrixXd averaged(const Eigen::MatrixXd& rows) {
-  const Eigen::Index of = (rows.rows() + kNoiseRowsMax - 1) / kNoiseRowsMax;
+Eigen::MatrixXd averaged(const Eigen::MatrixXd& rows, Eigen::Index rows_max) {
+  const Eigen::Index of = (rows.rows() + rows_max - 1) / rows_max;
   if (of <= 1) {
     return rows;
   }
@@ -237,23 +140,6 @@ Eigen::MatrixXd averaged(const Eigen::MatrixXd& rows) {
     means.row(i) = rows.middleRows(i * of, of).colwise().mean();
   }
   return means;
-}
-
-// Sums over the samples before, and after, by recursion.
-void add_smooth(const CorrelatedNoise& noise, const Eigen::MatrixXd& X,
-                Eigen::MatrixXd& product) {
-  const double shared = noise.shared * noise.shared, l = decay(noise);
-  const double a = std::exp(-l);
-  Eigen::RowVectorXd b = Eigen::RowVectorXd::Zero(X.cols()), bk = b, c = b, ck = b;
-  for (Eigen::Index i = 0; i < X.rows(); ++i) {
-    bk = a * (bk + b);  // sum of k a^k x
-    b = a * b + X.row(i);
-    product.row(i) += shared * (b + l * bk);
-    const Eigen::Index j = X.rows() - 1 - i;
-    product.row(j) += shared * (c + l * ck);
-    ck = a * (ck + c + X.row(j));
-    c = a * (c + X.row(j));
-  }
 }
 
 // Rms of the residuals near each sample, over a third of all of them.
@@ -268,6 +154,29 @@ Eigen::VectorXd local_size(const Eigen::VectorXd& r) {
                                            std::sqrt(static_cast<double>(count)));
   }
   return size;
+}
+
+bool white_among(const std::vector<ProbableNoise>& noises) {
+  return std::any_of(noises.begin(), noises.end(), [](const ProbableNoise& noise) {
+    return !(noise.noise.shared > 0.0);
+  });
+}
+
+// A variance that few independent samples tell makes 95 % intervals Student's: theirs
+// over the normal one (Cornish and Fisher). Where white noise is probable too, the mean
+// over all noises has that already.
+double widened(const std::vector<ProbableNoise>& noises, Eigen::Index n,
+               Eigen::Index p) {
+  if (white_among(noises)) {
+    return 1.0;
+  }
+  double independent = 0.0;
+  for (const auto& [noise, weight] : noises) {
+    independent += weight * std::min(1.0, noise.variance() / noise.long_run_variance());
+  }
+  const double nu = std::max(
+      kFreedomMin, independent * static_cast<double>(n) - static_cast<double>(p));
+  return 1.0 + 1.21 / nu + 1.44 / (nu * nu);
 }
 
 Eigen::MatrixXd not_a_number(Eigen::Index p) {
@@ -301,12 +210,22 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
       }
     }
   }
+  if (kinds == SharedNoise::kAlsoRegression) {
+    auto regression = std::make_shared<const Autoregression>(
+        autoregression_of(residual, std::min(kOrderMax, n / kSamplesPerOrder)));
+    if (const auto order = regression->order(); order > 1) {
+      tried.push_back(
+          likelihood.at({.shared = 1.0, .regression = std::move(regression)}));
+      tried.back().cost +=
+          static_cast<double>(order) * std::log(static_cast<double>(n));
+    }
+  }
   std::vector<ProbableNoise> noises = weighed(tried);
   const auto best = std::max_element(
       noises.begin(), noises.end(), [](const ProbableNoise& a, const ProbableNoise& b) {
         return a.weight < b.weight;
       });
-  if (best->weight > kSure && best->noise.shared > 0.0) {
+  if (best->weight > kSure && best->noise.shared > 0.0 && !best->noise.regression) {
     return {{refined(likelihood, best->noise, longest), 1.0}};
   }
   return noises;
@@ -324,21 +243,6 @@ double effective_samples(std::span<const double> residuals) {
   return rho > 2.0 / std::sqrt(count) ? count * (1.0 - rho) / (1.0 + rho) : count;
 }
 
-double weighed_squares(const CorrelatedNoise& noise, const Eigen::VectorXd& residual) {
-  Eigen::MatrixXd white = residual.transpose();
-  (void)whiten(noise, white);
-  return white.squaredNorm();
-}
-
-double CorrelatedNoise::long_run_variance() const {
-  double times = (1.0 + rho) / (1.0 - rho);
-  if (smooth) {
-    const double l = decay(*this), a = std::exp(-l), rest = 1.0 - a;
-    times = 1.0 + 2.0 * a / rest + 2.0 * l * a / (rest * rest);
-  }
-  return white * white + shared * shared * times;
-}
-
 double long_run_variance(const std::vector<ProbableNoise>& noises) {
   double mean = 0.0;
   for (const auto& [noise, weight] : noises) {
@@ -347,54 +251,57 @@ double long_run_variance(const std::vector<ProbableNoise>& noises) {
   return mean;
 }
 
-Eigen::MatrixXd times_covariance(const CorrelatedNoise& noise,
-                                 const Eigen::MatrixXd& X) {
-  const double shared = noise.shared * noise.shared;
-  Eigen::MatrixXd product = noise.white * noise.white * X;
-  if (noise.smooth) {
-    add_smooth(noise, X, product);
-    return product;
+namespace {
+
+// Covariance under the noise of means of neighbours, and whether that may be white.
+struct UnderNoise {
+  Eigen::MatrixXd covariance;
+  bool white = true;
+
+  UnderNoise(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
+             Eigen::Index samples, SharedNoise kinds, Eigen::Index rows_max) {
+    const Eigen::Index p = jacobian.cols();
+    const Eigen::MatrixXd J = averaged(jacobian.topRows(samples), rows_max);
+    const double times = static_cast<double>(samples) / static_cast<double>(J.rows());
+    const Eigen::MatrixXd expected =
+        jacobian.bottomRows(jacobian.rows() - samples) / std::sqrt(times);
+    Eigen::MatrixXd all(J.rows() + expected.rows(), p);
+    all << J, expected;
+    const Eigen::MatrixXd bread =  // (J^T J)^-1
+        covariance_of(all, static_cast<double>(all.rows() - p));
+    if (p == 0 || !bread.allFinite()) {
+      covariance = not_a_number(p);
+      return;
+    }
+    Eigen::MatrixXd filling = Eigen::MatrixXd::Zero(p, p);
+    const Eigen::VectorXd r = averaged(residual.head(samples), rows_max);
+    const Eigen::VectorXd size = kinds == SharedNoise::kAlsoSmooth
+                                     ? local_size(r)
+                                     : Eigen::VectorXd::Ones(r.size());
+    const Eigen::MatrixXd sized = size.asDiagonal() * J;
+    const auto noises =
+        noises_of(size.cwiseInverse().asDiagonal() * J, r.cwiseQuotient(size), kinds);
+    for (const auto& [noise, weight] : noises) {
+      filling += weight * (sized.transpose() * times_covariance(noise, sized) +
+                           noise.variance() * expected.transpose() * expected);
+    }
+    white = white_among(noises);
+    const double student =
+        kinds == SharedNoise::kAlsoRegression ? widened(noises, r.size(), p) : 1.0;
+    covariance = student * student * bread * filling * bread;
   }
-  Eigen::RowVectorXd before = Eigen::RowVectorXd::Zero(X.cols());
-  Eigen::RowVectorXd after = before;
-  for (Eigen::Index i = 0; i < X.rows(); ++i) {
-    before = noise.rho * before + X.row(i);
-    product.row(i) += shared * before;
-    const Eigen::Index j = X.rows() - 1 - i;
-    product.row(j) += shared * noise.rho * after;
-    after = noise.rho * after + X.row(j);
-  }
-  return product;
-}
+};
+
+}  // namespace
 
 Eigen::MatrixXd covariance_under_noise(const Eigen::MatrixXd& jacobian,
                                        const Eigen::VectorXd& residual,
                                        Eigen::Index samples, SharedNoise kinds) {
-  const Eigen::Index p = jacobian.cols();
-  const Eigen::MatrixXd J = averaged(jacobian.topRows(samples));
-  const double times = static_cast<double>(samples) / static_cast<double>(J.rows());
-  const Eigen::MatrixXd expected =
-      jacobian.bottomRows(jacobian.rows() - samples) / std::sqrt(times);
-  Eigen::MatrixXd all(J.rows() + expected.rows(), p);
-  all << J, expected;
-  const Eigen::MatrixXd bread =  // (J^T J)^-1
-      covariance_of(all, static_cast<double>(all.rows() - p));
-  if (p == 0 || !bread.allFinite()) {
-    return not_a_number(p);
+  const UnderNoise fine{jacobian, residual, samples, kinds, kNoiseRowsMax};
+  if (fine.white || kinds != SharedNoise::kAlsoRegression || samples <= kCoarseRows) {
+    return fine.covariance;
   }
-  Eigen::MatrixXd filling = Eigen::MatrixXd::Zero(p, p);
-  Eigen::VectorXd r = averaged(residual.head(samples));
-  const Eigen::VectorXd size = kinds == SharedNoise::kAlsoSmooth
-                                   ? local_size(r)
-                                   : Eigen::VectorXd::Ones(r.size());
-  const Eigen::MatrixXd sized = size.asDiagonal() * J;
-  for (const auto& [noise, weight] :
-       noises_of(size.cwiseInverse().asDiagonal() * J, r.cwiseQuotient(size), kinds)) {
-    const double variance = noise.white * noise.white + noise.shared * noise.shared;
-    filling += weight * (sized.transpose() * times_covariance(noise, sized) +
-                         variance * expected.transpose() * expected);
-  }
-  return bread * filling * bread;
+  return UnderNoise{jacobian, residual, samples, kinds, kCoarseRows}.covariance;
 }
 
 }  // namespace palpate

@@ -1,17 +1,13 @@
-// Noise of samples in a row, white and shared by neighbours, and what it makes of a
-// least-squares fit.
-//
-//   V(i, j) = white^2 [i = j] + shared^2 rho^|i - j|
-//
-// or, of smooth noise, shared^2 (1 + l k) exp(-l k), k = |i - j|, l = -sqrt(3) ln rho
-// (Matern's of smoothness 3/2): what a law misses of a curve is smooth.
+// Noise of samples in a row (noise_filter.h) as residuals tell it, and what it makes of
+// a least-squares fit.
 //
 // The likelihood of a noise is the restricted one (Patterson and Thompson 1971):
 // residuals of a fit are smaller than the noise, and less alike, by what the fit has
 // followed of it. Few samples allow many noises, white or shared; what they make of a
 // fit is the mean over all, weighted by likelihood: as probable as each other before
 // are white noise and shared noise, and of that all shares and all logarithms of its
-// length up to a quarter of the samples.
+// length up to a quarter of the samples. An autoregression is one more of them, where
+// BIC prefers an order of 2 or more.
 #pragma once
 
 #include <span>
@@ -19,26 +15,19 @@
 
 #include <Eigen/Core>
 
+#include "fitting/numerics/noise_filter.h"
+
 namespace palpate {
-
-struct CorrelatedNoise {
-  double white = 0.0;   ///< standard deviation, in units of the residuals
-  double shared = 0.0;  ///< standard deviation of what neighbours share
-  double rho = 0.0;     ///< [-] [0, 1) share of it that the next sample has still
-  bool smooth = false;  ///< what is shared is smooth, and rho only tells its length
-
-  /// Variance of a mean of many samples, times their number.
-  [[nodiscard]] double long_run_variance() const;
-};
 
 struct ProbableNoise {
   CorrelatedNoise noise;
   double weight = 1.0;  ///< [-] sum 1 over all
 };
 
-/// Which noises are tried. A smooth shape that a law has not counts as noise where it
-/// is known to be there; where it is not, trying it only widens intervals.
-enum class SharedNoise { kRough, kAlsoSmooth };
+/// Which noises are tried beside white and rough ones. A smooth shape that a law has
+/// not counts as noise where it is known to be there; where it is not, trying it only
+/// widens intervals.
+enum class SharedNoise { kRough, kAlsoSmooth, kAlsoRegression };
 
 /// Those that residuals allow, weights below 1e-3 left out.
 /// @param jacobian (n x p) of the fit's free parameters; p may be 0.
@@ -56,19 +45,14 @@ enum class SharedNoise { kRough, kAlsoSmooth };
 /// noises_of().
 [[nodiscard]] double effective_samples(std::span<const double> residuals);
 
-/// r^T V^-1 r. @param residual (n) in the samples' order. @param noise not zero.
-[[nodiscard]] double weighed_squares(const CorrelatedNoise& noise,
-                                     const Eigen::VectorXd& residual);
-
-/// V X, (n x k) like X.
-[[nodiscard]] Eigen::MatrixXd times_covariance(const CorrelatedNoise& noise,
-                                               const Eigen::MatrixXd& X);
-
 /// Covariance of plain least-squares parameters under the noise of their residuals:
 /// (J^T J)^-1 J^T V J (J^T J)^-1. All NaN where they cannot be told apart.
 /// @param jacobian, residual as for noises_of(). @param samples how many of the first
 /// rows are samples in a row; the others are expectations, each with an error of its
-/// own as large as a sample's. @param kinds as noises_of().
+/// own as large as a sample's. @param kinds as noises_of(). With regressions, noise
+/// that is not white is told by means of neighbours, at most 200, and by few
+/// independent ones the covariance is wider, so that 1.96 standard deviations hold 95
+/// %.
 [[nodiscard]] Eigen::MatrixXd covariance_under_noise(
     const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
     Eigen::Index samples, SharedNoise kinds = SharedNoise::kRough);

@@ -199,7 +199,7 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& jacobian, double sum_of_squ
 }
 
 Eigen::MatrixXd least_squares_covariance(const LeastSquaresProblem& problem,
-                                         const Eigen::VectorXd& q) {
+                                         const Eigen::VectorXd& q, SharedNoise kinds) {
   const std::vector<bool> bound = at_bound(problem, q);
   std::vector<int> free;
   for (const int j : free_parameters(problem, q.size())) {
@@ -215,9 +215,9 @@ Eigen::MatrixXd least_squares_covariance(const LeastSquaresProblem& problem,
     return covariance;
   }
   const Eigen::MatrixXd J = jacobian(Eigen::all, free);
-  const Eigen::MatrixXd of_free = problem.in_a_row > 0
-                                      ? covariance_under_noise(J, r, problem.in_a_row)
-                                      : covariance_of(J, r.squaredNorm());
+  const Eigen::MatrixXd of_free =
+      problem.in_a_row > 0 ? covariance_under_noise(J, r, problem.in_a_row, kinds)
+                           : covariance_of(J, r.squaredNorm());
   if (of_free.allFinite()) {
     covariance.setZero();
     covariance(free, free) = of_free;

@@ -14,6 +14,8 @@
 
 #include <Eigen/Core>
 
+#include "fitting/numerics/correlated_noise.h"
+
 namespace palpate {
 
 using RowMajorMatrix =
@@ -71,7 +73,8 @@ struct SolverSeconds {
 /// Rows and columns of held ones, and of those at a bound, are zero; all NaN where the
 /// free ones cannot be told apart.
 [[nodiscard]] Eigen::MatrixXd least_squares_covariance(
-    const LeastSquaresProblem& problem, const Eigen::VectorXd& q);
+    const LeastSquaresProblem& problem, const Eigen::VectorXd& q,
+    SharedNoise kinds = SharedNoise::kRough);
 
 /// The same from J (n x p) of the free parameters alone.
 [[nodiscard]] Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& jacobian,

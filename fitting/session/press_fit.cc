@@ -35,16 +35,12 @@ PressFit fit_press(const Measurement& press, const PressFitOptions& options) {
   PressFit fit;
   fit.samples = press.force_n.size();
   fit.frame = options.frame;
-  CorrectedPress corrected =
-      correct_press(press, fit.frame ? &fit.frame->frame : nullptr, options.range);
+  CorrectedPress corrected = correct_press(
+      press, fit.frame ? &fit.frame->frame : nullptr, options.range, options.baseline);
   model_adhesion(options.indenter, corrected);
   fit.corrections = corrected.corrections;
   fit.approach = corrected.approach;
   fit.contact = corrected.contact;
-  if (!fit.contact.converged) {
-    throw NumericalError(fmt::format("the fit did not converge in {} iterations",
-                                     fit.contact.iterations));
-  }
   const std::vector<std::string> all(kFamilyNames.begin(), kFamilyNames.end());
   fit.choice =
       fit_families(fit.approach, fit.contact, all, "aicc", {.cross_validate = false});

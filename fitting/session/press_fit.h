@@ -18,7 +18,8 @@ namespace palpate {
 struct PressFitOptions {
   FitRange range;
   Indenter indenter;
-  std::optional<FrameRun> frame;  ///< the machine's
+  std::optional<FrameRun> frame;          ///< the machine's
+  std::optional<FitRange> baseline = {};  ///< displacements surely before contact
 };
 
 struct PressFit {
@@ -32,8 +33,7 @@ struct PressFit {
   std::vector<FitFlag> flags;  ///< the fit's, then the modulus' own
 };
 
-/// @param press a single one. @throws InputError as correct_press(); NumericalError
-/// where the fit does not converge.
+/// @param press a single one. @throws InputError as correct_press().
 [[nodiscard]] PressFit fit_press(const Measurement& press,
                                  const PressFitOptions& options);
 

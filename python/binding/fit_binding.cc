@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -146,6 +147,11 @@ std::unique_ptr<HeldFit> fit(const py::sequence& curve, const py::object& frame_
   PressFitOptions options;
   take_option(given, "from_m", options.range.from_m);
   take_option(given, "to_m", options.range.to_m);
+  std::optional<std::pair<double, double>> baseline;
+  take_option(given, "baseline_m", baseline);
+  if (baseline) {
+    options.baseline = FitRange{baseline->first, baseline->second};
+  }
   options.frame = take_frame(given, frame_run);
   options.indenter = take_indenter(given);
   held->indenter = options.indenter;

@@ -213,7 +213,7 @@ def fit(curve: CurveLike, *, tool: str = "", drift: bool = True, frame_run: Curv
         radius_m: float | None = None, half_angle_deg: float | None = None, height_m: float | None = None,
         thickness_m: float | None = None, poissons_ratio: float = 0.5, radius_sd_m: float | None = None,
         half_angle_sd_deg: float | None = None, height_sd_m: float | None = None, thickness_sd_m: float | None = None,
-        poissons_ratio_sd: float | None = None, from_m: float = ..., to_m: float = ...,
+        poissons_ratio_sd: float | None = None, from_m: float = ..., to_m: float = ..., baseline_m: tuple[float, float] | None = None,
         frame_stiffness_n_per_m: float | None = None, frame_stiffness_sd_n_per_m: float | None = None) -> Fit: ...
 def table(fits: Sequence[Fit | dict[str, Any]]) -> dict[str, NDArray[Any]]: ...
 def fit_surface(session: Path | Sequence[CurveLike], *, positions: ArrayLike | None = None,

@@ -86,7 +86,8 @@ def fit(curve, *, tool="", drift=True, frame_run=None, **options):
 
     curve: a Curve of load(), or (depth_m (n,), force_n (n,)[, time_s (n,)]). tool: "sphere", "flat-punch", "cone" or
     "plate", with radius_m, half_angle_deg, height_m, thickness_m, poissons_ratio (0.5) and their standard deviations
-    radius_sd_m, ...; a sphere takes the radius that the file states. from_m, to_m: displacements that are fitted.
+    radius_sd_m, ...; a sphere takes the radius that the file states. from_m, to_m: displacements that are fitted;
+    baseline_m: (from, to) that are surely before contact.
     drift: look for a drift with time where there are times. frame_stiffness_n_per_m, frame_stiffness_sd_n_per_m, or
     frame_run, a curve on a rigid plate: the machine's deflection is taken off.
 

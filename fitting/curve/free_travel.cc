@@ -1,0 +1,197 @@
+#include "fitting/curve/free_travel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fitting/curve/power_law_search.h"
+#include "fitting/numerics/correlated_noise.h"
+#include "fitting/numerics/least_squares.h"
+#include "fitting/numerics/robust_statistics.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kFreeToJudge = 5 * kSamplesMin;
+constexpr double kWiggleShareMax = 0.02;  // [-] of the forces' range
+constexpr double kFlatShares[] = {1.0 / 6, 1.0 / 12, 1.0 / 24,
+                                  1.0 / 48};  // of the travel
+constexpr double kFlatSlope = 0.05;           // [-] of the force range over the travel
+constexpr std::ptrdiff_t kFlatSamplesMin = 8;
+constexpr double kFallenNoises = 10.0, kFallOfPeak = 0.1;
+constexpr double kSureBend = 4.0;  // standard deviations
+
+// Of the law less the samples, outliers left out, in the samples' order.
+struct Residuals {
+  std::vector<double> x, r;
+
+  // How many of the first are before a displacement.
+  [[nodiscard]] std::size_t until(double x_m) const {
+    return static_cast<std::size_t>(std::find_if(x.begin(), x.end(),
+                                                 [&](double at) {
+                                                   return at >= x_m;
+                                                 }) -
+                                    x.begin());
+  }
+};
+
+Residuals residuals_of(const Approach& approach, const ContactFit& fit) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+    const double at = approach.displacement_m[i];
+    all.push_back(fit.parameters[0].value + fit.parameters[1].value * at +
+                  contact_force_n(fit, at - fit.contact_point_m) - approach.force_n[i]);
+  }
+  Residuals found;
+  const double limit =
+      kOutlierDeviations * std::max(fit.rms_n, approach.noise_sd_n) + 1e-15;
+  for (const std::size_t i : without_outliers(all, limit)) {
+    found.x.push_back(approach.displacement_m[i]);
+    found.r.push_back(all[i]);
+  }
+  return found;
+}
+
+// Drift through the samples before contact: in (x - middle) / half.
+struct Parabola {
+  double middle = 0.0, half = 1.0;
+  Eigen::VectorXd q;
+  Eigen::MatrixXd J;
+};
+
+Parabola parabola_through(const Eigen::Map<const Eigen::VectorXd>& x,
+                          const Eigen::Map<const Eigen::VectorXd>& f) {
+  Parabola p;
+  p.middle = x.mean();
+  p.half = 0.5 * (x.maxCoeff() - x.minCoeff());
+  p.J.resize(x.size(), 3);
+  p.J.col(0).setOnes();
+  p.J.col(1) = (x.array() - p.middle) / p.half;
+  p.J.col(2) = p.J.col(1).array().square();
+  p.q = p.J.colPivHouseholderQr().solve(f);
+  return p;
+}
+
+}  // namespace
+
+bool is_led_astray(const Approach& approach, const ContactFit& fit) {
+  const double range = extent(approach.force_n);
+  if (is_sure(fit.misfit, range)) {
+    return true;
+  }
+  std::vector<double> x, residual;
+  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+    const double at = approach.displacement_m[i];
+    if (at < fit.contact_point_m) {
+      x.push_back(at);
+      residual.push_back(fit.parameters[0].value + fit.parameters[1].value * at -
+                         approach.force_n[i]);
+    }
+  }
+  return x.size() >= 2 * kSamplesMin && matters(find_misfit(x, residual), range);
+}
+
+bool explain_by_free_travel(const Approach& approach, ContactFit& fit) {
+  if (fit.noise_relative > 0.0 || fit.has(FitFlag::kAlreadyInContact)) {
+    return false;
+  }
+  const Residuals all = residuals_of(approach, fit);
+  const std::size_t free =
+      std::max(all.until(approach.contact_from_m), all.until(fit.contact_point_m) / 2);
+  if (free < kFreeToJudge || free == all.x.size()) {
+    return false;
+  }
+  const double range = extent(approach.force_n);
+  const Misfit misfit = ResidualNoise(all.x, all.r, free).misfit(all.r);
+  if (is_sure(misfit, range) || misfit.noise_sd > kWiggleShareMax * range) {
+    return false;
+  }
+  fit.misfit = misfit;
+  fit.free_to_m = all.x[free];
+  return true;
+}
+
+std::optional<Approach> straightened(const Approach& approach, const ContactFit& fit) {
+  if (fit.has(FitFlag::kAlreadyInContact)) {
+    return std::nullopt;
+  }
+  const Residuals all = residuals_of(approach, fit);
+  const std::size_t free = all.until(fit.contact_point_m);
+  if (free < kFreeToJudge) {
+    return std::nullopt;
+  }
+  const auto n = static_cast<Eigen::Index>(free);
+  const Eigen::Map<const Eigen::VectorXd> x(all.x.data(), n), r(all.r.data(), n);
+  if (!(x.maxCoeff() > x.minCoeff())) {
+    return std::nullopt;
+  }
+  const Parabola p = parabola_through(x, r);
+  const Eigen::VectorXd left = r - p.J * p.q;
+  const double range = extent(approach.force_n), bend = std::abs(p.q[2]);
+  const double white_sd = std::sqrt(covariance_of(p.J, left.squaredNorm())(2, 2));
+  const auto is_bend = [&](double sd) {
+    return bend > kSureBend * sd && bend <= kWiggleShareMax * range;
+  };
+  if (!is_bend(white_sd) ||
+      !is_bend(std::sqrt(
+          covariance_under_noise(p.J, left, n, SharedNoise::kAlsoRegression)(2, 2))) ||
+      is_sure(find_misfit({all.x.data(), free}, {left.data(), free}), range)) {
+    return std::nullopt;
+  }
+  Approach straight = approach;
+  for (std::size_t i = 0; i < straight.force_n.size(); ++i) {
+    const double at = (straight.displacement_m[i] - p.middle) / p.half;
+    straight.force_n[i] += p.q[2] * at * at;
+  }
+  return straight;
+}
+
+std::optional<double> flat_until_m(const Approach& approach) {
+  const ScaledCurve curve = scale_approach(approach, 0.0).curve;
+  for (const double share : kFlatShares) {
+    const auto first = std::count_if(curve.x.begin(), curve.x.end(), [&](double x) {
+      return x < share;
+    });
+    if (first < kFlatSamplesMin) {
+      break;
+    }
+    const Eigen::Map<const Eigen::ArrayXd> x(curve.x.data(), first),
+        f(curve.f.data(), first);
+    const Eigen::ArrayXd dx = x - x.mean(), df = f - f.mean();
+    const double slope = (dx * df).sum() / dx.square().sum();
+    const double sd = std::sqrt((df - slope * dx).square().sum() /
+                                static_cast<double>(first - 2) / dx.square().sum());
+    if (std::abs(slope) <= kFlatSlope && sd <= kFlatSlope) {
+      const auto& all = approach.displacement_m;
+      return *std::min_element(all.begin(), all.end()) + share * extent(all);
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Approach> before_fall(const Approach& approach) {
+  const std::vector<double> smooth = running_median(approach.force_n, 2);
+  std::size_t peak = 0, i = 0;
+  const auto fallen = [&] {
+    const double height = smooth[peak] - smooth.front();
+    return smooth[peak] - smooth[i] > std::max(kFallenNoises * approach.noise_sd_n,
+                                               kFallOfPeak * std::abs(height));
+  };
+  for (; i < smooth.size() && !fallen(); ++i) {
+    peak = smooth[i] > smooth[peak] ? i : peak;
+  }
+  if (i == smooth.size() || peak < 2 * kSamplesMin) {
+    return std::nullopt;
+  }
+  Approach part = approach;
+  part.displacement_m.resize(peak + 1);
+  part.force_n.resize(peak + 1);
+  if (!(extent(part.displacement_m) > 0.0)) {
+    return std::nullopt;
+  }
+  return part;
+}
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+// What is before contact, as it is: a straight line and white noise, or interference,
+// vibration, a sensor's steps, a bent drift, a toe of the curve.
+#pragma once
+
+#include <optional>
+
+#include "fitting/curve/measured_approach.h"
+#include "fitting/curve/power_law_fit.h"
+
+namespace palpate {
+
+/// Whether the law surely misses the curve, or what it takes for free travel is no
+/// straight line: on a toe of the curve the noise of all is no yardstick.
+/// @param fit of the approach, no empty run, as for all functions here.
+[[nodiscard]] bool is_led_astray(const Approach& approach, const ContactFit& fit);
+
+/// Makes the noise of what is surely free the yardstick of what the law misses (misfit,
+/// free_to_m), where that explains it: it is then not the law's fault. Surely free is
+/// what somebody has told, or the first half of what the law takes for free travel.
+/// @return false where it does not explain it, is more than 2 % of the forces' range,
+/// or has fewer than 40 samples, or where the noise grows with the force.
+[[nodiscard]] bool explain_by_free_travel(const Approach& approach, ContactFit& fit);
+
+/// The approach without the bend that its drift surely has: the parabola through the
+/// samples before contact (4 standard deviations, less than 2 % of the forces' range),
+/// which leaves nothing but noise of them, taken off all. None where there is none.
+[[nodiscard]] std::optional<Approach> straightened(const Approach& approach,
+                                                   const ContactFit& fit);
+
+/// [m] The end of the first sixth of the travel, or a half, a quarter, an eighth of it,
+/// where the force is flat until there: no fit is needed to see that contact is not
+/// before.
+[[nodiscard]] std::optional<double> flat_until_m(const Approach& approach);
+
+/// The samples up to the first peak behind which the force falls by 10 standard
+/// deviations of noise and a tenth of what it had risen; none where it never does, or
+/// within the first 16 samples.
+[[nodiscard]] std::optional<Approach> before_fall(const Approach& approach);
+
+}  // namespace palpate
