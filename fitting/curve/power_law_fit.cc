@@ -320,11 +320,16 @@ bool is_fitted(const ContactFit& fit) {
   return fit.converged && !fit.has(FitFlag::kEmptyRun);
 }
 
+// A steeper one is the body: then nothing is known to be free.
+bool may_be_drift(const Approach& approach, const ContactFit& fit) {
+  return fit.parameters[kBaselineSlope].value <= drift_max_n_per_m(approach);
+}
+
 bool follows(const Approach& approach, ContactFit& fit) {
   if (!is_led_astray(approach, fit)) {
     return true;
   }
-  if (!explain_by_free_travel(approach, fit)) {
+  if (!may_be_drift(approach, fit) || !explain_by_free_travel(approach, fit)) {
     return false;
   }
   std::erase(fit.flags, FitFlag::kMisfit);
@@ -372,7 +377,9 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
   }
   const auto begin = std::chrono::steady_clock::now();
   ContactFit fit = fit_once(approach, options);
-  const auto straight = is_fitted(fit) ? straightened(approach, fit) : std::nullopt;
+  const auto straight = is_fitted(fit) && may_be_drift(approach, fit)
+                            ? straightened(approach, fit)
+                            : std::nullopt;
   const bool done = !is_fitted(fit) ||
                     (straight && explain_by_bend(*straight, options, fit)) ||
                     follows(approach, fit);
