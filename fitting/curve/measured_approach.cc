@@ -115,12 +115,16 @@ void turn_signs(Measurement& m, Approach& approach) {
   const std::span f(m.force_n);
   const auto start = f.first(few);
   const auto deepest = f.subspan(end - few, few);
-  const double begin = median({start.begin(), start.end()});
-  const double rise = median({deepest.begin(), deepest.end()}) - begin;
-  // What breaks may end below where it began, but has risen by more before.
-  const std::vector<double> smooth = running_median(f.first(end), kSpikeReach);
-  const auto [least, most] = std::minmax_element(smooth.begin(), smooth.end());
-  if (*most - begin < begin - *least && rise < -5.0 * noise_standard_deviation(f)) {
+  const double rise =
+      median({deepest.begin(), deepest.end()}) - median({start.begin(), start.end()});
+  // What breaks may end below where it began, but has risen by more on the way; a tool
+  // that first goes back is not on it.
+  const auto back = std::min_element(m.depth_m.begin(), peak) - m.depth_m.begin();
+  const std::vector<double> way =
+      running_median(f.first(end).subspan(static_cast<std::size_t>(back)), kSpikeReach);
+  const auto [least, most] = std::minmax_element(way.begin(), way.end());
+  if (*most - way.front() < way.front() - *least &&
+      rise < -5.0 * noise_standard_deviation(f)) {
     turn(m.force_n);
     approach.flags.push_back(FitFlag::kForceSignTurned);
   }
