@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "fitting/curve/power_law_start.h"
+#include "fitting/numerics/correlated_noise.h"
 
 namespace palpate {
 
