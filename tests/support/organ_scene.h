@@ -18,8 +18,8 @@ kind = "fixed"
 )";
 }
 
-/// A ball on the organ's top, so large that meshes are coarse and a build of it takes less
-/// than a second; [accuracy] goes on.
+/// A ball on the organ's top, so large that meshes are coarse and a build of it takes
+/// less than a second; [accuracy] goes on.
 inline constexpr const char* kBallOnTop = R"([[tool]]
 name = "fingertip"
 shape = "sphere"
