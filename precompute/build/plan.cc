@@ -36,12 +36,12 @@ constexpr double kChecksCpuS = 2.0;
 constexpr double kGroupsS = 3.0;   // of one kind; more groups are timed until then
 constexpr double kPressesS = 7.0;  // nonlinear ones, which differ more
 // A nonlinear check beside the median press: at more depths and to tighter tolerances.
-// Chosen, as the next, on the small organ and the gel cylinder of tests/bench/plan.
+// A gel cylinder's take about 1.7 times as long (MEASURED.md), hard ones more.
 constexpr double kCheckTimes = 2.0;
 // A press that a build chooses beside one anywhere: what is unlike its neighbours is
 // solved, and that is harder.
 constexpr double kChosenTimes = 1.2;
-constexpr double kCheckMemory = 1.5;  // likewise
+constexpr double kCheckMemory = 1.5;  // of the few at vertices, on finer meshes
 constexpr std::size_t kMostBatches = 8;
 
 class Planner {

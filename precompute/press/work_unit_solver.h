@@ -24,9 +24,9 @@ inline constexpr double kNonlinearCheckTimesFiner = 1.5;
                                        const SurfacePoint& place);
 
 /// Good presses that a territory of so many vertices will probably need at a budget
-/// [-]. A quarter: a gel cylinder, an organ and a part of a liver of neo-Hookean
-/// material need 0.21, 0.25 and 0.30 of theirs to 5 % (MEASURED.md), where forces
-/// change more from place to place more. All of a small one.
+/// [-]. A third: a gel cylinder and an organ of neo-Hookean material need 0.40 and 0.32
+/// of theirs to 5 % (MEASURED.md), where forces change more from place to place more.
+/// All of a small one.
 [[nodiscard]] std::size_t expected_samples(std::size_t vertices, double force_relative);
 
 /// Either a territory: neighbouring vertices that are answered together, some solved,
