@@ -192,15 +192,15 @@ void count_rest(const Measurement& m, std::size_t end, Approach& approach) {
 
 // Whether the force falls while the tool stands still on its way, and goes on.
 bool holds_on_its_way(const Measurement& m, std::size_t end, double noise_n) {
-  std::size_t holds = 0;
   const auto segments = find_segments(std::span(m.depth_m).first(end));
   for (std::size_t i = 0; i + 1 < segments.size(); ++i) {
     const auto [kind, begin, after] = segments[i];
     const auto force = std::span(m.force_n).subspan(begin, after - begin);
-    holds +=
-        kind == SegmentKind::kHold && rise(force) < -kFallDeviations * noise_n ? 1 : 0;
+    if (kind == SegmentKind::kHold && rise(force) < -kFallDeviations * noise_n) {
+      return true;
+    }
   }
-  return holds > 0;
+  return false;
 }
 
 // Means of neighbours where samples are far denser than any law needs.

@@ -168,8 +168,12 @@ Modulus with_errors(double modulus_pa, std::vector<ModulusError> errors) {
   return modulus;
 }
 
-// Slope of force over displacement at displacements of a range.
-FromData slope_within(const Approach& approach, double from, double to) {
+struct Slope {
+  double n_per_m = 0.0, sd = 0.0;
+};
+
+// Of force over displacement at displacements of a range.
+Slope slope_within(const Approach& approach, double from, double to) {
   std::vector<double> x, f;
   for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
     if (approach.displacement_m[i] >= from && approach.displacement_m[i] <= to) {
@@ -208,19 +212,18 @@ PlateSlope plate_slope(const Approach& approach, const ContactFit& free,
                         contact_m + last * length);
   };
   const double at = free.contact.m, middle = 0.5 * (0.1 + 1.0);
-  const FromData all = within(at, 0.1, 1.0);
-  PlateSlope found{all.youngs_modulus_pa, all.sd_pa};
+  const Slope all = within(at, 0.1, 1.0);
+  PlateSlope found{all.n_per_m, all.sd};
   const double sd_m = std::min(free.contact.sd_m, length);
   if (sd_m > 0.0) {
-    found.contact_sd =
-        std::abs(within(at + kSdStep * sd_m, 0.1, 1.0).youngs_modulus_pa -
-                 within(at - kSdStep * sd_m, 0.1, 1.0).youngs_modulus_pa) /
-        (2.0 * kSdStep);
+    found.contact_sd = std::abs(within(at + kSdStep * sd_m, 0.1, 1.0).n_per_m -
+                                within(at - kSdStep * sd_m, 0.1, 1.0).n_per_m) /
+                       (2.0 * kSdStep);
   }
-  const FromData less = within(at, 0.1, middle), more = within(at, middle, 1.0);
-  const double apart = std::abs(more.youngs_modulus_pa - less.youngs_modulus_pa);
-  if (apart > kExponentDeviations * std::hypot(less.sd_pa, more.sd_pa) &&
-      apart > kHalvesApart * std::abs(all.youngs_modulus_pa)) {
+  const Slope less = within(at, 0.1, middle), more = within(at, middle, 1.0);
+  const double apart = std::abs(more.n_per_m - less.n_per_m);
+  if (apart > kExponentDeviations * std::hypot(less.sd, more.sd) &&
+      apart > kHalvesApart * std::abs(all.n_per_m)) {
     found.law_sd = 0.5 * apart;
   }
   return found;

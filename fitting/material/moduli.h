@@ -38,10 +38,11 @@ struct Modulus {
 };
 
 /// No modulus (with the reason) for an unknown indenter, an empty run, or, except for a
-/// plate, a contact point that the data do not determine: E depends on a power of the
-/// depth, so an error of the contact point becomes one of E. Flagged where a sphere's
-/// depth passes R/4, and where the free exponent differs from the law's by more than 3
-/// standard deviations and 0.1.
+/// plate, a contact point that the data do not determine, with a free exponent or,
+/// where that does not speak against the law's (2 standard deviations), with the law's:
+/// E depends on a power of the depth, so an error of the contact point becomes one of
+/// E. Flagged where a sphere's depth passes R/4, and where the free exponent differs
+/// from the law's by more than 3 standard deviations and 0.1.
 /// @param free the fit with a free exponent. @param indenter as read_session() checks.
 [[nodiscard]] Modulus find_modulus(const Approach& approach, const ContactFit& free,
                                    const Indenter& indenter);

@@ -5,25 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/fitting/numerics/dense_covariance.h"
+
 namespace palpate {
 namespace {
 
 constexpr Eigen::Index kSamples = 200;
-
-Eigen::MatrixXd covariance(const CorrelatedNoise& noise, Eigen::Index n) {
-  Eigen::MatrixXd V(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double k = std::abs(static_cast<double>(i - j));
-      const double lk = -std::sqrt(3.0) * std::log(noise.rho) * k;
-      const double alike =
-          noise.smooth ? (1.0 + lk) * std::exp(-lk) : std::pow(noise.rho, k);
-      V(i, j) = noise.shared * noise.shared * alike +
-                (i == j ? noise.white * noise.white : 0.0);
-    }
-  }
-  return V;
-}
 
 // A line through samples in a row.
 Eigen::MatrixXd line_jacobian(Eigen::Index n) {
@@ -48,34 +35,6 @@ Eigen::VectorXd drawn(const CorrelatedNoise& noise, Eigen::Index n,
 
 Eigen::VectorXd residual_of_fit(const Eigen::MatrixXd& J, const Eigen::VectorXd& y) {
   return y - J * (J.transpose() * J).ldlt().solve(J.transpose() * y);
-}
-
-TEST(CorrelatedNoise, ProductsAreThoseOfItsCovariance) {
-  const Eigen::MatrixXd X = Eigen::MatrixXd::Random(30, 3);
-  for (const bool smooth : {false, true}) {
-    const CorrelatedNoise noise{0.3, 1.2, 0.8, smooth};
-    EXPECT_LT((times_covariance(noise, X) - covariance(noise, 30) * X).norm(),
-              1e-13 * X.norm());
-  }
-}
-
-TEST(CorrelatedNoise, WeighedSquaresAreThoseOfItsCovariance) {
-  const Eigen::VectorXd r = Eigen::VectorXd::Random(60);
-  for (const bool smooth : {false, true}) {
-    const CorrelatedNoise noise{0.3, 1.2, 0.8, smooth};
-    const double squares = r.dot(covariance(noise, 60).ldlt().solve(r));
-    EXPECT_NEAR(weighed_squares(noise, r), squares, 1e-10 * squares) << smooth;
-  }
-}
-
-TEST(CorrelatedNoise, LongRunVarianceIsThatOfAMean) {
-  constexpr Eigen::Index kMany = 2000;
-  for (const bool smooth : {false, true}) {
-    const CorrelatedNoise noise{0.3, 1.2, 0.8, smooth};
-    EXPECT_NEAR(covariance(noise, kMany).sum() / kMany, noise.long_run_variance(),
-                0.01 * noise.long_run_variance())
-        << smooth;
-  }
 }
 
 // How often a parameter, zero in truth, lies within 1.96 of its stated deviations.
@@ -120,8 +79,10 @@ TEST(CorrelatedNoise, SmoothShapesThatALawMissesAreCounted) {
   std::mt19937 generator(11);
   const Eigen::MatrixXd J = line_jacobian(kSamples);
   const Eigen::Vector2d end(1.0, 1.0);
-  const Eigen::MatrixXd L = Eigen::MatrixXd(
-      covariance({0.1, 1.0, std::exp(-1.0 / 8.0), true}, kSamples).llt().matrixL());
+  const Eigen::MatrixXd L =
+      Eigen::MatrixXd(dense_covariance({0.1, 1.0, std::exp(-1.0 / 8.0), true}, kSamples)
+                          .llt()
+                          .matrixL());
   std::normal_distribution<double> normal;
   constexpr int kDraws = 300;
   double held = 0.0;

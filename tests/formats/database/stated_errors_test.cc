@@ -47,53 +47,55 @@ PlaceCheck check_in(std::int32_t triangle, double found) {
   return check;
 }
 
-double stated_in(const SurfaceMesh& body, const std::vector<NodeResponse>& response,
-                 const PlaceCheck& check) {
-  const CheckCorners corners(body, check);
-  double blended = 0.0;
-  for (std::size_t j = 0; j < 3; ++j) {
-    blended += corners.share(static_cast<Eigen::Index>(j)) *
-               response[corners.vertex[j]].error_relative;
+class StateErrors : public testing::Test {
+ protected:
+  ErrorFactors state(const std::vector<PlaceCheck>& checks) {
+    return state_errors(body_, kBudget, checks, response_);
   }
-  return blended;
-}
+  [[nodiscard]] double stated_in(const PlaceCheck& check) const {
+    const CheckCorners corners(body_, check);
+    double blended = 0.0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      blended += corners.share(static_cast<Eigen::Index>(j)) *
+                 response_[corners.vertex[j]].error_relative;
+    }
+    return blended;
+  }
+
+  const SurfaceMesh body_ = strip();
+  std::vector<NodeResponse> response_ = responses();
+};
 
 // The hard vertex has a fifth of the place; its neighbours' errors count there, too.
-TEST(StateErrors, CoverThePlacesOfElementsWithAHardNode) {
-  const SurfaceMesh body = strip();
-  std::vector<NodeResponse> response = responses();
+TEST_F(StateErrors, CoverThePlacesOfElementsWithAHardNode) {
   const std::vector<PlaceCheck> checks{check_in(0, 0.08), check_in(4, 0.02)};
-  const ErrorFactors factor = state_errors(body, kBudget, checks, response);
+  const ErrorFactors factor = state(checks);
   EXPECT_NEAR(factor.hard.factor, 8.0, 1e-12);
   EXPECT_NEAR(factor.easy.factor, 2.0, 1e-12);
-  EXPECT_NEAR(stated_in(body, response, checks[0]), 0.08, 1e-12);
-  EXPECT_NEAR(stated_in(body, response, checks[1]), 0.02, 1e-12);
-  for (std::size_t v = 0; v < response.size(); ++v) {
+  EXPECT_NEAR(stated_in(checks[0]), 0.08, 1e-12);
+  EXPECT_NEAR(stated_in(checks[1]), 0.02, 1e-12);
+  for (std::size_t v = 0; v < response_.size(); ++v) {
     const bool beside = v < 3;
-    EXPECT_NEAR(response[v].error_relative, beside ? 0.08 : 0.02, 1e-12) << v;
-    EXPECT_EQ((response[v].flags & kErrorOverBudget) != 0, beside) << v;
+    EXPECT_NEAR(response_[v].error_relative, beside ? 0.08 : 0.02, 1e-12) << v;
+    EXPECT_EQ((response_[v].flags & kErrorOverBudget) != 0, beside) << v;
   }
 }
 
 // Between nodes of both kinds lies an element without a hard node: its places are easy
 // ones, which must not be covered worse.
-TEST(StateErrors, StateNoLessBesideHardNodesThanElsewhere) {
-  const SurfaceMesh body = strip();
-  std::vector<NodeResponse> response = responses();
+TEST_F(StateErrors, StateNoLessBesideHardNodesThanElsewhere) {
   const std::vector<PlaceCheck> checks{check_in(0, 0.016), check_in(1, 0.03)};
-  const ErrorFactors factor = state_errors(body, kBudget, checks, response);
+  const ErrorFactors factor = state(checks);
   EXPECT_NEAR(factor.easy.factor, 3.0, 1e-12);
   EXPECT_NEAR(factor.hard.factor, 3.0, 1e-12);
-  EXPECT_NEAR(stated_in(body, response, checks[1]), 0.03, 1e-12);
+  EXPECT_NEAR(stated_in(checks[1]), 0.03, 1e-12);
 }
 
-TEST(StateErrors, SayHowManyPlacesOfEachKindSoManyChecksCover) {
-  const SurfaceMesh body = strip();
-  std::vector<NodeResponse> response = responses();
+TEST_F(StateErrors, SayHowManyPlacesOfEachKindSoManyChecksCover) {
   std::vector<PlaceCheck> checks(4, check_in(4, 0.02));
   checks.push_back(check_in(0, 0.02));
   checks.push_back(check_in(0, std::numeric_limits<double>::infinity()));
-  const ErrorFactors factor = state_errors(body, kBudget, checks, response);
+  const ErrorFactors factor = state(checks);
   EXPECT_NEAR(factor.easy.covered, 4.0 / 5.0, 1e-12);
   EXPECT_NEAR(factor.hard.covered, 1.0 / 3.0, 1e-12);
   const AccuracyRecord record = accuracy_record(kBudget, factor, checks);
@@ -102,11 +104,9 @@ TEST(StateErrors, SayHowManyPlacesOfEachKindSoManyChecksCover) {
   EXPECT_NEAR(record.hard_covered, 1.0 / 3.0, 1e-12);
 }
 
-TEST(StateErrors, HaveNoFactorOfAKindThatIsNotThere) {
-  const SurfaceMesh body = strip();
-  std::vector<NodeResponse> response = responses();
-  response.front().flags = 0;
-  const ErrorFactors factor = state_errors(body, kBudget, {}, response);
+TEST_F(StateErrors, HaveNoFactorOfAKindThatIsNotThere) {
+  response_.front().flags = 0;
+  const ErrorFactors factor = state({});
   EXPECT_EQ(factor.hard.factor, 0.0);
   EXPECT_EQ(factor.easy.factor, kLeastErrorFactor);
 }
