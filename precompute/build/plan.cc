@@ -41,7 +41,7 @@ constexpr double kCheckTimes = 2.0;
 // A press that a build chooses beside one anywhere: what is unlike its neighbours is
 // solved, and that is harder.
 constexpr double kChosenTimes = 1.2;
-constexpr double kCheckMemory = 1.5;  // of the few at vertices, on finer meshes
+constexpr double kCheckMemory = 1.5;  // chosen where they were on finer meshes
 constexpr std::size_t kMostBatches = 8;
 
 class Planner {

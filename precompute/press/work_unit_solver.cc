@@ -89,13 +89,23 @@ struct OpenSurface {
   }
 };
 
-// Turk, "Generating random points in triangles", Graphics Gems, 1990.
+// Turk, "Generating random points in triangles", Graphics Gems, 1990. Those near an
+// edge are on it, but not near its ends.
 Eigen::Vector3d area_coordinates(double u, double v) {
   constexpr double kNear = 0.1;
   const double root = std::sqrt(u);
   Eigen::Vector3d b{1.0 - root, root * (1.0 - v), root * v};
-  b = (b.array() < kNear).select(0.0, b);
-  return b / b.sum();
+  int least = 0;
+  if (b.minCoeff(&least) >= kNear) {
+    return b;
+  }
+  int most = 0;
+  (void)b.maxCoeff(&most);
+  const int middle = 3 - most - least;
+  b[least] = 0.0;
+  b[middle] = std::max(kNear, b[middle] / (b[middle] + b[most]));
+  b[most] = 1.0 - b[middle];
+  return b;
 }
 
 WorkUnit check_at(const SurfaceMesh& surface, const OpenSurface& open,
@@ -105,12 +115,8 @@ WorkUnit check_at(const SurfaceMesh& surface, const OpenSurface& open,
   place.triangle = open.at_share(evenly(3 * i));
   place.area_coordinate = area_coordinates(evenly(3 * i + 1), evenly(3 * i + 2));
   int most = 0;
-  if (place.area_coordinate.maxCoeff(&most) == 1.0) {
-    check.vertex = {surface.triangle(place.triangle, most)};
-    place = {};
-  } else {
-    check.vertex = {surface.triangle(place.triangle, most)};
-  }
+  (void)place.area_coordinate.maxCoeff(&most);
+  check.vertex = {surface.triangle(place.triangle, most)};
   return check;
 }
 

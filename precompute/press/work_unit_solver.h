@@ -40,20 +40,20 @@ struct WorkUnit {
 
 /// Territories in the order of a space-filling curve, then checks. The same for every
 /// shard and number of workers. Checks are drawn evenly over the area of triangles
-/// whose vertices are all reachable; one nearer to an edge or a vertex than a tenth of
-/// its triangle is put there, so that no sliver spoils its mesh. Where there is no such
-/// triangle, and with [cutout], they are at vertices.
+/// whose vertices are all reachable; one nearer to an edge than a tenth of its triangle
+/// is put there, a tenth of the edge from its ends at least, so that no sliver spoils
+/// its mesh. Where there is no such triangle, and with [cutout], they are at vertices.
 /// @param vertices reachable ones, ascending.
 [[nodiscard]] std::vector<WorkUnit> units_of(const Scene& scene, const BodySource& body,
                                              std::span<const std::int32_t> vertices);
 
 /// Solves a unit for every tool. Nodes are solved well until the ratio of good and
-/// cheap solutions, interpolated between them, predicts each left-out one within the
-/// budget; the rest is cheap times ratio. A vertex whose cheap press is no guide
-/// (is_guide), or touches late (touches_late), is solved. Every node of the outcome
-/// keeps the rules of responses (broken_rule), or has failed and says why; a node that
-/// fails leaves the others as they are, but for what would have been interpolated from
-/// it.
+/// cheap solutions, interpolated between them, is expected within the budget at 95 % of
+/// all (keeps_budget()); the rest is cheap times ratio. A vertex whose cheap press is
+/// no guide (is_guide), or touches late (touches_late), is solved. Every node of the
+/// outcome keeps the rules of responses (broken_rule), or has failed and says why; a
+/// node that fails leaves the others as they are, but for what would have been
+/// interpolated from it.
 /// @param solve_all no interpolation.
 [[nodiscard]] WorkUnitOutcome solve_unit(const Scene& scene, const BodySource& body,
                                          const PressStrategy& strategy,

@@ -74,13 +74,11 @@ TEST_F(Checks, AreDrawnByAreaOverWhatIsReachable) {
     ASSERT_EQ(check.vertex.size(), 1U);
     EXPECT_TRUE(
         std::binary_search(reachable_.begin(), reachable_.end(), check.vertex.front()));
-    if (check.place.triangle < 0) {
-      continue;
-    }
+    ASSERT_GE(check.place.triangle, 0);
     const Eigen::Vector3d& b = check.place.area_coordinate;
     EXPECT_NEAR(b.sum(), 1.0, 1e-15);
     for (int j = 0; j < 3; ++j) {
-      EXPECT_TRUE(b(j) == 0.0 || b(j) >= 0.1) << b.transpose();
+      EXPECT_TRUE(b(j) == 0.0 || (b(j) >= 0.1 && b(j) <= 0.9)) << b.transpose();
       const std::int32_t v = body_.surface.triangle(check.place.triangle, j);
       EXPECT_TRUE(std::binary_search(reachable_.begin(), reachable_.end(), v));
       EXPECT_TRUE(b(j) < b.maxCoeff() || v == check.vertex.front());
@@ -89,9 +87,6 @@ TEST_F(Checks, AreDrawnByAreaOverWhatIsReachable) {
     beyond += middle_y(check.place.triangle) > kBeyond_m ? 1.0 : 0.0;
     mean += b;
   }
-  // Where two coordinates are below a tenth there is a fiftieth of the area, thrice;
-  // four standard deviations.
-  EXPECT_NEAR(between / 4000.0, 0.94, 0.015);
   // Four standard deviations.
   EXPECT_NEAR(beyond / between, share, 4.0 * std::sqrt(0.25 / between));
   EXPECT_LT((mean / between - Eigen::Vector3d::Constant(1.0 / 3.0)).norm(), 0.03);
