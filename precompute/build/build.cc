@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
@@ -28,6 +27,7 @@
 #include "precompute/press/relaxation_shares.h"
 #include "precompute/press/surface_displacement.h"
 #include "precompute/process/failure_of.h"
+#include "precompute/process/parallel.h"
 #include "precompute/process/patience.h"
 #include "precompute/process/peak_memory.h"
 #include "runtime/slow/static_field.h"
@@ -188,11 +188,7 @@ BuildReport build(const Scene& scene, const BuildOptions& options, Progress& pro
     refuse_in_shards(scene, spectrum);
   }
   { const AtomicFile place(options.output); }  // said before the work, not after it
-  std::optional<tbb::global_control> limit;
-  if (options.workers > 0) {
-    limit.emplace(tbb::global_control::max_allowed_parallelism,
-                  static_cast<std::size_t>(options.workers));
-  }
+  const Workers workers(options.workers);
   BuildReport report;
   progress.stage("body");
   const BuildJob job =

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include "formats/base/quantile.h"
 #include "formats/base/stopwatch.h"
@@ -381,15 +380,9 @@ void Planner::count_responses() {
 }  // namespace
 
 PlanReport plan(const Scene& scene, const PlanOptions& options, Progress& progress) {
-  std::optional<tbb::global_control> limit;
-  if (options.workers > 0) {
-    limit.emplace(tbb::global_control::max_allowed_parallelism,
-                  static_cast<std::size_t>(options.workers));
-  }
-  const std::size_t workers =
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const Workers workers(options.workers);
   const auto began = std::chrono::steady_clock::now();
-  PlanReport report = Planner(scene, options, workers, progress).run();
+  PlanReport report = Planner(scene, options, Workers::count(), progress).run();
   report.plan_seconds = seconds_since(began);
   progress.finish();
   return report;

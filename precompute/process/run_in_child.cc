@@ -4,19 +4,22 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <climits>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,113 +39,83 @@ constexpr bool kLimitMemory = true;
 
 constexpr int kThrew = 101;
 constexpr int kOutOfMemory = 102;
-constexpr int kPipeBroke = 103;
 constexpr int kNoMemory = 104;
-constexpr double kLongestWait = 20.0;  // over the limit of processor time
+constexpr double kLongestWait = 20.0;           // over the limit of processor time
+constexpr std::size_t kMostKept = 256'000'000;  // bytes, between two pieces of work
 
-// False where the user has set a lower one.
-bool limit_resource(int resource, rlim_t value) {
-  const rlimit limit{value, value};
-  return setrlimit(static_cast<__rlimit_resource_t>(resource), &limit) == 0;
-}
+// A child and its owner are of one program: what crosses between them is as it lies in
+// memory, and a function has one address in both.
+struct Request {
+  ChildWork work = nullptr;
+  std::size_t memory_bytes = 0;
+  std::size_t input = 0;  // bytes, which follow
+};
 
-void silence_output() {
-  const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (null >= 0) {
-    dup2(null, STDOUT_FILENO);
-    dup2(null, STDERR_FILENO);
-  }
-}
+struct Answer {
+  bool is_last = false;   // the child ends after it
+  std::size_t bytes = 0;  // which follow
+};
 
-std::size_t address_space_bytes() {
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-}
-
-bool write_all(int pipe, const std::vector<char>& bytes) {
-  std::size_t sent = 0;
-  while (sent < bytes.size()) {
-    const ssize_t n = write(pipe, bytes.data() + sent, bytes.size() - sent);
+bool send_all(int socket, const void* data, std::size_t size) {
+  const char* next = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t n = send(socket, next, size, MSG_NOSIGNAL);
     if (n < 0 && errno != EINTR) {
       return false;
     }
-    sent += n > 0 ? static_cast<std::size_t>(n) : 0;
+    const std::size_t sent = n > 0 ? static_cast<std::size_t>(n) : 0;
+    next += sent;
+    size -= sent;
   }
   return true;
 }
 
-// A child and the end of the pipe that it writes to; nothing of it outlives this.
-class Forked {
- public:
-  Forked(pid_t child, int pipe) : child_(child), pipe_(pipe) {}
-  ~Forked() {
-    if (child_ > 0) {
-      (void)end();
-    }
-  }
-  Forked(const Forked&) = delete;
-  Forked& operator=(const Forked&) = delete;
-
-  [[nodiscard]] pid_t child() const { return child_; }
-  [[nodiscard]] int pipe() const { return pipe_; }
-
-  // Kills it, unless it has said all. @return its status.
-  int end(bool has_said_all = false) {
-    close(pipe_);
-    if (!has_said_all) {
-      kill(child_, SIGKILL);
-    }
-    return wait_for_child(std::exchange(child_, -1));
-  }
-
- private:
-  pid_t child_;
-  int pipe_;
-};
-
-// Children do not execute another program, so what is open is theirs, too. One at a
-// time makes a pipe, forks and closes the end that writes: no other child holds that
-// open, and the end of this one is its end. Nobody draws from the random sequence
-// meanwhile, whose lock the child would find taken.
-Forked fork_with_pipe(const std::function<void(int pipe)>& in_child) {
-  const std::lock_guard nobody_draws(random_sequence_mutex());
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw ResourceError(
-        fmt::format("cannot make a pipe to another process: {}", std::strerror(errno)));
-  }
-  const pid_t child = fork();
-  if (child == 0) {
-    close(ends[0]);
-    in_child(ends[1]);
-  }
-  const int reason = errno;
-  close(ends[1]);
-  if (child < 0) {
-    close(ends[0]);
-    throw ResourceError(
-        fmt::format("cannot start another process: {}", std::strerror(reason)));
-  }
-  return {child, ends[0]};
+// What is there of so many bytes: 0 where the other end has closed.
+std::size_t receive_some(int socket, void* data, std::size_t size) {
+  ssize_t n = 0;
+  do {
+    n = recv(socket, data, size, 0);
+  } while (n < 0 && errno == EINTR);
+  return n > 0 ? static_cast<std::size_t>(n) : 0;
 }
 
-[[noreturn]] void send_from_child(pid_t parent, int pipe,
-                                  const std::function<std::vector<char>()>& work,
-                                  std::size_t memory_bytes) {
-  die_with_parent(parent);
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGABRT, SIGSEGV, SIGFPE}) {
-    std::signal(signal, SIG_DFL);
+bool receive_all(int socket, void* data, std::size_t size) {
+  char* next = static_cast<char*>(data);
+  while (size > 0) {
+    const std::size_t n = receive_some(socket, next, size);
+    if (n == 0) {
+      return false;
+    }
+    next += n;
+    size -= n;
   }
-  sigset_t none;  // blocked, where the parent notes interrupts
-  sigemptyset(&none);
-  pthread_sigmask(SIG_SETMASK, &none, nullptr);
-  silence_output();
-  limit_resource(RLIMIT_CORE, 0);
-  const bool limited = kLimitMemory && limit_resource(RLIMIT_AS, memory_bytes);
+  return true;
+}
+
+// The address space, or what of it is in memory.
+std::size_t memory_bytes(bool resident) {
+  std::size_t all = 0;
+  std::size_t in_memory = 0;
+  std::ifstream("/proc/self/statm") >> all >> in_memory;
+  return (resident ? in_memory : all) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+// False where the user has set a lower one.
+bool limit_memory(rlim_t bytes) {
+  rlimit limit{};
+  getrlimit(RLIMIT_AS, &limit);
+  limit.rlim_cur = std::min(bytes, limit.rlim_max);
+  return setrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur == bytes;
+}
+
+// Ends the process unless the work returned: what else it left behind ends with it.
+std::vector<char> done(const Request& request, std::span<const char> input) {
+  const bool limited =
+      kLimitMemory && limit_memory(memory_bytes(false) + request.memory_bytes);
   try {
-    const std::vector<char> bytes = work();
-    _exit(write_all(pipe, bytes) ? 0 : kPipeBroke);
+    std::vector<char> bytes = request.work(input);
+    limit_memory(RLIM_INFINITY);
+    return bytes;
   } catch (const std::bad_alloc&) {
     _exit(limited ? kOutOfMemory : kNoMemory);
   } catch (...) {
@@ -150,44 +123,61 @@ Forked fork_with_pipe(const std::function<void(int pipe)>& in_child) {
   }
 }
 
-// Processor time that a child has taken [s].
-double cpu_seconds_of(pid_t child) {
-  clockid_t clock{};
-  timespec taken{};
-  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &taken) != 0) {
-    return 0.0;
+bool serve_request(int socket) {
+  Request request;
+  if (!receive_all(socket, &request, sizeof(request))) {
+    return false;
   }
-  return static_cast<double>(taken.tv_sec) + 1e-9 * static_cast<double>(taken.tv_nsec);
+  std::vector<char> input(request.input);
+  if (!receive_all(socket, input.data(), input.size())) {
+    return false;
+  }
+  const std::vector<char> bytes = done(request, input);
+  const Answer answer{.is_last = memory_bytes(true) > kMostKept, .bytes = bytes.size()};
+  return send_all(socket, &answer, sizeof(answer)) &&
+         send_all(socket, bytes.data(), bytes.size()) && !answer.is_last;
 }
 
-enum class End { kClosed, kTooMuchTime, kWaited };
-
-// Reads until the other end closes, or until a limit of time has passed.
-End read_until_closed(const Forked& forked, double time_s, std::vector<char>& bytes) {
-  using Clock = std::chrono::steady_clock;
-  const auto deadline =
-      Clock::now() + std::chrono::duration<double>(kLongestWait * time_s);
-  const int look_ms = static_cast<int>(std::clamp(1e3 * time_s, 1.0, 1e3));
-  std::vector<char> block(1 << 20);
-  while (true) {
-    pollfd ready{forked.pipe(), POLLIN, 0};
-    if (poll(&ready, 1, look_ms) <= 0) {
-      if (cpu_seconds_of(forked.child()) > time_s) {
-        return End::kTooMuchTime;
-      }
-      if (Clock::now() > deadline) {
-        return End::kWaited;
-      }
-      continue;
-    }
-    const ssize_t n = read(forked.pipe(), block.data(), block.size());
-    if (n == 0) {
-      return End::kClosed;
-    }
-    if (n > 0) {
-      bytes.insert(bytes.end(), block.begin(), block.begin() + n);
-    }
+void silence_output() {
+  const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (null >= 0) {
+    dup2(null, STDOUT_FILENO);
+    dup2(null, STDERR_FILENO);
+    close(null);
   }
+}
+
+// What the owner has open is not the child's: locks on files, others' sockets.
+[[noreturn]] void be_child(pid_t owner, int socket) {
+  die_with_parent(owner);
+  constexpr int kSocket = STDERR_FILENO + 1;
+  if (socket != kSocket) {
+    dup2(socket, kSocket);
+  }
+  close_range(kSocket + 1, UINT_MAX, 0);
+  silence_output();
+  for (const int signal :
+       {SIGINT, SIGTERM, SIGPIPE, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) {
+    std::signal(signal, SIG_DFL);
+  }
+  sigset_t none;  // blocked, where the owner notes interrupts
+  sigemptyset(&none);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  try {
+    while (serve_request(kSocket)) {
+    }
+  } catch (const std::bad_alloc&) {
+    _exit(kNoMemory);
+  }
+  _exit(0);
+}
+
+ResourceError killed() {
+  return ResourceError(
+      "another process that this one started was killed, perhaps for want of memory: "
+      "fewer --workers take less");
 }
 
 // @throws what is not the work's fault: interrupts, and kills that it did not cause.
@@ -197,9 +187,7 @@ std::string child_failure(int status, const ChildLimits& limits) {
       throw Interrupted();
     }
     if (WTERMSIG(status) == SIGKILL) {
-      throw ResourceError(
-          "another process that this one started was killed, perhaps for want of "
-          "memory: fewer --workers take less");
+      throw killed();
     }
     return fmt::format("it died of signal {} ({})", WTERMSIG(status),
                        strsignal(WTERMSIG(status)));
@@ -217,42 +205,198 @@ std::string child_failure(int status, const ChildLimits& limits) {
   }
 }
 
-ChildResult run_once(const std::function<std::vector<char>()>& work,
-                     const ChildLimits& limits) {
-  const std::size_t memory_bytes = address_space_bytes() + limits.memory_bytes;
-  const pid_t parent = getpid();
-  Forked forked = fork_with_pipe([&](int pipe) {
-    send_from_child(parent, pipe, work, memory_bytes);
-  });
-  ChildResult result;
-  const End end = read_until_closed(forked, limits.time_s, result.bytes);
-  const int status = forked.end(end == End::kClosed);
-  if (end == End::kWaited) {
-    throw ResourceError(fmt::format(
-        "another process that this one started got less than {:.3g} s of a processor "
-        "within {:.3g} s",
-        limits.time_s, kLongestWait * limits.time_s));
+enum class End { kAnswered, kClosed, kTooMuchTime, kWaited };
+
+class Child {
+ public:
+  // Nobody draws from the random sequence meanwhile, whose lock the child would find
+  // taken for ever.
+  Child() : owner_(getpid()) {
+    std::array<int, 2> ends{};
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+      throw ResourceError(fmt::format("cannot make a socket to another process: {}",
+                                      std::strerror(errno)));
+    }
+    int reason = 0;
+    {
+      const std::lock_guard nobody_draws(random_sequence_mutex());
+      process_ = fork();
+      reason = errno;
+    }
+    if (process_ == 0) {
+      be_child(owner_, ends[1]);
+    }
+    close(ends[1]);
+    socket_ = ends[0];
+    if (process_ < 0) {
+      close(socket_);
+      throw ResourceError(
+          fmt::format("cannot start another process: {}", std::strerror(reason)));
+    }
   }
-  result.done = end == End::kClosed && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  result.at_limit = end == End::kTooMuchTime ||
-                    (WIFEXITED(status) && WEXITSTATUS(status) == kOutOfMemory);
-  if (end == End::kTooMuchTime) {
-    result.failure = fmt::format("it took longer than {:.3g} s", limits.time_s);
-  } else if (!result.done) {
-    result.failure = child_failure(status, limits);
+  ~Child() {
+    close(socket_);
+    if (is_mine() && process_ > 0) {
+      kill(process_, SIGKILL);
+      (void)wait_for_child(process_);
+    }
   }
-  return result;
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  // Else it is that of a process which this one was forked from.
+  [[nodiscard]] bool is_mine() const { return owner_ == getpid(); }
+
+  // One that is idle may have been killed, or have ended with the thread that had it
+  // forked.
+  [[nodiscard]] bool is_alive() {
+    if (process_ > 0 && waitpid(process_, nullptr, WNOHANG) == process_) {
+      process_ = -1;
+    }
+    return process_ > 0 && !is_last_;
+  }
+
+  ChildResult run(ChildWork work, std::span<const char> input,
+                  const ChildLimits& limits) {
+    const double taken_s = cpu_seconds();
+    const Request request{
+        .work = work, .memory_bytes = limits.memory_bytes, .input = input.size()};
+    ChildResult result;
+    const End end = send_all(socket_, &request, sizeof(request)) &&
+                            send_all(socket_, input.data(), input.size())
+                        ? receive(taken_s + limits.time_s, limits.time_s, result.bytes)
+                        : End::kClosed;
+    result.done = end == End::kAnswered;
+    result.at_limit = end == End::kTooMuchTime;
+    if (end == End::kWaited) {
+      throw ResourceError(fmt::format(
+          "another process that this one started got less than {:.3g} s of a processor "
+          "within {:.3g} s",
+          limits.time_s, kLongestWait * limits.time_s));
+    }
+    if (end == End::kTooMuchTime) {
+      result.failure = fmt::format("it took longer than {:.3g} s", limits.time_s);
+    }
+    if (end == End::kClosed) {
+      const int status = wait_for_child(std::exchange(process_, -1));
+      result.failure = child_failure(status, limits);
+      result.at_limit = WIFEXITED(status) && WEXITSTATUS(status) == kOutOfMemory;
+    }
+    return result;
+  }
+
+ private:
+  // Processor time that it has taken [s].
+  [[nodiscard]] double cpu_seconds() const {
+    clockid_t clock{};
+    timespec taken{};
+    if (clock_getcpuclockid(process_, &clock) != 0 ||
+        clock_gettime(clock, &taken) != 0) {
+      return 0.0;
+    }
+    return static_cast<double>(taken.tv_sec) +
+           1e-9 * static_cast<double>(taken.tv_nsec);
+  }
+
+  // Until all of the answer is there, or the child ends, or a limit of time has passed.
+  [[nodiscard]] End receive(double cpu_end_s, double time_s, std::vector<char>& bytes) {
+    using Clock = std::chrono::steady_clock;
+    const auto deadline =
+        Clock::now() + std::chrono::duration<double>(kLongestWait * time_s);
+    const int look_ms = static_cast<int>(std::clamp(1e3 * time_s, 1.0, 1e3));
+    pollfd ready{socket_, POLLIN, 0};
+    while (poll(&ready, 1, look_ms) <= 0) {
+      if (cpu_seconds() > cpu_end_s) {
+        return End::kTooMuchTime;
+      }
+      if (Clock::now() > deadline) {
+        return End::kWaited;
+      }
+    }
+    Answer answer;
+    if (!receive_all(socket_, &answer, sizeof(answer))) {
+      return End::kClosed;
+    }
+    is_last_ = answer.is_last;
+    bytes.resize(answer.bytes);
+    return receive_all(socket_, bytes.data(), bytes.size()) ? End::kAnswered
+                                                            : End::kClosed;
+  }
+
+  pid_t owner_;
+  pid_t process_ = -1;
+  int socket_ = -1;
+  bool is_last_ = false;
+};
+
+class IdleChildren {
+ public:
+  std::unique_ptr<Child> take_or_fork() {
+    {
+      const std::lock_guard lock(mutex_);
+      std::erase_if(idle_, [](const auto& child) {
+        return !child->is_mine() || !child->is_alive();
+      });
+      if (!idle_.empty()) {
+        std::unique_ptr<Child> child = std::move(idle_.back());
+        idle_.pop_back();
+        return child;
+      }
+    }
+    return std::make_unique<Child>();
+  }
+
+  void put(std::unique_ptr<Child> child) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(child));
+  }
+
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    idle_.clear();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Child>> idle_;
+};
+
+IdleChildren& idle_children() {
+  static IdleChildren all;
+  return all;
 }
 
 }  // namespace
 
-ChildResult run_in_child(const std::function<std::vector<char>()>& work,
+ChildResult run_in_child(ChildWork work, std::span<const char> input,
                          const ChildLimits& limits) {
   ChildResult result;
   with_patience(kMomentS, "another process", [&] {
-    result = run_once(work, limits);
+    std::unique_ptr<Child> child = idle_children().take_or_fork();
+    result = child->run(work, input, limits);
+    if (result.done) {
+      idle_children().put(std::move(child));
+    }
   });
   return result;
+}
+
+void keep_children_ready(std::size_t count) {
+  std::vector<std::unique_ptr<Child>> ready;
+  try {
+    while (ready.size() < count) {
+      ready.push_back(idle_children().take_or_fork());
+    }
+  } catch (const ResourceError&) {
+    // Later.
+  }
+  for (std::unique_ptr<Child>& child : ready) {
+    idle_children().put(std::move(child));
+  }
+}
+
+void end_idle_children() {
+  idle_children().clear();
 }
 
 }  // namespace palpate

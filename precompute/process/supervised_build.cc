@@ -16,6 +16,7 @@
 #include "formats/base/error.h"
 #include "precompute/process/die_with_parent.h"
 #include "precompute/process/interrupt.h"
+#include "precompute/process/run_in_child.h"
 
 namespace palpate {
 namespace {
@@ -102,6 +103,7 @@ void hold_interrupts(bool held) {
   }
   const int code = work(resume);
   std::fflush(nullptr);
+  end_idle_children();
   _exit(code);
 }
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include "formats/base/error.h"
 #include "formats/base/sha256.h"
@@ -23,6 +22,7 @@
 #include "precompute/material/material_of_scene.h"
 #include "precompute/process/failure_of.h"
 #include "precompute/process/interrupt.h"
+#include "precompute/process/parallel.h"
 #include "precompute/process/patience.h"
 #include "precompute/serve/answer_log.h"
 #include "precompute/serve/answer_tally.h"
@@ -352,11 +352,7 @@ void compute(const Scene& scene, const BuildJob& job, const ServeOptions& option
 }  // namespace
 
 void serve(const Scene& scene, const ServeOptions& options, Progress& progress) {
-  std::optional<tbb::global_control> limit;
-  if (options.workers > 0) {
-    limit.emplace(tbb::global_control::max_allowed_parallelism,
-                  static_cast<std::size_t>(options.workers));
-  }
+  const Workers workers(options.workers);
   progress.stage("body");
   const BuildJob job = build_job(scene, {.repair = options.repair});
   const bool computed = is_computed_already(job, options);

@@ -84,9 +84,8 @@ void check_result(const SurfaceReport& before, const SurfaceReport& after,
 RemeshedSurface remesh_surface(const SurfaceMesh& mesh, double edge_m) {
   const CheckedSurface before = check_surface(mesh);
   check_wish(before.report, edge_m);
-  const SurfaceAndCounts made = surface_in_child("remesh", [&] {
-    return remeshed(before.mesh, edge_m);
-  });
+  const SurfaceAndCounts made =
+      surface_in_child("remesh", remeshed, before.mesh, edge_m);
   CheckedSurface after = check_surface(made.mesh);
   check_result(before.report, after.report, edge_m);
   RemeshReport report{

@@ -82,7 +82,7 @@ Cleaned cleaned(const SurfaceMesh& mesh) {
   return result;
 }
 
-SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
+SurfaceAndCounts safe_repair(const SurfaceMesh& mesh, double /*parameter*/) {
   TopologyChanges topology;
   const auto [clean, soup, specks] = cleaned(mesh);
   std::size_t junctions = 0;
@@ -101,7 +101,7 @@ SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
 }
 
 // Holes are closed first: a wrap would go in through them and line the inside.
-SurfaceAndCounts wrap_repair(const SurfaceMesh& mesh) {
+SurfaceAndCounts wrap_repair(const SurfaceMesh& mesh, double /*parameter*/) {
   const double size_m = diagonal_m(mesh);
   SoupChanges soup;
   TopologyChanges topology;
@@ -230,10 +230,9 @@ RepairedSurface repair_surface(const SurfaceMesh& mesh, RepairMode mode) {
     result.report.refusal = checked.report.accepted() ? "" : checked.report.verdict();
     return result;
   }
-  SurfaceAndCounts made =
-      surface_in_child(fmt::format("repair \"{}\"", mode_name(mode)), [&] {
-        return mode == RepairMode::kSafe ? safe_repair(mesh) : wrap_repair(mesh);
-      });
+  SurfaceAndCounts made = surface_in_child(
+      fmt::format("repair \"{}\"", mode_name(mode)),
+      mode == RepairMode::kSafe ? safe_repair : wrap_repair, mesh, 0.0);
   result.mesh = std::move(made.mesh);
   describe_repair(mesh, mode, made, result);
   return result;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -16,12 +15,16 @@ struct SurfaceAndCounts {
   double lost_share = 0.0;         ///< [-] of what the old surface encloses
 };
 
+/// Knows no more than these, for it is called in another process.
+using SurfaceWork = SurfaceAndCounts (*)(const SurfaceMesh& mesh, double parameter);
+
 /// What `work` returns, made in a child process of at most 600 s and 8 GB.
 /// @param what the start of the error's sentence, "repair".
 /// @throws NumericalError "<what>: ..." if the work threw, ran out of its limits, or
 ///   took the child down; or if what it returned has no triangles, an index out of
 ///   range or a coordinate that is not finite.
-[[nodiscard]] SurfaceAndCounts surface_in_child(
-    std::string_view what, const std::function<SurfaceAndCounts()>& work);
+[[nodiscard]] SurfaceAndCounts surface_in_child(std::string_view what, SurfaceWork work,
+                                                const SurfaceMesh& mesh,
+                                                double parameter);
 
 }  // namespace palpate

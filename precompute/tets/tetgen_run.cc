@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <numbers>
 #include <string>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <tetgen.h>
 
 #include "formats/base/error.h"
+#include "precompute/process/packed_bytes.h"
 #include "precompute/tets/tetgen_failure.h"
 
 namespace palpate {
@@ -24,35 +23,14 @@ struct Header {
   std::int32_t tets = 0;
 };
 
-constexpr int kTooMany = 100;  // beside TetGen's own codes
-
-// TetGen's callback has no argument for these. Only ever set in a child process of
-// one thread.
-struct SizeFunction {
-  const TetOptions* options = nullptr;
+struct Task {
+  double edge_max_m = 0.0;
+  double radius_edge_max = 0.0;
   double scale = 1.0;
-  std::int64_t cuts = 0;
+  TetTry how;
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
 };
-SizeFunction g_size;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
-
-// Whether a tet is larger than the regular one of the wanted edge at its centre.
-bool too_large(REAL* pa, REAL* pb, REAL* pc, REAL* pd, REAL* /*angles*/, REAL /*v*/) {
-  using Point = Eigen::Map<const Eigen::Vector3d>;
-  const Eigen::Vector3d a = Point(pa);
-  const Eigen::Vector3d b = Point(pb);
-  const Eigen::Vector3d c = Point(pc);
-  const Eigen::Vector3d d = Point(pd);
-  const double volume = std::abs((b - a).cross(c - a).dot(d - a)) / 6.0;
-  const double edge_m = g_size.options->size((a + b + c + d) / (4.0 * g_size.scale));
-  if (!(volume > regular_tet_volume(g_size.scale * edge_m))) {
-    return false;
-  }
-  // Each cut is a new vertex, and a vertex makes about six tets.
-  if (6 * ++g_size.cuts > g_size.options->tets_max) {
-    throw kTooMany;
-  }
-  return true;
-}
 
 void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
   in.firstnumber = 0;
@@ -78,16 +56,16 @@ void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
 // Y: the surfaces are left alone; M: coplanar triangles stay apart. Dihedral angles
 // below 8 degrees are refined and above 130 swapped away, as far as the surface lets
 // them. No O for more levels of swapping: it gains nothing and never ends on needles.
-std::string switches(const TetOptions& options, double scale, const TetTry& how) {
+std::string switches(const Task& task) {
   std::string text = "pYMQ";
-  if (how.graded) {
-    text += fmt::format("q{:.4f}", options.radius_edge_max);
+  if (task.how.graded) {
+    text += fmt::format("q{:.4f}", task.radius_edge_max);
   }
-  if (how.graded && how.improved) {
+  if (task.how.graded && task.how.improved) {
     text += "/8o/130";
   }
-  if (std::isfinite(options.edge_max_m)) {
-    text += fmt::format("a{:.12f}", regular_tet_volume(scale * options.edge_max_m));
+  if (std::isfinite(task.edge_max_m)) {
+    text += fmt::format("a{:.12f}", regular_tet_volume(task.scale * task.edge_max_m));
   }
   return text;
 }
@@ -107,12 +85,6 @@ void move(double by, tetgenio& in) {
   }
 }
 
-template <typename T>
-void append_bytes(std::vector<char>& bytes, const T* data, std::size_t count) {
-  const auto* first = reinterpret_cast<const char*>(data);
-  bytes.insert(bytes.end(), first, first + count * sizeof(T));
-}
-
 void orient(TetMesh& mesh) {
   for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
     if (tet_volume_m3(mesh, t) < 0.0) {
@@ -127,17 +99,34 @@ double regular_tet_volume(double edge) {
   return edge * edge * edge / (6.0 * std::numbers::sqrt2);
 }
 
-std::vector<char> tetgen_run(const SurfaceMesh& surface, const TetOptions& options,
-                             double scale, const TetTry& how) {
+std::vector<char> tetgen_input(const SurfaceMesh& surface, const TetOptions& options,
+                               double scale, const TetTry& how) {
+  const Task task{.edge_max_m = options.edge_max_m,
+                  .radius_edge_max = options.radius_edge_max,
+                  .scale = scale,
+                  .how = how,
+                  .vertices = static_cast<std::size_t>(surface.position_m.rows()),
+                  .triangles = static_cast<std::size_t>(surface.triangle.rows())};
+  std::vector<char> bytes;
+  append_bytes(bytes, &task, 1);
+  append_bytes(bytes, surface.position_m.data(), 3 * task.vertices);
+  append_bytes(bytes, surface.triangle.data(), 3 * task.triangles);
+  return bytes;
+}
+
+std::vector<char> tetgen_run(std::span<const char> input) {
+  Task task;
+  take_bytes(input, &task, 1);
+  SurfaceMesh surface;
+  surface.position_m.resize(static_cast<Eigen::Index>(task.vertices), 3);
+  surface.triangle.resize(static_cast<Eigen::Index>(task.triangles), 3);
+  take_bytes(input, surface.position_m.data(), 3 * task.vertices);
+  take_bytes(input, surface.triangle.data(), 3 * task.triangles);
   tetgenio in;
   tetgenio out;
-  fill_input(surface, scale, in);
-  move(how.moved, in);
-  if (options.size) {
-    g_size = {.options = &options, .scale = scale};
-    in.tetunsuitable = &too_large;
-  }
-  std::string text = switches(options, scale, how);
+  fill_input(surface, task.scale, in);
+  move(task.how.moved, in);
+  std::string text = switches(task);
   Header header;
   try {
     ::tetrahedralize(text.data(), &in, &out);
@@ -153,18 +142,9 @@ std::vector<char> tetgen_run(const SurfaceMesh& surface, const TetOptions& optio
   return bytes;
 }
 
-TetMesh tetgen_unpack(const std::vector<char>& bytes, const TetOptions& options,
-                      double scale) {
+TetMesh tetgen_unpack(std::span<const char> bytes, double scale) {
   Header header;
-  if (bytes.size() < sizeof(header)) {
-    throw NumericalError("tetrahedra: the mesher returned nothing");
-  }
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  if (header.code == kTooMany) {
-    throw InputError(
-        fmt::format("tetrahedra: the wanted sizes need more than the {} allowed",
-                    options.tets_max));
-  }
+  take_bytes(bytes, &header, 1);
   constexpr int kMemory = 1;
   constexpr int kCrossing = 3;
   const std::string gave_up =
@@ -175,16 +155,15 @@ TetMesh tetgen_unpack(const std::vector<char>& bytes, const TetOptions& options,
   if (header.code != 0) {
     throw NumericalError(gave_up);
   }
-  const std::size_t point_bytes = static_cast<std::size_t>(header.points) * 3 * 8;
-  const std::size_t tet_bytes = static_cast<std::size_t>(header.tets) * 4 * 4;
-  if (bytes.size() != sizeof(header) + point_bytes + tet_bytes || header.tets == 0) {
+  if (header.tets == 0) {
     throw NumericalError("tetrahedra: the mesher returned no tetrahedra");
   }
   TetMesh mesh;
   mesh.position_m.resize(header.points, 3);
   mesh.tet.resize(header.tets, 4);
-  std::memcpy(mesh.position_m.data(), bytes.data() + sizeof(header), point_bytes);
-  std::memcpy(mesh.tet.data(), bytes.data() + sizeof(header) + point_bytes, tet_bytes);
+  take_bytes(bytes, mesh.position_m.data(),
+             static_cast<std::size_t>(header.points) * 3);
+  take_bytes(bytes, mesh.tet.data(), static_cast<std::size_t>(header.tets) * 4);
   if (mesh.tet.minCoeff() < 0 || mesh.tet.maxCoeff() >= mesh.position_m.rows()) {
     throw NumericalError("tetrahedra: the mesher returned an index out of range");
   }

@@ -1,6 +1,7 @@
 // One call of TetGen, by bytes, so that it can be made in a child process.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "formats/base/error.h"
@@ -25,21 +26,22 @@ struct TetTry {
   double moved = 0.0;
 };
 
+/// What tetgen_run() is to fill.
+/// @param surface [m] all triangles, of the outer and of inner surfaces.
+/// @param scale the factor from metres that makes its extent about 1: TetGen's
+///   tolerances like that.
+[[nodiscard]] std::vector<char> tetgen_input(const SurfaceMesh& surface,
+                                             const TetOptions& options, double scale,
+                                             const TetTry& how);
+
 /// Fills the surfaces, in the calling process, which TetGen may take down. The result
 /// is for tetgen_unpack(), and says so if TetGen gave up.
-/// @param surface all triangles, of the outer and of inner surfaces, of extent about 1:
-///   TetGen's tolerances like that. @param scale the factor from metres that made it
-///   so.
-[[nodiscard]] std::vector<char> tetgen_run(const SurfaceMesh& surface,
-                                           const TetOptions& options, double scale,
-                                           const TetTry& how);
+[[nodiscard]] std::vector<char> tetgen_run(std::span<const char> input);
 
 /// What tetgen_run() made, in metres: positions and tets, positive; nothing else.
 /// @throws NumericalError with TetGen's reason (HopelessTry where the surface crosses
-///   itself or the memory did not suffice); InputError if options.size asked for
-///   more than options.tets_max.
-[[nodiscard]] TetMesh tetgen_unpack(const std::vector<char>& bytes,
-                                    const TetOptions& options, double scale);
+///   itself or the memory did not suffice).
+[[nodiscard]] TetMesh tetgen_unpack(std::span<const char> bytes, double scale);
 
 /// Volume of the regular tet of an edge.
 [[nodiscard]] double regular_tet_volume(double edge);

@@ -178,9 +178,7 @@ TetMesh try_to_fill(const SurfaceMesh& surface, const Walls& walls,
                     const TetOptions& options, const TetTry& how) {
   const double scale = scale_to_one(surface);
   const ChildResult result = run_in_child(
-      [&] {
-        return tetgen_run(walls.all, options, scale, how);
-      },
+      tetgen_run, tetgen_input(walls.all, options, scale, how),
       {.time_s = options.time_limit_s, .memory_bytes = options.memory_limit_bytes});
   if (!result.done) {
     const std::string failed =
@@ -190,7 +188,7 @@ TetMesh try_to_fill(const SurfaceMesh& surface, const Walls& walls,
     }
     throw NumericalError(failed);
   }
-  TetMesh mesh = tetgen_unpack(result.bytes, options, scale);
+  TetMesh mesh = tetgen_unpack(result.bytes, scale);
   mesh.surface_vertices = surface.position_m.rows();
   if (how.moved > 0.0 && mesh.position_m.rows() >= walls.all.position_m.rows()) {
     mesh.position_m.topRows(walls.all.position_m.rows()) = walls.all.position_m;

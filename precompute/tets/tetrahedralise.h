@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <span>
 
@@ -22,15 +21,10 @@ struct TetOptions {
   Eigen::Index tets_max = 4'000'000;  ///< more are refused before they are made
   double time_limit_s = 600.0;        ///< [s] (0, inf)
   std::size_t memory_limit_bytes = 8'000'000'000;
-  /// Wanted edge [m] at a point of the body, on top of edge_max_m: a tet is no larger
-  /// than the regular one of the edge wanted at its centre, but for those that a coarse
-  /// surface triangle holds up and, by a little, those swapped against slivers. Runs in
-  /// the child process. Empty: no wish.
-  std::function<double(const Eigen::Vector3d&)> size{};
 };
 
 /// About how many tets tetrahedralise() will make (within a factor of two), without
-/// inner surfaces or a size function.
+/// inner surfaces.
 [[nodiscard]] double estimated_tets(const SurfaceMesh& surface,
                                     const TetOptions& options = {});
 

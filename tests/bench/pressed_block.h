@@ -67,8 +67,7 @@ struct Grading {
   double growth = 0.7;
   double finest_m = 0.0;
   double circle_m = 0.0;
-  bool apex = false;    // and from the origin
-  bool inside = false;  // inside the body too, where tets otherwise grow by themselves
+  bool apex = false;  // and from the origin
 };
 
 struct Press {
@@ -99,11 +98,7 @@ class Bench {
         graded_block(body.half_width_m, body.depth_m, 0.5 * body.half_width_m, 2);
     const SurfaceMesh fine =
         refine_longest_edge(coarse, edge_length(body, grading), 200000);
-    TetOptions options;
-    if (grading.inside) {
-      options.size = edge_length(body, grading);
-    }
-    const TetMesh tets = tetrahedralise(fine, options);
+    const TetMesh tets = tetrahedralise(fine);
     tets_ = tets.tet.rows();
     mesh_ = make_quadratic(tets, fine.triangle);
     const double w = body.half_width_m;

@@ -5,7 +5,6 @@
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 namespace palpate {
 namespace {
@@ -33,7 +32,7 @@ TEST(Parallel, ThrowsWhatABodyThrows) {
 // One outer body throws once the other is inside its loop; that loop must not return
 // with a part of its work undone.
 TEST(Parallel, AnInnerLoopIsNotCutShortByAnotherOuterBody) {
-  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+  const Workers two(2);
   constexpr std::size_t kInner = 200;
   std::atomic<bool> inside = false;
   std::atomic<bool> thrown = false;
