@@ -1,16 +1,20 @@
 #include "precompute/fem/symbolic_factor.h"
 
 #include <algorithm>
-#include <mutex>
+#include <span>
 
 #include <cholmod.h>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "precompute/process/random_sequence.h"
+#include "precompute/process/packed_bytes.h"
+#include "precompute/process/run_in_child.h"
 
 namespace palpate {
 namespace {
+
+constexpr double kLongest = 86'400.0;                   // [s] a large body takes long
+constexpr std::size_t kMostMemory = 1'000'000'000'000;  // the machine's, that is
 
 // Memory that CHOLMOD hands out, with the workspace that it needs to give it back.
 struct Common {
@@ -28,20 +32,14 @@ struct Common {
 };
 
 // CHOLMOD reads through pointers that are not const, and does not write to them.
-template <typename T>
-T* unwritten(const std::vector<T>& numbers) {
-  return const_cast<T*>(
-      numbers.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-}
-
-cholmod_sparse view(const LowerPattern& lower) {
+cholmod_sparse view(LowerPattern& lower) {
   static_assert(sizeof(SuiteSparse_long) == sizeof(std::int64_t));
   cholmod_sparse A{};
   A.nrow = lower.begin.size() - 1;
   A.ncol = A.nrow;
   A.nzmax = lower.row.size();
-  A.p = unwritten(lower.begin);
-  A.i = unwritten(lower.row);
+  A.p = lower.begin.data();
+  A.i = lower.row.data();
   A.stype = -1;
   A.itype = CHOLMOD_LONG;
   A.xtype = CHOLMOD_PATTERN;
@@ -51,39 +49,71 @@ cholmod_sparse view(const LowerPattern& lower) {
   return A;
 }
 
-// Not in a child: a fork costs more than ordering a small body, a third of the time of
-// presses on a thousand tets (MEASURED.md).
-cholmod_factor* analysed(cholmod_sparse& A, cholmod_common& c) {
-  const std::lock_guard lock(random_sequence_mutex());
-  return cholmod_l_analyze(&A, &c);
+template <typename T>
+void append(std::vector<char>& bytes, const std::vector<T>& numbers) {
+  const std::size_t count = numbers.size();
+  append_bytes(bytes, &count, 1);
+  append_bytes(bytes, numbers.data(), count);
+}
+
+template <typename T>
+void take(std::span<const char>& bytes, std::vector<T>& numbers) {
+  std::size_t count = 0;
+  take_bytes(bytes, &count, 1);
+  numbers.resize(count);
+  take_bytes(bytes, numbers.data(), count);
 }
 
 template <typename To>
-void copy(const void* from, std::size_t count, std::vector<To>& to) {
+void append_as(std::vector<char>& bytes, const void* from, std::size_t count) {
   const auto* numbers = static_cast<const SuiteSparse_long*>(from);
-  to.resize(count);
+  std::vector<To> to(count);
   std::transform(numbers, numbers + count, to.begin(), [](SuiteSparse_long x) {
     return static_cast<To>(x);
   });
+  append(bytes, to);
+}
+
+// Nothing if the memory did not suffice.
+std::vector<char> analysed(std::span<const char> input) {
+  LowerPattern pattern;
+  take(input, pattern.begin);
+  take(input, pattern.row);
+  Common common;
+  cholmod_sparse A = view(pattern);
+  cholmod_factor* factor = cholmod_l_analyze(&A, &common.c);
+  std::vector<char> bytes;
+  if (factor != nullptr) {
+    append_as<std::int32_t>(bytes, factor->Perm, factor->n);
+    append_as<std::int32_t>(bytes, factor->super, factor->nsuper + 1);
+    append_as<std::int64_t>(bytes, factor->pi, factor->nsuper + 1);
+    append_as<std::int32_t>(bytes, factor->s, factor->ssize);
+    cholmod_l_free_factor(&factor, &common.c);
+  }
+  return bytes;
 }
 
 }  // namespace
 
+// In a child: METIS draws from the C library's one sequence of random numbers, which
+// two orderings at a time would share out between them by chance.
 SymbolicFactor symbolic_factor(const LowerPattern& pattern) {
-  Common common;
-  cholmod_sparse A = view(pattern);
-  cholmod_factor* factor = analysed(A, common.c);
-  if (factor == nullptr) {
+  std::vector<char> input;
+  append(input, pattern.begin);
+  append(input, pattern.row);
+  const ChildResult result =
+      run_in_child(analysed, input, {.time_s = kLongest, .memory_bytes = kMostMemory});
+  if (!result.done || result.bytes.empty()) {
     throw ResourceError(fmt::format(
-        "the stiffness matrix of {} nodes could not be ordered: out of memory",
-        A.nrow));
+        "the stiffness matrix of {} nodes could not be ordered: {}",
+        pattern.begin.size() - 1, result.done ? "out of memory" : result.failure));
   }
   SymbolicFactor symbolic;
-  copy(factor->Perm, factor->n, symbolic.order);
-  copy(factor->super, factor->nsuper + 1, symbolic.begin);
-  copy(factor->pi, factor->nsuper + 1, symbolic.row_begin);
-  copy(factor->s, factor->ssize, symbolic.row);
-  cholmod_l_free_factor(&factor, &common.c);
+  std::span<const char> bytes = result.bytes;
+  take(bytes, symbolic.order);
+  take(bytes, symbolic.begin);
+  take(bytes, symbolic.row_begin);
+  take(bytes, symbolic.row);
   return symbolic;
 }
 

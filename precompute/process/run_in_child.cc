@@ -26,7 +26,6 @@
 #include "formats/base/error.h"
 #include "precompute/process/die_with_parent.h"
 #include "precompute/process/patience.h"
-#include "precompute/process/random_sequence.h"
 
 namespace palpate {
 namespace {
@@ -209,23 +208,17 @@ enum class End { kAnswered, kClosed, kTooMuchTime, kWaited };
 
 class Child {
  public:
-  // Nobody draws from the random sequence meanwhile, whose lock the child would find
-  // taken for ever.
   Child() : owner_(getpid()) {
     std::array<int, 2> ends{};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
       throw ResourceError(fmt::format("cannot make a socket to another process: {}",
                                       std::strerror(errno)));
     }
-    int reason = 0;
-    {
-      const std::lock_guard nobody_draws(random_sequence_mutex());
-      process_ = fork();
-      reason = errno;
-    }
+    process_ = fork();
     if (process_ == 0) {
       be_child(owner_, ends[1]);
     }
+    const int reason = errno;
     close(ends[1]);
     socket_ = ends[0];
     if (process_ < 0) {

@@ -26,7 +26,6 @@
 #include "formats/base/error.h"
 #include "precompute/process/die_with_parent.h"
 #include "precompute/process/peak_memory.h"
-#include "precompute/process/random_sequence.h"
 #include "tests/support/comes_true.h"
 #include "tests/support/test_data.h"
 
@@ -58,32 +57,6 @@ TEST(RunInChild, ReturnsWhatTheWorkMadeOfItsInput) {
   ASSERT_TRUE(result.done) << result.failure;
   EXPECT_TRUE(
       std::equal(sent.rbegin(), sent.rend(), result.bytes.begin(), result.bytes.end()));
-}
-
-TEST(RunInChild, DrawsRandomNumbersWhateverOtherThreadsDraw) {
-  std::atomic<bool> enough = false;
-  std::thread other([&] {
-    while (!enough) {
-      const std::lock_guard lock(random_sequence_mutex());
-      for (int i = 0; i < 1000; ++i) {
-        (void)random();
-      }
-    }
-  });
-  bool all = true;
-  for (int i = 0; i < 100 && all; ++i) {
-    end_idle_children();
-    all = run_in_child(
-              [](std::span<const char>) {
-                srandom(1);
-                return std::vector<char>{'x'};
-              },
-              {}, {.time_s = 10.0})
-              .done;
-  }
-  enough = true;
-  other.join();
-  EXPECT_TRUE(all);
 }
 
 // A child that has taken another's pipe with it holds that open until it ends itself.
