@@ -178,15 +178,16 @@ TEST_F(SlowWire, WithinItsBoundEndsNothing) {
 class WatchedWire : public testing::Test {
  protected:
   // Force and movement along z [N, m], what the model could give back [J].
-  void move(double force_n, double moved_m, double available_j) {
+  void move(double force_n, double moved_m, double available_j,
+            std::int64_t took_ns = kMs) {
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     watch_.hold(now_ns_, force_n * up);
     watch_.move({.from_ns = now_ns_,
-                 .to_ns = now_ns_ + kMs,
-                 .read_ns = now_ns_ + kMs,
+                 .to_ns = now_ns_ + took_ns,
+                 .read_ns = now_ns_ + took_ns,
                  .moved_m = moved_m * up},
                 available_j);
-    now_ns_ += kMs;
+    now_ns_ += took_ns;
   }
   static constexpr std::int64_t kMs = 1'000'000;
   WireWatch watch_{{.damping_n_s_per_m = 0.5, .stiffness_n_per_m = 100.0}};
@@ -215,6 +216,18 @@ TEST_F(WatchedWire, LendsNothingOfWhatAHandPutInBefore) {
     move(1.0, 1e-3, 0.002);
   }
   EXPECT_EQ(ticks, 25);
+}
+
+// 1 ms for a second, then 10 ms for 50 ms: by a share of 1 - 1/e nearer.
+TEST_F(WatchedWire, IsLookedAtFor50Ms) {
+  for (int i = 0; i < 1000; ++i) {
+    move(0.0, 0.0, 0.0);
+  }
+  EXPECT_NEAR(watch_.held_s(), 0.001, 1e-9);
+  for (int i = 0; i < 5; ++i) {
+    move(0.0, 0.0, 0.0, 10 * kMs);
+  }
+  EXPECT_NEAR(watch_.held_s(), 0.010 - 0.009 * std::exp(-1.0), 1e-9);
 }
 
 // While a tool flies its mechanism takes what it was given, and pays for no other

@@ -1,0 +1,93 @@
+// What the fast process makes of a device and of a body that are both made up.
+#include "runtime/render/fast_process.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+// 1 N up; whatever a hand puts in, friction takes, and what it gets is in no account.
+class RubbedBody : public RenderedBody {
+ public:
+  bool take_in(ArrivalRecord& /*arrival*/) noexcept override { return false; }
+  FastCommand step(const DeviceReading& reading, double /*dt_s*/) noexcept override {
+    const double sunk_m = last_m_ - reading.position_m.z();
+    last_m_ = reading.position_m.z();
+    rubbed_j_ += std::max(sunk_m, 0.0);
+    return {.force_n = Eigen::Vector3d::UnitZ(),
+            .in_contact = true,
+            .dissipated_j = rubbed_j_};
+  }
+  void delivered(const Eigen::Vector3d& /*force_n*/) noexcept override {}
+  void raise(Fault fault) noexcept override { fault_ = fault; }
+  void publish(const DeviceReading& /*reading*/,
+               std::int64_t /*ticks*/) noexcept override {}
+  [[nodiscard]] Fault fault() const noexcept override { return fault_; }
+  [[nodiscard]] bool in_contact() const noexcept override { return true; }
+  [[nodiscard]] double work_j() const noexcept override { return rubbed_j_; }
+  [[nodiscard]] std::int32_t triangle() const noexcept override { return 0; }
+  [[nodiscard]] std::uint64_t dropped() const noexcept override { return 0; }
+  bool serve(std::int64_t /*now_ns*/) override { return false; }
+  void begin_with(const std::vector<YieldedRow>& /*rows*/) override {}
+
+ private:
+  double last_m_ = 0.0;
+  double rubbed_j_ = 0.0;
+  Fault fault_ = Fault::kNone;
+};
+
+// A state each millisecond.
+class MovedTool : public Device {
+ public:
+  [[nodiscard]] std::string name() const override { return "moved tool"; }
+  [[nodiscard]] DeviceLimits limits() const override { return {}; }
+  void open() override {}
+  [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override {
+    now_ns_ += 1'000'000;
+    reading.time_ns = now_ns_;
+    reading.position_m.z() = height_m;
+    return DeviceStatus::kOk;
+  }
+  [[nodiscard]] DeviceStatus write(
+      const Eigen::Vector3d& /*force_n*/) noexcept override {
+    return DeviceStatus::kOk;
+  }
+  void close() noexcept override {}
+
+  double height_m = 0.0;
+
+ private:
+  std::int64_t now_ns_ = 0;
+};
+
+// The hand puts in 20 mJ, which friction takes, and is pushed back: each time 0.1 mJ,
+// less 5 uJ of damping and 2 uJ of any hand, up to the floor of 10 mJ. A tick later the
+// process sees it.
+TEST(FastProcess, LendsNothingThatFrictionTook) {
+  MovedTool tool;
+  RubbedBody body;
+  FastProcessConfig config;
+  config.rate_hz = 1000.0;
+  config.stall_fault_s = 1e9;
+  config.wire = {.damping_n_s_per_m = 0.5, .stiffness_n_per_m = 100.0};
+  FastProcess process(config, tool, body, {});
+  for (int i = 0; i < 200; ++i) {
+    tool.height_m -= 1e-4;
+    ASSERT_TRUE(process.tick(0));
+  }
+  EXPECT_NEAR(body.work_j(), 0.02, 1e-12);
+  int pushed = 0;
+  do {
+    tool.height_m += 1e-4;
+    ++pushed;
+  } while (process.tick(0) && pushed < 1000);
+  EXPECT_EQ(body.fault(), Fault::kEnergy);
+  EXPECT_EQ(pushed, 109);
+}
+
+}  // namespace
+}  // namespace palpate
