@@ -44,7 +44,7 @@ constexpr std::size_t kMostKept = 256'000'000;  // bytes, between two pieces of 
 
 // A child and its owner are of one program: what crosses between them is as it lies in
 // memory, and a function has one address in both.
-struct Request {
+struct ChildRequest {
   ChildWork work = nullptr;
   std::size_t memory_bytes = 0;
   std::size_t input = 0;  // bytes, which follow
@@ -108,7 +108,7 @@ bool limit_memory(rlim_t bytes) {
 }
 
 // Ends the process unless the work returned: what else it left behind ends with it.
-std::vector<char> done(const Request& request, std::span<const char> input) {
+std::vector<char> done(const ChildRequest& request, std::span<const char> input) {
   const bool limited =
       kLimitMemory && limit_memory(memory_bytes(false) + request.memory_bytes);
   try {
@@ -123,7 +123,7 @@ std::vector<char> done(const Request& request, std::span<const char> input) {
 }
 
 bool serve_request(int socket) {
-  Request request;
+  ChildRequest request;
   if (!receive_all(socket, &request, sizeof(request))) {
     return false;
   }
@@ -252,7 +252,7 @@ class Child {
   ChildResult run(ChildWork work, std::span<const char> input,
                   const ChildLimits& limits) {
     const double taken_s = cpu_seconds();
-    const Request request{
+    const ChildRequest request{
         .work = work, .memory_bytes = limits.memory_bytes, .input = input.size()};
     ChildResult result;
     const End end = send_all(socket_, &request, sizeof(request)) &&
