@@ -31,7 +31,7 @@ constexpr double kLostMax = 0.1;  // [-] of what is enclosed, by a wrap
 
 // What each of the counts that the child sends back stands for.
 constexpr std::size_t kFilledHoles = 10;
-constexpr std::array<const char*, 12> kRepairSteps{
+constexpr std::array<const char*, 13> kRepairSteps{
     "duplicate vertices welded",
     "collapsed triangles taken out",
     "duplicate triangles taken out",
@@ -44,6 +44,7 @@ constexpr std::array<const char*, 12> kRepairSteps{
     "degenerate triangles taken out",
     "holes filled",
     "self-intersecting pairs of triangles replaced",
+    "parts inside another turned: each is a cavity",
 };
 
 double diagonal_m(const SurfaceMesh& mesh) {
@@ -74,10 +75,7 @@ Cleaned cleaned(const SurfaceMesh& mesh) {
     }
   }
   if (result.specks > 0) {
-    SoupChanges ignored;
-    std::sort(kept.begin(), kept.end());
-    result.mesh.triangle = result.mesh.triangle(kept, Eigen::all).eval();
-    result.mesh = clean_soup(result.mesh, ignored);
+    result.mesh = of_triangles(result.mesh, std::move(kept));
   }
   return result;
 }
@@ -92,12 +90,14 @@ SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
   if (check_surface(result).report.closed()) {
     result = without_intersections(result, replaced);
   }
-  return {.mesh = in_original_order(result, mesh),
+  CheckedSurface checked = check_surface(std::move(result));
+  return {.mesh = in_original_order(checked.mesh, mesh),
           .count = {soup.welded_vertices, soup.collapsed_triangles,
                     soup.duplicate_triangles, soup.isolated_vertices, specks, junctions,
                     topology.turned_triangles, topology.split_vertices,
                     topology.stitched_borders, topology.degenerate_triangles,
-                    topology.filled_holes, replaced}};
+                    topology.filled_holes, replaced,
+                    checked.report.nested_components.count}};
 }
 
 // Holes are closed first: a wrap would go in through them and line the inside.
