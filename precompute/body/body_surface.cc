@@ -74,7 +74,7 @@ bool in_another_box(const std::vector<SurfaceMesh>& part, std::size_t i) {
   return false;
 }
 
-void append(const SurfacePart& part, std::vector<Eigen::Index>& triangle) {
+void add_triangles(const SurfacePart& part, std::vector<Eigen::Index>& triangle) {
   triangle.insert(triangle.end(), part.triangle.begin(), part.triangle.end());
 }
 
@@ -111,7 +111,7 @@ SurfaceMesh read_body_mesh(const Scene& scene, std::vector<std::string>& notes) 
   std::vector<Eigen::Index> kept;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (!named[i]) {
-      append(parts[i], kept);
+      add_triangles(parts[i], kept);
     }
   }
   return std::ssize(kept) == mesh.triangle.rows() ? mesh
@@ -131,7 +131,7 @@ HollowBody take_cavities(const Scene& scene, const CheckedSurface& checked) {
            .name = fmt::format("cavity {} of {}", body.cavity.size() + 1,
                                scene.mesh.filename().string())});
     } else {
-      append(part, kept);
+      add_triangles(part, kept);
     }
   }
   body.surface =
