@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/surface/glued_parts.h"
 #include "precompute/surface/repair_intersections.h"
 #include "precompute/surface/repair_topology.h"
 #include "precompute/surface/self_intersections.h"
@@ -30,12 +31,13 @@ constexpr double kWrapOffset = 0.0005;
 constexpr double kLostMax = 0.1;  // [-] of what is enclosed, by a wrap
 
 // What each of the counts that the child sends back stands for.
-constexpr std::size_t kFilledHoles = 10;
-constexpr std::array<const char*, 13> kRepairSteps{
+constexpr std::size_t kFilledHoles = 11;
+constexpr std::array<const char*, 14> kRepairSteps{
     "duplicate vertices welded",
     "collapsed triangles taken out",
     "duplicate triangles taken out",
     "vertices of no triangle taken out",
+    "faces or walls inside the body taken out: its parts are one there",
     "specks taken out: parts below 0.1 % of the body",
     "vertices put on edges of neighbours that they lie on",
     "triangles turned to agree with their neighbours",
@@ -57,16 +59,21 @@ SurfaceMesh without_intersections(const SurfaceMesh& mesh, std::size_t& replaced
   return result;
 }
 
-// What is there, once, but for specks.
+// What is there, once, but for specks and walls inside, and parted where it touches.
 struct Cleaned {
   SurfaceMesh mesh;
   SoupChanges soup;
+  std::size_t walls = 0;
   std::size_t specks = 0;
+  std::size_t parted = 0;  // new vertices
 };
 
 Cleaned cleaned(const SurfaceMesh& mesh) {
   Cleaned result;
   result.mesh = clean_soup(mesh, result.soup);
+  result.walls = result.soup.shared_faces;
+  result.mesh =
+      part_touching(without_inner_walls(result.mesh, result.walls), result.parted);
   std::vector<Eigen::Index> kept;
   for (const SurfacePart& part : surface_parts(result.mesh)) {
     result.specks += part.speck ? 1U : 0U;
@@ -82,7 +89,7 @@ Cleaned cleaned(const SurfaceMesh& mesh) {
 
 SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
   TopologyChanges topology;
-  const auto [clean, soup, specks] = cleaned(mesh);
+  const auto [clean, soup, walls, specks, parted] = cleaned(mesh);
   std::size_t junctions = 0;
   SurfaceMesh result = repair_topology(cut_at_t_junctions(clean, junctions),
                                        kHoleMax * diagonal_m(mesh), topology);
@@ -93,10 +100,10 @@ SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
   CheckedSurface checked = check_surface(std::move(result));
   return {.mesh = in_original_order(checked.mesh, mesh),
           .count = {soup.welded_vertices, soup.collapsed_triangles,
-                    soup.duplicate_triangles, soup.isolated_vertices, specks, junctions,
-                    topology.turned_triangles, topology.split_vertices,
-                    topology.stitched_borders, topology.degenerate_triangles,
-                    topology.filled_holes, replaced,
+                    soup.duplicate_triangles, soup.isolated_vertices, walls, specks,
+                    junctions, topology.turned_triangles,
+                    parted + topology.split_vertices, topology.stitched_borders,
+                    topology.degenerate_triangles, topology.filled_holes, replaced,
                     checked.report.nested_components.count}};
 }
 
