@@ -245,6 +245,7 @@ void run_check(CheckFlags flags) {
   std::vector<std::string> notes;
   const SurfaceMesh mesh = scene ? read_body_mesh(*scene, notes)
                                  : read_surface(flags.mesh, flags.length_unit, &notes);
+  tell_if_large(mesh, flags.mesh);
   const RepairedSurface repaired = repair_surface(mesh, mode);
   const RepairReport& report = repaired.report;
   const bool failed = !report.refusal.empty() && mode != RepairMode::kOff;

@@ -24,7 +24,9 @@ struct RemeshedSurface {
 
 /// Cuts, collapses and swaps edges until they are about edge_m long, and moves vertices
 /// along the surface (Botsch and Kobbelt 2004). Edges where the surface turns by more
-/// than 60 degrees stay, cut to length. Done in a child process; the vertices are new.
+/// than 60 degrees stay, cut to length, where they make lines of three new edges or
+/// more. Places where that makes the surface cross itself are cut out and filled
+/// (repair_intersections.h). Done in a child process; the vertices are new.
 /// @param mesh a body (see check_surface). @param edge_m [m] > 0.
 /// @throws InputError if the surface is no body, or about more than 2,000,000 triangles
 ///   would be made, or the body is thinner than the edges can follow: the result

@@ -1,5 +1,6 @@
 #include "precompute/surface/surface_check.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -243,6 +244,28 @@ TEST(SurfaceCheck, TellsCavitiesFromIslandsInThem) {
   EXPECT_NE(checked.report.verdict().find("in 2 disjoint parts, with 2 cavities"),
             std::string::npos)
       << checked.report.verdict();
+}
+
+TEST(SurfaceCheck, TellsWhichOfManyPartsLieInside) {
+  for (const bool turned : {false, true}) {
+    SurfaceMesh mesh = turned ? inside_out(icosphere(1.0, 2)) : icosphere(1.0, 2);
+    const SurfaceMesh bubble =
+        turned ? icosphere(0.01, 0) : inside_out(icosphere(0.01, 0));
+    for (int i = 0; i < 20; ++i) {
+      // Within the bounding box, inside and outside by turns.
+      const double far_m = i % 2 == 0 ? 0.9 : 1.1;
+      mesh =
+          joined(mesh, moved(bubble, far_m * Eigen::RowVector3d(std::cos(0.3 * i),
+                                                                std::sin(0.3 * i), 0.5)
+                                                 .normalized()));
+    }
+    const CheckedSurface checked = check_surface(mesh);
+    EXPECT_TRUE(checked.report.accepted()) << checked.report.verdict();
+    ASSERT_EQ(checked.report.part.size(), 21U);
+    for (std::size_t i = 0; i < 20; ++i) {
+      EXPECT_EQ(checked.report.part[i + 1].around, i % 2 == 0 ? 1 : 0) << i;
+    }
+  }
 }
 
 TEST(SurfaceCheck, DoesNotTakeAPartInTheBoundingBoxForNested) {
