@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/base/at.h"
+#include "formats/base/reproducible.h"
 #include "formats/mesh/angle_between.h"
 #include "precompute/surface/disjoint_sets.h"
 #include "precompute/surface/edge_key.h"
@@ -24,8 +25,8 @@ namespace {
 
 constexpr double kGapOfEdge = 1e-3;  // [-]
 
-// Side j of triangle t, from corner j to the next, by its number 3 t + j.
-struct Side {
+// EdgeSide j of triangle t, from corner j to the next, by its number 3 t + j.
+struct EdgeSide {
   std::uint64_t edge = 0;
   std::int32_t number = 0;
 };
@@ -39,26 +40,26 @@ std::int32_t vertex_of(const SurfaceMesh& mesh, std::int32_t corner) {
 }
 
 // From the lower to the higher vertex.
-bool upwards(const SurfaceMesh& mesh, const Side& side) {
+bool upwards(const SurfaceMesh& mesh, const EdgeSide& side) {
   return vertex_of(mesh, side.number) < vertex_of(mesh, next_corner(side.number));
 }
 
 // Sides in the order of their edges.
-std::vector<Side> sorted_sides(const SurfaceMesh& mesh) {
-  std::vector<Side> sides;
+std::vector<EdgeSide> sorted_sides(const SurfaceMesh& mesh) {
+  std::vector<EdgeSide> sides;
   for (std::int32_t c = 0; c < 3 * mesh.triangle.rows(); ++c) {
     sides.push_back(
         {edge_key({vertex_of(mesh, c), vertex_of(mesh, next_corner(c))}), c});
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+  std::sort(sides.begin(), sides.end(), [](const EdgeSide& a, const EdgeSide& b) {
     return std::pair(a.edge, a.number) < std::pair(b.edge, b.number);
   });
   return sides;
 }
 
 // The sides of each edge.
-std::vector<std::span<Side>> by_edge(std::vector<Side>& sides) {
-  std::vector<std::span<Side>> edges;
+std::vector<std::span<EdgeSide>> by_edge(std::vector<EdgeSide>& sides) {
+  std::vector<std::span<EdgeSide>> edges;
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i;
     while (end < sides.size() && sides[end].edge == sides[i].edge) {
@@ -70,18 +71,18 @@ std::vector<std::span<Side>> by_edge(std::vector<Side>& sides) {
   return edges;
 }
 
-bool any_edge_of_more(std::span<const std::span<Side>> edges) {
+bool any_edge_of_more(std::span<const std::span<EdgeSide>> edges) {
   return std::any_of(edges.begin(), edges.end(), [](const auto& edge) {
     return edge.size() > 2;
   });
 }
 
 // Whether the other two triangles at an edge of three go on into each other.
-bool others_agree(const SurfaceMesh& mesh, std::span<const Side> edge,
+bool others_agree(const SurfaceMesh& mesh, std::span<const EdgeSide> edge,
                   std::int32_t triangle) {
   int up = 0;
   int others = 0;
-  for (const Side& side : edge) {
+  for (const EdgeSide& side : edge) {
     if (side.number / 3 != triangle) {
       ++others;
       up += upwards(mesh, side) ? 1 : 0;
@@ -92,20 +93,20 @@ bool others_agree(const SurfaceMesh& mesh, std::span<const Side> edge,
 
 // The triangles of a sheet that lies inside of the rest.
 std::optional<std::vector<Eigen::Index>> inner_wall(const SurfaceMesh& mesh) {
-  std::vector<Side> sides = sorted_sides(mesh);
-  const std::vector<std::span<Side>> edges = by_edge(sides);
+  std::vector<EdgeSide> sides = sorted_sides(mesh);
+  const std::vector<std::span<EdgeSide>> edges = by_edge(sides);
   if (!any_edge_of_more(edges)) {
     return std::nullopt;
   }
   Partition sheet(at(mesh.triangle.rows()));
-  for (const std::span<Side> edge : edges) {
+  for (const std::span<EdgeSide> edge : edges) {
     if (edge.size() == 2) {
       sheet.join(edge[0].number / 3, edge[1].number / 3);
     }
   }
   std::map<std::int32_t, bool> ends_well;  // by sheet
-  for (const std::span<Side> edge : edges) {
-    for (const Side& side : edge) {
+  for (const std::span<EdgeSide> edge : edges) {
+    for (const EdgeSide& side : edge) {
       const bool well = edge.size() == 3 && others_agree(mesh, edge, side.number / 3);
       if (edge.size() != 2) {
         const auto [place, first] =
@@ -136,7 +137,8 @@ std::optional<std::vector<Eigen::Index>> inner_wall(const SurfaceMesh& mesh) {
 }
 
 // Joins the corners at both ends of two sides of one edge.
-void join_ends(const SurfaceMesh& mesh, const Side& a, const Side& b, Partition& fan) {
+void join_ends(const SurfaceMesh& mesh, const EdgeSide& a, const EdgeSide& b,
+               Partition& fan) {
   const std::int32_t a_next = next_corner(a.number);
   const std::int32_t b_next = next_corner(b.number);
   const bool alike = vertex_of(mesh, a.number) == vertex_of(mesh, b.number);
@@ -146,7 +148,7 @@ void join_ends(const SurfaceMesh& mesh, const Side& a, const Side& b, Partition&
 
 // Sorts the sides of an edge by the angle of their triangles about it, right-handed
 // from its lower to its higher vertex.
-void sort_about(const SurfaceMesh& mesh, std::span<Side> edge) {
+void sort_about(const SurfaceMesh& mesh, std::span<EdgeSide> edge) {
   const auto point = [&](std::int32_t corner) -> Eigen::Vector3d {
     return mesh.position_m.row(vertex_of(mesh, corner)).transpose();
   };
@@ -156,18 +158,18 @@ void sort_about(const SurfaceMesh& mesh, std::span<Side> edge) {
                                 (point(next_corner(from)) - start).normalized();
   const Eigen::Vector3d x = along.unitOrthogonal();
   const Eigen::Vector3d y = along.cross(x);
-  const auto angle = [&](const Side& side) {
+  const auto angle = [&](const EdgeSide& side) {
     const Eigen::Vector3d to = point(next_corner(next_corner(side.number))) - start;
-    return std::atan2(to.dot(y), to.dot(x));
+    return reproducible::atan2(to.dot(y), to.dot(x));
   };
-  std::sort(edge.begin(), edge.end(), [&](const Side& a, const Side& b) {
+  std::sort(edge.begin(), edge.end(), [&](const EdgeSide& a, const EdgeSide& b) {
     return angle(a) < angle(b);
   });
 }
 
 // At an edge of more than two triangles those with the body between them belong
 // together. Of one that runs up the edge the body is behind, at smaller angles.
-void join_about(const SurfaceMesh& mesh, bool inside_out, std::span<Side> edge,
+void join_about(const SurfaceMesh& mesh, bool inside_out, std::span<EdgeSide> edge,
                 Partition& fan) {
   sort_about(mesh, edge);
   bool by_turns = true;
@@ -213,8 +215,8 @@ SurfaceMesh without_inner_walls(const SurfaceMesh& mesh, std::size_t& walls) {
 }
 
 SurfaceMesh part_touching(const SurfaceMesh& mesh, std::size_t& added) {
-  std::vector<Side> sides = sorted_sides(mesh);
-  const std::vector<std::span<Side>> edges = by_edge(sides);
+  std::vector<EdgeSide> sides = sorted_sides(mesh);
+  const std::vector<std::span<EdgeSide>> edges = by_edge(sides);
   if (std::any_of(edges.begin(), edges.end(), [](const auto& edge) {
         return edge.size() % 2 == 1;
       })) {
@@ -222,7 +224,7 @@ SurfaceMesh part_touching(const SurfaceMesh& mesh, std::size_t& added) {
   }
   const double inward = enclosed_volume_m3(mesh) < 0.0 ? 1.0 : -1.0;
   Partition fan(sides.size());
-  for (const std::span<Side> edge : edges) {
+  for (const std::span<EdgeSide> edge : edges) {
     if (edge.size() == 2) {
       join_ends(mesh, edge[0], edge[1], fan);
     } else {

@@ -90,6 +90,12 @@ void check_wish(const SurfaceReport& report, double edge_m) {
   if (!report.accepted()) {
     throw InputError(fmt::format("remesh: {}", report.verdict()));
   }
+  if (report.specks() > 0) {
+    throw InputError(fmt::format(
+        "remesh: {} of the surface's {} parts are specks, too small for new edges: "
+        "palpate-precompute check MESH --repair=safe -o OUT leaves them out",
+        report.specks(), report.components));
+  }
   if (!(edge_m > 0.0) || !std::isfinite(edge_m)) {
     throw InputError(fmt::format("remesh: the edge is {} m, must be above 0", edge_m));
   }

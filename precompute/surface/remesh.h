@@ -30,7 +30,7 @@ struct RemeshedSurface {
 /// @param mesh a body (see check_surface). @param edge_m [m] > 0.
 /// @throws InputError if the surface is no body, or about more than 2,000,000 triangles
 ///   would be made, or the body is thinner than the edges can follow: the result
-///   crosses itself, or has lost parts or more than 10 % of its volume.
+///   crosses itself, or has lost parts or has specks, or more than 10 % of its volume.
 [[nodiscard]] RemeshedSurface remesh_surface(const SurfaceMesh& mesh, double edge_m);
 
 }  // namespace palpate

@@ -58,5 +58,17 @@ TEST(Remesh, SmoothsSharpPlacesThatAreShorterThanItsEdges) {
   EXPECT_LT(made.report.displaced_m, 9e-4);
 }
 
+TEST(Remesh, NamesWhatLeavesSpecksOut) {
+  SurfaceMesh speck = icosphere(2e-5, 0);
+  speck.position_m.col(0).array() += 0.02;
+  try {
+    (void)remesh_surface(joined(icosphere(0.01, 3), speck), 0.002);
+    FAIL() << "a speck was given new edges";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("--repair=safe"), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace palpate
