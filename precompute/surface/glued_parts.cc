@@ -25,8 +25,8 @@ namespace {
 
 constexpr double kGapOfEdge = 1e-3;  // [-]
 
-// EdgeSide j of triangle t, from corner j to the next, by its number 3 t + j.
-struct EdgeSide {
+// TriangleSide j of triangle t, from corner j to the next, by its number 3 t + j.
+struct TriangleSide {
   std::uint64_t edge = 0;
   std::int32_t number = 0;
 };
@@ -40,26 +40,27 @@ std::int32_t vertex_of(const SurfaceMesh& mesh, std::int32_t corner) {
 }
 
 // From the lower to the higher vertex.
-bool upwards(const SurfaceMesh& mesh, const EdgeSide& side) {
+bool upwards(const SurfaceMesh& mesh, const TriangleSide& side) {
   return vertex_of(mesh, side.number) < vertex_of(mesh, next_corner(side.number));
 }
 
 // Sides in the order of their edges.
-std::vector<EdgeSide> sorted_sides(const SurfaceMesh& mesh) {
-  std::vector<EdgeSide> sides;
+std::vector<TriangleSide> sorted_sides(const SurfaceMesh& mesh) {
+  std::vector<TriangleSide> sides;
   for (std::int32_t c = 0; c < 3 * mesh.triangle.rows(); ++c) {
     sides.push_back(
         {edge_key({vertex_of(mesh, c), vertex_of(mesh, next_corner(c))}), c});
   }
-  std::sort(sides.begin(), sides.end(), [](const EdgeSide& a, const EdgeSide& b) {
-    return std::pair(a.edge, a.number) < std::pair(b.edge, b.number);
-  });
+  std::sort(sides.begin(), sides.end(),
+            [](const TriangleSide& a, const TriangleSide& b) {
+              return std::pair(a.edge, a.number) < std::pair(b.edge, b.number);
+            });
   return sides;
 }
 
 // The sides of each edge.
-std::vector<std::span<EdgeSide>> by_edge(std::vector<EdgeSide>& sides) {
-  std::vector<std::span<EdgeSide>> edges;
+std::vector<std::span<TriangleSide>> by_edge(std::vector<TriangleSide>& sides) {
+  std::vector<std::span<TriangleSide>> edges;
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i;
     while (end < sides.size() && sides[end].edge == sides[i].edge) {
@@ -71,18 +72,18 @@ std::vector<std::span<EdgeSide>> by_edge(std::vector<EdgeSide>& sides) {
   return edges;
 }
 
-bool any_edge_of_more(std::span<const std::span<EdgeSide>> edges) {
+bool any_edge_of_more(std::span<const std::span<TriangleSide>> edges) {
   return std::any_of(edges.begin(), edges.end(), [](const auto& edge) {
     return edge.size() > 2;
   });
 }
 
 // Whether the other two triangles at an edge of three go on into each other.
-bool others_agree(const SurfaceMesh& mesh, std::span<const EdgeSide> edge,
+bool others_agree(const SurfaceMesh& mesh, std::span<const TriangleSide> edge,
                   std::int32_t triangle) {
   int up = 0;
   int others = 0;
-  for (const EdgeSide& side : edge) {
+  for (const TriangleSide& side : edge) {
     if (side.number / 3 != triangle) {
       ++others;
       up += upwards(mesh, side) ? 1 : 0;
@@ -93,20 +94,20 @@ bool others_agree(const SurfaceMesh& mesh, std::span<const EdgeSide> edge,
 
 // The triangles of a sheet that lies inside of the rest.
 std::optional<std::vector<Eigen::Index>> inner_wall(const SurfaceMesh& mesh) {
-  std::vector<EdgeSide> sides = sorted_sides(mesh);
-  const std::vector<std::span<EdgeSide>> edges = by_edge(sides);
+  std::vector<TriangleSide> sides = sorted_sides(mesh);
+  const std::vector<std::span<TriangleSide>> edges = by_edge(sides);
   if (!any_edge_of_more(edges)) {
     return std::nullopt;
   }
   Partition sheet(at(mesh.triangle.rows()));
-  for (const std::span<EdgeSide> edge : edges) {
+  for (const std::span<TriangleSide> edge : edges) {
     if (edge.size() == 2) {
       sheet.join(edge[0].number / 3, edge[1].number / 3);
     }
   }
   std::map<std::int32_t, bool> ends_well;  // by sheet
-  for (const std::span<EdgeSide> edge : edges) {
-    for (const EdgeSide& side : edge) {
+  for (const std::span<TriangleSide> edge : edges) {
+    for (const TriangleSide& side : edge) {
       const bool well = edge.size() == 3 && others_agree(mesh, edge, side.number / 3);
       if (edge.size() != 2) {
         const auto [place, first] =
@@ -137,7 +138,7 @@ std::optional<std::vector<Eigen::Index>> inner_wall(const SurfaceMesh& mesh) {
 }
 
 // Joins the corners at both ends of two sides of one edge.
-void join_ends(const SurfaceMesh& mesh, const EdgeSide& a, const EdgeSide& b,
+void join_ends(const SurfaceMesh& mesh, const TriangleSide& a, const TriangleSide& b,
                Partition& fan) {
   const std::int32_t a_next = next_corner(a.number);
   const std::int32_t b_next = next_corner(b.number);
@@ -148,7 +149,7 @@ void join_ends(const SurfaceMesh& mesh, const EdgeSide& a, const EdgeSide& b,
 
 // Sorts the sides of an edge by the angle of their triangles about it, right-handed
 // from its lower to its higher vertex.
-void sort_about(const SurfaceMesh& mesh, std::span<EdgeSide> edge) {
+void sort_about(const SurfaceMesh& mesh, std::span<TriangleSide> edge) {
   const auto point = [&](std::int32_t corner) -> Eigen::Vector3d {
     return mesh.position_m.row(vertex_of(mesh, corner)).transpose();
   };
@@ -158,18 +159,19 @@ void sort_about(const SurfaceMesh& mesh, std::span<EdgeSide> edge) {
                                 (point(next_corner(from)) - start).normalized();
   const Eigen::Vector3d x = along.unitOrthogonal();
   const Eigen::Vector3d y = along.cross(x);
-  const auto angle = [&](const EdgeSide& side) {
+  const auto angle = [&](const TriangleSide& side) {
     const Eigen::Vector3d to = point(next_corner(next_corner(side.number))) - start;
     return reproducible::atan2(to.dot(y), to.dot(x));
   };
-  std::sort(edge.begin(), edge.end(), [&](const EdgeSide& a, const EdgeSide& b) {
-    return angle(a) < angle(b);
-  });
+  std::sort(edge.begin(), edge.end(),
+            [&](const TriangleSide& a, const TriangleSide& b) {
+              return angle(a) < angle(b);
+            });
 }
 
 // At an edge of more than two triangles those with the body between them belong
 // together. Of one that runs up the edge the body is behind, at smaller angles.
-void join_about(const SurfaceMesh& mesh, bool inside_out, std::span<EdgeSide> edge,
+void join_about(const SurfaceMesh& mesh, bool inside_out, std::span<TriangleSide> edge,
                 Partition& fan) {
   sort_about(mesh, edge);
   bool by_turns = true;
@@ -215,8 +217,8 @@ SurfaceMesh without_inner_walls(const SurfaceMesh& mesh, std::size_t& walls) {
 }
 
 SurfaceMesh part_touching(const SurfaceMesh& mesh, std::size_t& added) {
-  std::vector<EdgeSide> sides = sorted_sides(mesh);
-  const std::vector<std::span<EdgeSide>> edges = by_edge(sides);
+  std::vector<TriangleSide> sides = sorted_sides(mesh);
+  const std::vector<std::span<TriangleSide>> edges = by_edge(sides);
   if (std::any_of(edges.begin(), edges.end(), [](const auto& edge) {
         return edge.size() % 2 == 1;
       })) {
@@ -224,7 +226,7 @@ SurfaceMesh part_touching(const SurfaceMesh& mesh, std::size_t& added) {
   }
   const double inward = enclosed_volume_m3(mesh) < 0.0 ? 1.0 : -1.0;
   Partition fan(sides.size());
-  for (const std::span<EdgeSide> edge : edges) {
+  for (const std::span<TriangleSide> edge : edges) {
     if (edge.size() == 2) {
       join_ends(mesh, edge[0], edge[1], fan);
     } else {
