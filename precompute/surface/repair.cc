@@ -66,14 +66,15 @@ struct Cleaned {
   std::size_t walls = 0;
   std::size_t specks = 0;
   std::size_t parted = 0;  // new vertices
+  SurfaceMesh touching;    // the same triangles before that
 };
 
 Cleaned cleaned(const SurfaceMesh& mesh) {
   Cleaned result;
   result.mesh = clean_soup(mesh, result.soup);
   result.walls = result.soup.shared_faces;
-  result.mesh =
-      part_touching(without_inner_walls(result.mesh, result.walls), result.parted);
+  result.touching = without_inner_walls(result.mesh, result.walls);
+  result.mesh = part_touching(result.touching, result.parted);
   std::vector<Eigen::Index> kept;
   for (const SurfacePart& part : surface_parts(result.mesh)) {
     result.specks += part.speck ? 1U : 0U;
@@ -82,14 +83,15 @@ Cleaned cleaned(const SurfaceMesh& mesh) {
     }
   }
   if (result.specks > 0) {
-    result.mesh = of_triangles(result.mesh, std::move(kept));
+    result.mesh = of_triangles(result.mesh, kept);
+    result.touching = of_triangles(result.touching, std::move(kept));
   }
   return result;
 }
 
 SurfaceAndCounts safe_repair(const SurfaceMesh& mesh) {
   TopologyChanges topology;
-  const auto [clean, soup, walls, specks, parted] = cleaned(mesh);
+  const auto [clean, soup, walls, specks, parted, touching] = cleaned(mesh);
   std::size_t junctions = 0;
   SurfaceMesh result = repair_topology(cut_at_t_junctions(clean, junctions),
                                        kHoleMax * diagonal_m(mesh), topology);
@@ -184,14 +186,16 @@ void describe_repair(const SurfaceMesh& mesh, RepairMode mode,
     return;
   }
   // What was left out on purpose was not displaced.
-  const SurfaceMesh clean = mode == RepairMode::kSafe ? cleaned(mesh).mesh : mesh;
-  report.displaced_m = distance_to_surface_m(clean, result.mesh);
+  const Cleaned clean = mode == RepairMode::kSafe
+                            ? cleaned(mesh)
+                            : Cleaned{.mesh = {}, .soup = {}, .touching = mesh};
+  report.displaced_m = distance_to_surface_m(clean.touching, result.mesh);
   if (report.before.closed()) {  // else a filled hole would count
-    report.displaced_m =
-        std::max(report.displaced_m, distance_to_surface_m(result.mesh, clean));
+    report.displaced_m = std::max(report.displaced_m,
+                                  distance_to_surface_m(result.mesh, clean.touching));
   }
   if (mode == RepairMode::kSafe) {
-    report.refusal = doubts(clean, report);
+    report.refusal = doubts(clean.mesh, report);
   } else if (made.lost_share > kLostMax) {
     report.refusal = lost(made.lost_share);
   }
