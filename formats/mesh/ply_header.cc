@@ -6,10 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "formats/base/at.h"
 #include "formats/base/error.h"
 
 namespace palpate {
 namespace {
+
+constexpr std::string_view kEnd = "end_header";
 
 constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
     {"char", PlyType::kInt8},
@@ -186,8 +189,14 @@ PlyHeader read_ply_header(std::string_view bytes) {
         header.element.back().property.empty()) {
       lines.fail("element {:?} has no property", header.element.back().name);
     }
-    if (word[0] == "end_header") {
-      header.bytes = lines.at();
+    if (word[0].starts_with(kEnd)) {
+      // Text may go on in the same line, where its line break was lost.
+      const bool glued = word.size() > 1 || word[0] != kEnd;
+      if (glued && header.encoding != PlyEncoding::kText) {
+        lines.fail("must be {} alone", kEnd);
+      }
+      header.bytes =
+          glued ? at(word[0].data() - bytes.data()) + kEnd.size() : lines.at();
       return header;
     }
     if (word[0] == "element") {

@@ -6,10 +6,13 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "formats/base/at.h"
 #include "formats/base/error.h"
+#include "formats/mesh/surface_reader.h"
 #include "precompute/body/meshed_body.h"
 #include "precompute/body/scene_body.h"
 #include "precompute/surface/refine_surface.h"
+#include "precompute/surface/surface_distance.h"
 
 namespace palpate {
 namespace {
@@ -43,7 +46,98 @@ bool held(const Scene& scene, const SurfaceMesh& part) {
   return false;
 }
 
+// How far faces lie apart that an inclusion and the body share: SCENE.md.
+double shared_within_m(const SurfaceMesh& body, const SurfaceMesh& inclusion) {
+  constexpr double kOfDiagonal = 1.0 / 500.0;
+  constexpr double kOfThickness = 0.2;
+  const double thickness_m =
+      2.0 * std::abs(enclosed_volume_m3(inclusion)) / surface_area_m2(inclusion);
+  return std::min(kOfDiagonal * bounding_box(body).diagonal().norm(),
+                  kOfThickness * thickness_m);
+}
+
+bool coincide(const SurfaceMesh& a, const SurfaceMesh& b, double within_m) {
+  const Eigen::AlignedBox3d box_a = bounding_box(a);
+  const Eigen::AlignedBox3d box_b = bounding_box(b);
+  return (box_a.min() - box_b.min()).norm() <= 2.0 * within_m &&
+         (box_a.max() - box_b.max()).norm() <= 2.0 * within_m &&
+         distance_to_surface_m(a, b) <= within_m &&
+         distance_to_surface_m(b, a) <= within_m;
+}
+
+bool in_another_box(const std::vector<SurfaceMesh>& part, std::size_t i) {
+  for (std::size_t j = 0; j < part.size(); ++j) {
+    if (j != i && bounding_box(part[j]).contains(bounding_box(part[i]))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void add_triangles(const SurfacePart& part, std::vector<Eigen::Index>& triangle) {
+  triangle.insert(triangle.end(), part.triangle.begin(), part.triangle.end());
+}
+
 }  // namespace
+
+SurfaceMesh read_body_mesh(const Scene& scene, std::vector<std::string>& notes) {
+  SurfaceMesh mesh = read_surface(scene.mesh, scene.length_unit, &notes);
+  if (scene.inclusion.empty()) {
+    return mesh;
+  }
+  const std::vector<SurfacePart> parts = surface_parts(mesh);
+  std::vector<SurfaceMesh> part;
+  for (const SurfacePart& one : parts) {
+    part.push_back(part_mesh(mesh, one));
+  }
+  std::vector<bool> named(parts.size(), false);
+  for (const SceneInclusion& inclusion : scene.inclusion) {
+    if (parts.size() < 2 || !inclusion.mesh) {
+      continue;
+    }
+    const SurfaceMesh wall =
+        read_surface(inclusion.mesh->file, inclusion.mesh->length_unit);
+    const double within_m = shared_within_m(mesh, wall);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!named[i] && coincide(part[i], wall, within_m) && in_another_box(part, i)) {
+        named[i] = true;
+        notes.push_back(
+            fmt::format("{}: the part about {} m is the surface of inclusion \"{}\"",
+                        scene.mesh.filename().string(), place_text(parts[i].middle_m),
+                        inclusion.name));
+      }
+    }
+  }
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!named[i]) {
+      add_triangles(parts[i], kept);
+    }
+  }
+  return std::ssize(kept) == mesh.triangle.rows() ? mesh
+                                                  : of_triangles(mesh, std::move(kept));
+}
+
+HollowBody take_cavities(const Scene& scene, const CheckedSurface& checked) {
+  HollowBody body;
+  std::vector<Eigen::Index> kept;
+  for (const SurfacePart& part : checked.report.part) {
+    if (part.is_cavity()) {
+      SurfaceMesh wall = of_triangles(checked.mesh, part.triangle);
+      wall.triangle.col(1).swap(wall.triangle.col(2));
+      body.cavity.push_back(
+          {.surface = std::move(wall),
+           .cavity = true,
+           .name = fmt::format("cavity {} of {}", body.cavity.size() + 1,
+                               scene.mesh.filename().string())});
+    } else {
+      add_triangles(part, kept);
+    }
+  }
+  body.surface =
+      body.cavity.empty() ? checked.mesh : of_triangles(checked.mesh, std::move(kept));
+  return body;
+}
 
 bool is_reachable(const Scene& scene, const Eigen::Vector3d& p_m) {
   return !is_held(scene, p_m) &&
@@ -83,14 +177,15 @@ SurfaceMesh refined_for_reach(const Scene& scene, SurfaceMesh surface,
 void require_held_parts(const Scene& scene, const CheckedSurface& checked) {
   const std::vector<SurfacePart>& parts = checked.report.part;
   for (std::size_t i = 0; parts.size() > 1 && i < parts.size(); ++i) {
-    if (held(scene, part_mesh(checked.mesh, parts[i]))) {
+    if (parts[i].is_cavity() || held(scene, part_mesh(checked.mesh, parts[i]))) {
       continue;
     }
     throw InputError(fmt::format(
-        "{}: no support holds part {} of {}, {} triangles and {:.3g} m^3 about {} m: "
+        "{}: no support holds part {} of {}, {} triangles and {:.3g} m^3 about {} m{}: "
         "{}",
         scene.mesh.filename().string(), i + 1, parts.size(), parts[i].triangle.size(),
         std::abs(parts[i].volume_m3), place_text(parts[i].middle_m),
+        parts[i].around > 0 ? ", which lies in a cavity" : "",
         parts[i].speck ? "--repair=safe leaves out such a speck"
                        : "add a [[support]] that reaches it, or take it out of the "
                          "mesh"));

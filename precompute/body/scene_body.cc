@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -21,23 +23,30 @@
 namespace palpate {
 namespace {
 
-SurfaceMesh read_mesh(const Scene& scene, RepairMode repair,
-                      std::vector<std::string>& notes) {
-  const SurfaceMesh read = read_surface(scene.mesh, scene.length_unit, &notes);
-  CheckedSurface checked = require_body(read, repair, scene.mesh.string(), notes);
+HollowBody read_hollow_body(const Scene& scene, RepairMode repair,
+                            std::vector<std::string>& notes) {
+  const SurfaceMesh read = read_body_mesh(scene, notes);
+  const CheckedSurface checked = require_body(read, repair, scene.mesh.string(), notes);
+  const Eigen::Index cavities = checked.report.cavities();
   if (checked.report.components_turned > 0) {
     notes.push_back(fmt::format("{}: the surface was inside out and has been turned",
                                 scene.mesh.filename().string()));
   }
-  if (checked.report.components > 1) {
+  if (checked.report.components - cavities > 1) {
     notes.push_back(fmt::format("{}: {} separate parts", scene.mesh.filename().string(),
-                                checked.report.components));
+                                checked.report.components - cavities));
+  }
+  if (cavities > 0) {
+    notes.push_back(fmt::format("{}: {} of its parts lie inside another: cavities",
+                                scene.mesh.filename().string(), cavities));
   }
   for (const std::string& note : quality_notes(checked.report)) {
     notes.push_back(note);
   }
   require_held_parts(scene, checked);
-  return refined_for_reach(scene, std::move(checked.mesh), notes);
+  HollowBody body = take_cavities(scene, checked);
+  body.surface = refined_for_reach(scene, std::move(body.surface), notes);
+  return body;
 }
 
 // A tool that the body cannot hold, or a press right through it, is a slip of units.
@@ -84,9 +93,16 @@ InnerSurface inner_surface(const SceneInclusion& inclusion) {
         sphere_surface(ball.center_m, ball.radius_m, kEdgeOfRadius * ball.radius_m);
   } else {
     const SceneMesh& mesh = *inclusion.mesh;
-    inner.surface =
-        require_body(read_surface(mesh.file, mesh.length_unit), mesh.file.string())
-            .mesh;
+    CheckedSurface checked =
+        require_body(read_surface(mesh.file, mesh.length_unit), mesh.file.string());
+    if (checked.report.cavities() > 0) {
+      throw InputError(fmt::format(
+          "{}: inclusion {:?} has a part inside another part, which would be empty: "
+          "give that part a mesh and an [[inclusion]] of its own (cavity = true if it "
+          "is one)",
+          mesh.file.string(), inclusion.name));
+    }
+    inner.surface = std::move(checked.mesh);
   }
   return inner;
 }
@@ -116,7 +132,8 @@ void check_left_out(BodySource& body) {
   }
 }
 
-void read_inclusions(const Scene& scene, BodySource& body) {
+void read_inclusions(const Scene& scene, std::vector<InnerSurface> cavity,
+                     BodySource& body) {
   body.material = materials_of(scene);
   for (const SceneInclusion& inclusion : scene.inclusion) {
     body.inner.push_back(inner_surface(inclusion));
@@ -124,6 +141,7 @@ void read_inclusions(const Scene& scene, BodySource& body) {
       body.files.push_back(inclusion.mesh->file);
     }
   }
+  std::move(cavity.begin(), cavity.end(), std::back_inserter(body.inner));
   mark_cut(body.surface, body.inner);
   check_left_out(body);
   body.inner = check_inner_surfaces(body.surface, body.inner);
@@ -228,14 +246,15 @@ std::vector<Material> materials_of(const Scene& scene) {
 
 BodySource read_body(const Scene& scene, RepairMode repair) {
   BodySource body;
-  body.surface = read_mesh(scene, repair, body.notes);
+  HollowBody hollow = read_hollow_body(scene, repair, body.notes);
+  body.surface = std::move(hollow.surface);
   body.files.push_back(scene.mesh);
   require_supports(scene, body.surface);
   body.normal = vertex_normals(body.surface);
   body.held = held_points(body.surface, [&](const Eigen::Vector3d& p_m) {
     return is_held(scene, p_m);
   });
-  read_inclusions(scene, body);
+  read_inclusions(scene, std::move(hollow.cavity), body);
   for (std::size_t i = 0; i < scene.tool.size(); ++i) {
     ToolShape tool = scene.tool[i];
     if (tool.kind == "mesh") {

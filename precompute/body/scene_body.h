@@ -22,8 +22,9 @@ struct BodySource {
   SurfaceMesh surface;          ///< in metres, outside out; its vertices are the nodes
   Points normal;                ///< (n_vertices x 3) outward unit normals
   std::vector<HeldPoint> held;  ///< of the surface, by fixed supports
-  std::vector<InnerSurface> inner;  ///< of inclusions, as the scene has them
-  std::vector<Material> material;   ///< by region: the body, then the inclusions
+  /// Of inclusions, as the scene has them, then cavities that the body's mesh has.
+  std::vector<InnerSurface> inner;
+  std::vector<Material> material;  ///< by region: the body, then the inclusions
   std::vector<std::shared_ptr<const ToolSurface>> tool;  ///< as the scene has them
   std::vector<std::filesystem::path> files;              ///< that were read
   std::vector<std::string> notes;  ///< what was changed, one line each

@@ -16,6 +16,7 @@
 #include "formats/mesh/obj_writer.h"
 #include "formats/mesh/surface_reader.h"
 #include "formats/scene/scene.h"
+#include "precompute/body/body_surface.h"
 #include "precompute/body/scene_body.h"
 #include "precompute/command/commands.h"
 #include "precompute/surface/bad_faces.h"
@@ -65,6 +66,8 @@ nlohmann::json to_json(const SurfaceReport& report) {
                              {"area_m2", part.area_m2},
                              {"volume_m3", std::abs(part.volume_m3)},
                              {"middle_m", to_json(part.middle_m)},
+                             {"around", part.around},
+                             {"cavity", part.is_cavity()},
                              {"speck", part.speck}});
   }
   for (const DefectKind& kind : defect_kinds()) {
@@ -76,6 +79,16 @@ nlohmann::json to_json(const SurfaceReport& report) {
     json["defects"][kind.key] = {{"count", defect.count}, {"where_m", where}};
   }
   return json;
+}
+
+const char* kind_of(const SurfacePart& part) {
+  if (part.speck) {
+    return ": a speck";
+  }
+  if (part.is_cavity()) {
+    return ": a cavity";
+  }
+  return part.around > 0 ? ": in a cavity" : "";
 }
 
 // The largest first, as far as a screen goes.
@@ -95,7 +108,7 @@ void print_parts(const SurfaceReport& report) {
                part.triangle.size(),
                part.closed ? fmt::format("{:.4g} m^3", std::abs(part.volume_m3))
                            : fmt::format("open, {:.4g} m^2", part.area_m2),
-               place_text(part.middle_m), part.speck ? ": a speck" : "");
+               place_text(part.middle_m), kind_of(part));
   }
   if (parts.size() > kMost) {
     fmt::print("    and {} smaller ones\n", parts.size() - kMost);
@@ -230,7 +243,9 @@ void run_check(CheckFlags flags) {
     ask_for_unit(flags.mesh);
   }
   std::vector<std::string> notes;
-  const SurfaceMesh mesh = read_surface(flags.mesh, flags.length_unit, &notes);
+  const SurfaceMesh mesh = scene ? read_body_mesh(*scene, notes)
+                                 : read_surface(flags.mesh, flags.length_unit, &notes);
+  tell_if_large(mesh, flags.mesh);
   const RepairedSurface repaired = repair_surface(mesh, mode);
   const RepairReport& report = repaired.report;
   const bool failed = !report.refusal.empty() && mode != RepairMode::kOff;

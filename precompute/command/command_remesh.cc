@@ -52,8 +52,9 @@ void print_remeshed(const RemeshedSurface& made, const std::string& output) {
 }
 
 void run_remesh(const RemeshFlags& flags) {
-  const RemeshedSurface made =
-      remesh_surface(read_surface(flags.mesh, flags.length_unit), flags.edge_m);
+  const SurfaceMesh mesh = read_surface(flags.mesh, flags.length_unit);
+  tell_if_large(mesh, flags.mesh);
+  const RemeshedSurface made = remesh_surface(mesh, flags.edge_m);
   write_obj(made.mesh, flags.output,
             fmt::format("made by palpate-precompute remesh {} --edge-m {}", flags.mesh,
                         flags.edge_m));
@@ -65,6 +66,14 @@ void run_remesh(const RemeshFlags& flags) {
 }
 
 }  // namespace
+
+void tell_if_large(const SurfaceMesh& mesh, std::string_view file) {
+  constexpr Eigen::Index kLarge = 200000;
+  if (mesh.triangle.rows() > kLarge) {
+    fmt::print(stderr, "{}: {} triangles, which takes up to a minute a million\n", file,
+               mesh.triangle.rows());
+  }
+}
 
 void add_remesh_command(Command app) {
   const auto flags = std::make_shared<RemeshFlags>();

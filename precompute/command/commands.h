@@ -1,7 +1,10 @@
 // The subcommands of palpate-precompute, each in its own command_*.cc.
 #pragma once
 
+#include <string_view>
+
 #include "formats/base/command_line.h"
+#include "formats/mesh/surface_mesh.h"
 
 namespace palpate {
 
@@ -17,5 +20,8 @@ void add_spheres_command(Command app);
 void add_submit_command(Command app);
 void add_sweep_command(Command app);
 void add_trade_command(Command app);
+
+/// A line to stderr before work on a surface that may take a minute.
+void tell_if_large(const SurfaceMesh& mesh, std::string_view file);
 
 }  // namespace palpate

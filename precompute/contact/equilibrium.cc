@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "precompute/process/interrupt.h"
+
 namespace palpate {
 namespace {
 
@@ -224,6 +226,7 @@ EquilibriumReport Equilibrium::find(const PlacedTool& tool, NearState& state,
   convex_ = false;
   while (report.newton < std::min(options_.newton_max, limits.newton_max) &&
          report.gradients < options_.gradients_total) {
+    check_interrupted();
     if (!descend(tool, multipliers, state, energy, report) &&
         report.decrement_relative > 100.0 * options_.decrement_relative) {
       report.failure = "no step lowers the energy";

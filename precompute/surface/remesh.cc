@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <utility>
 #include <vector>
 
+#include <CGAL/Bbox_3.h>
 #include <CGAL/Polygon_mesh_processing/detect_features.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
 #include "precompute/surface/cgal_surface.h"
+#include "precompute/surface/disjoint_sets.h"
+#include "precompute/surface/repair_intersections.h"
 #include "precompute/surface/surface_check.h"
 #include "precompute/surface/surface_distance.h"
 #include "precompute/surface/surface_in_child.h"
@@ -25,17 +30,49 @@ constexpr double kTrianglesMax = 2e6;
 constexpr double kRemeshVolumeChange = 0.1;  // [-]
 constexpr unsigned kRemeshSweeps = 5;
 
-SurfaceAndCounts remeshed(const SurfaceMesh& mesh, double edge_m) {
-  CgalMesh surface = to_cgal(mesh);
-  auto feature =
-      surface.add_property_map<CgalMesh::Edge_index, bool>("e:feature", false).first;
+using Sharp = CgalMesh::Property_map<CgalMesh::Edge_index, bool>;
+
+// Sharp edges of the surface, but for lines of them that span less than two new
+// edges: the slivers of a voxel surface, which would stay.
+std::vector<CgalMesh::Edge_index> sharp_edges(CgalMesh& surface, double edge_m,
+                                              Sharp& feature) {
+  constexpr double kSmallestLine = 2.0;  // [-] of the new edges
   pmp::detect_sharp_edges(surface, kFeatureDegrees, feature);
+  const auto end = [&](CgalMesh::Edge_index e, unsigned int i) {
+    return static_cast<std::int32_t>(surface.vertex(e, i).idx());
+  };
+  Partition line(surface.number_of_vertices());
+  for (const auto e : surface.edges()) {
+    if (feature[e]) {
+      line.join(end(e, 0), end(e, 1));
+    }
+  }
+  std::map<std::int32_t, CGAL::Bbox_3> box;  // by line
+  for (const auto e : surface.edges()) {
+    if (feature[e]) {
+      box[line.find(end(e, 0))] += surface.point(surface.vertex(e, 0)).bbox() +
+                                   surface.point(surface.vertex(e, 1)).bbox();
+    }
+  }
+  const auto extent_m = [&](CgalMesh::Edge_index e) {
+    const CGAL::Bbox_3& of = box[line.find(end(e, 0))];
+    return std::hypot(of.x_span(), of.y_span(), of.z_span());
+  };
   std::vector<CgalMesh::Edge_index> sharp;
   for (const auto e : surface.edges()) {
+    feature[e] = feature[e] && extent_m(e) >= kSmallestLine * edge_m;
     if (feature[e]) {
       sharp.push_back(e);
     }
   }
+  return sharp;
+}
+
+SurfaceAndCounts remeshed(const SurfaceMesh& mesh, double edge_m) {
+  CgalMesh surface = to_cgal(mesh);
+  Sharp feature =
+      surface.add_property_map<CgalMesh::Edge_index, bool>("e:feature", false).first;
+  const std::vector<CgalMesh::Edge_index> sharp = sharp_edges(surface, edge_m, feature);
   const std::size_t features = sharp.size();
   // The remesher must not be given a kept edge that is longer than it may make.
   pmp::split_long_edges(sharp, 4.0 / 3.0 * edge_m, surface,
@@ -44,12 +81,20 @@ SurfaceAndCounts remeshed(const SurfaceMesh& mesh, double edge_m) {
                            CGAL::parameters::number_of_iterations(kRemeshSweeps)
                                .edge_is_constrained_map(feature)
                                .protect_constraints(true));
-  return {.mesh = from_cgal(std::move(surface)), .count = {features}};
+  // Sweeps may tangle what they smooth.
+  return {.mesh = repair_intersections(from_cgal(std::move(surface))),
+          .count = {features}};
 }
 
 void check_wish(const SurfaceReport& report, double edge_m) {
   if (!report.accepted()) {
     throw InputError(fmt::format("remesh: {}", report.verdict()));
+  }
+  if (report.specks() > 0) {
+    throw InputError(fmt::format(
+        "remesh: {} of the surface's {} parts are specks, too small for new edges: "
+        "palpate-precompute check MESH --repair=safe -o OUT leaves them out",
+        report.specks(), report.components));
   }
   if (!(edge_m > 0.0) || !std::isfinite(edge_m)) {
     throw InputError(fmt::format("remesh: the edge is {} m, must be above 0", edge_m));

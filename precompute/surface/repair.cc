@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "precompute/surface/glued_parts.h"
 #include "precompute/surface/repair_intersections.h"
 #include "precompute/surface/repair_topology.h"
 #include "precompute/surface/self_intersections.h"
@@ -30,12 +31,13 @@ constexpr double kWrapOffset = 0.0005;
 constexpr double kLostMax = 0.1;  // [-] of what is enclosed, by a wrap
 
 // What each of the counts that the child sends back stands for.
-constexpr std::size_t kFilledHoles = 10;
-constexpr std::array<const char*, 12> kRepairSteps{
+constexpr std::size_t kFilledHoles = 11;
+constexpr std::array<const char*, 14> kRepairSteps{
     "duplicate vertices welded",
     "collapsed triangles taken out",
     "duplicate triangles taken out",
     "vertices of no triangle taken out",
+    "faces or walls inside the body taken out: its parts are one there",
     "specks taken out: parts below 0.1 % of the body",
     "vertices put on edges of neighbours that they lie on",
     "triangles turned to agree with their neighbours",
@@ -44,6 +46,7 @@ constexpr std::array<const char*, 12> kRepairSteps{
     "degenerate triangles taken out",
     "holes filled",
     "self-intersecting pairs of triangles replaced",
+    "parts inside another turned: each is a cavity",
 };
 
 double diagonal_m(const SurfaceMesh& mesh) {
@@ -56,16 +59,22 @@ SurfaceMesh without_intersections(const SurfaceMesh& mesh, std::size_t& replaced
   return result;
 }
 
-// What is there, once, but for specks.
+// What is there, once, but for specks and walls inside, and parted where it touches.
 struct Cleaned {
   SurfaceMesh mesh;
   SoupChanges soup;
+  std::size_t walls = 0;
   std::size_t specks = 0;
+  std::size_t parted = 0;  // new vertices
+  SurfaceMesh touching;    // the same triangles before that
 };
 
 Cleaned cleaned(const SurfaceMesh& mesh) {
   Cleaned result;
   result.mesh = clean_soup(mesh, result.soup);
+  result.walls = result.soup.shared_faces;
+  result.touching = without_inner_walls(result.mesh, result.walls);
+  result.mesh = part_touching(result.touching, result.parted);
   std::vector<Eigen::Index> kept;
   for (const SurfacePart& part : surface_parts(result.mesh)) {
     result.specks += part.speck ? 1U : 0U;
@@ -74,17 +83,15 @@ Cleaned cleaned(const SurfaceMesh& mesh) {
     }
   }
   if (result.specks > 0) {
-    SoupChanges ignored;
-    std::sort(kept.begin(), kept.end());
-    result.mesh.triangle = result.mesh.triangle(kept, Eigen::all).eval();
-    result.mesh = clean_soup(result.mesh, ignored);
+    result.mesh = of_triangles(result.mesh, kept);
+    result.touching = of_triangles(result.touching, std::move(kept));
   }
   return result;
 }
 
 SurfaceAndCounts safe_repair(const SurfaceMesh& mesh, double /*parameter*/) {
   TopologyChanges topology;
-  const auto [clean, soup, specks] = cleaned(mesh);
+  const auto [clean, soup, walls, specks, parted, touching] = cleaned(mesh);
   std::size_t junctions = 0;
   SurfaceMesh result = repair_topology(cut_at_t_junctions(clean, junctions),
                                        kHoleMax * diagonal_m(mesh), topology);
@@ -92,12 +99,14 @@ SurfaceAndCounts safe_repair(const SurfaceMesh& mesh, double /*parameter*/) {
   if (check_surface(result).report.closed()) {
     result = without_intersections(result, replaced);
   }
-  return {.mesh = in_original_order(result, mesh),
+  CheckedSurface checked = check_surface(std::move(result));
+  return {.mesh = in_original_order(checked.mesh, mesh),
           .count = {soup.welded_vertices, soup.collapsed_triangles,
-                    soup.duplicate_triangles, soup.isolated_vertices, specks, junctions,
-                    topology.turned_triangles, topology.split_vertices,
-                    topology.stitched_borders, topology.degenerate_triangles,
-                    topology.filled_holes, replaced}};
+                    soup.duplicate_triangles, soup.isolated_vertices, walls, specks,
+                    junctions, topology.turned_triangles,
+                    parted + topology.split_vertices, topology.stitched_borders,
+                    topology.degenerate_triangles, topology.filled_holes, replaced,
+                    checked.report.nested_components.count}};
 }
 
 // Holes are closed first: a wrap would go in through them and line the inside.
@@ -177,14 +186,16 @@ void describe_repair(const SurfaceMesh& mesh, RepairMode mode,
     return;
   }
   // What was left out on purpose was not displaced.
-  const SurfaceMesh clean = mode == RepairMode::kSafe ? cleaned(mesh).mesh : mesh;
-  report.displaced_m = distance_to_surface_m(clean, result.mesh);
+  const Cleaned clean = mode == RepairMode::kSafe
+                            ? cleaned(mesh)
+                            : Cleaned{.mesh = {}, .soup = {}, .touching = mesh};
+  report.displaced_m = distance_to_surface_m(clean.touching, result.mesh);
   if (report.before.closed()) {  // else a filled hole would count
-    report.displaced_m =
-        std::max(report.displaced_m, distance_to_surface_m(result.mesh, clean));
+    report.displaced_m = std::max(report.displaced_m,
+                                  distance_to_surface_m(result.mesh, clean.touching));
   }
   if (mode == RepairMode::kSafe) {
-    report.refusal = doubts(clean, report);
+    report.refusal = doubts(clean.mesh, report);
   } else if (made.lost_share > kLostMax) {
     report.refusal = lost(made.lost_share);
   }

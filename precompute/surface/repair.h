@@ -48,12 +48,14 @@ struct RepairedSurface {
 /// kSafe welds vertices that are equal but for rounding; takes out collapsed, duplicate
 /// (double-sided) and degenerate triangles, vertices of no triangle, and specks
 /// (kSpeckShare), also of a surface that is accepted; makes neighbours agree on the
-/// outside; joins coinciding borders; parts sheets that touch in a vertex; fills holes
-/// smaller than a tenth of the body; and cuts out triangles that cross others, with
-/// what that parts from the rest, and fills the holes between the vertices at their
-/// rims. It is refused unless the result is a body of as many parts as before without
-/// specks, within 1 % of the diagonal from where it was, with 5 % of its volume, or, if
-/// it had none, 10 % of its area.
+/// outside; takes out walls inside, and parts what touches (glued_parts.h); joins
+/// coinciding borders; parts sheets that touch in a vertex; fills holes smaller than a
+/// tenth of the body; and cuts out triangles that cross others, with what that parts
+/// from the rest, and fills the holes between the vertices at their rims; turns what
+/// lies inside another part and faces as that does: a cavity. It is refused unless the
+/// result is a body of as many parts as before without specks, within 1 % of the
+/// diagonal from where it was, with 5 % of its volume, or, if it had none, 10 % of its
+/// area.
 ///
 /// kWrap closes every hole and lays a new surface around the old one (see
 /// wrap_surface.h), with openings of a hundredth and an offset of a two-thousandth of

@@ -160,9 +160,12 @@ SurfaceMesh refilled(const SurfaceMesh& mesh, const Pairs& crossing, int rings) 
 }  // namespace
 
 SurfaceMesh repair_intersections(const SurfaceMesh& mesh) {
+  Pairs crossing = self_intersections(mesh);
+  if (crossing.empty()) {
+    return mesh;
+  }
   const Eigen::Index components = check_surface(mesh).report.components;
   SurfaceMesh best = mesh;
-  Pairs crossing = self_intersections(best);
   int rings = 0;
   for (int pass = 0; pass < kPassesMax && rings <= kRingsMax && !crossing.empty();
        ++pass) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "formats/mesh/angle_between.h"
 #include "precompute/surface/disjoint_sets.h"
 #include "precompute/surface/self_intersections.h"
+#include "precompute/surface/signed_distance.h"
 #include "precompute/surface/winding_number.h"
 
 namespace palpate {
@@ -137,37 +139,89 @@ void turn(SurfaceMesh& mesh, const SurfacePart& part) {
   }
 }
 
+// Whether points lie inside one part. A tree answers many questions about a large part;
+// it needs normals, which triangles without area have not.
+class Inside {
+ public:
+  Inside(const SurfaceMesh& mesh, const SurfacePart& part, bool many)
+      : alone_(of_triangles(mesh, part.triangle)),
+        box_m_(bounding_box(alone_)),
+        outward_(part.volume_m3 < 0.0 ? -1.0 : 1.0),
+        many_(many) {}
+
+  [[nodiscard]] bool holds(const Eigen::Vector3d& p_m) {
+    if (!box_m_.contains(p_m)) {
+      return false;
+    }
+    if (!many_) {
+      return std::abs(winding_number(alone_, p_m)) > 0.5;
+    }
+    if (!distance_) {
+      distance_ = std::make_unique<SignedDistance>(alone_);
+    }
+    return outward_ * distance_->at_m(p_m).distance_m < 0.0;
+  }
+
+ private:
+  SurfaceMesh alone_;
+  Eigen::AlignedBox3d box_m_;
+  double outward_;
+  bool many_;
+  std::unique_ptr<SignedDistance> distance_;
+};
+
+// How many of the other parts each part lies in, and the outermost of them, or itself.
+std::vector<std::size_t> find_nesting(const SurfaceMesh& mesh, SurfaceReport& report) {
+  constexpr std::size_t kMany = 16;
+  std::vector<SurfacePart>& parts = report.part;
+  const bool many = parts.size() > kMany && report.degenerate_triangles.count == 0;
+  std::vector<std::vector<std::size_t>> around(parts.size());
+  for (std::size_t outer = 0; outer < parts.size() && parts.size() > 1; ++outer) {
+    Inside inside(mesh, parts[outer], many);
+    for (std::size_t inner = 0; inner < parts.size(); ++inner) {
+      if (inner != outer &&
+          inside.holds(corner_m(mesh, parts[inner].triangle.front(), 0))) {
+        around[inner].push_back(outer);
+        ++parts[inner].around;
+      }
+    }
+  }
+  std::vector<std::size_t> outermost;
+  for (std::size_t inner = 0; inner < parts.size(); ++inner) {
+    const auto at = std::find_if(around[inner].begin(), around[inner].end(),
+                                 [&](std::size_t outer) {
+                                   return around[outer].empty();
+                                 });
+    outermost.push_back(at == around[inner].end() ? inner : *at);
+  }
+  return outermost;
+}
+
 // Parts by themselves: which way they face, whether one lies inside another.
 void check_parts(SurfaceMesh& mesh, SurfaceReport& report) {
   report.part = surface_parts(mesh);
-  const std::vector<SurfacePart>& parts = report.part;
+  std::vector<SurfacePart>& parts = report.part;
   report.components = std::ssize(parts);
   if (!report.closed() || report.flipped_edges.count > 0 ||
       report.non_manifold_edges.count > 0) {
     return;  // no inside to speak of
   }
-  std::vector<SurfaceMesh> alone;
   for (const SurfacePart& part : parts) {
-    alone.push_back(part_mesh(mesh, part));
-    const double volume_m3 = enclosed_volume_m3(alone.back());
-    const double extent_m = bounding_box(alone.back()).sizes().maxCoeff();
-    report.flat |= !(std::abs(volume_m3) > 1e-12 * extent_m * extent_m * extent_m);
-    if (volume_m3 < 0.0) {
-      turn(mesh, part);
-      ++report.components_turned;
+    const double extent_m = bounding_box(part_mesh(mesh, part)).sizes().maxCoeff();
+    report.flat |= !(std::abs(part.volume_m3) > 1e-12 * extent_m * extent_m * extent_m);
+  }
+  // Parts that cross are reported as that.
+  const bool crossing = report.self_intersections.count > 0;
+  const std::vector<std::size_t> outermost =
+      crossing ? std::vector<std::size_t>{} : find_nesting(mesh, report);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const bool inside_out = parts[i].volume_m3 < 0.0;
+    if (parts[i].is_cavity() && inside_out == (parts[outermost[i]].volume_m3 < 0.0)) {
+      report.nested_components.add(corner_m(mesh, parts[i].triangle.front(), 0));
     }
-  }
-  if (report.self_intersections.count > 0) {
-    return;  // parts that cross are reported as that
-  }
-  for (std::size_t inner = 0; inner < parts.size(); ++inner) {
-    const Eigen::Vector3d at_m = corner_m(alone[inner], 0, 0);
-    for (std::size_t outer = 0; outer < parts.size(); ++outer) {
-      if (inner != outer && bounding_box(alone[outer]).contains(at_m) &&
-          std::abs(winding_number(alone[outer], at_m)) > 0.5) {
-        report.nested_components.add(at_m);
-        break;
-      }
+    if (inside_out != parts[i].is_cavity()) {
+      turn(mesh, parts[i]);
+      ++report.components_turned;
     }
   }
 }
@@ -188,8 +242,12 @@ std::string accepted_verdict(const SurfaceReport& report) {
   std::string text =
       fmt::format("a closed body of {:.4g} m^3, {} vertices, {} triangles",
                   report.volume_m3, report.vertices, report.triangles);
-  if (report.components > 1) {
-    text += fmt::format(", in {} disjoint parts", report.components);
+  if (const Eigen::Index solid = report.components - report.cavities(); solid > 1) {
+    text += fmt::format(", in {} disjoint parts", solid);
+  }
+  if (report.cavities() > 0) {
+    text += fmt::format(", with {} {}", report.cavities(),
+                        report.cavities() == 1 ? "cavity" : "cavities");
   }
   if (report.specks() > 0) {
     text += fmt::format(
@@ -252,9 +310,10 @@ const std::array<DefectKind, 9>& defect_kinds() {
       {&R::self_intersections, "self_intersections",
        "self-intersecting pair of triangles", "self-intersecting pairs of triangles"},
       {&R::nested_components, "nested_components",
-       "part inside another part (an inclusion with its own mesh, or cavity = true)",
-       "parts inside another part (inclusions with their own meshes, or cavity = "
-       "true)"},
+       "part inside another part that faces as it does (a cavity after --repair=safe; "
+       "an [[inclusion]] of a scene by a mesh of its own)",
+       "parts inside another part that face as it does (cavities after --repair=safe; "
+       "each an [[inclusion]] of a scene by a mesh of its own)"},
   }};
   return kKinds;
 }
@@ -266,6 +325,12 @@ bool SurfaceReport::in_a_plane() const {
 Eigen::Index SurfaceReport::specks() const {
   return std::count_if(part.begin(), part.end(), [](const SurfacePart& one) {
     return one.speck;
+  });
+}
+
+Eigen::Index SurfaceReport::cavities() const {
+  return std::count_if(part.begin(), part.end(), [](const SurfacePart& one) {
+    return one.is_cavity();
   });
 }
 

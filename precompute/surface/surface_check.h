@@ -44,11 +44,12 @@ struct SurfaceReport {
   SurfaceDefect duplicate_vertices;     ///< same place as an earlier vertex
   SurfaceDefect isolated_vertices;      ///< vertices of no triangle
   SurfaceDefect self_intersections;  ///< pairs of triangles that meet off their corners
-  SurfaceDefect nested_components;   ///< parts that lie inside another part
+  SurfaceDefect nested_components;   ///< parts in another part that face as it does
   bool flat = false;                 ///< closed, but encloses no volume
 
-  [[nodiscard]] bool in_a_plane() const;      ///< one that lies across an axis
-  [[nodiscard]] Eigen::Index specks() const;  ///< parts that are too small to matter
+  [[nodiscard]] bool in_a_plane() const;        ///< one that lies across an axis
+  [[nodiscard]] Eigen::Index specks() const;    ///< parts that are too small to matter
+  [[nodiscard]] Eigen::Index cavities() const;  ///< parts that are walls of cavities
   [[nodiscard]] bool closed() const { return border_edges.count == 0; }
   /// Whether the surface bounds a body that can be meshed.
   [[nodiscard]] bool accepted() const;
@@ -84,7 +85,10 @@ struct CheckedSurface {
 };
 
 /// Looks for every defect. A closed part that is inside out is turned (its triangles'
-/// second and third corners change places; vertices stay) and counted. Never throws for
+/// second and third corners change places; vertices stay) and counted. A part inside
+/// another is the wall of a cavity, and its outside the cavity; a part in a cavity is
+/// an island of the body. Where a cavity's wall faces as the part around it does, it
+/// might be an inclusion: it is turned, but a defect. Never throws for
 /// a defect. Self-intersections are decided with exact predicates (CGAL).
 [[nodiscard]] CheckedSurface check_surface(SurfaceMesh mesh);
 

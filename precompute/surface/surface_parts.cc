@@ -71,6 +71,27 @@ SurfaceMesh part_mesh(const SurfaceMesh& mesh, const SurfacePart& part) {
   return one;
 }
 
+SurfaceMesh of_triangles(const SurfaceMesh& mesh, std::vector<Eigen::Index> triangle) {
+  std::sort(triangle.begin(), triangle.end());
+  std::vector<std::int32_t> number(at(mesh.position_m.rows()), -1);
+  for (const std::int32_t v : mesh.triangle(triangle, Eigen::all).reshaped()) {
+    number[at(v)] = 0;
+  }
+  std::vector<Eigen::Index> kept;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == 0) {
+      number[v] = static_cast<std::int32_t>(kept.size());
+      kept.push_back(static_cast<Eigen::Index>(v));
+    }
+  }
+  SurfaceMesh result{.position_m = mesh.position_m(kept, Eigen::all),
+                     .triangle = mesh.triangle(triangle, Eigen::all)};
+  for (std::int32_t& v : result.triangle.reshaped()) {
+    v = number[at(v)];
+  }
+  return result;
+}
+
 std::vector<SurfacePart> surface_parts(const SurfaceMesh& mesh) {
   Partition joined(at(mesh.position_m.rows()));
   for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {

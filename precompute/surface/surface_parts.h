@@ -16,6 +16,9 @@ struct SurfacePart {
   double volume_m3 = 0.0;    ///< as it faces; 0 of an open part
   Eigen::Vector3d middle_m;  ///< [m] of its bounding box
   bool speck = false;        ///< of no use to a press, see kSpeckShare
+  int around = 0;            ///< closed parts that it lies in; check_surface() counts
+
+  [[nodiscard]] bool is_cavity() const { return around % 2 == 1; }  ///< its wall
 };
 
 /// [-] A speck has less than this share of the volume of all parts, or, if it is open,
@@ -25,6 +28,10 @@ inline constexpr double kSpeckShare = 1e-3;
 
 /// By their first triangle.
 [[nodiscard]] std::vector<SurfacePart> surface_parts(const SurfaceMesh& mesh);
+
+/// These triangles of a surface, ascending, with their vertices alone in their order.
+[[nodiscard]] SurfaceMesh of_triangles(const SurfaceMesh& mesh,
+                                       std::vector<Eigen::Index> triangle);
 
 /// The part as a surface of its own, three vertices to a triangle.
 [[nodiscard]] SurfaceMesh part_mesh(const SurfaceMesh& mesh, const SurfacePart& part);

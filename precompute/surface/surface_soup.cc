@@ -7,7 +7,10 @@
 #include <set>
 #include <vector>
 
+#include "formats/base/at.h"
 #include "formats/mesh/weld_points.h"
+#include "precompute/surface/disjoint_sets.h"
+#include "precompute/surface/edge_key.h"
 
 namespace palpate {
 namespace {
@@ -55,30 +58,84 @@ std::vector<std::int32_t> first_at_place(const SurfaceMesh& mesh) {
   return first;
 }
 
+// Whether the corners run as they do when ascending.
+bool runs_up(const Corners& corner) {
+  const auto least = std::min_element(corner.begin(), corner.end()) - corner.begin();
+  return corner[at((least + 1) % 3)] < corner[at((least + 2) % 3)];
+}
+
+// Takes out triangles that are there from both sides, where their part has others and
+// what is left runs through each edge as often upwards as downwards.
+void drop_shared_faces(std::size_t vertices, const std::vector<bool>& twice,
+                       std::vector<Corners>& triangle, SoupChanges& changes) {
+  Partition part(vertices);
+  for (const Corners& corner : triangle) {
+    part.join(corner[0], corner[1]);
+    part.join(corner[0], corner[2]);
+  }
+  std::set<std::int32_t> has_others;
+  for (std::size_t t = 0; t < triangle.size(); ++t) {
+    if (!twice[t]) {
+      has_others.insert(part.find(triangle[t][0]));
+    }
+  }
+  std::vector<Corners> left;
+  std::map<std::uint64_t, int> sum;  // by edge: upwards less downwards
+  for (std::size_t t = 0; t < triangle.size(); ++t) {
+    if (twice[t] && has_others.contains(part.find(triangle[t][0]))) {
+      continue;
+    }
+    left.push_back(triangle[t]);
+    for (std::size_t j = 0; j < 3 && !twice[t]; ++j) {
+      const std::int32_t from = triangle[t][j];
+      const std::int32_t to = triangle[t][(j + 1) % 3];
+      sum[edge_key({from, to})] += from < to ? 1 : -1;
+    }
+  }
+  if (std::all_of(sum.begin(), sum.end(), [](const auto& edge) {
+        return edge.second == 0;
+      })) {
+    changes.shared_faces = triangle.size() - left.size();
+    changes.duplicate_triangles -= changes.shared_faces;
+    triangle = std::move(left);
+  }
+}
+
 }  // namespace
 
 SurfaceMesh clean_soup(const SurfaceMesh& mesh, SoupChanges& changes) {
   const std::vector<std::int32_t> first = first_at_place(mesh);
-  std::vector<bool> used(first.size(), false);
   std::vector<Corners> kept;
-  std::set<Corners> seen;
+  std::vector<bool> twice;  // also from the other side
+  std::map<Corners, std::size_t> seen;
   for (Eigen::Index t = 0; t < mesh.triangle.rows(); ++t) {
     Corners corner{};
     for (std::size_t j = 0; j < 3; ++j) {
-      corner[j] = first[static_cast<std::size_t>(
-          mesh.triangle(t, static_cast<Eigen::Index>(j)))];
+      corner[j] = first[at(mesh.triangle(t, static_cast<Eigen::Index>(j)))];
     }
     Corners sorted = corner;
     std::sort(sorted.begin(), sorted.end());
     if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
       ++changes.collapsed_triangles;
-    } else if (!seen.insert(sorted).second) {
-      ++changes.duplicate_triangles;
-    } else {
+      continue;
+    }
+    const auto [place, is_new] = seen.try_emplace(sorted, kept.size());
+    if (is_new) {
       kept.push_back(corner);
-      for (const std::int32_t v : corner) {
-        used[static_cast<std::size_t>(v)] = true;
-      }
+      twice.push_back(false);
+    } else {
+      ++changes.duplicate_triangles;
+      twice[place->second] =
+          twice[place->second] || runs_up(kept[place->second]) != runs_up(corner);
+    }
+  }
+  if (std::find(twice.begin(), twice.end(), true) != twice.end()) {
+    drop_shared_faces(first.size(), twice, kept, changes);
+  }
+  std::vector<bool> used(first.size(), false);
+  for (const Corners& corner : kept) {
+    for (const std::int32_t v : corner) {
+      used[at(v)] = true;
     }
   }
   std::vector<std::int32_t> old_of;
@@ -95,14 +152,14 @@ SurfaceMesh clean_soup(const SurfaceMesh& mesh, SoupChanges& changes) {
 
 std::vector<std::int32_t> original_vertices(const SurfaceMesh& mesh,
                                             const SurfaceMesh& original) {
-  std::map<Place, std::int32_t> at;
+  std::map<Place, std::int32_t> place_of;
   for (std::int32_t v = 0; v < original.position_m.rows(); ++v) {
-    at.try_emplace(place(original, v), v);
+    place_of.try_emplace(place(original, v), v);
   }
   std::vector<std::int32_t> index;
   for (Eigen::Index v = 0; v < mesh.position_m.rows(); ++v) {
-    const auto found = at.find(place(mesh, v));
-    index.push_back(found == at.end() ? -1 : found->second);
+    const auto found = place_of.find(place(mesh, v));
+    index.push_back(found == place_of.end() ? -1 : found->second);
   }
   return index;
 }

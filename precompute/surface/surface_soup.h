@@ -12,7 +12,10 @@ struct SoupChanges {
   std::size_t welded_vertices = 0;      ///< where an earlier one is, but for rounding
   std::size_t collapsed_triangles = 0;  ///< with a corner twice, after welding
   std::size_t duplicate_triangles = 0;  ///< corners of an earlier one, either way round
-  std::size_t isolated_vertices = 0;    ///< of no triangle, after all that
+  /// That two parts share, listed from either side: neither is kept where other
+  /// triangles of these parts close without them.
+  std::size_t shared_faces = 0;
+  std::size_t isolated_vertices = 0;  ///< of no triangle, after all that
 };
 
 /// The surface with vertices that are equal but for single precision's rounding

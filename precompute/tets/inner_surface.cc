@@ -96,12 +96,15 @@ void check_place(const SurfaceMesh& outer, std::span<const InnerSurface> inner,
   const SurfaceMesh& surface = inner[i].surface;
   for (const std::int32_t v : part_vertices(surface)) {
     const Eigen::Vector3d at_m = surface.position_m.row(v).transpose();
-    if (std::abs(winding_number(outer, at_m)) < 0.5) {
+    // How many of the body's parts are around it, less cavities that are.
+    double parts = winding_number(outer, at_m);
+    if (parts < 0.5) {
       throw InputError(fmt::format("{} is outside of the body: its vertex {} at {} m",
                                    inner_surface_name(inner, i), v, place_text(at_m)));
     }
     for (std::size_t j = 0; j < inner.size(); ++j) {
-      if (j != i && inner[j].cavity && winding_number(inner[j].surface, at_m) > 0.5) {
+      parts -= j != i && inner[j].cavity ? winding_number(inner[j].surface, at_m) : 0.0;
+      if (parts < 0.5) {
         throw InputError(
             fmt::format("{} floats in the cavity of {}: its vertex {} at {} m",
                         inner_surface_name(inner, i), inner_surface_name(inner, j), v,

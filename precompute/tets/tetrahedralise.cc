@@ -13,6 +13,8 @@
 #include "formats/base/error.h"
 #include "precompute/process/run_in_child.h"
 #include "precompute/surface/surface_check.h"
+#include "precompute/surface/surface_parts.h"
+#include "precompute/surface/winding_number.h"
 #include "precompute/tets/tet_regions.h"
 #include "precompute/tets/tetgen_run.h"
 
@@ -67,15 +69,39 @@ double scale_to_one(const SurfaceMesh& surface) {
 // The outer and the inner surfaces as the mesher takes them, and as they come back.
 struct Walls {
   SurfaceMesh all;
-  std::vector<Triangles> inner;     // in the vertex numbers of all
+  std::vector<Triangles> inner;     // in the vertex numbers of all; then the islands
+  std::size_t islands = 0;          // parts of the body that lie in its cavities
   std::unique_ptr<bool[]> hollow;   // by region
   std::vector<std::string> region;  // names
 };
 
+// Parts of the surface that lie in a cavity.
+std::vector<SurfacePart> parts_in_cavities(const SurfaceMesh& surface,
+                                           std::span<const InnerSurface> inner) {
+  std::vector<SurfacePart> islands;
+  if (std::none_of(inner.begin(), inner.end(), [](const InnerSurface& one) {
+        return one.cavity;
+      })) {
+    return islands;
+  }
+  for (SurfacePart& part : surface_parts(surface)) {
+    const Eigen::Vector3d at_m =
+        surface.position_m.row(surface.triangle(part.triangle.front(), 0)).transpose();
+    if (std::any_of(inner.begin(), inner.end(), [&](const InnerSurface& one) {
+          return one.cavity && winding_number(one.surface, at_m) > 0.5;
+        })) {
+      islands.push_back(std::move(part));
+    }
+  }
+  return islands;
+}
+
 Walls make_walls(const SurfaceMesh& surface, std::span<const InnerSurface> inner) {
+  const std::vector<SurfacePart> islands = parts_in_cavities(surface, inner);
   Walls walls{.all = surface,
               .inner = {},
-              .hollow = std::make_unique<bool[]>(inner.size() + 1),
+              .islands = islands.size(),
+              .hollow = std::make_unique<bool[]>(inner.size() + islands.size() + 1),
               .region = {"the body"}};
   for (std::size_t i = 0; i < inner.size(); ++i) {
     const SurfaceMesh& part = inner[i].cut ? SurfaceMesh{} : inner[i].surface;
@@ -89,6 +115,10 @@ Walls make_walls(const SurfaceMesh& surface, std::span<const InnerSurface> inner
     walls.all.triangle.bottomRows(part.triangle.rows()) = walls.inner.back();
     walls.hollow[i + 1] = inner[i].cavity;
     walls.region.push_back(inner_surface_name(inner, i));
+  }
+  for (const SurfacePart& island : islands) {
+    walls.inner.emplace_back(surface.triangle(island.triangle, Eigen::all));
+    walls.region.emplace_back("a part in a cavity");
   }
   return walls;
 }
@@ -108,6 +138,17 @@ double under(const Points& position_m, const Triangles& triangle, Eigen::Index t
   return a.dot(b.cross(c));
 }
 
+// Islands are the body's, once their walls have told them from the cavities.
+void join_islands(const Walls& walls, TetMesh& mesh) {
+  const auto first = static_cast<std::int32_t>(walls.inner.size() - walls.islands) + 1;
+  std::replace_if(
+      mesh.region.begin(), mesh.region.end(),
+      [first](std::int32_t region) {
+        return region >= first;
+      },
+      0);
+}
+
 // What each region's surface encloses, less what the surfaces in the region do.
 std::vector<double> enclosed_m3(const SurfaceMesh& surface, const Walls& walls,
                                 const std::vector<std::int32_t>& around) {
@@ -119,6 +160,9 @@ std::vector<double> enclosed_m3(const SurfaceMesh& surface, const Walls& walls,
       const double part_m3 = under(walls.all.position_m, walls.inner[i], t) / 6.0;
       volume_m3[i + 1] += part_m3;
       volume_m3[static_cast<std::size_t>(around[wall++])] -= part_m3;
+      if (i >= walls.inner.size() - walls.islands) {
+        volume_m3[0] -= part_m3;  // it is in the surface, too
+      }
     }
   }
   return volume_m3;
@@ -197,6 +241,7 @@ TetMesh try_to_fill(const SurfaceMesh& surface, const Walls& walls,
   TetRegions regions = tet_regions(mesh.tet, walls.inner);
   mesh.region = std::move(regions.region);
   check_volumes(surface, walls, regions.around, mesh);
+  join_islands(walls, mesh);
   const std::span hollow(walls.hollow.get(), walls.region.size());
   if (std::find(hollow.begin(), hollow.end(), true) != hollow.end()) {
     remove_regions(hollow, walls.all.position_m.rows(), mesh);

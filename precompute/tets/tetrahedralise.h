@@ -40,8 +40,9 @@ struct TetOptions {
 ///
 /// Inner surfaces part the tets into regions, see TetMesh::region: each of their
 /// triangles is a face between two tets, or on the boundary if the surface is a cavity,
-/// which holds no tets. Vertices: those of the surface, those of inner[0], inner[1] and
-/// so on, all bit for bit, then new ones that lie off the surfaces.
+/// which holds no tets but those of the outer surface's parts in it. Vertices: those of
+/// the surface, those of inner[0], inner[1] and so on, all bit for bit, then new ones
+/// that lie off the surfaces.
 /// @throws InputError if the options are out of range, the estimate is above tets_max,
 ///   or an inner surface is refused (see check_inner_surfaces()).
 /// @throws NumericalError naming TetGen's reason, or the limit that it reached, or the

@@ -104,6 +104,19 @@ TEST(PlyReader, ReadsLinesThatEndWithCarriageReturns) {
   EXPECT_EQ(soup.face.front(), (std::vector<std::size_t>{0, 1, 2}));
 }
 
+TEST(PlyReader, ReadsNumbersInTheLastLineOfTheHeader) {
+  const std::string body =
+      "1 0 0 0\n2 0.1 -1.5 -300\n3 0.2 -3 -600\n4 0.30000000000000004 -4.5 -900\n"
+      "2 0 -1\n3 0 1 2 0.5\n4 3 2 1 0 0.5\n";
+  std::string text = header("ascii", "int32");
+  text.pop_back();
+  expect_body(read_ply(text + body));
+  expect_body(read_ply(text + " " + body));
+  std::string raw = header("binary_little_endian", "int");
+  raw.insert(raw.size() - 1, " 1");
+  EXPECT_SAYS(message(raw + raw_body<std::int32_t>(false)), "end_header alone");
+}
+
 TEST(PlyReader, NamesTheHeaderLineThatIsWrong) {
   EXPECT_SAYS(message("solid\n"), "not PLY");
   EXPECT_SAYS(message("ply\nformat ascii 1.0\n"), "the header does not end");

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/base/at.h"
 #include "formats/base/error.h"
 #include "formats/mesh/obj_writer.h"
+#include "precompute/body/meshed_body.h"
 #include "precompute/body/scene_body.h"
 #include "precompute/surface/primitive_bodies.h"
 #include "tests/support/study_bodies.h"
@@ -98,6 +100,92 @@ TEST_F(BodySurface, APartThatNothingHoldsIsNamedBeforeAnyWork) {
     EXPECT_NE(text.find("--repair=safe"), std::string::npos) << text;
   }
   EXPECT_EQ(read_body(scene, RepairMode::kSafe).surface.triangle.rows(), 320);
+}
+
+SurfaceMesh inside_out(SurfaceMesh mesh) {
+  mesh.triangle.col(1).swap(mesh.triangle.col(2));
+  return mesh;
+}
+
+double tets_m3(const TetMesh& mesh, std::int32_t region) {
+  double sum = 0.0;
+  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+    sum += mesh.region[at(t)] == region ? tet_volume_m3(mesh, t) : 0.0;
+  }
+  return sum;
+}
+
+TEST_F(BodySurface, AnInnerWallOfTheFileIsACavityOfTheBody) {
+  const SurfaceMesh ball = icosphere(0.03, 3);
+  const SurfaceMesh wall = icosphere(0.015, 2);
+  const Scene scene = scene_of("");
+  for (const bool as_outside : {false, true}) {
+    write_obj(joined(as_outside ? wall : inside_out(wall), ball), folder_ / "body.obj",
+              "hollow");
+    if (as_outside) {
+      EXPECT_THROW((void)read_body(scene), InputError);
+    }
+    const BodySource body =
+        read_body(scene, as_outside ? RepairMode::kSafe : RepairMode::kOff);
+    EXPECT_EQ(body.surface.triangle, ball.triangle);
+    ASSERT_EQ(body.inner.size(), 1U);
+    EXPECT_TRUE(body.inner[0].cavity);
+    EXPECT_EQ(body.inner[0].name, "cavity 1 of body.obj");
+    const FilledBody filled = filled_body(body, body.surface);
+    EXPECT_NEAR(
+        tets_m3(filled.tets, 0) / (enclosed_volume_m3(ball) - enclosed_volume_m3(wall)),
+        1.0, 1e-6);
+    EXPECT_EQ(tets_m3(filled.tets, 1), 0.0);
+  }
+}
+
+TEST_F(BodySurface, AnInnerWallThatTheSceneNamesIsItsInclusion) {
+  const SurfaceMesh ball = icosphere(0.03, 3);
+  const SurfaceMesh wall = icosphere(0.015, 2);
+  write_obj(wall, folder_ / "wall.obj", "an inclusion");
+  const std::string named = R"(
+[[inclusion]]
+name = "stone"
+mesh = "wall.obj"
+length_unit = "m"
+[[material]]
+region = "stone"
+law = "linear"
+youngs_modulus_pa = 60000.0
+poissons_ratio = 0.4
+)";
+  for (const SurfaceMesh& inner : {wall, inside_out(wall)}) {
+    write_obj(joined(ball, inner), folder_ / "body.obj", "with a stone");
+    const BodySource body = read_body(scene_of(named));
+    EXPECT_EQ(body.surface.triangle, ball.triangle);
+    ASSERT_EQ(body.inner.size(), 1U);
+    EXPECT_FALSE(body.inner[0].cavity);
+    const FilledBody filled = filled_body(body, body.surface);
+    EXPECT_NEAR(tets_m3(filled.tets, 1) / enclosed_volume_m3(wall), 1.0, 1e-6);
+    EXPECT_NE(body.notes.front().find("inclusion \"stone\""), std::string::npos);
+  }
+}
+
+TEST_F(BodySurface, AnIslandInACavityIsNamedOrFilled) {
+  const SurfaceMesh wall = inside_out(icosphere(0.02, 2));
+  SurfaceMesh island = icosphere(0.005, 2);
+  island.position_m.col(2).array() += 0.01;
+  const SurfaceMesh mesh = joined(joined(icosphere(0.03, 3), wall), island);
+  write_obj(mesh, folder_ / "body.obj", "an island");
+  try {
+    (void)read_body(scene_of(""));
+    FAIL() << "an island that floats was accepted";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("no support holds part 3 of 3"), std::string::npos) << text;
+    EXPECT_NE(text.find("which lies in a cavity"), std::string::npos) << text;
+  }
+  const BodySource body =
+      read_body(scene_of("[[support]]\npatch = { center_m = [0.0, 0.0, 0.015], "
+                         "radius_m = 0.003 }\n"));
+  EXPECT_NEAR(
+      tets_m3(filled_body(body, body.surface).tets, 0) / enclosed_volume_m3(mesh), 1.0,
+      1e-6);
 }
 
 }  // namespace

@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <memory>
 #include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include "formats/base/error.h"
 #include "precompute/contact/linear_indentation.h"
+#include "precompute/process/interrupt.h"
 #include "tests/precompute/contact/soft_block.h"
 
 namespace palpate {
@@ -330,6 +334,27 @@ TEST(PressIntoALinearLaw, IsThatOfTheLinearBodyAtSmallDepths) {
   EXPECT_NEAR(result.sample[kShallow].force_n.z() /
                   block.linear().sample[kShallow + 1].force_n.z(),
               1.0, 0.05);
+}
+
+// A press may take minutes.
+TEST(NonlinearIndentation, EndsBetweenItsStepsWhenInterrupted) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  constexpr int kInterrupted = 7;
+  EXPECT_EXIT(
+      {
+        note_interrupts();
+        const PressedBlock block(neo_hookean(5e3, 0.45));
+        kill(getpid(), SIGTERM);
+        try {
+          for (int i = 0; i < 20; ++i) {
+            (void)block.press({});
+          }
+          _exit(0);
+        } catch (const Interrupted&) {
+          _exit(kInterrupted);
+        }
+      },
+      testing::ExitedWithCode(kInterrupted), "");
 }
 
 }  // namespace

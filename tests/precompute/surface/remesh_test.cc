@@ -1,5 +1,7 @@
 #include "precompute/surface/remesh.h"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
@@ -45,6 +47,27 @@ TEST(Remesh, RefusesWishesOutOfRange) {
   SurfaceMesh open = mesh;
   open.triangle.conservativeResize(open.triangle.rows() - 1, 3);
   EXPECT_THROW((void)remesh_surface(open, 0.005), InputError);
+}
+
+TEST(Remesh, SmoothsSharpPlacesThatAreShorterThanItsEdges) {
+  SurfaceMesh mesh = icosphere(0.01, 5);
+  mesh.position_m.row(100) *= 1.08;  // a spike of two edges
+  const RemeshedSurface made = remesh_surface(mesh, 0.0015);
+  EXPECT_EQ(made.report.features, 0U);
+  EXPECT_GT(made.report.smallest_angle_rad, 20.0 * std::numbers::pi / 180.0);
+  EXPECT_LT(made.report.displaced_m, 9e-4);
+}
+
+TEST(Remesh, NamesWhatLeavesSpecksOut) {
+  SurfaceMesh speck = icosphere(2e-5, 0);
+  speck.position_m.col(0).array() += 0.02;
+  try {
+    (void)remesh_surface(joined(icosphere(0.01, 3), speck), 0.002);
+    FAIL() << "a speck was given new edges";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("--repair=safe"), std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace

@@ -87,6 +87,21 @@ TEST(StrangerSurfaces, APartOfSomeSizeIsNone) {
   EXPECT_EQ(repair_surface(mesh, RepairMode::kSafe).mesh.triangle, mesh.triangle);
 }
 
+TEST(StrangerSurfaces, AnInnerWallThatFacesOutIsTurnedAndSaid) {
+  const SurfaceMesh inner = icosphere(0.02, 2);
+  const SurfaceMesh mesh = joined(whole_ball(), inner);
+  const RepairedSurface repaired = repair_surface(mesh, RepairMode::kSafe);
+  EXPECT_EQ(repaired.report.refusal, "");
+  EXPECT_EQ(repaired.report.after.cavities(), 1);
+  EXPECT_EQ(repaired.mesh.position_m, mesh.position_m);
+  EXPECT_NEAR(enclosed_volume_m3(repaired.mesh),
+              enclosed_volume_m3(whole_ball()) - enclosed_volume_m3(inner), 1e-15);
+  ASSERT_EQ(repaired.report.changed.size(), 1U);
+  EXPECT_EQ(repaired.report.changed[0].count, 1U);
+  EXPECT_NE(repaired.report.changed[0].what.find("is a cavity"), std::string::npos);
+  EXPECT_EQ(working_repair(mesh, RepairMode::kOff), RepairMode::kSafe);
+}
+
 TEST(StrangerSurfaces, PiecesThatMakeUpTheBodyAreNoSpecks) {
   EXPECT_EQ(check_surface(cracked(whole_ball())).report.specks(), 0);
 }

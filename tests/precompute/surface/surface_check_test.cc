@@ -1,5 +1,6 @@
 #include "precompute/surface/surface_check.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -196,15 +197,74 @@ TEST(SurfaceCheck, AcceptsDisjointPartsAndSaysSo) {
   EXPECT_NE(checked.report.verdict().find("in 2 disjoint parts"), std::string::npos);
 }
 
-TEST(SurfaceCheck, RefusesAPartInsideAnother) {
+TEST(SurfaceCheck, RefusesAPartInsideAnotherThatFacesAsItDoes) {
   const SurfaceMesh outer = icosphere(0.01, 1);
-  for (const SurfaceMesh& inner :
-       {icosphere(0.004, 1), inside_out(icosphere(0.004, 1))}) {
-    const SurfaceReport report = report_of(joined(outer, inner));
+  const SurfaceMesh both = joined(outer, icosphere(0.004, 1));
+  for (const SurfaceMesh& mesh : {both, inside_out(both)}) {
+    const SurfaceReport report = report_of(mesh);
     EXPECT_FALSE(report.accepted());
     EXPECT_EQ(report.nested_components.count, 1U);
     EXPECT_EQ(all_defects(report), 1U);
-    EXPECT_NE(report.verdict().find("cavity = true"), std::string::npos);
+    EXPECT_NE(report.verdict().find("[[inclusion]]"), std::string::npos);
+  }
+}
+
+TEST(SurfaceCheck, TakesAPartInsideThatFacesTheOtherWayForACavity) {
+  const SurfaceMesh outer = icosphere(0.01, 1);
+  const SurfaceMesh inner = icosphere(0.004, 1);
+  const SurfaceMesh right = joined(outer, inside_out(inner));
+  for (const bool turned : {false, true}) {
+    const CheckedSurface checked = check_surface(turned ? inside_out(right) : right);
+    EXPECT_TRUE(checked.report.accepted()) << checked.report.verdict();
+    EXPECT_EQ(checked.mesh.triangle, right.triangle);
+    EXPECT_EQ(checked.report.components_turned, turned ? 2 : 0);
+    EXPECT_EQ(checked.report.cavities(), 1);
+    EXPECT_NEAR(checked.report.volume_m3,
+                enclosed_volume_m3(outer) - enclosed_volume_m3(inner), 1e-20);
+    EXPECT_NE(checked.report.verdict().find("triangles, with 1 cavity"),
+              std::string::npos)
+        << checked.report.verdict();
+  }
+}
+
+TEST(SurfaceCheck, TellsCavitiesFromIslandsInThem) {
+  // Two cavities, in one of them a ball; first of all that ball, then a cavity.
+  const SurfaceMesh island = moved(icosphere(0.001, 1), {0.004, 0.0, 0.0});
+  const SurfaceMesh one = inside_out(moved(icosphere(0.003, 1), {0.004, 0.0, 0.0}));
+  const SurfaceMesh two = inside_out(moved(icosphere(0.003, 1), {-0.004, 0.0, 0.0}));
+  const SurfaceMesh mesh = joined(joined(island, one), joined(icosphere(0.01, 2), two));
+  const CheckedSurface checked = check_surface(mesh);
+  EXPECT_TRUE(checked.report.accepted()) << checked.report.verdict();
+  EXPECT_EQ(checked.mesh.triangle, mesh.triangle);
+  ASSERT_EQ(checked.report.part.size(), 4U);
+  EXPECT_EQ(checked.report.part[0].around, 2);
+  EXPECT_EQ(checked.report.part[1].around, 1);
+  EXPECT_EQ(checked.report.part[2].around, 0);
+  EXPECT_EQ(checked.report.part[3].around, 1);
+  EXPECT_NE(checked.report.verdict().find("in 2 disjoint parts, with 2 cavities"),
+            std::string::npos)
+      << checked.report.verdict();
+}
+
+TEST(SurfaceCheck, TellsWhichOfManyPartsLieInside) {
+  for (const bool turned : {false, true}) {
+    SurfaceMesh mesh = turned ? inside_out(icosphere(1.0, 2)) : icosphere(1.0, 2);
+    const SurfaceMesh bubble =
+        turned ? icosphere(0.01, 0) : inside_out(icosphere(0.01, 0));
+    for (int i = 0; i < 20; ++i) {
+      // Within the bounding box, inside and outside by turns.
+      const double far_m = i % 2 == 0 ? 0.9 : 1.1;
+      mesh =
+          joined(mesh, moved(bubble, far_m * Eigen::RowVector3d(std::cos(0.3 * i),
+                                                                std::sin(0.3 * i), 0.5)
+                                                 .normalized()));
+    }
+    const CheckedSurface checked = check_surface(mesh);
+    EXPECT_TRUE(checked.report.accepted()) << checked.report.verdict();
+    ASSERT_EQ(checked.report.part.size(), 21U);
+    for (std::size_t i = 0; i < 20; ++i) {
+      EXPECT_EQ(checked.report.part[i + 1].around, i % 2 == 0 ? 1 : 0) << i;
+    }
   }
 }
 

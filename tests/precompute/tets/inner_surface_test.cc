@@ -130,6 +130,25 @@ TEST(InnerSurfaces, CavitiesAreEmptyAndTheirSurfaceIsABoundary) {
   EXPECT_EQ(std::ssize(used), mesh.position_m.rows());
 }
 
+TEST(InnerSurfaces, PartsOfTheBodyInACavityAreFilled) {
+  const SurfaceMesh island = ball(0.0, 0.2);
+  SurfaceMesh outer = cube(1.0);
+  const auto first = static_cast<std::int32_t>(outer.position_m.rows());
+  outer.position_m.conservativeResize(first + island.position_m.rows(), 3);
+  outer.position_m.bottomRows(island.position_m.rows()) = island.position_m;
+  outer.triangle.conservativeResize(outer.triangle.rows() + island.triangle.rows(), 3);
+  outer.triangle.bottomRows(island.triangle.rows()) = island.triangle.array() + first;
+  const std::vector<InnerSurface> inner{{.surface = ball(0.05, 0.4), .cavity = true},
+                                        {.surface = ball(0.0, 0.1)}};
+  const TetMesh mesh = tetrahedralise(outer, {}, inner);
+  EXPECT_EQ(region_m3(mesh, 1), 0.0);
+  EXPECT_NEAR(region_m3(mesh, 2) / ball_m3(0.1), 1.0, 1e-12);
+  EXPECT_NEAR(region_m3(mesh, 0), 8.0 - ball_m3(0.4) + ball_m3(0.2) - ball_m3(0.1),
+              1e-11);
+  EXPECT_EQ(boundary_faces(mesh.tet).rows(),
+            outer.triangle.rows() + inner[0].surface.triangle.rows());
+}
+
 TEST(InnerSurfaces, AreTurnedIfInsideOut) {
   SurfaceMesh sphere = ball(0.0, 0.4);
   sphere.triangle.col(1).swap(sphere.triangle.col(2));
