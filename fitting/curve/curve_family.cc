@@ -244,7 +244,8 @@ class Cubic : public CurveFamily {
     std::vector<double> force{0.0};
     force.insert(force.end(), q.begin(), q.end());
     const auto point = ResponseCurve(depth_, force).at(d);
-    return {point.force_n, point.stiffness_n_per_m, point.energy_j};
+    // Of forces that are none negative: below 0 are rounding and what is beyond them.
+    return {std::max(0.0, point.force_n), point.stiffness_n_per_m, point.energy_j};
   }
 
   void gradient(std::span<const double>, double d,

@@ -19,6 +19,7 @@ namespace palpate {
 namespace {
 
 constexpr int kFeaturePoints = 200;
+constexpr std::size_t kForceReach = 2;  // neighbours of a running median
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
 constexpr std::string_view kMayFall = "interpolating";
@@ -29,7 +30,17 @@ double reference_force(const ContactFit& reference, double x) {
          contact_force_n(reference, x - reference.contact_point_m);
 }
 
-// The approach without the reference's outliers.
+// Whether there is a force in contact.
+bool has_contact(const FamilyChoice& choice, double contact_m) {
+  return std::any_of(choice.displacement_m.begin(), choice.displacement_m.end(),
+                     [&](double x) {
+                       return x > contact_m;
+                     }) &&
+         extent(running_median(choice.force_n, kForceReach)) > 0.0;
+}
+
+// The approach without the reference's outliers; with them where they are all there is
+// of contact.
 void take_inliers(const Approach& approach, const ContactFit& reference,
                   FamilyChoice& choice) {
   const std::size_t n = approach.force_n.size();
@@ -45,6 +56,10 @@ void take_inliers(const Approach& approach, const ContactFit& reference,
     choice.displacement_m.push_back(approach.displacement_m[i]);
     choice.force_n.push_back(approach.force_n[i]);
   }
+  if (!has_contact(choice, reference.contact_point_m)) {
+    choice.displacement_m = approach.displacement_m;
+    choice.force_n = approach.force_n;
+  }
   choice.outliers = n - choice.force_n.size();
 }
 
@@ -55,7 +70,7 @@ FamilyData scaled_data(const FamilyChoice& choice, const Approach& approach,
   data.length_m =
       *std::max_element(choice.displacement_m.begin(), choice.displacement_m.end()) -
       data.x_origin_m;
-  data.force_n = extent(running_median(choice.force_n, 2));
+  data.force_n = extent(running_median(choice.force_n, kForceReach));
   const auto n = static_cast<Eigen::Index>(choice.force_n.size());
   data.x.resize(n);
   data.f.resize(n);

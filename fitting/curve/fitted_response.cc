@@ -4,8 +4,11 @@
 #include <cmath>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "fitting/curve/law_error.h"
 #include "fitting/numerics/robust_statistics.h"
+#include "formats/base/error.h"
 #include "formats/base/sha256.h"
 
 namespace palpate {
@@ -79,6 +82,12 @@ ResponseDatabase sample_patch(const FamilyFit& fit, const Measurement& measureme
   database.body.triangle << 0, 1, 2, 0, 2, 3;
   database.normal = vertex_normals(database.body);
   const NodeResponse response = fitted_response(fit, Eigen::Vector3d::UnitZ());
+  if (!std::isfinite(response.error_relative)) {
+    throw NumericalError(fmt::format(
+        "no database of this curve: its samples do not tell the parameters of {} "
+        "apart, so that its error is not known; need more samples in contact",
+        fit.family));
+  }
   database.tools.push_back(make_table(tool, std::vector<NodeResponse>(4, response)));
   database.measurement = measurement;
   database.provenance.writer = "palpate-fit " PALPATE_VERSION;

@@ -24,7 +24,8 @@ namespace palpate {
 /// triangles, the same fitted response at every node, and the raw measurement.
 /// @param source the file that was measured; its name and digest are kept; empty:
 /// none.
-/// @throws InputError for a tool out of range.
+/// @throws InputError for a tool out of range, NumericalError where the curve's error
+/// is not known.
 [[nodiscard]] ResponseDatabase sample_patch(const FamilyFit& fit,
                                             const Measurement& measurement,
                                             const ToolShape& tool,

@@ -90,6 +90,12 @@ bool has_free_samples(const ScaledApproach& s, const PowerLawSolution& solution)
          }) >= static_cast<std::ptrdiff_t>(kFreeSamplesMin);
 }
 
+bool reaches_contact(const ScaledApproach& s, const PowerLawSolution& solution) {
+  return std::any_of(s.curve.x.begin(), s.curve.x.end(), [&](double x) {
+    return x > solution.model.contact;
+  });
+}
+
 double rms_of(const PowerLawSolution& solution) {
   return rms(contact_residuals(solution.used, solution.model));
 }
@@ -232,6 +238,9 @@ PowerLawSolution search_power_law(const ScaledApproach& s,
     } else if (!has_free_samples(s, solution) || is_too_steep(s, solution, drift_max)) {
       solution = solve_without_drift(s, exponent, drift_max, starts, solution);
     }
+  }
+  if (!reaches_contact(s, solution)) {
+    solution = solve_from_first_sample(s, exponent);
   }
   hold_at_bounds(solution.model, s.curve.contact_min, solution.held);
   return solution;

@@ -3,14 +3,39 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/QR>
+
 namespace palpate {
 namespace {
 
 constexpr double kReflectionMax = 1.0 - 1e-9;  // 1: foretold without any error
+constexpr double kTakenMax = 1.5;              // variance before over after a fit
 
 // Order that foretells sample i.
 std::size_t order_at(const Autoregression& noise, Eigen::Index i) {
   return static_cast<std::size_t>(std::min(i, noise.order()));
+}
+
+// One order more (Levinson).
+void add_order(double reflection, Autoregression& noise) {
+  const Eigen::VectorXd& before = noise.coefficients.back();
+  const Eigen::Index k = before.size() + 1;
+  Eigen::VectorXd a(k);
+  a.head(k - 1) = before - reflection * before.reverse();
+  a[k - 1] = reflection;
+  noise.coefficients.push_back(std::move(a));
+  noise.surprise.push_back(noise.surprise.back() * (1.0 - reflection * reflection));
+}
+
+// Over 0..p samples, by Yule and Walker.
+Eigen::VectorXd autocorrelation_of(const Autoregression& noise) {
+  Eigen::VectorXd gamma(noise.order() + 1);
+  gamma[0] = 1.0;
+  for (Eigen::Index k = 1; k < gamma.size(); ++k) {
+    gamma[k] =
+        noise.coefficients[static_cast<std::size_t>(k)].dot(gamma.head(k).reverse());
+  }
+  return gamma;
 }
 
 }  // namespace
@@ -25,7 +50,6 @@ Autoregression autoregression_of(const Eigen::VectorXd& residual,
   const auto n = residual.size();
   const double bic_of_one = std::log(static_cast<double>(n));
   Autoregression all;
-  all.coefficients.emplace_back();
   // Errors of foretelling each sample from those before it, and from those after.
   Eigen::VectorXd ahead = residual, back = residual;
   Eigen::Index best = 0;
@@ -41,12 +65,7 @@ Autoregression autoregression_of(const Eigen::VectorXd& residual,
     const Eigen::VectorXd next_f = f - reflection * b, next_b = b - reflection * f;
     ahead.tail(n - k) = next_f;
     back.tail(n - k) = next_b;
-    const Eigen::VectorXd& before = all.coefficients.back();
-    Eigen::VectorXd a(k);
-    a.head(k - 1) = before - reflection * before.reverse();
-    a[k - 1] = reflection;
-    all.coefficients.push_back(std::move(a));
-    all.surprise.push_back(all.surprise.back() * (1.0 - reflection * reflection));
+    add_order(reflection, all);
     const double bic = static_cast<double>(n) * std::log(all.surprise.back()) +
                        static_cast<double>(k) * bic_of_one;
     if (bic < least) {
@@ -57,6 +76,43 @@ Autoregression autoregression_of(const Eigen::VectorXd& residual,
   all.coefficients.resize(static_cast<std::size_t>(best) + 1);
   all.surprise.resize(static_cast<std::size_t>(best) + 1);
   return all;
+}
+
+Autoregression before_fit(const Autoregression& seen, const Eigen::MatrixXd& jacobian) {
+  const Eigen::Index n = jacobian.rows(), order = seen.order();
+  if (jacobian.cols() == 0 || order == 0) {
+    return seen;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(jacobian);
+  const Eigen::MatrixXd Q =  // H = Q Q^T
+      qr.householderQ() * Eigen::MatrixXd::Identity(n, qr.rank());
+  const Eigen::MatrixXd VQ = times_covariance(seen, Q);
+  const Eigen::MatrixXd QQVQ = Q * (Q.transpose() * VQ);
+  Eigen::VectorXd gamma = autocorrelation_of(seen);
+  for (Eigen::Index k = 0; k <= order; ++k) {
+    // of H V + V H - H V H, its mean k samples off the diagonal
+    const Eigen::Index m = n - k;
+    const auto before = Q.topRows(m), after = Q.bottomRows(m);
+    gamma[k] += (before.cwiseProduct(VQ.bottomRows(m)) +
+                 (VQ - QQVQ).topRows(m).cwiseProduct(after))
+                    .sum() /
+                static_cast<double>(m);
+  }
+  if (gamma[0] > kTakenMax) {
+    return seen;
+  }
+  gamma /= gamma[0];
+  Autoregression noise;
+  for (Eigen::Index k = 1; k <= order; ++k) {
+    const double foretold =
+        noise.coefficients.back().dot(gamma.segment(1, k - 1).reverse());
+    const double reflection = (gamma[k] - foretold) / noise.surprise.back();
+    if (!(std::abs(reflection) < kReflectionMax)) {
+      return seen;
+    }
+    add_order(reflection, noise);
+  }
+  return noise;
 }
 
 double whiten(const Autoregression& noise, Eigen::MatrixXd& X) {

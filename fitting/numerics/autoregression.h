@@ -15,8 +15,9 @@
 namespace palpate {
 
 struct Autoregression {
-  std::vector<Eigen::VectorXd> coefficients;  ///< of orders 0..p: (k), nearest first
-  std::vector<double> surprise{1.0};          ///< [-] variance of e, of orders 0..p
+  /// of orders 0..p: (k), nearest first
+  std::vector<Eigen::VectorXd> coefficients{Eigen::VectorXd()};
+  std::vector<double> surprise{1.0};  ///< [-] variance of e, of orders 0..p
 
   [[nodiscard]] Eigen::Index order() const { return std::ssize(surprise) - 1; }
   /// Variance of a mean of many samples, times their number.
@@ -26,6 +27,14 @@ struct Autoregression {
 /// @param residual (n), not all zero. @param order_max less than n.
 [[nodiscard]] Autoregression autoregression_of(const Eigen::VectorXd& residual,
                                                Eigen::Index order_max);
+
+/// That of noise whose residuals, of a fit with this Jacobian (n x p), follow `seen`:
+/// with H = J (J^T J)^-1 J^T a fit takes V - (I - H) V (I - H) off the covariance V,
+/// most of it slow. To first order, V of `seen` there; of the same order. `seen` where
+/// the first order is not enough: what it gives is no covariance, or half as much
+/// again.
+[[nodiscard]] Autoregression before_fit(const Autoregression& seen,
+                                        const Eigen::MatrixXd& jacobian);
 
 /// X L^-T for V = L L^T, sample by sample. @param X (k x n), a column a sample
 /// @return log det V

@@ -14,8 +14,9 @@ namespace palpate {
 namespace {
 
 constexpr Eigen::Index kNoiseRowsMax = 4000;
-// Of noise that is not white: what a fit makes of it is told by its slow part, which
-// the likelihood of every sample would sacrifice for the quick one.
+// Of noise whose slow part is the larger: that makes the fit's errors, and the
+// likelihood of every sample would sacrifice it for the quick one. Means of neighbours
+// would hide what differs from sample to sample, and fold a vibration.
 constexpr Eigen::Index kCoarseRows = 200;
 // Noises that are tried: shares of all that neighbours share, and lengths [samples].
 constexpr std::array<double, 6> kShares{0.03, 0.12, 0.3, 0.6, 0.9, 1.0};
@@ -81,7 +82,8 @@ class Restricted {
   Eigen::MatrixXd both_;  // (p + 1 x n) of J, r
 };
 
-// White noise, the first, is as probable before as all others together.
+// White noise, the first, is as probable before as all shared ones together, and so is
+// an autoregression.
 std::vector<ProbableNoise> weighed(const std::vector<Tried>& tried) {
   const auto least =
       std::min_element(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) {
@@ -90,7 +92,8 @@ std::vector<ProbableNoise> weighed(const std::vector<Tried>& tried) {
   std::vector<ProbableNoise> noises;
   double sum = 0.0;
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    const double before = i == 0 ? static_cast<double>(tried.size() - 1) : 1.0;
+    const bool alone = i == 0 || tried[i].noise.regression;
+    const double before = alone ? static_cast<double>(tried.size() - 1) : 1.0;
     noises.push_back(
         {tried[i].noise, before * std::exp(0.5 * (least - tried[i].cost))});
     sum += noises.back().weight;
@@ -162,9 +165,18 @@ bool white_among(const std::vector<ProbableNoise>& noises) {
   });
 }
 
+double variance_of(const std::vector<ProbableNoise>& noises) {
+  double mean = 0.0;
+  for (const auto& [noise, weight] : noises) {
+    mean += weight * noise.variance();
+  }
+  return mean;
+}
+
 // A variance that few independent samples tell makes 95 % intervals Student's: theirs
-// over the normal one (Cornish and Fisher). Where white noise is probable too, the mean
-// over all noises has that already.
+// over the normal one (Cornish and Fisher). The slow part of an autoregression of order
+// p is told as by n / (2 p) of them (Berk 1974). Where white noise is probable too, the
+// mean over all noises has that already.
 double widened(const std::vector<ProbableNoise>& noises, Eigen::Index n,
                Eigen::Index p) {
   if (white_among(noises)) {
@@ -172,7 +184,10 @@ double widened(const std::vector<ProbableNoise>& noises, Eigen::Index n,
   }
   double independent = 0.0;
   for (const auto& [noise, weight] : noises) {
-    independent += weight * std::min(1.0, noise.variance() / noise.long_run_variance());
+    const double most =
+        noise.regression ? 0.5 / static_cast<double>(noise.regression->order()) : 1.0;
+    independent +=
+        weight * std::min(most, noise.variance() / noise.long_run_variance());
   }
   const double nu = std::max(
       kFreedomMin, independent * static_cast<double>(n) - static_cast<double>(p));
@@ -211,9 +226,12 @@ std::vector<ProbableNoise> noises_of(const Eigen::MatrixXd& jacobian,
     }
   }
   if (kinds == SharedNoise::kAlsoRegression) {
-    auto regression = std::make_shared<const Autoregression>(
-        autoregression_of(residual, std::min(kOrderMax, n / kSamplesPerOrder)));
-    if (const auto order = regression->order(); order > 1) {
+    const Autoregression seen =
+        autoregression_of(residual, std::min(kOrderMax, n / kSamplesPerOrder));
+    const auto order = seen.order();
+    if (order > 1 || seen.coefficients.back().sum() < 0.0) {
+      auto regression =
+          std::make_shared<const Autoregression>(before_fit(seen, jacobian));
       tried.push_back(
           likelihood.at({.shared = 1.0, .regression = std::move(regression)}));
       tried.back().cost +=
@@ -253,10 +271,11 @@ double long_run_variance(const std::vector<ProbableNoise>& noises) {
 
 namespace {
 
-// Covariance under the noise of means of neighbours, and whether that may be white.
+// Covariance under the noise of means of neighbours, and whether that is surely not
+// white and its slow part the larger.
 struct UnderNoise {
   Eigen::MatrixXd covariance;
-  bool white = true;
+  bool slow = false;
 
   UnderNoise(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
              Eigen::Index samples, SharedNoise kinds, Eigen::Index rows_max) {
@@ -285,7 +304,7 @@ struct UnderNoise {
       filling += weight * (sized.transpose() * times_covariance(noise, sized) +
                            noise.variance() * expected.transpose() * expected);
     }
-    white = white_among(noises);
+    slow = !white_among(noises) && long_run_variance(noises) > variance_of(noises);
     const double student =
         kinds == SharedNoise::kAlsoRegression ? widened(noises, r.size(), p) : 1.0;
     covariance = student * student * bread * filling * bread;
@@ -298,7 +317,7 @@ Eigen::MatrixXd covariance_under_noise(const Eigen::MatrixXd& jacobian,
                                        const Eigen::VectorXd& residual,
                                        Eigen::Index samples, SharedNoise kinds) {
   const UnderNoise fine{jacobian, residual, samples, kinds, kNoiseRowsMax};
-  if (fine.white || kinds != SharedNoise::kAlsoRegression || samples <= kCoarseRows) {
+  if (!fine.slow || kinds != SharedNoise::kAlsoRegression || samples <= kCoarseRows) {
     return fine.covariance;
   }
   return UnderNoise{jacobian, residual, samples, kinds, kCoarseRows}.covariance;

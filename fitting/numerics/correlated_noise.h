@@ -5,9 +5,9 @@
 // residuals of a fit are smaller than the noise, and less alike, by what the fit has
 // followed of it. Few samples allow many noises, white or shared; what they make of a
 // fit is the mean over all, weighted by likelihood: as probable as each other before
-// are white noise and shared noise, and of that all shares and all logarithms of its
-// length up to a quarter of the samples. An autoregression is one more of them, where
-// BIC prefers an order of 2 or more.
+// are white noise, shared noise and an autoregression, and of shared noise all shares
+// and all logarithms of its length up to a quarter of the samples. The autoregression
+// is tried where BIC prefers an order of 2 or more, or neighbours that differ.
 #pragma once
 
 #include <span>
@@ -50,9 +50,9 @@ enum class SharedNoise { kRough, kAlsoSmooth, kAlsoRegression };
 /// @param jacobian, residual as for noises_of(). @param samples how many of the first
 /// rows are samples in a row; the others are expectations, each with an error of its
 /// own as large as a sample's. @param kinds as noises_of(). With regressions, noise
-/// that is not white is told by means of neighbours, at most 200, and by few
-/// independent ones the covariance is wider, so that 1.96 standard deviations hold 95
-/// %.
+/// whose slow part is the larger is told by means of neighbours, at most 200, and by
+/// few independent ones the covariance is wider, so that 1.96 standard deviations hold
+/// 95 %.
 [[nodiscard]] Eigen::MatrixXd covariance_under_noise(
     const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
     Eigen::Index samples, SharedNoise kinds = SharedNoise::kRough);

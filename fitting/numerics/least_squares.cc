@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/QR>
 #include <ceres/ceres.h>
@@ -82,6 +83,17 @@ class DenseBlock : public ceres::CostFunction {
   mutable RowMajorMatrix jacobian_;
 };
 
+// None where residuals or derivatives are no numbers.
+std::optional<double> cost_at(const DenseBlock& block, const Eigen::VectorXd& q) {
+  Eigen::VectorXd r(block.num_residuals());
+  RowMajorMatrix jacobian(r.size(), q.size());
+  const double* at = q.data();
+  double* derivatives = jacobian.data();
+  return block.Evaluate(&at, r.data(), &derivatives)
+             ? std::optional(0.5 * r.squaredNorm())
+             : std::nullopt;
+}
+
 ceres::Solver::Options solver_options(const LeastSquaresOptions& options) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
@@ -113,11 +125,11 @@ LeastSquaresReport solve_least_squares(const LeastSquaresProblem& problem,
   const std::vector<int> free = free_parameters(problem, start.size());
   Eigen::VectorXd values = report.q(free);
   DenseBlock block(problem, report.q, free, options.loss_scale);
-  if (free.empty()) {
-    Eigen::VectorXd r(problem.residuals);
-    const double* none = nullptr;
-    report.converged = block.Evaluate(&none, r.data(), nullptr);
-    report.cost = 0.5 * r.squaredNorm();
+  const auto cost =
+      cost_at(block, values);  // Ceres writes to stderr where there is none
+  if (!cost || free.empty()) {
+    report.converged = cost.has_value();
+    report.cost = cost.value_or(kInf);
     return report;
   }
   ceres::Problem::Options ownership;

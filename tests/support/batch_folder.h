@@ -27,11 +27,7 @@ class BatchFolder : public testing::Test {
   // Columns x [mm] and f [N] times these factors.
   void write(const std::string& name, const Measurement& m, double depth = 1e3,
              double force = 1.0, const std::string& header = "x,f\n") const {
-    std::string text = header;
-    for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
-      text += fmt::format("{},{}\n", depth * m.depth_m[i], force * m.force_n[i]);
-    }
-    write(name, text);
+    write(name, table_of(m, depth, force, header));
   }
 
   Session session(const std::string& read, const std::string& rest = "") const {

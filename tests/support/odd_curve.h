@@ -2,9 +2,11 @@
 // presses, switches, stuck stages and broken exports write.
 //
 // A curve is a way of the tool (ramp, staircase, press and hold, press and release, two
-// presses, reversed, still, by chance) times a force (nothing, one value, flicker,
-// steps, plateaus, a law in steps of a sensor, a dome, a fall, chance), with readings
-// that are wild or no numbers, in units from far too small to far too large.
+// presses, reversed, still, to and fro between two depths, each depth several times, by
+// chance) times a force (nothing, one value, flicker, steps, plateaus, a law in steps
+// of a sensor, a dome, a fall, chance), with readings that are wild or no numbers, far
+// from zero, in units from far too small to far too large, at times that rise, stand,
+// jump or run backwards.
 #pragma once
 
 #include <algorithm>
@@ -22,10 +24,10 @@ class OddCurve {
   explicit OddCurve(unsigned seed) : generator_(seed) {}
 
   [[nodiscard]] Measurement make() {
-    constexpr int kSizes[] = {2, 3, 8, 9, 12, 20, 40, 80, 150, 150, 300, 600};
+    constexpr int kSizes[] = {1, 2, 3, 8, 9, 12, 20, 40, 80, 150, 150, 300, 600};
     const int n = kSizes[pick(static_cast<int>(std::size(kSizes)))];
     Measurement m;
-    way_ = pick(8);
+    way_ = pick(10);
     force_ = pick(10);
     level_ = chance();
     more_ = chance();
@@ -60,6 +62,10 @@ class OddCurve {
         return std::abs(std::sin(2.0 * M_PI * t));  // two presses
       case 5:
         return level_ < 0.3 ? chance() : t + 0.02 * normal();
+      case 6:
+        return chance() < 0.5 ? 0.0 : 1.0;
+      case 7:
+        return std::floor((3.0 + 30.0 * level_) * t) / 30.0;  // each several times
       default:
         return t;
     }
@@ -94,14 +100,15 @@ class OddCurve {
   }
 
   void finish(Measurement& m) {
-    constexpr double kSizes[] = {1e-3,  1.0,    1e-9,  1e-12, 1e6,
-                                 1e-30, 1e-160, 1e150, 1e300};
+    constexpr double kSizes[] = {1e-3,  1.0,    1e-9,   1e-12, 1e6,
+                                 1e-30, 1e-160, 1e-300, 1e150, 1e300};
     const int usual = pick(4) != 0 ? 2 : static_cast<int>(std::size(kSizes));
     const double depth = kSizes[pick(usual)], force = kSizes[pick(usual)];
     const double begin = pick(3) == 0 ? 1e3 * normal() : 0.0;
+    const double zero = pick(6) == 0 ? 1e9 * normal() : 0.0;
     for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
       m.depth_m[i] = depth * (m.depth_m[i] + begin);
-      m.force_n[i] = (more_ < 0.2 ? -force : force) * m.force_n[i];
+      m.force_n[i] = (more_ < 0.2 ? -force : force) * (m.force_n[i] + zero);
     }
     for (int wild = pick(4) == 0 ? pick(3) : 0; wild > 0; --wild) {
       m.force_n[static_cast<std::size_t>(pick(static_cast<int>(m.force_n.size())))] =
@@ -109,8 +116,32 @@ class OddCurve {
                        : 1e3 * force * normal();
     }
     if (pick(2) == 0) {
-      for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
-        m.time_s.push_back(level_ < 0.05 ? 1.0 : 0.01 * static_cast<double>(i));
+      add_times(m);
+    }
+  }
+
+  void add_times(Measurement& m) {
+    const int kind = pick(12);
+    const auto n = static_cast<double>(m.depth_m.size());
+    for (double i = 0.0; i < n; ++i) {
+      switch (kind) {
+        case 0:
+          m.time_s.push_back(1.0);
+          break;
+        case 1:
+          m.time_s.push_back(0.01 * (n - i));
+          break;
+        case 2:
+          m.time_s.push_back(0.01 * i + (i > n / 2.0 ? 1e5 : 0.0));
+          break;
+        case 3:
+          m.time_s.push_back(1e300 * chance());
+          break;
+        case 4:
+          m.time_s.push_back(std::floor(0.1 * i));
+          break;
+        default:
+          m.time_s.push_back(0.01 * i);
       }
     }
   }

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "formats/database/response_database.h"
 
@@ -37,6 +40,19 @@ inline Measurement synthetic(const SyntheticCurve& c, unsigned seed) {
     noise = c.rho * noise + std::sqrt(1.0 - c.rho * c.rho) * normal(generator);
   }
   return m;
+}
+
+/// A table of columns x [mm] and f [N] times these factors, and t [s] where there are
+/// times and the header names them.
+inline std::string table_of(const Measurement& m, double depth = 1e3,
+                            double force = 1.0, const std::string& header = "x,f\n") {
+  const bool times = header.find('t') != std::string::npos && !m.time_s.empty();
+  std::string text = header;
+  for (std::size_t i = 0; i < m.depth_m.size(); ++i) {
+    text += fmt::format("{},{}", depth * m.depth_m[i], force * m.force_n[i]);
+    text += times ? fmt::format(",{}\n", m.time_s[i]) : "\n";
+  }
+  return text;
 }
 
 }  // namespace palpate

@@ -69,6 +69,18 @@ TEST(CurveFamily, RisesAndIsConvexUnlessItIsACubicThroughPoints) {
   }
 }
 
+// Depths at which the cubic's sum rounds below 0.
+TEST(CurveFamily, ACubicThroughForcesIsNowhereNegative) {
+  for (int i = 1; i < 500; ++i) {
+    const double peak = 0.37 + 0.01 * i, end = 1.0 - 1e-3 * i;
+    const auto family =
+        cubic_family("interpolating", {0.3 * end, 0.7 * end, 0.9 * end, end});
+    const std::vector<double> q{0.1, peak, 0.5 * peak, 0.0};
+    EXPECT_GE(family->at(q, end).force, 0.0);
+    EXPECT_GE(family->at(q, 1.1 * end).force, 0.0);
+  }
+}
+
 TEST(CurveFamily, GradientIsTheDerivativeByTheParameters) {
   for (const FamilyCase& c : families()) {
     if (c.family->name() == "monotone-cubic" || c.family->name() == "interpolating") {

@@ -100,6 +100,17 @@ TEST(SamplePatch, IsAValidDatabaseThatSurvivesItsFile) {
   }
 }
 
+TEST(SamplePatch, IsRefusedWhereTheCurvesErrorIsNotKnown) {
+  FamilyFit law = fit_family(SyntheticCurve{});
+  law.covariance.setConstant(std::nan(""));
+  try {
+    (void)sample_patch(law, synthetic({}, 1), {"probe", "sphere", 0.01, 0.0, 0.0}, "");
+    FAIL();
+  } catch (const NumericalError& error) {
+    EXPECT_NE(std::string(error.what()).find("error is not known"), std::string::npos);
+  }
+}
+
 TEST(SamplePatch, NeedsAToolThatCanBeRendered) {
   EXPECT_THROW((void)sample_patch(fit_family(SyntheticCurve{}), {},
                                   {"probe", "sphere", -1.0, 0.0, 0.0}, ""),

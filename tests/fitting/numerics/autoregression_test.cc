@@ -86,6 +86,32 @@ TEST(Autoregression, CoefficientsAndOrderAreFound) {
   EXPECT_NEAR(found.coefficients[2][1], kA2, 0.05);
 }
 
+// Residuals of a polynomial through first-order noise: their expected correlations are
+// known, and what the polynomial took of the noise's slow part comes back.
+TEST(Autoregression, WhatAFitTookOfTheNoiseComesBack) {
+  const Eigen::Index n = 300;
+  Autoregression truth;
+  truth.coefficients.emplace_back(Eigen::VectorXd::Constant(1, 0.8));
+  truth.surprise.push_back(1.0 - 0.8 * 0.8);
+  Eigen::MatrixXd J(n, 5);
+  J.col(0).setOnes();
+  for (Eigen::Index k = 1; k < 5; ++k) {
+    J.col(k) = J.col(k - 1).cwiseProduct(Eigen::VectorXd::LinSpaced(n, -1.0, 1.0));
+  }
+  const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd left = I - J * (J.transpose() * J).ldlt().solve(J.transpose());
+  const Eigen::MatrixXd C = left * times_covariance(truth, left);
+  Autoregression seen;
+  const double first = C.diagonal(1).mean() / C.diagonal().mean();
+  seen.coefficients.emplace_back(Eigen::VectorXd::Constant(1, first));
+  seen.surprise.push_back(1.0 - first * first);
+  const double taken = truth.long_run_variance() - seen.long_run_variance();
+  const double left_off =
+      truth.long_run_variance() - before_fit(seen, J).long_run_variance();
+  EXPECT_GT(taken, 0.1 * truth.long_run_variance());
+  EXPECT_LT(std::abs(left_off), 0.3 * taken);  // the first order of it is back
+}
+
 TEST(Autoregression, WhiteNoiseHasNone) {
   std::mt19937 generator(5);
   std::normal_distribution<double> normal;

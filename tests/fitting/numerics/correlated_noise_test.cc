@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "tests/fitting/numerics/dense_covariance.h"
@@ -98,6 +100,42 @@ TEST(CorrelatedNoise, SmoothShapesThatALawMissesAreCounted) {
   }
   EXPECT_GT(held, 0.90);
   EXPECT_LT(held, 0.99);
+}
+
+// Mean stated over true variance of a line's height, of noise e_i - 0.6 e_(i-1), whose
+// covariance is 1.36 on the diagonal and -0.6 beside it.
+double stated_of_differing(Eigen::Index n, int draws) {
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd J = line_jacobian(n);
+  const auto rows = static_cast<double>(n);
+  const double truth = (1.36 * rows - 1.2 * (rows - 1.0)) / (rows * rows);
+  double mean = 0.0;
+  for (int k = 0; k < draws; ++k) {
+    Eigen::VectorXd y(n);
+    double before = normal(generator);
+    for (double& value : y) {
+      const double white = normal(generator);
+      value = white - 0.6 * before;
+      before = white;
+    }
+    const Eigen::VectorXd r = residual_of_fit(J, y);
+    mean += covariance_under_noise(J, r, n, SharedNoise::kAlsoRegression)(0, 0) / draws;
+  }
+  return mean / truth;
+}
+
+// An autoregression of the order p that BIC takes follows it up to (1 - 0.6^(p + 1))^2:
+// 1.3 of p = 3. White noise would state 8.5 and, of means of five neighbours, 2.5.
+TEST(CorrelatedNoise, NeighboursThatDifferMakeAMeanBetter) {
+  EXPECT_LT(stated_of_differing(1000, 20), 1.6);
+  EXPECT_GT(stated_of_differing(1000, 20), 0.9);
+}
+
+// Of so few BIC takes but one, (1 - 0.44^2) / 1.44^2 * 1.36 / 0.16 = 3.3, and white
+// noise would state 8.5.
+TEST(CorrelatedNoise, FewNeighboursThatDifferAreSeenToo) {
+  EXPECT_LT(stated_of_differing(40, 100), 5.0);
 }
 
 TEST(CorrelatedNoise, AFewSamplesAreTakenForWhite) {

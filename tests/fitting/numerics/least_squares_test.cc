@@ -234,6 +234,15 @@ TEST(LeastSquares, ALossKeepsAnOutlierFromTheFit) {
   EXPECT_NEAR(with.q[1], 0.5, 1e-3);
 }
 
+TEST(LeastSquares, AStartThatIsNoNumberIsToldByTheReportAlone) {
+  const LeastSquaresProblem problem = line({1.0, 2.0, std::nan("")});
+  testing::internal::CaptureStderr();
+  const auto report = solve_least_squares(problem, Eigen::Vector2d(0.0, 0.0));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.cost, kInf);
+}
+
 TEST(LeastSquares, SaysThatParametersCannotBeToldApart) {
   Eigen::MatrixXd J(4, 2);
   J << 1, 2, 2, 4, 3, 6, 4, 8;
