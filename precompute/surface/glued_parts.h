@@ -9,8 +9,8 @@ namespace palpate {
 
 /// The surface without walls inside it: sheets that end at edges of three triangles,
 /// as where two closed surfaces share faces, each listed once (clean_soup() takes out
-/// those listed twice). What shared them is one
-/// there. Whether a sheet lies inside is told by the winding number of the rest.
+/// those listed twice). What shared them is one there. Whether a sheet lies inside is
+/// told by the winding number of the rest.
 /// @param walls gains the number of sheets taken out.
 [[nodiscard]] SurfaceMesh without_inner_walls(const SurfaceMesh& mesh,
                                               std::size_t& walls);

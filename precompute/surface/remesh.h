@@ -28,10 +28,10 @@ struct RemeshedSurface {
 /// edges. Places where that makes the surface cross itself are cut out and filled
 /// (repair_intersections.h). Done in a child process; the vertices are new.
 /// @param mesh a body (see check_surface). @param edge_m [m] > 0.
-/// @throws InputError if the surface is no body, or has specks, or about more than
-/// 2,000,000 triangles
-///   would be made, or the body is thinner than the edges can follow: the result
-///   crosses itself, or has lost parts or more than 10 % of its volume.
+/// @throws InputError if the surface is no body, or has specks, or more than about
+///   2,000,000 triangles would be made, or the body is thinner than the edges can
+///   follow: the result crosses itself, or has lost parts or more than 10 % of its
+///   volume.
 [[nodiscard]] RemeshedSurface remesh_surface(const SurfaceMesh& mesh, double edge_m);
 
 }  // namespace palpate
