@@ -267,6 +267,14 @@ TEST(IdleChild, IsNoneAfterWorkThatFailedOrFilledTheMemory) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(RunInChild, LimitsWhatIsAddedToTheMemoryThatTheChildHolds) {
+  const auto fill = [](auto) {
+    const std::vector<char> some(30'000'000, 'x');
+    return std::vector<char>(some.begin(), some.begin() + 1);
+  };
+  EXPECT_TRUE(run_in_child(fill, {}, {.memory_bytes = 50'000'000}).done);
+}
+
 TEST(IdleChild, IsNotHeldToTheLimitsOfEarlierWork) {
   const auto fill = [](auto) {
     return std::vector<char>(200'000'000, 'x');
