@@ -273,6 +273,9 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
   errors.insert(errors.begin(), {"data", found.sd_pa});
   if (const auto straight = straightened(approach, fit)) {
     const ContactFit other = fit_contact(*straight, told);
+    if (other.has(FitFlag::kEmptyRun)) {
+      return refused_modulus("a drift that bends may be all of the force");
+    }
     errors.push_back(
         {"drift",
          std::abs(contact_modulus(*straight, other, free, indenter).youngs_modulus_pa -

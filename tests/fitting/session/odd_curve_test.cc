@@ -74,6 +74,12 @@ TEST_F(OddCurveTest, ALawThatLeavesNothingInContactIsAnswered) {
   EXPECT_EQ(fitted, 4U);
 }
 
+TEST_F(OddCurveTest, ADriftThatBendsAndLeavesNothingInContactIsAnswered) {
+  unsigned fitted = 0;
+  expect_fitted_or_refused(20'015'086, fitted);
+  EXPECT_EQ(fitted, 1);
+}
+
 TEST_F(OddCurveTest, ABatchOfOddCurvesListsEachOfThem) {
   constexpr unsigned kRuns = 60;
   for (unsigned seed = 1; seed <= kRuns; ++seed) {
