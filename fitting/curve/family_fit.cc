@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
-#include <tuple>
 
 #include <fmt/format.h>
 
+#include "fitting/curve/family_rank.h"
 #include "fitting/curve/family_solve.h"
 #include "fitting/curve/power_law_solve.h"
 #include "fitting/curve/power_law_start.h"
@@ -22,8 +21,6 @@ constexpr int kFeaturePoints = 200;
 constexpr std::size_t kForceReach = 2;  // neighbours of a running median
 constexpr int kFolds = 5, kBlocks = 20;
 constexpr std::size_t kCrossSamples = 300;
-constexpr std::string_view kMayFall = "interpolating";
-constexpr double kDecisive = 30.0;  // of AICc: exp(-15) times as likely
 
 double reference_force(const ContactFit& reference, double x) {
   return reference.parameters[0].value + reference.parameters[1].value * x +
@@ -32,10 +29,8 @@ double reference_force(const ContactFit& reference, double x) {
 
 // Whether there is a force in contact.
 bool has_contact(const FamilyChoice& choice, double contact_m) {
-  return std::any_of(choice.displacement_m.begin(), choice.displacement_m.end(),
-                     [&](double x) {
-                       return x > contact_m;
-                     }) &&
+  const std::vector<double>& x = choice.displacement_m;
+  return !x.empty() && *std::max_element(x.begin(), x.end()) > contact_m &&
          extent(running_median(choice.force_n, kForceReach)) > 0.0;
 }
 
@@ -280,41 +275,6 @@ void find_misfits(const FamilyData& data, double free_to_m, FamilyChoice& choice
     fit.misses = matters(fit.misfit, data.force_n);
     fit.deviance = noise.deviance(residuals_of(fit));
   }
-}
-
-// Whether the family that may fall follows so much better than all that may not, of
-// those that do not miss, that it comes in its turn.
-bool falls_decisively(const std::vector<FamilyFit>& fits) {
-  double falling = std::numeric_limits<double>::infinity(), rising = falling;
-  for (const FamilyFit& fit : fits) {
-    if (!fit.misses && fit.converged) {
-      double& least = fit.family == kMayFall ? falling : rising;
-      least = std::min(least, fit.aicc);
-    }
-  }
-  return falling + kDecisive < rising;
-}
-
-void rank_fits(FamilyChoice& choice) {
-  const auto n = static_cast<double>(choice.force_n.size());
-  for (FamilyFit& fit : choice.fits) {
-    const double k = fit.free_parameters;
-    fit.aicc = n > k + 1.0 ? fit.deviance + 2.0 * k * n / (n - k - 1.0)
-                           : std::numeric_limits<double>::infinity();
-    fit.bic = fit.deviance + k * std::log(n);
-  }
-  const bool falls = falls_decisively(choice.fits);
-  const auto rank = [&](const FamilyFit& fit) {
-    const double score = fit.misses                               ? fit.rms_n
-                         : choice.criterion == "bic"              ? fit.bic
-                         : choice.criterion == "cross-validation" ? fit.cross_rms_n
-                                                                  : fit.aicc;
-    return std::tuple(!fit.converged, fit.misses,
-                      !fit.misses && !falls && fit.family == kMayFall, score);
-  };
-  std::stable_sort(choice.fits.begin(), choice.fits.end(), [&](auto& a, auto& b) {
-    return rank(a) < rank(b);
-  });
 }
 
 // A force that is clipped is no plateau.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <string>
 
 #include <cholmod.h>
 #include <fmt/format.h>
@@ -31,7 +32,6 @@ struct Common {
   Common& operator=(const Common&) = delete;
 };
 
-// CHOLMOD reads through pointers that are not const, and does not write to them.
 cholmod_sparse view(LowerPattern& lower) {
   static_assert(sizeof(SuiteSparse_long) == sizeof(std::int64_t));
   cholmod_sparse A{};
@@ -49,21 +49,6 @@ cholmod_sparse view(LowerPattern& lower) {
   return A;
 }
 
-template <typename T>
-void append(std::vector<char>& bytes, const std::vector<T>& numbers) {
-  const std::size_t count = numbers.size();
-  append_bytes(bytes, &count, 1);
-  append_bytes(bytes, numbers.data(), count);
-}
-
-template <typename T>
-void take(std::span<const char>& bytes, std::vector<T>& numbers) {
-  std::size_t count = 0;
-  take_bytes(bytes, &count, 1);
-  numbers.resize(count);
-  take_bytes(bytes, numbers.data(), count);
-}
-
 template <typename To>
 void append_as(std::vector<char>& bytes, const void* from, std::size_t count) {
   const auto* numbers = static_cast<const SuiteSparse_long*>(from);
@@ -71,14 +56,14 @@ void append_as(std::vector<char>& bytes, const void* from, std::size_t count) {
   std::transform(numbers, numbers + count, to.begin(), [](SuiteSparse_long x) {
     return static_cast<To>(x);
   });
-  append(bytes, to);
+  append_bytes(bytes, to);
 }
 
 // Nothing if the memory did not suffice.
 std::vector<char> analysed(std::span<const char> input) {
   LowerPattern pattern;
-  take(input, pattern.begin);
-  take(input, pattern.row);
+  take_bytes(input, pattern.begin);
+  take_bytes(input, pattern.row);
   Common common;
   cholmod_sparse A = view(pattern);
   cholmod_factor* factor = cholmod_l_analyze(&A, &common.c);
@@ -99,21 +84,25 @@ std::vector<char> analysed(std::span<const char> input) {
 // two orderings at a time would share out between them by chance.
 SymbolicFactor symbolic_factor(const LowerPattern& pattern) {
   std::vector<char> input;
-  append(input, pattern.begin);
-  append(input, pattern.row);
+  append_bytes(input, pattern.begin);
+  append_bytes(input, pattern.row);
   const ChildResult result =
       run_in_child(analysed, input, {.time_s = kLongest, .memory_bytes = kMostMemory});
-  if (!result.done || result.bytes.empty()) {
-    throw ResourceError(fmt::format(
-        "the stiffness matrix of {} nodes could not be ordered: {}",
-        pattern.begin.size() - 1, result.done ? "out of memory" : result.failure));
+  const std::string failed =
+      fmt::format("the stiffness matrix of {} nodes could not be ordered",
+                  pattern.begin.size() - 1);
+  if (!result.done) {
+    throw NumericalError(fmt::format("{}: {}", failed, result.failure));
+  }
+  if (result.bytes.empty()) {
+    throw ResourceError(failed + ": out of memory");
   }
   SymbolicFactor symbolic;
   std::span<const char> bytes = result.bytes;
-  take(bytes, symbolic.order);
-  take(bytes, symbolic.begin);
-  take(bytes, symbolic.row_begin);
-  take(bytes, symbolic.row);
+  take_bytes(bytes, symbolic.order);
+  take_bytes(bytes, symbolic.begin);
+  take_bytes(bytes, symbolic.row_begin);
+  take_bytes(bytes, symbolic.row);
   return symbolic;
 }
 

@@ -21,8 +21,9 @@ struct SymbolicFactor {
   std::vector<std::int32_t> row;        ///< of each, ascending, its own columns first
 };
 
-/// Same input, same answer, from any thread.
-/// @throws ResourceError where memory does not suffice.
+/// Same input, same answer, from any thread; made in a child process (run_in_child.h).
+/// @throws ResourceError where memory does not suffice, and as run_in_child();
+///   NumericalError where the ordering took the child down.
 [[nodiscard]] SymbolicFactor symbolic_factor(const LowerPattern& pattern);
 
 }  // namespace palpate

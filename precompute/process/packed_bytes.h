@@ -33,4 +33,25 @@ void take_bytes(std::span<const char>& bytes, T* data, std::size_t count) {
   bytes = bytes.subspan(size);
 }
 
+/// With their number before them.
+template <typename T>
+void append_bytes(std::vector<char>& bytes, const std::vector<T>& numbers) {
+  const std::size_t count = numbers.size();
+  append_bytes(bytes, &count, 1);
+  append_bytes(bytes, numbers.data(), count);
+}
+
+/// What append_bytes() of a vector put there. @throws NumericalError if it is cut
+/// short.
+template <typename T>
+void take_bytes(std::span<const char>& bytes, std::vector<T>& numbers) {
+  std::size_t count = 0;
+  take_bytes(bytes, &count, 1);
+  if (count > bytes.size() / sizeof(T)) {
+    throw NumericalError("what another process sent is cut short");
+  }
+  numbers.resize(count);
+  take_bytes(bytes, numbers.data(), count);
+}
+
 }  // namespace palpate

@@ -99,24 +99,33 @@ std::size_t memory_bytes(bool resident) {
   return (resident ? in_memory : all) * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-// False where the user has set a lower one.
-bool limit_memory(rlim_t bytes) {
-  rlimit limit{};
-  getrlimit(RLIMIT_AS, &limit);
-  limit.rlim_cur = std::min(bytes, limit.rlim_max);
-  return setrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur == bytes;
-}
+// Holds the address space to so many bytes while it lives, or to fewer if the user did.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_AS, &users_);
+    const rlimit limit{std::min(bytes, users_.rlim_cur), users_.rlim_max};
+    is_ours_ =
+        kLimitMemory && setrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur == bytes;
+  }
+  ~MemoryLimit() { setrlimit(RLIMIT_AS, &users_); }
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+  [[nodiscard]] bool is_ours() const { return is_ours_; }
+
+ private:
+  rlimit users_{};
+  bool is_ours_ = false;
+};
 
 // Ends the process unless the work returned: what else it left behind ends with it.
 std::vector<char> done(const ChildRequest& request, std::span<const char> input) {
-  const bool limited =
-      kLimitMemory && limit_memory(memory_bytes(false) + request.memory_bytes);
+  const MemoryLimit limit(memory_bytes(false) + request.memory_bytes);
   try {
-    std::vector<char> bytes = request.work(input);
-    limit_memory(RLIM_INFINITY);
-    return bytes;
+    return request.work(input);
   } catch (const std::bad_alloc&) {
-    _exit(limited ? kOutOfMemory : kNoMemory);
+    _exit(limit.is_ours() ? kOutOfMemory : kNoMemory);
   } catch (...) {
     _exit(kThrew);
   }
@@ -173,12 +182,6 @@ void silence_output() {
   _exit(0);
 }
 
-ResourceError killed() {
-  return ResourceError(
-      "another process that this one started was killed, perhaps for want of memory: "
-      "fewer --workers take less");
-}
-
 // @throws what is not the work's fault: interrupts, and kills that it did not cause.
 std::string child_failure(int status, const ChildLimits& limits) {
   if (WIFSIGNALED(status)) {
@@ -186,7 +189,9 @@ std::string child_failure(int status, const ChildLimits& limits) {
       throw Interrupted();
     }
     if (WTERMSIG(status) == SIGKILL) {
-      throw killed();
+      throw ResourceError(
+          "another process that this one started was killed, perhaps for want of "
+          "memory: fewer --workers take less");
     }
     return fmt::format("it died of signal {} ({})", WTERMSIG(status),
                        strsignal(WTERMSIG(status)));

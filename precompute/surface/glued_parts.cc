@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kGapOfEdge = 1e-3;  // [-]
 
-// TriangleSide j of triangle t, from corner j to the next, by its number 3 t + j.
+// Side j of triangle t, from corner j to the next, by its number 3 t + j.
 struct TriangleSide {
   std::uint64_t edge = 0;
   std::int32_t number = 0;
@@ -233,9 +233,9 @@ SurfaceMesh part_touching(const SurfaceMesh& mesh, std::size_t& added) {
       join_about(mesh, inward > 0.0, edge, fan);
     }
   }
-  std::vector<std::int32_t> first(at(mesh.position_m.rows()),
-                                  -1);  // fan of the old one
-  std::map<std::int32_t, Copy> copy;    // by fan
+  // The fan that keeps each vertex; the others get copies.
+  std::vector<std::int32_t> first(at(mesh.position_m.rows()), -1);
+  std::map<std::int32_t, Copy> copy;  // by fan
   for (std::int32_t c = 0; c < std::ssize(sides); ++c) {
     std::int32_t& owner = first[at(vertex_of(mesh, c))];
     owner = owner < 0 ? fan.find(c) : owner;

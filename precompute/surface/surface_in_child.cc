@@ -15,11 +15,10 @@
 namespace palpate {
 namespace {
 
-// The first of the message: how long each part is. `failure` bytes stand for all else.
+// The first of the message: how long the mesh is. `failure` bytes stand for all else.
 struct Sizes {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
-  std::size_t counts = 0;
   std::size_t failure = 0;
   double lost_share = 0.0;
 };
@@ -27,13 +26,12 @@ struct Sizes {
 std::vector<char> packed(const SurfaceAndCounts& result) {
   const Sizes sizes{.vertices = static_cast<std::size_t>(result.mesh.position_m.rows()),
                     .triangles = static_cast<std::size_t>(result.mesh.triangle.rows()),
-                    .counts = result.count.size(),
                     .lost_share = result.lost_share};
   std::vector<char> bytes;
   append_bytes(bytes, &sizes, 1);
   append_bytes(bytes, result.mesh.position_m.data(), 3 * sizes.vertices);
   append_bytes(bytes, result.mesh.triangle.data(), 3 * sizes.triangles);
-  append_bytes(bytes, result.count.data(), sizes.counts);
+  append_bytes(bytes, result.count);
   return bytes;
 }
 
@@ -59,10 +57,9 @@ SurfaceAndCounts unpacked(std::span<const char> bytes, std::string_view what) {
   result.lost_share = sizes.lost_share;
   result.mesh.position_m.resize(static_cast<Eigen::Index>(sizes.vertices), 3);
   result.mesh.triangle.resize(static_cast<Eigen::Index>(sizes.triangles), 3);
-  result.count.resize(sizes.counts);
   take_bytes(bytes, result.mesh.position_m.data(), 3 * sizes.vertices);
   take_bytes(bytes, result.mesh.triangle.data(), 3 * sizes.triangles);
-  take_bytes(bytes, result.count.data(), sizes.counts);
+  take_bytes(bytes, result.count);
   return result;
 }
 

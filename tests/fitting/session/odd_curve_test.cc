@@ -77,7 +77,7 @@ TEST_F(OddCurveTest, ALawThatLeavesNothingInContactIsAnswered) {
 TEST_F(OddCurveTest, ADriftThatBendsAndLeavesNothingInContactIsAnswered) {
   unsigned fitted = 0;
   expect_fitted_or_refused(20'015'086, fitted);
-  EXPECT_EQ(fitted, 1);
+  EXPECT_EQ(fitted, 1U);
 }
 
 TEST_F(OddCurveTest, ABatchOfOddCurvesListsEachOfThem) {

@@ -163,6 +163,22 @@ TEST_F(Slab, TheEstimateBoundsWhatTheCutCosts) {
   }
 }
 
+// A stone whose top lies a contact's radius under the tool.
+TEST_F(Slab, AnInclusionIsCutWithTheBody) {
+  const double soft_n = whole_force_n();
+  body_.inner = {{.surface = sphere_surface({0.0, 0.0, -2.5 * kContact_m},
+                                            1.5 * kContact_m, kEdge_m)}};
+  body_.material.push_back(linear(100e3, 0.45));
+  const double whole_n = whole_force_n();
+  EXPECT_GT(whole_n, 1.1 * soft_n);
+  for (const char* exterior : {"clamped", "coarse"}) {
+    const PressedNode node = cut(5.0 * kContact_m, exterior);
+    EXPECT_LT(std::abs(force_n(node) / whole_n - 1.0),
+              node.indentation.exterior_error_relative)
+        << exterior;
+  }
+}
+
 TEST_F(Slab, APartThatIsTheBodyIsExact) {
   const PressedNode node = cut(1.0, "coarse");
   EXPECT_EQ(node.indentation.exterior_error_relative, 0.0);

@@ -275,6 +275,30 @@ TEST(RunInChild, LimitsWhatIsAddedToTheMemoryThatTheChildHolds) {
   EXPECT_TRUE(run_in_child(fill, {}, {.memory_bytes = 50'000'000}).done);
 }
 
+TEST(RunInChild, LeavesALowerLimitOfTheUsersAlone) {
+  rlimit users{};
+  getrlimit(RLIMIT_AS, &users);
+  const rlimit lower{std::min<rlim_t>(4'000'000'000, users.rlim_max), users.rlim_max};
+  end_idle_children();
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &lower), 0);
+  for (int i = 0; i < 2; ++i) {
+    const ChildResult result = run_in_child(
+        [](auto) {
+          rlimit its{};
+          getrlimit(RLIMIT_AS, &its);
+          const auto* first = reinterpret_cast<const char*>(&its.rlim_cur);
+          return std::vector<char>(first, first + sizeof(its.rlim_cur));
+        },
+        {}, {});
+    rlim_t its = 0;
+    ASSERT_EQ(result.bytes.size(), sizeof(its));
+    std::memcpy(&its, result.bytes.data(), sizeof(its));
+    EXPECT_EQ(its, lower.rlim_cur);
+  }
+  end_idle_children();
+  setrlimit(RLIMIT_AS, &users);
+}
+
 TEST(IdleChild, IsNotHeldToTheLimitsOfEarlierWork) {
   const auto fill = [](auto) {
     return std::vector<char>(200'000'000, 'x');

@@ -1,0 +1,16 @@
+// Which family of curves describes an approach best.
+#pragma once
+
+#include "fitting/curve/family_fit.h"
+
+namespace palpate {
+
+/// States AICc and BIC of the fits, and sorts them, the best first: those that
+/// converged, of these those that do not miss, and of these by the choice's criterion.
+/// A family that may fall comes after those that may not, unless it is decisively
+/// better than all of them.
+/// @param choice its fits with `misses`, `deviance` and, for "cross-validation",
+///   `cross_rms_n`.
+void rank_fits(FamilyChoice& choice);
+
+}  // namespace palpate
