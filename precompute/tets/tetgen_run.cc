@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <tetgen.h>
 
@@ -23,14 +24,44 @@ struct Header {
   std::int32_t tets = 0;
 };
 
+constexpr int kTooMany = 100;  // beside TetGen's own codes
+
 struct Task {
-  double edge_max_m = 0.0;
-  double radius_edge_max = 0.0;
+  TetOptions options;
   double scale = 1.0;
   TetTry how;
   std::size_t vertices = 0;
   std::size_t triangles = 0;
 };
+
+// TetGen's callback has no argument for these. Only ever set in a child process of
+// one thread.
+struct SizeFunction {
+  Task task;
+  std::int64_t cuts = 0;
+};
+SizeFunction g_size;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+
+// Whether a tet is larger than the regular one of the wanted edge at its centre.
+bool too_large(REAL* pa, REAL* pb, REAL* pc, REAL* pd, REAL* /*angles*/, REAL /*v*/) {
+  using Point = Eigen::Map<const Eigen::Vector3d>;
+  const Eigen::Vector3d a = Point(pa);
+  const Eigen::Vector3d b = Point(pb);
+  const Eigen::Vector3d c = Point(pc);
+  const Eigen::Vector3d d = Point(pd);
+  const auto& [options, scale, how, vertices, triangles] = g_size.task;
+  const double volume = std::abs((b - a).cross(c - a).dot(d - a)) / 6.0;
+  const double edge_m =
+      options.size((a + b + c + d) / (4.0 * scale), options.size_parameter);
+  if (!(volume > regular_tet_volume(scale * edge_m))) {
+    return false;
+  }
+  // Each cut is a new vertex, and a vertex makes about six tets.
+  if (6 * ++g_size.cuts > options.tets_max) {
+    throw kTooMany;
+  }
+  return true;
+}
 
 void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
   in.firstnumber = 0;
@@ -59,13 +90,14 @@ void fill_input(const SurfaceMesh& surface, double scale, tetgenio& in) {
 std::string switches(const Task& task) {
   std::string text = "pYMQ";
   if (task.how.graded) {
-    text += fmt::format("q{:.4f}", task.radius_edge_max);
+    text += fmt::format("q{:.4f}", task.options.radius_edge_max);
   }
   if (task.how.graded && task.how.improved) {
     text += "/8o/130";
   }
-  if (std::isfinite(task.edge_max_m)) {
-    text += fmt::format("a{:.12f}", regular_tet_volume(task.scale * task.edge_max_m));
+  if (std::isfinite(task.options.edge_max_m)) {
+    text += fmt::format("a{:.12f}",
+                        regular_tet_volume(task.scale * task.options.edge_max_m));
   }
   return text;
 }
@@ -101,8 +133,7 @@ double regular_tet_volume(double edge) {
 
 std::vector<char> tetgen_input(const SurfaceMesh& surface, const TetOptions& options,
                                double scale, const TetTry& how) {
-  const Task task{.edge_max_m = options.edge_max_m,
-                  .radius_edge_max = options.radius_edge_max,
+  const Task task{.options = options,
                   .scale = scale,
                   .how = how,
                   .vertices = static_cast<std::size_t>(surface.position_m.rows()),
@@ -126,6 +157,10 @@ std::vector<char> tetgen_run(std::span<const char> input) {
   tetgenio out;
   fill_input(surface, task.scale, in);
   move(task.how.moved, in);
+  if (task.options.size != nullptr) {
+    g_size = {.task = task};
+    in.tetunsuitable = &too_large;
+  }
   std::string text = switches(task);
   Header header;
   try {
@@ -142,9 +177,15 @@ std::vector<char> tetgen_run(std::span<const char> input) {
   return bytes;
 }
 
-TetMesh tetgen_unpack(std::span<const char> bytes, double scale) {
+TetMesh tetgen_unpack(std::span<const char> bytes, const TetOptions& options,
+                      double scale) {
   Header header;
   take_bytes(bytes, &header, 1);
+  if (header.code == kTooMany) {
+    throw InputError(
+        fmt::format("tetrahedra: the wanted sizes need more than the {} allowed",
+                    options.tets_max));
+  }
   constexpr int kMemory = 1;
   constexpr int kCrossing = 3;
   const std::string gave_up =

@@ -40,8 +40,10 @@ struct TetTry {
 
 /// What tetgen_run() made, in metres: positions and tets, positive; nothing else.
 /// @throws NumericalError with TetGen's reason (HopelessTry where the surface crosses
-///   itself or the memory did not suffice).
-[[nodiscard]] TetMesh tetgen_unpack(std::span<const char> bytes, double scale);
+///   itself or the memory did not suffice); InputError if options.size asked for
+///   more than options.tets_max.
+[[nodiscard]] TetMesh tetgen_unpack(std::span<const char> bytes,
+                                    const TetOptions& options, double scale);
 
 /// Volume of the regular tet of an edge.
 [[nodiscard]] double regular_tet_volume(double edge);

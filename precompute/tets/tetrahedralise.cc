@@ -232,7 +232,7 @@ TetMesh try_to_fill(const SurfaceMesh& surface, const Walls& walls,
     }
     throw NumericalError(failed);
   }
-  TetMesh mesh = tetgen_unpack(result.bytes, scale);
+  TetMesh mesh = tetgen_unpack(result.bytes, options, scale);
   mesh.surface_vertices = surface.position_m.rows();
   if (how.moved > 0.0 && mesh.position_m.rows() >= walls.all.position_m.rows()) {
     mesh.position_m.topRows(walls.all.position_m.rows()) = walls.all.position_m;

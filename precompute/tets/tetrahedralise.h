@@ -1,6 +1,7 @@
 // Fills a checked surface with tetrahedra (TetGen), leaving the surface as it is.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -13,6 +14,11 @@
 
 namespace palpate {
 
+/// Wanted edge [m] at a point of the body. It runs in another process and knows its
+/// parameters alone.
+using EdgeWish = double (*)(const Eigen::Vector3d& p_m,
+                            const std::array<double, 5>& parameter);
+
 struct TetOptions {
   /// [m] (0, inf] tets inside are no larger than a regular one of this edge. Infinite:
   /// they grow away from the surface as far as their shape allows.
@@ -21,10 +27,15 @@ struct TetOptions {
   Eigen::Index tets_max = 4'000'000;  ///< more are refused before they are made
   double time_limit_s = 600.0;        ///< [s] (0, inf)
   std::size_t memory_limit_bytes = 8'000'000'000;
+  /// On top of edge_max_m: a tet is no larger than the regular one of the edge wanted
+  /// at its centre, but for those that a coarse surface triangle holds up and, by a
+  /// little, those swapped against slivers. nullptr: no wish.
+  EdgeWish size = nullptr;
+  std::array<double, 5> size_parameter{};
 };
 
 /// About how many tets tetrahedralise() will make (within a factor of two), without
-/// inner surfaces.
+/// inner surfaces or wanted sizes.
 [[nodiscard]] double estimated_tets(const SurfaceMesh& surface,
                                     const TetOptions& options = {});
 

@@ -179,7 +179,7 @@ Case transverse_case(const Transverse& moduli) {
                        moduli.youngs_across, moduli.shear_along);
   c.body.transverse = moduli;
   c.bound = 0.015;
-  c.grading = {.growth = 0.33, .finest_m = 0.1 * kContactRadius_m};
+  c.grading = {.growth = 0.33, .finest_m = 0.1 * kContactRadius_m, .inside = true};
   for (Press& press : c.press) {
     press.force_n *= moduli.plane_modulus / (1.0 / (1.0 - 0.3 * 0.3));
   }

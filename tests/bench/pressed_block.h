@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -67,7 +68,8 @@ struct Grading {
   double growth = 0.7;
   double finest_m = 0.0;
   double circle_m = 0.0;
-  bool apex = false;  // and from the origin
+  bool apex = false;    // and from the origin
+  bool inside = false;  // inside the body too, where tets otherwise grow by themselves
 };
 
 struct Press {
@@ -77,17 +79,18 @@ struct Press {
 };
 
 // Thin bodies have two edges or more through their thickness under the contact.
-inline EdgeLength edge_length(const Body& body, const Grading& grading) {
-  return [body, grading](const Eigen::Vector3d& p) {
-    const double r = std::hypot(p.x(), p.y());
-    double distance = std::hypot(r - grading.circle_m, p.z());
-    if (grading.apex) {
-      distance = std::min(distance, p.norm());
-    }
-    const double beside = std::max(0.0, r - kContactRadius_m - body.depth_m);
-    const double thin = 0.5 * body.depth_m + 0.7 * beside;
-    return std::min(std::max(grading.growth * distance, grading.finest_m), thin);
-  };
+// @param parameter growth, finest_m, circle_m, apex, and the body's depth_m.
+inline double graded_edge_m(const Eigen::Vector3d& p,
+                            const std::array<double, 5>& parameter) {
+  const auto& [growth, finest_m, circle_m, apex, depth_m] = parameter;
+  const double r = std::hypot(p.x(), p.y());
+  double distance = std::hypot(r - circle_m, p.z());
+  if (apex != 0.0) {
+    distance = std::min(distance, p.norm());
+  }
+  const double beside = std::max(0.0, r - kContactRadius_m - depth_m);
+  const double thin = 0.5 * depth_m + 0.7 * beside;
+  return std::min(std::max(growth * distance, finest_m), thin);
 }
 
 // A body ready to be pressed at its origin.
@@ -96,9 +99,21 @@ class Bench {
   Bench(const Body& body, const Grading& grading) : material_{body.material()} {
     const SurfaceMesh coarse =
         graded_block(body.half_width_m, body.depth_m, 0.5 * body.half_width_m, 2);
-    const SurfaceMesh fine =
-        refine_longest_edge(coarse, edge_length(body, grading), 200000);
-    const TetMesh tets = tetrahedralise(fine);
+    const std::array<double, 5> parameter{grading.growth, grading.finest_m,
+                                          grading.circle_m, grading.apex ? 1.0 : 0.0,
+                                          body.depth_m};
+    const SurfaceMesh fine = refine_longest_edge(
+        coarse,
+        [&](const Eigen::Vector3d& p) {
+          return graded_edge_m(p, parameter);
+        },
+        200000);
+    TetOptions options;
+    if (grading.inside) {
+      options.size = graded_edge_m;
+      options.size_parameter = parameter;
+    }
+    const TetMesh tets = tetrahedralise(fine, options);
     tets_ = tets.tet.rows();
     mesh_ = make_quadratic(tets, fine.triangle);
     const double w = body.half_width_m;

@@ -1,5 +1,6 @@
 #include "precompute/tets/inner_surface.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -206,6 +207,45 @@ TEST(SphereSurface, HasTheBallsVolumeAndTheWantedEdge) {
     EXPECT_TRUE(bounding_box(mesh).center().isApprox(Eigen::Vector3d(1, 2, 3), 1e-12));
   }
   EXPECT_THROW((void)sphere_surface({0, 0, 0}, 1.0, 0.001), InputError);
+}
+
+TEST(SizeFunction, MakesTetsSmallWhereItAsks) {
+  // Fine in the middle of a coarse cube, where no surface triangle is in the way.
+  const auto wanted = [](const Eigen::Vector3d& p,
+                         const std::array<double, 5>& parameter) {
+    return parameter[0] + parameter[1] * p.norm();
+  };
+  const std::array<double, 5> parameter{0.08, 0.4};
+  const TetMesh mesh =
+      tetrahedralise(cube(1.0), {.size = wanted, .size_parameter = parameter});
+  Eigen::Index near = 0;
+  for (Eigen::Index t = 0; t < mesh.tet.rows(); ++t) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (int j = 0; j < 4; ++j) {
+      middle += 0.25 * mesh.position_m.row(mesh.tet(t, j)).transpose();
+    }
+    if (middle.norm() < 0.5) {
+      ++near;
+      const double edge_m = wanted(middle, parameter);
+      // 1.3: the last swaps against slivers come after the sizes.
+      EXPECT_LE(tet_volume_m3(mesh, t),
+                1.3 * std::pow(edge_m, 3) / (6.0 * std::numbers::sqrt2));
+    }
+  }
+  EXPECT_GT(near, 500);
+  EXPECT_LT(tetrahedralise(cube(1.0)).tet.rows(), mesh.tet.rows() / 2);
+}
+
+TEST(SizeFunction, ThatAsksForTooMuchIsRefused) {
+  try {
+    (void)tetrahedralise(cube(1.0),
+                         {.tets_max = 20'000, .size = [](const auto&, const auto&) {
+                            return 0.005;
+                          }});
+    FAIL() << "made millions of tets";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(has(error.what(), "more than the 20000 allowed")) << error.what();
+  }
 }
 
 }  // namespace
