@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-FamilyFit fit(const std::string& family, double deviance, int parameters) {
+FamilyFit ranked_fit(const std::string& family, double deviance, int parameters) {
   FamilyFit one;
   one.family = family;
   one.deviance = deviance;
@@ -30,7 +30,7 @@ std::vector<std::string> ranked(FamilyChoice choice) {
 
 TEST(FamilyRank, IsByTheCriterion) {
   FamilyChoice choice;
-  choice.fits = {fit("many", 40.0, 20), fit("few", 58.0, 5)};
+  choice.fits = {ranked_fit("many", 40.0, 20), ranked_fit("few", 58.0, 5)};
   choice.fits[0].cross_rms_n = 1.0;
   choice.fits[1].cross_rms_n = 2.0;
   // AICc 40 + 2 20 100 / 79 = 90.6 and 68.6; BIC 132.1 and 81.0.
@@ -38,7 +38,8 @@ TEST(FamilyRank, IsByTheCriterion) {
   choice.criterion = "cross-validation";
   EXPECT_EQ(ranked(choice).front(), "many");
   choice.criterion = "bic";
-  choice.fits = {fit("bic", 44.0, 2), fit("aic", 40.0, 3)};  // 53.2 and 53.8
+  choice.fits = {ranked_fit("bic", 44.0, 2),
+                 ranked_fit("aic", 40.0, 3)};  // 53.2 and 53.8
   EXPECT_EQ(ranked(choice).front(), "bic");
   choice.criterion = "aicc";  // 48.1 and 46.3
   EXPECT_EQ(ranked(choice).front(), "aic");
@@ -46,8 +47,8 @@ TEST(FamilyRank, IsByTheCriterion) {
 
 TEST(FamilyRank, WhatMissesOrDidNotConvergeComesLast) {
   FamilyChoice choice;
-  choice.fits = {fit("lost", 1.0, 3), fit("misses", 2.0, 3), fit("misses more", 1.0, 3),
-                 fit("right", 50.0, 3)};
+  choice.fits = {ranked_fit("lost", 1.0, 3), ranked_fit("misses", 2.0, 3),
+                 ranked_fit("misses more", 1.0, 3), ranked_fit("right", 50.0, 3)};
   choice.fits[0].converged = false;
   choice.fits[1].misses = choice.fits[2].misses = true;
   choice.fits[1].rms_n = 1.0;
@@ -58,7 +59,7 @@ TEST(FamilyRank, WhatMissesOrDidNotConvergeComesLast) {
 
 TEST(FamilyRank, AFallIsOnlyTakenWhereItIsDecisivelyBetter) {
   FamilyChoice choice;
-  choice.fits = {fit("interpolating", 21.0, 3), fit("rising", 50.0, 3)};
+  choice.fits = {ranked_fit("interpolating", 21.0, 3), ranked_fit("rising", 50.0, 3)};
   EXPECT_EQ(ranked(choice).front(), "rising");
   choice.fits[0].deviance = 19.0;
   EXPECT_EQ(ranked(choice).front(), "interpolating");
@@ -66,7 +67,7 @@ TEST(FamilyRank, AFallIsOnlyTakenWhereItIsDecisivelyBetter) {
 
 TEST(FamilyRank, AFewSamplesForItsParametersAreNoAnswer) {
   FamilyChoice choice;
-  choice.fits = {fit("all", 0.0, 99), fit("few", 1000.0, 3)};
+  choice.fits = {ranked_fit("all", 0.0, 99), ranked_fit("few", 1000.0, 3)};
   EXPECT_EQ(ranked(choice).front(), "few");
 }
 
