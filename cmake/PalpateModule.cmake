@@ -72,11 +72,17 @@ function(palpate_tool tool)
   palpate_units(${tool} ${commands})
 endfunction()
 
-# palpate_test_program(<folder> [LIBRARIES ...]): one program from tests/<folder>/*_test.cc
-# and, for each of these files, a test <folder>/<stem> that runs the suites of that file.
+# palpate_test_program(<folder> [WITH <folder>...] [LIBRARIES ...]): one program from
+# *_test.cc of these folders of tests/ and, for each file, a test <folder>/<stem> that runs
+# the suites of that file.
 function(palpate_test_program folder)
-  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
-  file(GLOB tests CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*_test.cc)
+  cmake_parse_arguments(ARG "" "" "WITH;LIBRARIES" ${ARGN})
+  set(tests "")
+  foreach(tested ${folder} ${ARG_WITH})
+    file(GLOB found CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${tested}/*_test.cc)
+    list(APPEND tests ${found})
+    set_property(GLOBAL APPEND PROPERTY palpate_tested_folders ${tested})
+  endforeach()
   string(REPLACE "/" "_" target ${folder}_tests)
   string(REGEX MATCH "^[^/]+" label ${folder})
   add_executable(${target} ${tests})
@@ -93,16 +99,17 @@ function(palpate_test_program folder)
     list(REMOVE_DUPLICATES suites)
     foreach(suite ${suites})
       if(suite IN_LIST taken)
-        message(FATAL_ERROR "${test}: suite ${suite} is in another file of this folder, too")
+        message(FATAL_ERROR "${test}: suite ${suite} is in another file of ${target}, too")
       endif()
     endforeach()
     list(APPEND taken ${suites})
     list(TRANSFORM suites REPLACE "^(.+)$" "\\1.*:*/\\1.*:\\1/*")
     list(JOIN suites ":" filter)
-    get_filename_component(stem ${test} NAME_WE)
-    add_test(NAME ${folder}/${stem} COMMAND ${target} --gtest_filter=${filter}
+    file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/tests ${test})
+    string(REGEX REPLACE "\\.cc$" "" name ${name})
+    add_test(NAME ${name} COMMAND ${target} --gtest_filter=${filter}
              WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-    set_tests_properties(${folder}/${stem} PROPERTIES LABELS ${label}
+    set_tests_properties(${name} PROPERTIES LABELS ${label}
                          SKIP_REGULAR_EXPRESSION "SKIPPED_WHOLE_FILE")
   endforeach()
 endfunction()
@@ -112,9 +119,9 @@ endfunction()
 function(palpate_tests room)
   file(GLOB folders CONFIGURE_DEPENDS LIST_DIRECTORIES true RELATIVE
        ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/tests/${room}/*)
+  get_property(tested GLOBAL PROPERTY palpate_tested_folders)
   foreach(folder ${folders})
-    string(REPLACE "/" "_" target ${folder}_tests)
-    if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/${folder} AND NOT TARGET ${target})
+    if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/${folder} AND NOT folder IN_LIST tested)
       palpate_test_program(${folder} ${ARGN})
     endif()
   endforeach()

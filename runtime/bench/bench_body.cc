@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/response/tilt_line.h"
-#include "runtime/fast/triangle.h"
+#include "runtime/element/triangle.h"
 #include "runtime/slow/thinned_curve.h"
 
 namespace palpate {

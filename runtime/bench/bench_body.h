@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "formats/response/yielding.h"
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 
 namespace palpate {
 

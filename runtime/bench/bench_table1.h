@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "runtime/account/local_model.h"
 #include "runtime/bench/axis_device.h"
 #include "runtime/bench/rendered_wall.h"
-#include "runtime/fast/local_model.h"
 
 namespace palpate {
 

@@ -1,7 +1,7 @@
 // The nonlinear wall of the paper's experiments.
 #pragma once
 
-#include "runtime/fast/slow_value_curve.h"
+#include "runtime/paper/slow_value_curve.h"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 
 #include "runtime/bench/bench_body.h"
 #include "runtime/bench/paper_wall.h"
-#include "runtime/fast/scalar_model.h"
+#include "runtime/paper/scalar_model.h"
 
 namespace palpate {
 namespace {

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/fast/element.h"
+#include "runtime/account/local_model.h"
+#include "runtime/element/element.h"
 #include "runtime/fast/fast_step.h"
-#include "runtime/fast/local_model.h"
-#include "runtime/fast/slow_value_curve.h"
+#include "runtime/paper/slow_value_curve.h"
 
 namespace palpate {
 

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "runtime/account/safety.h"
 #include "runtime/c_api/palpate.h"
-#include "runtime/fast/safety.h"
 
 const char* palpate_fault_name(int status) {
   switch (status) {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/one_contact.h"
 #include "runtime/slow/element_source.h"

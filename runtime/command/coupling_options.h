@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "formats/base/command_line.h"
-#include "runtime/fast/virtual_coupling.h"
+#include "runtime/contacts/virtual_coupling.h"
 
 namespace palpate {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "runtime/account/relaxed_shift.h"
 #include "runtime/fast/element_walk.h"
-#include "runtime/fast/relaxation_step.h"
-#include "runtime/fast/relaxed_shift.h"
-#include "runtime/fast/yield_step.h"
+#include "runtime/memory/relaxation_step.h"
+#include "runtime/memory/yield_step.h"
 
 namespace palpate {
 namespace {

@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/element_cache.h"
+#include "runtime/account/local_model.h"
+#include "runtime/account/passivity_ledger.h"
+#include "runtime/account/real.h"
+#include "runtime/element/element_cache.h"
 #include "runtime/fast/element_potential.h"
-#include "runtime/fast/local_model.h"
-#include "runtime/fast/passivity_ledger.h"
-#include "runtime/fast/real.h"
-#include "runtime/fast/surface_memory.h"
+#include "runtime/memory/surface_memory.h"
 
 namespace palpate {
 

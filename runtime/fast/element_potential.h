@@ -27,11 +27,11 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/cubic_cache.h"
-#include "runtime/fast/element_cache.h"
-#include "runtime/fast/prism.h"
-#include "runtime/fast/real.h"
-#include "runtime/fast/relaxing_contact.h"
+#include "runtime/account/real.h"
+#include "runtime/element/cubic_cache.h"
+#include "runtime/element/element_cache.h"
+#include "runtime/element/prism.h"
+#include "runtime/memory/relaxing_contact.h"
 
 namespace palpate {
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/fast/triangle.h"
+#include "runtime/element/triangle.h"
 
 namespace palpate {
 namespace {

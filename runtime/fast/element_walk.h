@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/element_cache.h"
+#include "runtime/account/real.h"
+#include "runtime/element/element_cache.h"
 #include "runtime/fast/element_potential.h"
-#include "runtime/fast/real.h"
 
 namespace palpate {
 

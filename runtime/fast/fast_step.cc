@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "runtime/fast/element_walk.h"
-#include "runtime/fast/relaxation_step.h"
-#include "runtime/fast/yield_step.h"
+#include "runtime/memory/relaxation_step.h"
+#include "runtime/memory/yield_step.h"
 
 namespace palpate {
 namespace {

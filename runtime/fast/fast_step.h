@@ -16,16 +16,16 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/element.h"
-#include "runtime/fast/element_cache.h"
+#include "runtime/account/local_model.h"
+#include "runtime/account/passivity_ledger.h"
+#include "runtime/account/real.h"
+#include "runtime/account/safety.h"
+#include "runtime/element/element.h"
+#include "runtime/element/element_cache.h"
 #include "runtime/fast/element_model.h"
-#include "runtime/fast/local_model.h"
-#include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/potential_model.h"
-#include "runtime/fast/real.h"
-#include "runtime/fast/safety.h"
-#include "runtime/fast/scalar_model.h"
-#include "runtime/fast/surface_memory.h"
+#include "runtime/memory/surface_memory.h"
+#include "runtime/paper/scalar_model.h"
 
 namespace palpate {
 

@@ -8,9 +8,9 @@
 // is lost.
 #pragma once
 
-#include "runtime/fast/element_cache.h"
-#include "runtime/fast/prism_walk.h"
-#include "runtime/fast/real.h"
+#include "runtime/account/real.h"
+#include "runtime/element/element_cache.h"
+#include "runtime/element/prism_walk.h"
 
 namespace palpate {
 

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <utility>
 
-#include "runtime/fast/relaxation_step.h"
-#include "runtime/fast/relaxed_shift.h"
-#include "runtime/fast/yield_step.h"
+#include "runtime/account/relaxed_shift.h"
+#include "runtime/memory/relaxation_step.h"
+#include "runtime/memory/yield_step.h"
 
 namespace palpate {
 namespace {

@@ -24,15 +24,15 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/element_cache.h"
+#include "runtime/account/passivity_ledger.h"
+#include "runtime/account/real.h"
+#include "runtime/element/element_cache.h"
+#include "runtime/element/prism_walk.h"
 #include "runtime/fast/element_model.h"
 #include "runtime/fast/friction_spring.h"
-#include "runtime/fast/passivity_ledger.h"
 #include "runtime/fast/potential_field.h"
-#include "runtime/fast/prism_walk.h"
-#include "runtime/fast/real.h"
-#include "runtime/fast/relaxing_contact.h"
-#include "runtime/fast/surface_memory.h"
+#include "runtime/memory/relaxing_contact.h"
+#include "runtime/memory/surface_memory.h"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/realtime/triple_buffer.h"
 
 namespace palpate {

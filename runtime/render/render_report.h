@@ -10,8 +10,8 @@
 #include <Eigen/Core>
 
 #include "formats/recording/surface_state.h"
+#include "runtime/contacts/hung_tool.h"
 #include "runtime/fast/fast_step.h"
-#include "runtime/fast/hung_tool.h"
 #include "runtime/realtime/step_histogram.h"
 
 namespace palpate {

@@ -10,9 +10,9 @@
 
 #include "formats/recording/recording.h"
 #include "formats/recording/surface_state.h"
+#include "runtime/account/safety.h"
 #include "runtime/device/device.h"
 #include "runtime/fast/fast_step.h"
-#include "runtime/fast/safety.h"
 #include "runtime/render/render_report.h"
 #include "runtime/render/surface_dents.h"
 

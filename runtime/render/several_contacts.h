@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "formats/response/response_table.h"
-#include "runtime/fast/hung_tool.h"
+#include "runtime/contacts/hung_tool.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/contacts_seen.h"
 #include "runtime/render/rendered_body.h"

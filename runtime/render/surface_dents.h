@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "formats/recording/surface_state.h"
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/fast/fast_step.h"
 
 namespace palpate {

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/safety.h"
+#include "runtime/account/safety.h"
 
 namespace palpate {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
+#include "runtime/account/local_model.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/device/wrench_margin.h"
-#include "runtime/fast/coupled_step.h"
-#include "runtime/fast/local_model.h"
 #include "runtime/hand/simulated_device.h"
 #include "runtime/run/coupling_report.h"
 #include "runtime/run/pose_trace.h"

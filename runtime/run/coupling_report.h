@@ -5,8 +5,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "runtime/contacts/hung_tool.h"
 #include "runtime/device/device.h"
-#include "runtime/fast/hung_tool.h"
 
 namespace palpate {
 

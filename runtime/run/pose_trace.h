@@ -17,7 +17,7 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 
 namespace palpate {
 

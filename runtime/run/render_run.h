@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
+#include "runtime/account/local_model.h"
 #include "runtime/attach/device_factory.h"
 #include "runtime/device/link_report.h"
 #include "runtime/device/stability_margin.h"
-#include "runtime/fast/local_model.h"
 #include "runtime/hand/simulated_device.h"
 #include "runtime/render/contacts_seen.h"
 #include "runtime/render/render_report.h"

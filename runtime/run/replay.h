@@ -8,7 +8,7 @@
 
 #include "formats/database/response_database.h"
 #include "formats/recording/recording.h"
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 #include "runtime/render/fast_process.h"
 #include "runtime/run/render_run.h"
 

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/response/tool_support.h"
-#include "runtime/fast/element_cache.h"
+#include "runtime/element/element_cache.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {

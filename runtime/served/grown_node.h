@@ -9,7 +9,7 @@
 
 #include "formats/response/tool_shape.h"
 #include "formats/service/service_message.h"
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

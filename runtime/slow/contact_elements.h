@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
-#include "runtime/fast/coupled_field.h"
-#include "runtime/fast/coupled_set.h"
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_field.h"
+#include "runtime/contacts/coupled_set.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/realtime/spsc_ring.h"
 #include "runtime/slow/memory_elements.h"
 #include "runtime/slow/tool_state.h"

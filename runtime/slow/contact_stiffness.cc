@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "formats/response/contact_set.h"
-#include "runtime/fast/coupled_set.h"
+#include "runtime/contacts/coupled_set.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/field_stiffness.h"
 

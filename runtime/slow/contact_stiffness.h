@@ -3,10 +3,10 @@
 
 #include "formats/database/response_database.h"
 #include "formats/response/response_table.h"
+#include "runtime/account/local_model.h"
+#include "runtime/contacts/virtual_coupling.h"
 #include "runtime/device/stability_margin.h"
 #include "runtime/device/wrench_margin.h"
-#include "runtime/fast/local_model.h"
-#include "runtime/fast/virtual_coupling.h"
 
 namespace palpate {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 
 namespace palpate {
 

@@ -10,7 +10,7 @@
 #include "formats/mesh/surface_search.h"
 #include "formats/response/response_table.h"
 #include "formats/response/tilt_line.h"
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

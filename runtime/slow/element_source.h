@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 #include "runtime/realtime/spsc_ring.h"
 #include "runtime/slow/tool_state.h"
 

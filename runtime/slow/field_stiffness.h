@@ -10,8 +10,8 @@
 
 #include "formats/database/response_database.h"
 #include "formats/response/response_table.h"
+#include "runtime/account/local_model.h"
 #include "runtime/device/stability_margin.h"
-#include "runtime/fast/local_model.h"
 
 namespace palpate {
 

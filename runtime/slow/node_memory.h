@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "formats/response/viscoelasticity.h"
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

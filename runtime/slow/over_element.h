@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

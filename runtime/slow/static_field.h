@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "formats/database/response_database.h"
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 #include "runtime/slow/memory_elements.h"
 
 namespace palpate {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "formats/response/curve_view.h"
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/slow/contact_elements.h"
 
 namespace palpate {

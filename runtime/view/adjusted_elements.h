@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "runtime/fast/element.h"
+#include "runtime/element/element.h"
 #include "runtime/slow/element_source.h"
 
 namespace palpate {

@@ -20,7 +20,7 @@
 
 #include "formats/database/response_database.h"
 #include "formats/mesh/surface_search.h"
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/hand/pointer_hand.h"
 #include "runtime/hand/simulated_device.h"
 #include "runtime/realtime/clock.h"

@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "formats/database/response_database.h"
-#include "runtime/fast/coupled_set.h"
+#include "runtime/contacts/coupled_set.h"
 
 namespace palpate {
 

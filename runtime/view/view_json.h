@@ -13,7 +13,7 @@
 
 #include "formats/database/response_database.h"
 #include "formats/recording/recording.h"
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 #include "runtime/served/growing_elements.h"
 #include "runtime/view/view_contact.h"
 #include "runtime/view/view_dents.h"

@@ -26,7 +26,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 
 namespace palpate {
 

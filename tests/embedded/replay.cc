@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "runtime/fast/element_wire.h"
+#include "runtime/element/element_wire.h"
 #include "runtime/fast/fast_step.h"
 #include "tests/embedded/board.h"
 

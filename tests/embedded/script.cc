@@ -15,9 +15,9 @@
 
 #include "formats/database/response_database.h"
 #include "formats/recording/recording.h"
+#include "runtime/account/local_model.h"
 #include "runtime/bench/bench_body.h"
-#include "runtime/fast/element_wire.h"
-#include "runtime/fast/local_model.h"
+#include "runtime/element/element_wire.h"
 #include "runtime/run/replay.h"
 #include "runtime/slow/memory_elements.h"
 

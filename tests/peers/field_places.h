@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 #include "tests/peers/true_forces.h"
 
 namespace palpate::peers {

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/slow/coupled_storage.h"
 #include "tests/bench/runtime/contact_walk.h"
 #include "tests/support/tick.h"

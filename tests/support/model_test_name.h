@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 
 namespace palpate {
 

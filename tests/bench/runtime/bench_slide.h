@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
-#include "runtime/fast/local_model.h"
+#include "runtime/account/local_model.h"
 
 namespace palpate {
 

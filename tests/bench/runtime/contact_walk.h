@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "runtime/bench/bench_body.h"
-#include "runtime/fast/coupled_step.h"
+#include "runtime/contacts/coupled_step.h"
 
 namespace palpate {
 

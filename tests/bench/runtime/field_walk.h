@@ -9,10 +9,10 @@
 #include <Eigen/Core>
 
 #include "formats/database/response_database.h"
+#include "runtime/account/local_model.h"
 #include "runtime/bench/bench_body.h"
 #include "runtime/bench/random_walk.h"
-#include "runtime/fast/element.h"
-#include "runtime/fast/local_model.h"
+#include "runtime/element/element.h"
 
 namespace palpate {
 

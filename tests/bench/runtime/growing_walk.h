@@ -8,8 +8,8 @@
 #include <string>
 
 #include "formats/database/response_database.h"
-#include "runtime/fast/local_model.h"
-#include "runtime/fast/safety.h"
+#include "runtime/account/local_model.h"
+#include "runtime/account/safety.h"
 
 namespace palpate {
 

@@ -9,7 +9,7 @@
 #include "formats/response/press_inversion.h"
 #include "formats/response/response_curve.h"
 #include "formats/response/yielding.h"
-#include "runtime/fast/element_cache.h"
+#include "runtime/element/element_cache.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/memory_elements.h"
 #include "tests/support/sphere_database.h"
