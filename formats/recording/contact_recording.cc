@@ -1,11 +1,14 @@
 #include "formats/recording/contact_recording.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/base/lines.h"
 #include "formats/hdf5/hdf5_reader.h"
@@ -16,9 +19,23 @@ namespace {
 constexpr const char* kContactFormat = "palpate-contact-recording";
 constexpr std::size_t kMostHands = 2;
 
-// What a file holds, for both ways.
-template <typename File, typename Recording>
-void exchange(File& file, Recording& r) {
+// What a file holds.
+struct ContactRows {
+  std::string writer, database, database_sha256, model, fault;
+  std::vector<std::string> tools;
+  double fast_hz = 0.0, slow_hz = 0.0, force_scale = 1.0, force_max_n = 0.0;
+  double ramp_s = 0.0;
+  // A row for each tick.
+  std::vector<double> time_s;
+  RowMajor<double> pose;    // (rows x 7 hands) x y z [m] and the quaternion x y z w
+  RowMajor<double> wrench;  // (rows x 6 hands) force [N] and torque [N m]
+  std::vector<std::int32_t> contacts;
+  std::vector<double> depth_m, work_j, stored_j, tank_j, dissipated_j;
+
+  [[nodiscard]] Eigen::Index hands() const { return std::ssize(tools); }
+};
+
+void read_rows(Hdf5Reader& file, ContactRows& r) {
   file.attribute("/", "writer", r.writer);
   file.attribute("/", "database", r.database);
   file.attribute("/", "database_sha256", r.database_sha256);
@@ -40,7 +57,7 @@ void exchange(File& file, Recording& r) {
   file.dataset("/tick/dissipated_j", "J", r.dissipated_j);
 }
 
-void check_head(const Hdf5Reader& file, const ContactRecording& r) {
+void check_head(const Hdf5Reader& file, const ContactRows& r) {
   if (r.tools.empty() || r.tools.size() > kMostHands) {
     file.fail(fmt::format("attribute /@tools names {} tools, must be 1 or 2",
                           r.tools.size()));
@@ -55,7 +72,7 @@ void check_head(const Hdf5Reader& file, const ContactRecording& r) {
   }
 }
 
-void check_tick_rows(const Hdf5Reader& file, const ContactRecording& r) {
+void check_tick_rows(const Hdf5Reader& file, const ContactRows& r) {
   const auto rows = static_cast<Eigen::Index>(r.time_s.size());
   const auto expect = [&](const char* name, Eigen::Index has, Eigen::Index columns,
                           Eigen::Index wanted) {
@@ -90,22 +107,74 @@ void check_tick_rows(const Hdf5Reader& file, const ContactRecording& r) {
   }
 }
 
-}  // namespace
-
-void write_contact_recording(const std::filesystem::path& file,
-                             const ContactRecording& recording) {
-  const Hdf5Lock lock;
-  AtomicFile atomic(file);
-  Hdf5Writer out;
-  out.attribute("/", "format", std::string(kContactFormat));
-  out.attribute("/", "format_version", kContactRecordingVersion);
-  out.attribute("/", "tools", join_lines(recording.tools));
-  out.attribute("/", "model", recording.model);
-  exchange(out, recording);
-  out.remark("/", kDigestName, out.digest());
-  atomic.write(out.image());
-  atomic.commit();
+// Of a hand in a row.
+RecordedHand hand_of(const ContactRows& r, Eigen::Index row, Eigen::Index hand) {
+  RecordedHand at;
+  const double* pose = &r.pose(row, 7 * hand);
+  std::copy_n(pose, 3, at.position_m.begin());
+  std::copy_n(pose + 3, 4, at.turn.begin());
+  const double* wrench = &r.wrench(row, 6 * hand);
+  std::copy_n(wrench, 3, at.force_n.begin());
+  std::copy_n(wrench + 3, 3, at.torque_n_m.begin());
+  return at;
 }
+
+TickRecord tick_of(const ContactRows& r, std::size_t i) {
+  const auto row = static_cast<Eigen::Index>(i);
+  const RecordedHand first = hand_of(r, row, 0);
+  TickRecord tick;
+  tick.tick = row;
+  tick.time_ns = std::llround(1e9 * r.time_s[i]);
+  tick.position_m = first.position_m;
+  tick.turn = first.turn;
+  tick.force_n = first.force_n;
+  tick.torque_n_m = first.torque_n_m;
+  tick.contacts = r.contacts[i];
+  tick.depth_m = r.depth_m[i];
+  tick.work_j = r.work_j[i];
+  tick.stored_j = r.stored_j[i];
+  tick.tank_j = r.tank_j[i];
+  tick.dissipated_j = r.dissipated_j[i];
+  if (r.hands() > 1) {
+    tick.second = hand_of(r, row, 1);
+  }
+  return tick;
+}
+
+// Limits that those programs had, and did not write, are still the fast step's.
+Recording as_recording(const ContactRows& r) {
+  Recording recording;
+  RecordingHeader& h = recording.header;
+  h.writer = r.writer;
+  h.database = r.database;
+  h.database_sha256 = r.database_sha256;
+  h.tool = r.tools.front();
+  h.second_tool = r.tools.size() > 1 ? r.tools.back() : "";
+  h.model = r.model;
+  h.clock = "simulated";
+  h.device = "simulated";
+  h.fast_hz = r.fast_hz;
+  h.slow_hz = r.slow_hz;
+  h.force_scale = r.force_scale;
+  h.force_max_n = r.force_max_n;
+  h.slew_max_n_per_s = 5000.0;
+  h.energy_floor_j = 0.01;
+  h.recovery_m_per_s = 0.01;
+  h.ramp_s = r.ramp_s;
+  h.poses = 1.0;
+  h.torque_felt = 1.0;
+  for (std::size_t i = 0; i < r.time_s.size(); ++i) {
+    recording.tick.push_back(tick_of(r, i));
+  }
+  recording.ended = true;
+  recording.end.fault = r.fault;
+  recording.old = {
+      .time_s = r.time_s,
+      .answer_ticks = std::max<std::int64_t>(1, std::llround(r.fast_hz / r.slow_hz))};
+  return recording;
+}
+
+}  // namespace
 
 bool is_contact_recording(const std::filesystem::path& file) {
   const Hdf5Lock lock;
@@ -118,7 +187,7 @@ bool is_contact_recording(const std::filesystem::path& file) {
   }
 }
 
-ContactRecording read_contact_recording(const std::filesystem::path& file) {
+Recording read_contact_recording(const std::filesystem::path& file) {
   const Hdf5Lock lock;
   Hdf5Reader in(file);
   std::string format;
@@ -134,22 +203,22 @@ ContactRecording read_contact_recording(const std::filesystem::path& file) {
     in.fail(fmt::format("format version is {}, must be 1 or {}", version,
                         kContactRecordingVersion));
   }
-  ContactRecording recording;
+  ContactRows rows;
   std::string tools;
   in.attribute("/", "tools", tools);
-  recording.tools = split_lines(tools);
+  rows.tools = split_lines(tools);
   if (version == 1) {
-    recording.model = "facets";
+    rows.model = "facets";
   } else {
-    in.attribute("/", "model", recording.model);
+    in.attribute("/", "model", rows.model);
   }
-  exchange(in, recording);
+  read_rows(in, rows);
   if (in.remark("/", kDigestName) != in.digest()) {
     in.fail("is damaged: its SHA-256 is not the one it states");
   }
-  check_head(in, recording);
-  check_tick_rows(in, recording);
-  return recording;
+  check_head(in, rows);
+  check_tick_rows(in, rows);
+  return as_recording(rows);
 }
 
 }  // namespace palpate

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
 #include "formats/base/input_file.h"
 #include "formats/hdf5/hdf5_handle.h"
+#include "formats/recording/contact_recording.h"
 #include "formats/recording/recording_layout.h"
 
 namespace palpate {
@@ -18,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using hdf5::Handle;
 using recording::Column;
+
+constexpr std::size_t kWidest = 4;  // columns of a row
 
 class Reader {
  public:
@@ -36,8 +40,8 @@ class Reader {
 
   // The rows of all columns. Of a file that has not ended, those before the first block
   // that is missing anywhere.
-  template <typename Row, std::size_t kColumns>
-  std::vector<Row> rows(const std::array<Column, kColumns>& columns, bool ended) const;
+  template <typename Row>
+  std::vector<Row> rows(std::span<const Column> columns, bool ended) const;
 
   [[noreturn]] void fail(const std::string& what) const {
     throw FormatError(fmt::format("{}: {}", file_.string(), what));
@@ -141,19 +145,28 @@ RecordingHeader Reader::header() const {
   }
   const std::int64_t version = integer("format_version");
   if (version < 1 || version > kRecordingVersion) {
-    fail(fmt::format("format version is {}, must be 1 or {}", version,
+    fail(fmt::format("format version is {}, must be 1 to {}", version,
                      kRecordingVersion));
   }
   RecordingHeader header;
-  for (const recording::TextField& field : recording::kTexts) {
-    header.*field.member = text(field.name);
-  }
-  header.model = recorded_model(version, header.model);
-  for (const recording::NumberField& field : recording::kNumbers) {
-    header.*field.member = real(field.name);
-    if (std::isnan(header.*field.member)) {
-      fail(fmt::format("attribute /@{} is not a number", field.name));
+  const auto read_all = [&](const auto& texts, const auto& numbers) {
+    for (const recording::TextField& field : texts) {
+      header.*field.member = text(field.name);
     }
+    for (const recording::NumberField& field : numbers) {
+      header.*field.member = real(field.name);
+      if (std::isnan(header.*field.member)) {
+        fail(fmt::format("attribute /@{} is not a number", field.name));
+      }
+    }
+  };
+  read_all(recording::kTexts, recording::kNumbers);
+  header.model = recorded_model(version, header.model);
+  if (version >= 3) {
+    read_all(recording::kAddedTexts, recording::kAddedNumbers);
+  }
+  if (header.poses == 0.0 && !header.second_tool.empty()) {
+    fail("names a second tool, whose ticks must have poses");
   }
   return header;
 }
@@ -210,9 +223,8 @@ bool Reader::read_block(const Column& column, hid_t dataset, std::size_t begin,
                  H5P_DEFAULT, to) >= 0;
 }
 
-template <typename Row, std::size_t kColumns>
-std::vector<Row> Reader::rows(const std::array<Column, kColumns>& columns,
-                              bool ended) const {
+template <typename Row>
+std::vector<Row> Reader::rows(std::span<const Column> columns, bool ended) const {
   std::vector<Handle> opened;
   std::size_t count = SIZE_MAX;
   for (const Column& column : columns) {
@@ -225,11 +237,11 @@ std::vector<Row> Reader::rows(const std::array<Column, kColumns>& columns,
     count = std::min(count, rows);
   }
   std::vector<Row> table;
-  std::array<std::byte, kRecordingBlock * 3 * sizeof(double)> packed{};
+  std::vector<std::byte> packed(kRecordingBlock * kWidest * sizeof(double));
   for (std::size_t begin = 0; begin < count; begin += kRecordingBlock) {
     const std::size_t block = std::min(kRecordingBlock, count - begin);
     table.resize(begin + block);
-    for (std::size_t i = 0; i < kColumns; ++i) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
       if (!read_block(columns[i], opened[i].get(), begin, block, packed.data())) {
         if (ended) {
           fail(fmt::format("dataset {}, rows from {}: damaged: {}", columns[i].path,
@@ -260,15 +272,18 @@ void leave_whole_ticks(Recording& recording) {
 }
 
 bool all_finite(const TickRecord& tick) {
-  // The position is as measured: what the device said, even if that is no number.
+  // A pose is as measured: what the device said, even if that is no number.
   const std::array<double, 6> numbers{tick.depth_m,      tick.work_j,
                                       tick.stored_j,     tick.tank_j,
                                       tick.dissipated_j, tick.relaxed_shift_m};
   const auto finite = [](double x) {
     return std::isfinite(x);
   };
-  return std::all_of(numbers.begin(), numbers.end(), finite) &&
-         std::all_of(tick.force_n.begin(), tick.force_n.end(), finite);
+  const auto all = [&](const auto& values) {
+    return std::all_of(values.begin(), values.end(), finite);
+  };
+  return all(numbers) && all(tick.force_n) && all(tick.torque_n_m) &&
+         all(tick.second.force_n) && all(tick.second.torque_n_m);
 }
 
 void check(const Recording& recording, const Reader& reader) {
@@ -300,6 +315,9 @@ void check(const Recording& recording, const Reader& reader) {
 }  // namespace
 
 Recording read_recording(const fs::path& file) {
+  if (is_contact_recording(file)) {
+    return read_contact_recording(file);
+  }
   const Hdf5Lock lock;
   const Reader reader(file);
   Recording recording;
@@ -310,9 +328,10 @@ Recording read_recording(const fs::path& file) {
         reader.rows<YieldedRow>(recording::kSurfaceColumns, true);
     check_yielded(recording.header.surface, fmt::format("{}: /surface", file.string()));
   }
-  recording.tick = reader.rows<TickRecord>(recording::kTickColumns, recording.ended);
-  recording.arrival =
-      reader.rows<ArrivalRecord>(recording::kArrivalColumns, recording.ended);
+  recording.tick = reader.rows<TickRecord>(recording::tick_columns(recording.header),
+                                           recording.ended);
+  recording.arrival = reader.rows<ArrivalRecord>(
+      recording::arrival_columns(recording.header), recording.ended);
   if (recording.ended) {
     recording.end = {.ticks_dropped = reader.integer("ticks_dropped"),
                      .arrivals_dropped = reader.integer("arrivals_dropped"),

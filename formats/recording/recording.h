@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@
 
 namespace palpate {
 
-constexpr std::int64_t kRecordingVersion = 2;  ///< readers take 1, too, and no other
+constexpr std::int64_t kRecordingVersion = 3;  ///< readers take 1 and 2, too
 
 /// What a model is called now that a file of a version names. In version 1 "potential"
 /// was the field that is linear over facets.
@@ -30,6 +31,15 @@ enum class TickFlag : std::uint8_t {
   kExtrapolated = 4,  ///< deeper than a curve was computed
   kLateRead = 8,      ///< the device had no answer in time
   kSkipped = 16,      ///< deadlines passed without a tick before this one
+};
+
+/// A hand's pose in a tick, and what the device had for it. Orientations are unit
+/// quaternions x y z w from the tool's frame to the body's.
+struct RecordedHand {
+  std::array<double, 3> position_m{};  ///< [m] tool reference point, as measured
+  std::array<double, 4> turn{0.0, 0.0, 0.0, 1.0};
+  std::array<double, 3> force_n{};     ///< [N] commanded
+  std::array<double, 3> torque_n_m{};  ///< [N m] about the reference point
 };
 
 /// One tick of the fast process, as it went to the device. Faults are numbers of the
@@ -50,6 +60,11 @@ struct TickRecord {
   std::uint8_t flags = 0;              ///< TickFlag bits
   std::uint8_t raised = 0;             ///< fault found outside the step, before it
   std::uint8_t fault = 0;              ///< latched, after the step
+  // Where the header says so (RecordingHeader::poses); of the first hand ...
+  std::array<double, 4> turn{0.0, 0.0, 0.0, 1.0};
+  std::array<double, 3> torque_n_m{};
+  std::int32_t contacts = 0;  ///< that carry something
+  RecordedHand second = {};   ///< ... and of the second, where there is one
 };
 
 /// A surface element that the fast process took in before the step of a tick. Its
@@ -59,7 +74,8 @@ struct ArrivalRecord {
   std::int64_t sequence = 0;  ///< counts what the slow process sent, from 1
   std::int64_t sent_ns = 0;   ///< [ns] monotonic clock
   std::int32_t triangle = -1;
-  std::uint8_t active = 0;  ///< nearest to the tool when sent
+  std::uint8_t active = 0;   ///< nearest to the tool when sent
+  std::int32_t contact = 0;  ///< of the tool's that it is for
 };
 
 /// What was rendered, and how: enough to render it again.
@@ -68,9 +84,10 @@ struct RecordingHeader {
   std::string database = {};         ///< name of the file, without its folder
   std::string database_sha256 = {};  ///< its content_sha256: the logical content
   std::string tool = {};
-  std::string model = {};   ///< local model
-  std::string clock = {};   ///< "simulated" or "real"
-  std::string device = {};  ///< name
+  std::string second_tool = {};  ///< of the second hand; empty: there is one
+  std::string model = {};        ///< local model
+  std::string clock = {};        ///< "simulated" or "real"
+  std::string device = {};       ///< name
   double fast_hz = 0.0;
   double slow_hz = 0.0;
   double force_scale =
@@ -85,6 +102,18 @@ struct RecordingHeader {
   double device_coulomb_n = 0.0;
   double device_resolution_m = 0.0;
   double device_delay_s = 0.0;
+  double poses = 0.0;  ///< 1: several contacts, whose ticks have poses and wrenches
+  double torque_felt = 0.0;  ///< 1: who turned the tool felt its torque
+  /// Of the virtual coupling that held the tool; mass 0: there was none.
+  double coupling_mass_kg = 0.0;
+  double coupling_inertia_x_kg_m2 = 0.0;
+  double coupling_inertia_y_kg_m2 = 0.0;
+  double coupling_inertia_z_kg_m2 = 0.0;
+  double coupling_spring_n_per_m = 0.0;
+  double coupling_spring_n_m_per_rad = 0.0;
+  double coupling_damper_n_s_per_m = 0.0;
+  double coupling_damper_n_m_s = 0.0;
+  double coupling_lever_m = 0.0;
   std::vector<YieldedRow> surface = {};  ///< what had yielded before the first tick
 };
 
@@ -95,19 +124,32 @@ struct RecordingEnd {
   std::string fault = "none";
 };
 
+/// Of a recording of several contacts by a program of before: times as they were
+/// counted, and no elements, which the slow process had answered by so many ticks.
+struct OldContactRun {
+  std::vector<double> time_s;     ///< rising, a row a tick
+  std::int64_t answer_ticks = 0;  ///< >= 1 from one slow update to the next
+};
+
 struct Recording {
   RecordingHeader header;
   std::vector<TickRecord> tick;
   std::vector<ArrivalRecord> arrival;  ///< in the order of their arrival
   bool ended = false;  ///< false: the writer died; what it wrote by then
   RecordingEnd end;
+  std::optional<OldContactRun> old;
+
+  [[nodiscard]] std::size_t hands() const noexcept {
+    return header.second_tool.empty() ? 1 : 2;
+  }
 };
 
 /// Rows are written and checked by blocks of so many: what a crash can lose.
 constexpr std::size_t kRecordingBlock = 1024;
 
 /// Reads and checks: format, types, units, checksums, finiteness, order. Of a file
-/// whose writer died, the whole blocks. @throws InputError if it is missing,
+/// whose writer died, the whole blocks. Takes recordings of several contacts by a
+/// program of before (contact_recording.h), too. @throws InputError if it is missing,
 /// FormatError if it is foreign, truncated, damaged or of another version.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& file);
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "formats/recording/recording.h"
 
@@ -51,6 +52,24 @@ inline constexpr std::array kTickColumns{
     Column{"/tick/raised", "1", Hdf5Type::kUint8, offsetof(TickRecord, raised), 1},
     Column{"/tick/fault", "1", Hdf5Type::kUint8, offsetof(TickRecord, fault), 1}};
 
+/// There only where the header says that ticks have poses.
+inline constexpr std::array kPoseColumns{
+    Column{"/tick/turn", "1", Hdf5Type::kFloat64, offsetof(TickRecord, turn), 4},
+    Column{"/tick/torque_n_m", "N.m", Hdf5Type::kFloat64,
+           offsetof(TickRecord, torque_n_m), 3},
+    Column{"/tick/contacts", "1", Hdf5Type::kInt32, offsetof(TickRecord, contacts), 1}};
+
+/// There only where there is a second hand.
+inline constexpr std::array kSecondColumns{
+    Column{"/tick/second_position_m", "m", Hdf5Type::kFloat64,
+           offsetof(TickRecord, second) + offsetof(RecordedHand, position_m), 3},
+    Column{"/tick/second_turn", "1", Hdf5Type::kFloat64,
+           offsetof(TickRecord, second) + offsetof(RecordedHand, turn), 4},
+    Column{"/tick/second_force_n", "N", Hdf5Type::kFloat64,
+           offsetof(TickRecord, second) + offsetof(RecordedHand, force_n), 3},
+    Column{"/tick/second_torque_n_m", "N.m", Hdf5Type::kFloat64,
+           offsetof(TickRecord, second) + offsetof(RecordedHand, torque_n_m), 3}};
+
 inline constexpr std::array kArrivalColumns{
     Column{"/arrival/tick", "1", Hdf5Type::kInt64, offsetof(ArrivalRecord, tick), 1},
     Column{"/arrival/sequence", "1", Hdf5Type::kInt64,
@@ -61,6 +80,9 @@ inline constexpr std::array kArrivalColumns{
            offsetof(ArrivalRecord, triangle), 1},
     Column{"/arrival/active", "1", Hdf5Type::kUint8, offsetof(ArrivalRecord, active),
            1}};
+
+inline constexpr std::array kContactColumns{Column{
+    "/arrival/contact", "1", Hdf5Type::kInt32, offsetof(ArrivalRecord, contact), 1}};
 
 /// There only where something had yielded.
 inline constexpr std::array kSurfaceColumns{
@@ -92,5 +114,44 @@ inline constexpr std::array kNumbers{
     NumberField{"device_coulomb_n", &RecordingHeader::device_coulomb_n},
     NumberField{"device_resolution_m", &RecordingHeader::device_resolution_m},
     NumberField{"device_delay_s", &RecordingHeader::device_delay_s}};
+
+/// From version 3 on.
+inline constexpr std::array kAddedTexts{
+    TextField{"second_tool", &RecordingHeader::second_tool}};
+
+inline constexpr std::array kAddedNumbers{
+    NumberField{"poses", &RecordingHeader::poses},
+    NumberField{"torque_felt", &RecordingHeader::torque_felt},
+    NumberField{"coupling_mass_kg", &RecordingHeader::coupling_mass_kg},
+    NumberField{"coupling_inertia_x_kg_m2", &RecordingHeader::coupling_inertia_x_kg_m2},
+    NumberField{"coupling_inertia_y_kg_m2", &RecordingHeader::coupling_inertia_y_kg_m2},
+    NumberField{"coupling_inertia_z_kg_m2", &RecordingHeader::coupling_inertia_z_kg_m2},
+    NumberField{"coupling_spring_n_per_m", &RecordingHeader::coupling_spring_n_per_m},
+    NumberField{"coupling_spring_n_m_per_rad",
+                &RecordingHeader::coupling_spring_n_m_per_rad},
+    NumberField{"coupling_damper_n_s_per_m",
+                &RecordingHeader::coupling_damper_n_s_per_m},
+    NumberField{"coupling_damper_n_m_s", &RecordingHeader::coupling_damper_n_m_s},
+    NumberField{"coupling_lever_m", &RecordingHeader::coupling_lever_m}};
+
+/// The columns of ticks and of arrivals that a header asks for.
+inline std::vector<Column> tick_columns(const RecordingHeader& header) {
+  std::vector<Column> all(kTickColumns.begin(), kTickColumns.end());
+  if (header.poses != 0.0) {
+    all.insert(all.end(), kPoseColumns.begin(), kPoseColumns.end());
+  }
+  if (!header.second_tool.empty()) {
+    all.insert(all.end(), kSecondColumns.begin(), kSecondColumns.end());
+  }
+  return all;
+}
+
+inline std::vector<Column> arrival_columns(const RecordingHeader& header) {
+  std::vector<Column> all(kArrivalColumns.begin(), kArrivalColumns.end());
+  if (header.poses != 0.0) {
+    all.insert(all.end(), kContactColumns.begin(), kContactColumns.end());
+  }
+  return all;
+}
 
 }  // namespace palpate::recording

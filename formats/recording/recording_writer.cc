@@ -48,12 +48,16 @@ void put_number(const fs::path& file, hid_t object, const char* name,
 void put_header(const fs::path& file, hid_t root, const RecordingHeader& header) {
   put_text(file, root, "format", recording::kFormat);
   put_number(file, root, "format_version", kRecordingVersion);
-  for (const recording::TextField& field : recording::kTexts) {
-    put_text(file, root, field.name, header.*field.member);
-  }
-  for (const recording::NumberField& field : recording::kNumbers) {
-    put(file, root, field.name, H5T_IEEE_F64LE, &(header.*field.member));
-  }
+  const auto put_all = [&](const auto& texts, const auto& numbers) {
+    for (const recording::TextField& field : texts) {
+      put_text(file, root, field.name, header.*field.member);
+    }
+    for (const recording::NumberField& field : numbers) {
+      put(file, root, field.name, H5T_IEEE_F64LE, &(header.*field.member));
+    }
+  };
+  put_all(recording::kTexts, recording::kNumbers);
+  put_all(recording::kAddedTexts, recording::kAddedNumbers);
 }
 
 // An empty dataset that can grow, in checksummed blocks.
@@ -111,11 +115,11 @@ void flush_to_disk(const fs::path& path, int flags, const fs::path& target) {
 }  // namespace
 
 // One table of rows: its datasets, and rows that do not fill a block yet.
-template <typename Row, std::size_t kColumns>
+template <typename Row>
 class RecordingTable {
  public:
-  RecordingTable(fs::path file, hid_t id, const std::array<Column, kColumns>& columns)
-      : file_(std::move(file)), columns_(columns) {
+  RecordingTable(fs::path file, hid_t id, std::vector<Column> columns)
+      : file_(std::move(file)), columns_(std::move(columns)) {
     for (const Column& column : columns_) {
       dataset_.emplace_back(H5Dopen2(id, column.path, H5P_DEFAULT), H5Dclose);
     }
@@ -139,7 +143,7 @@ class RecordingTable {
 
   // Writes the rows that wait. A block that is not full is filled by later rows.
   void write() {
-    for (std::size_t i = 0; i < kColumns && !waiting_.empty(); ++i) {
+    for (std::size_t i = 0; i < columns_.size() && !waiting_.empty(); ++i) {
       write_column(columns_[i], dataset_[i].get());
     }
     rows_ += static_cast<std::int64_t>(waiting_.size());
@@ -176,7 +180,7 @@ class RecordingTable {
   }
 
   fs::path file_;
-  std::array<Column, kColumns> columns_;
+  std::vector<Column> columns_;
   std::vector<Handle> dataset_;
   std::vector<Row> waiting_;
   std::vector<std::byte> packed_;
@@ -200,11 +204,12 @@ class RecordingWriter::File {
           H5Gcreate2(id_->get(), group, H5P_DEFAULT, create.get(), H5P_DEFAULT),
           H5Gclose);
     }
-    for (const Column& column : recording::kTickColumns) {
-      make_column(target_, id_->get(), column);
-    }
-    for (const Column& column : recording::kArrivalColumns) {
-      make_column(target_, id_->get(), column);
+    const std::vector<Column> of_ticks = recording::tick_columns(header);
+    const std::vector<Column> of_arrivals = recording::arrival_columns(header);
+    for (const std::vector<Column>& columns : {of_ticks, of_arrivals}) {
+      for (const Column& column : columns) {
+        make_column(target_, id_->get(), column);
+      }
     }
     if (!header.surface.empty()) {
       put_surface(header.surface, create.get());
@@ -212,8 +217,8 @@ class RecordingWriter::File {
     if (H5Fstart_swmr_write(id_->get()) < 0) {
       cannot_write(target_, hdf5::last_failure());
     }
-    ticks.emplace(target_, id_->get(), recording::kTickColumns);
-    arrivals.emplace(target_, id_->get(), recording::kArrivalColumns);
+    ticks.emplace(target_, id_->get(), of_ticks);
+    arrivals.emplace(target_, id_->get(), of_arrivals);
   }
 
   void finish(const RecordingEnd& end) {
@@ -249,11 +254,12 @@ class RecordingWriter::File {
           H5Gcreate2(id_->get(), "/surface", H5P_DEFAULT, create, H5P_DEFAULT),
           H5Gclose);
     }
-    for (const Column& column : recording::kSurfaceColumns) {
+    const std::vector<Column> columns(recording::kSurfaceColumns.begin(),
+                                      recording::kSurfaceColumns.end());
+    for (const Column& column : columns) {
       make_column(target_, id_->get(), column);
     }
-    RecordingTable<YieldedRow, recording::kSurfaceColumns.size()> table(
-        target_, id_->get(), recording::kSurfaceColumns);
+    RecordingTable<YieldedRow> table(target_, id_->get(), columns);
     table.append(rows);
     table.write();
   }
@@ -265,9 +271,8 @@ class RecordingWriter::File {
 
  public:
   // Closed before the file.
-  std::optional<RecordingTable<TickRecord, recording::kTickColumns.size()>> ticks;
-  std::optional<RecordingTable<ArrivalRecord, recording::kArrivalColumns.size()>>
-      arrivals;
+  std::optional<RecordingTable<TickRecord>> ticks;
+  std::optional<RecordingTable<ArrivalRecord>> arrivals;
 };
 
 RecordingWriter::RecordingWriter(const fs::path& file, const RecordingHeader& header) {

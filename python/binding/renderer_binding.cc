@@ -52,8 +52,9 @@ HostSample sample_of(const py::handle& position, const py::handle& orientation,
 
 py::array_t<double> force_after(HeldRenderer& renderer, const py::handle& position,
                                 double dt_s, const py::handle& orientation) {
-  return vector_array(
-      renderer.step(sample_of(position, orientation, dt_s, false)).command.force_n);
+  return vector_array(renderer.step(sample_of(position, orientation, dt_s, false))
+                          .command.wrench[0]
+                          .force_n);
 }
 
 void tell_delivered(HeldRenderer& renderer, const py::handle& force,
@@ -66,8 +67,8 @@ void tell_delivered(HeldRenderer& renderer, const py::handle& force,
 py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
                        const py::handle& orientation, double dt_s) {
   const HostTick& tick = renderer.step(sample_of(position, orientation, dt_s, true));
-  return py::make_tuple(vector_array(tick.command.force_n),
-                        vector_array(tick.torque_n_m));
+  const Wrench& wrench = tick.command.wrench[0];
+  return py::make_tuple(vector_array(wrench.force_n), vector_array(wrench.torque_n_m));
 }
 
 // None of the options has a meaning of its own here: those of the C interface.
@@ -118,8 +119,8 @@ void tell(Type& type, const char* name, T HostTick::*member, const char* text) {
       text);
 }
 
-template <typename Part, typename T>
-void tell(Type& type, const char* name, Part HostTick::*part, T Part::*member,
+template <typename Part, typename Base, typename T>
+void tell(Type& type, const char* name, Part HostTick::*part, T Base::*member,
           const char* text) {
   type.def_property_readonly(
       name,
@@ -129,32 +130,41 @@ void tell(Type& type, const char* name, Part HostTick::*part, T Part::*member,
       text);
 }
 
+void tell_wrench(Type& type, const char* name, Vector3 Wrench::*member,
+                 const char* text) {
+  type.def_property_readonly(
+      name,
+      [member](const HeldRenderer& renderer) {
+        return told(renderer.latest().command.wrench[0].*member);
+      },
+      text);
+}
+
 void bind_account(Type& type) {
   tell(type, "work_j", &HostTick::work_j,
        "[J] put in by the tool since the start = stored + tank + dissipated + memory");
-  tell(type, "stored_j", &HostTick::command, &FastCommand::stored_j,
+  tell(type, "stored_j", &HostTick::command, &TickAccount::stored_j,
        "[J] in the local model");
-  tell(type, "tank_j", &HostTick::command, &FastCommand::tank_j,
+  tell(type, "tank_j", &HostTick::command, &TickAccount::tank_j,
        "[J] >= 0 that changes of the model freed");
-  tell(type, "dissipated_j", &HostTick::command, &FastCommand::dissipated_j,
+  tell(type, "dissipated_j", &HostTick::command, &TickAccount::dissipated_j,
        "[J] >= 0 by friction, relaxing and discarded surplus");
-  tell(type, "memory_j", &HostTick::command, &FastCommand::memory_j,
+  tell(type, "memory_j", &HostTick::command, &TickAccount::memory_j,
        "[J] >= 0 in dents that have not recovered");
-  tell(type, "yielded_j", &HostTick::command, &FastCommand::yielded_j,
+  tell(type, "yielded_j", &HostTick::command, &TickAccount::yielded_j,
        "[J] >= 0 dissipated by dents that stay and by softening");
 }
 
 void bind_place(Type& type) {
-  tell(type, "force", &HostTick::command, &FastCommand::force_n,
-       "(3,) [N] on the tool");
-  tell(type, "torque", &HostTick::torque_n_m,
-       "(3,) [N m] about the reference point; 0 of a tool of one contact");
+  tell_wrench(type, "force", &Wrench::force_n, "(3,) [N] on the tool");
+  tell_wrench(type, "torque", &Wrench::torque_n_m,
+              "(3,) [N m] about the reference point; 0 of a tool of one contact");
   tell(type, "contact_point", &HostTick::contact, &FastContact::point_m,
        "(3,) [m] on the surface at rest");
   tell(type, "normal", &HostTick::contact, &FastContact::normal,
        "(3,) [-] there, outward; 0: no element yet");
-  tell(type, "depth_m", &HostTick::command, &FastCommand::depth_m, "[m] penetration");
-  tell(type, "dent_m", &HostTick::command, &FastCommand::dent_m,
+  tell(type, "depth_m", &HostTick::command, &TickAccount::depth_m, "[m] penetration");
+  tell(type, "dent_m", &HostTick::command, &TickAccount::dent_m,
        "[m] >= 0 that stays under the tool");
   tell(type, "tilt_rad", &HostTick::tilt_rad,
        "[rad] between the tool's orientation and that of the responses");
@@ -163,14 +173,14 @@ void bind_place(Type& type) {
 }
 
 void bind_state(Type& type) {
-  tell(type, "in_contact", &HostTick::command, &FastCommand::in_contact, "");
-  tell(type, "contacts", &HostTick::contacts,
+  tell(type, "in_contact", &HostTick::command, &TickAccount::in_contact, "");
+  tell(type, "contacts", &HostTick::command, &WrenchCommand::contacts,
        "that carry something, of a tool of several");
-  tell(type, "coupling_scaled", &HostTick::scaled,
+  tell(type, "coupling_scaled", &HostTick::command, &WrenchCommand::scaled,
        "whether some contacts lie too close to be coupled as they are");
-  tell(type, "starved", &HostTick::command, &FastCommand::starved,
+  tell(type, "starved", &HostTick::command, &TickAccount::starved,
        "whether the element under the tool had not arrived");
-  tell(type, "extrapolated", &HostTick::command, &FastCommand::extrapolated,
+  tell(type, "extrapolated", &HostTick::command, &TickAccount::extrapolated,
        "whether the tool is deeper than the response was computed");
   type.def_property_readonly(
       "fault",
@@ -179,9 +189,9 @@ void bind_state(Type& type) {
         return std::string(palpate::name(static_cast<Fault>(t.command.fault)));
       },
       "'none', 'not-finite', 'time-step', 'energy' or 'slow-stalled'");
-  tell(type, "relaxed_n", &HostTick::command, &FastCommand::carried_n,
+  tell(type, "relaxed_n", &HostTick::command, &TickAccount::carried_n,
        "[N] >= 0 what has relaxed of the normal force");
-  tell(type, "relaxed_shift_m", &HostTick::command, &FastCommand::relaxed_shift_m,
+  tell(type, "relaxed_shift_m", &HostTick::command, &TickAccount::relaxed_shift_m,
        "[m] >= 0 that the energy account had to take");
   tell(type, "ticks", &HostTick::ticks, "since the start or reset()");
 }

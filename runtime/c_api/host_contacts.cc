@@ -25,24 +25,6 @@ PortPose pose_of(const HostSample& sample) {
   return pose;
 }
 
-FastCommand as_one(const CoupledCommand& made) {
-  FastCommand command;
-  command.force_n = made.wrench[0].force_n;
-  command.in_contact = made.in_contact;
-  command.starved = made.starved;
-  command.extrapolated = made.extrapolated;
-  command.depth_m = made.depth_m;
-  command.stored_j = made.stored_j;
-  command.tank_j = made.tank_j;
-  command.memory_j = made.memory_j;
-  command.carried_n = made.carried_n;
-  command.dissipated_j = made.dissipated_j;
-  command.yielded_j = made.yielded_j;
-  command.relaxed_shift_m = made.relaxed_shift_m;
-  command.fault = made.fault;
-  return command;
-}
-
 // The contact that carries most, for the state's one.
 FastContact foremost(const CoupledState& state) {
   FastContact at;
@@ -91,24 +73,17 @@ HostTick HostContacts::step(std::span<const HostSample> samples) noexcept {
   if (state.in_contact && silent_s_ > stall_s_) {
     raise_fault(state, Fault::kSlowStalled);
   }
-  CoupledSample sample{.pose = {}, .time_ns = time_ns_};
+  PoseSample sample{.pose = {}, .time_ns = time_ns_};
   for (std::size_t hand = 0; hand < samples.size(); ++hand) {
     sample.pose[hand] = pose_of(samples[hand]);
   }
-  const CoupledCommand made = samples[0].torque_felt
-                                  ? palpate::step(state, sample, dt_s)
-                                  : step_unturned(state, sample, dt_s);
   HostTick tick;
-  tick.command = as_one(made);
-  tick.torque_n_m = made.wrench[0].torque_n_m;
-  tick.second_force_n = made.wrench[1].force_n;
-  tick.second_torque_n_m = made.wrench[1].torque_n_m;
-  tick.contacts = made.contacts;
-  tick.scaled = made.scaled;
+  tick.command = samples[0].torque_felt ? palpate::step(state, sample, dt_s)
+                                        : step_unturned(state, sample, dt_s);
   tick.contact = foremost(state);
   tick.work_j = account_of(state).work_j;
   tick.ticks = ++ticks_;
-  if (made.fault == 0) {
+  if (tick.command.fault == 0) {
     exchange_->tool.write(contact_tool_state(state, ++sequence_));
   }
   return tick;

@@ -121,8 +121,7 @@ void HostTool::take_elements() noexcept {
 
 HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
   const HostTick tick = contacts_->step(samples);
-  wanted_ = {{{tick.command.force_n, tick.torque_n_m},
-              {tick.second_force_n, tick.second_torque_n_m}}};
+  wanted_ = tick.command.wrench;
   latest_.write(tick);
   return tick;
 }
@@ -144,9 +143,9 @@ HostTick HostTool::step(const HostSample& sample) noexcept {
     raise_fault(state_, Fault::kSlowStalled);
   }
   HostTick tick;
-  tick.command = palpate::step(
-      state_, {.position_m = sample.position_m, .time_ns = time_ns_}, dt_s);
-  wanted_[0].force_n = tick.command.force_n;
+  tick.command = as_wrench(palpate::step(
+      state_, {.position_m = sample.position_m, .time_ns = time_ns_}, dt_s));
+  wanted_ = tick.command.wrench;
   tick.contact = contact(state_);
   tick.work_j = state_.ledger.work_j;
   tick.tilt_rad = sample.quaternion.allFinite() ? angle_rad(sample.quaternion) : 0.0;

@@ -54,18 +54,11 @@ void check(const HostOptions& options);
 
 /// One tick of a host's tool.
 struct HostTick {
-  FastCommand command;
+  WrenchCommand command;
   FastContact contact;
   double work_j = 0.0;    ///< [J] by the ledger
   double tilt_rad = 0.0;  ///< [rad] [0, pi]
-  // Of a tool with several contacts; else 0.
-  Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();  ///< about the reference point
-  std::int32_t contacts = 0;                             ///< that carry something
-  bool scaled = false;  ///< the coupling is not whole (coupled_contacts.h)
   std::uint64_t ticks = 0;
-  // On the second of two hands, whose first has command.force_n and torque_n_m; else 0.
-  Eigen::Vector3d second_force_n = Eigen::Vector3d::Zero();
-  Eigen::Vector3d second_torque_n_m = Eigen::Vector3d::Zero();
 };
 
 /// Position and orientation of a host's tool, and the time since the last.
@@ -105,7 +98,7 @@ class HostTool {
   /// the force counts. False, and nothing happens: not finite.
   bool delivered(const PortWrenches& made) noexcept;
 
-  /// What the latest tick asked for, of each hand.
+  /// What the latest tick asked for, of each hand; of one contact no torque.
   [[nodiscard]] const PortWrenches& wanted() const noexcept { return wanted_; }
 
   /// Forgets fault, account, place and what relaxes; what has yielded stays.

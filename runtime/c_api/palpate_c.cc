@@ -81,7 +81,7 @@ int guarded(char* error, std::size_t error_bytes, Work work) noexcept {
   return PALPATE_ERROR_INTERNAL;
 }
 
-int status_of(const palpate::FastCommand& command) noexcept {
+int status_of(const palpate::TickAccount& command) noexcept {
   if (command.fault != 0) {
     return -static_cast<int>(command.fault);
   }
@@ -126,12 +126,11 @@ palpate::HostSample sample_of(const palpate_tool& tool, const double* position,
 }
 
 // @param torque_out may be null.
-void copy_wrench(const palpate_tool& tool, const Eigen::Vector3d& force_n,
-                 const Eigen::Vector3d& torque_n_m, double* force_out,
-                 double* torque_out) noexcept {
-  copy(force_n, tool.newtons_per_unit, force_out);
+void copy_wrench(const palpate_tool& tool, const palpate::Wrench& wrench,
+                 double* force_out, double* torque_out) noexcept {
+  copy(wrench.force_n, tool.newtons_per_unit, force_out);
   if (torque_out != nullptr) {
-    copy(torque_n_m, tool.newtons_per_unit * tool.metres_per_unit, torque_out);
+    copy(wrench.torque_n_m, tool.newtons_per_unit * tool.metres_per_unit, torque_out);
   }
 }
 
@@ -145,7 +144,7 @@ int render(palpate_tool* tool, const double* position, const double* quat_xyzw,
   }
   const palpate::HostTick tick = tool->tool.step(
       sample_of(*tool, position, quat_xyzw, dt_s, torque_out != nullptr));
-  copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, force_out, torque_out);
+  copy_wrench(*tool, tick.command.wrench[0], force_out, torque_out);
   return status_of(tick.command);
 }
 
@@ -278,8 +277,8 @@ int palpate_together(palpate_tool* tool, const double positions[6],
       sample_of(*tool, positions, quats_xyzw, dt_s, felt),
       sample_of(*tool, positions + 3, turned ? quats_xyzw + 4 : nullptr, dt_s, felt)};
   const palpate::HostTick tick = tool->tool.step(samples);
-  copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, forces_out, torques_out);
-  copy_wrench(*tool, tick.second_force_n, tick.second_torque_n_m, forces_out + 3,
+  copy_wrench(*tool, tick.command.wrench[0], forces_out, torques_out);
+  copy_wrench(*tool, tick.command.wrench[1], forces_out + 3,
               torques_out == nullptr ? nullptr : torques_out + 3);
   return status_of(tick.command);
 }
@@ -337,11 +336,10 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.memory_j = tick.command.memory_j;
   all.relaxed_force = tick.command.carried_n / tool->newtons_per_unit;
   all.yielded_j = tick.command.yielded_j;
-  copy_wrench(*tool, tick.command.force_n, tick.torque_n_m, all.force, all.torque);
-  copy_wrench(*tool, tick.second_force_n, tick.second_torque_n_m, all.second_force,
-              all.second_torque);
-  all.contacts = tick.contacts;
-  all.coupling_scaled = tick.scaled ? 1 : 0;
+  copy_wrench(*tool, tick.command.wrench[0], all.force, all.torque);
+  copy_wrench(*tool, tick.command.wrench[1], all.second_force, all.second_torque);
+  all.contacts = tick.command.contacts;
+  all.coupling_scaled = tick.command.scaled ? 1 : 0;
   all.dent = tick.command.dent_m / tool->metres_per_unit;
   all.answer = tool->grown == nullptr ? PALPATE_ANSWER_GOOD
                                       : static_cast<std::int32_t>(tool->grown->here());

@@ -1,6 +1,7 @@
 // `palpate-run device`: renders a database on a haptic device.
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
+#include "formats/recording/recording.h"
 #include "runtime/attach/probe_file.h"
 #include "runtime/command/commands.h"
 #include "runtime/command/coupling_options.h"
@@ -19,10 +21,10 @@
 #include "runtime/command/terminal_guide.h"
 #include "runtime/realtime/real_time.h"
 #include "runtime/realtime/stop_signals.h"
-#include "runtime/run/contact_run.h"
 #include "runtime/run/reconnect.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
+#include "runtime/run/several_run.h"
 
 namespace palpate {
 namespace {
@@ -124,8 +126,11 @@ void probe_device(DeviceRunFlags& flags) {
 // A scene, while it is computed.
 void run_scene_on_device(DeviceRunFlags& flags) {
   refuse_surface(flags.surface);
-  if (flags.reconnect) {
-    throw InputError("--reconnect: not of a scene, build its database first");
+  if (flags.reconnect || !flags.options.recording.file.empty() ||
+      !flags.options.recording.flight_file.empty()) {
+    throw InputError(
+        "--reconnect, --record and --flight-recorder: not of a scene, build its "
+        "database first");
   }
   attach_device(flags.device, flags.options);
   const std::atomic<bool>& stop = heed_stop_signals();
@@ -133,6 +138,21 @@ void run_scene_on_device(DeviceRunFlags& flags) {
   const SimulationReport report = simulate_served(*client, flags.options, stop);
   print_runs(flags, {report});
   throw_what_ended(report);
+}
+
+// What a recording says of its database.
+void name_recorded(DeviceRunFlags& flags) {
+  RecordingRequest& recording = flags.options.recording;
+  if (recording.file.empty() && recording.flight_file.empty()) {
+    return;
+  }
+  if (flags.reconnect) {
+    throw InputError(
+        "--reconnect may render several times: leave out --record and "
+        "--flight-recorder");
+  }
+  recording.database = std::filesystem::path(flags.database).filename();
+  recording.database_sha256 = database_sha256(flags.database);
 }
 
 void run_device(DeviceRunFlags& flags) {
@@ -150,6 +170,7 @@ void run_device(DeviceRunFlags& flags) {
     return;
   }
   refuse_scene_options(flags.scene);
+  name_recorded(flags);
   flags.options.surface = begin_surface(flags.surface, flags.database);
   attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
@@ -197,6 +218,10 @@ void add_device_command(Command app) {
       .show_default();
   command.add_flag("--limit-stiffness", options.limit_stiffness,
                    "Scale forces to what the device can render");
+  command.add_option("--record", options.recording.file,
+                     "Record every tick into this file, for replay");
+  command.add_option("--flight-recorder", options.recording.flight_file,
+                     "On a fault, write the last seconds into this file");
   add_coupling_options(command, flags->coupling);
   add_surface_options(command, flags->surface);
   command.add_flag("--json", flags->json, "Print the report for programs");

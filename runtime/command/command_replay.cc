@@ -9,7 +9,6 @@
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
 #include "runtime/command/commands.h"
-#include "runtime/run/contact_replay.h"
 #include "runtime/run/replay.h"
 
 namespace palpate {
@@ -39,6 +38,7 @@ nlohmann::json replay_json(const ReplayReport& r, const Recording& recording) {
           {"force_rms_n", r.force_rms_n},
           {"force_difference_n", r.force_difference_n},
           {"force_difference_s", r.force_difference_s},
+          {"torque_difference_n_m", r.torque_difference_n_m},
           {"force_max_n", r.force_max_n},
           {"replayed_max_n", r.replayed_max_n},
           {"net_energy_j", r.net_energy_j},
@@ -62,34 +62,7 @@ std::string lacking(const Recording& recording) {
                      end.ticks_dropped, end.arrivals_dropped);
 }
 
-// Several contacts, or two hands.
-void replay_contact_recording(const ReplayFlags& flags) {
-  if (!flags.model.empty()) {
-    throw InputError(
-        fmt::format("--model {}: several contacts are rendered by the model of "
-                    "the recording: leave it out",
-                    flags.model));
-  }
-  const ContactRecording recording = read_contact_recording(flags.recording);
-  if (!flags.other_database) {
-    Recording of;
-    of.header.database = recording.database;
-    of.header.database_sha256 = recording.database_sha256;
-    check_same_database(of, database_sha256(flags.database), flags.database);
-  }
-  const ContactReplayReport report =
-      replay_contacts(recording, read_database(flags.database));
-  fmt::print("{}", flags.json ? to_json(report) + "\n" : summary(report));
-  if (!flags.other_database && !report.is_reproduced()) {
-    throw Difference(fmt::format("{}: not reproduced", flags.recording));
-  }
-}
-
 void replay_recording(const ReplayFlags& flags) {
-  if (is_contact_recording(flags.recording)) {
-    replay_contact_recording(flags);
-    return;
-  }
   std::optional<LocalModel> model;
   if (!flags.model.empty()) {
     model = requested_model(flags.model);

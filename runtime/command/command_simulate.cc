@@ -18,10 +18,9 @@
 #include "runtime/command/device_options.h"
 #include "runtime/command/scene_options.h"
 #include "runtime/realtime/stop_signals.h"
-#include "runtime/run/contact_replay.h"
-#include "runtime/run/contact_run.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
+#include "runtime/run/several_run.h"
 #include "runtime/run/surface_file.h"
 
 namespace palpate {
@@ -40,7 +39,6 @@ struct SimulateFlags {
   std::vector<std::string> devices;
   bool json = false;
   bool together = false;
-  ContactRunOptions contacts;
   CouplingFlags coupling;
   SurfaceFiles surface;
   SceneFlags scene;
@@ -78,10 +76,10 @@ std::optional<Eigen::Vector3d> place(const SimulateFlags& flags, std::size_t too
 std::string said_of(std::size_t tool, std::size_t tools, const char* flag,
                     const std::vector<std::string>& values) {
   if (!values.empty() && values.size() != tools) {
-    throw InputError(
-        fmt::format("{} is given {} times, must be given once for each of "
-                    "{} tools",
-                    flag, values.size(), tools));
+    throw InputError(fmt::format(
+        "{} is given {} times, must be given once for each of "
+        "{} tools{}",
+        flag, values.size(), tools, tools == 1 ? ", or for two together" : ""));
   }
   return values.empty() ? "" : values[tool];
 }
@@ -96,23 +94,34 @@ void check_places(const SimulateFlags& flags) {
   }
 }
 
-// The options of each tool.
+// The options of each tool that is rendered by itself; of two together there is one.
 std::vector<SimulationOptions> tools_of(const SimulateFlags& flags) {
   const std::size_t tools = std::max<std::size_t>(1, flags.tools.size());
   check_places(flags);
+  if (flags.together && tools != 2) {
+    throw InputError(fmt::format(
+        "--together is of two tools, must be two as --tool a,b; got {}", tools));
+  }
+  const std::size_t runs = flags.together ? 1 : tools;
   const bool recorded = !flags.records.empty() || !flags.flight_recorders.empty();
   const RecordingRequest recording{
       .database = std::filesystem::path(flags.database).filename(),
       .database_sha256 = recorded ? database_sha256(flags.database) : ""};
-  std::vector<SimulationOptions> options(tools, options_of(flags));
-  for (std::size_t i = 0; i < tools; ++i) {
+  std::vector<SimulationOptions> options(runs, options_of(flags));
+  for (std::size_t i = 0; i < runs; ++i) {
     options[i].tool = flags.tools.empty() ? "" : flags.tools[i];
     options[i].at_m = place(flags, i);
     options[i].socket = said_of(i, tools, "--device", flags.devices);
     options[i].recording = recording;
-    options[i].recording.file = said_of(i, tools, "--record", flags.records);
+    options[i].recording.file = said_of(i, runs, "--record", flags.records);
     options[i].recording.flight_file =
-        said_of(i, tools, "--flight-recorder", flags.flight_recorders);
+        said_of(i, runs, "--flight-recorder", flags.flight_recorders);
+  }
+  if (flags.together) {
+    options[0].together =
+        SecondHand{.tool = flags.tools[1],
+                   .at_m = place(flags, 1),
+                   .socket = said_of(1, tools, "--device", flags.devices)};
   }
   return options;
 }
@@ -132,74 +141,6 @@ bool is_streamed(const SimulateFlags& flags) {
   const std::uintmax_t bytes = std::filesystem::file_size(flags.database, missing);
   return flags.stream == "on" ||
          (flags.stream == "auto" && !missing && bytes > kStreamFrom);
-}
-
-// @throws InputError for what runs of contacts do not have.
-ContactRunOptions contact_options(const SimulateFlags& flags) {
-  const SimulationOptions one = options_of(flags);
-  if (one.real_time || !flags.devices.empty() || !flags.flight_recorders.empty()) {
-    throw InputError(
-        "several contacts are simulated in simulated time on simulated devices: leave "
-        "out --clock real, --device and --flight-recorder");
-  }
-  if (flags.records.size() > 1) {
-    throw InputError(
-        fmt::format("--record is given {} times: one file records all contacts and "
-                    "both hands",
-                    flags.records.size()));
-  }
-  if (!is_field(one.model)) {
-    throw InputError(fmt::format(
-        "--model {}: several contacts are rendered by potential or facets alone",
-        flags.model));
-  }
-  refuse_surface(flags.surface);
-  check_places(flags);
-  ContactRunOptions options = flags.contacts;
-  options.model = one.model;
-  options.coupling = wanted_coupling(flags.coupling);
-  if (options.coupling && !flags.records.empty()) {
-    throw InputError(
-        "--record with --coupling: a recording of several contacts holds no coupling "
-        "that a replay could go by; --trace writes every tick");
-  }
-  options.tools = flags.tools;
-  options.duration_s = one.duration_s;
-  options.fast_hz = one.fast_hz;
-  options.slow_hz = one.slow_hz;
-  options.force_max_n = one.force_max_n;
-  options.ramp_s = one.ramp_s;
-  options.limit_stiffness = one.limit_stiffness;
-  options.keep = !flags.records.empty();
-  for (std::size_t i = 0; 3 * i + 2 < flags.at_m.size(); ++i) {
-    options.at_m.push_back(*place(flags, i));
-  }
-  return options;
-}
-
-// @returns whether it was a run of several contacts.
-bool run_contacts(const SimulateFlags& flags, const ResponseDatabase& database) {
-  if (!is_contact_run(database, flags.tools, flags.together)) {
-    if (!flags.contacts.trace.empty() || !flags.contacts.poses.empty()) {
-      throw InputError(
-          "--trace and --poses are of tools of several contacts, or of two by "
-          "--together");
-    }
-    return false;
-  }
-  const ContactRunReport report =
-      simulate_contacts(database, contact_options(flags), heed_stop_signals());
-  if (!flags.records.empty()) {
-    const std::filesystem::path file = flags.database;
-    write_contact_recording(
-        flags.records.front(),
-        contact_recording(report, file.filename().string(), database_sha256(file)));
-  }
-  fmt::print("{}", flags.json ? to_json(report) + "\n" : summary(report));
-  if (report.fault != Fault::kNone) {
-    throw DeviceError(fmt::format("ended by a fault: {}", name(report.fault)));
-  }
-  return true;
 }
 
 std::vector<SimulationOptions> tools_on(const SimulateFlags& flags,
@@ -279,8 +220,9 @@ void run_simulation(const SimulateFlags& flags) {
     reports = render_streamed(flags, surface);
   } else {
     const ResponseDatabase database = read_database(flags.database);
-    if (run_contacts(flags, database)) {
-      return;
+    const bool several = is_contact_run(database, flags.tools, flags.together);
+    if (several) {
+      refuse_surface(flags.surface);
     }
     reports = simulate(database, tools_on(flags, surface), heed_stop_signals());
   }
@@ -294,18 +236,18 @@ void run_simulation(const SimulateFlags& flags) {
 void add_contact_options(Command command, SimulateFlags& flags) {
   command.add_flag("--together", flags.together,
                    "Two tools press one body together, coupled through it (a pinch)");
-  command.add_option("--trace", flags.contacts.trace,
+  command.add_option("--trace", flags.options.trace,
                      "Of several contacts: poses, forces and torques of every tick "
                      "(comma-separated values)");
-  command.add_option("--poses", flags.contacts.poses,
+  command.add_option("--poses", flags.options.poses,
                      "Of several contacts: replay the poses of such a file");
   add_coupling_options(command, flags.coupling);
   command
-      .add_option("--tilt-rad", flags.contacts.tilt_rad,
+      .add_option("--tilt-rad", flags.options.tilt_rad,
                   "Of several contacts: how far the hand rocks its tool [rad]")
       .show_default();
   command
-      .add_option("--turn-rad", flags.contacts.turn_rad,
+      .add_option("--turn-rad", flags.options.turn_rad,
                   "Of several contacts: how far it turns it about the normal [rad]")
       .show_default();
 }

@@ -16,7 +16,7 @@ namespace {
 // Distance of R^T R from 1 that still makes a rotation.
 constexpr Real kTurnedAway = rounding(1e-6, 1e-4);
 
-void check_sample(CoupledState& state, const CoupledSample& sample, Real dt_s) {
+void check_sample(CoupledState& state, const PoseSample& sample, Real dt_s) {
   for (int port = 0; port < state.set.ports; ++port) {
     if (!is_sound(sample.pose[static_cast<std::size_t>(port)])) {
       raise_fault(state, Fault::kNotFinite);
@@ -27,32 +27,21 @@ void check_sample(CoupledState& state, const CoupledSample& sample, Real dt_s) {
   }
 }
 
-CoupledCommand step_alone(CoupledState& state, const CoupledSample& sample, Real dt_s) {
-  CoupledCommand command;
+WrenchCommand step_alone(CoupledState& state, const PoseSample& sample, Real dt_s) {
+  WrenchCommand command;
   const Vector3 centre = centre_of(state.set, sample.pose, 0);
   const FastCommand made = step(*state.alone, {centre, sample.time_ns}, dt_s);
   Wrench& wrench = command.wrench[0];
   wrench.force_n = made.force_n;
   wrench.torque_n_m = (centre - sample.pose[0].position_m).cross(made.force_n);
-  command.in_contact = made.in_contact;
-  command.starved = made.starved;
-  command.extrapolated = made.extrapolated;
+  static_cast<TickAccount&>(command) = made;
   command.contacts = made.in_contact ? 1 : 0;
-  command.depth_m = made.depth_m;
-  command.stored_j = made.stored_j;
-  command.tank_j = made.tank_j;
-  command.memory_j = made.memory_j;
-  command.carried_n = made.carried_n;
-  command.dissipated_j = made.dissipated_j;
-  command.yielded_j = made.yielded_j;
-  command.relaxed_shift_m = made.relaxed_shift_m;
-  command.fault = made.fault;
   state.latest = sample;
   state.in_contact = made.in_contact;
   return command;
 }
 
-void describe(const CoupledState& state, CoupledCommand& command) {
+void describe(const CoupledState& state, WrenchCommand& command) {
   const CoupledModel& model = state.model;
   const CoupledContacts& c = model.field.equilibrium;
   command.in_contact = model.loaded;
@@ -157,13 +146,12 @@ void relax_ahead(CoupledState& state, Real dt_s) noexcept {
   }
 }
 
-CoupledCommand step(CoupledState& state, const CoupledSample& sample,
-                    Real dt_s) noexcept {
+WrenchCommand step(CoupledState& state, const PoseSample& sample, Real dt_s) noexcept {
   check_sample(state, sample, dt_s);
   if (is_alone(state.set)) {
     return step_alone(state, sample, dt_s);
   }
-  CoupledCommand command;
+  WrenchCommand command;
   if (state.safety.fault == Fault::kNone) {
     const PortPoses& from = state.sampled ? state.latest.pose : sample.pose;
     const WrenchSafety::Vector moved = movement(state.set, from, sample.pose);
@@ -212,8 +200,8 @@ void carry(CoupledState& state, const PortPoses& pose) noexcept {
   state.latest.pose = pose;
 }
 
-CoupledCommand step_unturned(CoupledState& state, const CoupledSample& sample,
-                             Real dt_s) noexcept {
+WrenchCommand step_unturned(CoupledState& state, const PoseSample& sample,
+                            Real dt_s) noexcept {
   PortPoses turned = state.latest.pose;
   bool any = false;
   for (std::size_t port = 0; port < turned.size(); ++port) {

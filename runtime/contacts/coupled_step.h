@@ -16,6 +16,7 @@
 #include "runtime/account/passivity_ledger.h"
 #include "runtime/account/real.h"
 #include "runtime/account/safety.h"
+#include "runtime/account/tick_account.h"
 #include "runtime/contacts/coupled_field.h"
 #include "runtime/contacts/coupled_model.h"
 #include "runtime/contacts/coupled_set.h"
@@ -24,29 +25,25 @@
 namespace palpate {
 
 /// What the devices measured at one tick.
-struct CoupledSample {
+struct PoseSample {
   PortPoses pose;
   std::int64_t time_ns = 0;  ///< [ns] monotonic clock
 };
 
 /// What the devices are to do, and the account of this tick.
-struct CoupledCommand {
-  PortWrenches wrench;  ///< on the ports; 0 on a fault
-  bool in_contact = false;
-  bool starved = false;       ///< some contact's neighbour had not arrived
-  bool extrapolated = false;  ///< some contact is deeper than a curve was computed
+struct WrenchCommand : TickAccount {
+  PortWrenches wrench;        ///< on the ports; 0 on a fault
   bool scaled = false;        ///< C is not whole (coupled_contacts.h)
   std::int32_t contacts = 0;  ///< that carry something
-  Real depth_m = 0.0;         ///< [m] largest normal penetration
-  double stored_j = 0.0;      ///< [J] as in FastCommand
-  double tank_j = 0.0;
-  double memory_j = 0.0;  ///< [J] >= 0, in dents of the surface
-  Real carried_n = 0.0;   ///< [N] >= 0, what has relaxed of all contacts' forces
-  double dissipated_j = 0.0;
-  double yielded_j = 0.0;  ///< [J] >= 0, of that by yielding
-  Real relaxed_shift_m = 0.0;
-  std::uint8_t fault = 0;  ///< Fault, latched; 0 none
 };
+
+/// That of one contact: its force, on the first port.
+[[nodiscard]] inline WrenchCommand as_wrench(const FastCommand& one) noexcept {
+  WrenchCommand command;
+  static_cast<TickAccount&>(command) = one;
+  command.wrench[0].force_n = one.force_n;
+  return command;
+}
 
 /// Where contact i is, for the slow process.
 struct CoupledContactPlace {
@@ -72,7 +69,7 @@ struct CoupledState {
   CoupledField scratch;
   PassivityLedger ledger;
   WrenchSafety safety;
-  CoupledSample latest;
+  PoseSample latest;
   bool sampled = false;
   bool in_contact = false;
   bool relaxed_ahead = false;  ///< relax_ahead() has begun the coming tick
@@ -113,8 +110,7 @@ void relax_ahead(CoupledState& state, Real dt_s) noexcept;
 
 /// One tick. Faults as in fast_step.h; a rotation that is none (to 1e-6) counts as not
 /// finite. @param dt_s [s] since the last step, [0, 1].
-CoupledCommand step(CoupledState& state, const CoupledSample& sample,
-                    Real dt_s) noexcept;
+WrenchCommand step(CoupledState& state, const PoseSample& sample, Real dt_s) noexcept;
 
 /// Puts the tools there before a step as a change of the model, not as work: turns that
 /// a device measures and cannot push against. What they would store beyond the
@@ -125,8 +121,8 @@ void carry(CoupledState& state, const PortPoses& pose) noexcept;
 
 /// One tick of devices whose torques are not felt: what has turned since the last one
 /// goes by carry(), what has moved by step().
-CoupledCommand step_unturned(CoupledState& state, const CoupledSample& sample,
-                             Real dt_s) noexcept;
+WrenchCommand step_unturned(CoupledState& state, const PoseSample& sample,
+                            Real dt_s) noexcept;
 
 /// What the devices made of the latest command. @param wrench on the ports until the
 /// next step.

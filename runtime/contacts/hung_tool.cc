@@ -46,7 +46,7 @@ std::size_t ports(const CoupledState& state) {
   return static_cast<std::size_t>(state.set.ports);
 }
 
-bool is_sound(const CoupledState& state, const CoupledSample& sample, Real dt_s) {
+bool is_sound(const CoupledState& state, const PoseSample& sample, Real dt_s) {
   bool sound =
       dt_s >= 0.0 && dt_s <= kLongestStepS && state.safety.fault == Fault::kNone;
   for (std::size_t port = 0; port < ports(state); ++port) {
@@ -128,7 +128,7 @@ void move_port(HungTool& hung, CoupledState& state, std::size_t port,
   }
 }
 
-void begin_at(HungTool& hung, const CoupledState& state, const CoupledSample& sample) {
+void begin_at(HungTool& hung, const CoupledState& state, const PoseSample& sample) {
   for (std::size_t port = 0; port < ports(state); ++port) {
     hung.device[port] = device_at(sample.pose[port], {}, 0.0);
     hung.tool[port] = {};
@@ -138,7 +138,7 @@ void begin_at(HungTool& hung, const CoupledState& state, const CoupledSample& sa
   hung.begun = true;
 }
 
-void move_ports(HungTool& hung, CoupledState& state, const CoupledSample& sample,
+void move_ports(HungTool& hung, CoupledState& state, const PoseSample& sample,
                 Real dt_s) {
   std::array<DevicePose, kPortsMax> now;
   bool turned = false;
@@ -222,8 +222,8 @@ const char* hang(HungTool& hung, CoupledState& state,
   return nullptr;
 }
 
-CoupledCommand step(HungTool& hung, CoupledState& state, const CoupledSample& sample,
-                    Real dt_s) noexcept {
+WrenchCommand step(HungTool& hung, CoupledState& state, const PoseSample& sample,
+                   Real dt_s) noexcept {
   if (!is_sound(state, sample, dt_s)) {
     return step(state, sample, dt_s);  // raises the fault, and gives no force
   }
@@ -237,7 +237,7 @@ CoupledCommand step(HungTool& hung, CoupledState& state, const CoupledSample& sa
     move_ports(hung, state, sample, dt_s);
   }
   const double work_j = state.ledger.work_j;
-  CoupledCommand command = step(state, {tools_of(hung), sample.time_ns}, dt_s);
+  WrenchCommand command = step(state, {tools_of(hung), sample.time_ns}, dt_s);
   state.safety.delivered_n = state.safety.model_n;  // the tool got it whole
   hung.total.work_j += first ? state.ledger.work_j - work_j : 0.0;
   sum_up(hung, state);

@@ -72,8 +72,8 @@ struct HungTool {
 
 /// One tick. @param sample of the devices. @return wrenches on the devices; stored_j,
 /// dissipated_j of the whole account; faults as in coupled_step.h.
-CoupledCommand step(HungTool& hung, CoupledState& state, const CoupledSample& sample,
-                    Real dt_s) noexcept;
+WrenchCommand step(HungTool& hung, CoupledState& state, const PoseSample& sample,
+                   Real dt_s) noexcept;
 
 /// As delivered() of coupled_step.h.
 void delivered(HungTool& hung, const CoupledState& state,

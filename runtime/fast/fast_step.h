@@ -20,6 +20,7 @@
 #include "runtime/account/passivity_ledger.h"
 #include "runtime/account/real.h"
 #include "runtime/account/safety.h"
+#include "runtime/account/tick_account.h"
 #include "runtime/element/element.h"
 #include "runtime/element/element_cache.h"
 #include "runtime/fast/element_model.h"
@@ -50,21 +51,8 @@ struct FastSample {
 };
 
 /// What the device is to do, and the account of this tick.
-struct FastCommand {
+struct FastCommand : TickAccount {
   Vector3 force_n = Vector3::Zero();  ///< [N] on the tool; 0 on a fault
-  bool in_contact = false;
-  bool starved = false;  ///< x_c left the element and its neighbour had not arrived
-  bool extrapolated = false;   ///< deeper than a curve was computed
-  Real depth_m = 0.0;          ///< [m] along the response direction
-  double stored_j = 0.0;       ///< [J] potential of the local model
-  double tank_j = 0.0;         ///< [J] >= 0
-  double memory_j = 0.0;       ///< [J] >= 0, in dents of the surface
-  Real carried_n = 0.0;        ///< [N] >= 0, what has relaxed of the normal force
-  double dissipated_j = 0.0;   ///< [J] >= 0, friction, relaxing, surplus, since start
-  double yielded_j = 0.0;      ///< [J] >= 0, of that by yielding
-  Real dent_m = 0.0;           ///< [m] >= 0, dent under the tool that stays
-  Real relaxed_shift_m = 0.0;  ///< [m] >= 0, delta_0 that the ledger had to take
-  std::uint8_t fault = 0;      ///< Fault, latched; 0 none
 };
 
 /// Where the fast process is: what it tells the slow one after a step.

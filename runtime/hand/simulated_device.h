@@ -5,10 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "runtime/device/device.h"
 #include "runtime/hand/hand_script.h"
+#include "runtime/hand/turn_script.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {
@@ -65,6 +67,10 @@ class SimulatedDevice : public Device {
   SimulatedDevice(const SimulatedDeviceConfig& config, const HandTarget& hand,
                   Clock& clock, const SimulatedMotion& start);
 
+  /// From open() on the hand's wrist turns the tool so, whatever the torque is.
+  void turn_by(const TurnScript& wrist) { wrist_ = wrist; }
+  [[nodiscard]] bool measures_turns() const override { return wrist_.has_value(); }
+
   [[nodiscard]] std::string name() const override { return "simulated"; }
   [[nodiscard]] DeviceLimits limits() const override;
   void open() override;
@@ -97,6 +103,7 @@ class SimulatedDevice : public Device {
   SimulatedDeviceConfig config_;
   HandScript script_;
   const HandTarget* hand_ = nullptr;  // instead of the script
+  std::optional<TurnScript> wrist_;
   Clock& clock_;
   // (x, v, s) of one axis after a step: transition_ (x, v, s) + response_ * force.
   Eigen::Matrix3d transition_;

@@ -1,8 +1,10 @@
 // The fast process without its clock: device in, fast step, device out, account.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "runtime/device/device.h"
@@ -38,17 +40,22 @@ struct TickOutputs {
 /// One thread; tick() does not allocate or throw.
 class FastProcess {
  public:
-  /// All must outlive the process. The device is open.
+  /// All must outlive the process. @param devices one for each of the body's hands;
+  /// open before the first tick.
+  FastProcess(const FastProcessConfig& config, std::span<Device* const> devices,
+              RenderedBody& body, const TickOutputs& outputs)
+      : config_(config), body_(body), outputs_(outputs) {
+    for (Device* device : devices) {
+      hand_[hands_].device = device;
+      hand_[hands_++].wire = WireWatch(config.wire);
+    }
+  }
   FastProcess(const FastProcessConfig& config, Device& device, RenderedBody& body,
               const TickOutputs& outputs)
-      : config_(config),
-        device_(device),
-        body_(body),
-        outputs_(outputs),
-        wire_(config.wire) {}
+      : FastProcess(config, std::array<Device*, 1>{&device}, body, outputs) {}
 
-  /// read, accept, step, write, publish. False when the run is over: fault or device
-  /// lost, after which the force is zero.
+  /// read, accept, step, write, publish. False when the run is over: fault or a device
+  /// lost, after which the forces are zero.
   /// @param skipped deadlines that passed without a tick.
   [[nodiscard]] bool tick(std::int64_t skipped) noexcept;
 
@@ -56,31 +63,43 @@ class FastProcess {
   [[nodiscard]] const RenderReport& report() const noexcept { return report_; }
 
  private:
-  void watch(const DeviceReading& reading, DeviceStatus status,
-             std::int64_t skipped) noexcept;
-  [[nodiscard]] bool jumped(const DeviceReading& reading) const noexcept;
-  void take_in_arrivals(const DeviceReading& reading) noexcept;
-  [[nodiscard]] FastCommand timed_step(const DeviceReading& reading) noexcept;
-  void account(const DeviceReading& reading, const FastCommand& command) noexcept;
-  void account_hand(const DeviceReading& reading, const FastCommand& command) noexcept;
-  void record(const DeviceReading& reading, const FastCommand& command,
+  // A hand with its device.
+  struct Hand {
+    Device* device = nullptr;
+    WireWatch wire;
+    Wrench held;                    // since its last reading
+    std::int64_t silent_ticks = 0;  // reads without an answer, in a row
+  };
+
+  void read(HandReadings& reading, std::int64_t skipped) noexcept;
+  void watch_hand(std::size_t hand, const DeviceReading& reading, DeviceStatus status,
+                  std::int64_t skipped) noexcept;
+  void watch(std::int64_t now_ns, std::int64_t skipped) noexcept;
+  void tell_withheld(const HandReadings& reading) noexcept;
+  [[nodiscard]] bool jumped(const DeviceReading& from,
+                            const DeviceReading& to) const noexcept;
+  void take_in_arrivals(std::int64_t now_ns) noexcept;
+  [[nodiscard]] WrenchCommand timed_step(const HandReadings& reading) noexcept;
+  void account(const HandReadings& reading, const WrenchCommand& command) noexcept;
+  void account_hand(std::size_t hand, const DeviceReading& reading,
+                    const WrenchCommand& command) noexcept;
+  void trace(const HandReadings& reading, const WrenchCommand& command) noexcept;
+  void record(const HandReadings& reading, const WrenchCommand& command,
               std::uint8_t raised) noexcept;
 
   FastProcessConfig config_;
-  Device& device_;
+  std::array<Hand, kPortsMax> hand_;
+  std::size_t hands_ = 0;
   RenderedBody& body_;
   TickOutputs outputs_;
   RenderReport report_;
-  WireWatch wire_;
-  DeviceReading last_;
-  Eigen::Vector3d held_n_ = Eigen::Vector3d::Zero();  // force since last_
+  HandReadings last_;
   std::int64_t first_ns_ = 0;
   std::int64_t element_ns_ = 0;  // when the latest element was taken in
   bool stalled_ = false;
   bool withheld_ = false;  // the driver could not render a force whole
   std::int64_t arrivals_ = 0;
-  std::int64_t silent_ticks_ = 0;  // reads without an answer, in a row
-  std::uint8_t flags_ = 0;         // TickFlag bits known before the step
+  std::uint8_t flags_ = 0;  // TickFlag bits known before the step
 };
 
 }  // namespace palpate

@@ -21,7 +21,7 @@ bool OneContact::take_in(ArrivalRecord& arrival) noexcept {
   if (element == nullptr) {
     return false;
   }
-  accept(state_, *element);
+  palpate::accept(state_, *element);
   arrival.sequence = static_cast<std::int64_t>(element->sequence);
   arrival.sent_ns = element->sent_ns;
   arrival.triangle = element->triangle;
@@ -30,21 +30,33 @@ bool OneContact::take_in(ArrivalRecord& arrival) noexcept {
   return true;
 }
 
-FastCommand OneContact::step(const DeviceReading& reading, double dt_s) noexcept {
-  return palpate::step(
-      state_, {.position_m = reading.position_m, .time_ns = reading.time_ns}, dt_s);
+void OneContact::accept(const ArrivalRecord& arrival) {
+  std::optional<Element> element = stream_.element_of(arrival.triangle);
+  if (!element) {
+    throw_no_element(arrival);
+  }
+  element->sequence = static_cast<std::uint64_t>(arrival.sequence);
+  element->sent_ns = arrival.sent_ns;
+  element->active = arrival.active != 0;
+  palpate::accept(state_, *element);
 }
 
-void OneContact::publish(const DeviceReading& reading, std::int64_t ticks) noexcept {
+WrenchCommand OneContact::step(const HandReadings& reading, double dt_s) noexcept {
+  return as_wrench(palpate::step(
+      state_, {.position_m = reading[0].position_m, .time_ns = reading[0].time_ns},
+      dt_s));
+}
+
+void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexcept {
   const FastContact at = contact(state_);
   exchange_->tool.write({.sequence = static_cast<std::uint64_t>(ticks),
-                         .time_ns = reading.time_ns,
-                         .position_m = reading.position_m,
+                         .time_ns = reading[0].time_ns,
+                         .position_m = reading[0].position_m,
                          .triangle = at.triangle,
                          .in_contact = at.in_contact});
 }
 
-void OneContact::account(const FastCommand& command,
+void OneContact::account(const WrenchCommand& command,
                          RenderReport& report) const noexcept {
   if (!remembers(state_.memory)) {
     return;
@@ -55,7 +67,7 @@ void OneContact::account(const FastCommand& command,
   r.memory_max_j = std::max(r.memory_max_j, command.memory_j);
   if (command.carried_n > r.carried_max_n) {
     r.carried_max_n = command.carried_n;
-    r.carried_of_n = command.force_n.norm();
+    r.carried_of_n = command.wrench[0].force_n.norm();
   }
   r.forgotten = state_.memory.forgotten;
   r.yields = state_.memory.yields;

@@ -26,12 +26,12 @@ class OneContact : public RenderedBody {
   OneContact(const FastConfig& config, ElementSender& stream);
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
-  FastCommand step(const DeviceReading& reading, double dt_s) noexcept override;
-  void delivered(const Eigen::Vector3d& force_n) noexcept override {
-    palpate::delivered(state_, force_n);
+  WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
+  void delivered(const HandForces& force_n) noexcept override {
+    palpate::delivered(state_, force_n[0]);
   }
   void raise(Fault fault) noexcept override { raise_fault(state_, fault); }
-  void publish(const DeviceReading& reading, std::int64_t ticks) noexcept override;
+  void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
 
   [[nodiscard]] Fault fault() const noexcept override { return state_.safety.fault; }
   [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
@@ -42,9 +42,10 @@ class OneContact : public RenderedBody {
   [[nodiscard]] std::uint64_t dropped() const noexcept override {
     return exchange_->elements.dropped();
   }
-  void account(const FastCommand& command,
+  void account(const WrenchCommand& command,
                RenderReport& report) const noexcept override;
 
+  void accept(const ArrivalRecord& arrival) override;
   bool serve(std::int64_t now_ns) override;
 
   void begin_with(const std::vector<YieldedRow>& rows) override {

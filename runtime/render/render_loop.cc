@@ -1,8 +1,10 @@
 #include "runtime/render/render_loop.h"
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <system_error>
 #include <thread>
@@ -112,10 +114,13 @@ class ToolRun {
                  : std::make_unique<OneContact>(tool.config.fast.fast,
                                                 *tool.setup.stream)),
         body_(tool.setup.several != nullptr ? *tool.setup.several : *one_),
-        fast_(tool.config.fast, tool.setup.device, body_, outputs(tool.setup)),
+        fast_(tool.config.fast, devices(), body_, outputs(tool.setup)),
         slow_(body_),
         session_(tool.setup.device),
         deadlines_(0, tool.config.fast.rate_hz) {
+    if (tool.setup.second != nullptr) {
+      second_.emplace(*tool.setup.second);
+    }
     body_.begin_with(tool.setup.surface);
   }
 
@@ -160,7 +165,9 @@ class ToolRun {
       turn(wait(deadlines_, clock));
     }
     // Before anybody waits for the slow thread.
-    static_cast<void>(tool_.setup.device.write(Eigen::Vector3d::Zero()));
+    for (Device* device : devices()) {
+      static_cast<void>(device->write(Eigen::Vector3d::Zero()));
+    }
   }
 
   [[nodiscard]] RenderReport report() const {
@@ -181,12 +188,19 @@ class ToolRun {
   }
 
  private:
+  // One for each hand.
+  [[nodiscard]] std::span<Device* const> devices() const noexcept {
+    return std::span(devices_).first(tool_.setup.second == nullptr ? 1 : 2);
+  }
+
   const RenderedTool& tool_;
+  std::array<Device*, kPortsMax> devices_{&tool_.setup.device, tool_.setup.second};
   std::unique_ptr<OneContact> one_;  // null: several contacts
   RenderedBody& body_;
   FastProcess fast_;
   SlowProcess slow_;
   DeviceSession session_;
+  std::optional<DeviceSession> second_;
   Deadlines deadlines_;
   std::int64_t stop_ns_ = 0;
   bool over_ = false;
@@ -254,6 +268,11 @@ void check_tools(std::span<const RenderedTool> tools) {
     check(tool.config);
     if (tool.setup.stream == nullptr && tool.setup.several == nullptr) {
       throw InputError("a tool needs elements, or contacts, to be rendered");
+    }
+    const std::size_t hands =
+        tool.setup.several == nullptr ? 1 : tool.setup.several->hands();
+    if (hands != (tool.setup.second == nullptr ? 1U : 2U)) {
+      throw InputError(fmt::format("{} hands need a device each", hands));
     }
     if (tool.config.slow_hz != first.slow_hz ||
         tool.config.duration_s != first.duration_s) {

@@ -34,8 +34,9 @@ struct RenderSetup {
   FlightLog* flight = nullptr;               ///< keeps the last ticks
   TickQueue* watch = nullptr;                ///< shows every tick
   std::vector<YieldedRow> surface = {};      ///< what had yielded before
-  /// Instead of the stream: a tool that touches at several places.
+  /// Instead of the stream: tools that touch at several places ...
   RenderedBody* several = nullptr;
+  Device* second = nullptr;  ///< ... and the second hand's device, opened likewise
 };
 
 /// One of several tools in a scene.

@@ -1,6 +1,7 @@
 // What a run of the renderer did, in numbers.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "formats/recording/surface_state.h"
 #include "runtime/contacts/hung_tool.h"
@@ -21,6 +23,8 @@ struct RenderReport {
   std::int64_t contact_ticks = 0;       ///< of them with force from the body
   std::int64_t starved_ticks = 0;       ///< without the element they needed
   std::int64_t extrapolated_ticks = 0;  ///< deeper than a curve was computed
+  std::int64_t scaled_ticks = 0;        ///< with contacts coupled less than they are
+  std::int32_t contacts_max = 0;        ///< that carried something at once
   std::int64_t late_reads = 0;          ///< device had no answer in time
   std::int64_t missed_deadlines = 0;    ///< fast periods without a step
   std::int64_t slow_updates = 0;
@@ -29,18 +33,20 @@ struct RenderReport {
   std::uint64_t elements_dropped = 0;  ///< the queue was full
 
   double duration_s = 0.0;
-  double depth_max_m = 0.0;  ///< [m] along the response direction
-  double force_max_n = 0.0;  ///< [N] that left for the device
+  double depth_max_m = 0.0;     ///< [m] along the response direction
+  double force_max_n = 0.0;     ///< [N] that left for a device
+  double torque_max_n_m = 0.0;  ///< [N m] of several contacts
   /// Work of the tool on what was rendered, with each force as it was held until the
   /// next: what the hand felt. In minus out is the net energy, negative if the renderer
   /// gave more than it got.
   double energy_in_j = 0.0;
   double energy_out_j = 0.0;
   double held_s = 0.0;  ///< [s] that the wire held a force at the end; 0: not looked at
-  double model_work_j = 0.0;  ///< [J] put into the local model (ledger); >= 0: passive
-  double stored_j = 0.0;      ///< [J] at the end, in the local model
-  double dissipated_j = 0.0;  ///< [J] by friction and discarded surplus
-  double tank_j = 0.0;        ///< [J] at the end
+  double model_work_j = 0.0;   ///< [J] put into the local model (ledger); >= 0: passive
+  double lowest_work_j = 0.0;  ///< [J] <= 0, least that it ever was
+  double stored_j = 0.0;       ///< [J] at the end, in the local model
+  double dissipated_j = 0.0;   ///< [J] by friction and discarded surplus
+  double tank_j = 0.0;         ///< [J] at the end
   double tank_max_j = 0.0;
   bool relaxes = false;           ///< the body does
   double memory_j = 0.0;          ///< [J] in dents at the end
@@ -69,10 +75,17 @@ struct RenderReport {
   }
 };
 
-/// One tick, as it went to the device.
+struct HandPose {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+};
+
+/// One tick, as it went to the devices.
 struct RenderTick {
-  FastSample sample;
-  FastCommand command;
+  std::int64_t time_ns = 0;
+  std::array<HandPose, kPortsMax> pose;
+  WrenchCommand command;
+  double work_j = 0.0;  ///< [J] by the ledger
 };
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 // body at one place or at several.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,12 +12,16 @@
 #include "formats/recording/recording.h"
 #include "formats/recording/surface_state.h"
 #include "runtime/account/safety.h"
+#include "runtime/contacts/coupled_step.h"
 #include "runtime/device/device.h"
-#include "runtime/fast/fast_step.h"
 #include "runtime/render/render_report.h"
 #include "runtime/render/surface_dents.h"
 
 namespace palpate {
+
+/// What the hands' devices measured, and forces on them [N], by hand.
+using HandReadings = std::array<DeviceReading, kPortsMax>;
+using HandForces = std::array<Eigen::Vector3d, kPortsMax>;
 
 /// The fast thread calls what is noexcept, once it has begun; none of that allocates or
 /// waits. The slow thread calls serve().
@@ -27,15 +32,21 @@ class RenderedBody {
   RenderedBody(const RenderedBody&) = delete;
   RenderedBody& operator=(const RenderedBody&) = delete;
 
+  /// Of the devices that hold its tools, [1, kPortsMax].
+  [[nodiscard]] virtual std::size_t hands() const noexcept { return 1; }
+  /// Whether who turns the tools feels their torques, so that turning them is work.
+  [[nodiscard]] virtual bool torque_felt() const noexcept { return false; }
+
   /// Takes in the next element that has arrived, and says which. False: there is none.
   virtual bool take_in(ArrivalRecord& arrival) noexcept = 0;
-  /// One tick at the reading. @param dt_s [s] since the last one, [0, 1].
-  virtual FastCommand step(const DeviceReading& reading, double dt_s) noexcept = 0;
-  /// What the device made of the latest force [N].
-  virtual void delivered(const Eigen::Vector3d& force_n) noexcept = 0;
+  /// One tick at the readings. @param dt_s [s] since the last one, [0, 1].
+  virtual WrenchCommand step(const HandReadings& reading, double dt_s) noexcept = 0;
+  /// What the devices made of the latest forces.
+  virtual void delivered(const HandForces& force_n) noexcept = 0;
   virtual void raise(Fault fault) noexcept = 0;
-  /// Says where the tool is, for serve(). @param ticks that are done.
-  virtual void publish(const DeviceReading& reading, std::int64_t ticks) noexcept = 0;
+  /// Says where the tools are, for serve(). @param ticks that are done; 0: before the
+  /// first.
+  virtual void publish(const HandReadings& reading, std::int64_t ticks) noexcept = 0;
 
   [[nodiscard]] virtual Fault fault() const noexcept = 0;  ///< latched
   [[nodiscard]] virtual bool in_contact() const noexcept = 0;
@@ -43,12 +54,15 @@ class RenderedBody {
   [[nodiscard]] virtual std::int32_t triangle() const noexcept = 0;  ///< -1: none
   [[nodiscard]] virtual std::uint64_t dropped() const noexcept = 0;  ///< elements
   /// What of the account is this body's alone.
-  virtual void account(const FastCommand& command,
+  virtual void account(const WrenchCommand& command,
                        RenderReport& report) const noexcept {
     static_cast<void>(command);
     static_cast<void>(report);
   }
 
+  /// The element that a recording says arrived, as if it had come by take_in(); not in
+  /// a tick. @throws FormatError for one that the body does not have.
+  virtual void accept(const ArrivalRecord& arrival) = 0;
   /// One turn of the slow process. @returns whether the fast one had said anything new.
   virtual bool serve(std::int64_t now_ns) = 0;
 
@@ -59,5 +73,8 @@ class RenderedBody {
   [[nodiscard]] virtual std::vector<YieldedRow> yielded() const { return {}; }
   [[nodiscard]] virtual std::vector<SurfaceDent> dents() const { return {}; }
 };
+
+/// @throws FormatError naming an element of a recording that a body does not have.
+[[noreturn]] void throw_no_element(const ArrivalRecord& arrival);
 
 }  // namespace palpate

@@ -16,10 +16,8 @@ namespace {
 constexpr double kWristRadPerS = 40.0;
 constexpr double kStillRad = 0.05;  // noise of readings a few microseconds apart
 
-ContactStream stream_of(const ResponseDatabase& database, const ResponseTable& tool,
-                        double force_scale) {
-  const ResponseTable* const one[] = {&tool};
-  return ContactStream(database, one, force_scale);
+PortPose pose_of(const DeviceReading& reading) noexcept {
+  return {reading.position_m, reading.turn.toRotationMatrix()};
 }
 
 const SurfaceMemory& memory_of(const CoupledState& state, int i) {
@@ -53,19 +51,18 @@ std::uint64_t forgotten(const CoupledState& state) {
 }  // namespace
 
 SeveralContacts::SeveralContacts(const ResponseDatabase& database,
-                                 const ResponseTable& tool, const FastConfig& config,
-                                 double force_scale,
-                                 const std::optional<VirtualCoupling>& coupling,
-                                 ContactsWatch* watch)
-    : stream_(stream_of(database, tool, force_scale)),
+                                 std::span<const ResponseTable* const> tools,
+                                 const FastConfig& config, const ContactsHeld& held)
+    : stream_(database, tools, held.force_scale),
       storage_(stream_.set(), config),
-      watch_(watch) {
-  if (!coupling) {
+      torque_felt_(held.torque_felt),
+      watch_(held.watch) {
+  if (!held.coupling) {
     return;
   }
   hung_ = std::make_unique<HungTool>();
-  hung_->torque_felt = false;
-  if (const char* wrong = hang(*hung_, state(), *coupling)) {
+  hung_->torque_felt = torque_felt_;
+  if (const char* wrong = hang(*hung_, state(), *held.coupling)) {
     throw InputError(fmt::format("coupling: {}", wrong));
   }
 }
@@ -75,8 +72,9 @@ bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
   if (message == nullptr) {
     return false;
   }
-  accept(state(), *message);
+  palpate::accept(state(), *message);
   const Element& element = message->element;
+  arrival.contact = message->contact;
   arrival.sequence = static_cast<std::int64_t>(element.sequence);
   arrival.sent_ns = element.sent_ns;
   arrival.triangle = element.triangle;
@@ -85,49 +83,56 @@ bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
   return true;
 }
 
-void SeveralContacts::watch_turn(const DeviceReading& reading) noexcept {
-  const double dt_s =
-      std::max(0.0, static_cast<double>(reading.time_ns - last_.time_ns) /
-                        kNanosecondsPerSecond);
-  const double turned_rad = reading.turn.angularDistance(last_.turn);
-  if (stepped_ && !(turned_rad <= kStillRad + kWristRadPerS * dt_s)) {
-    raise(Fault::kJump);
+void SeveralContacts::accept(const ArrivalRecord& arrival) {
+  const CoupledSet& set = storage_.state().set;
+  if (arrival.contact < 0 || arrival.contact >= set.count || arrival.triangle < 0 ||
+      arrival.triangle >= stream_.triangles()) {
+    throw_no_element(arrival);
+  }
+  ContactElement message = stream_.element(arrival.contact, arrival.triangle);
+  message.element.sequence = static_cast<std::uint64_t>(arrival.sequence);
+  message.element.sent_ns = arrival.sent_ns;
+  message.element.active = arrival.active != 0;
+  palpate::accept(state(), message);
+}
+
+void SeveralContacts::watch_turns(const HandReadings& reading) noexcept {
+  for (std::size_t hand = 0; stepped_ && hand < hands(); ++hand) {
+    const double dt_s =
+        std::max(0.0, static_cast<double>(reading[hand].time_ns - last_[hand].time_ns) /
+                          kNanosecondsPerSecond);
+    const double turned_rad = reading[hand].turn.angularDistance(last_[hand].turn);
+    if (!(turned_rad <= kStillRad + kWristRadPerS * dt_s)) {
+      raise(Fault::kJump);
+    }
   }
   last_ = reading;
   stepped_ = true;
 }
 
-FastCommand SeveralContacts::step(const DeviceReading& reading, double dt_s) noexcept {
-  CoupledSample sample;
-  sample.pose[0].position_m = reading.position_m;
-  sample.time_ns = reading.time_ns;
+WrenchCommand SeveralContacts::step(const HandReadings& reading, double dt_s) noexcept {
+  PoseSample sample;
+  sample.time_ns = reading[0].time_ns;
   if (!is_alone(state().set)) {
-    watch_turn(reading);
-    sample.pose[0].rotation = reading.turn.toRotationMatrix();
+    watch_turns(reading);
   }
-  const CoupledCommand all = hung_ != nullptr
-                                 ? palpate::step(*hung_, state(), sample, dt_s)
-                                 : step_unturned(state(), sample, dt_s);
-  wrench_ = all.wrench;
-  scaled_ = all.scaled;
-  FastCommand command;
-  command.force_n = all.wrench[0].force_n;
-  command.in_contact = all.in_contact;
-  command.starved = all.starved;
-  command.extrapolated = all.extrapolated;
-  command.depth_m = all.depth_m;
-  command.stored_j = all.stored_j;
-  command.tank_j = all.tank_j;
-  command.memory_j = all.memory_j;
-  command.carried_n = all.carried_n;
-  command.dissipated_j = all.dissipated_j;
-  command.yielded_j = all.yielded_j;
-  command.relaxed_shift_m = all.relaxed_shift_m;
-  command.fault = all.fault;
+  for (std::size_t hand = 0; hand < hands(); ++hand) {
+    sample.pose[hand] = pose_of(reading[hand]);
+  }
+  if (is_alone(state().set) && !torque_felt_) {
+    // No change of the model could take its turns.
+    sample.pose[0].rotation.setIdentity();
+  }
+  const WrenchCommand command = hung_ != nullptr
+                                    ? palpate::step(*hung_, state(), sample, dt_s)
+                                : torque_felt_ ? palpate::step(state(), sample, dt_s)
+                                               : step_unturned(state(), sample, dt_s);
+  wrench_ = command.wrench;
+  scaled_ = command.scaled;
   return command;
 }
 
-void SeveralContacts::account(const FastCommand& command,
+void SeveralContacts::account(const WrenchCommand& command,
                               RenderReport& report) const noexcept {
   if (relaxes(storage_.state())) {
     report.relaxes = true;
@@ -135,7 +140,7 @@ void SeveralContacts::account(const FastCommand& command,
     report.memory_max_j = std::max(report.memory_max_j, command.memory_j);
     if (command.carried_n > report.carried_max_n) {
       report.carried_max_n = command.carried_n;
-      report.carried_of_n = command.force_n.norm();
+      report.carried_of_n = command.wrench[0].force_n.norm();
     }
     report.forgotten = forgotten(storage_.state());
   }
@@ -146,9 +151,11 @@ void SeveralContacts::account(const FastCommand& command,
   }
 }
 
-void SeveralContacts::delivered(const Eigen::Vector3d& force_n) noexcept {
+void SeveralContacts::delivered(const HandForces& force_n) noexcept {
   PortWrenches made = wrench_;
-  made[0].force_n = force_n;
+  for (std::size_t hand = 0; hand < hands(); ++hand) {
+    made[hand].force_n = force_n[hand];
+  }
   if (hung_ != nullptr) {
     palpate::delivered(*hung_, state(), made);
   } else {
@@ -160,7 +167,7 @@ void SeveralContacts::show(const DeviceReading& reading) noexcept {
   const CoupledState& s = storage_.state();
   seen_.count = s.set.count;
   seen_.tool = s.latest.pose[0];
-  seen_.device = {reading.position_m, reading.turn.toRotationMatrix()};
+  seen_.device = pose_of(reading);
   seen_.wrench = wrench_[0];
   seen_.hung = hung_ != nullptr;
   seen_.scaled = scaled_;
@@ -170,12 +177,22 @@ void SeveralContacts::show(const DeviceReading& reading) noexcept {
   watch_->write(seen_);
 }
 
-void SeveralContacts::publish(const DeviceReading& reading,
+void SeveralContacts::publish(const HandReadings& reading,
                               std::int64_t ticks) noexcept {
   if (watch_ != nullptr) {
-    show(reading);
+    show(reading[0]);
   }
-  tool_->write(contact_tool_state(storage_.state(), static_cast<std::uint64_t>(ticks)));
+  const CoupledState& s = storage_.state();
+  ContactToolState at = contact_tool_state(
+      s, static_cast<std::uint64_t>(std::max<std::int64_t>(1, ticks)));
+  PortPoses pose;
+  for (std::size_t hand = 0; hand < hands(); ++hand) {
+    pose[hand] = pose_of(reading[hand]);
+  }
+  for (int i = 0; ticks == 0 && i < s.set.count; ++i) {
+    at.contact[static_cast<std::size_t>(i)].position_m = centre_of(s.set, pose, i);
+  }
+  tool_->write(at);
 }
 
 Fault SeveralContacts::fault() const noexcept {

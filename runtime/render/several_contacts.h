@@ -1,10 +1,11 @@
-// A tool that touches at several places at once, on a device that pushes it and may
-// measure how it is turned, but does not turn it.
+// Tools that touch at several places at once, or two hands on one body, on devices that
+// push them and may measure how they are turned.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "formats/response/response_table.h"
@@ -17,28 +18,42 @@
 
 namespace palpate {
 
-/// Contacts coupled through the body (coupled_step.h). Held by the device itself, the
-/// tool is as the device measures it: its axes along the body's where turns are not
-/// measured. Held by a virtual coupling (hung_tool.h), it turns under its contacts. The
-/// torque on the device is not felt: it does no work where nothing turns, and turns
-/// that are measured are a change of the model (carry() of coupled_step.h); one that no
-/// wrist makes is the fault "jump".
+/// How tools of several contacts are held.
+struct ContactsHeld {
+  double force_scale = 1.0;  ///< [-] (0, 1]
+  /// Holds each tool; none: its device does.
+  std::optional<VirtualCoupling> coupling = {};
+  /// Whether who turns the tools feels their torques: a simulated wrist does, no device
+  /// does.
+  bool torque_felt = false;
+  /// Sees every tick of the first hand; null: nobody looks on. Outlives the body.
+  ContactsWatch* watch = nullptr;
+};
+
+/// Contacts coupled through the body (coupled_step.h). Held by a device itself, a tool
+/// is as the device measures it: its axes along the body's where turns are not
+/// measured. Held by a virtual coupling (hung_tool.h), it turns under its contacts. A
+/// torque that is not felt does no work: turns that are measured are then a change of
+/// the model (carry() of coupled_step.h). A turn that no wrist makes is the fault
+/// "jump".
 class SeveralContacts : public RenderedBody {
  public:
-  /// @param database outlives it. @param config model: kPotential. @param force_scale
-  /// [-] (0, 1]. @param coupling that holds the tool; none: the device does. @throws
-  /// InputError as coupled_set(), CoupledStorage and hang(). @param watch sees every
-  /// tick; null: nobody looks on; else it outlives this.
-  SeveralContacts(const ResponseDatabase& database, const ResponseTable& tool,
-                  const FastConfig& config, double force_scale,
-                  const std::optional<VirtualCoupling>& coupling = {},
-                  ContactsWatch* watch = nullptr);
+  /// @param database outlives it. @param tools of it, one for each hand. @param config
+  /// model: a field. @throws InputError as coupled_set(), CoupledStorage and hang().
+  SeveralContacts(const ResponseDatabase& database,
+                  std::span<const ResponseTable* const> tools, const FastConfig& config,
+                  const ContactsHeld& held = {});
+
+  [[nodiscard]] std::size_t hands() const noexcept override {
+    return static_cast<std::size_t>(storage_.state().set.ports);
+  }
+  [[nodiscard]] bool torque_felt() const noexcept override { return torque_felt_; }
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
-  FastCommand step(const DeviceReading& reading, double dt_s) noexcept override;
-  void delivered(const Eigen::Vector3d& force_n) noexcept override;
+  WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
+  void delivered(const HandForces& force_n) noexcept override;
   void raise(Fault fault) noexcept override { raise_fault(state(), fault); }
-  void publish(const DeviceReading& reading, std::int64_t ticks) noexcept override;
+  void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
 
   [[nodiscard]] Fault fault() const noexcept override;
   [[nodiscard]] bool in_contact() const noexcept override {
@@ -47,7 +62,7 @@ class SeveralContacts : public RenderedBody {
   [[nodiscard]] double work_j() const noexcept override {
     return hung_ != nullptr ? hung_->total.work_j : account_of(storage_.state()).work_j;
   }
-  void account(const FastCommand& command,
+  void account(const WrenchCommand& command,
                RenderReport& report) const noexcept override;
   /// Of the first contact that touches.
   [[nodiscard]] std::int32_t triangle() const noexcept override;
@@ -57,13 +72,14 @@ class SeveralContacts : public RenderedBody {
 
   [[nodiscard]] std::vector<SurfaceDent> dents() const override;
 
+  void accept(const ArrivalRecord& arrival) override;
   bool serve(std::int64_t now_ns) override;
 
   void begin_with(const std::vector<YieldedRow>& rows) override;
 
  private:
   void show(const DeviceReading& reading) noexcept;
-  void watch_turn(const DeviceReading& reading) noexcept;
+  void watch_turns(const HandReadings& reading) noexcept;
   [[nodiscard]] CoupledState& state() noexcept { return storage_.state(); }
 
   ContactStream stream_;
@@ -73,10 +89,11 @@ class SeveralContacts : public RenderedBody {
   std::unique_ptr<TripleBuffer<ContactToolState>> tool_ =
       std::make_unique<TripleBuffer<ContactToolState>>();
   ContactSent sent_;
-  DeviceReading last_;  // of the latest step
+  HandReadings last_;  // of the latest step
   bool stepped_ = false;
   PortWrenches wrench_;  // of the latest step
   bool scaled_ = false;  // likewise
+  bool torque_felt_;
   ContactsWatch* watch_;
   ContactsSeen seen_;
 };

@@ -35,7 +35,7 @@ struct WireLimits {
 /// above it, because a held force gives K |dx|^2 / 2 at most.
 class WireWatch {
  public:
-  explicit WireWatch(const WireLimits& limits) : limits_(limits) {}
+  explicit WireWatch(const WireLimits& limits = {}) : limits_(limits) {}
 
   /// Holds a force on the tool from then on. @param now_ns as of positions, not
   /// falling.

@@ -12,6 +12,7 @@
 
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
+#include "runtime/realtime/clock.h"
 
 namespace palpate {
 namespace {
@@ -122,25 +123,11 @@ Eigen::Quaterniond unit(const double* xyzw) {
 
 }  // namespace
 
-double work_of_hands_j(const PoseTick& from, const PoseTick& to, std::size_t hands,
-                       bool moved) {
-  double work = 0.0;
-  for (std::size_t i = 0; i < hands; ++i) {
-    const Wrench& held = from.command.wrench[i];
-    const Eigen::AngleAxisd turn(to.pose[i].turn * from.pose[i].turn.conjugate());
-    work -= turn.angle() * held.torque_n_m.dot(turn.axis());
-    if (moved) {
-      work -= held.force_n.dot(to.pose[i].position_m - from.pose[i].position_m);
-    }
-  }
-  return work;
-}
-
 void write_pose_trace(const std::filesystem::path& file, int ports,
-                      const std::vector<PoseTick>& ticks) {
+                      const std::vector<RenderTick>& ticks) {
   std::string text = header(ports);
-  for (const PoseTick& tick : ticks) {
-    text += fmt::format("{:.17g}", tick.time_s);
+  for (const RenderTick& tick : ticks) {
+    text += fmt::format("{:.17g}", seconds_in(tick.time_ns));
     for (std::size_t port = 0; port < static_cast<std::size_t>(ports); ++port) {
       const Wrench& wrench = tick.command.wrench[port];
       append(text, tick.pose[port].position_m.data(), 3);
@@ -148,7 +135,7 @@ void write_pose_trace(const std::filesystem::path& file, int ports,
       append(text, wrench.force_n.data(), 3);
       append(text, wrench.torque_n_m.data(), 3);
     }
-    const CoupledCommand& c = tick.command;
+    const WrenchCommand& c = tick.command;
     text += fmt::format(",{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", c.contacts,
                         c.depth_m, c.stored_j, c.tank_j, c.dissipated_j, tick.work_j);
   }
@@ -157,24 +144,25 @@ void write_pose_trace(const std::filesystem::path& file, int ports,
   out.commit();
 }
 
-std::vector<PoseTick> read_poses(const std::filesystem::path& file, int ports) {
+std::vector<RenderTick> read_poses(const std::filesystem::path& file, int ports) {
   std::ifstream in(file);
   std::string line;
   if (!in || !std::getline(in, line)) {
     throw InputError(fmt::format("{}: cannot be read, or is empty", file.string()));
   }
   const PoseColumns columns(file, line, ports);
-  std::vector<PoseTick> ticks;
+  std::vector<RenderTick> ticks;
   for (std::int64_t number = 2; std::getline(in, line); ++number) {
     if (line.empty() || line == "\r") {
       continue;
     }
     const std::vector<double> v = columns.values(line, number);
-    PoseTick tick;
-    tick.time_s = v[0];
-    if (!ticks.empty() && !(v[0] > ticks.back().time_s)) {
-      throw InputError(fmt::format("{}, line {}: time_s is {}, must rise",
-                                   file.string(), number, v[0]));
+    RenderTick tick;
+    tick.time_ns = std::llround(v[0] * kNanosecondsPerSecond);
+    if (!ticks.empty() && !(tick.time_ns > ticks.back().time_ns)) {
+      throw InputError(
+          fmt::format("{}, line {}: time_s is {}, must rise by a nanosecond at least",
+                      file.string(), number, v[0]));
     }
     for (std::size_t port = 0; port < static_cast<std::size_t>(ports); ++port) {
       const double* at = &v[1 + 7 * port];

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -10,7 +12,9 @@
 #include "formats/response/tool_support.h"
 #include "runtime/device/socket_device.h"
 #include "runtime/hand/wandering_hand.h"
-#include "runtime/run/replay.h"
+#include "runtime/run/pose_trace.h"
+#include "runtime/run/posed_device.h"
+#include "runtime/run/recorded_setup.h"
 #include "runtime/run/several_run.h"
 
 namespace palpate {
@@ -79,7 +83,7 @@ WireLimits wire_limits(const SimulationReport& report, const DeviceLimits& devic
 
 void prepare_records(PreparedRun& run, const DeviceLimits& limits) {
   const RecordingRequest& wanted = run.report.options.recording;
-  run.header = recording_header(run.report, run.config.fast, limits, wanted);
+  run.header = recording_header(run.report, run.config.fast, limits, run.several.get());
   if (!wanted.file.empty()) {
     run.recorder = std::make_unique<Recorder>(wanted.file, run.header);
   }
@@ -108,6 +112,108 @@ std::unique_ptr<Device> wandering_device(const PressedBody& body,
       clock);
 }
 
+// A hand's device, as far as it is one before somebody knows what it presses.
+struct HandSeat {
+  DeviceLimits limits;
+  std::unique_ptr<Device> connected;  // by a socket
+  const std::optional<AttachedDevice>& attached;
+};
+
+HandSeat seat_of(const SimulationOptions& options, const std::filesystem::path& socket,
+                 const std::optional<AttachedDevice>& attached) {
+  HandSeat seat{.limits = {}, .connected = nullptr, .attached = attached};
+  if (attached) {
+    seat.limits = attached->limits;
+  } else if (!socket.empty()) {
+    seat.connected = std::make_unique<SocketDevice>(socket);
+    seat.limits = seat.connected->limits();
+  } else {
+    SimulatedClock clock;
+    seat.limits = SimulatedDevice(options.device, HandScript{}, clock, {}).limits();
+  }
+  return seat;
+}
+
+std::unique_ptr<Device> make_device(const SimulationOptions& options, HandSeat& seat,
+                                    const HandScript& script, bool several,
+                                    Clock& clock) {
+  if (seat.attached) {
+    return seat.attached->make(script);
+  }
+  if (seat.connected != nullptr) {
+    return std::move(seat.connected);
+  }
+  auto device = std::make_unique<SimulatedDevice>(
+      options.device, script, clock,
+      SimulatedMotion{.position_m = script.at(0.0).position_m});
+  if (several) {
+    device->turn_by({.normal = script.normal,
+                     .tilt_rad = options.tilt_rad,
+                     .turn_rad = options.turn_rad});
+  }
+  return device;
+}
+
+// Of two devices the one that renders less.
+DeviceLimits weaker(const DeviceLimits& a, const DeviceLimits& b, double hold_s) {
+  return stability_bounds(a, hold_s).renderable_n_per_m() <=
+                 stability_bounds(b, hold_s).renderable_n_per_m()
+             ? a
+             : b;
+}
+
+// Poses of a file in the place of hands and devices.
+void take_poses(PreparedRun& run) {
+  const SimulationOptions& o = run.report.options;
+  if (o.poses.empty()) {
+    return;
+  }
+  const int hands = o.together ? 2 : 1;
+  if (!is_simulated(o, 0) || (hands > 1 && !is_simulated(o, 1)) || o.real_time) {
+    throw InputError(
+        "--poses go in simulated time, instead of devices: leave out --device and "
+        "--clock real");
+  }
+  const auto poses =
+      std::make_shared<const std::vector<RenderTick>>(read_poses(o.poses, hands));
+  run.config.duration_s = static_cast<double>(poses->size()) / o.fast_hz;
+  const DeviceLimits limits = run.device->limits();
+  run.device = std::make_unique<PosedDevice>(poses, 0, limits);
+  if (hands > 1) {
+    run.second = std::make_unique<PosedDevice>(poses, 1, limits);
+  }
+}
+
+// Everything that coupled contacts have beside what one has.
+void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
+                      PreparedRun& run, Clock& clock) {
+  SimulationReport& report = run.report;
+  const SimulationOptions& o = report.options;
+  const PressedTogether& together = *body.together;
+  report.contacts = body.contacts;
+  report.second_node = together.second_node;
+  report.table_error = together.table_error;
+  report.convex = together.convex;
+  report.turning_n_m_per_rad = together.turning_n_m_per_rad;
+  if (second) {
+    run.second = make_device(
+        o, *second, together.second_script(report.force_scale, o.device.hand_n_per_m),
+        true, clock);
+  }
+  take_poses(run);
+  ContactsHeld held{.force_scale = report.force_scale, .watch = o.watch_contacts};
+  held.torque_felt = is_simulated(o, 0) && (!o.together || is_simulated(o, 1));
+  report.torque_felt = held.torque_felt;
+  if (report.coupling) {
+    held.coupling = report.coupling->coupling;
+  }
+  run.several = body.several(run.config.fast.fast, held);
+  if (!o.trace.empty()) {
+    run.trace.reserve(static_cast<std::size_t>(
+        std::ceil(run.config.duration_s * run.config.fast.rate_hz) + 1.0));
+  }
+}
+
 // What a run leaves behind: report, recording, flight log.
 void finish(PreparedRun& run, const RenderReport& rendered) {
   SimulationReport& report = run.report;
@@ -116,6 +222,9 @@ void finish(PreparedRun& run, const RenderReport& rendered) {
     report.coupling->account = *rendered.coupling;
   }
   report.device_failure = run.device->failure();
+  if (run.second != nullptr && report.device_failure.empty()) {
+    report.device_failure = run.second->failure();
+  }
   report.device_turns = run.device->measures_turns();
   if (const LinkReport* wire = run.device->wire()) {
     report.wire = *wire;
@@ -125,6 +234,9 @@ void finish(PreparedRun& run, const RenderReport& rendered) {
     run.recorder->finish(fault);
     report.records_dropped = run.recorder->dropped();
     report.recording_failure = run.recorder->failure();
+  }
+  if (!report.options.trace.empty()) {
+    write_pose_trace(report.options.trace, report.options.together ? 2 : 1, run.trace);
   }
   if (run.flight != nullptr && rendered.fault != Fault::kNone) {
     write_flight_log(report.options.recording.flight_file, run.header, *run.flight,
@@ -142,11 +254,13 @@ void render(std::vector<PreparedRun>& runs, const std::atomic<bool>& stop,
                      {.device = *run.device,
                       .stream = run.sender.get(),
                       .stop = stop,
+                      .trace = run.report.options.trace.empty() ? nullptr : &run.trace,
                       .recorder = run.recorder.get(),
                       .flight = run.flight.get(),
                       .watch = run.report.options.watch,
                       .surface = run.header.surface,
-                      .several = run.several.get()}});
+                      .several = run.several.get(),
+                      .second = run.second.get()}});
   }
   const std::vector<RenderReport> rendered = runs.front().report.options.real_time
                                                  ? render_in_real_time(tools)
@@ -170,9 +284,16 @@ void check(const SimulationOptions& options) {
     throw InputError(fmt::format("largest force is {} N, must be positive and finite",
                                  options.force_max_n));
   }
-  if ((!options.socket.empty() || options.attached) && !options.real_time) {
+  const bool simulated =
+      is_simulated(options, 0) && (!options.together || is_simulated(options, 1));
+  if (!simulated && !options.real_time) {
     throw InputError("a device lives in real time, not in simulated time");
   }
+}
+
+bool is_simulated(const SimulationOptions& options, int hand) {
+  return hand == 0 ? options.socket.empty() && !options.attached
+                   : options.together->socket.empty() && !options.together->attached;
 }
 
 PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
@@ -186,18 +307,17 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
   report.node = body.node;
   report.options.device.tick_s = 1.0 / options.fast_hz;
   report.options.device.force_max_n = options.force_max_n;
-  const SimulatedDeviceConfig& device_config = report.options.device;
-  if (!options.socket.empty()) {
-    run.device = std::make_unique<SocketDevice>(options.socket);
-  }
-  const DeviceLimits limits =
-      options.attached ? options.attached->limits
-      : run.device != nullptr
-          ? run.device->limits()
-          : SimulatedDevice(device_config, HandScript{}, clock, {}).limits();
-  run.config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
+  HandSeat seat = seat_of(report.options, options.socket, options.attached);
+  std::optional<HandSeat> second;
   report.hold_s =
-      hold_s(options.model, options.fast_hz, options.slow_hz, limits.hold_s);
+      hold_s(options.model, options.fast_hz, options.slow_hz, seat.limits.hold_s);
+  DeviceLimits limits = seat.limits;
+  if (options.together) {
+    second.emplace(
+        seat_of(report.options, options.together->socket, options.together->attached));
+    limits = weaker(limits, second->limits, report.hold_s);
+  }
+  run.config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
   report.stiffness = body.stiffness;
   if (!follows_surface(options.model)) {
     report.stiffness.friction_n_per_m = 0.0;  // the scalar models render none
@@ -207,30 +327,23 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
     soften_coupling(report, limits);
   }
   report.force_scale = force_scale(report, limits);
-  if (options.attached || !options.socket.empty()) {
+  if (!is_simulated(options, 0)) {
     run.config.fast.wire = wire_limits(report, limits, run.config.fast.fast);
   }
 
-  const HandScript script = body.script(report.force_scale, device_config.hand_n_per_m);
-  const Eigen::Vector3d start_m = script.at(0.0).position_m;
-  if (options.attached) {
-    run.device = options.attached->make(script);
-  } else if (run.device == nullptr) {
-    run.device = std::make_unique<SimulatedDevice>(
-        device_config, script, clock, SimulatedMotion{.position_m = start_m});
-  }
-  if (options.wander_m_per_s > 0.0) {
-    run.device = wandering_device(body, options, device_config, clock);
-  }
+  const HandScript script =
+      body.script(report.force_scale, options.device.hand_n_per_m);
+  run.device =
+      options.wander_m_per_s > 0.0
+          ? wandering_device(body, options, report.options.device, clock)
+          : make_device(report.options, seat, script, body.several != nullptr, clock);
   report.device = run.device->name();
   if (body.several) {
-    report.contacts = static_cast<int>(body.tool.contact.radius_m.size());
-    run.several =
-        body.several(run.config.fast.fast, report.force_scale, report.coupling);
+    prepare_together(body, second, run, clock);
   } else if (body.growing) {
     run.sender = body.growing(report.bounds.renderable_n_per_m());
   } else {
-    run.sender = body.stream(report.force_scale, start_m);
+    run.sender = body.stream(report.force_scale, script.at(0.0).position_m);
   }
   prepare_records(run, limits);
   return run;

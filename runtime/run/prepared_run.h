@@ -12,6 +12,7 @@
 
 #include "runtime/render/recorder.h"
 #include "runtime/render/render_loop.h"
+#include "runtime/render/several_contacts.h"
 #include "runtime/run/render_run.h"
 
 namespace palpate {
@@ -19,17 +20,32 @@ namespace palpate {
 /// @throws InputError for options out of range.
 void check(const SimulationOptions& options);
 
+/// Whether a hand's device is simulated. @param hand 0 or 1.
+[[nodiscard]] bool is_simulated(const SimulationOptions& options, int hand);
+
+using MakeScript = std::function<HandScript(double force_scale, double hand_n_per_m)>;
+
+/// Of several contacts, what one contact does not have.
+struct PressedTogether {
+  MakeScript second_script;  // of the second hand; null: there is one
+  std::int32_t second_node = -1;
+  double table_error = 0.0;
+  bool convex = true;
+  double turning_n_m_per_rad = 0.0;
+};
+
 /// What a run presses, wherever its responses lie.
 struct PressedBody {
   ToolShape tool;
   std::int32_t node = -1;
   RenderedStiffness stiffness;
-  // Of a tool of several contacts, instead of the stream.
-  std::function<std::unique_ptr<RenderedBody>(
-      const FastConfig& config, double force_scale,
-      const std::optional<CouplingReport>& coupling)>
+  int contacts = 1;
+  // Of tools of several contacts, instead of the stream.
+  std::function<std::unique_ptr<RenderedBody>(const FastConfig& config,
+                                              const ContactsHeld& held)>
       several = nullptr;
-  std::function<HandScript(double force_scale, double hand_n_per_m)> script;
+  std::optional<PressedTogether> together = {};  // likewise
+  MakeScript script;
   std::function<std::unique_ptr<ElementSender>(double force_scale,
                                                const Eigen::Vector3d& start_m)>
       stream;
@@ -47,6 +63,8 @@ struct PreparedRun {
   RenderConfig config;
   SimulationReport report;
   std::unique_ptr<Device> device;
+  std::unique_ptr<Device> second;  // of a second hand
+  std::vector<RenderTick> trace;
   std::unique_ptr<ElementSender> sender;
   std::unique_ptr<RenderedBody> several;  // instead of a sender
   RecordingHeader header;

@@ -10,10 +10,8 @@
 
 #include "formats/base/error.h"
 #include "runtime/hand/press_site.h"
-#include "runtime/render/several_contacts.h"
 #include "runtime/run/prepared_run.h"
 #include "runtime/run/several_run.h"
-#include "runtime/slow/contact_stiffness.h"
 #include "runtime/slow/field_stiffness.h"
 #include "runtime/slow/file_press_site.h"
 
@@ -28,37 +26,11 @@ std::vector<SimulationReport> reports(const std::vector<PreparedRun>& runs) {
   return all;
 }
 
-// A tool of several contacts.
-PressedBody pressed_by_several(const ResponseDatabase& database,
-                               const ResponseTable& table, PressedBody body,
-                               const SimulationOptions& options) {
-  body.stiffness =
-      stiffness_of_contacts(database, table, options.model, options.force_max_n);
-  body.several = [&database, &table, watch = options.watch_contacts](
-                     const FastConfig& config, double scale,
-                     const std::optional<CouplingReport>& coupling) {
-    return std::make_unique<SeveralContacts>(
-        database, table, config, scale,
-        coupling ? std::optional(coupling->coupling) : std::nullopt, watch);
-  };
-  body.script = [script = std::move(body.script), &table](double scale,
-                                                          double hand_n_per_m) {
-    HandScript pressed = script(scale, hand_n_per_m);
-    const ContactSet& contact = table.tool.contact;
-    pressed.touch_m = (Eigen::Map<const Eigen::VectorXd>(contact.radius_m.data(),
-                                                         std::ssize(contact.radius_m)) -
-                       contact.point_m * pressed.normal)
-                          .maxCoeff();
-    return pressed;
-  };
-  return body;
-}
-
 // Of one contact.
 RenderedStiffness stiffness_of_run(const ResponseDatabase& database,
                                    const ResponseTable& table,
                                    const SimulationOptions& options) {
-  if (options.stiffness || !table.tool.contact.empty()) {
+  if (options.stiffness || options.together || !table.tool.contact.empty()) {
     return options.stiffness.value_or(RenderedStiffness{});
   }
   return model_stiffness(database, table, options.model, options.force_max_n);
@@ -90,7 +62,7 @@ PressedBody pressed_body(const ResponseDatabase& database,
   for (std::int64_t i = 0; i < table.nodes(); ++i) {
     body.open.push_back(!table.curve(i).depth_m.empty());
   }
-  return table.tool.contact.empty()
+  return table.tool.contact.empty() && !options.together
              ? body
              : pressed_by_several(database, table, std::move(body), options);
 }

@@ -34,8 +34,17 @@ struct RecordingRequest {
   std::string database_sha256 = {};  ///< of its content
 };
 
+/// The second of two hands that press one body together.
+struct SecondHand {
+  std::string tool;
+  std::optional<Eigen::Vector3d> at_m = {};     ///< [m] where to press
+  std::filesystem::path socket = {};            ///< as of the first
+  std::optional<AttachedDevice> attached = {};  ///< likewise
+};
+
 struct SimulationOptions {
-  std::string tool;  ///< empty: the only one
+  std::string tool;                         ///< empty: the only one
+  std::optional<SecondHand> together = {};  ///< whose contacts are coupled with these
   LocalModel model = LocalModel::kPotential;
   double duration_s = 10.0;  ///< [s] > 0
   double fast_hz = 2000.0;   ///< [Hz] > 0
@@ -46,6 +55,11 @@ struct SimulationOptions {
   std::optional<Eigen::Vector3d> at_m;  ///< [m] where to press
   bool real_time = false;
   bool limit_stiffness = false;  ///< scale forces to what the device can render
+  // Of several contacts on simulated devices, whose hands feel torques.
+  double tilt_rad = 0.1;  ///< [rad] [-1, 1] that each hand rocks its tool
+  double turn_rad = 0.5;  ///< [rad] [-3, 3] that each turns it about the normal
+  std::filesystem::path poses = {};  ///< instead of hands and devices (pose_trace.h)
+  std::filesystem::path trace = {};  ///< of every tick (pose_trace.h); empty: none
   /// Hangs a tool of several contacts on the device; none: the device holds it.
   std::optional<VirtualCoupling> coupling = {};
   SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run
@@ -67,11 +81,16 @@ struct SimulationOptions {
 struct SimulationReport {
   SimulationOptions options;
   std::string tool;
-  std::string device;          ///< name
-  bool device_turns = false;   ///< it measures how it is turned
-  std::string device_failure;  ///< why it was lost; empty if it was not
-  std::int32_t node = -1;      ///< pressed
-  int contacts = 1;            ///< of the tool
+  std::string device;                ///< name
+  bool device_turns = false;         ///< it measures how it is turned
+  bool torque_felt = false;          ///< by who turns tools of several contacts
+  std::string device_failure;        ///< why it was lost; empty if it was not
+  std::int32_t node = -1;            ///< pressed
+  std::int32_t second_node = -1;     ///< by the second hand
+  int contacts = 1;                  ///< of the tools
+  double table_error = 0.0;          ///< [-] of what couples them; 0: not stated
+  bool convex = true;                ///< one equilibrium wherever it was tried
+  double turning_n_m_per_rad = 0.0;  ///< stiffness of contacts together in turning
   RenderedStiffness stiffness;
   StabilityBounds bounds;
   double hold_s = 0.0;       ///< [s] time that a force is held, for the bounds

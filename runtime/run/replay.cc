@@ -1,15 +1,14 @@
 #include "runtime/run/replay.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <memory>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
 #include "runtime/realtime/clock.h"
-#include "runtime/render/surface_dents.h"
-#include "runtime/slow/memory_elements.h"
+#include "runtime/run/recorded_setup.h"
 
 namespace palpate {
 namespace {
@@ -27,7 +26,7 @@ bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-std::uint8_t flags_of(const FastCommand& command) {
+std::uint8_t flags_of(const TickAccount& command) {
   const auto bit = [](TickFlag flag, bool set) {
     return set ? static_cast<unsigned>(flag) : 0U;
   };
@@ -36,36 +35,69 @@ std::uint8_t flags_of(const FastCommand& command) {
                                    bit(TickFlag::kExtrapolated, command.extrapolated));
 }
 
-// What differs between a tick and its replay; "" if nothing does.
-std::string difference(const TickRecord& tick, const FastCommand& command,
-                       const FastState& state) {
+// What differs along an axis; "" if nothing does.
+std::string difference(const char* what, const char* unit,
+                       const std::array<double, 3>& recorded,
+                       const Eigen::Vector3d& now) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double force_n = command.force_n[static_cast<Eigen::Index>(axis)];
-    if (!same(tick.force_n[axis], force_n)) {
-      return fmt::format("force {}: {:.17g} N recorded, {:.17g} N now", "xyz"[axis],
-                         tick.force_n[axis], force_n);
+    const double value = now[static_cast<Eigen::Index>(axis)];
+    if (!same(recorded[axis], value)) {
+      return fmt::format("{} {}: {:.17g} {} recorded, {:.17g} {} now", what,
+                         "xyz"[axis], recorded[axis], unit, value, unit);
     }
+  }
+  return "";
+}
+
+RecordedHand first_hand(const TickRecord& tick) {
+  return {tick.position_m, tick.turn, tick.force_n, tick.torque_n_m};
+}
+
+std::string difference(const RecordedHand& hand, const Wrench& wrench) {
+  const std::string force = difference("force", "N", hand.force_n, wrench.force_n);
+  return force.empty() ? difference("torque", "N m", hand.torque_n_m, wrench.torque_n_m)
+                       : force;
+}
+
+// What differs between a tick and its replay; "" if nothing does.
+std::string difference(const Recording& recording, const TickRecord& tick,
+                       const WrenchCommand& command, const RenderedBody& body) {
+  std::string wrench = difference(first_hand(tick), command.wrench[0]);
+  if (wrench.empty() && recording.hands() > 1) {
+    wrench = difference(tick.second, command.wrench[1]);
+    wrench += wrench.empty() ? "" : ", of the second hand";
+  }
+  if (!wrench.empty()) {
+    return wrench;
   }
   struct Value {
     const char* name;
     double recorded;
     double now;
   };
-  for (const Value& v :
-       {Value{"work", tick.work_j, state.ledger.work_j},
-        Value{"stored energy", tick.stored_j, command.stored_j},
-        Value{"tank", tick.tank_j, command.tank_j},
-        Value{"dissipated", tick.dissipated_j, command.dissipated_j},
-        Value{"depth", tick.depth_m, command.depth_m},
-        Value{"relaxed shift", tick.relaxed_shift_m, command.relaxed_shift_m}}) {
+  for (const Value& v : {Value{"work", tick.work_j, body.work_j()},
+                         Value{"stored energy", tick.stored_j, command.stored_j},
+                         Value{"tank", tick.tank_j, command.tank_j},
+                         Value{"dissipated", tick.dissipated_j, command.dissipated_j},
+                         Value{"depth", tick.depth_m, command.depth_m}}) {
     if (!same(v.recorded, v.now)) {
       return fmt::format("{}: {:.17g} recorded, {:.17g} now", v.name, v.recorded,
                          v.now);
     }
   }
-  if (tick.triangle != contact(state).triangle) {
-    return fmt::format("triangle: {} recorded, {} now", tick.triangle,
-                       contact(state).triangle);
+  if (recording.header.poses != 0.0 && tick.contacts != command.contacts) {
+    return fmt::format("contacts: {} recorded, {} now", tick.contacts,
+                       command.contacts);
+  }
+  if (recording.old) {
+    return "";  // has nothing more
+  }
+  if (!same(tick.relaxed_shift_m, command.relaxed_shift_m)) {
+    return fmt::format("relaxed shift: {:.17g} recorded, {:.17g} now",
+                       tick.relaxed_shift_m, command.relaxed_shift_m);
+  }
+  if (tick.triangle != body.triangle()) {
+    return fmt::format("triangle: {} recorded, {} now", tick.triangle, body.triangle());
   }
   if ((tick.flags & kCompared) != flags_of(command) || tick.fault != command.fault) {
     return "contact or fault";
@@ -73,29 +105,38 @@ std::string difference(const TickRecord& tick, const FastCommand& command,
   return "";
 }
 
+DeviceReading reading_of(const RecordedHand& hand, std::int64_t time_ns) {
+  DeviceReading reading;
+  reading.position_m = as_vector(hand.position_m);
+  reading.time_ns = time_ns;
+  reading.turn =
+      Eigen::Quaterniond(hand.turn[3], hand.turn[0], hand.turn[1], hand.turn[2]);
+  return reading;
+}
+
+HandReadings readings_of(const TickRecord& tick) {
+  return {reading_of(first_hand(tick), tick.time_ns),
+          reading_of(tick.second, tick.time_ns)};
+}
+
 // One pass over a recording.
 class Pass {
  public:
   Pass(const Recording& recording, const ResponseDatabase& database, LocalModel model)
-      : recording_(recording),
-        table_(find_tool(database, recording.header.tool)),
-        triangles_(static_cast<std::int32_t>(database.body.triangle.rows())),
-        stream_(database, table_, recording.header.force_scale) {
-    state_->config = fast_config(recording.header);
-    state_->config.model = model;
-    begin_yielded(recording.header.surface, *state_);
+      : recording_(recording), replayed_(recording.header, database, model) {
     report_.model = model;
     report_.ticks = static_cast<std::int64_t>(recording.tick.size());
     report_.from_start = recording.tick.empty() || recording.tick.front().tick == 0;
   }
 
-  // @param anew the slow process answers again; else its recorded elements are used.
+  // @param anew the slow process answers again; else its recorded elements are used,
+  // where there are any.
   ReplayReport run(bool anew) {
     for (const TickRecord& tick : recording_.tick) {
       if (!follows(tick)) {
         break;
       }
-      if (anew) {
+      if (anew || recording_.old) {
         answer(tick);
       } else if (!take_in(tick)) {
         report_.gap_tick = tick.tick;
@@ -106,11 +147,13 @@ class Pass {
     const auto compared =
         static_cast<double>(std::max<std::int64_t>(1, report_.compared));
     report_.force_rms_n = std::sqrt(squares_ / compared);
-    report_.fault = state_->safety.fault;
+    report_.fault = body().fault();
     return report_;
   }
 
  private:
+  [[nodiscard]] RenderedBody& body() noexcept { return replayed_.body(); }
+
   // Whether the tick is the one after the last.
   bool follows(const TickRecord& tick) {
     if (report_.compared > 0 && tick.tick != before_.tick + 1) {
@@ -125,67 +168,66 @@ class Pass {
     for (; next_ < recording_.arrival.size() &&
            recording_.arrival[next_].tick <= tick.tick;
          ++next_) {
-      const ArrivalRecord& arrival = recording_.arrival[next_];
-      if (arrival.triangle < 0 || arrival.triangle >= triangles_) {
-        throw FormatError(
-            fmt::format("recording: triangle {} arrived before tick {}, the database "
-                        "has {}",
-                        arrival.triangle, arrival.tick, triangles_));
-      }
-      Element element = stream_.element(arrival.triangle);
-      element.sequence = static_cast<std::uint64_t>(arrival.sequence);
-      element.sent_ns = arrival.sent_ns;
-      element.active = arrival.active != 0;
-      accept(*state_, element);
+      body().accept(recording_.arrival[next_]);
     }
     return !report_.from_start || tick.arrivals == static_cast<std::int64_t>(next_);
   }
 
-  void answer(const TickRecord& tick) {
+  // Whether the slow process had answered before the tick.
+  bool answered_before(const TickRecord& tick) {
+    if (recording_.old) {
+      return tick.tick % recording_.old->answer_ticks == 0;
+    }
     bool arrived = false;
     for (; next_ < recording_.arrival.size() &&
            recording_.arrival[next_].tick <= tick.tick;
          ++next_) {
       arrived = true;
     }
-    if (!arrived || report_.compared == 0) {
+    return arrived && report_.compared > 0;
+  }
+
+  void answer(const TickRecord& tick) {
+    if (!answered_before(tick)) {
       return;
     }
-    const FastContact at = contact(*state_);
-    (void)stream_.update({.time_ns = before_.time_ns,
-                          .position_m = as_vector(before_.position_m),
-                          .triangle = at.triangle,
-                          .in_contact = at.in_contact},
-                         tick.time_ns, *fifo_);
-    for (; const Element* element = fifo_->front(); fifo_->pop()) {
-      accept(*state_, *element);
+    body().publish(readings_of(report_.compared > 0 ? before_ : tick),
+                   report_.compared);
+    static_cast<void>(body().serve(tick.time_ns));
+    ArrivalRecord arrival;
+    while (body().take_in(arrival)) {
     }
+  }
+
+  [[nodiscard]] double dt_s(const TickRecord& tick) const {
+    if (report_.compared == 0) {
+      return 1.0 / recording_.header.fast_hz;
+    }
+    if (recording_.old) {
+      const auto row = static_cast<std::size_t>(tick.tick);
+      return recording_.old->time_s[row] - recording_.old->time_s[row - 1];
+    }
+    return static_cast<double>(tick.time_ns - before_.time_ns) / kNanosecondsPerSecond;
   }
 
   void render(const TickRecord& tick) {
     if (tick.raised != 0) {
-      raise_fault(*state_, static_cast<Fault>(tick.raised));
+      body().raise(static_cast<Fault>(tick.raised));
     }
-    const double dt_s = report_.compared == 0
-                            ? 1.0 / recording_.header.fast_hz
-                            : static_cast<double>(tick.time_ns - before_.time_ns) /
-                                  kNanosecondsPerSecond;
-    const FastCommand command =
-        step(*state_,
-             {.position_m = as_vector(tick.position_m), .time_ns = tick.time_ns}, dt_s);
+    const WrenchCommand command = body().step(readings_of(tick), dt_s(tick));
     compare(tick, command);
     before_ = tick;
-    force_n_ = command.force_n;
+    wrench_ = command.wrench;
     ++report_.compared;
   }
 
-  void compare(const TickRecord& tick, const FastCommand& command) {
+  void compare(const TickRecord& tick, const WrenchCommand& command) {
     ReplayReport& r = report_;
     const double since_s =
         static_cast<double>(tick.time_ns - recording_.tick.front().time_ns) /
         kNanosecondsPerSecond;
     if (r.different_tick < 0) {
-      r.different_in = difference(tick, command, *state_);
+      r.different_in = difference(recording_, tick, command, body());
       if (r.different_in.empty()) {
         ++r.identical;
       } else {
@@ -193,46 +235,46 @@ class Pass {
         r.different_s = since_s;
       }
     }
-    const Eigen::Vector3d recorded = as_vector(tick.force_n);
-    const double apart = (command.force_n - recorded).norm();
-    squares_ += apart * apart;
-    if (apart > r.force_difference_n) {
-      r.force_difference_n = apart;
-      r.force_difference_s = since_s;
-    }
-    r.force_max_n = std::max(r.force_max_n, recorded.norm());
-    r.replayed_max_n = std::max(r.replayed_max_n, command.force_n.norm());
-    const Eigen::Vector3d moved =
-        as_vector(tick.position_m) - as_vector(before_.position_m);
-    if (r.compared > 0 && moved.allFinite()) {
-      r.net_energy_j -= as_vector(before_.force_n).dot(moved);
-      r.replayed_net_j -= force_n_.dot(moved);
+    compare(first_hand(tick), first_hand(before_), command.wrench[0], wrench_[0],
+            since_s);
+    if (recording_.hands() > 1) {
+      compare(tick.second, before_.second, command.wrench[1], wrench_[1], since_s);
     }
     r.dissipated_j = tick.dissipated_j;
     r.replayed_dissipated_j = command.dissipated_j;
   }
 
+  // A hand now and before, and what is rendered for it.
+  void compare(const RecordedHand& hand, const RecordedHand& before, const Wrench& now,
+               const Wrench& then, double since_s) {
+    ReplayReport& r = report_;
+    const Eigen::Vector3d recorded = as_vector(hand.force_n);
+    const double apart = (now.force_n - recorded).norm();
+    squares_ += apart * apart;
+    if (apart > r.force_difference_n) {
+      r.force_difference_n = apart;
+      r.force_difference_s = since_s;
+    }
+    r.torque_difference_n_m = std::max(
+        r.torque_difference_n_m, (now.torque_n_m - as_vector(hand.torque_n_m)).norm());
+    r.force_max_n = std::max(r.force_max_n, recorded.norm());
+    r.replayed_max_n = std::max(r.replayed_max_n, now.force_n.norm());
+    const Eigen::Vector3d moved =
+        as_vector(hand.position_m) - as_vector(before.position_m);
+    if (r.compared > 0 && moved.allFinite()) {
+      r.net_energy_j -= as_vector(before.force_n).dot(moved);
+      r.replayed_net_j -= then.force_n.dot(moved);
+    }
+  }
+
   const Recording& recording_;
-  const ResponseTable& table_;
-  std::int32_t triangles_;
-  ElementStream stream_;
-  std::unique_ptr<FastState> state_ = std::make_unique<FastState>();
-  std::unique_ptr<ElementFifo> fifo_ = std::make_unique<ElementFifo>();
+  ReplayedBody replayed_;
   std::size_t next_ = 0;  // arrival
   TickRecord before_;
-  Eigen::Vector3d force_n_ = Eigen::Vector3d::Zero();
+  PortWrenches wrench_;
   double squares_ = 0.0;
   ReplayReport report_;
 };
-
-LocalModel model_of(const RecordingHeader& header) {
-  const auto model = local_model(header.model);
-  if (!model) {
-    throw FormatError(
-        fmt::format("recording: model {:?} is not a local model", header.model));
-  }
-  return *model;
-}
 
 std::string verdict(const ReplayReport& r) {
   if (r.is_reproduced()) {
@@ -252,53 +294,17 @@ std::string verdict(const ReplayReport& r) {
 
 }  // namespace
 
-RecordingHeader recording_header(const SimulationReport& report,
-                                 const FastProcessConfig& config,
-                                 const DeviceLimits& limits,
-                                 const RecordingRequest& request) {
-  return {.writer = "palpate-run " PALPATE_VERSION,
-          .database = request.database,
-          .database_sha256 = request.database_sha256,
-          .tool = report.tool,
-          .model = std::string(name(config.fast.model)),
-          .clock = report.options.real_time ? "real" : "simulated",
-          .device = report.device,
-          .fast_hz = config.rate_hz,
-          .slow_hz = report.options.slow_hz,
-          .force_scale = report.force_scale,
-          .tool_radius_m = config.fast.tool_radius_m,
-          .force_max_n = config.fast.force_max_n,
-          .slew_max_n_per_s = config.fast.slew_max_n_per_s,
-          .energy_floor_j = config.fast.energy_floor_j,
-          .recovery_m_per_s = config.fast.recovery_m_per_s,
-          .ramp_s = config.fast.ramp_s,
-          .device_damping_n_s_per_m = limits.damping_n_s_per_m,
-          .device_coulomb_n = limits.coulomb_n,
-          .device_resolution_m = limits.resolution_m,
-          .device_delay_s = limits.delay_s,
-          .surface = surface_of(report.options.surface, report.tool)};
-}
-
-FastConfig fast_config(const RecordingHeader& header) {
-  const FastConfig config{.model = model_of(header),
-                          .tool_radius_m = header.tool_radius_m,
-                          .force_max_n = header.force_max_n,
-                          .slew_max_n_per_s = header.slew_max_n_per_s,
-                          .energy_floor_j = header.energy_floor_j,
-                          .recovery_m_per_s = header.recovery_m_per_s,
-                          .ramp_s = header.ramp_s};
-  if (const char* wrong = check(config)) {
-    throw FormatError(fmt::format("recording: {}", wrong));
-  }
-  return config;
-}
-
 ReplayReport replay(const Recording& recording, const ResponseDatabase& database) {
-  return Pass(recording, database, model_of(recording.header)).run(false);
+  return Pass(recording, database, fast_config(recording.header).model).run(false);
 }
 
 ReplayReport render_again(const Recording& recording, const ResponseDatabase& database,
                           LocalModel model) {
+  if (recording.header.poses != 0.0 && !is_field(model)) {
+    throw InputError(
+        fmt::format("several contacts are rendered by potential or facets, not by {}",
+                    name(model)));
+  }
   return Pass(recording, database, model).run(true);
 }
 

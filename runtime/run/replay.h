@@ -3,26 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "formats/database/response_database.h"
 #include "formats/recording/recording.h"
 #include "runtime/account/local_model.h"
-#include "runtime/render/fast_process.h"
-#include "runtime/run/render_run.h"
+#include "runtime/run/recorded_setup.h"
 
 namespace palpate {
-
-/// What a recording must say of a run.
-[[nodiscard]] RecordingHeader recording_header(const SimulationReport& report,
-                                               const FastProcessConfig& config,
-                                               const DeviceLimits& limits,
-                                               const RecordingRequest& request);
-
-/// Configuration of the fast step that a header describes.
-/// @throws FormatError for a model that is not known or a value out of range.
-[[nodiscard]] FastConfig fast_config(const RecordingHeader& header);
 
 struct ReplayReport {
   LocalModel model = LocalModel::kElement;
@@ -39,11 +27,12 @@ struct ReplayReport {
   double force_rms_n = 0.0;         ///< [N] of the difference, over all ticks compared
   double force_difference_n = 0.0;  ///< [N] the largest
   double force_difference_s = 0.0;  ///< [s] where, from the start
-  double force_max_n = 0.0;         ///< [N] recorded
-  double replayed_max_n = 0.0;      ///< [N]
-  double net_energy_j = 0.0;        ///< [J] work of the tool on the recorded forces
-  double replayed_net_j = 0.0;      ///< [J] the same of the forces rendered again
-  double dissipated_j = 0.0;        ///< [J] recorded, at the end
+  double torque_difference_n_m = 0.0;  ///< [N m] the largest, of several contacts
+  double force_max_n = 0.0;            ///< [N] recorded
+  double replayed_max_n = 0.0;         ///< [N]
+  double net_energy_j = 0.0;           ///< [J] work of the tool on the recorded forces
+  double replayed_net_j = 0.0;         ///< [J] the same of the forces rendered again
+  double dissipated_j = 0.0;           ///< [J] recorded, at the end
   double replayed_dissipated_j = 0.0;
   Fault fault = Fault::kNone;  ///< of the replay
 

@@ -89,12 +89,28 @@ nlohmann::json energy_json(const RenderReport& r) {
           {"held_s", r.held_s},
           {"net_energy_j", r.net_energy_j()},
           {"model_work_j", r.model_work_j},
+          {"lowest_work_j", r.lowest_work_j},
           {"stored_j", r.stored_j},
           {"dissipated_j", r.dissipated_j},
           {"tank_j", r.tank_j},
           {"tank_max_j", r.tank_max_j},
           {"memory_j", r.memory_j},
           {"memory_max_j", r.memory_max_j}};
+}
+
+// What tools of several contacts have beside what one has.
+nlohmann::json contacts_json(const SimulationReport& report) {
+  const RenderReport& r = report.render;
+  const auto& together = report.options.together;
+  return {{"contacts", report.contacts},
+          {"second_tool", together ? nlohmann::json(together->tool) : nlohmann::json()},
+          {"second_node", report.second_node},
+          {"contacts_max", r.contacts_max},
+          {"scaled_ticks", r.scaled_ticks},
+          {"torque_max_n_m", r.torque_max_n_m},
+          {"turning_n_m_per_rad", report.turning_n_m_per_rad},
+          {"table_error", report.table_error},
+          {"convex", report.convex}};
 }
 
 }  // namespace
@@ -104,7 +120,6 @@ nlohmann::json as_json(const SimulationReport& report) {
   nlohmann::json json{
       {"model", name(report.options.model)},
       {"tool", report.tool},
-      {"contacts", report.contacts},
       {"coupling", report.coupling ? as_json(*report.coupling) : nlohmann::json()},
       {"node", report.node},
       {"fast_hz", report.options.fast_hz},
@@ -146,6 +161,7 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"service", report.served ? as_json(*report.served) : nlohmann::json()},
       {"fault", name(r.fault)},
       {"interrupted", r.interrupted}};
+  json.update(contacts_json(report));
   json.update(energy_json(r));
   json.update(memory_json(r));
   json.update(device_json(report));

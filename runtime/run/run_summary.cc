@@ -193,8 +193,12 @@ std::string served_lines(const ServedReport& s) {
   return text;
 }
 
-// Who turns the tool, and that nobody feels it.
-const char* turning_text(bool device_turns, bool coupled) {
+// Who turns the tool, and feels it.
+const char* turning_text(const SimulationReport& report) {
+  const bool device_turns = report.device_turns, coupled = report.coupling.has_value();
+  if (report.torque_felt) {
+    return "turned by hands that feel the torque";
+  }
   if (device_turns) {
     return coupled
                ? "the grip turns the coupling and the tool on it; no motor turns it "
@@ -204,6 +208,36 @@ const char* turning_text(bool device_turns, bool coupled) {
   }
   return coupled ? "the device does not turn, torque is not felt"
                  : "the device does not turn the tool, torque is not felt";
+}
+
+// The tool, or both.
+std::string tools_text(const SimulationReport& report) {
+  const auto& together = report.options.together;
+  return together
+             ? fmt::format("\"{}\" together with \"{}\"", report.tool, together->tool)
+             : fmt::format("\"{}\"", report.tool);
+}
+
+// What tools of several contacts have beside what one has.
+std::string contact_lines(const SimulationReport& report) {
+  if (report.contacts == 1) {
+    return {};
+  }
+  const RenderReport& r = report.render;
+  return line("contacts",
+              fmt::format("{}, coupled; {}", report.contacts, turning_text(report))) +
+         line("  table",
+              fmt::format("error {}, {}",
+                          report.table_error > 0.0
+                              ? fmt::format("{:.2g} of force", report.table_error)
+                              : "not stated",
+                          report.convex
+                              ? "one equilibrium wherever it was tried"
+                              : "not known to have one equilibrium everywhere")) +
+         line("  together", fmt::format("at most {} at once, torque {:.4g} N m, {:.4g} "
+                                        "N m/rad in turning; {} ticks coupled less",
+                                        r.contacts_max, r.torque_max_n_m,
+                                        report.turning_n_m_per_rad, r.scaled_ticks));
 }
 
 std::string trouble_lines(const SimulationReport& report) {
@@ -230,18 +264,14 @@ std::string summary(const SimulationReport& report) {
   const SimulationOptions& o = report.options;
   const RenderReport& r = report.render;
   std::string text =
-      line("model", fmt::format("{}, tool \"{}\", fast {:.4g} Hz, slow {:.4g} Hz, {}",
-                                name(o.model), report.tool, o.fast_hz, o.slow_hz,
+      line("model", fmt::format("{}, tool {}, fast {:.4g} Hz, slow {:.4g} Hz, {}",
+                                name(o.model), tools_text(report), o.fast_hz, o.slow_hz,
                                 o.real_time ? "real time" : "simulated time")) +
       (report.served
            ? line("margin", fmt::format("kept answer by answer: at most {:.4g} N/m",
                                         report.bounds.renderable_n_per_m()))
            : margin_lines(report));
-  if (report.contacts > 1) {
-    text += line("contacts", fmt::format("{}, coupled; {}", report.contacts,
-                                         turning_text(report.device_turns,
-                                                      report.coupling.has_value())));
-  }
+  text += contact_lines(report);
   if (report.coupling) {
     text += line("coupling", coupling_text(*report.coupling));
   }
@@ -251,9 +281,12 @@ std::string summary(const SimulationReport& report) {
                              report.resample_loss.nodes, report.resample_loss.force_n,
                              report.resample_loss.force_relative * 100.0));
   }
-  text += line("rendered",
-               fmt::format("{:.4g} s at node {}, {:.3g} % in contact", r.duration_s,
-                           report.node, percent(r.contact_ticks, r.ticks)));
+  text += line("rendered", fmt::format("{:.4g} s at node {}{}, {:.3g} % in contact",
+                                       r.duration_s, report.node,
+                                       report.second_node < 0
+                                           ? std::string()
+                                           : fmt::format(" and {}", report.second_node),
+                                       percent(r.contact_ticks, r.ticks)));
   text += line("peak", fmt::format("depth {:.4g} mm, force {:.4g} N{}",
                                    r.depth_max_m * 1e3, r.force_max_n,
                                    r.extrapolated_ticks == 0

@@ -1,17 +1,34 @@
-// What a run of a tool of several contacts on a device needs beside what render_run.h
-// does for one.
+// What a run of several contacts needs beside what render_run.h does for one.
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "formats/database/response_database.h"
 #include "formats/response/tool_shape.h"
 #include "runtime/device/device.h"
-#include "runtime/run/render_run.h"
+#include "runtime/run/prepared_run.h"
 
 namespace palpate {
 
-/// @param in_memory whether its responses are. @throws InputError for what a run of
-/// several contacts cannot do, and for a coupling of a tool that touches at one place.
+/// @param several whether its responses are in memory, coupled. @throws InputError for
+/// what a run of several contacts cannot do, and for what is theirs in a run of a tool
+/// that touches at one place.
 void check_several(const ToolShape& tool, const SimulationOptions& options,
-                   bool in_memory);
+                   bool several);
+
+/// Tools of several contacts, or of two hands: `body` is what the first presses alone.
+/// @throws InputError as coupled_set().
+[[nodiscard]] PressedBody pressed_by_several(const ResponseDatabase& database,
+                                             const ResponseTable& table,
+                                             PressedBody body,
+                                             const SimulationOptions& options);
+
+/// Whether a run of these tools is one of coupled contacts: several tools that shall
+/// press together, or one that has a contact set. @throws InputError for a tool of
+/// several contacts beside others.
+[[nodiscard]] bool is_contact_run(const ResponseDatabase& database,
+                                  const std::vector<std::string>& tools, bool together);
 
 /// With a coupling its spring is what counts (coupling_margin()): softens it where it
 /// must and may be, and puts it into report.stiffness.

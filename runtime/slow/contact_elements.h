@@ -88,6 +88,10 @@ class ContactStream {
   /// The message for one triangle of contact i, without sequence and time.
   [[nodiscard]] ContactElement element(int i, std::int32_t triangle) const;
 
+  [[nodiscard]] std::int32_t triangles() const noexcept {
+    return static_cast<std::int32_t>(database_.body.triangle.rows());
+  }
+
  private:
   std::size_t update(int i, const ToolState& at, std::int64_t now_ns, ContactFifo& fifo,
                      ContactSent& sent);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "runtime/element/element.h"
 #include "runtime/realtime/spsc_ring.h"
@@ -31,6 +32,13 @@ class ElementSender {
   /// @returns messages pushed; what does not fit is dropped and counted by the ring.
   virtual std::size_t update(const ToolState& tool, std::int64_t now_ns,
                              ElementFifo& fifo) = 0;
+
+  /// The message for one triangle of a body in memory, without sequence and time; none
+  /// of another body, or where there is no such triangle.
+  [[nodiscard]] virtual std::optional<Element> element_of(std::int32_t triangle) const {
+    static_cast<void>(triangle);
+    return std::nullopt;
+  }
 };
 
 }  // namespace palpate

@@ -31,6 +31,11 @@ class ElementStream : public ElementSender {
   /// The message for one triangle, without sequence and time. A node without response
   /// has no samples and no direction: zero force.
   [[nodiscard]] Element element(std::int32_t triangle) const;
+  [[nodiscard]] std::optional<Element> element_of(
+      std::int32_t triangle) const override {
+    const bool there = triangle >= 0 && triangle < database_.body.triangle.rows();
+    return there ? std::optional(element(triangle)) : std::nullopt;
+  }
 
   [[nodiscard]] const ResampleLoss& resample_loss() const noexcept { return loss_; }
   [[nodiscard]] const SurfaceSearch& search() const noexcept { return search_; }

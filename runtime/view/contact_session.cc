@@ -311,7 +311,7 @@ void ContactSession::serve() {
 }
 
 void ContactSession::account_tick() {
-  const CoupledCommand& c = command_;
+  const WrenchCommand& c = command_;
   ViewLoads loads;
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     loads.force_n[i] = c.wrench[i].force_n.norm();

@@ -1,5 +1,5 @@
 // The runtime behind a live view of a tool with several contacts, or of two hands on
-// one body: slow and fast process and ledger as in contact_run.h, on simulated time,
+// one body: slow and fast process and ledger (coupled_step.h) on simulated time,
 // with a pointer in place of each hand.
 //
 // Forces move the tools; turns are the pointers', which the hands' wrists follow
@@ -74,7 +74,7 @@ class ContactSession : public LiveSession {
     return tables_;
   }
   [[nodiscard]] const CoupledState& state() const noexcept { return storage_->state(); }
-  [[nodiscard]] const CoupledCommand& command() const noexcept { return command_; }
+  [[nodiscard]] const WrenchCommand& command() const noexcept { return command_; }
   [[nodiscard]] const PassivityLedger& account() const noexcept {
     return account_of(storage_->state());
   }
@@ -125,7 +125,7 @@ class ContactSession : public LiveSession {
   std::unique_ptr<CoupledField> scratch_ = std::make_unique<CoupledField>();
   Deadlines fast_deadlines_;
   Deadlines slow_deadlines_;
-  CoupledCommand command_;
+  WrenchCommand command_;
   PortPoses pose_;
   ViewRun run_;
   TickRecord latest_;

@@ -1,17 +1,19 @@
-// Writes a small database and, where a second and a third file are named, small
-// recordings of one contact and of several: the seeds of database_fuzz and
-// recording_fuzz.
+// Writes a small database and, where more files are named, small recordings of one
+// contact, of several by a program of before, and of two hands: the seeds of
+// database_fuzz and recording_fuzz.
 #include <array>
 
 #include "formats/hdf5/hdf5_io.h"
-#include "formats/recording/contact_recording.h"
 #include "formats/recording/recording_writer.h"
+#include "tests/support/old_contact_recording.h"
 #include "tests/support/small_database.h"
 
 namespace {
 
-void write_recording(const char* file) {
+void write_recording(const char* file, bool two_hands) {
   palpate::RecordingHeader header;
+  header.poses = two_hands ? 1.0 : 0.0;
+  header.second_tool = two_hands ? "finger" : "";
   header.fast_hz = 1000.0;
   header.slow_hz = 100.0;
   palpate::RecordingWriter writer(file, header);
@@ -25,7 +27,7 @@ void write_recording(const char* file) {
 }
 
 void write_contacts(const char* file) {
-  palpate::ContactRecording r;
+  palpate::OldContactRecording r;
   r.tools = {"ball"};
   r.fast_hz = 1000.0;
   r.slow_hz = 100.0;
@@ -39,7 +41,7 @@ void write_contacts(const char* file) {
        {&r.depth_m, &r.work_j, &r.stored_j, &r.tank_j, &r.dissipated_j}) {
     column->resize(2);
   }
-  palpate::write_contact_recording(file, r);
+  palpate::write_old_contact_recording(file, r);
 }
 
 }  // namespace
@@ -48,10 +50,13 @@ int main(int argc, char** argv) {
   palpate::skip_hdf5_exit_cleanup();
   palpate::write_database(argv[1], palpate::small_database());
   if (argc > 2) {
-    write_recording(argv[2]);
+    write_recording(argv[2], false);
   }
   if (argc > 3) {
     write_contacts(argv[3]);
+  }
+  if (argc > 4) {
+    write_recording(argv[4], true);
   }
   return 0;
 }

@@ -55,7 +55,7 @@ inline PortPose moved_by(const PortPose& pose, int axis, double h) {
 
 // The wrench against the potential's differences along six axes of every port.
 inline void expect_gradient(CoupledState& state, const PortPoses& pose,
-                            const CoupledCommand& command, double lever_m) {
+                            const WrenchCommand& command, double lever_m) {
   const auto moved = std::make_unique<CoupledModel>();
   for (int port = 0; port < state.set.ports; ++port) {
     const auto p = static_cast<std::size_t>(port);
@@ -84,8 +84,7 @@ struct CoupledAccount {
   double net_j = 0.0;
   double lowest_j = 0.0;
 
-  CoupledCommand step(CoupledState& state, const PortPoses& pose,
-                      double dt_s = kTickS) {
+  WrenchCommand step(CoupledState& state, const PortPoses& pose, double dt_s = kTickS) {
     relax_ahead(state, dt_s);
     net_j += potential_j(state, *moved, pose) - state.ledger.stored_j;
     lowest_j = std::min(lowest_j, net_j);
@@ -94,11 +93,11 @@ struct CoupledAccount {
 };
 
 // Comes down on the pose from free space.
-inline CoupledCommand press(CoupledState& state, const ContactBody& body,
-                            PortPoses pose) {
+inline WrenchCommand press(CoupledState& state, const ContactBody& body,
+                           PortPoses pose) {
   send_all(state, body, pose);
   const double height = pose[0].position_m.z();
-  CoupledCommand command;
+  WrenchCommand command;
   for (int tick = 200; tick >= 0; --tick) {
     pose[0].position_m.z() = height + 2e-5 * tick;
     command = step(state, {pose, 0}, kTickS);

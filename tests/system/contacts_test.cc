@@ -42,7 +42,7 @@ TEST_F(Contacts, AreTracedAndReplayedBitForBit) {
   const ToolRun first =
       simulate("pads.h5", {"--tool", "pads", "--trace", file("a.csv")});
   EXPECT_EQ(first.exit_code, 0) << first.err;
-  EXPECT_NE(first.out.find("3 contacts"), std::string::npos) << first.out;
+  EXPECT_NE(first.out.find("3, coupled"), std::string::npos) << first.out;
   const ToolRun again = simulate("pads.h5", {"--tool", "pads", "--poses", file("a.csv"),
                                              "--trace", file("b.csv")});
   EXPECT_EQ(again.exit_code, 0) << again.err;
@@ -55,7 +55,9 @@ TEST_F(Contacts, TwoHandsPressTogetherAndAreRecordedAndReplayed) {
       simulate("pads.h5", {"--tool", "ball,ball", "--together", "--at",
                            "-0.007,0,0,0.007,0,0", "--record", file("r.h5")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.out.find("2 contacts"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("2, coupled"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("\"ball\" together with \"ball\""), std::string::npos)
+      << run.out;
   const auto replay = [](std::vector<std::string> more) {
     std::vector<std::string> arguments{"replay", file("r.h5")};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -63,10 +65,12 @@ TEST_F(Contacts, TwoHandsPressTogetherAndAreRecordedAndReplayed) {
   };
   const ToolRun again = replay({file("pads.h5")});
   EXPECT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_NE(again.out.find("2000 of 2000 ticks are identical"), std::string::npos)
+  EXPECT_NE(again.out.find("reproduced: 2000 ticks bit for bit"), std::string::npos)
       << again.out;
   expect_refused(replay({file("bare.h5")}), "is not the database of the recording");
-  expect_refused(replay({file("pads.h5"), "--model", "element"}), "leave it out");
+  expect_refused(replay({file("pads.h5"), "--model", "element"}),
+                 "by potential or facets, not by element");
+  EXPECT_EQ(replay({file("pads.h5"), "--model", "facets"}).exit_code, 0);
 }
 
 TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
@@ -79,6 +83,8 @@ TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
   expect_refused(simulate("pads.h5", {"--tool", "ball,ball", "--together", "--record",
                                       file("a.h5"), "--record", file("b.h5")}),
                  "--record is given 2 times");
+  expect_refused(simulate("pads.h5", {"--tool", "ball", "--together"}),
+                 "must be two as --tool a,b");
   expect_refused(simulate("pads.h5", {"--tool", "ball", "--trace", file("t.csv")}),
                  "--together");
   expect_refused(simulate("bare.h5", {"--tool", "pads"}), "no table of compliance");
@@ -98,9 +104,30 @@ TEST_F(Contacts, HangByACoupling) {
       "must be above zero");
   expect_refused(simulate("pads.h5", {"--tool", "ball", "--coupling"}),
                  "touches at one place");
-  expect_refused(
-      simulate("pads.h5", {"--tool", "pads", "--coupling", "--record", file("c.h5")}),
-      "--trace");
+  const ToolRun kept =
+      simulate("pads.h5", {"--tool", "pads", "--coupling", "--record", file("c.h5")});
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  const ToolRun again =
+      run_tool_process("palpate-run", {"replay", file("c.h5"), file("pads.h5")});
+  EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
+}
+
+// On the clock of the wall, and what was recorded of a device of theirs.
+TEST_F(Contacts, AreRenderedAndRecordedInRealTime) {
+  const ToolRun real = simulate("pads.h5", {"--tool", "ball,ball", "--together", "--at",
+                                            "-0.007,0,0,0.007,0,0", "--clock", "real",
+                                            "--record", file("real.h5")});
+  EXPECT_EQ(real.exit_code, 0) << real.err;
+  const ToolRun device = run_tool_process(
+      "palpate-run", {"device", file("pads.h5"), "--tool", "pads", "--device",
+                      "emulated-falcon", "--seconds", "1", "--limit-stiffness",
+                      "--record", file("device.h5")});
+  EXPECT_EQ(device.exit_code, 0) << device.err;
+  for (const char* recorded : {"real.h5", "device.h5"}) {
+    const ToolRun again =
+        run_tool_process("palpate-run", {"replay", file(recorded), file("pads.h5")});
+    EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
+  }
 }
 
 // On a device in real time, and watched by whatever page there is.

@@ -58,7 +58,7 @@ ContactBody body_of(const ContactsBenchRow& row) {
   return body;
 }
 
-void count(const CoupledState& state, const CoupledCommand& command,
+void count(const CoupledState& state, const WrenchCommand& command,
            ContactsBenchRow& row) {
   const CoupledContacts& c = state.model.field.equilibrium;
   row.touching += command.contacts;
@@ -90,7 +90,7 @@ void run(const ContactsBenchOptions& options, std::uint64_t (*allocations)(),
     }
     const std::uint64_t before = allocations();
     const auto from = SteadyClock::now();
-    const CoupledCommand command = step(state, {pose, 0}, PoseWalk::kTickS);
+    const WrenchCommand command = step(state, {pose, 0}, PoseWalk::kTickS);
     const double took_us = elapsed_us(from) - clock_us;
     row.allocations += allocations() - before;
     row.lowest_work_j = std::min(row.lowest_work_j, state.ledger.work_j);

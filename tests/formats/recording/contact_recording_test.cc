@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/old_contact_recording.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/said.h"
 #include "tests/support/test_data.h"
@@ -15,8 +16,8 @@
 namespace palpate {
 namespace {
 
-ContactRecording two_hands() {
-  ContactRecording r;
+OldContactRecording two_hands() {
+  OldContactRecording r;
   r.writer = "palpate-run 0.1.0";
   r.database = "organ.h5";
   r.database_sha256 = std::string(64, 'a');
@@ -42,30 +43,46 @@ ContactRecording two_hands() {
 
 TEST(ContactRecordingFile, ReadsWhatWasWritten) {
   const ScratchFolder folder;
-  const ContactRecording r = two_hands();
-  write_contact_recording(folder / "r.h5", r);
+  const OldContactRecording r = two_hands();
+  write_old_contact_recording(folder / "r.h5", r);
   EXPECT_TRUE(is_contact_recording(folder / "r.h5"));
-  const ContactRecording read = read_contact_recording(folder / "r.h5");
-  EXPECT_EQ(read.writer, r.writer);
-  EXPECT_EQ(read.database, r.database);
-  EXPECT_EQ(read.database_sha256, r.database_sha256);
-  EXPECT_EQ(read.tools, r.tools);
-  EXPECT_EQ(read.fault, r.fault);
-  EXPECT_EQ(read.force_scale, r.force_scale);
-  EXPECT_EQ(read.time_s, r.time_s);
-  EXPECT_EQ(read.pose, r.pose);
-  EXPECT_EQ(read.wrench, r.wrench);
-  EXPECT_EQ(read.contacts, r.contacts);
-  EXPECT_EQ(read.depth_m, r.depth_m);
-  EXPECT_EQ(read.dissipated_j, r.dissipated_j);
+  // As any recording.
+  const Recording read = read_recording(folder / "r.h5");
+  EXPECT_EQ(read.header.writer, r.writer);
+  EXPECT_EQ(read.header.database, r.database);
+  EXPECT_EQ(read.header.database_sha256, r.database_sha256);
+  EXPECT_EQ(read.header.tool, "thumb");
+  EXPECT_EQ(read.header.second_tool, "finger");
+  EXPECT_EQ(read.hands(), 2U);
+  EXPECT_EQ(read.header.force_scale, r.force_scale);
+  EXPECT_EQ(read.end.fault, r.fault);
+  ASSERT_TRUE(read.old);
+  EXPECT_EQ(read.old->time_s, r.time_s);
+  EXPECT_EQ(read.old->answer_ticks, 20);
+  ASSERT_EQ(read.tick.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const TickRecord& tick = read.tick[i];
+    const auto row = static_cast<Eigen::Index>(i);
+    EXPECT_EQ(tick.position_m[1], r.pose(row, 1));
+    EXPECT_EQ(tick.turn[3], r.pose(row, 6));
+    EXPECT_EQ(tick.second.position_m[0], r.pose(row, 7));
+    EXPECT_EQ(tick.force_n[2], r.wrench(row, 2));
+    EXPECT_EQ(tick.second.torque_n_m[2], r.wrench(row, 11));
+    EXPECT_EQ(tick.contacts, r.contacts[i]);
+    EXPECT_EQ(tick.depth_m, r.depth_m[i]);
+    EXPECT_EQ(tick.work_j, r.work_j[i]);
+    EXPECT_EQ(tick.stored_j, r.stored_j[i]);
+    EXPECT_EQ(tick.tank_j, r.tank_j[i]);
+    EXPECT_EQ(tick.dissipated_j, r.dissipated_j[i]);
+  }
 }
 
 TEST(ContactRecordingFile, WhatBreaksItsRulesIsRefusedByPlace) {
   const ScratchFolder folder;
   const auto said = [&](auto&& change) {
-    ContactRecording r = two_hands();
+    OldContactRecording r = two_hands();
     change(r);
-    write_contact_recording(folder / "r.h5", r);
+    write_old_contact_recording(folder / "r.h5", r);
     return refusal([&] {
       (void)read_contact_recording(folder / "r.h5");
     });
@@ -73,32 +90,32 @@ TEST(ContactRecordingFile, WhatBreaksItsRulesIsRefusedByPlace) {
   const auto expect = [](const std::string& text, const char* part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   };
-  EXPECT_EQ(said([](ContactRecording& /*r*/) {}), "");
-  expect(said([](ContactRecording& r) {
+  EXPECT_EQ(said([](OldContactRecording& /*r*/) {}), "");
+  expect(said([](OldContactRecording& r) {
            r.time_s[2] = r.time_s[1];
          }),
          "/tick/time_s, row 2: 0.0005, must rise");
-  expect(said([](ContactRecording& r) {
+  expect(said([](OldContactRecording& r) {
            r.pose(1, 13) = 0.9;
          }),
          "/tick/pose, row 1: hand 2");
-  expect(said([](ContactRecording& r) {
+  expect(said([](OldContactRecording& r) {
            r.pose(2, 0) = std::numeric_limits<double>::quiet_NaN();
          }),
          "/tick/pose, row 2: hand 1");
-  expect(said([](ContactRecording& r) {
+  expect(said([](OldContactRecording& r) {
            r.tools = {"thumb"};
          }),
          "/tick/pose has 3 rows of 14, must have 3 of 7");
-  expect(said([](ContactRecording& r) {
+  expect(said([](OldContactRecording& r) {
            r.tools = {"a", "b", "c"};
          }),
          "names 3 tools");
-  expect(said([](ContactRecording& r) {
+  expect(said([](OldContactRecording& r) {
            r.tank_j.pop_back();
          }),
          "/tick/tank_j has 2 rows");
-  expect(said([](ContactRecording& r) {
+  expect(said([](OldContactRecording& r) {
            r.force_scale = 0.0;
          }),
          "force_scale");
@@ -113,7 +130,7 @@ TEST(ContactRecordingFile, ForeignAndDamagedFilesAreRefused) {
               (void)read_contact_recording(folder / "missing.h5");
             }),
             "");
-  write_contact_recording(folder / "r.h5", two_hands());
+  write_old_contact_recording(folder / "r.h5", two_hands());
   std::string bytes = bytes_of(folder / "r.h5");
   // One bit of a stored number.
   const double number = 1.0 / 7.0;

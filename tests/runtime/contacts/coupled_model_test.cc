@@ -53,7 +53,7 @@ TEST(CoupledModel, SlidingFrictionIsCoulombsOfEachContact) {
   CoupledState& state = storage.state();
   PortPoses pose;
   pose[0].position_m = {0.029, 0.0303, kRadiusM - 0.001};
-  CoupledCommand command = press(state, body, pose);
+  WrenchCommand command = press(state, body, pose);
   for (int tick = 0; tick < 2000; ++tick) {
     pose[0].position_m.x() += 1e-6;
     if (tick % 20 == 0) {

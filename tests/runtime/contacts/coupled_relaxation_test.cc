@@ -43,7 +43,7 @@ TEST(CoupledRelaxation, HeldProbeRelaxesAsTheScalarLawSays) {
   send_all(state, body, pose);
   (void)step(state, {pose, 0}, 0.0);
   pose[0].position_m.z() = kRadiusM - 0.002;
-  const CoupledCommand sudden = step(state, {pose, 0}, 0.0);
+  const WrenchCommand sudden = step(state, {pose, 0}, 0.0);
   ASSERT_EQ(sudden.contacts, 3);
   Eigen::Array3d first;
   for (int i = 0; i < 3; ++i) {
@@ -238,7 +238,7 @@ TEST(CoupledRelaxation, WrenchIsTheGradientAtFrozenMemory) {
         if (tick % 20 == 0) {
           send_all(state, body, pose);
         }
-        const CoupledCommand command = step(state, {pose, 0}, kTickS);
+        const WrenchCommand command = step(state, {pose, 0}, kTickS);
         if (tick % 97 == 5 && command.contacts > 0) {
           expect_gradient(state, pose, command, set.lever_m[0]);
           ++tried;
@@ -321,7 +321,7 @@ TEST(CoupledRelaxation, ALiftedFingersDentGivesWayByItself) {
     (void)step(state, {pose, 0}, kTickS);
   }
   pose[1].position_m.z() = kRadiusM + 0.001;
-  CoupledCommand command = step(state, {pose, 0}, kTickS);
+  WrenchCommand command = step(state, {pose, 0}, kTickS);
   EXPECT_NEAR(command.wrench[1].force_n.z(), 0.0, 1e-12);
   const double sunk_m = contact_place(state, 0).dimple_m;
   EXPECT_GT(sunk_m, 1e-5);

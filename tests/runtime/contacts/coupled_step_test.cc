@@ -27,7 +27,7 @@ TEST(CoupledStep, WrenchIsTheGradientOfThePotential) {
       if (tick % 20 == 0) {
         send_all(state, body, pose);
       }
-      const CoupledCommand command = step(state, {pose, 0}, kTickS);
+      const WrenchCommand command = step(state, {pose, 0}, kTickS);
       if (tick % 197 == 5 && command.contacts > 1) {
         expect_gradient(state, pose, command, set.lever_m[0]);
         ++tried;
@@ -50,7 +50,7 @@ TEST(CoupledStep, TwoHandsFeelOnePotential) {
     if (tick % 20 == 0) {
       send_all(state, body, pose);
     }
-    const CoupledCommand command = step(state, {pose, 0}, kTickS);
+    const WrenchCommand command = step(state, {pose, 0}, kTickS);
     // Just touched, the force bends too much for differences over 2e-7 m.
     const double least =
         std::min(command.wrench[0].force_n.norm(), command.wrench[1].force_n.norm());
@@ -83,7 +83,7 @@ TEST(CoupledStep, OneContactIsTodaysStepBitForBit) {
         accept(*single, element);
       }
     }
-    const CoupledCommand command = step(state, {pose, 0}, kTickS);
+    const WrenchCommand command = step(state, {pose, 0}, kTickS);
     const FastCommand wanted = step(*single, {x, 0}, kTickS);
     ASSERT_EQ(command.wrench[0].force_n, wanted.force_n) << tick;
     ASSERT_EQ(command.stored_j, wanted.stored_j);
@@ -115,7 +115,7 @@ TEST(CoupledStep, WithoutComplianceForcesAdd) {
     if (tick % 20 == 0) {
       send_all(storage.state(), body, pose);
     }
-    const CoupledCommand command = step(storage.state(), {pose, 0}, kTickS);
+    const WrenchCommand command = step(storage.state(), {pose, 0}, kTickS);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int i = 0; i < 4; ++i) {
       const Eigen::Vector3d x = centre_of(set, pose, i);
@@ -139,7 +139,7 @@ TEST(CoupledStep, CouplingMakesThePlateSofter) {
   CoupledStorage storage(set, free_of_clamps());
   PortPoses pose;
   pose[0].position_m = {0.03, 0.03, kRadiusM - 0.001};
-  const CoupledCommand command = press(storage.state(), body, pose);
+  const WrenchCommand command = press(storage.state(), body, pose);
   const double alone = body.body.element[0].node[0].curve().at(0.001).force_n;
   // Hertz coupled by point loads at s = 6 mm and its diagonal, a^2 = R d.
   const double a = std::sqrt(kRadiusM * 0.001);
@@ -169,7 +169,7 @@ TEST(CoupledStep, ModesCoupleWhateverTheDistance) {
   CoupledStorage storage(make_plate(body, 2, 0.006, kRadiusM), free_of_clamps());
   PortPoses pose;
   pose[0].position_m = {0.03, 0.03, kRadiusM - 0.001};
-  const CoupledCommand command = press(storage.state(), body, pose);
+  const WrenchCommand command = press(storage.state(), body, pose);
   const double f = 0.5 * command.wrench[0].force_n.z();
   const auto curve = body.body.element[0].node[0].curve();
   EXPECT_NEAR(curve.at(0.001 - (4e-4 - 1e-4) * f).force_n, f, 1e-8);
@@ -188,7 +188,7 @@ TEST(CoupledStep, OddNumbersAreFaults) {
     CoupledStorage storage = fresh();
     PortPoses odd = pose;
     odd[0].position_m.x() = nan;
-    const CoupledCommand command = step(storage.state(), {odd, 0}, kTickS);
+    const WrenchCommand command = step(storage.state(), {odd, 0}, kTickS);
     EXPECT_EQ(command.fault, static_cast<int>(Fault::kNotFinite));
     EXPECT_EQ(command.wrench[0].force_n.norm(), 0.0);
   }
@@ -242,7 +242,7 @@ TEST(CoupledStep, TurnsThatAreCarriedGiveNothing) {
         carry(state, next);
       }
       next[0].position_m = {middle, middle, kRadiusM + 0.002 * std::cos(phase)};
-      const CoupledCommand c = step(state, {next, 0}, kTickS);
+      const WrenchCommand c = step(state, {next, 0}, kTickS);
       ASSERT_EQ(c.fault, 0);
       felt_j -=
           0.5 *

@@ -55,7 +55,7 @@ TEST(CoupledYielding, AFirstPressIsTheStoredResponse) {
       send_all(elastic.state(), plain, pose);
     }
     (void)step(state, {pose, 0}, kTickS);
-    const CoupledCommand stored = step(elastic.state(), {pose, 0}, kTickS);
+    const WrenchCommand stored = step(elastic.state(), {pose, 0}, kTickS);
     for (int i = 0; i < 4; ++i) {
       const double wanted = borne_n(elastic.state(), i);
       if (tick <= 500) {
@@ -68,7 +68,7 @@ TEST(CoupledYielding, AFirstPressIsTheStoredResponse) {
     }
   }
   ASSERT_GT(lifted_n, 0.1);
-  const CoupledCommand lifted = step(state, {at_height(-0.001), 0}, kTickS);
+  const WrenchCommand lifted = step(state, {at_height(-0.001), 0}, kTickS);
   EXPECT_LT(lifted.wrench[0].force_n.z(), 0.7 * lifted_n);
   EXPECT_GT(lifted.wrench[0].force_n.z(), 0.0);
   // D = r (delta - Y) of the depth that the others left each.
@@ -131,7 +131,7 @@ TEST(CoupledYielding, WrenchIsTheGradient) {
     if (tick % 20 == 0) {
       send_all(state, body, pose);
     }
-    const CoupledCommand command = step(state, {pose, 0}, kTickS);
+    const WrenchCommand command = step(state, {pose, 0}, kTickS);
     if (tick % 97 == 5 && command.contacts > 1) {
       expect_gradient(state, pose, command, set.lever_m[0]);
       ++tried;
@@ -185,7 +185,7 @@ TEST(CoupledYielding, PoseWalksNeverGetEnergy) {
         }
       }
       const double dt_s = kTickS * (0.2 + 1.6 * uniform(random));
-      const CoupledCommand command = account.step(state, pose, dt_s);
+      const WrenchCommand command = account.step(state, pose, dt_s);
       EXPECT_GE(command.yielded_j, yielded_j);
       if (command.yielded_j > yielded_j) {
         expect_one_table(state);

@@ -34,7 +34,7 @@ class HungTools : public testing::Test {
   }
 
   // A tick of the devices at `pose`, after what the slow process sends.
-  CoupledCommand tick(const PortPoses& pose, double dt_s = kTickS) {
+  WrenchCommand tick(const PortPoses& pose, double dt_s = kTickS) {
     if (ticks_++ % 20 == 0) {
       send_all(state(), body_, ticks_ == 1 ? pose : tools());
     }
@@ -75,7 +75,7 @@ TEST_F(HungTools, MakeNoEnergy) {
       int contacts = 0;
       int most = 0;
       for (int i = 0; i < 4000; ++i) {
-        const CoupledCommand c = tick(walk.next(), late && i % 37 == 0 ? 0.05 : kTickS);
+        const WrenchCommand c = tick(walk.next(), late && i % 37 == 0 ? 0.05 : kTickS);
         ASSERT_EQ(c.fault, 0);
         lowest = std::min(lowest, hung_->total.work_j);
         EXPECT_GE(c.dissipated_j, dissipated - 1e-15);
@@ -104,7 +104,7 @@ TEST_F(HungTools, WhatIsNotSolvedEndsInZeroForce) {
   int stopped = 0;
   for (int i = 0; i < 1000; ++i) {
     pose[0].position_m = over(0.001 - 5e-6 * i);
-    const CoupledCommand c = tick(pose, 0.002);
+    const WrenchCommand c = tick(pose, 0.002);
     if (c.fault != 0) {
       EXPECT_EQ(c.fault, static_cast<std::uint8_t>(Fault::kEnergy));
       EXPECT_EQ(c.wrench[0].force_n, Vector3::Zero());
@@ -128,7 +128,7 @@ TEST_F(HungTools, ReadingsAMicrosecondApartAreNoVelocity) {
     pose[0].position_m = over(0.02);
     ASSERT_EQ(tick(pose).fault, 0) << i;
     pose[0].position_m.x() += 5e-5;
-    const CoupledCommand c = tick(pose, 5e-7);
+    const WrenchCommand c = tick(pose, 5e-7);
     ASSERT_EQ(c.fault, 0) << i;
     largest_n = std::max(largest_n, c.wrench[0].force_n.norm());
   }
@@ -152,7 +152,7 @@ TEST_F(HungTools, AFreeToolKeepsItsMomentum) {
   const VirtualBody thrown = tool;
   hung_->total.work_j = kinetic_j(free, tool);  // by who threw it
   for (int i = 0; i < 2000; ++i) {
-    const CoupledCommand c = tick(away);
+    const WrenchCommand c = tick(away);
     EXPECT_EQ(c.wrench[0].force_n, Vector3::Zero());
   }
   EXPECT_LT((tool.velocity_m_per_s - thrown.velocity_m_per_s).norm(), 1e-14);
@@ -176,7 +176,7 @@ TEST_F(HungTools, AStuckHandFeelsTheSpring) {
   for (int i = 0; i < 8000; ++i) {
     const double at = std::min(1.0, i / 4000.0);
     pose[0].position_m = over(0.002 - at * (0.002 + push_m));
-    const CoupledCommand c = tick(pose);
+    const WrenchCommand c = tick(pose);
     if (!c.in_contact) {
       touch_m = pose[0].position_m.z();
     }
@@ -241,16 +241,16 @@ TEST_F(HungTools, LimitsAndFaultsAreThoseOfTheHands) {
   double most = 0.0;
   for (int i = 0; i < 400; ++i) {
     pose[0].position_m.z() -= 1e-5;
-    const CoupledCommand c = tick(pose);
+    const WrenchCommand c = tick(pose);
     most = std::max(most, c.wrench[0].force_n.norm());
     ASSERT_EQ(c.fault, 0);
   }
   EXPECT_NEAR(most, 0.05, 1e-3);  // torques are small beside forces here
   EXPECT_GT(hung_->felt[0].force_n.norm(), 0.1);
-  const CoupledCommand still = tick(pose, 0.0);
+  const WrenchCommand still = tick(pose, 0.0);
   EXPECT_EQ(still.fault, 0);
   pose[0].position_m.x() = std::nan("");
-  const CoupledCommand bad = tick(pose);
+  const WrenchCommand bad = tick(pose);
   EXPECT_EQ(bad.fault, static_cast<std::uint8_t>(Fault::kNotFinite));
   EXPECT_EQ(bad.wrench[0].force_n, Vector3::Zero());
 }

@@ -51,7 +51,8 @@ Eigen::Vector3d force_at(const ResponseDatabase& database, double force_scale,
                          const Eigen::Quaterniond& turn) {
   FastConfig fast;
   fast.model = LocalModel::kPotential;
-  SeveralContacts body(database, find_tool(database, "pads"), fast, force_scale);
+  const ResponseTable* const pads[] = {&find_tool(database, "pads")};
+  SeveralContacts body(database, pads, fast, {.force_scale = force_scale});
   ArrivalRecord arrival;
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
   constexpr int kTicks = 1000;
@@ -62,8 +63,8 @@ Eigen::Vector3d force_at(const ResponseDatabase& database, double force_scale,
     reading.turn = turn;
     while (body.take_in(arrival)) {
     }
-    force_n = body.step(reading, 1e-3).force_n;
-    body.publish(reading, tick + 1);
+    force_n = body.step({reading}, 1e-3).wrench[0].force_n;
+    body.publish({reading}, tick + 1);
     static_cast<void>(body.serve(reading.time_ns));
   }
   EXPECT_EQ(body.fault(), Fault::kNone);

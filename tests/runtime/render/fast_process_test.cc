@@ -14,23 +14,26 @@ namespace {
 class RubbedBody : public RenderedBody {
  public:
   bool take_in(ArrivalRecord& /*arrival*/) noexcept override { return false; }
-  FastCommand step(const DeviceReading& reading, double /*dt_s*/) noexcept override {
-    const double sunk_m = last_m_ - reading.position_m.z();
-    last_m_ = reading.position_m.z();
+  WrenchCommand step(const HandReadings& reading, double /*dt_s*/) noexcept override {
+    const double sunk_m = last_m_ - reading[0].position_m.z();
+    last_m_ = reading[0].position_m.z();
     rubbed_j_ += std::max(sunk_m, 0.0);
-    return {.force_n = Eigen::Vector3d::UnitZ(),
-            .in_contact = true,
-            .dissipated_j = rubbed_j_};
+    WrenchCommand command;
+    command.wrench[0].force_n = Eigen::Vector3d::UnitZ();
+    command.in_contact = true;
+    command.dissipated_j = rubbed_j_;
+    return command;
   }
-  void delivered(const Eigen::Vector3d& /*force_n*/) noexcept override {}
+  void delivered(const HandForces& /*force_n*/) noexcept override {}
   void raise(Fault fault) noexcept override { fault_ = fault; }
-  void publish(const DeviceReading& /*reading*/,
+  void publish(const HandReadings& /*reading*/,
                std::int64_t /*ticks*/) noexcept override {}
   [[nodiscard]] Fault fault() const noexcept override { return fault_; }
   [[nodiscard]] bool in_contact() const noexcept override { return true; }
   [[nodiscard]] double work_j() const noexcept override { return rubbed_j_; }
   [[nodiscard]] std::int32_t triangle() const noexcept override { return 0; }
   [[nodiscard]] std::uint64_t dropped() const noexcept override { return 0; }
+  void accept(const ArrivalRecord& /*arrival*/) override {}
   bool serve(std::int64_t /*now_ns*/) override { return false; }
   void begin_with(const std::vector<YieldedRow>& /*rows*/) override {}
 

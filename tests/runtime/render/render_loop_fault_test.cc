@@ -282,8 +282,8 @@ TEST_F(RenderLoopFault, GoesOnWithTheElementItHasWhenTheSlowProcessThrows) {
   EXPECT_EQ(report.slow_stalls, 1);
   const CurveView curve = database_.tools[0].curve(0);
   for (const RenderTick& tick : trace_) {
-    const double depth = kRadius - tick.sample.position_m.z();
-    EXPECT_NEAR(tick.command.force_n.z(), curve.at(depth).force_n, 1e-9);
+    const double depth = kRadius - tick.pose[0].position_m.z();
+    EXPECT_NEAR(tick.command.wrench[0].force_n.z(), curve.at(depth).force_n, 1e-9);
   }
   EXPECT_GT(report.force_max_n, 0.5);
 }

@@ -21,10 +21,10 @@ TEST_F(RenderLoop, RendersTheCurveAtTheDepthOnAHomogeneousBody) {
   const CurveView curve = database_.tools[0].curve(0);
   int compared = 0;
   for (const RenderTick& tick : trace_) {
-    const double depth = kRadius - tick.sample.position_m.z();
+    const double depth = kRadius - tick.pose[0].position_m.z();
     // Slow enough that neither clamp acts; the first slow update precedes the contact.
-    EXPECT_NEAR(tick.command.force_n.z(), curve.at(depth).force_n, 1e-9);
-    EXPECT_NEAR(tick.command.force_n.head<2>().norm(), 0.0, 1e-9);
+    EXPECT_NEAR(tick.command.wrench[0].force_n.z(), curve.at(depth).force_n, 1e-9);
+    EXPECT_NEAR(tick.command.wrench[0].force_n.head<2>().norm(), 0.0, 1e-9);
     compared += tick.command.in_contact ? 1 : 0;
   }
   EXPECT_EQ(compared, report.contact_ticks);
@@ -51,7 +51,7 @@ TEST_F(RenderLoop, CreatesNoEnergyWhenPressingSlidingReleasing) {
     double held_j = 0.0;
     for (std::size_t i = 1; i < trace_.size(); ++i) {
       const double step =
-          trace_[i].sample.position_m.z() - trace_[i - 1].sample.position_m.z();
+          trace_[i].pose[0].position_m.z() - trace_[i - 1].pose[0].position_m.z();
       held_j += 0.5 * 2.0 * 280.0 * step * step;
     }
     EXPECT_GE(report.net_energy_j(), -held_j) << name(model);
@@ -85,7 +85,7 @@ TEST_F(RenderLoop, CountsALateReadAndKeepsTheLastPosition) {
   const RenderReport report = render(device, config(LocalModel::kElement));
   EXPECT_EQ(report.late_reads, 1);
   EXPECT_EQ(report.fault, Fault::kNone);
-  EXPECT_EQ(trace_[1500].sample.position_m, trace_[1499].sample.position_m);
+  EXPECT_EQ(trace_[1500].pose[0].position_m, trace_[1499].pose[0].position_m);
 }
 
 TEST_F(RenderLoop, EndsWithZeroForceWhenItIsStopped) {

@@ -3,6 +3,7 @@
 #include "runtime/render/several_contacts.h"
 
 #include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -24,8 +25,8 @@ class SeveralContactsRun : public testing::Test {
 
   RenderReport render(FakeDevice& device, const RenderConfig& c,
                       const std::optional<VirtualCoupling>& coupling = {}) {
-    SeveralContacts body(database_, find_tool(database_, "pads"), c.fast.fast, 1.0,
-                         coupling, &watch_);
+    SeveralContacts body(database_, pads_, c.fast.fast,
+                         {.coupling = coupling, .watch = &watch_});
     trace_.clear();
     trace_.reserve(10'000);
     return render_in_turns(
@@ -34,6 +35,7 @@ class SeveralContactsRun : public testing::Test {
   }
 
   ResponseDatabase database_ = padded_plate(3);
+  std::vector<const ResponseTable*> pads_{&find_tool(database_, "pads")};
   FakeClock clock_{1'000'000};
   std::atomic<bool> stop_ = false;
   std::vector<RenderTick> trace_;
@@ -59,8 +61,8 @@ TEST_F(SeveralContactsRun, PushesAsTheirEquilibriumDoes) {
   }
   double deepest_n = 0.0;
   for (const RenderTick& tick : trace_) {
-    deepest_n = std::max(deepest_n, tick.command.force_n.z());
-    EXPECT_LT(tick.command.force_n.head<2>().norm(), 1e-9);
+    deepest_n = std::max(deepest_n, tick.command.wrench[0].force_n.z());
+    EXPECT_LT(tick.command.wrench[0].force_n.head<2>().norm(), 1e-9);
   }
   EXPECT_NEAR(deepest_n, 2.0 * outer + middle, 2e-4 * deepest_n);
   EXPECT_LT(deepest_n, 0.95 * 3.0 * 2e4 * d * d);
@@ -105,7 +107,7 @@ TEST_F(SeveralContactsRun, AForceThatTheDeviceWithheldIsNotGivenBack) {
   FastConfig config = potential().fast.fast;
   config.energy_floor_j = 1e-4;
   for (const bool withheld : {false, true}) {
-    SeveralContacts body(database_, find_tool(database_, "pads"), config, 1.0);
+    SeveralContacts body(database_, pads_, config);
     ArrivalRecord arrival;
     bool touched = false;
     for (std::int64_t tick = 0; tick < 1000; ++tick) {
@@ -115,12 +117,12 @@ TEST_F(SeveralContactsRun, AForceThatTheDeviceWithheldIsNotGivenBack) {
       reading.position_m = {0.0031, 0.0017, kPadRadius + 0.001 - 1e-5 * steps};
       while (body.take_in(arrival)) {
       }
-      (void)body.step(reading, 1e-3);
+      (void)body.step({reading}, 1e-3);
       touched = touched || (body.in_contact() && body.triangle() >= 0);
       if (withheld && tick < 500) {
-        body.delivered(Eigen::Vector3d::Zero());
+        body.delivered(HandForces{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
       }
-      body.publish(reading, tick + 1);
+      body.publish({reading}, tick + 1);
       (void)body.serve(reading.time_ns);
     }
     EXPECT_TRUE(touched);
@@ -153,7 +155,7 @@ TEST_F(SeveralContactsRun, HungByACouplingAreSofter) {
   ASSERT_TRUE(watch_.fetch());
   EXPECT_TRUE(watch_.latest().hung);
   EXPECT_EQ(watch_.latest().count, 3);
-  EXPECT_EQ(watch_.latest().wrench.force_n, trace_.back().command.force_n);
+  EXPECT_EQ(watch_.latest().wrench.force_n, trace_.back().command.wrench[0].force_n);
 }
 
 // A device that measures its turns and cannot push against them: the pads press as they
@@ -209,8 +211,7 @@ TEST_F(SeveralContactsRun, RefuseACouplingThatIsNotValid) {
 }
 
 TEST_F(SeveralContactsRun, RefuseABodyThatHasYielded) {
-  SeveralContacts body(database_, find_tool(database_, "pads"), potential().fast.fast,
-                       1.0);
+  SeveralContacts body(database_, pads_, potential().fast.fast);
   body.begin_with({});
   EXPECT_THROW(body.begin_with({YieldedRow{}}), InputError);
 }

@@ -65,7 +65,7 @@ TEST_P(HeldForce, GivesNoMoreThanItsStiffnessAllows) {
     if (before.command.in_contact) {
       const Eigen::Vector3d moved_m = to_m - from_m;
       const double given_j =
-          before.command.force_n.dot(moved_m) + now.work_j - before.work_j;
+          before.command.wrench[0].force_n.dot(moved_m) + now.work_j - before.work_j;
       // Rounding of an account of some joules.
       ASSERT_LE(given_j, 0.5 * k_n_per_m * moved_m.squaredNorm() * 1.01 + 1e-12)
           << tick;

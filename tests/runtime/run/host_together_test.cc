@@ -65,13 +65,13 @@ TEST(HostTogether, IsTheCoupledSetToTheBit) {
       accept(storage.state(), *message);
       fifo->pop();
     }
-    CoupledSample sample;
+    PoseSample sample;
     sample.pose = {pose_of(hands[0]), pose_of(hands[1])};
-    const CoupledCommand set = step(storage.state(), sample, kHostTickS);
-    ASSERT_EQ(given.command.force_n, set.wrench[0].force_n) << tick;
-    ASSERT_EQ(given.second_force_n, set.wrench[1].force_n) << tick;
-    ASSERT_EQ(given.torque_n_m, set.wrench[0].torque_n_m) << tick;
-    ASSERT_EQ(given.second_torque_n_m, set.wrench[1].torque_n_m) << tick;
+    const WrenchCommand set = step(storage.state(), sample, kHostTickS);
+    ASSERT_EQ(given.command.wrench[0].force_n, set.wrench[0].force_n) << tick;
+    ASSERT_EQ(given.command.wrench[1].force_n, set.wrench[1].force_n) << tick;
+    ASSERT_EQ(given.command.wrench[0].torque_n_m, set.wrench[0].torque_n_m) << tick;
+    ASSERT_EQ(given.command.wrench[1].torque_n_m, set.wrench[1].torque_n_m) << tick;
     ASSERT_EQ(given.work_j, account_of(storage.state()).work_j) << tick;
     contacts = std::max(contacts, set.contacts);
     if (tick % 10 == 0) {

@@ -53,7 +53,8 @@ TEST(TakenElements, OfAHostsToolAreBoundedInATick) {
 TEST(TakenElements, OfADevicesToolAreBoundedInATick) {
   const ResponseDatabase database = many_pads();
   const RenderConfig c = config(LocalModel::kPotential);
-  SeveralContacts body(database, find_tool(database, "pads"), c.fast.fast, 1.0);
+  const ResponseTable* const pads[] = {&find_tool(database, "pads")};
+  SeveralContacts body(database, pads, c.fast.fast);
   FakeClock clock(1'000'000);
   FakeDevice device(clock, press(0.004, 2.0));
   FlightLog flight;

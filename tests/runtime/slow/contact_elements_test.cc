@@ -175,7 +175,7 @@ TEST(ContactElements, RenderACoupledPress) {
   const auto fifo = std::make_unique<ContactFifo>();
   ContactSent sent_so_far;
   PortPoses pose;
-  CoupledCommand command;
+  WrenchCommand command;
   for (int tick = 0; tick < 2000; ++tick) {
     pose[0].position_m = {0.001, 0.002, 0.007 - 2.5e-6 * tick};
     if (tick % 20 == 0) {

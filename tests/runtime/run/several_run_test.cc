@@ -1,0 +1,404 @@
+// Runs of tools with several contacts, and of two hands on one body.
+#include "runtime/run/several_run.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/base/error.h"
+#include "formats/database/table_memory.h"
+#include "formats/recording/recording_writer.h"
+#include "runtime/run/pose_trace.h"
+#include "runtime/run/replay.h"
+#include "runtime/run/run_outcome.h"
+#include "tests/support/padded_plate.h"
+#include "tests/support/test_data.h"
+
+namespace palpate {
+namespace {
+
+class ContactRuns : public testing::Test {
+ protected:
+  SimulationReport run(const SimulationOptions& options) {
+    return simulate(database_, options, stop_);
+  }
+  static SimulationOptions options(const std::string& tool) {
+    SimulationOptions o;
+    o.tool = tool;
+    o.duration_s = 4.0;
+    o.limit_stiffness = true;
+    return o;
+  }
+  // Two fingers 14 mm apart.
+  static SimulationOptions pinch() {
+    SimulationOptions o = options("ball");
+    o.at_m = Eigen::Vector3d(-0.007, 0.0, 0.0);
+    o.together = SecondHand{.tool = "ball", .at_m = Eigen::Vector3d(0.007, 0.0, 0.0)};
+    return o;
+  }
+  // Renders, and again what was recorded of it.
+  ReplayReport replayed(SimulationOptions o, Recording& recording) {
+    o.recording.file = folder_ / "run.h5";
+    last_ = run(o);
+    recording = read_recording(o.recording.file);
+    return replay(recording, database_);
+  }
+  void give_all(const Viscoelasticity& relaxation) {
+    for (ResponseTable& table : database_.tools) {
+      give_memory(database_.body, database_.normal, relaxation, 1, table);
+    }
+  }
+  static void expect_balance(const RenderReport& r) {
+    EXPECT_EQ(r.fault, Fault::kNone);
+    EXPECT_GE(r.lowest_work_j, -1e-12);
+    EXPECT_NEAR(r.model_work_j, r.stored_j + r.tank_j + r.memory_j + r.dissipated_j,
+                1e-12);
+  }
+
+  ResponseDatabase database_ = padded_plate(3);
+  ScratchFolder folder_;
+  SimulationReport last_;
+  std::atomic<bool> stop_ = false;
+};
+
+TEST_F(ContactRuns, PadsAreHeldAndTurned) {
+  const SimulationReport report = run(options("pads"));
+  const RenderReport& r = report.render;
+  expect_balance(r);
+  EXPECT_EQ(r.ticks, 8000);
+  EXPECT_GT(r.contact_ticks, 3000);
+  EXPECT_EQ(r.contacts_max, 3);
+  EXPECT_GT(r.torque_max_n_m, 1e-4);
+  EXPECT_EQ(r.scaled_ticks, 0);
+  EXPECT_TRUE(report.convex);
+  EXPECT_TRUE(report.torque_felt);
+  EXPECT_GT(report.turning_n_m_per_rad, 0.0);
+  EXPECT_NE(summary(report).find("3, coupled; turned by hands"), std::string::npos);
+  EXPECT_EQ(as_json(report)["contacts_max"], 3);
+}
+
+// Held pads bear less with time; what dents hold is in the account, also of pads that
+// hang.
+TEST_F(ContactRuns, PadsRelax) {
+  const SimulationReport before = run(options("pads"));
+  Viscoelasticity relaxation;
+  relaxation.instantaneous = true;
+  relaxation.tau_s = {0.1, 2.0};
+  relaxation.g = RowsOf<float>{{0.3F, 0.25F}};
+  give_all(relaxation);
+  for (const bool hung : {false, true}) {
+    SimulationOptions o = options("pads");
+    if (hung) {
+      o.coupling = VirtualCoupling{.spring_n_per_m = 200.0};
+    }
+    Recording recording;
+    EXPECT_TRUE(replayed(o, recording).is_reproduced());
+    const RenderReport& r = last_.render;
+    expect_balance(r);
+    EXPECT_TRUE(r.relaxes);
+    EXPECT_GT(r.carried_max_n, 0.1 * before.render.force_max_n);
+    EXPECT_NE(summary(last_).find("dents"), std::string::npos);
+  }
+}
+
+TEST_F(ContactRuns, PadsLeaveDents) {
+  Viscoelasticity relaxation;
+  relaxation.yielding.yield_depth_m = {0.0005};
+  relaxation.yielding.share = {0.3};
+  give_all(relaxation);
+  Recording recording;
+  EXPECT_TRUE(replayed(options("pads"), recording).is_reproduced());
+  const RenderReport& r = last_.render;
+  expect_balance(r);
+  EXPECT_TRUE(r.yields);
+  EXPECT_GT(r.yielded_j, 1e-5);
+  EXPECT_LT(r.yielded_j, r.dissipated_j + 1e-12);
+}
+
+// Each makes the other's place softer than it is alone.
+TEST_F(ContactRuns, TwoHandsFeelEachOther) {
+  SimulationOptions both = pinch();
+  both.tilt_rad = 0.0;
+  both.limit_stiffness = false;
+  const SimulationReport coupled = run(both);
+  EXPECT_EQ(coupled.contacts, 2);
+  EXPECT_EQ(coupled.render.contacts_max, 2);
+  expect_balance(coupled.render);
+  EXPECT_GE(coupled.second_node, 0);
+  EXPECT_NE(coupled.second_node, coupled.node);
+  both.together.reset();
+  const SimulationReport alone = run(both);
+  EXPECT_EQ(alone.contacts, 1);
+  EXPECT_GT(alone.render.force_max_n, 1.02 * coupled.render.force_max_n);
+}
+
+TEST_F(ContactRuns, PosesOfATraceGiveTheSameBits) {
+  for (const bool hands : {false, true}) {
+    SimulationOptions first = hands ? pinch() : options("pads");
+    first.duration_s = 2.0;
+    first.trace = folder_ / "first.csv";
+    const SimulationReport live = run(first);
+    SimulationOptions again = first;
+    again.duration_s = 10.0;  // as long as there are poses
+    again.poses = first.trace;
+    again.trace = folder_ / "again.csv";
+    const SimulationReport posed = run(again);
+    EXPECT_EQ(posed.render.ticks, 4000);
+    EXPECT_EQ(posed.render.model_work_j, live.render.model_work_j);
+    EXPECT_EQ(posed.render.energy_in_j, live.render.energy_in_j);
+    const std::string text = bytes_of(first.trace);
+    EXPECT_GT(text.size(), 100'000U);
+    EXPECT_TRUE(text == bytes_of(again.trace));
+    EXPECT_EQ(text.substr(0, text.find('\n')).find("tz2_n_m") != std::string::npos,
+              hands);
+  }
+}
+
+// In real time, or with a device, nothing is where a file says.
+TEST_F(ContactRuns, PosesAreOfSimulatedTimeAlone) {
+  SimulationOptions o = options("pads");
+  o.duration_s = 0.1;
+  o.trace = folder_ / "poses.csv";
+  (void)run(o);
+  o.poses = o.trace;
+  o.real_time = true;
+  EXPECT_THROW((void)run(o), InputError);
+}
+
+TEST_F(ContactRuns, ARecordingOfTwoHandsIsReproducedToTheBit) {
+  SimulationOptions live = pinch();
+  live.at_m = Eigen::Vector3d(-0.015, 0.0, 0.0);
+  live.together = SecondHand{.tool = "pads", .at_m = Eigen::Vector3d(0.015, 0.0, 0.0)};
+  live.duration_s = 2.0;
+  live.device.damping_n_s_per_m = 0.05;  // too little: forces are scaled
+  Recording recording;
+  const ReplayReport again = replayed(live, recording);
+  EXPECT_TRUE(again.is_reproduced()) << again.different_in;
+  EXPECT_LT(last_.force_scale, 1.0);
+  EXPECT_GT(last_.render.torque_max_n_m, 1e-5);
+  EXPECT_EQ(recording.header.tool, "ball");
+  EXPECT_EQ(recording.header.second_tool, "pads");
+  EXPECT_EQ(again.ticks, 4000);
+  EXPECT_EQ(again.replayed_net_j, again.net_energy_j);
+  EXPECT_GT(again.force_max_n, 0.0);
+  // Nothing of it passes unseen.
+  const auto differs_at = [&](auto&& change) {
+    Recording other = recording;
+    change(other);
+    return replay(other, database_).different_tick;
+  };
+  EXPECT_EQ(differs_at([](Recording& r) {
+              r.tick[1700].second.torque_n_m[2] += 1e-15;
+            }),
+            1700);
+  EXPECT_EQ(differs_at([](Recording& r) {
+              r.tick[900].tank_j += 1e-15;
+            }),
+            900);
+  EXPECT_EQ(differs_at([](Recording& r) {
+              r.tick[1100].contacts += 1;
+            }),
+            1100);
+  const auto touched = static_cast<std::int64_t>(recording.tick.size()) / 2;
+  EXPECT_LE(differs_at([](Recording& r) {
+              for (std::size_t i = 0; i < 50; ++i) {
+                r.tick[1800 + i].second.turn = {0.0, 0.1, 0.0, std::sqrt(0.99)};
+              }
+            }),
+            touched);
+  recording.header.force_scale = 1.0;
+  EXPECT_GT(replay(recording, database_).force_difference_n, 1e-3);
+}
+
+// What hangs is recorded with what it hangs by.
+TEST_F(ContactRuns, ARecordingOfACouplingIsReproducedToTheBit) {
+  for (const bool hands : {false, true}) {
+    SimulationOptions o = hands ? pinch() : options("pads");
+    o.duration_s = 2.0;
+    o.coupling = VirtualCoupling{.mass_kg = 0.05, .spring_n_per_m = 200.0};
+    Recording recording;
+    EXPECT_TRUE(replayed(o, recording).is_reproduced());
+    recording.header.coupling_spring_n_per_m = 210.0;
+    EXPECT_FALSE(replay(recording, database_).is_reproduced());
+  }
+}
+
+// By the other field, of the same elements or asked for anew.
+TEST_F(ContactRuns, ARecordingIsRenderedAgainByAnotherField) {
+  Recording recording;
+  (void)replayed(options("pads"), recording);
+  const ReplayReport same = render_again(recording, database_, LocalModel::kPotential);
+  EXPECT_LT(same.force_rms_n, 0.05 * same.force_max_n);
+  const ReplayReport facets = render_again(recording, database_, LocalModel::kFacets);
+  EXPECT_EQ(facets.compared, facets.ticks);
+  EXPECT_GT(facets.force_difference_n, 0.0);
+  EXPECT_THROW((void)render_again(recording, database_, LocalModel::kElement),
+               InputError);
+}
+
+// A recording whose writer died has what it had written by then, of all hands.
+TEST_F(ContactRuns, ARecordingOutlivesItsWriter) {
+  SimulationOptions o = pinch();
+  o.duration_s = 2.0;
+  Recording recording;
+  (void)replayed(o, recording);
+  RecordingHeader header = recording.header;
+  {
+    RecordingWriter writer(folder_ / "cut.h5", header);
+    for (std::size_t i = 0, next = 0; i < recording.tick.size(); ++i) {
+      for (; next < recording.arrival.size() &&
+             recording.arrival[next].tick <= recording.tick[i].tick;
+           ++next) {
+        writer.append(std::span(&recording.arrival[next], 1));
+      }
+      writer.append(std::span(&recording.tick[i], 1));
+    }
+  }
+  const Recording cut = read_recording(folder_ / "cut.h5.partial");
+  EXPECT_FALSE(cut.ended);
+  EXPECT_GE(cut.tick.size(), 3072U - kRecordingBlock);
+  const ReplayReport again = replay(cut, database_);
+  EXPECT_EQ(again.identical, again.ticks);
+}
+
+TEST_F(ContactRuns, PosesAreCheckedLineByLine) {
+  const auto refusal = [&](const std::string& text) {
+    const auto file = folder_ / "poses.csv";
+    std::ofstream(file) << text;
+    try {
+      (void)read_poses(file, 1);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string head = "time_s,x1_m,y1_m,z1_m,qx1,qy1,qz1,qw1\n";
+  EXPECT_EQ(refusal(head + "0,0,0,0.1,0,0,0,1\n"), "");
+  EXPECT_NE(refusal("time_s,x1_m\n").find("no column \"y1_m\""), std::string::npos);
+  EXPECT_NE(refusal(head + "0,0,0,0.1,0,0,0,nan\n").find("line 2: qw1"),
+            std::string::npos);
+  EXPECT_NE(refusal(head + "0,0,0,0.1,0,0,0,0\n").find("quaternion of zeros"),
+            std::string::npos);
+  EXPECT_NE(refusal(head + "1,0,0,0.1,0,0,0,1\n1,0,0,0.1,0,0,0,1\n").find("must rise"),
+            std::string::npos);
+  EXPECT_NE(refusal(head).find("no poses"), std::string::npos);
+}
+
+TEST_F(ContactRuns, RefuseWhatCannotBeRendered) {
+  const auto refusal = [&](const SimulationOptions& o) {
+    try {
+      (void)run(o);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  SimulationOptions weak = options("pads");
+  weak.device.damping_n_s_per_m = 0.001;
+  weak.limit_stiffness = false;
+  EXPECT_NE(refusal(weak).find("--limit-stiffness"), std::string::npos);
+  weak.limit_stiffness = true;
+  EXPECT_EQ(refusal(weak), "");
+  SimulationOptions wild = options("pads");
+  wild.tilt_rad = 3.0;
+  EXPECT_NE(refusal(wild).find("tilt"), std::string::npos);
+  SimulationOptions element = options("pads");
+  element.model = LocalModel::kElement;
+  EXPECT_NE(refusal(element).find("potential or facets"), std::string::npos);
+  SimulationOptions traced = options("ball");
+  traced.trace = folder_ / "t.csv";
+  EXPECT_NE(refusal(traced).find("--together"), std::string::npos);
+  EXPECT_TRUE(is_contact_run(database_, {"pads"}, false));
+  EXPECT_FALSE(is_contact_run(database_, {"ball", "ball"}, false));
+  EXPECT_TRUE(is_contact_run(database_, {"ball", "ball"}, true));
+  EXPECT_THROW((void)is_contact_run(database_, {"pads", "ball"}, false), InputError);
+}
+
+// Hung by a coupling: its account closes, its spring counts for stability, and a pinch
+// has it, too.
+TEST_F(ContactRuns, HangByACoupling) {
+  for (const bool hands : {false, true}) {
+    SimulationOptions o = hands ? pinch() : options("pads");
+    o.coupling = VirtualCoupling{.spring_n_per_m = 200.0};
+    o.duration_s = 2.5;
+    const SimulationReport report = run(o);
+    expect_balance(report.render);
+    EXPECT_GT(report.render.contact_ticks, 1000);
+    ASSERT_TRUE(report.coupling);
+    const HungAccount& a = report.coupling->account;
+    EXPECT_LE(a.kinetic_j + a.spring_j, report.render.stored_j);
+    EXPECT_GT(a.dissipated_j, 1e-5);
+    EXPECT_LT(a.residual_j, 1e-12);
+    EXPECT_EQ(report.stiffness.normal_n_per_m, 200.0);
+    // 200 N/m held for half a millisecond by 0.5 N s/m.
+    EXPECT_NEAR(report.coupling->every_hand_n_s_per_m, 200.0 * 0.00025 + 6.0, 1e-12);
+    EXPECT_NE(summary(report).find("springs of 200 N/m"), std::string::npos);
+    EXPECT_TRUE(as_json(report)["coupling"].contains("kinetic_j"));
+  }
+}
+
+// What the device can hold is a matter of the spring alone.
+TEST_F(ContactRuns, ACouplingIsSoftenedToWhatTheDeviceHolds) {
+  SimulationOptions o = options("pads");
+  o.limit_stiffness = false;
+  o.duration_s = 0.1;
+  o.device.damping_n_s_per_m = 0.01;
+  o.device.coulomb_n = 0.0;
+  EXPECT_THROW((void)run(o), InputError);
+  o.coupling = VirtualCoupling{};
+  EXPECT_THROW((void)run(o), InputError);
+  o.limit_stiffness = true;
+  const SimulationReport r = run(o);
+  EXPECT_EQ(r.force_scale, 1.0);
+  EXPECT_NEAR(r.coupling->coupling.spring_n_per_m, r.bounds.renderable_n_per_m(), 1e-9);
+  o.limit_stiffness = false;
+  o.coupling->spring_n_per_m = 0.9 * r.bounds.renderable_n_per_m();
+  EXPECT_NEAR(run(o).coupling->coupling.spring_n_per_m,
+              0.9 * r.bounds.renderable_n_per_m(), 0.0);
+  // One contact has nothing to hang.
+  SimulationOptions ball = options("ball");
+  ball.coupling = VirtualCoupling{};
+  EXPECT_THROW((void)run(ball), InputError);
+}
+
+// As if the three pressed bodies of their own.
+TEST_F(ContactRuns, AreAsStiffAsTheirSum) {
+  SimulationOptions o = options("pads");
+  o.duration_s = 0.1;
+  const SimulationReport report = run(o);
+  SimulationOptions ball = o;
+  ball.tool = "ball";
+  ball.force_max_n = o.force_max_n / 3.0;
+  EXPECT_NEAR(report.stiffness.normal_n_per_m,
+              3.0 * run(ball).stiffness.normal_n_per_m, 1e-9);
+}
+
+// A second hand whose sensor turns by half a radian in a tick.
+TEST_F(ContactRuns, AFaultLeavesItsLastTicks) {
+  std::vector<RenderTick> ticks(1000);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    ticks[i].time_ns = static_cast<std::int64_t>(i) * 500'000;
+    ticks[i].pose[0].position_m = {-0.007, 0.0, 0.004};
+    ticks[i].pose[1].position_m = {0.015, 0.0, 0.004};
+    if (i >= 600) {
+      ticks[i].pose[1].turn = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
+    }
+  }
+  SimulationOptions o = pinch();
+  o.together->tool = "pads";
+  o.poses = folder_ / "poses.csv";
+  write_pose_trace(o.poses, 2, ticks);
+  o.recording.flight_file = folder_ / "flight.h5";
+  const SimulationReport report = run(o);
+  EXPECT_EQ(report.render.fault, Fault::kJump);
+  EXPECT_NEAR(report.render.fault_s, 0.3, 1e-9);
+  EXPECT_GT(report.render.contact_ticks, 300);
+  const Recording flight = read_recording(o.recording.flight_file);
+  EXPECT_EQ(flight.end.fault, "jump");
+  EXPECT_EQ(flight.tick.size(), 601U);
+  EXPECT_TRUE(replay(flight, database_).is_reproduced());
+}
+
+}  // namespace
+}  // namespace palpate
