@@ -18,18 +18,30 @@ HostOptions without_thread(HostOptions options) {
 
 }  // namespace
 
-HeldRenderer::HeldRenderer(const std::shared_ptr<HeldDatabase>& held,
-                           HostOptions options)
-    : body_(std::make_unique<HostBody>(
-          std::shared_ptr<const ResponseDatabase>(held, &held->database),
-          without_thread(std::move(options)))),
-      tool_(&body_->add_tool()),
-      process_(getpid()) {}
+HeldRenderer::HeldRenderer(std::unique_ptr<HostBody> body,
+                           const std::optional<std::string>& second)
+    : body_(std::move(body)), force_scale_(body_->force_scale()), process_(getpid()) {
+  if (second) {
+    const HostBody::Together both = body_->add_together(*second);
+    tool_ = &both.tool;
+    force_scale_ = both.force_scale;
+  } else {
+    tool_ = &body_->add_tool();
+  }
+}
 
-HeldRenderer::HeldRenderer(const std::filesystem::path& file, HostOptions options)
-    : body_(std::make_unique<HostBody>(file, without_thread(std::move(options)))),
-      tool_(&body_->add_tool()),
-      process_(getpid()) {}
+HeldRenderer::HeldRenderer(const std::shared_ptr<HeldDatabase>& held,
+                           HostOptions options,
+                           const std::optional<std::string>& second)
+    : HeldRenderer(std::make_unique<HostBody>(
+                       std::shared_ptr<const ResponseDatabase>(held, &held->database),
+                       without_thread(std::move(options))),
+                   second) {}
+
+HeldRenderer::HeldRenderer(const std::filesystem::path& file, HostOptions options,
+                           const std::optional<std::string>& second)
+    : HeldRenderer(std::make_unique<HostBody>(file, without_thread(std::move(options))),
+                   second) {}
 
 HeldRenderer::~HeldRenderer() {
   if (getpid() != process_ && body_->slow_runs()) {
@@ -57,8 +69,8 @@ std::string HeldRenderer::why_faulted(std::uint8_t fault) const {
   return why + ", no element came: slow_step() about 100 times a second, or start()";
 }
 
-const HostTick& HeldRenderer::step(const HostSample& sample) {
-  latest_ = tool_->step(sample);
+const HostTick& HeldRenderer::step(std::span<const HostSample> samples) {
+  latest_ = tool_->step(samples);
   if (latest_.command.fault != 0) {
     refuse_other_process();
     throw RenderingFault(why_faulted(latest_.command.fault));
@@ -66,11 +78,7 @@ const HostTick& HeldRenderer::step(const HostSample& sample) {
   return latest_;
 }
 
-void HeldRenderer::delivered(const Eigen::Vector3d& force_n,
-                             const std::optional<Eigen::Vector3d>& torque_n_m) {
-  PortWrenches made = tool_->wanted();
-  made[0].force_n = force_n;
-  made[0].torque_n_m = torque_n_m.value_or(made[0].torque_n_m);
+void HeldRenderer::delivered(const PortWrenches& made) {
   if (!tool_->delivered(made)) {
     throw InputError("delivered: force and torque must be finite");
   }

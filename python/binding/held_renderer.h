@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <Eigen/Core>
@@ -27,25 +28,31 @@ class RenderingFault : public Error {
 /// steps and the slow thread go on without it.
 class HeldRenderer {
  public:
-  /// Lives with the database. @throws as HostBody.
-  HeldRenderer(const std::shared_ptr<HeldDatabase>& held, HostOptions options);
+  /// Lives with the database. @param second tool of a second hand that presses the body
+  /// together with the first; none: there is one. @throws as HostBody.
+  HeldRenderer(const std::shared_ptr<HeldDatabase>& held, HostOptions options,
+               const std::optional<std::string>& second);
 
   /// Of a file, which may be streamed.
-  HeldRenderer(const std::filesystem::path& file, HostOptions options);
+  HeldRenderer(const std::filesystem::path& file, HostOptions options,
+               const std::optional<std::string>& second);
 
   /// A forked child has no slow thread to wait for, so it leaves the body where it is.
   ~HeldRenderer();
   HeldRenderer(const HeldRenderer&) = delete;
   HeldRenderer& operator=(const HeldRenderer&) = delete;
 
-  /// The C interface's tick: palpate_wrench(), or, where no torque is felt,
-  /// palpate_force(). @returns the latest tick.
-  /// @throws RenderingFault, at this tick and all that follow until reset().
-  const HostTick& step(const HostSample& sample);
+  /// The C interface's palpate_step(). @param samples one of each hand. @returns the
+  /// latest tick. @throws RenderingFault, at this tick and all that follow until
+  /// reset().
+  const HostTick& step(std::span<const HostSample> samples);
+
+  [[nodiscard]] std::size_t hands() const noexcept { return tool_->hands(); }
+  /// What the latest tick asked for.
+  [[nodiscard]] const PortWrenches& wanted() const noexcept { return tool_->wanted(); }
 
   /// palpate_delivered(). @throws InputError for what is not finite.
-  void delivered(const Eigen::Vector3d& force_n,
-                 const std::optional<Eigen::Vector3d>& torque_n_m);
+  void delivered(const PortWrenches& made);
 
   void reset();
 
@@ -62,14 +69,18 @@ class HeldRenderer {
 
   [[nodiscard]] const HostTick& latest() const noexcept { return latest_; }
   [[nodiscard]] const HostBody& body() const noexcept { return *body_; }
+  [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
 
  private:
+  HeldRenderer(std::unique_ptr<HostBody> body,
+               const std::optional<std::string>& second);
   void refuse_other_process() const;
   void refuse_running() const;
   [[nodiscard]] std::string why_faulted(std::uint8_t fault) const;
 
   std::unique_ptr<HostBody> body_;
-  HostTool* tool_;
+  HostTool* tool_ = nullptr;
+  double force_scale_ = 1.0;
   HostTick latest_;
   mutable std::mutex slow_;  // starting, ending, stepping: one at a time
   pid_t process_;

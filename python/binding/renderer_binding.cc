@@ -5,12 +5,15 @@
 #include "python/binding/number_array.h"
 #include "python/binding/option.h"
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
 
+#include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -38,37 +41,100 @@ Eigen::Vector3d triple_of(const py::handle& values, const char* what) {
   return triple;
 }
 
-// @param orientation None: none.
-HostSample sample_of(const py::handle& position, const py::handle& orientation,
-                     double dt_s, bool torque_felt) {
-  HostSample sample{.position_m = triple_of(position, "position"),
-                    .dt_s = dt_s,
-                    .torque_felt = torque_felt};
-  if (!orientation.is_none()) {
-    take_row(orientation, "orientation", 4, sample.quaternion.data());
+// Rows of `width` numbers, one for each hand: of one hand (width,), of two (2, width).
+template <int kWidth, typename Take>
+void for_hands(const py::handle& values, const char* what, std::size_t hands,
+               Take take) {
+  using Row = Eigen::Matrix<double, kWidth, 1>;
+  if (hands == 1) {
+    Row row;
+    if constexpr (kWidth == 3) {
+      row = triple_of(values, what);
+    } else {
+      take_row(values, what, kWidth, row.data());
+    }
+    take(std::size_t{0}, row);
+    return;
   }
-  return sample;
+  const py::sequence rows = py::reinterpret_borrow<py::sequence>(values);
+  if (!py::isinstance<py::sequence>(values) && !py::isinstance<py::array>(values)) {
+    throw InputError(fmt::format("{} must be an array of {} rows", what, hands));
+  }
+  if (py::len(rows) != hands) {
+    throw InputError(fmt::format("{} has {} rows, must have one for each of {} hands",
+                                 what, py::len(rows), hands));
+  }
+  for (std::size_t hand = 0; hand < hands; ++hand) {
+    Row row;
+    const py::object values_of_hand = rows[hand];
+    take_row(values_of_hand, what, kWidth, row.data());
+    take(hand, row);
+  }
+}
+
+// One tick. @param orientation None: none.
+const HostTick& tick_of(HeldRenderer& renderer, const py::handle& position,
+                        const py::handle& orientation, double dt_s, bool torque_felt) {
+  std::array<HostSample, kPortsMax> samples;
+  for (HostSample& sample : samples) {
+    sample.dt_s = dt_s;
+    sample.torque_felt = torque_felt;
+  }
+  const std::size_t hands = renderer.hands();
+  for_hands<3>(position, "position", hands,
+               [&](std::size_t hand, const Eigen::Vector3d& row) {
+                 samples[hand].position_m = row;
+               });
+  if (!orientation.is_none()) {
+    for_hands<4>(orientation, "orientation", hands,
+                 [&](std::size_t hand, const Eigen::Vector4d& row) {
+                   samples[hand].quaternion = row;
+                 });
+  }
+  return renderer.step(std::span(samples).first(hands));
+}
+
+// (3,) of one hand, (2, 3) of two.
+py::array_t<double> of_hands(const HeldRenderer& renderer, const PortWrenches& wrench,
+                             Vector3 Wrench::*member) {
+  if (renderer.hands() == 1) {
+    return vector_array(wrench[0].*member);
+  }
+  py::array_t<double> rows({py::ssize_t{2}, py::ssize_t{3}});
+  for (py::ssize_t hand = 0; hand < 2; ++hand) {
+    Eigen::Map<Eigen::Vector3d>(rows.mutable_data(hand, 0)) =
+        wrench[static_cast<std::size_t>(hand)].*member;
+  }
+  return rows;
 }
 
 py::array_t<double> force_after(HeldRenderer& renderer, const py::handle& position,
                                 double dt_s, const py::handle& orientation) {
-  return vector_array(renderer.step(sample_of(position, orientation, dt_s, false))
-                          .command.wrench[0]
-                          .force_n);
+  const HostTick& tick = tick_of(renderer, position, orientation, dt_s, false);
+  return of_hands(renderer, tick.command.wrench, &Wrench::force_n);
 }
 
 void tell_delivered(HeldRenderer& renderer, const py::handle& force,
                     const py::handle& torque) {
-  renderer.delivered(triple_of(force, "force"), torque.is_none()
-                                                    ? std::optional<Eigen::Vector3d>()
-                                                    : triple_of(torque, "torque"));
+  PortWrenches made = renderer.wanted();
+  for_hands<3>(force, "force", renderer.hands(),
+               [&](std::size_t hand, const Eigen::Vector3d& row) {
+                 made[hand].force_n = row;
+               });
+  if (!torque.is_none()) {
+    for_hands<3>(torque, "torque", renderer.hands(),
+                 [&](std::size_t hand, const Eigen::Vector3d& row) {
+                   made[hand].torque_n_m = row;
+                 });
+  }
+  renderer.delivered(made);
 }
 
 py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
                        const py::handle& orientation, double dt_s) {
-  const HostTick& tick = renderer.step(sample_of(position, orientation, dt_s, true));
-  const Wrench& wrench = tick.command.wrench[0];
-  return py::make_tuple(vector_array(wrench.force_n), vector_array(wrench.torque_n_m));
+  const HostTick& tick = tick_of(renderer, position, orientation, dt_s, true);
+  return py::make_tuple(of_hands(renderer, tick.command.wrench, &Wrench::force_n),
+                        of_hands(renderer, tick.command.wrench, &Wrench::torque_n_m));
 }
 
 // None of the options has a meaning of its own here: those of the C interface.
@@ -92,8 +158,13 @@ std::unique_ptr<HeldRenderer> make_renderer(const Source& source,
   take_option(given, "delay_s", options.delay_s);
   take_option(given, "limit_stiffness", options.limit_stiffness);
   take_option(given, "streamed", options.streamed);
+  std::string second;
+  const bool two_hands =
+      given.contains("second_tool") && !given["second_tool"].is_none();
+  take_option(given, "second_tool", second);
   refuse_rest(given, "Renderer");
-  return std::make_unique<HeldRenderer>(source, std::move(options));
+  return std::make_unique<HeldRenderer>(
+      source, std::move(options), two_hands ? std::optional(second) : std::nullopt);
 }
 
 using Type = py::class_<HeldRenderer>;
@@ -135,7 +206,7 @@ void tell_wrench(Type& type, const char* name, Vector3 Wrench::*member,
   type.def_property_readonly(
       name,
       [member](const HeldRenderer& renderer) {
-        return told(renderer.latest().command.wrench[0].*member);
+        return of_hands(renderer, renderer.latest().command.wrench, member);
       },
       text);
 }
@@ -156,7 +227,8 @@ void bind_account(Type& type) {
 }
 
 void bind_place(Type& type) {
-  tell_wrench(type, "force", &Wrench::force_n, "(3,) [N] on the tool");
+  tell_wrench(type, "force", &Wrench::force_n,
+              "(3,) [N] on the tool; of two hands (2, 3), so torque");
   tell_wrench(type, "torque", &Wrench::torque_n_m,
               "(3,) [N m] about the reference point; 0 of a tool of one contact");
   tell(type, "contact_point", &HostTick::contact, &FastContact::point_m,
@@ -200,7 +272,7 @@ void bind_body(Type& type) {
   type.def_property_readonly(
       "force_scale",
       [](const HeldRenderer& r) {
-        return r.body().force_scale();
+        return r.force_scale();
       },
       "[-] (0, 1], below 1 by limit_stiffness");
   type.def_property_readonly(
@@ -259,7 +331,9 @@ constexpr const char* kMake =
     "thread, force_max_n [N] 8, stall_s [s] 0.5,\nramp_s [s] 0.1, position_gain, "
     "force_gain, "
     "and of a device damping_n_s_per_m, angular_damping_n_m_s,\ndelay_s, "
-    "limit_stiffness; of a file streamed. Meanings: palpate_options in palpate.h.";
+    "limit_stiffness; of a file streamed. Meanings: palpate_options in palpate.h.\n"
+    "second_tool: of a second hand that presses the body together with the first ('': "
+    "the same tool);\npositions, orientations, forces and torques then have two rows.";
 
 }  // namespace
 

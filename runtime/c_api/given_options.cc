@@ -67,7 +67,8 @@ HostOptions host_options(const palpate_options* given) {
   take(all.stall_s, options.stall_s);
   take(all.ramp_s, options.ramp_s);
   constexpr std::uint32_t kKnown = PALPATE_OWN_SLOW_STEPS | PALPATE_LIMIT_STIFFNESS |
-                                   PALPATE_STREAMED | PALPATE_SCENE | PALPATE_ESTIMATE;
+                                   PALPATE_STREAMED | PALPATE_SCENE | PALPATE_ESTIMATE |
+                                   PALPATE_FORCES_ALONE;
   if ((all.flags & ~kKnown) != 0) {
     throw InputError(
         fmt::format("flags are {:#x}, known are {:#x}", all.flags, kKnown));
@@ -76,6 +77,7 @@ HostOptions host_options(const palpate_options* given) {
   options.limit_stiffness = (all.flags & PALPATE_LIMIT_STIFFNESS) != 0;
   options.streamed = (all.flags & PALPATE_STREAMED) != 0;
   options.scene = (all.flags & PALPATE_SCENE) != 0;
+  options.forces_alone = (all.flags & PALPATE_FORCES_ALONE) != 0;
   options.estimate = (all.flags & PALPATE_ESTIMATE) != 0;
   options.server = all.server == nullptr ? "" : all.server;
   options.output = all.output == nullptr ? "" : all.output;

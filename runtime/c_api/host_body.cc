@@ -117,7 +117,7 @@ void HostBody::open_contacts(const ResponseTable& table) {
   stiffness_n_per_m_ =
       wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
           .stiffness_n_per_m;
-  contact_stream_ = std::make_unique<ContactStream>(*database_, tools, force_scale_);
+  contact_stream_ = std::make_shared<ContactStream>(*database_, tools, force_scale_);
 }
 
 void HostBody::open_streamed(const std::filesystem::path& file) {
@@ -173,8 +173,7 @@ std::unique_ptr<HostBody::Served> HostBody::of_scene() const {
   auto elements =
       std::make_unique<FedElements>(*client_, *database_, renderable_n_per_m(options_));
   const GrowingElements& grown = elements->elements();
-  auto made = std::make_unique<Served>(std::move(elements), fast_, options_.tick_s,
-                                       options_.stall_s);
+  auto made = std::make_unique<Served>(std::move(elements), nullptr, fast_, options_);
   made->grown = &grown;
   return made;
 }
@@ -195,6 +194,18 @@ std::int64_t HostBody::softened() const {
     most = std::max(most, served->grown == nullptr ? 0 : served->grown->softened());
   }
   return most;
+}
+
+Points HostBody::static_forces_n(const Points& position_m) {
+  if (database_ == nullptr || client_ != nullptr || contact_stream_ != nullptr) {
+    throw InputError(
+        "forces at rest are of a tool of one contact and a whole database in memory");
+  }
+  std::call_once(field_made_, [&] {
+    field_ = std::make_unique<StaticField>(
+        *database_, find_tool(*database_, tool_name_), field_kind(fast_.model));
+  });
+  return force_scale_ * field_->force_n(position_m);
 }
 
 double HostBody::needed_damping_n_s_per_m() const {
@@ -218,12 +229,6 @@ void HostBody::check_room() const {
   }
 }
 
-std::unique_ptr<HostBody::Served> HostBody::of_contacts(const CoupledSet& set) const {
-  return std::make_unique<Served>(
-      std::make_unique<HostContacts>(set, fast_, options_.tick_s, options_.stall_s),
-      fast_, options_.tick_s, options_.stall_s);
-}
-
 // Made before: who makes it takes its time, and others in contact wait for elements.
 HostTool& HostBody::keep(std::unique_ptr<Served> tool) {
   const std::scoped_lock lock(mutex_);
@@ -234,13 +239,13 @@ HostTool& HostBody::keep(std::unique_ptr<Served> tool) {
 HostTool& HostBody::add_tool() {
   check_room();
   if (contact_stream_ != nullptr) {
-    return keep(of_contacts(contact_stream_->set()));
+    return keep(std::make_unique<Served>(contact_stream_, fast_, options_));
   }
   if (client_ != nullptr) {
     return keep(of_scene());
   }
-  return keep(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr, fast_,
-                                       options_.tick_s, options_.stall_s));
+  return keep(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
+                                       whole_.get(), fast_, options_));
 }
 
 HostBody::Together HostBody::add_together(const std::string& second) {
@@ -256,14 +261,12 @@ HostBody::Together HostBody::add_together(const std::string& second) {
       force_scale_,
       contacts_scale(options_, contact_stiffness(*database_, *tools[1], fast_.model,
                                                  fast_.force_max_n)));
-  auto stream = std::make_unique<ContactStream>(*database_, tools, scale);
+  const auto stream = std::make_shared<ContactStream>(*database_, tools, scale);
   if (const char* wrong = check(stream->set(), fast_)) {
     throw InputError(fmt::format("two hands: {}", wrong));
   }
   check_room();
-  auto made = of_contacts(stream->set());
-  made->together = std::move(stream);
-  return {keep(std::move(made)), scale};
+  return {keep(std::make_unique<Served>(stream, fast_, options_)), scale};
 }
 
 std::size_t HostBody::slow_step() {
@@ -288,23 +291,8 @@ std::size_t HostBody::serve() {
   MonotonicClock clock;
   std::size_t sent = 0;
   for (const auto& served : tools_) {
-    if (HostContacts* contacts = served->tool.contacts()) {
-      ContactExchange& exchange = contacts->exchange();
-      ContactStream* stream =
-          served->together ? served->together.get() : contact_stream_.get();
-      if (exchange.tool.fetch()) {
-        sent += stream->update(exchange.tool.latest(), clock.now_ns(),
-                               exchange.elements, exchange.sent);
-      }
-      continue;
-    }
-    RenderExchange& exchange = served->tool.exchange();
-    if (!exchange.tool.fetch()) {
-      continue;
-    }
-    ElementSender* sender = served->sender ? served->sender.get() : whole_.get();
-    sent += sender->update(exchange.tool.latest(), clock.now_ns(), exchange.elements);
-    if (const std::string why = damage_of(sender); !why.empty()) {
+    sent += served->tool.serve(clock.now_ns());
+    if (const std::string why = damage_of(served->sender.get()); !why.empty()) {
       failure_ = {FormatError("").exit_code(), why};
     }
   }

@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "formats/database/response_database.h"
-#include "runtime/c_api/host_contacts.h"
 #include "runtime/c_api/host_tool.h"
 #include "runtime/device/stability_margin.h"
 #include "runtime/served/served_client.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/element_source.h"
+#include "runtime/slow/static_field.h"
 
 namespace palpate {
 
@@ -79,6 +79,16 @@ class HostBody {
   [[nodiscard]] const std::string& tool_name() const noexcept { return tool_name_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
 
+  /// The surface, where it is in memory; else null.
+  [[nodiscard]] const SurfaceMesh* mesh() const noexcept {
+    return database_ == nullptr ? nullptr : &database_->body;
+  }
+
+  /// Forces [N] (n x 3) on the tool at rest, as they are rendered but for friction and
+  /// history. @param position_m (n x 3) [m]. @throws InputError for a tool of several
+  /// contacts, a body that is not in memory or yields, a position that is not finite.
+  [[nodiscard]] Points static_forces_n(const Points& position_m);
+
   /// [N s/m] b = K (T/2 + delay), K the largest stiffness as the device feels it
   /// (Colgate & Schenkel 1997; Diolaiti et al. 2006).
   [[nodiscard]] double needed_damping_n_s_per_m() const;
@@ -92,15 +102,19 @@ class HostBody {
 
  private:
   struct Served {
-    Served(std::unique_ptr<ElementSender> own, const FastConfig& fast, double tick_s,
-           double stall_s)
-        : sender(std::move(own)), tool(fast, tick_s, stall_s) {}
-    Served(std::unique_ptr<HostContacts> contacts, const FastConfig& fast,
-           double tick_s, double stall_s)
-        : tool(std::move(contacts), fast, tick_s, stall_s) {}
-    std::unique_ptr<ElementSender> sender;    // null: the body's
-    const GrowingElements* grown = nullptr;   // the sender's, of a scene
-    std::unique_ptr<ContactStream> together;  // of two hands; null: the body's
+    // @param own null: the body's, which is `shared`.
+    Served(std::unique_ptr<ElementSender> own, ElementSender* shared,
+           const FastConfig& fast, const HostOptions& options)
+        : sender(std::move(own)),
+          tool(std::make_unique<OneContact>(fast, sender ? *sender : *shared),
+               options.tick_s, options.stall_s) {}
+    Served(const std::shared_ptr<ContactStream>& contacts, const FastConfig& fast,
+           const HostOptions& options)
+        : tool(std::make_unique<SeveralContacts>(contacts, fast,
+                                                 ContactsHeld{.watch_turns = false}),
+               options.tick_s, options.stall_s) {}
+    std::unique_ptr<ElementSender> sender;
+    const GrowingElements* grown = nullptr;  // the sender's, of a scene
     HostTool tool;
   };
 
@@ -108,7 +122,6 @@ class HostBody {
   void open_contacts(const ResponseTable& table);
   void check_room() const;
   HostTool& keep(std::unique_ptr<Served> tool);
-  [[nodiscard]] std::unique_ptr<Served> of_contacts(const CoupledSet& set) const;
   void open_streamed(const std::filesystem::path& file);
   void open_scene(const std::filesystem::path& scene);
   [[nodiscard]] std::unique_ptr<Served> of_scene() const;
@@ -126,7 +139,9 @@ class HostBody {
   std::shared_ptr<const ResponseDatabase> database_;  // null: streamed; scene: empty
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;
-  std::unique_ptr<ContactStream> contact_stream_;  // of a tool of several contacts
+  std::once_flag field_made_;
+  std::unique_ptr<StaticField> field_;             // of static_forces_n()
+  std::shared_ptr<ContactStream> contact_stream_;  // of a tool of several contacts
   std::unique_ptr<ServedClient> client_;           // of a scene
   mutable std::mutex mutex_;  // of all below; never taken in a haptic function
   std::vector<std::unique_ptr<Served>> tools_;

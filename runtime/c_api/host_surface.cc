@@ -18,7 +18,7 @@ SurfaceState read_state(const HostBody& body, const std::filesystem::path& file)
 }
 
 void refuse_contacts(const HostTool& tool) {
-  if (tool.contacts() != nullptr) {
+  if (tool.has_several()) {
     throw InputError(
         "what has yielded of several contacts is not kept in files: they begin on a "
         "fresh body");

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "runtime/c_api/host_contacts.h"
 #include "runtime/realtime/clock.h"
 
 namespace palpate {
@@ -31,6 +30,19 @@ void check_not_negative(const char* what, double value) {
     throw InputError(
         fmt::format("{} is {}, must be finite and not negative", what, value));
   }
+}
+
+DeviceReading reading_of(const HostSample& sample, std::int64_t time_ns) noexcept {
+  DeviceReading reading;
+  reading.position_m = sample.position_m;
+  reading.time_ns = time_ns;
+  const Eigen::Vector4d& q = sample.quaternion;
+  const double length = q.stableNorm();
+  if (length > 0.0) {
+    reading.turn = Eigen::Quaterniond(q.w() / length, q.x() / length, q.y() / length,
+                                      q.z() / length);
+  }
+  return reading;
 }
 
 // Angle of the rotation that a quaternion of any length stands for.
@@ -94,69 +106,54 @@ LocalModel passive_model(std::string_view name) {
   return *model;
 }
 
-HostTool::HostTool(const FastConfig& fast, double tick_s, double stall_s)
-    : config_(fast), tick_s_(tick_s), stall_s_(stall_s) {
-  state_.config = config_;
+HostTool::HostTool(std::unique_ptr<OneContact> body, double tick_s, double stall_s)
+    : one_(body.get()), tick_s_(tick_s), stall_s_(stall_s) {
+  body_ = std::move(body);
 }
 
-HostTool::HostTool(std::unique_ptr<HostContacts> contacts, const FastConfig& fast,
-                   double tick_s, double stall_s)
-    : HostTool(fast, tick_s, stall_s) {
-  contacts_ = std::move(contacts);
-}
-
-HostTool::~HostTool() = default;
-
-void HostTool::take_elements() noexcept {
-  for (int taken = 0; taken < kElementsATick; ++taken) {
-    const Element* element = exchange_.elements.front();
-    if (element == nullptr) {
-      return;
-    }
-    accept(state_, *element);
-    exchange_.elements.pop();
-    silent_s_ = 0.0;
-  }
+HostTool::HostTool(std::unique_ptr<SeveralContacts> body, double tick_s, double stall_s)
+    : several_(body.get()), tick_s_(tick_s), stall_s_(stall_s) {
+  body_ = std::move(body);
 }
 
 HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
-  const HostTick tick = contacts_->step(samples);
-  wanted_ = tick.command.wrench;
-  latest_.write(tick);
-  return tick;
-}
-
-HostTick HostTool::step(const HostSample& sample) noexcept {
-  if (contacts_ != nullptr) {
-    return step(std::span(&sample, 1));
-  }
-  const double dt_s = sample.dt_s == 0.0 ? tick_s_ : sample.dt_s;
-  take_elements();
-  if (!sample.quaternion.allFinite()) {
-    raise_fault(state_, Fault::kNotFinite);
+  const HostSample& first = samples[0];
+  const double dt_s = first.dt_s == 0.0 ? tick_s_ : first.dt_s;
+  ArrivalRecord arrival;
+  for (int taken = 0; taken < kElementsATick && body_->take_in(arrival); ++taken) {
+    silent_s_ = 0.0;
   }
   if (dt_s > 0.0 && dt_s <= 1.0) {  // any other is a fault of the step
     time_ns_ += std::llround(dt_s * kNanosecondsPerSecond);
     silent_s_ += dt_s;
   }
-  if (state_.in_contact && silent_s_ > stall_s_) {
-    raise_fault(state_, Fault::kSlowStalled);
+  if (body_->in_contact() && silent_s_ > stall_s_) {
+    body_->raise(Fault::kSlowStalled);
+  }
+  HandReadings reading;
+  bool placed = true;
+  for (std::size_t hand = 0; hand < samples.size(); ++hand) {
+    reading[hand] = reading_of(samples[hand], time_ns_);
+    placed = placed && samples[hand].position_m.allFinite();
+    if (!samples[hand].quaternion.allFinite()) {
+      body_->raise(Fault::kNotFinite);
+    }
+  }
+  if (several_ != nullptr) {
+    several_->feel_torque(first.torque_felt);
   }
   HostTick tick;
-  tick.command = as_wrench(palpate::step(
-      state_, {.position_m = sample.position_m, .time_ns = time_ns_}, dt_s));
+  tick.command = body_->step(reading, dt_s);
   wanted_ = tick.command.wrench;
-  tick.contact = contact(state_);
-  tick.work_j = state_.ledger.work_j;
-  tick.tilt_rad = sample.quaternion.allFinite() ? angle_rad(sample.quaternion) : 0.0;
+  tick.contact = contact();
+  tick.work_j = body_->work_j();
+  if (several_ == nullptr && first.quaternion.allFinite()) {
+    tick.tilt_rad = angle_rad(first.quaternion);
+  }
   tick.ticks = ++ticks_;
   latest_.write(tick);
-  if (sample.position_m.allFinite()) {
-    exchange_.tool.write({.sequence = ++sequence_,
-                          .time_ns = time_ns_,
-                          .position_m = sample.position_m,
-                          .triangle = tick.contact.triangle,
-                          .in_contact = tick.contact.in_contact});
+  if (placed) {
+    body_->publish(reading, ++sequence_);
   }
   return tick;
 }
@@ -167,33 +164,23 @@ bool HostTool::delivered(const PortWrenches& made) noexcept {
       return false;
     }
   }
-  if (contacts_ != nullptr) {
-    contacts_->delivered(made);
-  } else {
-    palpate::delivered(state_, made[0].force_n);
-  }
+  body_->delivered(made);
   return true;
 }
 
 void HostTool::reset() noexcept {
-  if (contacts_ != nullptr) {
-    contacts_->reset();
+  if (several_ != nullptr) {
+    several_->restart();
+  } else {
+    one_->restart();
   }
-  kept_ = state_.memory.yielded;
-  std::construct_at(&state_);
-  state_.config = config_;
-  state_.memory.yielded = kept_;
   silent_s_ = 0.0;
   ticks_ = 0;
-  // What is under way is of the place before.
-  while (exchange_.elements.front() != nullptr) {
-    exchange_.elements.pop();
-  }
   latest_.write({});
 }
 
 void HostTool::begin_with(const std::vector<YieldedRow>& rows) {
-  begin_yielded(rows, state_);
+  body_->begin_with(rows);
   reset();
 }
 

@@ -14,8 +14,7 @@
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/one_contact.h"
-#include "runtime/slow/element_source.h"
-#include "runtime/slow/tool_state.h"
+#include "runtime/render/several_contacts.h"
 
 namespace palpate {
 
@@ -38,6 +37,7 @@ struct HostOptions {
   bool own_slow_steps = false;         ///< no slow thread
   bool limit_stiffness = false;        ///< scale forces instead of refusing
   bool streamed = false;               ///< the database stays in its file
+  bool forces_alone = false;           ///< devices give no torque (palpate_step())
   // Of a scene that is computed meanwhile (served/join_scene.h).
   bool scene = false;     ///< the file is one
   bool estimate = false;  ///< where nothing is known: as of a half space
@@ -70,28 +70,23 @@ struct HostSample {
   bool torque_felt = true;
 };
 
-class HostContacts;
-
-/// About 1 MB. Three threads at most: the haptic one calls step(), delivered() and,
-/// outside a tick, reset(), the slow one fetches from exchange().tool and pushes to
-/// exchange().elements, one reads latest(). The haptic functions do not allocate, lock,
+/// About 1 MB of one contact, 11 MB and 0.4 MB for each of several. Three threads at
+/// most: the haptic one calls step(), delivered() and, outside a tick, reset(), the
+/// slow one serve(), one reads latest(). The haptic functions do not allocate, lock,
 /// throw or read a clock.
 class HostTool {
  public:
-  /// @param fast valid. @param tick_s, stall_s as in HostOptions.
-  HostTool(const FastConfig& fast, double tick_s, double stall_s);
+  /// @param tick_s, stall_s as in HostOptions.
+  HostTool(std::unique_ptr<OneContact> body, double tick_s, double stall_s);
+  HostTool(std::unique_ptr<SeveralContacts> body, double tick_s, double stall_s);
 
-  /// Of several contacts, which the exchange of contacts() serves.
-  HostTool(std::unique_ptr<HostContacts> contacts, const FastConfig& fast,
-           double tick_s, double stall_s);
-  ~HostTool();
-  HostTool(const HostTool&) = delete;
-  HostTool& operator=(const HostTool&) = delete;
+  HostTick step(const HostSample& sample) noexcept {
+    return step(std::span(&sample, 1));
+  }
 
-  HostTick step(const HostSample& sample) noexcept;
-
-  /// Of contacts(): one sample for each hand; the first one's dt_s and torque_felt
-  /// count.
+  /// One sample for each of hands(); the first one's dt_s and torque_felt count. Of
+  /// several contacts a sample without an orientation has the tool's frame along the
+  /// body's.
   HostTick step(std::span<const HostSample> samples) noexcept;
 
   /// What the devices made of the latest tick. @param made of each hand; of one contact
@@ -101,36 +96,40 @@ class HostTool {
   /// What the latest tick asked for, of each hand; of one contact no torque.
   [[nodiscard]] const PortWrenches& wanted() const noexcept { return wanted_; }
 
-  /// Forgets fault, account, place and what relaxes; what has yielded stays.
+  /// Forgets fault, account, place and what relaxes; what has yielded stays, but under
+  /// several contacts.
   void reset() noexcept;
 
   /// What has yielded. Not while another thread steps.
-  [[nodiscard]] std::vector<YieldedRow> yielded() const { return yielded_rows(state_); }
+  [[nodiscard]] std::vector<YieldedRow> yielded() const { return body_->yielded(); }
 
-  /// reset(), on a surface that has yielded so. @throws as begin_yielded().
+  /// reset(), on a surface that has yielded so. @throws as RenderedBody::begin_with().
   void begin_with(const std::vector<YieldedRow>& rows);
 
   /// The latest tick; a default one before the first.
   [[nodiscard]] HostTick latest() noexcept;
 
-  [[nodiscard]] RenderExchange& exchange() noexcept { return exchange_; }
-  [[nodiscard]] HostContacts* contacts() const noexcept { return contacts_.get(); }
+  /// One turn of the slow process. @returns elements sent.
+  std::size_t serve(std::int64_t now_ns) { return body_->serve(now_ns).value_or(0); }
+
+  [[nodiscard]] bool has_several() const noexcept { return several_ != nullptr; }
+  [[nodiscard]] std::size_t hands() const noexcept { return body_->hands(); }
 
  private:
-  void take_elements() noexcept;
+  [[nodiscard]] FastContact contact() const noexcept {
+    return several_ != nullptr ? several_->foremost() : one_->contact();
+  }
 
-  FastConfig config_;
+  std::unique_ptr<RenderedBody> body_;
+  OneContact* one_ = nullptr;  // body_, or
+  SeveralContacts* several_ = nullptr;
   double tick_s_;
   double stall_s_;
-  FastState state_;
-  YieldedSites kept_;  // in a reset
   PortWrenches wanted_;
-  RenderExchange exchange_;
   TripleBuffer<HostTick> latest_;
-  std::unique_ptr<HostContacts> contacts_;  // null: one contact, by state_
-  double silent_s_ = 0.0;                   // since the latest element
-  std::int64_t time_ns_ = 0;                // sum of the steps, for the slow process
-  std::uint64_t sequence_ = 0;              // never goes back
+  double silent_s_ = 0.0;      // since the latest element
+  std::int64_t time_ns_ = 0;   // sum of the steps, for the slow process
+  std::int64_t sequence_ = 0;  // never goes back
   std::uint64_t ticks_ = 0;
 };
 

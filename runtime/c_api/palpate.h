@@ -10,8 +10,9 @@
  *   for (;;) palpate_force(tool, position, NULL, dt_s, force);   // at the haptic rate
  *   palpate_close(body);
  *
- * Frame: that of the body in its file, at rest; a host moves its device's position into
- * it, and the force out of it. Lengths and forces in the host's units (options).
+ * Frame: that of the body in its file, at rest, or the host's world, in which
+ * palpate_place() says how the body stands. Lengths and forces in the host's units
+ * (options).
  *
  * Threads: a body's slow process runs in a thread of the library, unless
  * PALPATE_OWN_SLOW_STEPS. Every tool is used by one thread at a time, the haptic one;
@@ -37,6 +38,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #if defined(__GNUC__)
 #define PALPATE_API __attribute__((visibility("default")))
@@ -89,7 +91,10 @@ enum palpate_flags {
   /* Of a scene: where nothing is known yet, the force of a half space of the body's own
    * material (no form, supports or large strains: mostly too stiff, on a
    * small organ up to eight times). */
-  PALPATE_ESTIMATE = 16
+  PALPATE_ESTIMATE = 16,
+  /* Of palpate_step(): the devices give forces alone. A tool of several contacts then
+   * turns at no gain for the hand, as of palpate_force(). */
+  PALPATE_FORCES_ALONE = 32
 };
 
 /* What the place under the tool answers with. */
@@ -195,11 +200,29 @@ typedef struct palpate_service {
   char detail[256];   /* why, or the finished database's path; one line */
 } palpate_service;
 
+/* Where a hand's tool is. */
+typedef struct palpate_pose {
+  double position[3];  /* [host length] of the tool's reference point */
+  double quat_xyzw[4]; /* its orientation, of any length; zeros: none */
+} palpate_pose;
+
+/* On a hand's tool. */
+typedef struct palpate_hand_wrench {
+  double force[3];  /* [host force] */
+  double torque[3]; /* [host force x host length] about the reference point */
+} palpate_hand_wrench;
+
 typedef struct palpate_body palpate_body;
 typedef struct palpate_tool palpate_tool;
 
 /* PALPATE_ABI_VERSION that the library was built with. */
 PALPATE_API int palpate_abi_version(void);
+
+/* Zeros, and struct_size: every default. */
+static inline void palpate_options_init(palpate_options* options) {
+  memset(options, 0, sizeof *options);
+  options->struct_size = sizeof *options;
+}
 
 /* Opens a response database. NULL on failure, with one line in error (may be NULL):
  * what, which value, what was allowed. options may be NULL. */
@@ -256,6 +279,44 @@ PALPATE_API int palpate_slow_step(palpate_body* body);
 /* 0 while the slow process is well, else the error that ended it, with a line of text
  * (may be NULL). */
 PALPATE_API int palpate_slow_failure(palpate_body* body, char* text, size_t text_bytes);
+
+/* How the body stands in the host's world: position [host length] of its frame's
+ * origin, quat_xyzw (may be NULL) from its frame to the world's. From then on poses,
+ * forces, torques, contact points, normals, vertices are the world's. While no tick of
+ * the body's tools is under way, and no other call of the body; a tool that stands
+ * still is then moved through the body as any movement moves it. 0, or
+ * PALPATE_ERROR_INPUT for what is not finite or no orientation, which changes nothing.
+ */
+PALPATE_API int palpate_place(palpate_body* body, const double position[3],
+                              const double quat_xyzw[4]);
+
+/* How many vertices and triangles the body's surface at rest has. Of a streamed body
+ * PALPATE_ERROR_INPUT; so the next. */
+PALPATE_API int palpate_mesh_count(const palpate_body* body, size_t* vertices,
+                                   size_t* triangles);
+
+/* The surface at rest, to be drawn: vertices (3 each) [host length], triangles (3
+ * vertices each, from 0, anticlockwise from outside). Either may be NULL. */
+PALPATE_API int palpate_mesh_get(const palpate_body* body, double* vertices,
+                                 int32_t* triangles);
+
+/* Forces [host force] on the body's tool at rest at positions (3 each) [host length],
+ * without friction, memory or history: each by itself. Of tools of one contact, of a
+ * database in memory that does not yield. Allocates; any thread. 0, or an error below
+ * zero with one line in error (may be NULL). */
+PALPATE_API int palpate_query(palpate_body* body, const double* positions, size_t count,
+                              double* forces_out, char* error, size_t error_bytes);
+
+/* Haptic thread: one tick of a tool, whatever it is. poses and wrenches_out: one of
+ * each hand, of which palpate_together_open() gives two and any other tool has one. Of
+ * one contact the torque is zero: it acts at the reference point. Of several contacts
+ * force and torque are the gradient of one potential of the poses, and the hand must
+ * feel the torque: else PALPATE_FORCES_ALONE. dt_s, what is returned, what is
+ * guaranteed: as of palpate_force(), which with palpate_wrench() and palpate_together()
+ * is a form of this. */
+PALPATE_API int palpate_step(palpate_tool* tool, const palpate_pose* poses,
+                             size_t hands, double dt_s,
+                             palpate_hand_wrench* wrenches_out);
 
 /* Haptic thread: one tick. Never allocates, locks, throws, waits or reads a clock.
  * position [host length]: of the tool's reference point, a sphere's centre.

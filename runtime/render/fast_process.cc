@@ -111,10 +111,11 @@ void FastProcess::watch(std::int64_t now_ns, std::int64_t skipped) noexcept {
 }
 
 void FastProcess::tell_withheld(const HandReadings& reading) noexcept {
-  HandForces made;
+  PortWrenches made;
   bool some = false;
   for (std::size_t hand = 0; hand < hands_; ++hand) {
-    made[hand] = hand_[hand].held.force_n - reading[hand].withheld_n;
+    made[hand] = hand_[hand].held;
+    made[hand].force_n -= reading[hand].withheld_n;
     some = some || reading[hand].withheld_n != Eigen::Vector3d::Zero();
   }
   if (some) {

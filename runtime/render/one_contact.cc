@@ -1,6 +1,7 @@
 #include "runtime/render/one_contact.h"
 
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -48,7 +49,7 @@ WrenchCommand OneContact::step(const HandReadings& reading, double dt_s) noexcep
 }
 
 void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexcept {
-  const FastContact at = contact(state_);
+  const FastContact at = contact();
   exchange_->tool.write({.sequence = static_cast<std::uint64_t>(ticks),
                          .time_ns = reading[0].time_ns,
                          .position_m = reading[0].position_m,
@@ -75,12 +76,23 @@ void OneContact::account(const WrenchCommand& command,
   r.not_yielded = state_.memory.yielded.refused;
 }
 
-bool OneContact::serve(std::int64_t now_ns) {
+std::optional<std::size_t> OneContact::serve(std::int64_t now_ns) {
   if (!exchange_->tool.fetch()) {
-    return false;
+    return std::nullopt;
   }
-  stream_.update(exchange_->tool.latest(), now_ns, exchange_->elements);
-  return true;
+  return stream_.update(exchange_->tool.latest(), now_ns, exchange_->elements);
+}
+
+void OneContact::restart() noexcept {
+  const FastConfig config = state_.config;
+  kept_ = state_.memory.yielded;
+  std::construct_at(&state_);
+  state_.config = config;
+  state_.memory.yielded = kept_;
+  // What is under way is of the place before.
+  while (exchange_->elements.front() != nullptr) {
+    exchange_->elements.pop();
+  }
 }
 
 }  // namespace palpate

@@ -27,8 +27,8 @@ class OneContact : public RenderedBody {
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
   WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
-  void delivered(const HandForces& force_n) noexcept override {
-    palpate::delivered(state_, force_n[0]);
+  void delivered(const PortWrenches& made) noexcept override {
+    palpate::delivered(state_, made[0].force_n);
   }
   void raise(Fault fault) noexcept override { raise_fault(state_, fault); }
   void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
@@ -37,7 +37,7 @@ class OneContact : public RenderedBody {
   [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
   [[nodiscard]] double work_j() const noexcept override { return state_.ledger.work_j; }
   [[nodiscard]] std::int32_t triangle() const noexcept override {
-    return contact(state_).triangle;
+    return contact().triangle;
   }
   [[nodiscard]] std::uint64_t dropped() const noexcept override {
     return exchange_->elements.dropped();
@@ -46,7 +46,7 @@ class OneContact : public RenderedBody {
                RenderReport& report) const noexcept override;
 
   void accept(const ArrivalRecord& arrival) override;
-  bool serve(std::int64_t now_ns) override;
+  std::optional<std::size_t> serve(std::int64_t now_ns) override;
 
   void begin_with(const std::vector<YieldedRow>& rows) override {
     begin_yielded(rows, state_);
@@ -58,11 +58,20 @@ class OneContact : public RenderedBody {
     return surface_dents(state_);
   }
 
+  /// The contact as the latest step left it.
+  [[nodiscard]] FastContact contact() const noexcept {
+    return palpate::contact(state_);
+  }
+  /// Forgets fault, account, place and what relaxes; what has yielded stays. Not in a
+  /// tick.
+  void restart() noexcept;
+
   /// Another local model from the next tick on (switch_model.h).
   void use(LocalModel model) noexcept { switch_model(state_, model); }
 
  private:
   FastState state_;
+  YieldedSites kept_;  // in restart()
   std::unique_ptr<RenderExchange> exchange_ = std::make_unique<RenderExchange>();
   ElementSender& stream_;
 };

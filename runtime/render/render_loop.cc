@@ -38,7 +38,7 @@ class SlowProcess {
       return;
     }
     try {
-      updates += body_.serve(now_ns) ? 1 : 0;
+      updates += body_.serve(now_ns).has_value() ? 1 : 0;
     } catch (...) {
       failure = std::current_exception();
     }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,9 +20,8 @@
 
 namespace palpate {
 
-/// What the hands' devices measured, and forces on them [N], by hand.
+/// What the hands' devices measured, by hand.
 using HandReadings = std::array<DeviceReading, kPortsMax>;
-using HandForces = std::array<Eigen::Vector3d, kPortsMax>;
 
 /// The fast thread calls what is noexcept, once it has begun; none of that allocates or
 /// waits. The slow thread calls serve().
@@ -41,8 +41,8 @@ class RenderedBody {
   virtual bool take_in(ArrivalRecord& arrival) noexcept = 0;
   /// One tick at the readings. @param dt_s [s] since the last one, [0, 1].
   virtual WrenchCommand step(const HandReadings& reading, double dt_s) noexcept = 0;
-  /// What the devices made of the latest forces.
-  virtual void delivered(const HandForces& force_n) noexcept = 0;
+  /// What the devices made of the latest wrenches.
+  virtual void delivered(const PortWrenches& made) noexcept = 0;
   virtual void raise(Fault fault) noexcept = 0;
   /// Says where the tools are, for serve(). @param ticks that are done; 0: before the
   /// first.
@@ -63,8 +63,9 @@ class RenderedBody {
   /// The element that a recording says arrived, as if it had come by take_in(); not in
   /// a tick. @throws FormatError for one that the body does not have.
   virtual void accept(const ArrivalRecord& arrival) = 0;
-  /// One turn of the slow process. @returns whether the fast one had said anything new.
-  virtual bool serve(std::int64_t now_ns) = 0;
+  /// One turn of the slow process. @returns elements that it sent; none where the fast
+  /// one had not said anything new.
+  virtual std::optional<std::size_t> serve(std::int64_t now_ns) = 0;
 
   /// Begins with what had yielded; before the first tick. @throws InputError where this
   /// body does not yield.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,9 +54,16 @@ std::uint64_t forgotten(const CoupledState& state) {
 SeveralContacts::SeveralContacts(const ResponseDatabase& database,
                                  std::span<const ResponseTable* const> tools,
                                  const FastConfig& config, const ContactsHeld& held)
-    : stream_(database, tools, held.force_scale),
-      storage_(stream_.set(), config),
+    : SeveralContacts(
+          std::make_shared<ContactStream>(database, tools, held.force_scale), config,
+          held) {}
+
+SeveralContacts::SeveralContacts(std::shared_ptr<ContactStream> stream,
+                                 const FastConfig& config, const ContactsHeld& held)
+    : stream_(std::move(stream)),
+      storage_(stream_->set(), config),
       torque_felt_(held.torque_felt),
+      watch_turns_(held.watch_turns),
       watch_(held.watch) {
   if (!held.coupling) {
     return;
@@ -86,10 +94,10 @@ bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
 void SeveralContacts::accept(const ArrivalRecord& arrival) {
   const CoupledSet& set = storage_.state().set;
   if (arrival.contact < 0 || arrival.contact >= set.count || arrival.triangle < 0 ||
-      arrival.triangle >= stream_.triangles()) {
+      arrival.triangle >= stream_->triangles()) {
     throw_no_element(arrival);
   }
-  ContactElement message = stream_.element(arrival.contact, arrival.triangle);
+  ContactElement message = stream_->element(arrival.contact, arrival.triangle);
   message.element.sequence = static_cast<std::uint64_t>(arrival.sequence);
   message.element.sent_ns = arrival.sent_ns;
   message.element.active = arrival.active != 0;
@@ -113,7 +121,7 @@ void SeveralContacts::watch_turns(const HandReadings& reading) noexcept {
 WrenchCommand SeveralContacts::step(const HandReadings& reading, double dt_s) noexcept {
   PoseSample sample;
   sample.time_ns = reading[0].time_ns;
-  if (!is_alone(state().set)) {
+  if (watch_turns_ && !is_alone(state().set)) {
     watch_turns(reading);
   }
   for (std::size_t hand = 0; hand < hands(); ++hand) {
@@ -151,11 +159,7 @@ void SeveralContacts::account(const WrenchCommand& command,
   }
 }
 
-void SeveralContacts::delivered(const HandForces& force_n) noexcept {
-  PortWrenches made = wrench_;
-  for (std::size_t hand = 0; hand < hands(); ++hand) {
-    made[hand].force_n = force_n[hand];
-  }
+void SeveralContacts::delivered(const PortWrenches& made) noexcept {
   if (hung_ != nullptr) {
     palpate::delivered(*hung_, state(), made);
   } else {
@@ -220,12 +224,40 @@ std::vector<SurfaceDent> SeveralContacts::dents() const {
   return all;
 }
 
-bool SeveralContacts::serve(std::int64_t now_ns) {
+std::optional<std::size_t> SeveralContacts::serve(std::int64_t now_ns) {
   if (!tool_->fetch()) {
-    return false;
+    return std::nullopt;
   }
-  (void)stream_.update(tool_->latest(), now_ns, *fifo_, sent_);
-  return true;
+  return stream_->update(tool_->latest(), now_ns, *fifo_, sent_);
+}
+
+FastContact SeveralContacts::foremost() const noexcept {
+  const CoupledState& s = storage_.state();
+  FastContact at;
+  at.time_ns = s.latest.time_ns;
+  at.tool_m = s.latest.pose[0].position_m;
+  at.in_contact = s.in_contact;
+  double most = -1.0;
+  for (int i = 0; i < s.set.count; ++i) {
+    const CoupledContactPlace place = contact_place(s, i);
+    if (place.triangle >= 0 && place.force_n.norm() > most) {
+      most = place.force_n.norm();
+      at.point_m = place.point_m;
+      at.normal = place.normal;
+      at.triangle = place.triangle;
+      at.starved = place.starved;
+    }
+  }
+  return at;
+}
+
+void SeveralContacts::restart() noexcept {
+  palpate::restart(state());
+  stepped_ = false;
+  // What is under way is of the place before.
+  while (fifo_->front() != nullptr) {
+    fifo_->pop();
+  }
 }
 
 void SeveralContacts::begin_with(const std::vector<YieldedRow>& rows) {

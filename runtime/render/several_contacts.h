@@ -26,6 +26,8 @@ struct ContactsHeld {
   /// Whether who turns the tools feels their torques: a simulated wrist does, no device
   /// does.
   bool torque_felt = false;
+  /// Whether a turn that no wrist makes is a fault; a simulator's may jump.
+  bool watch_turns = true;
   /// Sees every tick of the first hand; null: nobody looks on. Outlives the body.
   ContactsWatch* watch = nullptr;
 };
@@ -34,8 +36,7 @@ struct ContactsHeld {
 /// is as the device measures it: its axes along the body's where turns are not
 /// measured. Held by a virtual coupling (hung_tool.h), it turns under its contacts. A
 /// torque that is not felt does no work: turns that are measured are then a change of
-/// the model (carry() of coupled_step.h). A turn that no wrist makes is the fault
-/// "jump".
+/// the model (carry() of coupled_step.h).
 class SeveralContacts : public RenderedBody {
  public:
   /// @param database outlives it. @param tools of it, one for each hand. @param config
@@ -43,15 +44,21 @@ class SeveralContacts : public RenderedBody {
   SeveralContacts(const ResponseDatabase& database,
                   std::span<const ResponseTable* const> tools, const FastConfig& config,
                   const ContactsHeld& held = {});
+  /// @param stream that bodies share whose slow process is one; its scale of forces is
+  /// what counts.
+  SeveralContacts(std::shared_ptr<ContactStream> stream, const FastConfig& config,
+                  const ContactsHeld& held = {});
 
   [[nodiscard]] std::size_t hands() const noexcept override {
     return static_cast<std::size_t>(storage_.state().set.ports);
   }
   [[nodiscard]] bool torque_felt() const noexcept override { return torque_felt_; }
+  /// From the next tick on, of tools that no coupling holds.
+  void feel_torque(bool felt) noexcept { torque_felt_ = felt; }
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
   WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
-  void delivered(const HandForces& force_n) noexcept override;
+  void delivered(const PortWrenches& made) noexcept override;
   void raise(Fault fault) noexcept override { raise_fault(state(), fault); }
   void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
 
@@ -73,16 +80,21 @@ class SeveralContacts : public RenderedBody {
   [[nodiscard]] std::vector<SurfaceDent> dents() const override;
 
   void accept(const ArrivalRecord& arrival) override;
-  bool serve(std::int64_t now_ns) override;
+  std::optional<std::size_t> serve(std::int64_t now_ns) override;
 
   void begin_with(const std::vector<YieldedRow>& rows) override;
+
+  /// The contact that carries most, as the latest step left it.
+  [[nodiscard]] FastContact foremost() const noexcept;
+  /// Forgets fault, account, places, what relaxes and what has yielded. Not in a tick.
+  void restart() noexcept;
 
  private:
   void show(const DeviceReading& reading) noexcept;
   void watch_turns(const HandReadings& reading) noexcept;
   [[nodiscard]] CoupledState& state() noexcept { return storage_.state(); }
 
-  ContactStream stream_;
+  std::shared_ptr<ContactStream> stream_;
   CoupledStorage storage_;
   std::unique_ptr<HungTool> hung_;  // null: the device holds the tool
   std::unique_ptr<ContactFifo> fifo_ = std::make_unique<ContactFifo>();
@@ -94,6 +106,7 @@ class SeveralContacts : public RenderedBody {
   PortWrenches wrench_;  // of the latest step
   bool scaled_ = false;  // likewise
   bool torque_felt_;
+  bool watch_turns_;
   ContactsWatch* watch_;
   ContactsSeen seen_;
 };

@@ -24,7 +24,7 @@ class RubbedBody : public RenderedBody {
     command.dissipated_j = rubbed_j_;
     return command;
   }
-  void delivered(const HandForces& /*force_n*/) noexcept override {}
+  void delivered(const PortWrenches& /*made*/) noexcept override {}
   void raise(Fault fault) noexcept override { fault_ = fault; }
   void publish(const HandReadings& /*reading*/,
                std::int64_t /*ticks*/) noexcept override {}
@@ -34,7 +34,7 @@ class RubbedBody : public RenderedBody {
   [[nodiscard]] std::int32_t triangle() const noexcept override { return 0; }
   [[nodiscard]] std::uint64_t dropped() const noexcept override { return 0; }
   void accept(const ArrivalRecord& /*arrival*/) override {}
-  bool serve(std::int64_t /*now_ns*/) override { return false; }
+  std::optional<std::size_t> serve(std::int64_t /*now_ns*/) override { return {}; }
   void begin_with(const std::vector<YieldedRow>& /*rows*/) override {}
 
  private:

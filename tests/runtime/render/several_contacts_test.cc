@@ -120,7 +120,7 @@ TEST_F(SeveralContactsRun, AForceThatTheDeviceWithheldIsNotGivenBack) {
       (void)body.step({reading}, 1e-3);
       touched = touched || (body.in_contact() && body.triangle() >= 0);
       if (withheld && tick < 500) {
-        body.delivered(HandForces{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+        body.delivered(PortWrenches{});
       }
       body.publish({reading}, tick + 1);
       (void)body.serve(reading.time_ns);

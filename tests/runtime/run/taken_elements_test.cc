@@ -1,10 +1,10 @@
 // However many elements wait, a tick takes in no more than its time allows.
 #include <memory>
-#include <span>
+#include <utility>
 
 #include <gtest/gtest.h>
 
-#include "runtime/c_api/host_contacts.h"
+#include "runtime/c_api/host_tool.h"
 #include "runtime/render/fast_process.h"
 #include "runtime/render/several_contacts.h"
 #include "tests/support/padded_plate.h"
@@ -28,24 +28,23 @@ ResponseDatabase many_pads() {
 TEST(TakenElements, OfAHostsToolAreBoundedInATick) {
   const ResponseDatabase database = many_pads();
   const ResponseTable* const tools[] = {&find_tool(database, "pads")};
-  ContactStream stream(database, tools);
   FastConfig fast;
   fast.model = LocalModel::kPotential;
-  HostContacts host(stream.set(), fast, 0.001, 0.5);
-  ContactExchange& exchange = host.exchange();
+  auto body = std::make_unique<SeveralContacts>(database, tools, fast);
+  SeveralContacts& pads = *body;
+  HostTool host(std::move(body), 0.001, 0.5);
   const HostSample high{.position_m = {0.0, 0.0, 0.02}};
-  (void)host.step(std::span(&high, 1));
-  ASSERT_TRUE(exchange.tool.fetch());
-  std::size_t waiting =
-      stream.update(exchange.tool.latest(), 0, exchange.elements, exchange.sent);
+  (void)host.step(high);
+  std::size_t waiting = host.serve(0);
   ASSERT_GT(waiting, 8U * kMany);
   for (int tick = 0; tick < 3; ++tick) {
-    (void)host.step(std::span(&high, 1));
+    (void)host.step(high);
     waiting -= kElementsATick;
   }
   std::size_t left = 0;
-  for (; exchange.elements.front() != nullptr; ++left) {
-    exchange.elements.pop();
+  ArrivalRecord arrival;
+  while (pads.take_in(arrival)) {
+    ++left;
   }
   EXPECT_EQ(left, waiting);
 }
@@ -63,7 +62,7 @@ TEST(TakenElements, OfADevicesToolAreBoundedInATick) {
     clock.sleep_until_ns(clock.now_ns() + 500'000);
     ASSERT_TRUE(process.tick(0));
     if (tick == 0) {
-      EXPECT_TRUE(body.serve(clock.now_ns()));
+      EXPECT_TRUE(body.serve(clock.now_ns()).has_value());
     }
   }
   std::vector<int> taken(40);
