@@ -84,6 +84,14 @@ void HeldRenderer::delivered(const PortWrenches& made) {
   }
 }
 
+void HeldRenderer::place(const Eigen::Vector3d& origin_m,
+                         const Eigen::Vector4d& quaternion) {
+  if (!body_->placement().place(origin_m, quaternion)) {
+    throw InputError(
+        "place: position must be finite, orientation a quaternion other than 0");
+  }
+}
+
 void HeldRenderer::reset() {
   tool_->reset();
   latest_ = HostTick{};

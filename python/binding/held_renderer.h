@@ -54,6 +54,9 @@ class HeldRenderer {
   /// palpate_delivered(). @throws InputError for what is not finite.
   void delivered(const PortWrenches& made);
 
+  /// palpate_place(). @throws InputError for a place that is none.
+  void place(const Eigen::Vector3d& origin_m, const Eigen::Vector4d& quaternion);
+
   void reset();
 
   /// As save_surface(), load_surface(), while no slow thread runs.

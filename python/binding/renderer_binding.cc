@@ -137,6 +137,15 @@ py::tuple wrench_after(HeldRenderer& renderer, const py::handle& position,
                         of_hands(renderer, tick.command.wrench, &Wrench::torque_n_m));
 }
 
+void place_body(HeldRenderer& renderer, const py::handle& position,
+                const py::handle& orientation) {
+  Eigen::Vector4d turn(0.0, 0.0, 0.0, 1.0);
+  if (!orientation.is_none()) {
+    take_row(orientation, "orientation", 4, turn.data());
+  }
+  renderer.place(triple_of(position, "position"), turn);
+}
+
 // None of the options has a meaning of its own here: those of the C interface.
 template <typename Source>
 std::unique_ptr<HeldRenderer> make_renderer(const Source& source,
@@ -350,6 +359,11 @@ void bind_renderer(py::module_& module) {
            py::arg("orientation") = py::none(), kStep);
   type.def("wrench", &wrench_after, py::arg("position"), py::arg("orientation"),
            py::arg("dt") = 0.0, kWrench);
+  type.def("place", &place_body, py::arg("position"),
+           py::arg("orientation") = py::none(),
+           "Says how the body stands in the caller's world: its frame's origin [m] and "
+           "orientation (x y z w).\nPoses, forces, torques, contact points and normals "
+           "are the world's from then on.");
   type.def("delivered", &tell_delivered, py::arg("force"),
            py::arg("torque") = py::none(), kDelivered);
   type.def(

@@ -173,7 +173,7 @@ std::unique_ptr<HostBody::Served> HostBody::of_scene() const {
   auto elements =
       std::make_unique<FedElements>(*client_, *database_, renderable_n_per_m(options_));
   const GrowingElements& grown = elements->elements();
-  auto made = std::make_unique<Served>(std::move(elements), nullptr, fast_, options_);
+  auto made = std::make_unique<Served>(std::move(elements), nullptr, *this);
   made->grown = &grown;
   return made;
 }
@@ -205,7 +205,15 @@ Points HostBody::static_forces_n(const Points& position_m) {
     field_ = std::make_unique<StaticField>(
         *database_, find_tool(*database_, tool_name_), field_kind(fast_.model));
   });
-  return force_scale_ * field_->force_n(position_m);
+  Points at(position_m.rows(), 3);
+  for (Eigen::Index i = 0; i < at.rows(); ++i) {
+    at.row(i) = placement_.point_in_body(position_m.row(i).transpose()).transpose();
+  }
+  Points force_n = force_scale_ * field_->force_n(at);
+  for (Eigen::Index i = 0; i < at.rows(); ++i) {
+    force_n.row(i) = placement_.vector_in_world(force_n.row(i).transpose()).transpose();
+  }
+  return force_n;
 }
 
 double HostBody::needed_damping_n_s_per_m() const {
@@ -239,13 +247,13 @@ HostTool& HostBody::keep(std::unique_ptr<Served> tool) {
 HostTool& HostBody::add_tool() {
   check_room();
   if (contact_stream_ != nullptr) {
-    return keep(std::make_unique<Served>(contact_stream_, fast_, options_));
+    return keep(std::make_unique<Served>(contact_stream_, *this));
   }
   if (client_ != nullptr) {
     return keep(of_scene());
   }
   return keep(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
-                                       whole_.get(), fast_, options_));
+                                       whole_.get(), *this));
 }
 
 HostBody::Together HostBody::add_together(const std::string& second) {
@@ -266,7 +274,7 @@ HostBody::Together HostBody::add_together(const std::string& second) {
     throw InputError(fmt::format("two hands: {}", wrong));
   }
   check_room();
-  return {keep(std::make_unique<Served>(stream, fast_, options_)), scale};
+  return {keep(std::make_unique<Served>(stream, *this)), scale};
 }
 
 std::size_t HostBody::slow_step() {

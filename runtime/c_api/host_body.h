@@ -79,14 +79,19 @@ class HostBody {
   [[nodiscard]] const std::string& tool_name() const noexcept { return tool_name_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
 
+  /// How the body stands in the host's world. Not while one of its tools steps.
+  [[nodiscard]] BodyPlacement& placement() noexcept { return placement_; }
+  [[nodiscard]] const BodyPlacement& placement() const noexcept { return placement_; }
+
   /// The surface, where it is in memory; else null.
   [[nodiscard]] const SurfaceMesh* mesh() const noexcept {
     return database_ == nullptr ? nullptr : &database_->body;
   }
 
   /// Forces [N] (n x 3) on the tool at rest, as they are rendered but for friction and
-  /// history. @param position_m (n x 3) [m]. @throws InputError for a tool of several
-  /// contacts, a body that is not in memory or yields, a position that is not finite.
+  /// history, in the world. @param position_m (n x 3) [m] there. @throws InputError for
+  /// a tool of several contacts, a body that is not in memory or yields, a position
+  /// that is not finite.
   [[nodiscard]] Points static_forces_n(const Points& position_m);
 
   /// [N s/m] b = K (T/2 + delay), K the largest stiffness as the device feels it
@@ -104,15 +109,14 @@ class HostBody {
   struct Served {
     // @param own null: the body's, which is `shared`.
     Served(std::unique_ptr<ElementSender> own, ElementSender* shared,
-           const FastConfig& fast, const HostOptions& options)
+           const HostBody& body)
         : sender(std::move(own)),
-          tool(std::make_unique<OneContact>(fast, sender ? *sender : *shared),
-               options.tick_s, options.stall_s) {}
-    Served(const std::shared_ptr<ContactStream>& contacts, const FastConfig& fast,
-           const HostOptions& options)
-        : tool(std::make_unique<SeveralContacts>(contacts, fast,
+          tool(std::make_unique<OneContact>(body.fast_, sender ? *sender : *shared),
+               body.placement_, body.options_.tick_s, body.options_.stall_s) {}
+    Served(const std::shared_ptr<ContactStream>& contacts, const HostBody& body)
+        : tool(std::make_unique<SeveralContacts>(contacts, body.fast_,
                                                  ContactsHeld{.watch_turns = false}),
-               options.tick_s, options.stall_s) {}
+               body.placement_, body.options_.tick_s, body.options_.stall_s) {}
     std::unique_ptr<ElementSender> sender;
     const GrowingElements* grown = nullptr;  // the sender's, of a scene
     HostTool tool;
@@ -136,6 +140,7 @@ class HostBody {
   double force_scale_ = 1.0;
   double stiffness_n_per_m_ = 0.0;  // largest, at gains of 1 and scale 1
   FastConfig fast_;
+  BodyPlacement placement_;
   std::shared_ptr<const ResponseDatabase> database_;  // null: streamed; scene: empty
   std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
   std::unique_ptr<ElementSender> whole_;

@@ -32,19 +32,6 @@ void check_not_negative(const char* what, double value) {
   }
 }
 
-DeviceReading reading_of(const HostSample& sample, std::int64_t time_ns) noexcept {
-  DeviceReading reading;
-  reading.position_m = sample.position_m;
-  reading.time_ns = time_ns;
-  const Eigen::Vector4d& q = sample.quaternion;
-  const double length = q.stableNorm();
-  if (length > 0.0) {
-    reading.turn = Eigen::Quaterniond(q.w() / length, q.x() / length, q.y() / length,
-                                      q.z() / length);
-  }
-  return reading;
-}
-
 // Angle of the rotation that a quaternion of any length stands for.
 double angle_rad(const Eigen::Vector4d& quaternion) {
   return 2.0 * std::atan2(quaternion.head<3>().norm(), std::abs(quaternion.w()));
@@ -106,14 +93,36 @@ LocalModel passive_model(std::string_view name) {
   return *model;
 }
 
-HostTool::HostTool(std::unique_ptr<OneContact> body, double tick_s, double stall_s)
-    : one_(body.get()), tick_s_(tick_s), stall_s_(stall_s) {
+HostTool::HostTool(std::unique_ptr<OneContact> body, const BodyPlacement& placement,
+                   double tick_s, double stall_s)
+    : one_(body.get()), placement_(placement), tick_s_(tick_s), stall_s_(stall_s) {
   body_ = std::move(body);
 }
 
-HostTool::HostTool(std::unique_ptr<SeveralContacts> body, double tick_s, double stall_s)
-    : several_(body.get()), tick_s_(tick_s), stall_s_(stall_s) {
+HostTool::HostTool(std::unique_ptr<SeveralContacts> body,
+                   const BodyPlacement& placement, double tick_s, double stall_s)
+    : several_(body.get()), placement_(placement), tick_s_(tick_s), stall_s_(stall_s) {
   body_ = std::move(body);
+}
+
+DeviceReading HostTool::reading_of(const HostSample& sample) const noexcept {
+  DeviceReading reading;
+  reading.position_m = placement_.point_in_body(sample.position_m);
+  reading.time_ns = time_ns_;
+  const Eigen::Vector4d q = placement_.turn_in_body(sample.quaternion);
+  const double length = q.stableNorm();
+  if (length > 0.0) {
+    reading.turn = Eigen::Quaterniond(Eigen::Vector4d(q / length));
+  }
+  return reading;
+}
+
+FastContact HostTool::contact() const noexcept {
+  FastContact at = several_ != nullptr ? several_->foremost() : one_->contact();
+  at.tool_m = placement_.point_in_world(at.tool_m);
+  at.point_m = placement_.point_in_world(at.point_m);
+  at.normal = placement_.vector_in_world(at.normal);
+  return at;
 }
 
 HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
@@ -133,7 +142,7 @@ HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
   HandReadings reading;
   bool placed = true;
   for (std::size_t hand = 0; hand < samples.size(); ++hand) {
-    reading[hand] = reading_of(samples[hand], time_ns_);
+    reading[hand] = reading_of(samples[hand]);
     placed = placed && samples[hand].position_m.allFinite();
     if (!samples[hand].quaternion.allFinite()) {
       body_->raise(Fault::kNotFinite);
@@ -144,11 +153,14 @@ HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
   }
   HostTick tick;
   tick.command = body_->step(reading, dt_s);
+  for (Wrench& wrench : tick.command.wrench) {
+    wrench = placement_.in_world(wrench);
+  }
   wanted_ = tick.command.wrench;
   tick.contact = contact();
   tick.work_j = body_->work_j();
   if (several_ == nullptr && first.quaternion.allFinite()) {
-    tick.tilt_rad = angle_rad(first.quaternion);
+    tick.tilt_rad = angle_rad(placement_.turn_in_body(first.quaternion));
   }
   tick.ticks = ++ticks_;
   latest_.write(tick);
@@ -164,7 +176,11 @@ bool HostTool::delivered(const PortWrenches& made) noexcept {
       return false;
     }
   }
-  body_->delivered(made);
+  PortWrenches in_body;
+  for (std::size_t hand = 0; hand < made.size(); ++hand) {
+    in_body[hand] = placement_.in_body(made[hand]);
+  }
+  body_->delivered(in_body);
   return true;
 }
 

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/c_api/body_placement.h"
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/realtime/triple_buffer.h"
 #include "runtime/render/one_contact.h"
@@ -52,7 +53,7 @@ void check(const HostOptions& options);
 /// the others'. @throws InputError naming the passive ones.
 [[nodiscard]] LocalModel passive_model(std::string_view name);
 
-/// One tick of a host's tool.
+/// One tick of a host's tool, in its world.
 struct HostTick {
   WrenchCommand command;
   FastContact contact;
@@ -61,7 +62,7 @@ struct HostTick {
   std::uint64_t ticks = 0;
 };
 
-/// Position and orientation of a host's tool, and the time since the last.
+/// Position and orientation of a host's tool in its world, and the time since the last.
 struct HostSample {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();  ///< x y z w; 0: none
@@ -76,9 +77,12 @@ struct HostSample {
 /// throw or read a clock.
 class HostTool {
  public:
-  /// @param tick_s, stall_s as in HostOptions.
-  HostTool(std::unique_ptr<OneContact> body, double tick_s, double stall_s);
-  HostTool(std::unique_ptr<SeveralContacts> body, double tick_s, double stall_s);
+  /// @param placement of the body in the world; outlives the tool. @param tick_s,
+  /// stall_s as in HostOptions.
+  HostTool(std::unique_ptr<OneContact> body, const BodyPlacement& placement,
+           double tick_s, double stall_s);
+  HostTool(std::unique_ptr<SeveralContacts> body, const BodyPlacement& placement,
+           double tick_s, double stall_s);
 
   HostTick step(const HostSample& sample) noexcept {
     return step(std::span(&sample, 1));
@@ -116,13 +120,13 @@ class HostTool {
   [[nodiscard]] std::size_t hands() const noexcept { return body_->hands(); }
 
  private:
-  [[nodiscard]] FastContact contact() const noexcept {
-    return several_ != nullptr ? several_->foremost() : one_->contact();
-  }
+  [[nodiscard]] FastContact contact() const noexcept;
+  [[nodiscard]] DeviceReading reading_of(const HostSample& sample) const noexcept;
 
   std::unique_ptr<RenderedBody> body_;
   OneContact* one_ = nullptr;  // body_, or
   SeveralContacts* several_ = nullptr;
+  const BodyPlacement& placement_;
   double tick_s_;
   double stall_s_;
   PortWrenches wanted_;

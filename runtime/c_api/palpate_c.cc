@@ -78,8 +78,8 @@ palpate_tool* open_tool(palpate_body* body, char* error, std::size_t error_bytes
     const HostOptions& options = body->body.options();
     const palpate::HostBody::Together added = add();
     body->tools.push_back(std::unique_ptr<palpate_tool>(new palpate_tool{
-        added.tool, body->body, body->placement, options.metres_per_unit,
-        options.newtons_per_unit, added.force_scale, body->body.grown(added.tool)}));
+        added.tool, body->body, options.metres_per_unit, options.newtons_per_unit,
+        added.force_scale, body->body.grown(added.tool)}));
     tool = body->tools.back().get();
     return 0;
   });
@@ -178,21 +178,15 @@ int palpate_place(palpate_body* body, const double position[3],
   if (body == nullptr || position == nullptr) {
     return PALPATE_ERROR_INPUT;
   }
-  const Eigen::Vector3d at = Eigen::Map<const Eigen::Vector3d>(position);
   Eigen::Vector4d turn(0.0, 0.0, 0.0, 1.0);
   if (quat_xyzw != nullptr) {
     turn = Eigen::Map<const Eigen::Vector4d>(quat_xyzw);
   }
-  const double length = turn.stableNorm();
-  if (!at.allFinite() || !(length > 0.0) || !std::isfinite(length)) {
-    return PALPATE_ERROR_INPUT;
-  }
-  palpate::Placement& placement = body->placement;
-  placement.placed = true;
-  placement.turn = Eigen::Quaterniond(Eigen::Vector4d(turn / length));
-  placement.rotation = placement.turn.toRotationMatrix();
-  placement.origin_m = body->body.options().metres_per_unit * at;
-  return 0;
+  const bool placed =
+      body->body.placement().place(body->body.options().metres_per_unit *
+                                       Eigen::Map<const Eigen::Vector3d>(position),
+                                   turn);
+  return placed ? 0 : PALPATE_ERROR_INPUT;
 }
 
 int palpate_mesh_count(const palpate_body* body, size_t* vertices, size_t* triangles) {
@@ -212,7 +206,7 @@ int palpate_mesh_get(const palpate_body* body, double* vertices, int32_t* triang
   }
   for (Eigen::Index i = 0; vertices != nullptr && i < mesh->position_m.rows(); ++i) {
     Eigen::Map<Eigen::Vector3d> at(vertices + 3 * i);
-    at = body->placement.point_in_world(mesh->position_m.row(i).transpose()) /
+    at = body->body.placement().point_in_world(mesh->position_m.row(i).transpose()) /
          body->body.options().metres_per_unit;
   }
   for (Eigen::Index i = 0; triangles != nullptr && i < mesh->triangle.rows(); ++i) {
@@ -232,21 +226,12 @@ int palpate_query(palpate_body* body, const double* positions, size_t count,
       throw InputError("no body, positions or forces: a pointer is null");
     }
     const HostOptions& options = body->body.options();
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
     const auto n = static_cast<Eigen::Index>(count);
-    palpate::Points at(n, 3);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      at.row(i) =
-          body->placement
-              .point_in_body(options.metres_per_unit *
-                             Eigen::Map<const Eigen::Vector3d>(positions + 3 * i))
-              .transpose();
-    }
-    const palpate::Points force_n = body->body.static_forces_n(at);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      Eigen::Map<Eigen::Vector3d> force(forces_out + 3 * i);
-      force = body->placement.vector_in_world(force_n.row(i).transpose()) /
-              options.newtons_per_unit;
-    }
+    const palpate::Points at =
+        options.metres_per_unit * Eigen::Map<const Rows>(positions, n, 3);
+    Eigen::Map<Rows>(forces_out, n, 3) =
+        body->body.static_forces_n(at) / options.newtons_per_unit;
     return 0;
   });
 }

@@ -30,21 +30,14 @@ void zero(double* values, std::size_t count) noexcept {
   }
 }
 
-// Of one hand, in the body's frame. @param quat_xyzw may be null.
+// Of one hand. @param quat_xyzw may be null.
 HostSample sample_of(const palpate_tool& tool, const double* position,
                      const double* quat_xyzw, double dt_s, bool torque_felt) noexcept {
   HostSample sample;
-  sample.position_m = tool.placement.point_in_body(
-      tool.metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position));
+  sample.position_m =
+      tool.metres_per_unit * Eigen::Map<const Eigen::Vector3d>(position);
   if (quat_xyzw != nullptr) {
     sample.quaternion = Eigen::Map<const Eigen::Vector4d>(quat_xyzw);
-  }
-  if (tool.placement.placed) {
-    // Without an orientation the tool's frame lies along the world's.
-    const Eigen::Quaterniond turn(sample.quaternion.isZero(0.0)
-                                      ? Eigen::Vector4d(0.0, 0.0, 0.0, 1.0)
-                                      : sample.quaternion);
-    sample.quaternion = (tool.placement.turn.conjugate() * turn).coeffs();
   }
   sample.dt_s = dt_s;
   sample.torque_felt = torque_felt;
@@ -54,11 +47,9 @@ HostSample sample_of(const palpate_tool& tool, const double* position,
 // @param torque_out may be null.
 void copy_wrench(const palpate_tool& tool, const Wrench& wrench, double* force_out,
                  double* torque_out) noexcept {
-  copy(tool.placement.vector_in_world(wrench.force_n), tool.newtons_per_unit,
-       force_out);
+  copy(wrench.force_n, tool.newtons_per_unit, force_out);
   if (torque_out != nullptr) {
-    copy(tool.placement.vector_in_world(wrench.torque_n_m),
-         tool.newtons_per_unit * tool.metres_per_unit, torque_out);
+    copy(wrench.torque_n_m, tool.newtons_per_unit * tool.metres_per_unit, torque_out);
   }
 }
 
@@ -146,15 +137,12 @@ int palpate_delivered(palpate_tool* tool, const double* force, const double* tor
     return PALPATE_ERROR_INPUT;
   }
   palpate::PortWrenches made = tool->tool.wanted();
-  const Eigen::Matrix3d in_body = tool->placement.rotation.transpose();
   for (size_t hand = 0; hand < tool->tool.hands(); ++hand) {
     made[hand].force_n =
-        in_body *
-        (tool->newtons_per_unit * Eigen::Map<const Eigen::Vector3d>(force + 3 * hand));
+        tool->newtons_per_unit * Eigen::Map<const Eigen::Vector3d>(force + 3 * hand);
     if (torque != nullptr) {
-      made[hand].torque_n_m =
-          in_body * (tool->newtons_per_unit * tool->metres_per_unit *
-                     Eigen::Map<const Eigen::Vector3d>(torque + 3 * hand));
+      made[hand].torque_n_m = tool->newtons_per_unit * tool->metres_per_unit *
+                              Eigen::Map<const Eigen::Vector3d>(torque + 3 * hand);
     }
   }
   return tool->tool.delivered(made) ? 0 : PALPATE_ERROR_INPUT;
@@ -169,9 +157,8 @@ void palpate_state_get(palpate_tool* tool, palpate_state* state) {
   all.struct_size = state->struct_size;
   all.status = status_of(tick.command);
   all.triangle = tick.contact.triangle;
-  copy(tool->placement.point_in_world(tick.contact.point_m), tool->metres_per_unit,
-       all.contact_point);
-  copy(tool->placement.vector_in_world(tick.contact.normal), 1.0, all.normal);
+  copy(tick.contact.point_m, tool->metres_per_unit, all.contact_point);
+  copy(tick.contact.normal, 1.0, all.normal);
   all.depth = tick.command.depth_m / tool->metres_per_unit;
   all.work_j = tick.work_j;
   all.stored_j = tick.command.stored_j;

@@ -77,6 +77,35 @@ def test_poses_and_torques_are_those_of_the_c_interface(built, file):
     assert largest > 1e-4
 
 
+def test_two_hands_sink_the_body_under_each_other_wherever_it_stands(built):
+    one = palpate.Renderer(built, "pads")
+    two = palpate.Renderer(built, "pads", second_tool="")
+    placed = palpate.Renderer(built, "pads", second_tool="pads")
+    turn = numpy.array([0.0, 0.0, numpy.sin(0.7), numpy.cos(0.7)])  # about z
+    c, s = numpy.cos(1.4), numpy.sin(1.4)
+    world = numpy.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    placed.place([0.1, 0.2, 0.3], turn)
+    aside = numpy.array([[0.0, -0.011, 0.0], [0.0, 0.011, 0.0]])
+    for i, x in enumerate(path()):
+        alone, _ = one.wrench(x + aside[0], None, 0.001)
+        force, torque = two.wrench(x + aside, None, 0.001)
+        poses = (x + aside) @ world.T + [0.1, 0.2, 0.3]
+        elsewhere, _ = placed.wrench(poses, [turn, turn], 0.001)
+        if i % 10 == 0:
+            for each in (one, two, placed):
+                each.slow_step()
+        assert force.shape == torque.shape == two.force.shape == (2, 3)
+        assert numpy.allclose(elsewhere, force @ world.T, atol=1e-9), i
+    assert 0.01 < force[0, 2] < 0.97 * alone[2]
+    assert two.contacts == 4
+    with pytest.raises(palpate.InputError, match="one for each of 2 hands"):
+        two.step(numpy.zeros((3, 3)))
+    with pytest.raises(palpate.InputError, match="three|3"):
+        one.step(numpy.zeros((2, 3)))
+    with pytest.raises(palpate.InputError, match="place"):
+        placed.place([0.0, numpy.nan, 0.0])
+
+
 def test_turns_that_are_not_felt_and_what_was_delivered_are_those_of_the_c_interface(built, file):
     renderer = palpate.Renderer(built, "pads")
     host = c_interface.Host(file, tool_name="pads")

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/padded_host.h"
+#include "tests/support/run_tool.h"
 
 namespace palpate {
 namespace {
@@ -181,6 +182,16 @@ TEST_F(PalpateStep, ABodyThatStandsInTheWorldIsFeltThere) {
     // What the device made of it is told in the world, too.
     palpate_hand_wrench made[2] = {};
     EXPECT_EQ(palpate_delivered(tool, made[0].force, nullptr), 0);
+  }
+}
+
+// examples/placed.c draws and presses a plate that lies flat, and stands turned.
+TEST_F(PalpateStep, AHostOfFortyLinesPressesATurnedBody) {
+  for (const char* turn : {"0", "0.4"}) {
+    const ToolRun run =
+        run_tool_process("c_placed_host", {file_, "ball", "0.005", turn});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.out.find("contact"), 0U) << run.out;
   }
 }
 

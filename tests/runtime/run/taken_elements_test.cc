@@ -32,7 +32,8 @@ TEST(TakenElements, OfAHostsToolAreBoundedInATick) {
   fast.model = LocalModel::kPotential;
   auto body = std::make_unique<SeveralContacts>(database, tools, fast);
   SeveralContacts& pads = *body;
-  HostTool host(std::move(body), 0.001, 0.5);
+  const BodyPlacement here;
+  HostTool host(std::move(body), here, 0.001, 0.5);
   const HostSample high{.position_m = {0.0, 0.0, 0.02}};
   (void)host.step(high);
   std::size_t waiting = host.serve(0);
