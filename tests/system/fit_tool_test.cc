@@ -56,7 +56,7 @@ class FitTool : public testing::Test {
 TEST_F(FitTool, SaysWhatRelaxesOverSeveralHolds) {
   const Staircase stairs{{{8e-4, 240.0}, {5e-4, 420.0}, {5e-4, 720.0}}};
   std::ofstream(folder_ / "stairs.csv")
-      << table_of(stairs.make(1), 1e3, 1.0, "Travel (mm),Load (N),Time (s)\n");
+      << table_of(stairs.make(1), 1e3, 1.0, "Displacement (mm),Load (N),Time (s)\n");
   const ToolRun result = run({}, "stairs.csv");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
