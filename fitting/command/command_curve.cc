@@ -1,4 +1,5 @@
 // palpate-fit curve: one measured curve in, its contact point, law and response out.
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -13,8 +14,11 @@
 #include "fitting/command/indenter_flags.h"
 #include "fitting/command/machine_options.h"
 #include "fitting/curve/fitted_response.h"
+#include "fitting/curve/segments.h"
+#include "fitting/curve/time_effects.h"
 #include "fitting/session/corrections_report.h"
 #include "fitting/session/press_fit.h"
+#include "fitting/session/relaxation_json.h"
 #include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
@@ -37,7 +41,22 @@ struct CurveResult {
   CurveRead read;
   std::string tip;  // what was taken of the file's tip
   PressFit press;
+  std::optional<Relaxation> relaxation;  // of several holds
 };
+
+// Of a press with times that stands still twice or more: what relaxes, its own law lost
+// in the fit of the approach.
+std::optional<Relaxation> relaxation_of_holds(const Measurement& press,
+                                              const PressFit& fit) {
+  const auto segments = find_segments(turned(press, fit.approach).depth_m);
+  const auto holds =
+      std::count_if(segments.begin(), segments.end(), [](const Segment& s) {
+        return s.kind == SegmentKind::kHold;
+      });
+  return holds > 1 && press.time_s.size() == press.force_n.size()
+             ? std::optional(find_relaxation(press))
+             : std::nullopt;
+}
 
 void compute_curve(const CurveOptions& options, const Indenter& indenter,
                    CurveResult& result) {
@@ -54,7 +73,12 @@ void compute_curve(const CurveOptions& options, const Indenter& indenter,
   Measurement& samples = result.read.measurement.samples;
   try {
     samples = press_of(options.machine, samples);
-    result.press = fit_press(samples, wanted);
+    Measurement fitted = samples;
+    if (!options.file.told.time) {
+      fitted.time_s.clear();  // no drift with time is looked for
+    }
+    result.press = fit_press(fitted, wanted);
+    result.relaxation = relaxation_of_holds(samples, result.press);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", options.file.file, error.what()));
   } catch (const NumericalError& error) {
@@ -71,6 +95,10 @@ void print_json(const CurveResult& r, const Indenter& indenter) {
   json["notes"] = r.read.measurement.notes;
   json["tip"] = r.tip;
   json.update(to_json(r.press, indenter));
+  json["relaxation"] = nullptr;
+  if (r.relaxation) {
+    json["relaxation"] = relaxation_json(*r.relaxation);
+  }
   fmt::print("{}\n", json_text(json));
 }
 
@@ -158,6 +186,11 @@ void print_curve(const CurveResult& r, const CurveOptions& options,
                            options.indenter.poissons_ratio));
   } else {
     fmt::print("{:<24} none: {}\n", "Young's modulus", r.press.modulus.refused);
+  }
+  if (r.relaxation) {
+    fmt::print("{:<24} {}\n", "relaxation",
+               r.relaxation->refused.empty() ? describe(r.relaxation->joint)
+                                             : "none: " + r.relaxation->refused);
   }
   print_corrections(r, indenter);
   for (const FitFlag flag : r.press.flags) {

@@ -42,6 +42,16 @@ MeasurementFile read_or_ask(const InstrumentLayout& layout, const CurveFile& cho
   }
 }
 
+// With its times too, where the file tells them.
+MeasurementFile read_curve(const InstrumentLayout& layout, const CurveFile& choice,
+                           const InstrumentCurve& curve) {
+  try {
+    return layout.read(choice.file, curve, {choice.told, choice.header_units, true});
+  } catch (const Error&) {  // the times alone may be at fault
+    return read_or_ask(layout, choice, curve);
+  }
+}
+
 // One of the presses that follow one another in the samples of a single curve.
 std::string take_press(const CurveFile& choice, Measurement& samples) {
   std::vector<Measurement> presses = split_presses(samples);
@@ -62,7 +72,7 @@ CurveRead read_curve_file(const CurveFile& choice) {
   const InstrumentFile list = layout.list(choice.file);
   const bool several = list.curve.size() > 1;
   const InstrumentCurve& curve = several ? chosen(choice, list) : list.curve.front();
-  CurveRead read{read_or_ask(layout, choice, curve), std::string(layout.name), "",
+  CurveRead read{read_curve(layout, choice, curve), std::string(layout.name), "",
                  curve.tip_radius_m};
   if (several) {
     read.press =

@@ -24,6 +24,7 @@ struct CurveRead {
   std::optional<double> tip_radius_m;  ///< [m] that the file states
 };
 
+/// With its times, where the file tells one column of them that can be read.
 /// @throws InputError for a file of several presses without a choice, naming them, for
 /// a press that is not there, and as the layout's reader does.
 [[nodiscard]] CurveRead read_curve_file(const CurveFile& choice);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "fitting/curve/press_model.h"
+#include "fitting/curve/press_rows.h"
 #include "fitting/numerics/correlated_noise.h"
 #include "fitting/numerics/least_squares.h"
 #include "fitting/numerics/robust_statistics.h"
@@ -17,9 +18,6 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kPressSamplesMin = 8;
-constexpr std::size_t kRowsEnough = 800;      // more are averaged, ...
-constexpr std::size_t kPressRowsEnough = 60;  // ... but not those of a fast press, ...
-constexpr std::size_t kRowsMax = 2500;        // ... up to here
 constexpr int kTermsMax = 3;
 constexpr int kNodesMin = 4, kNodesMax = 17;  // of the spline
 constexpr Eigen::Index kPressRowsPerNode = 5;
@@ -30,13 +28,6 @@ constexpr double kContactRise = 0.25;   // [-] of the force: surely after contac
 constexpr double kLengthsOfHold = 10.0;
 constexpr double kTauIntervals = 0.3;
 
-struct Rows {
-  PressSamples all;                  // scaled
-  Eigen::Index press = 0, hold = 0;  // rows of the press, and of press and hold
-  double origin_m = 0.0, travel_m = 1.0, force_n = 1.0;
-  double interval_s = 0.0, hold_s = 0.0;
-};
-
 struct Candidate {
   PressModel::Shape shape;
   std::optional<PressModel> model;
@@ -45,45 +36,8 @@ struct Candidate {
   std::size_t rows = 0;
 };
 
-Eigen::VectorXd neighbour_means(std::span<const double> values, std::size_t of) {
-  const auto n = static_cast<Eigen::Index>(values.size() / of);
-  Eigen::VectorXd mean(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto part = values.subspan(static_cast<std::size_t>(i) * of, of);
-    mean[i] = std::accumulate(part.begin(), part.end(), 0.0) / static_cast<double>(of);
-  }
-  return mean;
-}
-
-Rows rows_of(const PressAndHold& m) {
-  const std::size_t n = m.time_s.size();
-  const std::size_t of = std::max(
-      {std::size_t{1}, (n + kRowsMax - 1) / kRowsMax,
-       std::min((n + kRowsEnough - 1) / kRowsEnough, m.hold_begin / kPressRowsEnough)});
-  Rows rows;
-  rows.all.time_s = neighbour_means(m.time_s, of);
-  rows.all.depth = neighbour_means(m.displacement_m, of);
-  rows.all.force = neighbour_means(m.force_n, of);
-  rows.press = static_cast<Eigen::Index>(m.hold_begin / of);
-  rows.hold =
-      std::min(static_cast<Eigen::Index>(m.hold_end / of), rows.all.force.size());
-  rows.origin_m = rows.all.depth.minCoeff();
-  rows.travel_m = rows.all.depth.maxCoeff() - rows.origin_m;
-  rows.force_n = rows.all.force.cwiseAbs().maxCoeff();
-  rows.all.depth = (rows.all.depth.array() - rows.origin_m) / rows.travel_m;
-  rows.all.force /= rows.force_n;
-  rows.hold_s = m.time_s[m.hold_end - 1] - m.time_s[m.hold_begin];
-  rows.interval_s = (m.time_s.back() - m.time_s.front()) /
-                    static_cast<double>(rows.all.force.size() - 1);
-  return rows;
-}
-
-PressSamples first_rows(const PressSamples& all, Eigen::Index count) {
-  return {all.time_s.head(count), all.depth.head(count), all.force.head(count)};
-}
-
 // Depth at which the force has first risen by a share of its largest.
-double depth_at_rise(const Rows& rows, double share) {
+double depth_at_rise(const PressRows& rows, double share) {
   const Eigen::Index few = std::min<Eigen::Index>(3, rows.press);
   const double before = rows.all.force.head(few).mean();
   for (Eigen::Index i = 0; i < rows.press; ++i) {
@@ -108,13 +62,13 @@ std::vector<Eigen::VectorXd> times_to_start_from(int terms) {
 }
 
 // @param near if given, of as many terms, whose times are tried as well.
-Candidate fitted(const Rows& rows, int nodes, int terms,
+Candidate fitted(const PressRows& rows, int nodes, int terms,
                  const Candidate* near = nullptr) {
   Candidate c;
   c.shape = {.nodes = nodes,
              .terms = terms,
              .contact_max = depth_at_rise(rows, kContactRise),
-             .tau_min_s = kTauIntervals * rows.interval_s,
+             .tau_min_s = kTauIntervals * rows.sample_s,
              .tau_max_s = kLengthsOfHold * rows.hold_s};
   c.model.emplace(first_rows(rows.all, rows.hold), c.shape);
   c.rows = static_cast<std::size_t>(rows.hold);
@@ -164,11 +118,11 @@ Candidate chosen(std::vector<Candidate>& candidates) {
   return best != nullptr ? std::move(*best) : std::move(candidates.front());
 }
 
-Candidate chosen_model(const Rows& rows) {
+Candidate chosen_model(const PressRows& rows) {
   std::vector<Candidate> curves;
   curves.push_back(fitted(rows, 0, 2));
   // A supple one, since what it cannot follow would be taken for relaxation.
-  const int nodes = std::clamp(static_cast<int>(rows.press / kPressRowsPerNode),
+  const int nodes = std::clamp(static_cast<int>(rows.moving / kPressRowsPerNode),
                                kNodesMin, kNodesMax);
   const Candidate* law = &curves.front();
   curves.push_back(fitted(rows, nodes, 2, law->report.converged ? law : nullptr));
@@ -186,7 +140,7 @@ double rms_relative(const Candidate& c) {
 }
 
 // The same model over the release too; that of press and hold where it does not follow.
-void add_release(const Rows& rows, Candidate& c, JointRelaxation& result) {
+void add_release(const PressRows& rows, Candidate& c, JointRelaxation& result) {
   const Eigen::Index n = rows.all.force.size();
   if (n < rows.hold + static_cast<Eigen::Index>(kPressSamplesMin)) {
     return;
@@ -209,10 +163,10 @@ void add_release(const Rows& rows, Candidate& c, JointRelaxation& result) {
   }
 }
 
-std::string why_not_claimed(double tau_s, const Rows& rows) {
-  return tau_s > rows.hold_s       ? "longer than the hold"
-         : tau_s < rows.interval_s ? "shorter than the samples' interval"
-                                   : "";
+std::string why_not_claimed(double tau_s, const PressRows& rows) {
+  return tau_s > rows.hold_s     ? "longer than the hold"
+         : tau_s < rows.sample_s ? "shorter than the samples' interval"
+                                 : "";
 }
 
 // Of g and ln tau from that of the model's r and ln tau, side by side there:
@@ -228,8 +182,8 @@ Eigen::MatrixXd terms_covariance(const Candidate& c,
   return slope * covariance.block(at, at, 2 * K, 2 * K) * slope.transpose();
 }
 
-void take_terms(const Rows& rows, const Candidate& c, const Eigen::MatrixXd& covariance,
-                JointRelaxation& result) {
+void take_terms(const PressRows& rows, const Candidate& c,
+                const Eigen::MatrixXd& covariance, JointRelaxation& result) {
   const Eigen::Index K = c.shape.terms, at = c.model->ratio_at();
   const Eigen::VectorXd ratio = c.report.q.segment(at, K);
   const Eigen::VectorXd log_tau = c.report.q.segment(c.model->tau_at(), K);
@@ -259,8 +213,8 @@ void take_terms(const Rows& rows, const Candidate& c, const Eigen::MatrixXd& cov
   result.g_inf_sd = std::sqrt(of_ratio.sum()) / (all * all);
 }
 
-void take_curve(const Rows& rows, const Candidate& c, const Eigen::MatrixXd& covariance,
-                JointRelaxation& result) {
+void take_curve(const PressRows& rows, const Candidate& c,
+                const Eigen::MatrixXd& covariance, JointRelaxation& result) {
   const double contact = c.report.q[c.model->contact_at()];
   const Eigen::VectorXd depth =
       Eigen::VectorXd::LinSpaced(kCurvePoints + 1, contact, 1.0);
@@ -277,11 +231,11 @@ void take_curve(const Rows& rows, const Candidate& c, const Eigen::MatrixXd& cov
 // The shortest time at which a term of g = 0.1 would stand out from the residuals of
 // the hold by kSeen standard deviations: what is left of it at the end of the press,
 // times the root of the samples over which it dies away.
-double seen_from_s(const Rows& rows, const JointRelaxation& result, double press_s) {
+double seen_from_s(const PressRows& rows, const JointRelaxation& result) {
   constexpr double kTermShare = 0.1, kSeen = 4.0;
   const double travel_m = result.displacement_m.back() - rows.origin_m;
-  const double speed = travel_m / press_s;
-  double tau_s = kTauIntervals * rows.interval_s;
+  const double speed = travel_m / std::max(rows.moving_s, rows.sample_s);
+  double tau_s = kTauIntervals * rows.sample_s;
   for (; tau_s < rows.hold_s; tau_s *= 1.1) {
     const RelaxationTerm term{kTermShare, 0.0, tau_s, 0.0, {}};
     const double end_n = result.force_n.back();
@@ -323,7 +277,7 @@ JointRelaxation fit_press_and_hold(const PressAndHold& measured) {
   if (!result.refused.empty()) {
     return result;
   }
-  const Rows rows = rows_of(measured);
+  const PressRows rows = rows_of(measured);
   Candidate best = chosen_model(rows);
   result.converged = best.report.converged;
   if (!result.converged) {
@@ -339,8 +293,14 @@ JointRelaxation fit_press_and_hold(const PressAndHold& measured) {
   result.baseline_n = rows.force_n * best.report.q[0];
   result.rms_relative = rms_relative(best);
   result.samples = best.rows;
-  result.seen_from_s = seen_from_s(
-      rows, result, measured.time_s[measured.hold_begin] - measured.time_s.front());
+  result.seen_from_s = seen_from_s(rows, result);
+  result.holds = rows.holds.size();
+  for (const PressRows::Hold& hold : rows.holds) {
+    result.holds_used += hold.row < static_cast<Eigen::Index>(best.rows) &&
+                                 hold.depth > best.report.q[best.model->contact_at()]
+                             ? 1
+                             : 0;
+  }
   return result;
 }
 
@@ -374,9 +334,12 @@ std::string describe(const JointRelaxation& joint) {
   if (!joint.refused.empty()) {
     return "Press and hold together: not fitted, " + joint.refused;
   }
+  const std::string used =
+      joint.holds_used < joint.holds ? fmt::format("{} of ", joint.holds_used) : "";
   std::string text = fmt::format(
-      "Press and hold together: {:.3g} +- {:.2g} of the instantaneous force "
-      "stays",
+      "{} together: {:.3g} +- {:.2g} of the instantaneous force stays",
+      joint.holds > 1 ? fmt::format("Press and {}{} holds", used, joint.holds)
+                      : "Press and hold",
       joint.g_inf, joint.g_inf_sd);
   for (const RelaxationTerm& term : joint.terms) {
     text += fmt::format("; {:.3g} +- {:.2g} in {:.3g} +- {:.2g} s{}", term.g, term.g_sd,

@@ -1,4 +1,4 @@
-// Relaxation and instantaneous curve of one press with its hold, found together, so
+// Relaxation and instantaneous curve of one press with its holds, found together, so
 // that they do not depend on how fast the press was.
 #pragma once
 
@@ -13,7 +13,8 @@
 
 namespace palpate {
 
-/// Samples of one press from its start on, compression and force positive.
+/// Samples of one press from its start on, compression and force positive. Earlier
+/// holds may interrupt the press, and later ones the release.
 struct PressAndHold {
   std::span<const double> time_s, displacement_m, force_n;  ///< (n) each
   std::size_t hold_begin = 0;  ///< the press is before it, ...
@@ -36,6 +37,8 @@ struct JointRelaxation {
   double baseline_n = 0.0;            ///< [N]
   double rms_relative = 0.0;          ///< [-] of the residuals, over the largest force
   std::size_t samples = 0;            ///< fitted, or means of neighbours
+  std::size_t holds = 0;              ///< of the press and its release
+  std::size_t holds_used = 0;         ///< of them, in contact and fitted
   bool release = false;               ///< whether the release is among them
   double release_rms_relative = 0.0;  ///< [-] that it is off where it is not; else 0
   bool converged = false;
@@ -44,12 +47,13 @@ struct JointRelaxation {
 /// A hold of fewer samples tells nothing.
 inline constexpr std::size_t kHoldSamplesMin = 12;
 
-/// Least squares over all samples (press_model.h). The curve is a power law or a
-/// monotone spline, the terms one to three, by the smallest n ln(squares) + p ln(n), n
-/// the number of independent samples, p that of the parameters. Standard deviations
-/// from the residuals' own noise, white and shared by neighbours. A release is added
-/// where the same model follows it: the residuals' rms grows by no more than a quarter.
-/// Refused for fewer than 8 samples in the press and 12 in the hold.
+/// Least squares over all ramps and holds (press_model.h), neighbours averaged where
+/// the force changes slowly (press_rows.h). The curve is a power law or a monotone
+/// spline, the terms one to three, by the smallest n ln(squares) + p ln(n), n the
+/// number of independent samples, p that of the parameters. Standard deviations from
+/// the residuals' own noise, white and shared by neighbours. A release is added where
+/// the same model follows it: the residuals' rms grows by no more than a quarter.
+/// Refused for fewer than 8 samples before the hold and 12 in the longest.
 [[nodiscard]] JointRelaxation fit_press_and_hold(const PressAndHold& measured);
 
 /// Share of the force at the end of a press at a speed [m/s] that is left after the

@@ -36,7 +36,7 @@ double hat_integral(double u, double left, double top, double right) {
 }  // namespace
 
 PressModel::PressModel(const PressSamples& samples, const Shape& shape)
-    : shape_(shape), force_(samples.force) {
+    : shape_(shape), force_(samples.force), weight_(samples.weight) {
   std::vector<double> t, u;
   for (Eigen::Index i = 0; i < samples.depth.size(); ++i) {
     const double step = i > 0 ? samples.depth[i] - samples.depth[i - 1] : 0.0;
@@ -130,10 +130,11 @@ void PressModel::evaluate(const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> 
     }
   }
   const Eigen::MatrixXd rows = at_samples(through);
-  r = (rows.col(0).array() + q[0]).matrix() - force_;
+  r = weight_.cwiseProduct((rows.col(0).array() + q[0]).matrix() - force_);
   if (wanted) {
     jacobian->col(0).setOnes();
     jacobian->middleCols(1, ratio_at() - 1) = rows.rightCols(ratio_at() - 1);
+    jacobian->array().colwise() *= weight_.array();
   }
 }
 
@@ -172,9 +173,11 @@ Eigen::VectorXd PressModel::start(double contact, double exponent,
   }
   Eigen::MatrixXd columns(force_.size(), 1 + phi.cols());
   columns << Eigen::VectorXd::Ones(force_.size()), at_samples(through);
+  columns.array().colwise() *= weight_.array();
   std::vector<bool> rising(static_cast<std::size_t>(columns.cols()), true);
   rising[0] = false;
-  q.head(columns.cols()) = solve_not_negative(columns, force_, rising);
+  q.head(columns.cols()) =
+      solve_not_negative(columns, weight_.cwiseProduct(force_), rising);
   q[contact_at()] = contact;
   if (shape_.nodes == 0) {
     q[contact_at() + 1] = exponent;

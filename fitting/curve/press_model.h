@@ -24,6 +24,8 @@ struct PressSamples {
   Eigen::VectorXd time_s;  ///< (n) [s] not falling
   Eigen::VectorXd depth;   ///< (n) [-] over the travel, 0 at the shallowest
   Eigen::VectorXd force;   ///< (n) [-] over the largest
+  Eigen::VectorXd
+      weight;  ///< (n) [-] of a residual: 1 / standard deviation, in proportion
 };
 
 /// Parameters q: b, the curve's coefficients c (one, or one a node), u0, of a power law
@@ -75,7 +77,7 @@ class PressModel {
                 RowMajorMatrix* jacobian) const;
 
   Shape shape_;
-  Eigen::VectorXd force_;                 // (n) of the samples
+  Eigen::VectorXd force_, weight_;        // (n) of the samples
   Eigen::VectorXd time_s_, depth_;        // (m >= n) with steps between them
   std::vector<Eigen::Index> sample_row_;  // (n) of the above
 };

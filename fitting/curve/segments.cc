@@ -10,7 +10,7 @@ constexpr double kStill = 2e-3;    // [-] of the travel
 constexpr double kTurn = 1e-2;     // [-] of the travel
 constexpr double kShallow = 5e-2;  // [-] of the travel
 constexpr std::size_t kStillMin = 5;
-constexpr double kStillShare = 0.02;  // of the samples
+constexpr double kStillShare = 0.02;  // of the samples in motion
 
 // First sample after `begin` that is farther than `reach` from it.
 std::size_t still_until(std::span<const double> x, std::size_t begin, double reach) {
@@ -19,6 +19,21 @@ std::size_t still_until(std::span<const double> x, std::size_t begin, double rea
     ++end;
   }
   return end;
+}
+
+// The fewest samples in a row that are still, of so many.
+std::size_t least_of(double samples) {
+  return std::max(kStillMin, static_cast<std::size_t>(kStillShare * samples));
+}
+
+std::size_t still_samples(std::span<const double> x, double reach, std::size_t least) {
+  std::size_t sum = 0;
+  for (std::size_t i = 0; i < x.size();) {
+    const std::size_t end = still_until(x, i, reach);
+    sum += end - i < least ? 0 : end - i;
+    i = end - i < least ? i + 1 : end;
+  }
+  return sum;
 }
 
 // Splits [begin, end) where the motion turns.
@@ -89,8 +104,9 @@ std::vector<Segment> find_segments(std::span<const double> x) {
   }
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
   const double shallowest = *low, travel = *high - *low;
-  const auto least = std::max(
-      kStillMin, static_cast<std::size_t>(kStillShare * static_cast<double>(x.size())));
+  const std::size_t still =
+      still_samples(x, kStill * travel, least_of(static_cast<double>(x.size())));
+  const std::size_t least = least_of(static_cast<double>(x.size() - still));
   std::size_t moving = 0;
   for (std::size_t i = 0; i < x.size();) {
     const std::size_t end = still_until(x, i, kStill * travel);

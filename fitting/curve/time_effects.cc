@@ -116,16 +116,22 @@ void fit_hunt_crossley(const Motion& motion, const ContactFit& fit, LoopFit& loo
   loop.rms_n = F * std::sqrt(2.0 * report.cost / problem.residuals);
 }
 
-// Mean speed from half the travel before sample `end` until there.
+// Mean speed from half the travel before sample `end` until there, while not held.
 double press_speed_m_per_s(const std::vector<double>& x, const std::vector<double>& t,
-                           std::size_t end) {
+                           const std::vector<Segment>& segments, std::size_t end) {
   const auto last = x.begin() + static_cast<std::ptrdiff_t>(end);
   const double half = 0.5 * (*std::min_element(x.begin(), last + 1) + *last);
   std::size_t begin = end;
   while (begin > 0 && x[begin] > half) {
     --begin;
   }
-  const double travel = x[end] - x[begin], seconds = t[end] - t[begin];
+  const double travel = x[end] - x[begin];
+  double seconds = t[end] - t[begin];
+  for (const Segment& s : segments) {
+    if (s.kind == SegmentKind::kHold && s.end <= end && s.end > begin) {
+      seconds -= t[s.end - 1] - t[std::max(s.begin, begin)];
+    }
+  }
   return travel > 0.0 && seconds > 0.0 ? travel / seconds
                                        : std::numeric_limits<double>::quiet_NaN();
 }
@@ -145,32 +151,91 @@ std::size_t press_begin(const std::vector<double>& x, std::size_t end) {
   return begin;
 }
 
-// One past the last sample of the release from `begin` on that is surely in contact.
+// One past the last sample from `begin` on that is surely in contact: of the release,
+// and of all that is before `holds_end`.
 std::size_t release_end(const std::vector<double>& x, const std::vector<double>& force,
-                        std::size_t begin) {
+                        std::size_t begin, std::size_t holds_end) {
   const double turn = kNewPress * (*std::max_element(x.begin(), x.end()) -
                                    *std::min_element(x.begin(), x.end()));
   const double most = *std::max_element(force.begin(), force.end());
   double lowest = begin < x.size() ? x[begin] : 0.0;
   std::size_t end = begin;
-  while (end < x.size() && force[end] > kForceLeft * most && x[end] <= lowest + turn) {
-    lowest = std::min(lowest, x[end]);
+  while (end < x.size() && force[end] > kForceLeft * most &&
+         (end < holds_end || x[end] <= lowest + turn)) {
+    lowest = end < holds_end ? x[end] : std::min(lowest, x[end]);
     ++end;
   }
   return end;
 }
 
-// @param x displacement, compression positive. @param hold samples that stay
+std::size_t samples_of(const Segment& segment) {
+  return segment.end - segment.begin;
+}
+
+bool is_hold(const Segment& segment) {
+  return segment.kind == SegmentKind::kHold;
+}
+
+// A hold, and its largest force: before that the tip still moves.
+struct FallingHold {
+  Segment segment;
+  std::size_t peak = 0;
+};
+
+// The hold in which the force falls for longest.
+FallingHold longest_fall(const std::vector<Segment>& segments,
+                         const std::vector<double>& force_n) {
+  FallingHold longest;
+  for (const Segment& s : segments) {
+    if (!is_hold(s) || samples_of(s) < kHoldSamplesMin) {
+      continue;
+    }
+    const auto first = force_n.begin();
+    const auto peak = static_cast<std::size_t>(
+        std::max_element(first + static_cast<std::ptrdiff_t>(s.begin),
+                         first + static_cast<std::ptrdiff_t>(s.end),
+                         [](double a, double b) {
+                           return std::abs(a) < std::abs(b);
+                         }) -
+        first);
+    if (longest.segment.end == 0 || s.end - peak > longest.segment.end - longest.peak) {
+      longest = {s, peak};
+    }
+  }
+  return longest;
+}
+
+// The last hold after another before the tool goes back, which tells as much.
+Segment last_of_ascent(const std::vector<Segment>& segments, Segment hold) {
+  for (const Segment& s : segments) {
+    if (s.begin < hold.end || s.kind == SegmentKind::kApproach) {
+      continue;
+    }
+    if (!is_hold(s)) {
+      break;
+    }
+    hold = samples_of(s) >= kHoldSamplesMin ? s : hold;
+  }
+  return hold;
+}
+
+// @param x displacement, compression positive. @param longest hold
 JointRelaxation joint_relaxation(const Measurement& m, const std::vector<double>& x,
-                                 const Segment& hold) {
+                                 const std::vector<Segment>& segments,
+                                 const Segment& longest) {
+  const Segment hold = last_of_ascent(segments, longest);
+  std::size_t holds_end = hold.end;
+  for (const Segment& s : segments) {
+    holds_end = is_hold(s) ? std::max(holds_end, s.end) : holds_end;
+  }
   std::vector<double> force = m.force_n;
-  const std::size_t begin = press_begin(x, hold.begin);
+  const std::size_t begin = press_begin(x, longest.begin);
   if (force[hold.begin] < force[begin]) {
     for (double& value : force) {
       value = -value;
     }
   }
-  const std::size_t end = release_end(x, force, hold.end);
+  const std::size_t end = release_end(x, force, hold.end, holds_end);
   const auto part = [&](const std::vector<double>& values) {
     return std::span(values).subspan(begin, end - begin);
   };
@@ -242,35 +307,21 @@ Relaxation find_relaxation(const Measurement& m) {
       value = -value;
     }
   }
-  Segment longest{SegmentKind::kHold, 0, 0};
-  for (const Segment& segment : find_segments(x)) {
-    if (segment.kind == SegmentKind::kHold &&
-        segment.end - segment.begin > longest.end - longest.begin) {
-      longest = segment;
-    }
-  }
-  const std::size_t count = longest.end - longest.begin;
-  if (count < kHoldSamplesMin) {
+  const std::vector<Segment> segments = find_segments(x);
+  const auto [longest, peak] = longest_fall(segments, m.force_n);
+  if (longest.end == 0) {
     none.refused = fmt::format("no hold of at least {} samples", kHoldSamplesMin);
     return none;
   }
-  // From the largest force on: before it the tip still moves.
-  const std::span force = std::span(m.force_n).subspan(longest.begin, count);
-  const auto peak =
-      static_cast<std::size_t>(std::max_element(force.begin(), force.end(),
-                                                [](double a, double b) {
-                                                  return std::abs(a) < std::abs(b);
-                                                }) -
-                               force.begin());
-  if (count - peak < kHoldSamplesMin) {
+  const std::size_t count = longest.end - peak;
+  if (count < kHoldSamplesMin) {
     none.refused = "the force does not fall while held";
     return none;
   }
-  Relaxation found =
-      fit_relaxation(std::span(m.time_s).subspan(longest.begin + peak, count - peak),
-                     force.subspan(peak));
-  found.speed_m_per_s = press_speed_m_per_s(x, m.time_s, longest.begin);
-  found.joint = joint_relaxation(m, x, longest);
+  Relaxation found = fit_relaxation(std::span(m.time_s).subspan(peak, count),
+                                    std::span(m.force_n).subspan(peak, count));
+  found.speed_m_per_s = press_speed_m_per_s(x, m.time_s, segments, longest.begin);
+  found.joint = joint_relaxation(m, x, segments, longest);
   return found;
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/QR>
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include "fitting/numerics/correlated_noise.h"
 
@@ -106,6 +107,13 @@ ceres::Solver::Options solver_options(const LeastSquaresOptions& options) {
   return solver;
 }
 
+// Ceres logs steps that it cannot take to stderr, whatever its options; its report
+// tells of them. The level is the process's: nothing else here logs by glog.
+void silence_log() {
+  [[maybe_unused]] static const int level = FLAGS_minloglevel =
+      std::max<int>(FLAGS_minloglevel, google::GLOG_FATAL);
+}
+
 thread_local SolverSeconds spent;
 
 }  // namespace
@@ -125,8 +133,7 @@ LeastSquaresReport solve_least_squares(const LeastSquaresProblem& problem,
   const std::vector<int> free = free_parameters(problem, start.size());
   Eigen::VectorXd values = report.q(free);
   DenseBlock block(problem, report.q, free, options.loss_scale);
-  const auto cost =
-      cost_at(block, values);  // Ceres writes to stderr where there is none
+  const auto cost = cost_at(block, values);
   if (!cost || free.empty()) {
     report.converged = cost.has_value();
     report.cost = cost.value_or(kInf);
@@ -145,6 +152,7 @@ LeastSquaresReport solve_least_squares(const LeastSquaresProblem& problem,
       ceres_problem.SetParameterUpperBound(values.data(), j, problem.upper[k]);
     }
   }
+  silence_log();
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(options), &ceres_problem, &summary);
   spent.total += summary.total_time_in_seconds;

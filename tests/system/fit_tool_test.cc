@@ -14,6 +14,7 @@
 #include "formats/base/json_text.h"
 #include "formats/database/response_database.h"
 #include "tests/support/run_tool.h"
+#include "tests/support/staircase.h"
 #include "tests/support/synthetic_curve.h"
 #include "tests/support/test_data.h"
 
@@ -51,6 +52,21 @@ class FitTool : public testing::Test {
 
   ScratchFolder folder_;
 };
+
+TEST_F(FitTool, SaysWhatRelaxesOverSeveralHolds) {
+  const Staircase stairs{{{8e-4, 240.0}, {5e-4, 420.0}, {5e-4, 720.0}}};
+  std::ofstream(folder_ / "stairs.csv")
+      << table_of(stairs.make(1), 1e3, 1.0, "Displacement (mm),Load (N),Time (s)\n");
+  const ToolRun result = run({}, "stairs.csv");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  EXPECT_NE(result.out.find("Press and 3 holds together: 0.45"), std::string::npos)
+      << result.out;
+  const auto json = parse_json(run({"--json"}, "stairs.csv").out);
+  const auto& joint = json.at("relaxation").at("press_and_hold");
+  EXPECT_EQ(joint.at("holds_used"), 3);
+  EXPECT_NEAR(joint.at("terms").at(1).at("tau_s"), Staircase::kTau[1], 3.0);
+}
 
 TEST_F(FitTool, ReportsEveryKeyForPrograms) {
   const ToolRun result =

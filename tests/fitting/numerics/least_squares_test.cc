@@ -243,6 +243,27 @@ TEST(LeastSquares, AStartThatIsNoNumberIsToldByTheReportAlone) {
   EXPECT_EQ(report.cost, kInf);
 }
 
+// Derivatives far too small for the residuals, between bounds: no step leads down.
+TEST(LeastSquares, AStepThatCannotBeFoundIsToldByTheReportAlone) {
+  LeastSquaresProblem problem = line({0.0, 1.0, 4.0});
+  problem.lower = Eigen::Vector2d::Zero();
+  problem.upper = Eigen::Vector2d::Constant(1e3);
+  problem.evaluate = [](const Eigen::VectorXd& q, Eigen::Ref<Eigen::VectorXd> r,
+                        RowMajorMatrix* jacobian) {
+    for (int i = 0; i < 3; ++i) {
+      r[i] = 1e100 * (q[0] + i * q[1] - i * i);
+      if (jacobian != nullptr) {
+        jacobian->row(i) << 1.0, i;
+      }
+    }
+    return true;
+  };
+  testing::internal::CaptureStderr();
+  const auto report = solve_least_squares(problem, Eigen::Vector2d(1.0, 1.0));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_TRUE(report.q.allFinite());
+}
+
 TEST(LeastSquares, SaysThatParametersCannotBeToldApart) {
   Eigen::MatrixXd J(4, 2);
   J << 1, 2, 2, 4, 3, 6, 4, 8;
