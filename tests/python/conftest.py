@@ -64,7 +64,7 @@ def built():
         vertices, triangles, youngs_modulus_pa=5000.0, support={"box_m": [[-1, -1, -1], [1, 1, 0.001]]},
         tool=[{"name": "ball", "shape": "sphere", "radius_m": 0.01, "friction": 0.3, "presliding_m": 0.0005},
               {"name": "pads", "shape": "spheres", "centre_m": [[0.006, 0, 0], [-0.006, 0, 0]], "radius_m": 0.01}],
-        depth_max_m=0.003, reach_box_m=[[-1, -1, 0.019], [1, 1, 1]], force_relative=0.5,
+        depth_max_m=0.003, reach_box_m=[[0.009, 0.009, 0.019], [0.031, 0.031, 1]], force_relative=0.5,
         accuracy={"verify": 0, "depths": 3})
 
 

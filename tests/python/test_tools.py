@@ -101,7 +101,7 @@ SCENES = {
             + '[[tool]]\nname = "cone"\nshape = "cone"\nhalf_angle_deg = 60\ntip_radius_m = 0.005\nfriction = 0.2\npresliding_m = 1e-4',
     "capsule": SOFT.format(law="linear")
                + '[[tool]]\nname = "rod"\nshape = "capsule"\nradius_m = 0.01\nlength_m = 0.01\naxis = [1, 0, 1]',
-    "drawn": SOFT.format(law="linear") + BALL + "[drawing]\ndisplacement = true"}
+    "drawn": SOFT.format(law="linear") + BALL.replace("0.01", "0.04") + "[drawing]\ndisplacement = true"}
 
 
 def arrays_in(part):

@@ -291,8 +291,13 @@ TEST_F(ServiceTest, AFileOfAnotherToolMeshIsComputedAgain) {
     tool << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 2 4 8 6\nf 4 3 7 8\nf 3 1 5 7\n";
   };
   std::string text = kServedScene;
-  text.replace(text.find("shape = \"sphere\"\nradius_m = 0.06"), 32,
-               "shape = \"mesh\"\nmesh = \"tool.obj\"\nlength_unit = \"mm\"");
+  const auto put = [&text](const std::string& here, const std::string& instead) {
+    text.replace(text.find(here), here.size(), instead);
+  };
+  put("shape = \"sphere\"\nradius_m = 0.06",
+      "shape = \"mesh\"\nmesh = \"tool.obj\"\nlength_unit = \"mm\"");
+  put("0.0445", "0.0460");  // two places
+  put("verify = 1", "verify = 0");
   std::ofstream(path("tooled.toml")) << text;
   write_tool(30.0);
   ASSERT_EQ(
