@@ -39,11 +39,11 @@ struct Relaxation {
 [[nodiscard]] Relaxation fit_relaxation(std::span<const double> time_s,
                                         std::span<const double> force_n);
 
-/// The hold of a measurement in which the force falls for longest. `joint` is of the whole way: from where the tool
-/// last left the shallowest 5 % of the travel before that hold, all ramps and holds up
-/// to the last before the tool goes back, and where the same model follows them the
-/// release and holds after that, while a thirtieth of the force is left. Refused
-/// without time or without a hold of 12 samples.
+/// The hold of a measurement in which the force falls for longest. `joint` is of the
+/// whole way: from where the tool last left the shallowest 5 % of the travel before
+/// that hold, all ramps and holds up to the last before the tool goes back, and where
+/// the same model follows them the release and holds after that, while a thirtieth of
+/// the force is left. Refused without time or without a hold of 12 samples.
 [[nodiscard]] Relaxation find_relaxation(const Measurement& measurement);
 
 /// F = K d^p (1 + lambda d'), d' the speed of pressing (Hunt and Crossley 1975).

@@ -108,7 +108,7 @@ void check_tick_rows(const Hdf5Reader& file, const ContactRows& r) {
 }
 
 // Of a hand in a row.
-RecordedHand hand_of(const ContactRows& r, Eigen::Index row, Eigen::Index hand) {
+RecordedHand recorded_hand(const ContactRows& r, Eigen::Index row, Eigen::Index hand) {
   RecordedHand at;
   const double* pose = &r.pose(row, 7 * hand);
   std::copy_n(pose, 3, at.position_m.begin());
@@ -121,7 +121,7 @@ RecordedHand hand_of(const ContactRows& r, Eigen::Index row, Eigen::Index hand) 
 
 TickRecord tick_of(const ContactRows& r, std::size_t i) {
   const auto row = static_cast<Eigen::Index>(i);
-  const RecordedHand first = hand_of(r, row, 0);
+  const RecordedHand first = recorded_hand(r, row, 0);
   TickRecord tick;
   tick.tick = row;
   tick.time_ns = std::llround(1e9 * r.time_s[i]);
@@ -136,7 +136,7 @@ TickRecord tick_of(const ContactRows& r, std::size_t i) {
   tick.tank_j = r.tank_j[i];
   tick.dissipated_j = r.dissipated_j[i];
   if (r.hands() > 1) {
-    tick.second = hand_of(r, row, 1);
+    tick.second = recorded_hand(r, row, 1);
   }
   return tick;
 }

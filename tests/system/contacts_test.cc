@@ -114,14 +114,14 @@ TEST_F(Contacts, HangByACoupling) {
 
 // On the clock of the wall, and what was recorded of a device of theirs.
 TEST_F(Contacts, AreRenderedAndRecordedInRealTime) {
-  const ToolRun real = simulate("pads.h5", {"--tool", "ball,ball", "--together", "--at",
-                                            "-0.007,0,0,0.007,0,0", "--clock", "real",
-                                            "--record", file("real.h5")});
+  const ToolRun real = simulate(
+      "pads.h5", {"--tool", "ball,ball", "--together", "--at", "-0.007,0,0,0.007,0,0",
+                  "--clock", "real", "--record", file("real.h5")});
   EXPECT_EQ(real.exit_code, 0) << real.err;
   const ToolRun device = run_tool_process(
-      "palpate-run", {"device", file("pads.h5"), "--tool", "pads", "--device",
-                      "emulated-falcon", "--seconds", "1", "--limit-stiffness",
-                      "--record", file("device.h5")});
+      "palpate-run",
+      {"device", file("pads.h5"), "--tool", "pads", "--device", "emulated-falcon",
+       "--seconds", "1", "--limit-stiffness", "--record", file("device.h5")});
   EXPECT_EQ(device.exit_code, 0) << device.err;
   for (const char* recorded : {"real.h5", "device.h5"}) {
     const ToolRun again =

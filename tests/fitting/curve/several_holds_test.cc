@@ -30,7 +30,7 @@ void expect_law(const JointRelaxation& found) {
   EXPECT_LT(found.force_sd_n.back(), 0.01 * deepest);
 }
 
-JointRelaxation fit(const Staircase& stairs, unsigned seed = 1) {
+JointRelaxation fitted_run(const Staircase& stairs, unsigned seed = 1) {
   return find_relaxation(stairs.make(seed)).joint;
 }
 
@@ -40,8 +40,8 @@ TEST(SeveralHolds, AreFittedTogetherWhicheverIsLongest) {
         std::array{300.0, 300.0, 300.0}}) {
     for (const double speed : {1e-4, 1e-3}) {
       SCOPED_TRACE(testing::Message() << hold_s[0] << " s, " << speed << " m/s");
-      const JointRelaxation found =
-          fit({{{kFirst, hold_s[0]}, {kStep, hold_s[1]}, {kStep, hold_s[2]}}, speed});
+      const JointRelaxation found = fitted_run(
+          {{{kFirst, hold_s[0]}, {kStep, hold_s[1]}, {kStep, hold_s[2]}}, speed});
       EXPECT_EQ(found.holds, 3U);
       EXPECT_EQ(found.holds_used, 3U);
       EXPECT_NEAR(found.displacement_m.back(), kFirst + 2 * kStep, 1e-9);
@@ -51,8 +51,8 @@ TEST(SeveralHolds, AreFittedTogetherWhicheverIsLongest) {
 }
 
 TEST(SeveralHolds, OneBeforeContactIsFoundAndNotUsed) {
-  const JointRelaxation found =
-      fit({{{2e-4, 60.0}, {kFirst - 2e-4, 240.0}, {kStep, 420.0}, {kStep, 720.0}}});
+  const JointRelaxation found = fitted_run(
+      {{{2e-4, 60.0}, {kFirst - 2e-4, 240.0}, {kStep, 420.0}, {kStep, 720.0}}});
   EXPECT_EQ(found.holds, 4U);
   EXPECT_EQ(found.holds_used, 3U);
   EXPECT_NE(describe(found).find("3 of 4 holds"), std::string::npos);
@@ -65,7 +65,7 @@ TEST(SeveralHolds, AStepBackIsFollowed) {
             {{kFirst + kStep, 300.0}, {-0.5 * kStep, 300.0}, {1.5 * kStep, 300.0}}},
         Staircase{
             {{kFirst + kStep, 720.0}, {-0.5 * kStep, 300.0}, {0.5 * kStep, 300.0}}}}) {
-    const JointRelaxation found = fit(stairs);
+    const JointRelaxation found = fitted_run(stairs);
     EXPECT_EQ(found.holds, 3U);
     EXPECT_EQ(found.holds_used, 3U);
     expect_law(found);
@@ -88,7 +88,7 @@ TEST(SeveralHolds, AStepBackThatSticksIsLeftOut) {
 
 TEST(SeveralHolds, ThoseOfAFewSamplesCount) {
   const JointRelaxation found =
-      fit({{{kFirst, 8.0}, {kStep, 8.0}, {kStep, 900.0}}, 2e-5, 1.0, 3e-4});
+      fitted_run({{{kFirst, 8.0}, {kStep, 8.0}, {kStep, 900.0}}, 2e-5, 1.0, 3e-4});
   EXPECT_EQ(found.holds, 3U);
   EXPECT_EQ(found.holds_used, 3U);
   expect_law(found);
@@ -105,9 +105,9 @@ TEST(SeveralHolds, TheHoldThatIsStatedAloneFalls) {
 }
 
 TEST(SeveralHolds, WhatIsSeenIsByTheTimeInMotion) {
-  const JointRelaxation one = fit({{{kFirst + 2 * kStep, 600.0}}});
+  const JointRelaxation one = fitted_run({{{kFirst + 2 * kStep, 600.0}}});
   const JointRelaxation three =
-      fit({{{kFirst, 600.0}, {kStep, 600.0}, {kStep, 600.0}}});
+      fitted_run({{{kFirst, 600.0}, {kStep, 600.0}, {kStep, 600.0}}});
   EXPECT_LT(three.seen_from_s, 1.5 * one.seen_from_s);
 }
 

@@ -370,8 +370,8 @@ TEST_F(ContactRuns, AreAsStiffAsTheirSum) {
   SimulationOptions ball = o;
   ball.tool = "ball";
   ball.force_max_n = o.force_max_n / 3.0;
-  EXPECT_NEAR(report.stiffness.normal_n_per_m,
-              3.0 * run(ball).stiffness.normal_n_per_m, 1e-9);
+  EXPECT_NEAR(report.stiffness.normal_n_per_m, 3.0 * run(ball).stiffness.normal_n_per_m,
+              1e-9);
 }
 
 // A second hand whose sensor turns by half a radian in a tick.
