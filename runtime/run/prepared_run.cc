@@ -20,6 +20,11 @@
 namespace palpate {
 namespace {
 
+// All hands' devices.
+bool are_simulated(const SimulationOptions& options) {
+  return is_simulated(options, 0) && (!options.together || is_simulated(options, 1));
+}
+
 RenderConfig render_config(const SimulationOptions& options, const ToolShape& tool) {
   RenderConfig config;
   config.fast.fast.model = options.model;
@@ -169,7 +174,7 @@ void take_poses(PreparedRun& run) {
     return;
   }
   const int hands = o.together ? 2 : 1;
-  if (!is_simulated(o, 0) || (hands > 1 && !is_simulated(o, 1)) || o.real_time) {
+  if (!are_simulated(o) || o.real_time) {
     throw InputError(
         "--poses go in simulated time, instead of devices: leave out --device and "
         "--clock real");
@@ -202,7 +207,7 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
   }
   take_poses(run);
   ContactsHeld held{.force_scale = report.force_scale, .watch = o.watch_contacts};
-  held.torque_felt = is_simulated(o, 0) && (!o.together || is_simulated(o, 1));
+  held.torque_felt = are_simulated(o) && run.device->measures_turns();
   report.torque_felt = held.torque_felt;
   if (report.coupling) {
     held.coupling = report.coupling->coupling;
@@ -284,9 +289,7 @@ void check(const SimulationOptions& options) {
     throw InputError(fmt::format("largest force is {} N, must be positive and finite",
                                  options.force_max_n));
   }
-  const bool simulated =
-      is_simulated(options, 0) && (!options.together || is_simulated(options, 1));
-  if (!simulated && !options.real_time) {
+  if (!are_simulated(options) && !options.real_time) {
     throw InputError("a device lives in real time, not in simulated time");
   }
 }
@@ -327,7 +330,7 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
     soften_coupling(report, limits);
   }
   report.force_scale = force_scale(report, limits);
-  if (!is_simulated(options, 0)) {
+  if (!are_simulated(options)) {
     run.config.fast.wire = wire_limits(report, limits, run.config.fast.fast);
   }
 

@@ -2,6 +2,7 @@
 #include "runtime/render/fast_process.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,10 @@ namespace {
 // 1 N up; whatever a hand puts in, friction takes, and what it gets is in no account.
 class RubbedBody : public RenderedBody {
  public:
+  bool two = false;  // hands, of which the second feels 2 N up and a torque about x
+
+  [[nodiscard]] std::size_t hands() const noexcept override { return two ? 2 : 1; }
+  [[nodiscard]] bool torque_felt() const noexcept override { return two; }
   bool take_in(ArrivalRecord& /*arrival*/) noexcept override { return false; }
   WrenchCommand step(const HandReadings& reading, double /*dt_s*/) noexcept override {
     const double sunk_m = last_m_ - reading[0].position_m.z();
@@ -20,6 +25,8 @@ class RubbedBody : public RenderedBody {
     rubbed_j_ += std::max(sunk_m, 0.0);
     WrenchCommand command;
     command.wrench[0].force_n = Eigen::Vector3d::UnitZ();
+    command.wrench[1] = {2.0 * Eigen::Vector3d::UnitZ(),
+                         0.5 * Eigen::Vector3d::UnitX()};
     command.in_contact = true;
     command.dissipated_j = rubbed_j_;
     return command;
@@ -51,9 +58,12 @@ class MovedTool : public Device {
   void open() override {}
   [[nodiscard]] DeviceStatus read(DeviceReading& reading) noexcept override {
     now_ns_ += 1'000'000;
-    reading.time_ns = now_ns_;
-    reading.position_m.z() = height_m;
-    return DeviceStatus::kOk;
+    if (status == DeviceStatus::kOk) {
+      reading.time_ns = now_ns_;
+      reading.position_m.z() = height_m;
+      reading.turn = Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitX());
+    }
+    return status;
   }
   [[nodiscard]] DeviceStatus write(
       const Eigen::Vector3d& /*force_n*/) noexcept override {
@@ -62,6 +72,8 @@ class MovedTool : public Device {
   void close() noexcept override {}
 
   double height_m = 0.0;
+  double turned_rad = 0.0;  // about x
+  DeviceStatus status = DeviceStatus::kOk;
 
  private:
   std::int64_t now_ns_ = 0;
@@ -90,6 +102,55 @@ TEST(FastProcess, LendsNothingThatFrictionTook) {
   } while (process.tick(0) && pushed < 1000);
   EXPECT_EQ(body.fault(), Fault::kEnergy);
   EXPECT_EQ(pushed, 109);
+}
+
+// What is wrong with either device ends the run of both.
+TEST(FastProcess, WatchesEveryHand) {
+  for (const std::size_t wrong : {0U, 1U}) {
+    for (const Fault fault : {Fault::kDeviceSilent, Fault::kDeviceLost, Fault::kJump}) {
+      MovedTool tool[2];
+      RubbedBody body;
+      body.two = true;
+      FastProcessConfig config;
+      config.rate_hz = 1000.0;
+      config.stall_fault_s = 1e9;
+      config.speed_max_m_per_s = 1.0;
+      FastProcess process(config, std::array<Device*, 2>{&tool[0], &tool[1]}, body, {});
+      for (int i = 0; i < 50; ++i) {
+        ASSERT_TRUE(process.tick(0));
+      }
+      tool[wrong].status = fault == Fault::kDeviceSilent ? DeviceStatus::kLate
+                           : fault == Fault::kDeviceLost ? DeviceStatus::kLost
+                                                         : DeviceStatus::kOk;
+      tool[wrong].height_m = 0.01;
+      int ticks = 0;
+      while (process.tick(0)) {
+        ASSERT_LT(++ticks, 200);
+      }
+      EXPECT_EQ(process.report().fault, fault);
+      EXPECT_EQ(ticks > 50, fault == Fault::kDeviceSilent);
+    }
+  }
+}
+
+// What each hand puts in counts, and what it turns where it feels the torque.
+TEST(FastProcess, CountsTheWorkOfEveryHand) {
+  MovedTool tool[2];
+  RubbedBody body;
+  body.two = true;
+  FastProcessConfig config;
+  config.rate_hz = 1000.0;
+  config.stall_fault_s = 1e9;
+  FastProcess process(config, std::array<Device*, 2>{&tool[0], &tool[1]}, body, {});
+  for (int i = 0; i < 101; ++i) {
+    tool[0].height_m -= 1e-4;  // against 1 N
+    tool[1].height_m += 1e-4;  // along 2 N
+    tool[1].turned_rad = 0.001 * i;
+    ASSERT_TRUE(process.tick(0));
+  }
+  EXPECT_NEAR(process.report().energy_in_j, 100 * 1e-4 * 1.0, 1e-12);
+  EXPECT_NEAR(process.report().energy_out_j, 100 * 1e-4 * 2.0 + 100 * 0.001 * 0.5,
+              1e-12);
 }
 
 }  // namespace
