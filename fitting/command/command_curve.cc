@@ -73,12 +73,11 @@ void compute_curve(const CurveOptions& options, const Indenter& indenter,
   Measurement& samples = result.read.measurement.samples;
   try {
     samples = press_of(options.machine, samples);
-    Measurement fitted = samples;
-    if (!options.file.told.time) {
-      fitted.time_s.clear();  // no drift with time is looked for
+    result.press = fit_press(samples, wanted);
+    if (result.read.timed) {
+      result.relaxation = relaxation_of_holds(
+          press_of(options.machine, *result.read.timed), result.press);
     }
-    result.press = fit_press(fitted, wanted);
-    result.relaxation = relaxation_of_holds(samples, result.press);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", options.file.file, error.what()));
   } catch (const NumericalError& error) {
@@ -95,7 +94,6 @@ void print_json(const CurveResult& r, const Indenter& indenter) {
   json["notes"] = r.read.measurement.notes;
   json["tip"] = r.tip;
   json.update(to_json(r.press, indenter));
-  json["relaxation"] = nullptr;
   if (r.relaxation) {
     json["relaxation"] = relaxation_json(*r.relaxation);
   }

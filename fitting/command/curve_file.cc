@@ -42,13 +42,15 @@ MeasurementFile read_or_ask(const InstrumentLayout& layout, const CurveFile& cho
   }
 }
 
-// With its times too, where the file tells them.
-MeasurementFile read_curve(const InstrumentLayout& layout, const CurveFile& choice,
-                           const InstrumentCurve& curve) {
+// The samples with their times, where the file tells some that can be read.
+std::optional<Measurement> read_timed(const InstrumentLayout& layout,
+                                      const CurveFile& choice,
+                                      const InstrumentCurve& curve) {
   try {
-    return layout.read(choice.file, curve, {choice.told, choice.header_units, true});
-  } catch (const Error&) {  // the times alone may be at fault
-    return read_or_ask(layout, choice, curve);
+    return layout.read(choice.file, curve, {choice.told, choice.header_units, true})
+        .samples;
+  } catch (const Error&) {
+    return std::nullopt;
   }
 }
 
@@ -72,14 +74,17 @@ CurveRead read_curve_file(const CurveFile& choice) {
   const InstrumentFile list = layout.list(choice.file);
   const bool several = list.curve.size() > 1;
   const InstrumentCurve& curve = several ? chosen(choice, list) : list.curve.front();
-  CurveRead read{read_curve(layout, choice, curve), std::string(layout.name), "",
-                 curve.tip_radius_m};
+  CurveRead read{read_or_ask(layout, choice, curve), std::string(layout.name), "",
+                 curve.tip_radius_m, read_timed(layout, choice, curve)};
   if (several) {
     read.press =
         fmt::format("press {} ({} in the file){}", curve.number, list.curve.size(),
                     curve.kind.empty() ? "" : ", " + curve.kind);
   } else if (choice.press != CurveFile::kNoPress) {
     read.press = take_press(choice, read.measurement.samples);
+    if (read.timed) {
+      static_cast<void>(take_press(choice, *read.timed));
+    }
   }
   if (!list.left_out.empty()) {
     read.measurement.notes.push_back("left out: " + list.left_out);

@@ -22,9 +22,10 @@ struct CurveRead {
   std::string layout;                  ///< "Biomomentum Mach-1 text"
   std::string press;                   ///< which of how many; empty where there is one
   std::optional<double> tip_radius_m;  ///< [m] that the file states
+  /// The same press with times that nobody asked for; none: the file tells none.
+  std::optional<Measurement> timed;
 };
 
-/// With its times, where the file tells one column of them that can be read.
 /// @throws InputError for a file of several presses without a choice, naming them, for
 /// a press that is not there, and as the layout's reader does.
 [[nodiscard]] CurveRead read_curve_file(const CurveFile& choice);

@@ -9,7 +9,7 @@ namespace {
 
 // First row of a site's set, of those sets whose rows have forces.
 int first_row(const SurfaceMemory& memory, std::int32_t site) {
-  const int rows = std::min(kMemorySites, kMemoryBundleRows / memory.bundles);
+  const int rows = std::min<int>(kMemorySites, kMemoryBundleRows / memory.bundles);
   return (site % (rows / kMemoryWays)) * kMemoryWays;
 }
 

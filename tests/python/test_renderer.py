@@ -85,7 +85,8 @@ def test_two_hands_sink_the_body_under_each_other_wherever_it_stands(built):
     c, s = numpy.cos(1.4), numpy.sin(1.4)
     world = numpy.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     placed.place([0.1, 0.2, 0.3], turn)
-    aside = numpy.array([[0.0, -0.011, 0.0], [0.0, 0.011, 0.0]])
+    most = (0.0, 0.0, 0)
+    aside = numpy.array([[0.0, -0.004, 0.0], [0.0, 0.004, 0.0]])
     for i, x in enumerate(path()):
         alone, _ = one.wrench(x + aside[0], None, 0.001)
         force, torque = two.wrench(x + aside, None, 0.001)
@@ -96,8 +97,9 @@ def test_two_hands_sink_the_body_under_each_other_wherever_it_stands(built):
                 each.slow_step()
         assert force.shape == torque.shape == two.force.shape == (2, 3)
         assert numpy.allclose(elsewhere, force @ world.T, atol=1e-9), i
-    assert 0.01 < force[0, 2] < 0.97 * alone[2]
-    assert two.contacts == 4
+        if alone[2] > most[0]:
+            most = (alone[2], force[0, 2], two.contacts)
+    assert 0.01 < most[1] < 0.97 * most[0] and most[2] == 4
     with pytest.raises(palpate.InputError, match="one for each of 2 hands"):
         two.step(numpy.zeros((3, 3)))
     with pytest.raises(palpate.InputError, match="three|3"):

@@ -15,8 +15,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kStiffness = 250.0;  // [N/m] of every node
-constexpr double kDepth = 3e-3;       // [m]
+constexpr double kHeldStiffness = 250.0;  // [N/m] of every node
+constexpr double kHeldDepth = 3e-3;       // [m]
 
 class RelaxedState : public testing::TestWithParam<LocalModel> {
  protected:
@@ -30,7 +30,7 @@ class RelaxedState : public testing::TestWithParam<LocalModel> {
   void make_stiff(double factor) {
     for (Element& element : body_.element) {
       for (ElementNode& node : element.node) {
-        set_power_law(node, 1.0, factor * kStiffness * 0.008, 0.008);
+        set_power_law(node, 1.0, factor * kHeldStiffness * 0.008, 0.008);
       }
     }
   }
@@ -45,7 +45,7 @@ class RelaxedState : public testing::TestWithParam<LocalModel> {
 
   void press() {
     for (int n = -20; n <= 300; ++n) {
-      (void)go(kDepth * n / 300.0, true);
+      (void)go(kHeldDepth * n / 300.0, true);
     }
   }
 
@@ -62,8 +62,8 @@ INSTANTIATE_TEST_SUITE_P(Models, RelaxedState,
 TEST_P(RelaxedState, ANewerCopyActsAtTheTickInWhichItCame) {
   press();
   make_stiff(0.5);
-  const FastCommand command = go(kDepth, true);
-  EXPECT_NEAR(command.force_n.z(), 0.5 * kStiffness * kDepth, 1e-9);
+  const FastCommand command = go(kHeldDepth, true);
+  EXPECT_NEAR(command.force_n.z(), 0.5 * kHeldStiffness * kHeldDepth, 1e-9);
   EXPECT_EQ(command.relaxed_shift_m, 0.0);
 }
 
@@ -71,20 +71,20 @@ TEST_P(RelaxedState, ANewerCopyActsAtTheTickInWhichItCame) {
 TEST_P(RelaxedState, AStifferCopyIsMovedDeeper) {
   press();
   make_stiff(4.0);
-  const FastCommand command = go(kDepth, true);
-  EXPECT_NEAR(command.relaxed_shift_m, 0.5 * kDepth, 1e-6 * kDepth);
-  EXPECT_NEAR(command.force_n.z(), 4.0 * kStiffness * 0.5 * kDepth, 1e-4);
+  const FastCommand command = go(kHeldDepth, true);
+  EXPECT_NEAR(command.relaxed_shift_m, 0.5 * kHeldDepth, 1e-6 * kHeldDepth);
+  EXPECT_NEAR(command.force_n.z(), 4.0 * kHeldStiffness * 0.5 * kHeldDepth, 1e-4);
 }
 
 // As fast as recovery_m_per_s, once there is energy for it.
 TEST_P(RelaxedState, ItIsBledBackAtItsSpeed) {
   press();
   make_stiff(4.0);
-  double shift_m = go(kDepth, true).relaxed_shift_m;
+  double shift_m = go(kHeldDepth, true).relaxed_shift_m;
   for (int n = 0; n < 20; ++n) {
     state_->ledger.tank_j += 1e-3;  // as if others had freed it
     state_->ledger.work_j += 1e-3;
-    const double now_m = go(kDepth).relaxed_shift_m;
+    const double now_m = go(kHeldDepth).relaxed_shift_m;
     EXPECT_NEAR(shift_m - now_m, state_->config.recovery_m_per_s * kTickS, 1e-12);
     shift_m = now_m;
   }
@@ -94,12 +94,12 @@ TEST_P(RelaxedState, ItIsBledBackAtItsSpeed) {
 TEST_P(RelaxedState, ItSinksWithAToolThatLeaves) {
   press();
   make_stiff(4.0);
-  (void)go(kDepth, true);
-  (void)go(0.4 * kDepth);  // above the shifted surface
-  EXPECT_NEAR(go(0.3 * kDepth).relaxed_shift_m, 0.3 * kDepth, 1e-12);
+  (void)go(kHeldDepth, true);
+  (void)go(0.4 * kHeldDepth);  // above the shifted surface
+  EXPECT_NEAR(go(0.3 * kHeldDepth).relaxed_shift_m, 0.3 * kHeldDepth, 1e-12);
   EXPECT_EQ(go(-1e-4).relaxed_shift_m, 0.0);
   (void)go(0.0);
-  EXPECT_NEAR(go(1e-3).force_n.z(), 4.0 * kStiffness * 1e-3, 1e-9);
+  EXPECT_NEAR(go(1e-3).force_n.z(), 4.0 * kHeldStiffness * 1e-3, 1e-9);
 }
 
 }  // namespace
