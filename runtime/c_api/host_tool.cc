@@ -109,6 +109,9 @@ DeviceReading HostTool::reading_of(const HostSample& sample) const noexcept {
   DeviceReading reading;
   reading.position_m = placement_.point_in_body(sample.position_m);
   reading.time_ns = time_ns_;
+  if (several_ == nullptr) {
+    return reading;  // one contact does not turn
+  }
   const Eigen::Vector4d q = placement_.turn_in_body(sample.quaternion);
   const double length = q.stableNorm();
   if (length > 0.0) {
@@ -153,8 +156,8 @@ HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
   }
   HostTick tick;
   tick.command = body_->step(reading, dt_s);
-  for (Wrench& wrench : tick.command.wrench) {
-    wrench = placement_.in_world(wrench);
+  for (std::size_t hand = 0; hand < samples.size(); ++hand) {
+    tick.command.wrench[hand] = placement_.in_world(tick.command.wrench[hand]);
   }
   wanted_ = tick.command.wrench;
   tick.contact = contact();
