@@ -141,7 +141,8 @@ TickRecord tick_of(const ContactRows& r, std::size_t i) {
   return tick;
 }
 
-// Limits that those programs had, and did not write, are still the fast step's.
+// Those programs did not write the slew, the floor and the recovery of the fast step,
+// which were these.
 Recording as_recording(const ContactRows& r) {
   Recording recording;
   RecordingHeader& h = recording.header;

@@ -15,6 +15,8 @@
 #include "formats/database/response_database.h"
 #include "runtime/c_api/host_tool.h"
 #include "runtime/device/stability_margin.h"
+#include "runtime/render/one_contact.h"
+#include "runtime/render/several_contacts.h"
 #include "runtime/served/served_client.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/element_source.h"

@@ -93,23 +93,11 @@ LocalModel passive_model(std::string_view name) {
   return *model;
 }
 
-HostTool::HostTool(std::unique_ptr<OneContact> body, const BodyPlacement& placement,
-                   double tick_s, double stall_s)
-    : one_(body.get()), placement_(placement), tick_s_(tick_s), stall_s_(stall_s) {
-  body_ = std::move(body);
-}
-
-HostTool::HostTool(std::unique_ptr<SeveralContacts> body,
-                   const BodyPlacement& placement, double tick_s, double stall_s)
-    : several_(body.get()), placement_(placement), tick_s_(tick_s), stall_s_(stall_s) {
-  body_ = std::move(body);
-}
-
 DeviceReading HostTool::reading_of(const HostSample& sample) const noexcept {
   DeviceReading reading;
   reading.position_m = placement_.point_in_body(sample.position_m);
   reading.time_ns = time_ns_;
-  if (several_ == nullptr) {
+  if (!body_->turns()) {
     return reading;  // one contact does not turn
   }
   const Eigen::Vector4d q = placement_.turn_in_body(sample.quaternion);
@@ -121,7 +109,7 @@ DeviceReading HostTool::reading_of(const HostSample& sample) const noexcept {
 }
 
 FastContact HostTool::contact() const noexcept {
-  FastContact at = several_ != nullptr ? several_->foremost() : one_->contact();
+  FastContact at = body_->contact();
   at.tool_m = placement_.point_in_world(at.tool_m);
   at.point_m = placement_.point_in_world(at.point_m);
   at.normal = placement_.vector_in_world(at.normal);
@@ -151,9 +139,7 @@ HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
       body_->raise(Fault::kNotFinite);
     }
   }
-  if (several_ != nullptr) {
-    several_->feel_torque(first.torque_felt);
-  }
+  body_->feel_torque(first.torque_felt);
   HostTick tick;
   tick.command = body_->step(reading, dt_s);
   for (std::size_t hand = 0; hand < samples.size(); ++hand) {
@@ -162,7 +148,7 @@ HostTick HostTool::step(std::span<const HostSample> samples) noexcept {
   wanted_ = tick.command.wrench;
   tick.contact = contact();
   tick.work_j = body_->work_j();
-  if (several_ == nullptr && first.quaternion.allFinite()) {
+  if (!body_->turns() && first.quaternion.allFinite()) {
     tick.tilt_rad = angle_rad(placement_.turn_in_body(first.quaternion));
   }
   tick.ticks = ++ticks_;
@@ -188,11 +174,7 @@ bool HostTool::delivered(const PortWrenches& made) noexcept {
 }
 
 void HostTool::reset() noexcept {
-  if (several_ != nullptr) {
-    several_->restart();
-  } else {
-    one_->restart();
-  }
+  body_->restart();
   silent_s_ = 0.0;
   ticks_ = 0;
   latest_.write({});

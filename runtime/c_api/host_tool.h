@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,8 +15,7 @@
 #include "runtime/c_api/body_placement.h"
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/realtime/triple_buffer.h"
-#include "runtime/render/one_contact.h"
-#include "runtime/render/several_contacts.h"
+#include "runtime/render/rendered_body.h"
 
 namespace palpate {
 
@@ -79,10 +79,12 @@ class HostTool {
  public:
   /// @param placement of the body in the world; outlives the tool. @param tick_s,
   /// stall_s as in HostOptions.
-  HostTool(std::unique_ptr<OneContact> body, const BodyPlacement& placement,
-           double tick_s, double stall_s);
-  HostTool(std::unique_ptr<SeveralContacts> body, const BodyPlacement& placement,
-           double tick_s, double stall_s);
+  HostTool(std::unique_ptr<RenderedBody> body, const BodyPlacement& placement,
+           double tick_s, double stall_s)
+      : body_(std::move(body)),
+        placement_(placement),
+        tick_s_(tick_s),
+        stall_s_(stall_s) {}
 
   HostTick step(const HostSample& sample) noexcept {
     return step(std::span(&sample, 1));
@@ -116,7 +118,8 @@ class HostTool {
   /// One turn of the slow process. @returns elements sent.
   std::size_t serve(std::int64_t now_ns) { return body_->serve(now_ns).value_or(0); }
 
-  [[nodiscard]] bool has_several() const noexcept { return several_ != nullptr; }
+  /// Whether it touches at several places.
+  [[nodiscard]] bool has_several() const noexcept { return body_->turns(); }
   [[nodiscard]] std::size_t hands() const noexcept { return body_->hands(); }
 
  private:
@@ -124,8 +127,6 @@ class HostTool {
   [[nodiscard]] DeviceReading reading_of(const HostSample& sample) const noexcept;
 
   std::unique_ptr<RenderedBody> body_;
-  OneContact* one_ = nullptr;  // body_, or
-  SeveralContacts* several_ = nullptr;
   const BodyPlacement& placement_;
   double tick_s_;
   double stall_s_;

@@ -242,8 +242,7 @@ PALPATE_API palpate_tool* palpate_tool_open(palpate_body* body, char* error,
 
 /* Two hands on one body, a pinch: one more tool of the body, whose hands feel each
  * other through it by the table that the database holds. The first hand has the body's
- * tool, the second the tool of that name (NULL: another of the same kind).
- * palpate_together() gives the forces of both, in one thread at a time. Not with
+ * tool, the second the tool of that name (NULL: another of the same kind). Not with
  * PALPATE_STREAMED; model "potential". The device's bound is checked for each hand's
  * tool by itself, and palpate_needed_damping() is the first one's: another hand that is
  * held still makes the body somewhat stiffer than that. NULL on failure, with one line
@@ -307,13 +306,13 @@ PALPATE_API int palpate_mesh_get(const palpate_body* body, double* vertices,
 PALPATE_API int palpate_query(palpate_body* body, const double* positions, size_t count,
                               double* forces_out, char* error, size_t error_bytes);
 
-/* Haptic thread: one tick of a tool, whatever it is. poses and wrenches_out: one of
- * each hand, of which palpate_together_open() gives two and any other tool has one. Of
- * one contact the torque is zero: it acts at the reference point. Of several contacts
- * force and torque are the gradient of one potential of the poses, and the hand must
- * feel the torque: else PALPATE_FORCES_ALONE. dt_s, what is returned, what is
- * guaranteed: as of palpate_force(), which with palpate_wrench() and palpate_together()
- * is a form of this. */
+/* Haptic thread: one tick of a tool. poses and wrenches_out: one of each hand, of which
+ * palpate_together_open() gives two and any other tool has one. Of one contact the
+ * torque is zero: it acts at the reference point. Of several, force and torque are the
+ * gradient of one potential of the poses, with the contacts coupled through the body,
+ * and the hand must feel the torque: else PALPATE_FORCES_ALONE. Without an orientation
+ * a tool's frame lies along the body's, or the world's where the body is placed. dt_s,
+ * what is returned, what is guaranteed: as of palpate_force(). */
 PALPATE_API int palpate_step(palpate_tool* tool, const palpate_pose* poses,
                              size_t hands, double dt_s,
                              palpate_hand_wrench* wrenches_out);
@@ -323,35 +322,27 @@ PALPATE_API int palpate_step(palpate_tool* tool, const palpate_pose* poses,
  * quat_xyzw: orientation, of any length; NULL or zero: none. Responses of one contact
  * are of one orientation: another one changes tilt_rad alone. A tool of several
  * contacts turns, and the hand gains nothing by it: no torque is felt, so what the
- * turned tool would store is taken from the force. dt_s: since the last
- * call, at most 1; 0: the nominal tick. Any movement is followed: a host that reads a
- * device refuses wrong readings itself, one of which would be answered with the force
- * of a place where the tool is not. force_out [host force]: on the tool; zero in free
- * space and on a fault. Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero.
- */
+ * turned tool would store is taken from the force. dt_s: since the last call, at most
+ * 1; 0: the nominal tick. Any movement is followed: a host that reads a device refuses
+ * wrong readings itself, one of which would be answered with the force of a place where
+ * the tool is not. force_out [host force]: on the tool; zero in free space and on a
+ * fault. Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero. */
 PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
                               const double quat_xyzw[4], double dt_s,
                               double force_out[3]);
 
-/* Haptic thread: palpate_force() with a torque, for tools that touch at several places
- * (the database says where) and turn. Force and torque are the gradient of one
- * potential of the pose, with the contacts coupled through the body. Without an
- * orientation the tool's frame lies along the body's. Of a tool of one contact the
- * torque is zero: it acts at the reference point. torque_out [host force x host
- * length]: about the reference point, in the body's frame. The hand must feel it: a
- * host that cannot give a torque calls palpate_force(), and one that gives less says so
- * by palpate_delivered(). Where the device feels force_gain times the force and moves
- * 1 / position_gain as far, it feels force_gain / position_gain times the torque.
- */
+/* Haptic thread: palpate_step() of one hand. torque_out [host force x host length]:
+ * about the reference point. A host that gives less than the torque says so by
+ * palpate_delivered(). Where the device feels force_gain times the force and moves 1 /
+ * position_gain as far, it feels force_gain / position_gain times the torque. */
 PALPATE_API int palpate_wrench(palpate_tool* tool, const double position[3],
                                const double quat_xyzw[4], double dt_s,
                                double force_out[3], double torque_out[3]);
 
-/* Haptic thread: palpate_wrench() of both hands in one tick, by one potential of both
- * poses; of a tool from palpate_together_open() alone, which takes no other. positions:
- * x y z of the first hand's tool, then of the second's; so the others: quats_xyzw (8,
- * may be NULL; four zeros: none), forces_out (6), torques_out (6; NULL: no torque is
- * felt, as of palpate_force()). Returns PALPATE_CONTACT where either touches. */
+/* Haptic thread: palpate_step() of two hands. positions: x y z of the first hand's
+ * tool, then of the second's; so the others: quats_xyzw (8, may be NULL; four zeros:
+ * none), forces_out (6), torques_out (6; NULL: no torque is felt, as of
+ * palpate_force()). Returns PALPATE_CONTACT where either touches. */
 PALPATE_API int palpate_together(palpate_tool* tool, const double positions[6],
                                  const double quats_xyzw[8], double dt_s,
                                  double forces_out[6], double torques_out[6]);
@@ -366,8 +357,7 @@ PALPATE_API int palpate_delivered(palpate_tool* tool, const double* force,
                                   const double* torque);
 
 /* The haptic thread, or one other, but always the same one: there is one reader. Fills
- * the first struct_size bytes; those of a newer header than the library's with zeros.
- */
+ * the first struct_size bytes; what the library does not know, with zeros. */
 PALPATE_API void palpate_state_get(palpate_tool* tool, palpate_state* state);
 
 /* While no other call of the tool is under way, and not in a tick: it clears 0.4 MB for
@@ -389,8 +379,7 @@ PALPATE_API int palpate_surface_save(palpate_tool* tool, const char* file, char*
 /* While no other call of the tool is under way: palpate_reset(), on a body that has
  * yielded as the file says; NULL: a fresh one, which is all that a tool with several
  * contacts takes. A file of another body is refused, and nothing changes then. 0, or an
- * error below zero with one line of text (may be NULL).
- */
+ * error below zero with one line of text (may be NULL). */
 PALPATE_API int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
                                      size_t error_bytes);
 

@@ -33,6 +33,12 @@ class OneContact : public RenderedBody {
   void raise(Fault fault) noexcept override { raise_fault(state_, fault); }
   void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
 
+  /// What has yielded stays.
+  void restart() noexcept override;
+
+  [[nodiscard]] FastContact contact() const noexcept override {
+    return palpate::contact(state_);
+  }
   [[nodiscard]] Fault fault() const noexcept override { return state_.safety.fault; }
   [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
   [[nodiscard]] double work_j() const noexcept override { return state_.ledger.work_j; }
@@ -57,14 +63,6 @@ class OneContact : public RenderedBody {
   [[nodiscard]] std::vector<SurfaceDent> dents() const override {
     return surface_dents(state_);
   }
-
-  /// The contact as the latest step left it.
-  [[nodiscard]] FastContact contact() const noexcept {
-    return palpate::contact(state_);
-  }
-  /// Forgets fault, account, place and what relaxes; what has yielded stays. Not in a
-  /// tick.
-  void restart() noexcept;
 
   /// Another local model from the next tick on (switch_model.h).
   void use(LocalModel model) noexcept { switch_model(state_, model); }

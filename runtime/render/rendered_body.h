@@ -34,8 +34,12 @@ class RenderedBody {
 
   /// Of the devices that hold its tools, [1, kPortsMax].
   [[nodiscard]] virtual std::size_t hands() const noexcept { return 1; }
+  /// Whether turning the tools changes what they touch.
+  [[nodiscard]] virtual bool turns() const noexcept { return false; }
   /// Whether who turns the tools feels their torques, so that turning them is work.
   [[nodiscard]] virtual bool torque_felt() const noexcept { return false; }
+  /// From the next tick on, of tools that turn and that no coupling holds.
+  virtual void feel_torque(bool felt) noexcept { static_cast<void>(felt); }
 
   /// Takes in the next element that has arrived, and says which. False: there is none.
   virtual bool take_in(ArrivalRecord& arrival) noexcept = 0;
@@ -48,6 +52,11 @@ class RenderedBody {
   /// first.
   virtual void publish(const HandReadings& reading, std::int64_t ticks) noexcept = 0;
 
+  /// Forgets fault, account, places and what relaxes. Not in a tick.
+  virtual void restart() noexcept = 0;
+
+  /// The contact that carries most, as the latest step left it.
+  [[nodiscard]] virtual FastContact contact() const noexcept = 0;
   [[nodiscard]] virtual Fault fault() const noexcept = 0;  ///< latched
   [[nodiscard]] virtual bool in_contact() const noexcept = 0;
   [[nodiscard]] virtual double work_j() const noexcept = 0;  ///< [J] by the ledger

@@ -21,6 +21,15 @@ PortPose pose_of(const DeviceReading& reading) noexcept {
   return {reading.position_m, reading.turn.toRotationMatrix()};
 }
 
+// A hand that is not there stays where a pose begins.
+PortPoses poses_of(const HandReadings& reading) noexcept {
+  PortPoses pose;
+  for (std::size_t hand = 0; hand < reading.size(); ++hand) {
+    pose[hand] = pose_of(reading[hand]);
+  }
+  return pose;
+}
+
 const SurfaceMemory& memory_of(const CoupledState& state, int i) {
   return is_alone(state.set) ? state.alone->memory : state.surfaces[i].memory;
 }
@@ -107,8 +116,7 @@ void SeveralContacts::accept(const ArrivalRecord& arrival) {
 void SeveralContacts::watch_turns(const HandReadings& reading) noexcept {
   for (std::size_t hand = 0; stepped_ && hand < hands(); ++hand) {
     const double dt_s =
-        std::max(0.0, static_cast<double>(reading[hand].time_ns - last_[hand].time_ns) /
-                          kNanosecondsPerSecond);
+        std::max(0.0, seconds_in(reading[hand].time_ns - last_[hand].time_ns));
     const double turned_rad = reading[hand].turn.angularDistance(last_[hand].turn);
     if (!(turned_rad <= kStillRad + kWristRadPerS * dt_s)) {
       raise(Fault::kJump);
@@ -124,9 +132,7 @@ WrenchCommand SeveralContacts::step(const HandReadings& reading, double dt_s) no
   if (watch_turns_ && !is_alone(state().set)) {
     watch_turns(reading);
   }
-  for (std::size_t hand = 0; hand < hands(); ++hand) {
-    sample.pose[hand] = pose_of(reading[hand]);
-  }
+  sample.pose = poses_of(reading);
   if (is_alone(state().set) && !torque_felt_) {
     // No change of the model could take its turns.
     sample.pose[0].rotation.setIdentity();
@@ -186,15 +192,14 @@ void SeveralContacts::publish(const HandReadings& reading,
   if (watch_ != nullptr) {
     show(reading[0]);
   }
-  const CoupledState& s = storage_.state();
   ContactToolState at = contact_tool_state(
-      s, static_cast<std::uint64_t>(std::max<std::int64_t>(1, ticks)));
-  PortPoses pose;
-  for (std::size_t hand = 0; hand < hands(); ++hand) {
-    pose[hand] = pose_of(reading[hand]);
-  }
-  for (int i = 0; ticks == 0 && i < s.set.count; ++i) {
-    at.contact[static_cast<std::size_t>(i)].position_m = centre_of(s.set, pose, i);
+      storage_.state(), static_cast<std::uint64_t>(std::max<std::int64_t>(1, ticks)));
+  if (ticks == 0) {  // no step has put the contacts anywhere
+    const CoupledSet& set = storage_.state().set;
+    const PortPoses pose = poses_of(reading);
+    for (int i = 0; i < set.count; ++i) {
+      at.contact[static_cast<std::size_t>(i)].position_m = centre_of(set, pose, i);
+    }
   }
   tool_->write(at);
 }
@@ -231,7 +236,7 @@ std::optional<std::size_t> SeveralContacts::serve(std::int64_t now_ns) {
   return stream_->update(tool_->latest(), now_ns, *fifo_, sent_);
 }
 
-FastContact SeveralContacts::foremost() const noexcept {
+FastContact SeveralContacts::contact() const noexcept {
   const CoupledState& s = storage_.state();
   FastContact at;
   at.time_ns = s.latest.time_ns;

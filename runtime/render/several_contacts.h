@@ -52,9 +52,9 @@ class SeveralContacts : public RenderedBody {
   [[nodiscard]] std::size_t hands() const noexcept override {
     return static_cast<std::size_t>(storage_.state().set.ports);
   }
+  [[nodiscard]] bool turns() const noexcept override { return true; }
   [[nodiscard]] bool torque_felt() const noexcept override { return torque_felt_; }
-  /// From the next tick on, of tools that no coupling holds.
-  void feel_torque(bool felt) noexcept { torque_felt_ = felt; }
+  void feel_torque(bool felt) noexcept override { torque_felt_ = felt; }
 
   bool take_in(ArrivalRecord& arrival) noexcept override;
   WrenchCommand step(const HandReadings& reading, double dt_s) noexcept override;
@@ -62,6 +62,10 @@ class SeveralContacts : public RenderedBody {
   void raise(Fault fault) noexcept override { raise_fault(state(), fault); }
   void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
 
+  /// What has yielded is gone, too.
+  void restart() noexcept override;
+
+  [[nodiscard]] FastContact contact() const noexcept override;
   [[nodiscard]] Fault fault() const noexcept override;
   [[nodiscard]] bool in_contact() const noexcept override {
     return storage_.state().in_contact;
@@ -83,11 +87,6 @@ class SeveralContacts : public RenderedBody {
   std::optional<std::size_t> serve(std::int64_t now_ns) override;
 
   void begin_with(const std::vector<YieldedRow>& rows) override;
-
-  /// The contact that carries most, as the latest step left it.
-  [[nodiscard]] FastContact foremost() const noexcept;
-  /// Forgets fault, account, places, what relaxes and what has yielded. Not in a tick.
-  void restart() noexcept;
 
  private:
   void show(const DeviceReading& reading) noexcept;

@@ -120,14 +120,15 @@ std::unique_ptr<Device> wandering_device(const PressedBody& body,
 // A hand's device, as far as it is one before somebody knows what it presses.
 struct HandSeat {
   DeviceLimits limits;
-  std::unique_ptr<Device> connected;  // by a socket
-  const std::optional<AttachedDevice>& attached;
+  std::unique_ptr<Device> connected = nullptr;  // by a socket
+  const AttachedDevice* attached = nullptr;
 };
 
 HandSeat seat_of(const SimulationOptions& options, const std::filesystem::path& socket,
-                 const std::optional<AttachedDevice>& attached) {
-  HandSeat seat{.limits = {}, .connected = nullptr, .attached = attached};
-  if (attached) {
+                 const AttachedDevice* attached = nullptr) {
+  HandSeat seat;
+  if (attached != nullptr) {
+    seat.attached = attached;
     seat.limits = attached->limits;
   } else if (!socket.empty()) {
     seat.connected = std::make_unique<SocketDevice>(socket);
@@ -142,7 +143,7 @@ HandSeat seat_of(const SimulationOptions& options, const std::filesystem::path& 
 std::unique_ptr<Device> make_device(const SimulationOptions& options, HandSeat& seat,
                                     const HandScript& script, bool several,
                                     Clock& clock) {
-  if (seat.attached) {
+  if (seat.attached != nullptr) {
     return seat.attached->make(script);
   }
   if (seat.connected != nullptr) {
@@ -167,31 +168,47 @@ DeviceLimits weaker(const DeviceLimits& a, const DeviceLimits& b, double hold_s)
              : b;
 }
 
-// Poses of a file in the place of hands and devices.
-void take_poses(PreparedRun& run) {
-  const SimulationOptions& o = run.report.options;
-  if (o.poses.empty()) {
-    return;
-  }
-  const int hands = o.together ? 2 : 1;
+using GivenPoses = std::shared_ptr<const std::vector<RenderTick>>;
+
+// The poses of a file. They have the rate that they were measured at.
+GivenPoses given_poses(SimulationOptions& o) {
   if (!are_simulated(o) || o.real_time) {
     throw InputError(
         "--poses go in simulated time, instead of devices: leave out --device and "
         "--clock real");
   }
-  const auto poses =
-      std::make_shared<const std::vector<RenderTick>>(read_poses(o.poses, hands));
-  run.config.duration_s = static_cast<double>(poses->size()) / o.fast_hz;
-  const DeviceLimits limits = run.device->limits();
-  run.device = std::make_unique<PosedDevice>(poses, 0, limits);
-  if (hands > 1) {
-    run.second = std::make_unique<PosedDevice>(poses, 1, limits);
+  auto poses = read_poses(o.poses, o.together ? 2 : 1);
+  const auto ticks = static_cast<double>(poses.size() - 1);
+  const double seconds = seconds_in(poses.back().time_ns - poses.front().time_ns);
+  constexpr double kSame = 1e-3;  // what rounding of times may do
+  if (ticks > 0.0 && std::abs(ticks / seconds / o.fast_hz - 1.0) > kSame) {
+    o.fast_hz = ticks / seconds;
+    o.slow_hz = std::min(o.slow_hz, o.fast_hz);
   }
+  o.duration_s = (ticks + 1.0) / o.fast_hz;
+  return std::make_shared<const std::vector<RenderTick>>(std::move(poses));
+}
+
+// Room for every tick, so that the fast process allocates none.
+void reserve_trace(PreparedRun& run) {
+  constexpr double kTicksMax = 2e7;  // 7 GB
+  const RenderConfig& c = run.config;
+  const double ticks = std::ceil(c.duration_s * c.fast.rate_hz) + 1.0;
+  if (run.report.options.trace.empty()) {
+    return;
+  }
+  if (ticks > kTicksMax) {
+    throw InputError(
+        fmt::format("--trace keeps every tick in memory, at most {:.3g}, and this run "
+                    "has {:.3g}: --record writes them as they come",
+                    kTicksMax, ticks));
+  }
+  run.trace.reserve(static_cast<std::size_t>(ticks));
 }
 
 // Everything that coupled contacts have beside what one has.
 void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
-                      PreparedRun& run, Clock& clock) {
+                      const GivenPoses& poses, PreparedRun& run, Clock& clock) {
   SimulationReport& report = run.report;
   const SimulationOptions& o = report.options;
   const PressedTogether& together = *body.together;
@@ -205,7 +222,11 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
         o, *second, together.second_script(report.force_scale, o.device.hand_n_per_m),
         true, clock);
   }
-  take_poses(run);
+  if (poses != nullptr) {
+    const DeviceLimits limits = run.device->limits();
+    run.device = std::make_unique<PosedDevice>(poses, 0, limits);
+    run.second = second ? std::make_unique<PosedDevice>(poses, 1, limits) : nullptr;
+  }
   ContactsHeld held{.force_scale = report.force_scale, .watch = o.watch_contacts};
   held.torque_felt = are_simulated(o) && run.device->measures_turns();
   report.torque_felt = held.torque_felt;
@@ -213,10 +234,7 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
     held.coupling = report.coupling->coupling;
   }
   run.several = body.several(run.config.fast.fast, held);
-  if (!o.trace.empty()) {
-    run.trace.reserve(static_cast<std::size_t>(
-        std::ceil(run.config.duration_s * run.config.fast.rate_hz) + 1.0));
-  }
+  reserve_trace(run);
 }
 
 // What a run leaves behind: report, recording, flight log.
@@ -296,28 +314,30 @@ void check(const SimulationOptions& options) {
 
 bool is_simulated(const SimulationOptions& options, int hand) {
   return hand == 0 ? options.socket.empty() && !options.attached
-                   : options.together->socket.empty() && !options.together->attached;
+                   : options.together->socket.empty();
 }
 
-PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
+PreparedRun prepare(const PressedBody& body, const SimulationOptions& wanted,
                     Clock& clock) {
-  check_several(body.tool, options, body.several != nullptr);
+  check_several(body.tool, wanted, body.several != nullptr);
+  SimulationOptions options = wanted;
+  const GivenPoses poses = wanted.poses.empty() ? nullptr : given_poses(options);
   PreparedRun run;
   run.config = render_config(options, body.tool);
   SimulationReport& report = run.report;
   report.options = options;
   report.tool = body.tool.name;
   report.node = body.node;
-  report.options.device.tick_s = 1.0 / options.fast_hz;
+  report.options.device.tick_s = 1.0 / wanted.fast_hz;  // whatever poses' rate is
   report.options.device.force_max_n = options.force_max_n;
-  HandSeat seat = seat_of(report.options, options.socket, options.attached);
+  HandSeat seat = seat_of(report.options, options.socket,
+                          options.attached ? &*options.attached : nullptr);
   std::optional<HandSeat> second;
   report.hold_s =
-      hold_s(options.model, options.fast_hz, options.slow_hz, seat.limits.hold_s);
+      hold_s(options.model, wanted.fast_hz, wanted.slow_hz, seat.limits.hold_s);
   DeviceLimits limits = seat.limits;
   if (options.together) {
-    second.emplace(
-        seat_of(report.options, options.together->socket, options.together->attached));
+    second.emplace(seat_of(report.options, options.together->socket));
     limits = weaker(limits, second->limits, report.hold_s);
   }
   run.config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);
@@ -342,7 +362,7 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& options,
           : make_device(report.options, seat, script, body.several != nullptr, clock);
   report.device = run.device->name();
   if (body.several) {
-    prepare_together(body, second, run, clock);
+    prepare_together(body, second, poses, run, clock);
   } else if (body.growing) {
     run.sender = body.growing(report.bounds.renderable_n_per_m());
   } else {

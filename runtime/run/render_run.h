@@ -37,9 +37,8 @@ struct RecordingRequest {
 /// The second of two hands that press one body together.
 struct SecondHand {
   std::string tool;
-  std::optional<Eigen::Vector3d> at_m = {};     ///< [m] where to press
-  std::filesystem::path socket = {};            ///< as of the first
-  std::optional<AttachedDevice> attached = {};  ///< likewise
+  std::optional<Eigen::Vector3d> at_m = {};  ///< [m] where to press
+  std::filesystem::path socket = {};         ///< as of the first
 };
 
 struct SimulationOptions {
@@ -58,8 +57,11 @@ struct SimulationOptions {
   // Of several contacts on simulated devices, whose hands feel torques.
   double tilt_rad = 0.1;  ///< [rad] [-1, 1] that each hand rocks its tool
   double turn_rad = 0.5;  ///< [rad] [-3, 3] that each turns it about the normal
-  std::filesystem::path poses = {};  ///< instead of hands and devices (pose_trace.h)
-  std::filesystem::path trace = {};  ///< of every tick (pose_trace.h); empty: none
+  /// Poses instead of hands and devices (pose_trace.h); a tick lasts as long as between
+  /// two of them. Empty: none.
+  std::filesystem::path poses = {};
+  /// Of every tick (pose_trace.h), kept in memory until the end; empty: none.
+  std::filesystem::path trace = {};
   /// Hangs a tool of several contacts on the device; none: the device holds it.
   std::optional<VirtualCoupling> coupling = {};
   SimulatedDeviceConfig device;  ///< its tick_s and force_max_n are set by the run

@@ -207,7 +207,7 @@ class Pass {
       const auto row = static_cast<std::size_t>(tick.tick);
       return recording_.old->time_s[row] - recording_.old->time_s[row - 1];
     }
-    return static_cast<double>(tick.time_ns - before_.time_ns) / kNanosecondsPerSecond;
+    return seconds_in(tick.time_ns - before_.time_ns);
   }
 
   void render(const TickRecord& tick) {
@@ -223,9 +223,7 @@ class Pass {
 
   void compare(const TickRecord& tick, const WrenchCommand& command) {
     ReplayReport& r = report_;
-    const double since_s =
-        static_cast<double>(tick.time_ns - recording_.tick.front().time_ns) /
-        kNanosecondsPerSecond;
+    const double since_s = seconds_in(tick.time_ns - recording_.tick.front().time_ns);
     if (r.different_tick < 0) {
       r.different_in = difference(recording_, tick, command, body());
       if (r.different_in.empty()) {
@@ -322,16 +320,20 @@ std::string summary(const ReplayReport& r, bool exact) {
   return (exact ? verdict(r) : std::string()) +
          fmt::format(
              "{:<20}{}, {} ticks\n"
-             "{:<20}rms {:.4g} N, largest {:.4g} N at {:.4g} s\n"
+             "{:<20}rms {:.4g} N, largest {:.4g} N at {:.4g} s{}\n"
              "{:<20}{:.4g} N recorded, {:.4g} N now\n"
              "{:<20}{:.4g} mJ recorded, {:.4g} mJ now\n"
              "{:<20}{:.4g} mJ recorded, {:.4g} mJ now\n"
              "{:<20}{}\n",
              "model", name(r.model), r.compared, "force difference", r.force_rms_n,
-             r.force_difference_n, r.force_difference_s, "largest force", r.force_max_n,
-             r.replayed_max_n, "net energy of hand", r.net_energy_j * 1e3,
-             r.replayed_net_j * 1e3, "dissipated", r.dissipated_j * 1e3,
-             r.replayed_dissipated_j * 1e3, "fault", name(r.fault));
+             r.force_difference_n, r.force_difference_s,
+             r.torque_difference_n_m > 0.0
+                 ? fmt::format(", torque {:.4g} N m", r.torque_difference_n_m)
+                 : std::string(),
+             "largest force", r.force_max_n, r.replayed_max_n, "net energy of hand",
+             r.net_energy_j * 1e3, r.replayed_net_j * 1e3, "dissipated",
+             r.dissipated_j * 1e3, r.replayed_dissipated_j * 1e3, "fault",
+             name(r.fault));
 }
 
 }  // namespace palpate

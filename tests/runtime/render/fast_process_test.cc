@@ -40,6 +40,8 @@ class RubbedBody : public RenderedBody {
   [[nodiscard]] double work_j() const noexcept override { return rubbed_j_; }
   [[nodiscard]] std::int32_t triangle() const noexcept override { return 0; }
   [[nodiscard]] std::uint64_t dropped() const noexcept override { return 0; }
+  void restart() noexcept override {}
+  [[nodiscard]] FastContact contact() const noexcept override { return {}; }
   void accept(const ArrivalRecord& /*arrival*/) override {}
   std::optional<std::size_t> serve(std::int64_t /*now_ns*/) override { return {}; }
   void begin_with(const std::vector<YieldedRow>& /*rows*/) override {}

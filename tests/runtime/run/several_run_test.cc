@@ -8,59 +8,12 @@
 
 #include "formats/base/error.h"
 #include "formats/database/table_memory.h"
-#include "formats/recording/recording_writer.h"
 #include "runtime/run/pose_trace.h"
-#include "runtime/run/replay.h"
 #include "runtime/run/run_outcome.h"
-#include "tests/support/padded_plate.h"
-#include "tests/support/test_data.h"
+#include "tests/support/contact_runs.h"
 
 namespace palpate {
 namespace {
-
-class ContactRuns : public testing::Test {
- protected:
-  SimulationReport run(const SimulationOptions& options) {
-    return simulate(database_, options, stop_);
-  }
-  static SimulationOptions options(const std::string& tool) {
-    SimulationOptions o;
-    o.tool = tool;
-    o.duration_s = 4.0;
-    o.limit_stiffness = true;
-    return o;
-  }
-  // Two fingers 14 mm apart.
-  static SimulationOptions pinch() {
-    SimulationOptions o = options("ball");
-    o.at_m = Eigen::Vector3d(-0.007, 0.0, 0.0);
-    o.together = SecondHand{.tool = "ball", .at_m = Eigen::Vector3d(0.007, 0.0, 0.0)};
-    return o;
-  }
-  // Renders, and again what was recorded of it.
-  ReplayReport replayed(SimulationOptions o, Recording& recording) {
-    o.recording.file = folder_ / "run.h5";
-    last_ = run(o);
-    recording = read_recording(o.recording.file);
-    return replay(recording, database_);
-  }
-  void give_all(const Viscoelasticity& relaxation) {
-    for (ResponseTable& table : database_.tools) {
-      give_memory(database_.body, database_.normal, relaxation, 1, table);
-    }
-  }
-  static void expect_balance(const RenderReport& r) {
-    EXPECT_EQ(r.fault, Fault::kNone);
-    EXPECT_GE(r.lowest_work_j, -1e-12);
-    EXPECT_NEAR(r.model_work_j, r.stored_j + r.tank_j + r.memory_j + r.dissipated_j,
-                1e-12);
-  }
-
-  ResponseDatabase database_ = padded_plate(3);
-  ScratchFolder folder_;
-  SimulationReport last_;
-  std::atomic<bool> stop_ = false;
-};
 
 TEST_F(ContactRuns, PadsAreHeldAndTurned) {
   const SimulationReport report = run(options("pads"));
@@ -155,6 +108,38 @@ TEST_F(ContactRuns, PosesOfATraceGiveTheSameBits) {
   }
 }
 
+// A tracker's thirty poses a second are a run of that rate, which no watch ends.
+TEST_F(ContactRuns, PosesHaveTheRateThatTheyWereMeasuredAt) {
+  SimulationOptions live = options("pads");
+  live.tilt_rad = live.turn_rad = 0.0;
+  live.trace = folder_ / "all.csv";
+  const SimulationReport all = run(live);
+  std::vector<RenderTick> some;
+  for (const RenderTick& tick : read_poses(live.trace, 1)) {
+    const auto number = tick.time_ns / 500'000;
+    if (number % 66 == 0) {
+      some.push_back(tick);
+    }
+  }
+  SimulationOptions slow = options("pads");
+  slow.poses = folder_ / "some.csv";
+  write_pose_trace(slow.poses, 1, some);
+  const SimulationReport report = run(slow);
+  expect_balance(report.render);
+  EXPECT_EQ(report.render.ticks, std::ssize(some));
+  EXPECT_NEAR(report.render.duration_s, all.render.duration_s, 0.05);
+  EXPECT_EQ(report.force_scale, all.force_scale);
+  EXPECT_NEAR(report.render.force_max_n, all.render.force_max_n,
+              0.1 * all.render.force_max_n);
+}
+
+TEST_F(ContactRuns, ATraceOfAllTimesIsRefused) {
+  SimulationOptions o = options("pads");
+  o.trace = folder_ / "t.csv";
+  o.duration_s = 1e9;
+  EXPECT_THROW((void)run(o), InputError);
+}
+
 // In real time, or with a device, nothing is where a file says.
 TEST_F(ContactRuns, PosesAreOfSimulatedTimeAlone) {
   SimulationOptions o = options("pads");
@@ -164,102 +149,6 @@ TEST_F(ContactRuns, PosesAreOfSimulatedTimeAlone) {
   o.poses = o.trace;
   o.real_time = true;
   EXPECT_THROW((void)run(o), InputError);
-}
-
-TEST_F(ContactRuns, ARecordingOfTwoHandsIsReproducedToTheBit) {
-  SimulationOptions live = pinch();
-  live.at_m = Eigen::Vector3d(-0.015, 0.0, 0.0);
-  live.together = SecondHand{.tool = "pads", .at_m = Eigen::Vector3d(0.015, 0.0, 0.0)};
-  live.duration_s = 2.0;
-  live.device.damping_n_s_per_m = 0.05;  // too little: forces are scaled
-  Recording recording;
-  const ReplayReport again = replayed(live, recording);
-  EXPECT_TRUE(again.is_reproduced()) << again.different_in;
-  EXPECT_LT(last_.force_scale, 1.0);
-  EXPECT_GT(last_.render.torque_max_n_m, 1e-5);
-  EXPECT_EQ(recording.header.tool, "ball");
-  EXPECT_EQ(recording.header.second_tool, "pads");
-  EXPECT_EQ(again.ticks, 4000);
-  EXPECT_EQ(again.replayed_net_j, again.net_energy_j);
-  EXPECT_GT(again.force_max_n, 0.0);
-  // Nothing of it passes unseen.
-  const auto differs_at = [&](auto&& change) {
-    Recording other = recording;
-    change(other);
-    return replay(other, database_).different_tick;
-  };
-  EXPECT_EQ(differs_at([](Recording& r) {
-              r.tick[1700].second.torque_n_m[2] += 1e-15;
-            }),
-            1700);
-  EXPECT_EQ(differs_at([](Recording& r) {
-              r.tick[900].tank_j += 1e-15;
-            }),
-            900);
-  EXPECT_EQ(differs_at([](Recording& r) {
-              r.tick[1100].contacts += 1;
-            }),
-            1100);
-  const auto touched = static_cast<std::int64_t>(recording.tick.size()) / 2;
-  EXPECT_LE(differs_at([](Recording& r) {
-              for (std::size_t i = 0; i < 50; ++i) {
-                r.tick[1800 + i].second.turn = {0.0, 0.1, 0.0, std::sqrt(0.99)};
-              }
-            }),
-            touched);
-  recording.header.force_scale = 1.0;
-  EXPECT_GT(replay(recording, database_).force_difference_n, 1e-3);
-}
-
-// What hangs is recorded with what it hangs by.
-TEST_F(ContactRuns, ARecordingOfACouplingIsReproducedToTheBit) {
-  for (const bool hands : {false, true}) {
-    SimulationOptions o = hands ? pinch() : options("pads");
-    o.duration_s = 2.0;
-    o.coupling = VirtualCoupling{.mass_kg = 0.05, .spring_n_per_m = 200.0};
-    Recording recording;
-    EXPECT_TRUE(replayed(o, recording).is_reproduced());
-    recording.header.coupling_spring_n_per_m = 210.0;
-    EXPECT_FALSE(replay(recording, database_).is_reproduced());
-  }
-}
-
-// By the other field, of the same elements or asked for anew.
-TEST_F(ContactRuns, ARecordingIsRenderedAgainByAnotherField) {
-  Recording recording;
-  (void)replayed(options("pads"), recording);
-  const ReplayReport same = render_again(recording, database_, LocalModel::kPotential);
-  EXPECT_LT(same.force_rms_n, 0.05 * same.force_max_n);
-  const ReplayReport facets = render_again(recording, database_, LocalModel::kFacets);
-  EXPECT_EQ(facets.compared, facets.ticks);
-  EXPECT_GT(facets.force_difference_n, 0.0);
-  EXPECT_THROW((void)render_again(recording, database_, LocalModel::kElement),
-               InputError);
-}
-
-// A recording whose writer died has what it had written by then, of all hands.
-TEST_F(ContactRuns, ARecordingOutlivesItsWriter) {
-  SimulationOptions o = pinch();
-  o.duration_s = 2.0;
-  Recording recording;
-  (void)replayed(o, recording);
-  RecordingHeader header = recording.header;
-  {
-    RecordingWriter writer(folder_ / "cut.h5", header);
-    for (std::size_t i = 0, next = 0; i < recording.tick.size(); ++i) {
-      for (; next < recording.arrival.size() &&
-             recording.arrival[next].tick <= recording.tick[i].tick;
-           ++next) {
-        writer.append(std::span(&recording.arrival[next], 1));
-      }
-      writer.append(std::span(&recording.tick[i], 1));
-    }
-  }
-  const Recording cut = read_recording(folder_ / "cut.h5.partial");
-  EXPECT_FALSE(cut.ended);
-  EXPECT_GE(cut.tick.size(), 3072U - kRecordingBlock);
-  const ReplayReport again = replay(cut, database_);
-  EXPECT_EQ(again.identical, again.ticks);
 }
 
 TEST_F(ContactRuns, PosesAreCheckedLineByLine) {
@@ -372,32 +261,6 @@ TEST_F(ContactRuns, AreAsStiffAsTheirSum) {
   ball.force_max_n = o.force_max_n / 3.0;
   EXPECT_NEAR(report.stiffness.normal_n_per_m, 3.0 * run(ball).stiffness.normal_n_per_m,
               1e-9);
-}
-
-// A second hand whose sensor turns by half a radian in a tick.
-TEST_F(ContactRuns, AFaultLeavesItsLastTicks) {
-  std::vector<RenderTick> ticks(1000);
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    ticks[i].time_ns = static_cast<std::int64_t>(i) * 500'000;
-    ticks[i].pose[0].position_m = {-0.007, 0.0, 0.004};
-    ticks[i].pose[1].position_m = {0.015, 0.0, 0.004};
-    if (i >= 600) {
-      ticks[i].pose[1].turn = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
-    }
-  }
-  SimulationOptions o = pinch();
-  o.together->tool = "pads";
-  o.poses = folder_ / "poses.csv";
-  write_pose_trace(o.poses, 2, ticks);
-  o.recording.flight_file = folder_ / "flight.h5";
-  const SimulationReport report = run(o);
-  EXPECT_EQ(report.render.fault, Fault::kJump);
-  EXPECT_NEAR(report.render.fault_s, 0.3, 1e-9);
-  EXPECT_GT(report.render.contact_ticks, 300);
-  const Recording flight = read_recording(o.recording.flight_file);
-  EXPECT_EQ(flight.end.fault, "jump");
-  EXPECT_EQ(flight.tick.size(), 601U);
-  EXPECT_TRUE(replay(flight, database_).is_reproduced());
 }
 
 }  // namespace
