@@ -103,6 +103,17 @@ TEST_F(PalpateStep, IsTheTickOfWhichTheOldFunctionsAreForms) {
   EXPECT_GT(both[1].force[2], both[0].force[2]);
 }
 
+// A simulator may turn its tool in one tick by more than any wrist does.
+TEST_F(PalpateStep, FollowsATurnThatNoWristMakes) {
+  open_body(options("pads"));
+  palpate_tool* tool = palpate_tool_add(body_);
+  palpate_pose pose{{0.001, 0.002, 0.02}, {0.0, 0.0, 0.0, 1.0}};
+  palpate_hand_wrench out{};
+  EXPECT_EQ(palpate_step(tool, &pose, 1, 0.001, &out), PALPATE_FREE);
+  pose.quat_xyzw[2] = 1.0;  // a quarter about z
+  EXPECT_EQ(palpate_step(tool, &pose, 1, 0.001, &out), PALPATE_FREE);
+}
+
 TEST_F(PalpateStep, TakesAPoseOfEachHandAndNoOther) {
   open_body(options("ball"));
   palpate_tool* one = palpate_tool_add(body_);

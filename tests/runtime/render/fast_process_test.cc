@@ -67,12 +67,13 @@ class MovedTool : public Device {
     }
     return status;
   }
-  [[nodiscard]] DeviceStatus write(
-      const Eigen::Vector3d& /*force_n*/) noexcept override {
+  [[nodiscard]] DeviceStatus write(const Eigen::Vector3d& force_n) noexcept override {
+    written_n = force_n;
     return DeviceStatus::kOk;
   }
   void close() noexcept override {}
 
+  Eigen::Vector3d written_n = Eigen::Vector3d::Zero();
   double height_m = 0.0;
   double turned_rad = 0.0;  // about x
   DeviceStatus status = DeviceStatus::kOk;
@@ -150,6 +151,8 @@ TEST(FastProcess, CountsTheWorkOfEveryHand) {
     tool[1].turned_rad = 0.001 * i;
     ASSERT_TRUE(process.tick(0));
   }
+  EXPECT_EQ(tool[0].written_n.z(), 1.0);
+  EXPECT_EQ(tool[1].written_n.z(), 2.0);
   EXPECT_NEAR(process.report().energy_in_j, 100 * 1e-4 * 1.0, 1e-12);
   EXPECT_NEAR(process.report().energy_out_j, 100 * 1e-4 * 2.0 + 100 * 0.001 * 0.5,
               1e-12);
