@@ -13,8 +13,9 @@ namespace {
 using Index = Eigen::Index;
 
 // Shares of two corners below which a place is on the third one's line: its weights are
-// off by the square.
-constexpr Real kOnNodeLine = rounding(1e-9, 1e-5);
+// off by the square, its force by the share; above, rounding turns the force by epsilon
+// / share. Both are equal at about sqrt(epsilon).
+constexpr Real kOnNodeLine = rounding(1e-9, 3e-4);
 
 EdgeValues dot(const EdgeVectors& a, const EdgeVectors& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
