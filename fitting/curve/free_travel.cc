@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -113,7 +114,12 @@ bool explain_by_free_travel(const Approach& approach, ContactFit& fit) {
   return true;
 }
 
-std::optional<Approach> straightened(const Approach& approach, const ContactFit& fit) {
+bool DriftBend::is_sure() const {
+  return deviations > kSureBend;
+}
+
+std::optional<DriftBend> bend_of_drift(const Approach& approach,
+                                       const ContactFit& fit) {
   if (fit.has(FitFlag::kAlreadyInContact)) {
     return std::nullopt;
   }
@@ -129,23 +135,48 @@ std::optional<Approach> straightened(const Approach& approach, const ContactFit&
   }
   const Parabola p = parabola_through(x, r);
   const Eigen::VectorXd left = r - p.J * p.q;
-  const double range = extent(approach.force_n), bend = std::abs(p.q[2]);
+  const double range = extent(approach.force_n), size = std::abs(p.q[2]);
   const double white_sd = std::sqrt(covariance_of(p.J, left.squaredNorm())(2, 2));
-  const auto is_bend = [&](double sd) {
-    return bend > kSureBend * sd && bend <= kWiggleShareMax * range;
-  };
-  if (!is_bend(white_sd) ||
-      !is_bend(std::sqrt(
-          covariance_under_noise(p.J, left, n, SharedNoise::kAlsoRegression)(2, 2))) ||
+  if (!(size > white_sd && size <= kWiggleShareMax * range)) {
+    return std::nullopt;
+  }
+  const double sd =
+      std::max(white_sd, std::sqrt(covariance_under_noise(
+                             p.J, left, n, SharedNoise::kAlsoRegression)(2, 2)));
+  if (!(size > sd) ||
       is_sure(find_misfit({all.x.data(), free}, {left.data(), free}), range)) {
     return std::nullopt;
   }
-  Approach straight = approach;
-  for (std::size_t i = 0; i < straight.force_n.size(); ++i) {
-    const double at = (straight.displacement_m[i] - p.middle) / p.half;
-    straight.force_n[i] += p.q[2] * at * at;
+  DriftBend bend{{approach, approach}, size / sd, std::pow(white_sd / sd, 2)};
+  for (std::size_t i = 0; i < approach.force_n.size(); ++i) {
+    const double at = (approach.displacement_m[i] - p.middle) / p.half;
+    bend.straight[0].force_n[i] += p.q[2] * at * at;
+    bend.straight[1].force_n[i] += p.q[2] * (at > 1.0 ? 2.0 * at - 1.0 : at * at);
   }
-  return straight;
+  return bend;
+}
+
+double bend_sd(const DriftBend& bend, const ContactFit& fit,
+               const std::array<ContactFit, 2>& straight,
+               const std::array<double, 2>& moved) {
+  const auto rms_n = [](const ContactFit& of) {
+    return std::max(of.rms_n, std::numeric_limits<double>::min());
+  };
+  std::array<double, 2> gain{};  // of the logarithm of the likelihood
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::size_t samples = std::min(fit.samples_used, straight[k].samples_used);
+    gain[k] = bend.independent * static_cast<double>(samples) *
+              std::log(rms_n(fit) / rms_n(straight[k]));
+  }
+  const double most = std::max({0.0, gain[0], gain[1]});
+  double weights = 2.0 * std::exp(1.0 - most);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double weight = std::exp(gain[k] - most);
+    weights += weight;
+    squares += weight * moved[k] * moved[k];
+  }
+  return std::sqrt((1.0 - std::pow(bend.deviations, -2)) * squares / weights);
 }
 
 std::optional<double> flat_until_m(const Approach& approach) {

@@ -2,6 +2,7 @@
 // vibration, a sensor's steps, a bent drift, a toe of the curve.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "fitting/curve/measured_approach.h"
@@ -21,11 +22,30 @@ namespace palpate {
 /// or has fewer than 40 samples, or where the noise grows with the force.
 [[nodiscard]] bool explain_by_free_travel(const Approach& approach, ContactFit& fit);
 
-/// The approach without the bend that its drift surely has: the parabola through the
-/// samples before contact (4 standard deviations, less than 2 % of the forces' range),
-/// which leaves nothing but noise of them, taken off all. None where there is none.
-[[nodiscard]] std::optional<Approach> straightened(const Approach& approach,
-                                                   const ContactFit& fit);
+/// The bend of the drift before contact, a parabola's, which leaves nothing but noise
+/// there and is at most 2 % of the forces' range.
+struct DriftBend {
+  /// The approach without the bend: as if the parabola went on, and as if it ended
+  /// where contact begins and the drift went on straight.
+  std::array<Approach, 2> straight;
+  double deviations = 0.0;   ///< [-] > 1 its size over its standard deviation
+  double independent = 1.0;  ///< [-] (0, 1] as many samples of white noise as one is
+
+  /// 4 standard deviations.
+  [[nodiscard]] bool is_sure() const;
+};
+
+/// @return none where the bend is within its standard deviation.
+[[nodiscard]] std::optional<DriftBend> bend_of_drift(const Approach& approach,
+                                                     const ContactFit& fit);
+
+/// The standard deviation that a bend which may not be gives a result: of what either
+/// way of straightening moves it by, weighed by the probability that the fits'
+/// likelihood and Akaike's criterion (Burnham & Anderson 2002, 2.9) give it, half for
+/// no bend before. The bend's square is its estimate's less the estimate's variance.
+[[nodiscard]] double bend_sd(const DriftBend& bend, const ContactFit& fit,
+                             const std::array<ContactFit, 2>& straight,
+                             const std::array<double, 2>& moved);
 
 /// [m] The end of the first sixth of the travel, or a half, a quarter, an eighth of it,
 /// where the force is flat until there: no fit is needed to see that contact is not

@@ -1,6 +1,7 @@
 #include "fitting/curve/power_law_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -345,20 +346,30 @@ ContactFit fit_as_is(const Approach& approach, const ContactFitOptions& options)
 
 // A bend of the drift that the law has not moves its contact point; without the bend
 // the law follows the curve.
-bool explain_by_bend(const Approach& straight, const ContactFitOptions& options,
+bool explain_by_bend(const DriftBend& bend, const ContactFitOptions& options,
                      ContactFit& fit) {
-  ContactFit other = fit_once(straight, options);
-  if (!is_fitted(other) || !follows(straight, other)) {
+  std::array<ContactFit, 2> other;
+  std::array<double, 2> moved_m{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    other[k] = fit_once(bend.straight[k], options);
+    if (!is_fitted(other[k])) {
+      return false;
+    }
+    moved_m[k] = other[k].contact.m - fit.contact.m;
+  }
+  const auto best = static_cast<std::size_t>(other[1].rms_n < other[0].rms_n);
+  if (!follows(bend.straight[best], other[best])) {
     return false;
   }
-  fit.misfit = other.misfit;
-  fit.free_to_m = other.free_to_m;
-  std::erase(fit.flags, FitFlag::kMisfit);
-  const double apart_m = std::abs(other.contact.m - fit.contact.m);
   fit.contact.sd_m = fit.contact_point_sd_m = fit.parameters[kContact].sd =
-      std::hypot(fit.contact.sd_m, apart_m);
+      std::hypot(fit.contact.sd_m, bend_sd(bend, fit, other, moved_m));
   if (!is_known(fit) && !fit.has(FitFlag::kContactPointNotIdentified)) {
     fit.flags.push_back(FitFlag::kContactPointNotIdentified);
+  }
+  if (bend.is_sure()) {
+    fit.misfit = other[best].misfit;
+    fit.free_to_m = other[best].free_to_m;
+    std::erase(fit.flags, FitFlag::kMisfit);
   }
   return true;
 }
@@ -377,12 +388,12 @@ ContactFit fit_contact(const Approach& approach, const ContactFitOptions& option
   }
   const auto begin = std::chrono::steady_clock::now();
   ContactFit fit = fit_once(approach, options);
-  const auto straight = is_fitted(fit) && may_be_drift(approach, fit)
-                            ? straightened(approach, fit)
-                            : std::nullopt;
-  const bool done = !is_fitted(fit) ||
-                    (straight && explain_by_bend(*straight, options, fit)) ||
-                    follows(approach, fit);
+  const auto bend = is_fitted(fit) && may_be_drift(approach, fit)
+                        ? bend_of_drift(approach, fit)
+                        : std::nullopt;
+  const bool bent = bend && explain_by_bend(*bend, options, fit);
+  const bool done =
+      !is_fitted(fit) || (bent && bend->is_sure()) || follows(approach, fit);
   if (!done) {
     fit = fit_led_astray(approach, options, std::move(fit));
   }

@@ -96,9 +96,9 @@ struct ContactFitOptions {
 /// 0.05 of the force), and the most that it differs from those of the whole and of the
 /// next longer and shorter beginning is part of its standard deviation; where the law
 /// follows none, that of what precedes the first fall counts, or it is not identified.
-/// What the noise before contact explains is not missed by the law, nor what a bend of
-/// the drift explains; the bend widens the contact point's standard deviation by what
-/// it moves it (free_travel.h).
+/// What the noise before contact explains is not missed by the law, nor what a sure
+/// bend of the drift explains; a bend widens the contact point's standard deviation by
+/// what it moves it, as far as it is likely (free_travel.h).
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

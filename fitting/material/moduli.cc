@@ -1,6 +1,7 @@
 #include "fitting/material/moduli.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -271,15 +272,19 @@ Modulus indented_modulus(const Approach& approach, const ContactFit& free,
     return contact_modulus(approach, fit, free, at).youngs_modulus_pa;
   });
   errors.insert(errors.begin(), {"data", found.sd_pa});
-  if (const auto straight = straightened(approach, fit)) {
-    const ContactFit other = fit_contact(*straight, told);
-    if (other.has(FitFlag::kEmptyRun)) {
-      return refused_modulus("a drift that bends may be all of the force");
+  if (const auto bend = bend_of_drift(approach, fit)) {
+    std::array<ContactFit, 2> other;
+    std::array<double, 2> moved_pa{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      other[k] = fit_contact(bend->straight[k], told);
+      if (other[k].has(FitFlag::kEmptyRun)) {
+        return refused_modulus("a drift that bends may be all of the force");
+      }
+      moved_pa[k] = contact_modulus(bend->straight[k], other[k], free, indenter)
+                        .youngs_modulus_pa -
+                    found.youngs_modulus_pa;
     }
-    errors.push_back(
-        {"drift",
-         std::abs(contact_modulus(*straight, other, free, indenter).youngs_modulus_pa -
-                  found.youngs_modulus_pa)});
+    errors.push_back({"drift", bend_sd(*bend, fit, other, moved_pa)});
   }
   Modulus modulus = with_errors(found.youngs_modulus_pa, std::move(errors));
   modulus.law = law_of(indenter);

@@ -4,9 +4,10 @@
 //
 // Spectra by their published shape, of our own making: laser interference (a sine over
 // the way of the tip) with 1/f under it; 1/f alone; the line of a vibration; a filter
-// whose neighbours differ. Exit code 1 where a modulus is given in less than 95 % of
-// the curves whose largest force is 200 standard deviations of the noise.
-// Usage: baseline_noise_study [runs [first seed]]
+// whose neighbours differ; and white noise on a drift that bends before contact. Exit
+// code 1 where a modulus is given in less than 95 % of the curves whose largest force
+// is 200 standard deviations of the noise. Usage: baseline_noise_study [runs [first
+// seed]]
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -31,7 +32,14 @@ enum class Kind { kWhite, kAlike, kInterference, kPink, kVibration, kDiffering }
 struct Case {
   const char* name;
   Kind kind;
+  double bend = 0.0;        // sd by which the drift leaves its tangent before contact
+  bool ends_there = false;  // beyond contact a straight line, else a parabola
 };
+
+double drift(const Case& c, double x_m) {
+  const double u = x_m / kFree;
+  return c.bend * (c.ends_there && u > 1.0 ? 2.0 * u - 1.0 : u * u);
+}
 
 // Noise of standard deviation 1 in all.
 class Noise {
@@ -128,7 +136,7 @@ bool report(const Case& c, double deviations, unsigned runs, unsigned first_seed
       const double x = (kFree + kDepth) * i / (kSamples - 1);
       m.depth_m.push_back(x);
       m.force_n.push_back(coefficient * std::pow(std::max(0.0, x - kFree), 1.5) +
-                          noise_n * noise.next());
+                          noise_n * (noise.next() + drift(c, x)));
     }
     const Approach approach = select_approach(m);
     const ContactFit fit = fit_contact(approach);
@@ -159,7 +167,14 @@ int main(int argc, char** argv) {
                                  {"interference, 1/f", Kind::kInterference},
                                  {"1/f", Kind::kPink},
                                  {"vibration", Kind::kVibration},
-                                 {"neighbours differ", Kind::kDiffering}};
+                                 {"neighbours differ", Kind::kDiffering},
+                                 {"drift bent by 0.5 sd", Kind::kWhite, 0.5},
+                                 {"drift bent by 1 sd", Kind::kWhite, 1.0},
+                                 {"the same, to contact", Kind::kWhite, 1.0, true},
+                                 {"drift bent by 2 sd", Kind::kWhite, 2.0},
+                                 {"the same, to contact", Kind::kWhite, 2.0, true},
+                                 {"drift bent by 4 sd", Kind::kWhite, 4.0},
+                                 {"the same, to contact", Kind::kWhite, 4.0, true}};
   fmt::print("{:<24} {:>5} {:^20} {:^20}\n", "", "", "contact point", "modulus");
   fmt::print("{:<24} {:>5}", "noise", "Fmax");
   for (int i = 0; i < 2; ++i) {

@@ -1,6 +1,7 @@
 // Curves in the kinds that laboratories bring, made with known answers.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <random>
 
@@ -86,6 +87,33 @@ TEST(LabCurves, ABentDriftWidensIntervals) {
     const PressFit press = fit(m, ball_of(23e-6));
     expect_known(press, 3e-6, 17000.0);
     EXPECT_EQ(press.modulus.error.back().name, "drift");
+  }
+}
+
+// Bends that nobody sees: intervals of 95 % hold in most of 40 curves. Of curves whose
+// drift goes on as a parabola, and of those where it ends at contact.
+TEST(LabCurves, SmallBendsOfTheDriftWidenIntervalsToo) {
+  for (const bool ends_at_contact : {false, true}) {
+    int contact = 0, modulus = 0;
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+      const Measurement m = sampled(0.0, 3e-6, 400, 1e-9, seed, [&](double x) {
+        const double u = x / 2e-6;
+        return hertz_n(17000.0, 23e-6, x - 2e-6) +
+               3e-9 * (ends_at_contact && u > 1.0 ? 2.0 * u - 1.0 : u * u);
+      });
+      const PressFit press = fit(m, ball_of(23e-6));
+      contact +=
+          std::abs(press.contact.contact.m - 2e-6) < 1.96 * press.contact.contact.sd_m
+              ? 1
+              : 0;
+      modulus += std::abs(press.modulus.youngs_modulus_pa - 17000.0) <
+                         1.96 * press.modulus.sd_pa
+                     ? 1
+                     : 0;
+    }
+    std::printf("held of 40: contact %d, modulus %d\n", contact, modulus);
+    EXPECT_GE(contact, 36);
+    EXPECT_GE(modulus, 36);
   }
 }
 
