@@ -169,6 +169,7 @@ double bend_sd(const DriftBend& bend, const ContactFit& fit,
               std::log(rms_n(fit) / rms_n(straight[k]));
   }
   const double most = std::max({0.0, gain[0], gain[1]});
+  // Of no bend: twice as likely as either way, and one parameter less.
   double weights = 2.0 * std::exp(1.0 - most);
   double squares = 0.0;
   for (std::size_t k = 0; k < 2; ++k) {

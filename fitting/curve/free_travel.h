@@ -28,8 +28,9 @@ struct DriftBend {
   /// The approach without the bend: as if the parabola went on, and as if it ended
   /// where contact begins and the drift went on straight.
   std::array<Approach, 2> straight;
-  double deviations = 0.0;   ///< [-] > 1 its size over its standard deviation
-  double independent = 1.0;  ///< [-] (0, 1] as many samples of white noise as one is
+  double deviations = 0.0;  ///< [-] > 1 its size over its standard deviation
+  /// [-] (0, 1] of the samples: as many of white noise would tell the bend as well
+  double independent = 1.0;
 
   /// 4 standard deviations.
   [[nodiscard]] bool is_sure() const;
@@ -39,10 +40,13 @@ struct DriftBend {
 [[nodiscard]] std::optional<DriftBend> bend_of_drift(const Approach& approach,
                                                      const ContactFit& fit);
 
-/// The standard deviation that a bend which may not be gives a result: of what either
-/// way of straightening moves it by, weighed by the probability that the fits'
-/// likelihood and Akaike's criterion (Burnham & Anderson 2002, 2.9) give it, half for
-/// no bend before. The bend's square is its estimate's less the estimate's variance.
+/// The standard deviation of a result because of a bend that may not be there. Each way
+/// of straightening moves the result; the squares are averaged by each way's Akaike
+/// weight (Burnham & Anderson 2002, 2.9), a bend being as likely as none before. Of the
+/// bend's square counts what exceeds its own variance.
+/// @param fit of the approach with its bend
+/// @param straight fits of bend.straight, by the same law
+/// @param moved the results of these less that of `fit`
 [[nodiscard]] double bend_sd(const DriftBend& bend, const ContactFit& fit,
                              const std::array<ContactFit, 2>& straight,
                              const std::array<double, 2>& moved);

@@ -7,6 +7,7 @@
 // each); per tick: bytes of wire (u32), these bytes, position (3 x f64). RESULT: per
 // tick force, depth, stored, tank, dissipated, shift (8 x f64), triangle and fault (2 x
 // i32).
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -118,6 +119,33 @@ bool run(std::FILE* script, std::FILE* result, Cost& cost) {
   return true;
 }
 
+// Of 51 x 64 differences 1 - x, x in [2^-e, 2^(1-e)), e from 2 to 52, how many are not
+// the nearest double, by integers: x is m 2^-(52+e), the difference a multiple of
+// 2^-53.
+int wrong_differences() {
+  int wrong = 0;
+  std::uint64_t state = 88172645463325252U;
+  for (int e = 2; e <= 52; ++e) {
+    for (int i = 0; i < 64; ++i) {
+      state ^= state << 13;  // Marsaglia's xorshift
+      state ^= state >> 7;
+      state ^= state << 17;
+      const std::uint64_t m = (state >> 12) | std::uint64_t{1} << 52;
+      const std::uint64_t rest = m & ((std::uint64_t{1} << (e - 1)) - 1);
+      const std::uint64_t half = std::uint64_t{1} << (e - 2);
+      std::uint64_t nearest = (std::uint64_t{1} << 53) - (m >> (e - 1));
+      nearest -= rest > half || (rest == half && nearest % 2 == 1) ? 1 : 0;
+      const std::uint64_t bits =
+          (m & ((std::uint64_t{1} << 52) - 1)) | std::uint64_t(1023 - e) << 52;
+      double x = 0.0;
+      std::memcpy(&x, &bits, sizeof x);
+      const volatile double one = 1;
+      wrong += one - x == std::ldexp(static_cast<double>(nearest), -53) ? 0 : 1;
+    }
+  }
+  return wrong;
+}
+
 void print(const Cost& cost) {
   const WireCounts& wire = receiver.counts;
   std::printf("ticks %lu contact %lu\n", static_cast<unsigned long>(cost.ticks),
@@ -130,6 +158,7 @@ void print(const Cost& cost) {
   std::printf("created_pj %lu\n",
               static_cast<unsigned long>(fast.ledger.created_j * double(1e12)));
   std::printf("state_bytes %lu\n", static_cast<unsigned long>(sizeof fast));
+  std::printf("wrong_differences %d\n", wrong_differences());
   if (cost.ticks > 0 && cost.sum > 0) {
     std::printf("instructions mean %lu most %lu\n",
                 static_cast<unsigned long>(cost.sum / cost.ticks),
