@@ -166,4 +166,16 @@ const ResponseTable& find_tool(const ResponseDatabase& database,
                        : fmt::format("unknown tool {:?}; there are: {}", name, known));
 }
 
+std::vector<const ResponseTable*> find_tools(const ResponseDatabase& database,
+                                             const std::vector<std::string>& names) {
+  std::vector<const ResponseTable*> tables;
+  for (const std::string& name : names) {
+    tables.push_back(&find_tool(database, name));
+  }
+  if (tables.empty()) {
+    tables.push_back(&find_tool(database, ""));
+  }
+  return tables;
+}
+
 }  // namespace palpate

@@ -77,4 +77,8 @@ void write_database(const std::filesystem::path& file,
 [[nodiscard]] const ResponseTable& find_tool(const ResponseDatabase& database,
                                              const std::string& name);
 
+/// The same of several names; of none, the only one.
+[[nodiscard]] std::vector<const ResponseTable*> find_tools(
+    const ResponseDatabase& database, const std::vector<std::string>& names);
+
 }  // namespace palpate

@@ -325,7 +325,7 @@ Recording read_recording(const fs::path& file) {
   recording.ended = reader.has("ended");
   if (reader.has_surface()) {
     recording.header.surface =
-        reader.rows<YieldedRow>(recording::kSurfaceColumns, true);
+        reader.rows<YieldedRow>(recording::surface_columns(recording.header), true);
     check_yielded(recording.header.surface, fmt::format("{}: /surface", file.string()));
   }
   recording.tick = reader.rows<TickRecord>(recording::tick_columns(recording.header),

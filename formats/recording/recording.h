@@ -67,6 +67,15 @@ struct TickRecord {
   RecordedHand second = {};   ///< ... and of the second, where there is one
 };
 
+/// A hand's part of a tick. @param hand 0 or 1
+[[nodiscard]] inline RecordedHand hand_in(const TickRecord& tick, std::size_t hand) {
+  return hand == 0 ? RecordedHand{.position_m = tick.position_m,
+                                  .turn = tick.turn,
+                                  .force_n = tick.force_n,
+                                  .torque_n_m = tick.torque_n_m}
+                   : tick.second;
+}
+
 /// A surface element that the fast process took in before the step of a tick. Its
 /// content is the database's.
 struct ArrivalRecord {

@@ -91,6 +91,9 @@ inline constexpr std::array kSurfaceColumns{
     Column{"/surface/softened_m", "m", Hdf5Type::kFloat64,
            offsetof(YieldedRow, softened_m), 1}};
 
+inline constexpr std::array kSurfaceTableColumns{
+    Column{"/surface/table", "1", Hdf5Type::kInt32, offsetof(YieldedRow, table), 1}};
+
 inline constexpr std::array kTexts{
     TextField{"writer", &RecordingHeader::writer},
     TextField{"database", &RecordingHeader::database},
@@ -150,6 +153,14 @@ inline std::vector<Column> arrival_columns(const RecordingHeader& header) {
   std::vector<Column> all(kArrivalColumns.begin(), kArrivalColumns.end());
   if (header.poses != 0.0) {
     all.insert(all.end(), kContactColumns.begin(), kContactColumns.end());
+  }
+  return all;
+}
+
+inline std::vector<Column> surface_columns(const RecordingHeader& header) {
+  std::vector<Column> all(kSurfaceColumns.begin(), kSurfaceColumns.end());
+  if (header.poses != 0.0) {
+    all.insert(all.end(), kSurfaceTableColumns.begin(), kSurfaceTableColumns.end());
   }
   return all;
 }

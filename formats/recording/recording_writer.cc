@@ -212,7 +212,7 @@ class RecordingWriter::File {
       }
     }
     if (!header.surface.empty()) {
-      put_surface(header.surface, create.get());
+      put_surface(header, create.get());
     }
     if (H5Fstart_swmr_write(id_->get()) < 0) {
       cannot_write(target_, hdf5::last_failure());
@@ -248,19 +248,18 @@ class RecordingWriter::File {
   }
 
  private:
-  void put_surface(const std::vector<YieldedRow>& rows, hid_t create) {
+  void put_surface(const RecordingHeader& header, hid_t create) {
     {
       const Handle made(
           H5Gcreate2(id_->get(), "/surface", H5P_DEFAULT, create, H5P_DEFAULT),
           H5Gclose);
     }
-    const std::vector<Column> columns(recording::kSurfaceColumns.begin(),
-                                      recording::kSurfaceColumns.end());
+    const std::vector<Column> columns = recording::surface_columns(header);
     for (const Column& column : columns) {
       make_column(target_, id_->get(), column);
     }
     RecordingTable<YieldedRow> table(target_, id_->get(), columns);
-    table.append(rows);
+    table.append(header.surface);
     table.write();
   }
 

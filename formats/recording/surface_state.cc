@@ -131,9 +131,41 @@ SurfaceState read_surface_state(const std::filesystem::path& file,
 }
 
 std::vector<YieldedRow> surface_of(const SurfaceState& surface,
-                                   const std::string& tool) {
-  const auto found = surface.tool.find(tool);
-  return found == surface.tool.end() ? std::vector<YieldedRow>() : found->second;
+                                   const std::vector<std::string>& tables) {
+  std::vector<YieldedRow> rows;
+  for (std::size_t table = 0; table < tables.size(); ++table) {
+    const auto found = surface.tool.find(tables[table]);
+    if (found == surface.tool.end()) {
+      continue;
+    }
+    for (const YieldedRow& row : found->second) {
+      rows.push_back(row);
+      rows.back().table = static_cast<std::int32_t>(table);
+    }
+  }
+  return rows;
+}
+
+void put_surface(const std::vector<YieldedRow>& rows,
+                 const std::vector<std::string>& tables, SurfaceState& surface) {
+  std::map<std::string, std::map<std::int32_t, YieldedRow>> deepest;
+  for (const std::string& table : tables) {
+    deepest[table];
+  }
+  for (const YieldedRow& row : rows) {
+    const std::string& table = tables.at(static_cast<std::size_t>(row.table));
+    YieldedRow& kept = deepest[table][row.site];
+    kept.site = row.site;
+    kept.dent_m = std::max(kept.dent_m, row.dent_m);
+    kept.softened_m = std::max(kept.softened_m, row.softened_m);
+  }
+  for (const auto& [table, sites] : deepest) {
+    std::vector<YieldedRow>& all = surface.tool[table];
+    all.clear();
+    for (const auto& [site, row] : sites) {
+      all.push_back(row);
+    }
+  }
 }
 
 YieldedRow largest_of(const std::vector<YieldedRow>& rows) {
@@ -147,7 +179,14 @@ YieldedRow largest_of(const std::vector<YieldedRow>& rows) {
 
 void check_yielded(const std::vector<YieldedRow>& rows, const std::string& where) {
   std::int32_t before = -1;
+  std::int32_t table = 0;
   for (const YieldedRow& row : rows) {
+    if (row.table < table) {
+      throw FormatError(fmt::format("{}/table has {} after {}, must rise from 0 on",
+                                    where, row.table, table));
+    }
+    before = row.table > table ? -1 : before;
+    table = row.table;
     if (row.site <= before) {
       throw FormatError(fmt::format("{}/site has {} after {}, must rise from 0 on",
                                     where, row.site, before));

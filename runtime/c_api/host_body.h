@@ -114,11 +114,13 @@ class HostBody {
            const HostBody& body)
         : sender(std::move(own)),
           tool(std::make_unique<OneContact>(body.fast_, sender ? *sender : *shared),
-               body.placement_, body.options_.tick_s, body.options_.stall_s) {}
+               {body.tool_name_}, body.placement_, body.options_.tick_s,
+               body.options_.stall_s) {}
     Served(const std::shared_ptr<ContactStream>& contacts, const HostBody& body)
         : tool(std::make_unique<SeveralContacts>(contacts, body.fast_,
                                                  ContactsHeld{.watch_turns = false}),
-               body.placement_, body.options_.tick_s, body.options_.stall_s) {}
+               contacts->tables(), body.placement_, body.options_.tick_s,
+               body.options_.stall_s) {}
     std::unique_ptr<ElementSender> sender;
     const GrowingElements* grown = nullptr;  // the sender's, of a scene
     HostTool tool;

@@ -78,10 +78,12 @@ struct HostSample {
 class HostTool {
  public:
   /// @param placement of the body in the world; outlives the tool. @param tick_s,
-  /// stall_s as in HostOptions.
-  HostTool(std::unique_ptr<RenderedBody> body, const BodyPlacement& placement,
-           double tick_s, double stall_s)
+  /// stall_s as in HostOptions. @param tables names of its responses, which
+  /// YieldedRow::table counts.
+  HostTool(std::unique_ptr<RenderedBody> body, std::vector<std::string> tables,
+           const BodyPlacement& placement, double tick_s, double stall_s)
       : body_(std::move(body)),
+        tables_(std::move(tables)),
         placement_(placement),
         tick_s_(tick_s),
         stall_s_(stall_s) {}
@@ -102,12 +104,15 @@ class HostTool {
   /// What the latest tick asked for, of each hand; of one contact no torque.
   [[nodiscard]] const PortWrenches& wanted() const noexcept { return wanted_; }
 
-  /// Forgets fault, account, place and what relaxes; what has yielded stays, but under
-  /// several contacts.
+  /// Forgets fault, account, place and what relaxes; what has yielded stays.
   void reset() noexcept;
 
   /// What has yielded. Not while another thread steps.
   [[nodiscard]] std::vector<YieldedRow> yielded() const { return body_->yielded(); }
+
+  [[nodiscard]] const std::vector<std::string>& tables() const noexcept {
+    return tables_;
+  }
 
   /// reset(), on a surface that has yielded so. @throws as RenderedBody::begin_with().
   void begin_with(const std::vector<YieldedRow>& rows);
@@ -127,6 +132,7 @@ class HostTool {
   [[nodiscard]] DeviceReading reading_of(const HostSample& sample) const noexcept;
 
   std::unique_ptr<RenderedBody> body_;
+  std::vector<std::string> tables_;
   const BodyPlacement& placement_;
   double tick_s_;
   double stall_s_;

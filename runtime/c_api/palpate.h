@@ -364,22 +364,22 @@ PALPATE_API void palpate_state_get(palpate_tool* tool, palpate_state* state);
  * each contact of a tool with several, 0.4 ms of three, 3 ms of 64. Clears a fault, the
  * account, what is known of the tool's place, as after a jump, and what a body that
  * relaxes remembers of this tool. Dents that stay and curves that have softened stay:
- * palpate_surface_load() with no file makes the body fresh. Of several contacts it is
- * fresh at once. The next slow step finds the tool again; the force ramps up anew. */
+ * palpate_surface_load() with no file makes the body fresh. The next slow step finds
+ * the tool again; the force ramps up anew. */
 PALPATE_API void palpate_reset(palpate_tool* tool);
 
-/* While no other call of the tool is under way, and not of a tool with several
- * contacts: writes what the body keeps of this tool's presses for good, for
- * palpate_surface_load() and palpate-run --surface-in. A file that has the surface of
- * the same body keeps what it says of other tools. 0, or an error below zero with one
- * line of text (may be NULL). */
+/* While no other call of the tool is under way: writes what the body keeps of this
+ * tool's presses for good, of two hands' likewise, for palpate_surface_load() and
+ * palpate-run --surface-in. A file that has the surface of the same body keeps what it
+ * says of other tools. 0, or an error below zero with one line of text (may be NULL).
+ */
 PALPATE_API int palpate_surface_save(palpate_tool* tool, const char* file, char* error,
                                      size_t error_bytes);
 
 /* While no other call of the tool is under way: palpate_reset(), on a body that has
- * yielded as the file says; NULL: a fresh one, which is all that a tool with several
- * contacts takes. A file of another body is refused, and nothing changes then. 0, or an
- * error below zero with one line of text (may be NULL). */
+ * yielded as the file says; NULL: a fresh one. A file of another body is refused, and
+ * nothing changes then. 0, or an error below zero with one line of text (may be NULL).
+ */
 PALPATE_API int palpate_surface_load(palpate_tool* tool, const char* file, char* error,
                                      size_t error_bytes);
 

@@ -174,9 +174,6 @@ void run_device(DeviceRunFlags& flags) {
   flags.options.surface = begin_surface(flags.surface, flags.database);
   attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
-  if (is_contact_run(database, {flags.options.tool}, false)) {
-    refuse_surface(flags.surface);
-  }
   const std::vector<SimulationReport> reports = render(flags, database);
   print_runs(flags, reports);
   leave_surface(flags.surface, flags.options.surface, std::span(&reports.back(), 1));

@@ -23,7 +23,6 @@
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
 #include "runtime/run/several_run.h"
-#include "runtime/view/contact_session.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/page_assets.h"
 #include "runtime/view/served_news.h"
@@ -107,7 +106,7 @@ SurfaceState begin(const ViewFlags& flags) {
 }
 
 // The page is served until somebody ends it.
-void serve(const ViewFlags& flags, const ViewedBody& body, LiveSession& session,
+void serve(const ViewFlags& flags, const ViewedBody& body, ViewSession& session,
            ServedNews* news = nullptr) {
   MonotonicClock wall;
   LiveView live(session, wall, news);
@@ -118,55 +117,37 @@ void serve(const ViewFlags& flags, const ViewedBody& body, LiveSession& session,
   server.run(stop);
 }
 
-ViewedBody viewed(const ViewFlags& flags, const LiveSession& session) {
+ViewedBody viewed(const ViewFlags& flags, const ViewSession& session) {
   return {.database = session.database(),
           .table = session.table(),
           .name = shown_name(flags),
           .device = "",
           .fast_hz = session.fast_hz(),
-          .force_max_n = flags.options.force_max_n};
-}
-
-// The page steers a tool of several contacts, or two hands, on simulated time.
-void steer_contacts(const ViewFlags& flags, const ResponseDatabase& database) {
-  refuse_surface(flags.surface);
-  if (requested_model(flags.model) != LocalModel::kPotential) {
-    throw InputError(fmt::format(
-        "--model {}: several contacts are rendered by potential alone", flags.model));
-  }
-  check_stiffness_scale(flags.stiffness_scale);
-  const ViewSessionOptions& one = flags.options;
-  ContactSession session(database, {.tools = flags.tools,
-                                    .fast_hz = one.fast_hz,
-                                    .slow_hz = one.slow_hz,
-                                    .force_max_n = one.force_max_n,
-                                    .device = one.device});
-  session.set({.stiffness_scale = flags.stiffness_scale});
-  ViewedBody body = viewed(flags, session);
-  body.hands = session.tables();
-  serve(flags, body, session);
+          .force_max_n = flags.options.force_max_n,
+          .hands = session.hand_tables()};
 }
 
 // The page steers, on simulated time.
 void steer(const ViewFlags& flags, const ResponseDatabase& database) {
+  check_stiffness_scale(flags.stiffness_scale);
   ViewSessionOptions options = flags.options;
+  options.tools = flags.tools;
   options.model = requested_model(flags.model);
   SurfaceState surface = begin(flags);
-  const std::string tool = find_tool(database, options.tool).tool.name;
-  options.surface = surface_of(surface, tool);
+  const std::vector<std::string> tables = surface_tables(database, flags.tools);
+  options.surface = surface_of(surface, tables);
   ViewSession session(database, options);
-  check_stiffness_scale(flags.stiffness_scale);
-  session.set_stiffness_scale(flags.stiffness_scale);
+  session.set({.stiffness_scale = flags.stiffness_scale});
   serve(flags, viewed(flags, session), session);
   if (!flags.surface.out.empty()) {
-    surface.tool[tool] = session.yielded();
+    put_surface(session.yielded(), tables, surface);
     write_surface_state(flags.surface.out, surface);
   }
 }
 
 SimulationOptions watched_options(ViewFlags& flags, TickQueue& ticks) {
   SimulationOptions options;
-  options.tool = flags.options.tool;
+  options.tool = flags.tools.empty() ? "" : flags.tools.front();
   options.model = requested_model(flags.model);
   options.duration_s = flags.seconds;
   constexpr double kDeviceHz = 1000.0;
@@ -224,7 +205,6 @@ void watch(ViewFlags& flags, const ResponseDatabase& database) {
                   .force_max_n = options.force_max_n};
   const bool several = !body.table.tool.contact.empty();
   if (several) {
-    refuse_surface(flags.surface);
     options.watch_contacts = contacts.get();
     body.hands = {&body.table};
   }
@@ -253,12 +233,11 @@ void steer_scene(const ViewFlags& flags) {
   GrowingElements elements(body.body, body.normal, body.tools.front().tool);
   const Feeding feeding(*client, elements);
   ViewSessionOptions options = flags.options;
-  options.tool = "";
   options.model = requested_model(flags.model);
   options.growing = &elements;
   ViewSession session(body, options);
   check_stiffness_scale(flags.stiffness_scale);
-  session.set_stiffness_scale(flags.stiffness_scale);
+  session.set({.stiffness_scale = flags.stiffness_scale});
   const ViewedBody shown_body = viewed_scene(scene, viewed(flags, session));
   ServedNews news(*client, elements, scene, SceneWatch(flags.database));
   serve(flags, shown_body, session, &news);
@@ -302,7 +281,7 @@ void show_scene(ViewFlags& flags) {
 }
 
 // @throws InputError where tools and flags do not say what is shown.
-bool shows_contacts(const ViewFlags& flags, const ResponseDatabase& database) {
+void check_tools(const ViewFlags& flags, const ResponseDatabase& database) {
   if (flags.together && flags.tools.size() != 2) {
     throw InputError(fmt::format(
         "--together: two tools press the body, must be two as --tool a,b, {} given",
@@ -318,7 +297,7 @@ bool shows_contacts(const ViewFlags& flags, const ResponseDatabase& database) {
     throw InputError(
         "--device with --together: one device holds one tool; leave one of them out");
   }
-  return is_contact_run(database, flags.tools, flags.together);
+  static_cast<void>(is_contact_run(database, flags.tools, flags.together));
 }
 
 void show(ViewFlags& flags) {
@@ -328,15 +307,12 @@ void show(ViewFlags& flags) {
   }
   refuse_scene_options(flags.scene);
   const ResponseDatabase database = shown(flags);
-  const bool contacts = shows_contacts(flags, database);
+  check_tools(flags, database);
   if (flags.device.request.name.empty() && wanted_coupling(flags.coupling)) {
     throw InputError("--coupling: is of a device's run; give --device");
   }
-  flags.options.tool = flags.tools.empty() ? "" : flags.tools.front();
   if (!flags.device.request.name.empty()) {
     watch(flags, database);
-  } else if (contacts) {
-    steer_contacts(flags, database);
   } else {
     steer(flags, database);
   }

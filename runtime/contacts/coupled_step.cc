@@ -73,6 +73,14 @@ void share_yielded(const CoupledState& state, int i) {
   state.surfaces[i].memory.shared = &state.surfaces[first].memory.yielded;
 }
 
+// But for what has yielded. @param yielded of its memory
+template <typename Remembering>
+void make_anew(Remembering& all, const YieldedSites& yielded) {
+  const YieldedSites kept = yielded;
+  std::construct_at(&all);
+  all.memory.yielded = kept;
+}
+
 }  // namespace
 
 bool is_sound(const PortPose& pose) noexcept {
@@ -106,10 +114,10 @@ void begin(CoupledState& state) noexcept {
 
 void restart(CoupledState& state) noexcept {
   if (is_alone(state.set)) {
-    std::construct_at(state.alone);
+    make_anew(*state.alone, state.alone->memory.yielded);
   }
   for (int i = 0; i < state.set.count && !is_alone(state.set); ++i) {
-    std::construct_at(&state.surfaces[i]);
+    make_anew(state.surfaces[i], state.surfaces[i].memory.yielded);
   }
   begin(state);
   std::construct_at(&state.model);

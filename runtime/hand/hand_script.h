@@ -9,6 +9,7 @@ namespace palpate {
 struct HandTarget {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< [-] body from tool
 };
 
 /// Approach a surface point along its normal, press, slide in a circle, press deeper,

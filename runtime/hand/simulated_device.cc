@@ -150,7 +150,9 @@ DeviceStatus SimulatedDevice::read(DeviceReading& reading) noexcept {
     reading.position_m[axis] =
         quantised(motion_.position_m[axis], config_.resolution_m);
   }
-  if (wrist_) {
+  if (hand_ != nullptr) {
+    reading.turn = hand_->turn;
+  } else if (wrist_) {
     reading.turn = wrist_->at(seconds_in(reading.time_ns - opened_ns_));
   }
   return DeviceStatus::kOk;

@@ -62,14 +62,16 @@ class SimulatedDevice : public Device {
   SimulatedDevice(const SimulatedDeviceConfig& config, const HandScript& script,
                   Clock& clock, const SimulatedMotion& start);
 
-  /// Held by a hand that somebody else moves: `hand` is read at every step and must
-  /// outlive the device.
+  /// Held by a hand that somebody else moves and turns, whatever the torque is: `hand`
+  /// is read at every step and must outlive the device.
   SimulatedDevice(const SimulatedDeviceConfig& config, const HandTarget& hand,
                   Clock& clock, const SimulatedMotion& start);
 
   /// From open() on the hand's wrist turns the tool so, whatever the torque is.
   void turn_by(const TurnScript& wrist) { wrist_ = wrist; }
-  [[nodiscard]] bool measures_turns() const override { return wrist_.has_value(); }
+  [[nodiscard]] bool measures_turns() const override {
+    return wrist_.has_value() || hand_ != nullptr;
+  }
 
   [[nodiscard]] std::string name() const override { return "simulated"; }
   [[nodiscard]] DeviceLimits limits() const override;

@@ -50,12 +50,45 @@ bool yields(const CoupledState& state) {
   return any;
 }
 
+// Sites without room, in tables that contacts share.
+std::uint64_t not_yielded(const CoupledState& state) {
+  std::uint64_t sum = 0;
+  for (int i = 0; i < state.set.count; ++i) {
+    sum += memory_of(state, i).yielded.refused;
+  }
+  return sum;
+}
+
 std::uint64_t forgotten(const CoupledState& state) {
   std::uint64_t sum = 0;
   for (int i = 0; i < state.set.count; ++i) {
     sum += memory_of(state, i).forgotten;
   }
   return sum;
+}
+
+struct HeldElement {
+  std::int32_t triangle;
+  std::int64_t sequence;
+  std::int64_t sent_ns;
+  std::uint8_t active;
+};
+
+// The elements of one contact, that which is in use first.
+std::vector<HeldElement> held_in(const ElementCache& cache) {
+  std::vector<HeldElement> held;
+  for (int slot = 0; slot < kCacheSlots; ++slot) {
+    const auto s = static_cast<std::size_t>(slot);
+    if (cache.stored_at[s] == 0 || find(cache, cache.triangle[s]) != slot) {
+      continue;
+    }
+    const Element& element = cache.element[s];
+    const HeldElement one{
+        cache.triangle[s], static_cast<std::int64_t>(element.sequence), element.sent_ns,
+        slot == cache.newest_active ? std::uint8_t{1} : std::uint8_t{0}};
+    held.insert(slot == cache.pinned ? held.begin() : held.end(), one);
+  }
+  return held;
 }
 
 }  // namespace
@@ -67,7 +100,7 @@ SeveralContacts::SeveralContacts(const ResponseDatabase& database,
           std::make_shared<ContactStream>(database, tools, held.force_scale), config,
           held) {}
 
-SeveralContacts::SeveralContacts(std::shared_ptr<ContactStream> stream,
+SeveralContacts::SeveralContacts(std::shared_ptr<ContactSender> stream,
                                  const FastConfig& config, const ContactsHeld& held)
     : stream_(std::move(stream)),
       storage_(stream_->set(), config),
@@ -82,6 +115,35 @@ SeveralContacts::SeveralContacts(std::shared_ptr<ContactStream> stream,
   if (const char* wrong = hang(*hung_, state(), *held.coupling)) {
     throw InputError(fmt::format("coupling: {}", wrong));
   }
+}
+
+void SeveralContacts::renew() {
+  forget_what_is_under_way();
+  if (is_alone(state().set)) {
+    return;
+  }
+  for (int i = 0; i < state().set.count; ++i) {
+    for (const HeldElement& held : held_in(state().surfaces[i].cache)) {
+      if (find(state().surfaces[i].cache, held.triangle) < 0) {
+        continue;  // gave way to the copy of the one in use
+      }
+      accept({.sequence = held.sequence,
+              .sent_ns = held.sent_ns,
+              .triangle = held.triangle,
+              .active = held.active,
+              .contact = i});
+    }
+  }
+  if (state().sampled) {
+    (void)palpate::step(state(), state().latest, 0.0);
+  }
+}
+
+void SeveralContacts::forget_what_is_under_way() noexcept {
+  while (fifo_->front() != nullptr) {
+    fifo_->pop();
+  }
+  sent_ = {};
 }
 
 bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
@@ -101,16 +163,15 @@ bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
 }
 
 void SeveralContacts::accept(const ArrivalRecord& arrival) {
-  const CoupledSet& set = storage_.state().set;
-  if (arrival.contact < 0 || arrival.contact >= set.count || arrival.triangle < 0 ||
-      arrival.triangle >= stream_->triangles()) {
+  std::optional<ContactElement> message =
+      stream_->element_of(arrival.contact, arrival.triangle);
+  if (!message) {
     throw_no_element(arrival);
   }
-  ContactElement message = stream_->element(arrival.contact, arrival.triangle);
-  message.element.sequence = static_cast<std::uint64_t>(arrival.sequence);
-  message.element.sent_ns = arrival.sent_ns;
-  message.element.active = arrival.active != 0;
-  palpate::accept(state(), message);
+  message->element.sequence = static_cast<std::uint64_t>(arrival.sequence);
+  message->element.sent_ns = arrival.sent_ns;
+  message->element.active = arrival.active != 0;
+  palpate::accept(state(), *message);
 }
 
 void SeveralContacts::watch_turns(const HandReadings& reading) noexcept {
@@ -159,6 +220,7 @@ void SeveralContacts::account(const WrenchCommand& command,
     report.forgotten = forgotten(storage_.state());
   }
   report.yields = yields(storage_.state());
+  report.not_yielded = not_yielded(storage_.state());
   report.yielded_j = command.yielded_j;
   if (hung_ != nullptr) {
     report.coupling = hung_->account;
@@ -259,17 +321,7 @@ FastContact SeveralContacts::contact() const noexcept {
 void SeveralContacts::restart() noexcept {
   palpate::restart(state());
   stepped_ = false;
-  // What is under way is of the place before.
-  while (fifo_->front() != nullptr) {
-    fifo_->pop();
-  }
-}
-
-void SeveralContacts::begin_with(const std::vector<YieldedRow>& rows) {
-  if (!rows.empty()) {
-    throw InputError(
-        "a tool of several contacts begins on a fresh body: leave out --surface-in");
-  }
+  forget_what_is_under_way();
 }
 
 }  // namespace palpate

@@ -46,7 +46,7 @@ class SeveralContacts : public RenderedBody {
                   const ContactsHeld& held = {});
   /// @param stream that bodies share whose slow process is one; its scale of forces is
   /// what counts.
-  SeveralContacts(std::shared_ptr<ContactStream> stream, const FastConfig& config,
+  SeveralContacts(std::shared_ptr<ContactSender> stream, const FastConfig& config,
                   const ContactsHeld& held = {});
 
   [[nodiscard]] std::size_t hands() const noexcept override {
@@ -62,7 +62,19 @@ class SeveralContacts : public RenderedBody {
   void raise(Fault fault) noexcept override { raise_fault(state(), fault); }
   void publish(const HandReadings& reading, std::int64_t ticks) noexcept override;
 
-  /// What has yielded is gone, too.
+  /// The stream's body has changed: every element that is held is taken from it anew,
+  /// and a tick passes without time or movement, so that the body changes for all
+  /// contacts at once and the ledger books that as a change. One contact of one hand
+  /// gets its own at the next updates. Not in a tick.
+  void renew();
+
+  /// For looking on and drawing; not in a tick.
+  [[nodiscard]] CoupledState& state() noexcept { return storage_.state(); }
+  [[nodiscard]] const CoupledState& state() const noexcept { return storage_.state(); }
+  /// The coupling is not whole in the latest step (coupled_contacts.h).
+  [[nodiscard]] bool scaled() const noexcept { return scaled_; }
+
+  /// What has yielded stays.
   void restart() noexcept override;
 
   [[nodiscard]] FastContact contact() const noexcept override;
@@ -86,14 +98,18 @@ class SeveralContacts : public RenderedBody {
   void accept(const ArrivalRecord& arrival) override;
   std::optional<std::size_t> serve(std::int64_t now_ns) override;
 
-  void begin_with(const std::vector<YieldedRow>& rows) override;
+  void begin_with(const std::vector<YieldedRow>& rows) override {
+    begin_yielded(rows, state());
+  }
+  [[nodiscard]] std::vector<YieldedRow> yielded() const override {
+    return yielded_rows(storage_.state());
+  }
 
  private:
+  void forget_what_is_under_way() noexcept;
   void show(const DeviceReading& reading) noexcept;
   void watch_turns(const HandReadings& reading) noexcept;
-  [[nodiscard]] CoupledState& state() noexcept { return storage_.state(); }
-
-  std::shared_ptr<ContactStream> stream_;
+  std::shared_ptr<ContactSender> stream_;
   CoupledStorage storage_;
   std::unique_ptr<HungTool> hung_;  // null: the device holds the tool
   std::unique_ptr<ContactFifo> fifo_ = std::make_unique<ContactFifo>();

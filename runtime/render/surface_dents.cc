@@ -44,6 +44,50 @@ std::vector<SurfaceDent> in_order(const DentsBySite& by_site) {
   return dents;
 }
 
+// By site.
+std::vector<YieldedRow> rows_of(const YieldedSites& sites, int table) {
+  std::vector<YieldedRow> rows;
+  for (const YieldedSite& row : sites.row) {
+    if (row.dent_m > 0.0 || row.softened_m > 0.0) {
+      rows.push_back({row.site, row.dent_m, row.softened_m, table});
+    }
+  }
+  std::sort(rows.begin(), rows.end(), [](const YieldedRow& a, const YieldedRow& b) {
+    return a.site < b.site;
+  });
+  return rows;
+}
+
+// Of the rows of one table.
+std::unique_ptr<YieldedSites> sites_of(const std::vector<YieldedRow>& rows, int table) {
+  auto sites = std::make_unique<YieldedSites>();
+  for (const YieldedRow& from : rows) {
+    if (from.table != table) {
+      continue;
+    }
+    const int row = claim_yielded(*sites, from.site);
+    if (row < 0) {
+      throw InputError(fmt::format(
+          "a surface with {} sites that have yielded cannot be held, {} at most can",
+          rows.size(), kYieldedSites));
+    }
+    sites->row[static_cast<std::size_t>(row)] = {
+        from.site, static_cast<Real>(from.dent_m), static_cast<Real>(from.softened_m)};
+  }
+  return sites;
+}
+
+// Of a table's contacts the first; -1: it has none. What has yielded is theirs
+// together.
+int first_of(const CoupledSet& set, int table) {
+  for (int i = 0; i < set.count; ++i) {
+    if (set.sphere[static_cast<std::size_t>(i)].table == table) {
+      return i;
+    }
+  }
+  return -1;
+}
+
 }  // namespace
 
 std::vector<SurfaceDent> surface_dents(const FastState& state) {
@@ -71,31 +115,42 @@ std::vector<SurfaceDent> surface_dents(const CoupledState& state, int table) {
 }
 
 std::vector<YieldedRow> yielded_rows(const FastState& state) {
-  std::vector<YieldedRow> rows;
-  for (const YieldedSite& row : state.memory.yielded.row) {
-    if (row.dent_m > 0.0 || row.softened_m > 0.0) {
-      rows.push_back({row.site, row.dent_m, row.softened_m});
+  return rows_of(state.memory.yielded, 0);
+}
+
+std::vector<YieldedRow> yielded_rows(const CoupledState& state) {
+  if (is_alone(state.set)) {
+    return yielded_rows(*state.alone);
+  }
+  std::vector<YieldedRow> all;
+  for (int table = 0; table < kResponseTables; ++table) {
+    if (const int i = first_of(state.set, table); i >= 0) {
+      const std::vector<YieldedRow> some =
+          rows_of(yielded_of(state.surfaces[i].memory), table);
+      all.insert(all.end(), some.begin(), some.end());
     }
   }
-  std::sort(rows.begin(), rows.end(), [](const YieldedRow& a, const YieldedRow& b) {
-    return a.site < b.site;
-  });
-  return rows;
+  return all;
 }
 
 void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state) {
-  const auto sites = std::make_unique<YieldedSites>();
-  for (const YieldedRow& from : rows) {
-    const int row = claim_yielded(*sites, from.site);
-    if (row < 0) {
-      throw InputError(fmt::format(
-          "a surface with {} sites that have yielded cannot be held, {} at most can",
-          rows.size(), kYieldedSites));
-    }
-    sites->row[static_cast<std::size_t>(row)] = {
-        from.site, static_cast<Real>(from.dent_m), static_cast<Real>(from.softened_m)};
+  state.memory.yielded = *sites_of(rows, 0);
+}
+
+void begin_yielded(const std::vector<YieldedRow>& rows, CoupledState& state) {
+  if (is_alone(state.set)) {
+    begin_yielded(rows, *state.alone);
+    return;
   }
-  state.memory.yielded = *sites;
+  std::vector<std::unique_ptr<YieldedSites>> tables;
+  for (int table = 0; table < kResponseTables; ++table) {
+    tables.push_back(sites_of(rows, table));
+  }
+  for (int table = 0; table < kResponseTables; ++table) {
+    if (const int i = first_of(state.set, table); i >= 0) {
+      yielded_of(state.surfaces[i].memory) = *tables[static_cast<std::size_t>(table)];
+    }
+  }
 }
 
 }  // namespace palpate

@@ -27,11 +27,13 @@ struct SurfaceDent {
 [[nodiscard]] std::vector<SurfaceDent> surface_dents(const CoupledState& state,
                                                      int table);
 
-/// What has yielded, by site.
+/// What has yielded, by table and site.
 [[nodiscard]] std::vector<YieldedRow> yielded_rows(const FastState& state);
+[[nodiscard]] std::vector<YieldedRow> yielded_rows(const CoupledState& state);
 
 /// What had yielded takes the place of what has in the state; nothing else changes.
 /// @throws InputError for more sites than a state holds, which is as it was then.
 void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state);
+void begin_yielded(const std::vector<YieldedRow>& rows, CoupledState& state);
 
 }  // namespace palpate

@@ -327,6 +327,7 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& wanted,
   SimulationReport& report = run.report;
   report.options = options;
   report.tool = body.tool.name;
+  report.tables = body.tables.empty() ? std::vector{body.tool.name} : body.tables;
   report.node = body.node;
   report.options.device.tick_s = 1.0 / wanted.fast_hz;  // whatever poses' rate is
   report.options.device.force_max_n = options.force_max_n;

@@ -40,6 +40,7 @@ struct PressedBody {
   std::int32_t node = -1;
   RenderedStiffness stiffness;
   int contacts = 1;
+  std::vector<std::string> tables = {};  // of responses; none: the tool's own
   // Of tools of several contacts, instead of the stream.
   std::function<std::unique_ptr<RenderedBody>(const FastConfig& config,
                                               const ContactsHeld& held)>

@@ -58,7 +58,7 @@ std::vector<SimulationReport> simulate_and_reconnect(const ResponseDatabase& dat
   while (was_lost(runs.back()) && !stop.load()) {
     rest.duration_s -= runs.back().render.duration_s;
     rest.stiffness = runs.back().stiffness;
-    rest.surface.tool[runs.back().tool] = runs.back().render.surface;
+    put_surface(runs.back().render.surface, runs.back().tables, rest.surface);
     if (!(rest.duration_s > 0.0)) {
       break;
     }

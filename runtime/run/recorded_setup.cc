@@ -75,7 +75,7 @@ RecordingHeader recording_header(const SimulationReport& report,
                          .device_coulomb_n = limits.coulomb_n,
                          .device_resolution_m = limits.resolution_m,
                          .device_delay_s = limits.delay_s,
-                         .surface = surface_of(options.surface, report.tool)};
+                         .surface = surface_of(options.surface, report.tables)};
   if (body != nullptr) {
     header.poses = 1.0;
     header.torque_felt = body->torque_felt() ? 1.0 : 0.0;

@@ -83,6 +83,7 @@ struct SimulationOptions {
 struct SimulationReport {
   SimulationOptions options;
   std::string tool;
+  std::vector<std::string> tables;   ///< of its responses, and a second hand's
   std::string device;                ///< name
   bool device_turns = false;         ///< it measures how it is turned
   bool torque_felt = false;          ///< by who turns tools of several contacts

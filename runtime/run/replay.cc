@@ -49,10 +49,6 @@ std::string difference(const char* what, const char* unit,
   return "";
 }
 
-RecordedHand first_hand(const TickRecord& tick) {
-  return {tick.position_m, tick.turn, tick.force_n, tick.torque_n_m};
-}
-
 std::string difference(const RecordedHand& hand, const Wrench& wrench) {
   const std::string force = difference("force", "N", hand.force_n, wrench.force_n);
   return force.empty() ? difference("torque", "N m", hand.torque_n_m, wrench.torque_n_m)
@@ -62,7 +58,7 @@ std::string difference(const RecordedHand& hand, const Wrench& wrench) {
 // What differs between a tick and its replay; "" if nothing does.
 std::string difference(const Recording& recording, const TickRecord& tick,
                        const WrenchCommand& command, const RenderedBody& body) {
-  std::string wrench = difference(first_hand(tick), command.wrench[0]);
+  std::string wrench = difference(hand_in(tick, 0), command.wrench[0]);
   if (wrench.empty() && recording.hands() > 1) {
     wrench = difference(tick.second, command.wrench[1]);
     wrench += wrench.empty() ? "" : ", of the second hand";
@@ -115,7 +111,7 @@ DeviceReading reading_of(const RecordedHand& hand, std::int64_t time_ns) {
 }
 
 HandReadings readings_of(const TickRecord& tick) {
-  return {reading_of(first_hand(tick), tick.time_ns),
+  return {reading_of(hand_in(tick, 0), tick.time_ns),
           reading_of(tick.second, tick.time_ns)};
 }
 
@@ -233,7 +229,7 @@ class Pass {
         r.different_s = since_s;
       }
     }
-    compare(first_hand(tick), first_hand(before_), command.wrench[0], wrench_[0],
+    compare(hand_in(tick, 0), hand_in(before_, 0), command.wrench[0], wrench_[0],
             since_s);
     if (recording_.hands() > 1) {
       compare(tick.second, before_.second, command.wrench[1], wrench_[1], since_s);

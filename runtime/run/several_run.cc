@@ -11,6 +11,7 @@
 #include "formats/base/error.h"
 #include "formats/response/tool_support.h"
 #include "runtime/hand/press_site.h"
+#include "runtime/slow/contact_elements.h"
 #include "runtime/slow/contact_stiffness.h"
 
 namespace palpate {
@@ -126,6 +127,9 @@ PressedBody pressed_by_several(const ResponseDatabase& database,
         second.tool, is_simulated(options, 1));
   }
   body.contacts = coupled_set(database, tools).count;
+  for (const ResponseTable* each : response_tables(database, tools)) {
+    body.tables.push_back(each->tool.name);
+  }
   for (const ResponseTable* each : tools) {
     note_table(database, *each, options, together);
   }

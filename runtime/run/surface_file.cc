@@ -5,6 +5,7 @@
 #include "formats/base/atomic_file.h"
 #include "formats/base/error.h"
 #include "formats/recording/recording.h"
+#include "runtime/slow/contact_elements.h"
 
 namespace palpate {
 
@@ -29,9 +30,20 @@ SurfaceState begin_surface(const SurfaceFiles& files, const std::string& databas
 void refuse_surface(const SurfaceFiles& files) {
   if (!files.in.empty() || !files.out.empty()) {
     throw InputError(
-        "--surface-in and --surface-out: what has yielded of several contacts is not "
-        "kept in files, their runs begin on a fresh body");
+        "--surface-in and --surface-out: a surface belongs to a database, which a "
+        "scene "
+        "does not have yet; build it first");
   }
+}
+
+std::vector<std::string> surface_tables(const ResponseDatabase& database,
+                                        const std::vector<std::string>& tools) {
+  std::vector<std::string> names;
+  for (const ResponseTable* table :
+       response_tables(database, find_tools(database, tools))) {
+    names.push_back(table->tool.name);
+  }
+  return names;
 }
 
 void leave_surface(const SurfaceFiles& files, SurfaceState surface,
@@ -40,7 +52,7 @@ void leave_surface(const SurfaceFiles& files, SurfaceState surface,
     return;
   }
   for (const SimulationReport& report : reports) {
-    surface.tool[report.tool] = report.render.surface;
+    put_surface(report.render.surface, report.tables, surface);
   }
   write_surface_state(files.out, surface);
 }

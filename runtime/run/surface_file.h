@@ -3,7 +3,9 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
+#include "formats/database/response_database.h"
 #include "formats/recording/surface_state.h"
 #include "runtime/run/render_run.h"
 
@@ -21,9 +23,14 @@ struct SurfaceFiles {
 [[nodiscard]] SurfaceState begin_surface(const SurfaceFiles& files,
                                          const std::string& database);
 
-/// For a body of several contacts, which keeps nothing of them.
-/// @throws InputError where a file is named.
+/// For a scene that is computed meanwhile: it has no database yet that a surface could
+/// belong to. @throws InputError where a file is named.
 void refuse_surface(const SurfaceFiles& files);
+
+/// The tables of responses that tools of a database have, which YieldedRow::table
+/// counts. @param tools names, one for each hand; none: the only one.
+[[nodiscard]] std::vector<std::string> surface_tables(
+    const ResponseDatabase& database, const std::vector<std::string>& tools);
 
 /// Writes what the body has when the runs are over: of tools that took part theirs, of
 /// others what was there. Nothing without a file for it.

@@ -13,26 +13,6 @@
 namespace palpate {
 namespace {
 
-// Responses of every radius that occurs, tool by tool.
-std::vector<const ResponseTable*> radius_tables(
-    const ResponseDatabase& database, std::span<const ResponseTable* const> tools) {
-  std::vector<const ResponseTable*> tables;
-  for (const ResponseTable* tool : tools) {
-    const std::size_t radii =
-        tool->tool.contact.empty() ? 1 : distinct_radii(tool->tool.contact).size();
-    for (std::size_t i = 0; i < radii; ++i) {
-      tables.push_back(&table_of_radius(database, *tool, i));
-    }
-  }
-  if (tables.size() > static_cast<std::size_t>(kResponseTables)) {
-    throw InputError(
-        fmt::format("contacts have {} radii, must have {} at most: give spheres of "
-                    "nearly one size the same radius",
-                    tables.size(), kResponseTables));
-  }
-  return tables;
-}
-
 // The spheres of one tool. @param table number of its first radius.
 void add_spheres(const ToolShape& tool, std::size_t port, std::size_t table,
                  CoupledSet& set) {
@@ -85,6 +65,25 @@ const ResponseTable& table_of_radius(const ResponseDatabase& database,
   return radius == 0 ? tool : find_tool(database, table_name(tool.tool.name, radius));
 }
 
+std::vector<const ResponseTable*> response_tables(
+    const ResponseDatabase& database, std::span<const ResponseTable* const> tools) {
+  std::vector<const ResponseTable*> tables;
+  for (const ResponseTable* tool : tools) {
+    const std::size_t radii =
+        tool->tool.contact.empty() ? 1 : distinct_radii(tool->tool.contact).size();
+    for (std::size_t i = 0; i < radii; ++i) {
+      tables.push_back(&table_of_radius(database, *tool, i));
+    }
+  }
+  if (tables.size() > static_cast<std::size_t>(kResponseTables)) {
+    throw InputError(
+        fmt::format("contacts have {} radii, must have {} at most: give spheres of "
+                    "nearly one size the same radius",
+                    tables.size(), kResponseTables));
+  }
+  return tables;
+}
+
 ContactRow contact_row(const ComplianceTable& table, std::int64_t node,
                        double force_scale) {
   ContactRow row;
@@ -123,7 +122,7 @@ CoupledSet coupled_set(const ResponseDatabase& database,
   }
   CoupledSet set;
   set.ports = static_cast<int>(tools.size());
-  (void)radius_tables(database, tools);
+  (void)response_tables(database, tools);
   std::size_t first = 0;
   for (std::size_t port = 0; port < tools.size(); ++port) {
     const ToolShape& tool = tools[port]->tool;
@@ -152,7 +151,8 @@ ContactStream::ContactStream(const ResponseDatabase& database,
       set_(coupled_set(database, tools)),
       compliance_(is_alone(set_) ? nullptr : &tools.front()->compliance),
       force_scale_(force_scale) {
-  for (const ResponseTable* responses : radius_tables(database, tools)) {
+  for (const ResponseTable* responses : response_tables(database, tools)) {
+    tables_.push_back(responses->tool.name);
     radius_.push_back(
         std::make_unique<ElementStream>(database, *responses, force_scale));
   }
@@ -169,6 +169,13 @@ ContactElement ContactStream::element(int i, std::int32_t triangle) const {
         force_scale_);
   }
   return message;
+}
+
+std::optional<ContactElement> ContactStream::element_of(int i,
+                                                        std::int32_t triangle) const {
+  const bool there = i >= 0 && i < set_.count && triangle >= 0 &&
+                     triangle < database_.body.triangle.rows();
+  return there ? std::optional(element(i, triangle)) : std::nullopt;
 }
 
 std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_ns,

@@ -8,21 +8,23 @@
 #include <optional>
 #include <span>
 
-#include "runtime/contacts/coupled_step.h"
 #include "runtime/slow/contact_elements.h"
 
 namespace palpate {
 
 /// As AdjustedStream; rows of compliance go with the stiffness, and are zero where
-/// contacts shall not couple: then each presses a body of its own.
-class AdjustedContacts {
+/// contacts shall not couple: then each presses a body of its own. What is set holds
+/// for what is sent from then on (SeveralContacts::renew() sends all anew).
+class AdjustedContacts : public ContactSender {
  public:
   /// @throws as coupled_set(). The database must outlive this.
   AdjustedContacts(const ResponseDatabase& database,
                    std::span<const ResponseTable* const> tools)
       : stream_(database, tools) {}
 
-  [[nodiscard]] const CoupledSet& set() const noexcept { return stream_.set(); }
+  [[nodiscard]] const CoupledSet& set() const noexcept override {
+    return stream_.set();
+  }
 
   void set_stiffness_scale(double scale) noexcept { scale_ = scale; }  ///< [-] > 0
   /// [-] >= 0 at every node; none: the database's.
@@ -33,18 +35,10 @@ class AdjustedContacts {
   [[nodiscard]] std::optional<double> friction() const noexcept { return friction_; }
   [[nodiscard]] bool coupled() const noexcept { return coupled_; }
 
-  /// One slow step of all contacts. @returns messages pushed.
   std::size_t update(const ContactToolState& tool, std::int64_t now_ns,
-                     ContactFifo& fifo);
-
-  /// What has been sent is forgotten: all is sent again at the next update.
-  void forget() { sent_ = {}; }
-
-  /// Every element that a fast process holds, sent again as it is by now, and a tick
-  /// without time or movement: the body changes for all contacts at once, and the
-  /// ledger books it as a change. Nothing may be under way to the fast process. One
-  /// contact of one hand gets its own at the next updates.
-  void renew(CoupledState& state);
+                     ContactFifo& fifo, ContactSent& sent) override;
+  [[nodiscard]] std::optional<ContactElement> element_of(
+      int i, std::int32_t triangle) const override;
 
   /// The message of a triangle for contact i, whether contacts couple at the moment or
   /// not. @param coupled with the body's rows of compliance; without: of zeros.
@@ -56,7 +50,6 @@ class AdjustedContacts {
 
   ContactStream stream_;
   std::unique_ptr<ContactFifo> unchanged_ = std::make_unique<ContactFifo>();
-  ContactSent sent_;
   double scale_ = 1.0;
   std::optional<double> friction_;
   bool coupled_ = true;

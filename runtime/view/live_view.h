@@ -8,10 +8,10 @@
 
 #include "runtime/hand/hand_tape.h"
 #include "runtime/realtime/clock.h"
-#include "runtime/view/live_session.h"
 #include "runtime/view/served_news.h"
 #include "runtime/view/view_message.h"
 #include "runtime/view/view_server.h"
+#include "runtime/view/view_session.h"
 
 namespace palpate {
 
@@ -28,7 +28,7 @@ class LiveView : public ViewApplication {
 
   /// All must outlive the view. @param news of a body whose responses are still to
   /// come; null: it is whole.
-  LiveView(LiveSession& session, Clock& wall, ServedNews* news = nullptr)
+  LiveView(ViewSession& session, Clock& wall, ServedNews* news = nullptr)
       : session_(session), wall_(wall), news_(news) {}
 
   /// Where messages go from now on; must outlive the view, or its last call.
@@ -56,7 +56,7 @@ class LiveView : public ViewApplication {
     return !clients_.empty() && clients_.front() == client;
   }
 
-  LiveSession& session_;
+  ViewSession& session_;
   Clock& wall_;
   ServedNews* news_ = nullptr;
   ViewOutbox* outbox_ = nullptr;

@@ -54,12 +54,17 @@ Json as_list(const Items& items) {
   return all;
 }
 
-std::string column(const std::vector<ViewLoads>& loads, const char* key,
-                   std::array<double, kPortsMax> ViewLoads::*of, std::size_t hand) {
+using ThreeOfHand = std::array<double, 3> RecordedHand::*;
+
+// Lengths by tick.
+std::string column(const std::vector<TickRecord>& ticks, const char* key,
+                   std::size_t hand, ThreeOfHand of) {
   std::string text = fmt::format("\"{}\":[", key);
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    fmt::format_to(std::back_inserter(text), "{}{:.6g}", i == 0 ? "" : ",",
-                   (loads[i].*of)[hand]);
+  for (const TickRecord& tick : ticks) {
+    const RecordedHand at = hand_in(tick, hand);
+    fmt::format_to(std::back_inserter(text), "{}{:.6g}",
+                   &tick == ticks.data() ? "" : ",",
+                   Eigen::Map<const Eigen::Vector3d>((at.*of).data()).norm());
   }
   return text + "]";
 }
@@ -80,7 +85,24 @@ Json spheres(const ToolShape& tool) {
 
 }  // namespace
 
-std::string hands_text(const ViewHands& hands) {
+ViewTouch touch_at(const ResponseDatabase& database, const CoupledContactPlace& at,
+                   const ContactSphere& sphere) {
+  ViewTouch touch{.hand = sphere.port,
+                  .radius_m = sphere.radius_m,
+                  .centre_m = at.centre_m,
+                  .point_m = at.point_m,
+                  .normal = at.normal,
+                  .force_n = at.force_n,
+                  .depth_m = at.depth_m,
+                  .own_m = at.depth_m - at.dimple_m,
+                  .share = at.share};
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    touch.node[static_cast<std::size_t>(j)] = database.body.triangle(at.triangle, j);
+  }
+  return touch;
+}
+
+std::string hands_text(const ViewHands& hands, const std::vector<TickRecord>& ticks) {
   const Json json{{"hands", as_list(hands.hand)},
                   {"contacts", as_list(hands.touch)},
                   {"coupled", hands.coupled},
@@ -88,11 +110,10 @@ std::string hands_text(const ViewHands& hands) {
                   {"scaled", hands.scaled}};
   std::string text = json_text(json);
   text = text.substr(1, text.size() - 2);
-  return text + ",\"loads\":{" +
-         column(hands.loads, "force1_n", &ViewLoads::force_n, 0) + "," +
-         column(hands.loads, "force2_n", &ViewLoads::force_n, 1) + "," +
-         column(hands.loads, "torque1_n_m", &ViewLoads::torque_n_m, 0) + "," +
-         column(hands.loads, "torque2_n_m", &ViewLoads::torque_n_m, 1) + "}";
+  return text + ",\"loads\":{" + column(ticks, "force1_n", 0, &RecordedHand::force_n) +
+         "," + column(ticks, "force2_n", 1, &RecordedHand::force_n) + "," +
+         column(ticks, "torque1_n_m", 0, &RecordedHand::torque_n_m) + "," +
+         column(ticks, "torque2_n_m", 1, &RecordedHand::torque_n_m) + "}";
 }
 
 std::string tools_text(const std::vector<const ResponseTable*>& tables) {

@@ -11,7 +11,8 @@
 #include <Eigen/Geometry>
 
 #include "formats/database/response_database.h"
-#include "runtime/contacts/coupled_set.h"
+#include "formats/recording/recording.h"
+#include "runtime/contacts/coupled_step.h"
 
 namespace palpate {
 
@@ -44,23 +45,23 @@ struct ViewTouch {
   Eigen::Vector3d share = Eigen::Vector3d::Zero();  ///< ... with the area coordinates
 };
 
-/// Sizes at one tick, by hand.
-struct ViewLoads {
-  std::array<double, kPortsMax> force_n{};
-  std::array<double, kPortsMax> torque_n_m{};
-};
-
 struct ViewHands {
   std::vector<ViewHand> hand = {};
   std::vector<ViewTouch> touch;
-  std::vector<ViewLoads> loads;  ///< of the ticks that the frame holds
-  bool coupled = true;           ///< as it is rendered
-  bool scaled = false;           ///< the coupling is not whole (coupled_contacts.h)
-  bool compared = true;          ///< coupled_n and added_up_n are known
+  bool coupled = true;   ///< as it is rendered
+  bool scaled = false;   ///< the coupling is not whole (coupled_contacts.h)
+  bool compared = true;  ///< coupled_n and added_up_n are known
 };
 
-/// Members of a frame's object, without braces.
-[[nodiscard]] std::string hands_text(const ViewHands& hands);
+/// A contact that has found the body.
+[[nodiscard]] ViewTouch touch_at(const ResponseDatabase& database,
+                                 const CoupledContactPlace& at,
+                                 const ContactSphere& sphere);
+
+/// Members of a frame's object, without braces: hands and contacts now, and how large
+/// forces and torques were in the frame's ticks.
+[[nodiscard]] std::string hands_text(const ViewHands& hands,
+                                     const std::vector<TickRecord>& ticks);
 
 /// What of the tools does not change: an array, one object for each hand.
 [[nodiscard]] std::string tools_text(const std::vector<const ResponseTable*>& tables);

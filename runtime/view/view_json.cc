@@ -330,7 +330,7 @@ std::string frame_text(const ViewFrame& frame, const std::vector<TickRecord>& ti
     text += ",\"service\":" + dumped(as_json(*frame.service));
   }
   if (frame.hands) {
-    text += "," + hands_text(*frame.hands);
+    text += "," + hands_text(*frame.hands, ticks);
   }
   return text + ",\"trace\":" + trace_text(ticks, frame.contact.over_nominal_m) + "}";
 }

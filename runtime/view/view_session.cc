@@ -2,44 +2,102 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
 #include "formats/response/tool_support.h"
+#include "formats/response/turn_from_z.h"
 #include "runtime/hand/press_site.h"
+#include "runtime/view/steered_contact.h"
+#include "runtime/view/steered_contacts.h"
+#include "runtime/view/view_contact.h"
 
 namespace palpate {
 namespace {
 
-const ResponseTable& one_contact(const ResponseTable& table) {
-  if (!table.tool.contact.empty()) {
+void check(const ViewSessionOptions& options) {
+  if (!(options.fast_hz >= 100.0 && options.fast_hz <= 20000.0)) {
     throw InputError(
-        fmt::format("tool {:?} has {} contacts: a session of contacts renders it",
-                    table.tool.name, table.tool.contact.radius_m.size()));
+        fmt::format("fast rate is {} Hz, must lie in [100, 20000]", options.fast_hz));
   }
-  return table;
+  if (!(options.slow_hz >= 1.0 && options.slow_hz <= options.fast_hz)) {
+    throw InputError(fmt::format("slow rate is {} Hz, must lie in [1, {}]",
+                                 options.slow_hz, options.fast_hz));
+  }
+  if (!(options.force_max_n > 0.0) || !std::isfinite(options.force_max_n)) {
+    throw InputError(fmt::format("largest force is {} N, must be positive and finite",
+                                 options.force_max_n));
+  }
+}
+
+// How far the tool reaches from its reference point against `outward` [m].
+double reach_m(const ToolShape& tool, const Eigen::Quaterniond& turn,
+               const Eigen::Vector3d& outward) {
+  if (tool.contact.empty()) {
+    return drawn_height_m(tool, outward);
+  }
+  double most = 0.0;
+  for (std::size_t i = 0; i < tool.contact.radius_m.size(); ++i) {
+    const Eigen::Vector3d centre =
+        tool.contact.point_m.row(static_cast<Eigen::Index>(i)).transpose();
+    most = std::max(most, tool.contact.radius_m[i] - outward.dot(turn * centre));
+  }
+  return most;
 }
 
 // Clear of the body: above touch by the deepest curve, at least 5 mm.
-Eigen::Vector3d lifted_m(const ResponseTable& table, const Eigen::Vector3d& point_m,
+Eigen::Vector3d lifted_m(const ResponseTable& table, const Eigen::Quaterniond& turn,
+                         const Eigen::Vector3d& point_m,
                          const Eigen::Vector3d& normal) {
   return point_m +
-         (drawn_height_m(table.tool, normal) + std::max(0.005, table.depth_max_m())) *
+         (reach_m(table.tool, turn, normal) + std::max(0.005, table.depth_max_m())) *
              normal;
 }
 
-// Over a node to press; without responses yet over the highest one.
-Eigen::Vector3d above_start(const ResponseDatabase& database,
-                            const ResponseTable& table) {
+// One to press; without responses yet the highest one.
+std::int32_t first_node(const ResponseDatabase& database, const ResponseTable& table) {
   Eigen::Index highest = 0;
   database.body.position_m.col(2).maxCoeff(&highest);
-  const std::int32_t node = table.depth_m.empty()
-                                ? static_cast<std::int32_t>(highest)
-                                : node_to_press(database, table, std::nullopt);
-  return lifted_m(table, database.body.position_m.row(node).transpose(),
-                  database.normal.row(node).transpose());
+  return table.depth_m.empty() ? static_cast<std::int32_t>(highest)
+                               : node_to_press(database, table, std::nullopt);
+}
+
+// How far from each other two hands begin.
+double apart_m(const std::vector<const ResponseTable*>& tables) {
+  double sum = 0.0;
+  for (const ResponseTable* table : tables) {
+    for (const double side : {-1.0, 1.0}) {
+      sum +=
+          0.75 * reach_m(table->tool, Eigen::Quaterniond::Identity(), {side, 0.0, 0.0});
+    }
+  }
+  return sum;
+}
+
+// The node nearest to where a second hand is apart_m beside the first, on the side
+// where the body has one.
+std::int32_t node_beside(const ResponseDatabase& database, const ResponseTable& table,
+                         std::int32_t first, double apart_m) {
+  const Eigen::Vector3d at_m = database.body.position_m.row(first).transpose();
+  const Eigen::Quaterniond frame = turn_from_z(database.normal.row(first).transpose());
+  std::int32_t best = -1;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& side :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0),
+        Eigen::Vector3d(0, -1, 0)}) {
+    const Eigen::Vector3d wanted_m = at_m + apart_m * (frame * side);
+    const std::int32_t node = node_to_press(database, table, wanted_m);
+    const double off_m =
+        (database.body.position_m.row(node).transpose() - wanted_m).norm();
+    if (off_m < least_m) {
+      best = node;
+      least_m = off_m;
+    }
+  }
+  return best;
 }
 
 FastProcessConfig process_config(const ViewSessionOptions& options,
@@ -55,128 +113,141 @@ FastProcessConfig process_config(const ViewSessionOptions& options,
   return config;
 }
 
-}  // namespace
-
-void check_rates(double fast_hz, double slow_hz, double force_max_n) {
-  if (!(fast_hz >= 100.0 && fast_hz <= 20000.0)) {
-    throw InputError(
-        fmt::format("fast rate is {} Hz, must lie in [100, 20000]", fast_hz));
+std::unique_ptr<SteeredBody> steered(const ResponseDatabase& database,
+                                     const std::vector<const ResponseTable*>& tables,
+                                     const ViewSessionOptions& options) {
+  const ResponseTable& first = *tables.front();
+  const FastConfig config = process_config(options, first.tool).fast;
+  if (tables.size() > 1 || !first.tool.contact.empty()) {
+    return std::make_unique<SteeredContacts>(database, tables, config, options.surface);
   }
-  if (!(slow_hz >= 1.0 && slow_hz <= fast_hz)) {
-    throw InputError(
-        fmt::format("slow rate is {} Hz, must lie in [1, {}]", slow_hz, fast_hz));
-  }
-  if (!(force_max_n > 0.0) || !std::isfinite(force_max_n)) {
-    throw InputError(
-        fmt::format("largest force is {} N, must be positive and finite", force_max_n));
-  }
+  return std::make_unique<SteeredContact>(database, first, config, options.surface,
+                                          options.growing);
 }
+
+}  // namespace
 
 ViewSession::ViewSession(const ResponseDatabase& database,
                          const ViewSessionOptions& options)
     : database_(database),
-      table_(one_contact(find_tool(database, options.tool))),
       options_(options),
-      stream_(database, table_),
-      adjusted_(options.growing != nullptr ? *options.growing : stream_),
-      dents_(table_),
-      start_m_(above_start(database, table_)),
-      hand_(start_m_),
+      search_(database.body),
       fast_deadlines_(0, options.fast_hz),
       slow_deadlines_(0, options.slow_hz) {
-  check_rates(options.fast_hz, options.slow_hz, options.force_max_n);
+  check(options);
   options_.device.tick_s = 1.0 / options.fast_hz;
   options_.device.force_max_n = options.force_max_n;
-  start(start_m_);
+  const std::vector<const ResponseTable*> tables = find_tools(database, options.tools);
+  body_ = steered(database, tables, options_);
+  hands_.resize(tables.size());
+  const std::int32_t first = first_node(database, *tables.front());
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    seat(hands_[i], *tables[i],
+         i == 0 ? first : node_beside(database, *tables[i], first, apart_m(tables)));
+  }
+  start();
 }
 
-void ViewSession::start(const Eigen::Vector3d& at_m) {
+void ViewSession::seat(SteeredHand& hand, const ResponseTable& table,
+                       std::int32_t node) {
+  hand.table = &table;
+  const Eigen::Vector3d normal = database_.normal.row(node).transpose();
+  hand.upright = body_->turns() ? turn_from_z(normal) : Eigen::Quaterniond::Identity();
+  hand.start_m = lifted_m(table, hand.upright,
+                          database_.body.position_m.row(node).transpose(), normal);
+}
+
+void ViewSession::start() {
   fast_.reset();
-  holding_ = false;
-  hand_ = PointerHand(at_m);
-  device_ = std::make_unique<SimulatedDevice>(options_.device, hand_.target(), clock_,
-                                              SimulatedMotion{.position_m = at_m});
+  devices_.clear();
+  std::vector<Device*> devices;
+  for (SteeredHand& hand : hands_) {
+    hand.holding = false;
+    hand.pointer = PointerHand(hand.start_m, hand.upright);
+    devices_.push_back(std::make_unique<SimulatedDevice>(
+        options_.device, hand.pointer.target(), clock_,
+        SimulatedMotion{.position_m = hand.start_m}));
+    devices_.back()->open();
+    devices.push_back(devices_.back().get());
+  }
   telemetry_ = std::make_unique<Telemetry>();
-  device_->open();
-  const FastProcessConfig config = process_config(options_, table_.tool);
-  body_ = std::make_unique<OneContact>(config.fast, adjusted_);
-  body_->begin_with(options_.surface);
-  fast_ = std::make_unique<FastProcess>(config, *device_, *body_,
+  body_->begin();
+  fast_ = std::make_unique<FastProcess>(process_config(options_, table().tool), devices,
+                                        body_->rendered(),
                                         TickOutputs{.telemetry = telemetry_.get()});
   fast_deadlines_ = Deadlines(clock_.now_ns(), options_.fast_hz);
   slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
   latest_ = {};
   latest_.time_ns = clock_.now_ns();
-  latest_.position_m = {at_m.x(), at_m.y(), at_m.z()};
+  Eigen::Map<Eigen::Vector3d>(latest_.position_m.data()) = hands_.front().start_m;
+  Eigen::Map<Eigen::Vector3d>(latest_.second.position_m.data()) = hands_.back().start_m;
   ticks_.clear();
   slow_updates_ = 0;
 }
 
-void ViewSession::hold(const Eigen::Vector3d& pointer_m) {
-  holding_ = true;
-  hand_.point_at(pointer_m);
-}
-
-void ViewSession::let_go() {
-  if (holding_) {
-    holding_ = false;
-    hand_.point_at(clear_of(hand_.target().position_m));
-  }
+void ViewSession::reset() {
+  start();
 }
 
 void ViewSession::heed(const HandWish& wish) {
-  if (wish.hand > 0) {
-    throw InputError(
-        fmt::format("hand {} is not there, one hand holds the tool", wish.hand));
+  if (wish.hand >= static_cast<int>(hands_.size())) {
+    throw InputError(fmt::format("hand {} is not there, {} hold{} what is shown",
+                                 wish.hand, hands_.size(),
+                                 hands_.size() == 1 ? "s" : ""));
   }
-  if (wish.turn) {
+  if (wish.turn && !body_->turns()) {
     throw InputError("a tool of one contact does not turn");
   }
-  if (wish.hold) {
-    hold(wish.target_m);
-  } else {
+  if (wish.hand < 0) {
     let_go();
+    return;
   }
+  const auto hand = static_cast<std::size_t>(wish.hand);
+  if (!wish.hold) {
+    lift(hand);
+    return;
+  }
+  SteeredHand& held = hands_[hand];
+  held.holding = true;
+  held.pointer.point_at(wish.target_m);
+  held.pointer.turn_to(wish.turn.value_or(held.pointer.wanted_turn()));
+}
+
+void ViewSession::lift(std::size_t hand) {
+  if (hands_[hand].holding) {
+    hands_[hand].holding = false;
+    hands_[hand].pointer.point_at(clear_of(hand));
+  }
+}
+
+void ViewSession::let_go() {
+  for (std::size_t hand = 0; hand < hands_.size(); ++hand) {
+    lift(hand);
+  }
+}
+
+Eigen::Vector3d ViewSession::clear_of(std::size_t hand) const {
+  const SteeredHand& held = hands_[hand];
+  const ViewContact near = view_contact(database_, held.table->tool, search_,
+                                        held.pointer.target().position_m,
+                                        body_->triangle_under(hand, latest_));
+  if (near.triangle < 0 || near.normal.isZero()) {
+    return held.start_m;
+  }
+  return lifted_m(*held.table, held.pointer.wanted_turn(), near.point_m, near.normal);
 }
 
 void ViewSession::set(const ViewRequest& request) {
-  if (request.coupled) {
-    throw InputError("one contact couples with no other");
-  }
-  if (request.model) {
-    use(*request.model);
-  }
+  body_->set(request);
+  options_.model = request.model.value_or(options_.model);
   if (request.slow_hz) {
-    set_slow_hz(*request.slow_hz);
+    options_.slow_hz = std::min(*request.slow_hz, options_.fast_hz);
+    slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
   }
-  if (request.stiffness_scale) {
-    set_stiffness_scale(*request.stiffness_scale);
-  }
-  if (request.friction || request.database_friction) {
-    set_friction(request.friction);
-  }
-}
-
-void ViewSession::use(LocalModel model) {
-  options_.model = model;
-  body_->use(model);
-}
-
-void ViewSession::set_slow_hz(double slow_hz) {
-  options_.slow_hz = std::min(slow_hz, options_.fast_hz);
-  slow_deadlines_ = Deadlines(clock_.now_ns(), options_.slow_hz);
-}
-
-void ViewSession::set_stiffness_scale(double scale) {
-  adjusted_.set_stiffness_scale(scale);
-}
-
-void ViewSession::set_friction(std::optional<double> friction) {
-  adjusted_.set_friction(friction);
 }
 
 void ViewSession::advance(std::int64_t ticks) {
-  for (std::int64_t i = 0; i < ticks && report().fault == Fault::kNone; ++i) {
+  for (std::int64_t i = 0; i < ticks && fault() == Fault::kNone; ++i) {
     tick();
   }
   if (ticks_.size() > kTicksKept) {
@@ -189,13 +260,17 @@ void ViewSession::advance(std::int64_t ticks) {
 void ViewSession::tick() {
   clock_.sleep_until_ns(fast_deadlines_.next_ns());
   const std::int64_t skipped = fast_deadlines_.begin(clock_.now_ns());
-  hand_.advance(1.0 / options_.fast_hz);
+  for (SteeredHand& hand : hands_) {
+    hand.pointer.advance(1.0 / options_.fast_hz);
+  }
   if (!fast_->tick(skipped)) {
-    device_->close();
+    for (const std::unique_ptr<SimulatedDevice>& device : devices_) {
+      device->close();
+    }
   }
   if (clock_.now_ns() >= slow_deadlines_.next_ns()) {
     static_cast<void>(slow_deadlines_.begin(clock_.now_ns()));
-    slow_updates_ += body_->serve(clock_.now_ns()) ? 1 : 0;
+    slow_updates_ += body_->rendered().serve(clock_.now_ns()) ? 1 : 0;
   }
   while (const TickRecord* record = telemetry_->ticks.front()) {
     latest_ = *record;
@@ -207,48 +282,46 @@ void ViewSession::tick() {
   }
 }
 
-void ViewSession::reset() {
-  start(start_m_);
-}
-
-Eigen::Vector3d ViewSession::clear_of(const Eigen::Vector3d& from_m) const {
-  const ViewContact near =
-      view_contact(database_, table_.tool, stream_.search(), from_m, latest_.triangle);
-  return near.triangle < 0 ? start_m_ : lifted_m(table_, near.point_m, near.normal);
-}
-
-ViewContact ViewSession::contact() const {
-  const Eigen::Map<const Eigen::Vector3d> tool(latest_.position_m.data());
-  return view_contact(database_, table_.tool, stream_.search(), tool, latest_.triangle);
+bool ViewSession::holding() const {
+  return std::any_of(hands_.begin(), hands_.end(), [](const SteeredHand& hand) {
+    return hand.holding;
+  });
 }
 
 bool ViewSession::touching() const {
   return (latest_.flags & static_cast<unsigned>(TickFlag::kContact)) != 0U;
 }
 
+std::vector<const ResponseTable*> ViewSession::hand_tables() const {
+  std::vector<const ResponseTable*> tables;
+  for (std::size_t i = 0; i < hands_.size() && body_->turns(); ++i) {
+    tables.push_back(hands_[i].table);
+  }
+  return tables;
+}
+
 ViewFrame ViewSession::frame() {
   const RenderReport& r = report();
-  return {.holding = holding_,
-          .hand_m = hand_.target().position_m,
-          .pointer_m = hand_.pointer_m(),
-          .fault = name(r.fault),
-          .net_j = net_work_j(),
-          .now = latest_,
-          .contact = contact(),
-          .dents = dents(),
-          .run = {.ticks = r.ticks,
-                  .slow_updates = slow_updates_,
-                  .starved_ticks = r.starved_ticks,
-                  .extrapolated_ticks = r.extrapolated_ticks,
-                  .step_p50_ns = r.step_time.percentile_ns(0.5),
-                  .step_p99_ns = r.step_time.percentile_ns(0.99),
-                  .depth_max_m = r.depth_max_m,
-                  .force_max_n = r.force_max_n},
-          .settings = {.model = options_.model,
-                       .slow_hz = options_.slow_hz,
-                       .fast_hz = options_.fast_hz,
-                       .stiffness_scale = stiffness_scale(),
-                       .friction = friction()}};
+  const PointerHand& first = hands_.front().pointer;
+  ViewFrame frame{.holding = holding(),
+                  .hand_m = first.target().position_m,
+                  .pointer_m = first.pointer_m(),
+                  .fault = name(r.fault),
+                  .net_j = r.model_work_j,
+                  .now = latest_,
+                  .run = {.ticks = r.ticks,
+                          .slow_updates = slow_updates_,
+                          .starved_ticks = r.starved_ticks,
+                          .extrapolated_ticks = r.extrapolated_ticks,
+                          .step_p50_ns = r.step_time.percentile_ns(0.5),
+                          .step_p99_ns = r.step_time.percentile_ns(0.99),
+                          .depth_max_m = r.depth_max_m,
+                          .force_max_n = r.force_max_n},
+                  .settings = {.model = options_.model,
+                               .slow_hz = options_.slow_hz,
+                               .fast_hz = options_.fast_hz}};
+  body_->show(hands_, frame);
+  return frame;
 }
 
 std::vector<TickRecord> ViewSession::take_ticks() {

@@ -110,7 +110,7 @@ void WatchView::frame() {
   frame_.net_j = frame_.now.work_j;
   frame_.clients = clients_.size();
   if (contacts_ != nullptr) {
-    frame_.hands = hands(passed);
+    frame_.hands = hands();
   }
   if (news_ != nullptr) {
     tell_news();
@@ -121,8 +121,8 @@ void WatchView::frame() {
   }
 }
 
-// The device is the hand. Of torque the latest is known, not that of every tick.
-ViewHands WatchView::hands(const std::vector<TickRecord>& passed) {
+// The device is the hand.
+ViewHands WatchView::hands() {
   static_cast<void>(contacts_->fetch());
   const ContactsSeen& seen = contacts_->latest();
   const ContactSet& spheres = body_.table.tool.contact;
@@ -137,29 +137,10 @@ ViewHands WatchView::hands(const std::vector<TickRecord>& passed) {
                       .force_n = seen.wrench.force_n,
                       .torque_n_m = seen.wrench.torque_n_m});
   for (std::size_t i = 0; i < static_cast<std::size_t>(seen.count); ++i) {
-    const CoupledContactPlace& at = seen.contact[i];
-    if (at.triangle < 0) {
-      continue;
+    if (seen.contact[i].triangle >= 0) {
+      all.touch.push_back(
+          touch_at(body_.database, seen.contact[i], {.radius_m = spheres.radius_m[i]}));
     }
-    ViewTouch& touch =
-        all.touch.emplace_back(ViewTouch{.radius_m = spheres.radius_m[i],
-                                         .centre_m = at.centre_m,
-                                         .point_m = at.point_m,
-                                         .normal = at.normal,
-                                         .force_n = at.force_n,
-                                         .depth_m = at.depth_m,
-                                         .own_m = at.depth_m - at.dimple_m,
-                                         .share = at.share});
-    for (Eigen::Index j = 0; j < 3; ++j) {
-      touch.node[static_cast<std::size_t>(j)] =
-          body_.database.body.triangle(at.triangle, j);
-    }
-  }
-  for (const TickRecord& tick : passed) {
-    const Eigen::Map<const Eigen::Vector3d> force_n(tick.force_n.data());
-    ViewLoads& loads = all.loads.emplace_back();
-    loads.force_n[0] = force_n.norm();
-    loads.torque_n_m[0] = seen.wrench.torque_n_m.norm();
   }
   return all;
 }

@@ -36,7 +36,7 @@ class WatchView : public ViewApplication {
 
  private:
   [[nodiscard]] std::string_view state() const;
-  [[nodiscard]] ViewHands hands(const std::vector<TickRecord>& passed);
+  [[nodiscard]] ViewHands hands();
   void obey(ViewClient client, const ViewRequest& request);
   void tell_news();
 

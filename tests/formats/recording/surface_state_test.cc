@@ -67,6 +67,24 @@ TEST(SurfaceStateFile, BrokenRowsAreRefused) {
             std::string::npos);
 }
 
+// Rows of tables by name, and back: two hands' tables of one name are one there.
+TEST(SurfaceState, IsThatOfEachTableOfResponses) {
+  const std::vector<std::string> hands{"ball", "new", "ball"};
+  const std::vector<YieldedRow> rows = surface_of(state(), hands);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[1], (YieldedRow{7, 0.0, 0.002, 0}));
+  EXPECT_EQ(rows[3], (YieldedRow{7, 0.0, 0.002, 2}));
+  SurfaceState pressed = state();
+  put_surface({{3, 0.5, 0.1, 0}, {7, 0.1, 0.3, 0}, {4, 0.2, 0.0, 1}, {7, 0.2, 0.1, 2}},
+              hands, pressed);
+  EXPECT_EQ(pressed.tool["ball"],
+            (std::vector<YieldedRow>{{3, 0.5, 0.1}, {7, 0.2, 0.3}}));
+  EXPECT_EQ(pressed.tool["new"], (std::vector<YieldedRow>{{4, 0.2, 0.0}}));
+  EXPECT_EQ(pressed.tool["a tip"], state().tool["a tip"]);
+  put_surface({}, hands, pressed);
+  EXPECT_TRUE(pressed.tool["ball"].empty());
+}
+
 TEST(SurfaceStateFile, ForeignAndDamagedFilesAreRefused) {
   const ScratchFolder folder;
   const auto said = [&] {
@@ -111,6 +129,22 @@ TEST(SurfaceStateFile, ARecordingHoldsWhatTheSurfaceWas) {
   writer.finish({});
   EXPECT_EQ(read_recording(folder / "a.h5").header.surface, header.surface);
   EXPECT_EQ(read_recording(folder / "cut.h5").header.surface, header.surface);
+  // Of several tables, each has its own sites.
+  header.poses = 1.0;
+  header.surface = {{4, 0.1, 0.2, 0}, {9, 0.0, 0.1, 0}, {4, 0.3, 0.0, 2}};
+  RecordingWriter several(folder / "b.h5", header);
+  several.finish({});
+  EXPECT_EQ(read_recording(folder / "b.h5").header.surface, header.surface);
+  for (const YieldedRow& broken : {YieldedRow{4, 0.1, 0.1, 2}, {5, 0.1, 0.1, 1}}) {
+    header.surface.push_back(broken);
+    RecordingWriter other(folder / "c.h5", header);
+    other.finish({});
+    EXPECT_NE(refusal([&] {
+                (void)read_recording(folder / "c.h5");
+              }),
+              "");
+    header.surface.pop_back();
+  }
 }
 
 }  // namespace

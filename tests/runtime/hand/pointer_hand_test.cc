@@ -35,6 +35,20 @@ TEST(PointerHand, IsNeverFasterThanTheCap) {
   EXPECT_NEAR(fastest, PointerHand::kSpeedMPerS, 1e-5);
 }
 
+TEST(PointerHand, TurnsNoFasterThanAWristAndToTheEnd) {
+  PointerHand hand(Eigen::Vector3d::Zero());
+  const Eigen::Quaterniond wanted(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
+  hand.turn_to(wanted);
+  double fastest = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    const Eigen::Quaterniond before = hand.target().turn;
+    hand.advance(kTickS);
+    fastest = std::max(fastest, before.angularDistance(hand.target().turn) / kTickS);
+  }
+  EXPECT_NEAR(fastest, PointerHand::kTurnRadPerS, 1e-6);
+  EXPECT_NEAR(hand.target().turn.angularDistance(wanted), 0.0, 1e-8);
+}
+
 TEST(PointerHand, DoesNotDependOnTheTickWhileTheGoalStands) {
   // One long step equals many short ones: the solution is exact.
   PointerHand once({0.0, 0.0, 0.01});

@@ -210,10 +210,43 @@ TEST_F(SeveralContactsRun, RefuseACouplingThatIsNotValid) {
   EXPECT_THROW((void)render(device, potential(), bad), InputError);
 }
 
-TEST_F(SeveralContactsRun, RefuseABodyThatHasYielded) {
+// A new run on the same body: all but what has yielded is forgotten.
+TEST_F(SeveralContactsRun, KeepWhatHasYielded) {
   SeveralContacts body(database_, pads_, potential().fast.fast);
+  const std::vector<YieldedRow> rows{{3, 1e-4, 0.0, 0}, {9, 0.0, 2e-4, 0}};
+  body.begin_with(rows);
+  EXPECT_EQ(body.yielded(), rows);
+  body.restart();
+  EXPECT_EQ(body.yielded(), rows);
   body.begin_with({});
-  EXPECT_THROW(body.begin_with({YieldedRow{}}), InputError);
+  EXPECT_TRUE(body.yielded().empty());
+  // More than there is room for: nothing changes.
+  body.begin_with(rows);
+  std::vector<YieldedRow> many;
+  for (std::int32_t site = 0; site <= kYieldedSites; ++site) {
+    many.push_back({site, 1e-4, 0.0, 0});
+  }
+  EXPECT_THROW(body.begin_with(many), InputError);
+  EXPECT_EQ(body.yielded(), rows);
+}
+
+// What the slow process had sent is sent at once again.
+TEST_F(SeveralContactsRun, BeginAnewWithoutWaitingForTheirTurn) {
+  SeveralContacts body(database_, pads_, potential().fast.fast);
+  const HandReadings high{{{.position_m = {0.0, 0.0, 0.02}}}};
+  const auto arrived = [&] {
+    body.publish(high, 0);
+    static_cast<void>(body.serve(0));
+    int elements = 0;
+    for (ArrivalRecord arrival; body.take_in(arrival);) {
+      ++elements;
+    }
+    return elements;
+  };
+  const int first = arrived();
+  EXPECT_LT(arrived(), first);
+  body.restart();
+  EXPECT_EQ(arrived(), first);
 }
 
 }  // namespace

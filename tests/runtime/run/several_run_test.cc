@@ -1,6 +1,7 @@
 // Runs of tools with several contacts, and of two hands on one body.
 #include "runtime/run/several_run.h"
 
+#include <algorithm>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -67,6 +68,43 @@ TEST_F(ContactRuns, PadsLeaveDents) {
   EXPECT_TRUE(r.yields);
   EXPECT_GT(r.yielded_j, 1e-5);
   EXPECT_LT(r.yielded_j, r.dissipated_j + 1e-12);
+}
+
+// What had yielded is begun with, left, and held by recordings, for each table of
+// responses; two hands' of one name are one in files.
+TEST_F(ContactRuns, BeginWithADentedSurface) {
+  Viscoelasticity relaxation;
+  relaxation.yielding.yield_depth_m = {0.0005};
+  relaxation.yielding.share = {0.3};
+  give_all(relaxation);
+  for (SimulationOptions o : {options("pads"), pinch()}) {
+    const bool hands = o.together.has_value();
+    Recording recording;
+    EXPECT_TRUE(replayed(o, recording).is_reproduced());
+    const SimulationReport first = last_;
+    const std::vector<YieldedRow>& rows = first.render.surface;
+    EXPECT_EQ(first.tables, hands ? std::vector<std::string>({"ball", "ball"})
+                                  : std::vector<std::string>({"pads"}));
+    for (std::int32_t table = 0; table < (hands ? 2 : 1); ++table) {
+      EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [&](const YieldedRow& row) {
+        return row.table == table && row.dent_m > 1e-4;
+      })) << table;
+    }
+    put_surface(rows, first.tables, o.surface);
+    EXPECT_EQ(o.surface.tool.size(), 1U);
+    EXPECT_TRUE(replayed(o, recording).is_reproduced());
+    EXPECT_EQ(recording.header.surface, surface_of(o.surface, first.tables));
+    EXPECT_LT(last_.render.yielded_j, 0.1 * first.render.yielded_j);
+    expect_balance(last_.render);
+    // Each table by itself counts.
+    for (std::int32_t table = 0; table < (hands ? 2 : 1); ++table) {
+      Recording other = recording;
+      std::erase_if(other.header.surface, [&](const YieldedRow& row) {
+        return row.table == table;
+      });
+      EXPECT_FALSE(replay(other, database_).is_reproduced()) << table;
+    }
+  }
 }
 
 // Each makes the other's place softer than it is alone.

@@ -33,7 +33,7 @@ TEST(TakenElements, OfAHostsToolAreBoundedInATick) {
   auto body = std::make_unique<SeveralContacts>(database, tools, fast);
   SeveralContacts& pads = *body;
   const BodyPlacement here;
-  HostTool host(std::move(body), here, 0.001, 0.5);
+  HostTool host(std::move(body), {"pads"}, here, 0.001, 0.5);
   const HostSample high{.position_m = {0.0, 0.0, 0.02}};
   (void)host.step(high);
   std::size_t waiting = host.serve(0);

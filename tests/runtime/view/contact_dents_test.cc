@@ -6,7 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "formats/database/table_memory.h"
-#include "runtime/view/contact_session.h"
+#include "runtime/view/steered_contacts.h"
+#include "runtime/view/view_session.h"
 #include "tests/support/padded_plate.h"
 
 namespace palpate {
@@ -25,13 +26,13 @@ TEST(ContactDents, OfAllPadsAreShown) {
     give_memory(database.body, database.normal, relaxation, 1, table);
   }
   const double side_m = 0.012;  // between pads
-  ContactSessionOptions options;
+  ViewSessionOptions options;
   options.tools = {"pads"};
-  ContactSession session(database, options);
+  ViewSession session(database, options);
   EXPECT_TRUE(session.frame().dents.empty());
   session.heed({.hold = true, .target_m = {0.0, 0.0, 0.002}, .hand = 0});
   session.advance(4000);
-  EXPECT_GT(session.command().carried_n, 0.0);
+  EXPECT_GT(session.report().carried_max_n, 0.0);
   session.let_go();
   session.advance(1000);
   EXPECT_FALSE(session.touching());
@@ -44,10 +45,12 @@ TEST(ContactDents, OfAllPadsAreShown) {
   };
   EXPECT_GT(below(-0.5 * side_m), 0);
   EXPECT_GT(below(0.5 * side_m), 0);
-  EXPECT_GT(session.account().yielded_j, 0.0);
+  EXPECT_GT(session.report().yielded_j, 0.0);
   EXPECT_EQ(session.fault(), Fault::kNone);
-  EXPECT_GE(session.account().work_j, -1e-12);
-  EXPECT_NEAR(imbalance_j(session.account()), 0.0, 1e-12);
+  const PassivityLedger& account =
+      account_of(dynamic_cast<SteeredContacts&>(session.body()).state());
+  EXPECT_GE(account.work_j, -1e-12);
+  EXPECT_NEAR(imbalance_j(account), 0.0, 1e-12);
   session.reset();
   EXPECT_TRUE(session.frame().dents.empty());
 }

@@ -48,14 +48,15 @@ TEST(ViewDents, OfASessionAppearUnderTheToolAndGoBack) {
   const ResponseDatabase database = relaxing_plate();
   ViewSession session(database, {});
   session.advance(100);
-  EXPECT_TRUE(session.dents().empty());
-  session.hold({0.0, 0.0, -0.004});
+  EXPECT_TRUE(session.frame().dents.empty());
+  session.heed({.hold = true, .target_m = {0.0, 0.0, -0.004}});
   session.advance(4000);
   const double held_n = session.latest().force_n[2];
   EXPECT_GT(held_n, 0.02);
   const auto deepest = [&] {
     double most_m = 0.0;
-    for (const NodeDent& dent : session.dents()) {
+    const ViewFrame frame = session.frame();
+    for (const NodeDent& dent : frame.dents) {
       most_m = std::max(most_m, dent.depth_m);
     }
     return most_m;
@@ -69,9 +70,9 @@ TEST(ViewDents, OfASessionAppearUnderTheToolAndGoBack) {
   EXPECT_GT(left_m, 0.0005);
   EXPECT_LT(left_m, dent_m);
   session.advance(6000);
-  EXPECT_TRUE(session.dents().empty());
+  EXPECT_TRUE(session.frame().dents.empty());
   session.reset();
-  EXPECT_TRUE(session.dents().empty());
+  EXPECT_TRUE(session.frame().dents.empty());
 }
 
 TEST(ViewDents, OfABodyThatYieldsStayAndAreGoneAfterAReset) {
@@ -80,12 +81,12 @@ TEST(ViewDents, OfABodyThatYieldsStayAndAreGoneAfterAReset) {
   yields.yielding = {.yield_depth_m = {0.001}, .share = {0.4}};
   give_memory(database.body, database.normal, yields, 1, database.tools[0]);
   ViewSession session(database, {});
-  session.hold({0.0, 0.0, -0.006});
+  session.heed({.hold = true, .target_m = {0.0, 0.0, -0.006}});
   session.advance(4000);
   session.let_go();
   session.advance(400);
   EXPECT_EQ(session.latest().force_n[2], 0.0);
-  const std::vector<NodeDent> dents = session.dents();
+  const std::vector<NodeDent> dents = session.frame().dents;
   ASSERT_FALSE(dents.empty());
   const auto deepest = std::max_element(dents.begin(), dents.end(),
                                         [](const NodeDent& a, const NodeDent& b) {
@@ -94,14 +95,14 @@ TEST(ViewDents, OfABodyThatYieldsStayAndAreGoneAfterAReset) {
   EXPECT_EQ(database.body.position_m.row(deepest->node).norm(), 0.0);
   EXPECT_GT(deepest->depth_m, 0.0005);
   session.advance(20000);
-  EXPECT_EQ(session.dents().size(), dents.size());
+  EXPECT_EQ(session.frame().dents.size(), dents.size());
   // A session of its own begins where this one ended.
   ViewSession next(database, {.surface = session.yielded()});
-  EXPECT_EQ(next.dents().size(), dents.size());
+  EXPECT_EQ(next.frame().dents.size(), dents.size());
   next.reset();
-  EXPECT_EQ(next.dents().size(), dents.size());
+  EXPECT_EQ(next.frame().dents.size(), dents.size());
   session.reset();
-  EXPECT_TRUE(session.dents().empty());
+  EXPECT_TRUE(session.frame().dents.empty());
 }
 
 TEST(ViewDents, OfAStaticBodyAreNone) {

@@ -148,7 +148,8 @@ TEST_F(WatchViewTest, ShowsSeveralContacts) {
                      .share = {0.2, 0.3, 0.5},
                      .touching = true};
   contacts->write(seen);
-  ASSERT_TRUE(ticks_->push({.tick = 0, .force_n = {0.0, 0.0, 0.3}}));
+  ASSERT_TRUE(ticks_->push(
+      {.tick = 0, .force_n = {0.0, 0.0, 0.3}, .torque_n_m = {0.0, 0.002, 0.0}}));
   view.frame();
   const nlohmann::json& frame = outbox_.frame[1];
   ASSERT_EQ(frame["hands"].size(), 1U);

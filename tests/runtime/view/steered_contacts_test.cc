@@ -1,6 +1,6 @@
 // Several contacts and two hands behind the live view: their equilibria are those of
 // closed forms, and no switch creates energy.
-#include "runtime/view/contact_session.h"
+#include "runtime/view/steered_contacts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/view/live_view.h"
+#include "runtime/view/view_session.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/said.h"
@@ -36,8 +37,8 @@ double coupled_n(double depth_m, double c_m_per_n) {
   return root * root;
 }
 
-ContactSessionOptions options(std::vector<std::string> tools) {
-  ContactSessionOptions o;
+ViewSessionOptions options(std::vector<std::string> tools) {
+  ViewSessionOptions o;
   o.tools = std::move(tools);
   o.device.coulomb_n = 0.0;
   o.device.resolution_m = 0.0;
@@ -48,10 +49,29 @@ HandWish press(double x, double z, int hand = 0) {
   return {.hold = true, .target_m = {x, 0.0, z}, .hand = hand};
 }
 
-class ContactSessionTest : public testing::Test {
+// With what tests look at.
+class PressedSession : public ViewSession {
+ public:
+  using ViewSession::ViewSession;
+
+  [[nodiscard]] SteeredContacts& contacts() {
+    return dynamic_cast<SteeredContacts&>(body());
+  }
+  [[nodiscard]] const PassivityLedger& account() {
+    return account_of(contacts().state());
+  }
+  [[nodiscard]] Eigen::Vector3d force_n(std::size_t hand = 0) const {
+    return Eigen::Vector3d(hand_in(latest(), hand).force_n.data());
+  }
+  [[nodiscard]] Eigen::Vector3d torque_n_m(std::size_t hand = 0) const {
+    return Eigen::Vector3d(hand_in(latest(), hand).torque_n_m.data());
+  }
+};
+
+class SteeredContactsTest : public testing::Test {
  protected:
   // Holds until all is at rest.
-  static void rest(ContactSession& session, const std::vector<HandWish>& wishes,
+  static void rest(PressedSession& session, const std::vector<HandWish>& wishes,
                    double seconds = 2.0) {
     for (const HandWish& wish : wishes) {
       session.heed(wish);
@@ -59,7 +79,7 @@ class ContactSessionTest : public testing::Test {
     session.advance(static_cast<std::int64_t>(seconds * session.fast_hz()));
   }
 
-  static void expect_account(const ContactSession& session) {
+  static void expect_account(PressedSession& session) {
     EXPECT_EQ(session.fault(), Fault::kNone);
     EXPECT_GE(session.account().work_j, -1e-12);
     EXPECT_NEAR(imbalance_j(session.account()), 0.0, 1e-12);
@@ -69,32 +89,32 @@ class ContactSessionTest : public testing::Test {
   ResponseDatabase database_ = padded_plate(2);
 };
 
-TEST_F(ContactSessionTest, TwoPadsRestWhereCoupledBodyAndGripBalance) {
-  ContactSession session(database_, options({"pads"}));
+TEST_F(SteeredContactsTest, TwoPadsRestWhereCoupledBodyAndGripBalance) {
+  PressedSession session(database_, options({"pads"}));
   rest(session, {press(0.0, 0.002)});
-  const double depth = session.command().depth_m;
-  const double force = session.command().wrench[0].force_n.z();
+  const double depth = session.latest().depth_m;
+  const double force = session.force_n().z();
   EXPECT_NEAR(force, 2.0 * coupled_n(depth, kReach / kSide), kStored * force);
   // The hand pulls to 3 mm below touch.
   const double grip = options({}).device.hand_n_per_m;
   EXPECT_NEAR(force, grip * (0.003 - depth), 1e-3 * force);
-  EXPECT_EQ(session.command().contacts, 2);
+  EXPECT_EQ(session.latest().contacts, 2);
   expect_account(session);
 }
 
-TEST_F(ContactSessionTest, ComparesWithContactsAddedUpAndChangesNothingByThat) {
-  ContactSession shown(database_, options({"pads"}));
-  ContactSession unseen(database_, options({"pads"}));
+TEST_F(SteeredContactsTest, ComparesWithContactsAddedUpAndChangesNothingByThat) {
+  PressedSession shown(database_, options({"pads"}));
+  PressedSession unseen(database_, options({"pads"}));
   for (int i = 0; i < 60; ++i) {
     const HandWish wish = press(2e-4 * i, 0.002);
     rest(shown, {wish}, 0.02);
     rest(unseen, {wish}, 0.02);
     (void)shown.frame();
-    EXPECT_EQ(shown.command().wrench[0].force_n, unseen.command().wrench[0].force_n);
+    EXPECT_EQ(shown.force_n(), unseen.force_n());
     EXPECT_EQ(shown.account().work_j, unseen.account().work_j);
   }
   rest(shown, {press(0.0, 0.002)}, 1.0);
-  const double depth = shown.command().depth_m;
+  const double depth = shown.latest().depth_m;
   const ViewHands hands = shown.frame().hands.value();
   EXPECT_NEAR(hands.hand[0].added_up_n.z(), 2.0 * kPress * depth * depth,
               kStored * hands.hand[0].added_up_n.z());
@@ -110,8 +130,8 @@ TEST_F(ContactSessionTest, ComparesWithContactsAddedUpAndChangesNothingByThat) {
 
 // The switch itself is no work of the hand: stored energy rises no further than the
 // tank, delta_0 takes the rest.
-TEST_F(ContactSessionTest, TheSwitchIsAChangeThatTheLedgerBalances) {
-  ContactSession session(database_, options({"pads"}));
+TEST_F(SteeredContactsTest, TheSwitchIsAChangeThatTheLedgerBalances) {
+  PressedSession session(database_, options({"pads"}));
   session.set({.friction = 0.0});  // which would leave something in the tank
   rest(session, {press(0.0, 0.002)});
   const PassivityLedger before = session.account();
@@ -120,33 +140,33 @@ TEST_F(ContactSessionTest, TheSwitchIsAChangeThatTheLedgerBalances) {
   EXPECT_NEAR(after.work_j, before.work_j, 1e-15);
   EXPECT_LE(after.stored_j + after.tank_j, before.stored_j + before.tank_j + 1e-15);
   EXPECT_GT(after.stored_j, 0.9 * before.stored_j);
-  EXPECT_GT(session.state().model.field.shift_m, 1e-5);
+  EXPECT_GT(session.contacts().state().model.field.shift_m, 1e-5);
   // What is shown beside it is without that.
   session.advance(1);
-  const double at = session.command().depth_m;
-  const double added_up = (*session.elastic(false))[0].force_n.z();
+  const double at = session.latest().depth_m;
+  const double added_up = (*session.contacts().elastic(false))[0].force_n.z();
   EXPECT_NEAR(added_up, 2.0 * kPress * at * at, kStored * added_up);
-  EXPECT_GT(added_up, 1.05 * session.command().wrench[0].force_n.z());
+  EXPECT_GT(added_up, 1.05 * session.force_n().z());
   // Nothing is left of it once the contacts have been lifted.
   session.let_go();
   session.advance(4000);
   EXPECT_FALSE(session.touching());
   rest(session, {press(0.0, 0.002)});
-  const double depth = session.command().depth_m;
-  const double force = session.command().wrench[0].force_n.z();
+  const double depth = session.latest().depth_m;
+  const double force = session.force_n().z();
   EXPECT_NEAR(force, 2.0 * kPress * depth * depth, kStored * force);
-  EXPECT_EQ(session.state().model.field.shift_m, 0.0);
+  EXPECT_EQ(session.contacts().state().model.field.shift_m, 0.0);
   expect_account(session);
   // And back: softer at once, what that frees waits in the tank.
   session.set({.coupled = true});
   EXPECT_GT(session.account().tank_j, 0.0);
   session.advance(2000);
-  EXPECT_LT(session.command().wrench[0].force_n.z(), force);
+  EXPECT_LT(session.force_n().z(), force);
   expect_account(session);
 }
 
-TEST_F(ContactSessionTest, NoSwitchingWhileTheToolMovesAndTurnsCreatesEnergy) {
-  ContactSession session(database_, options({"pads"}));
+TEST_F(SteeredContactsTest, NoSwitchingWhileTheToolMovesAndTurnsCreatesEnergy) {
+  PressedSession session(database_, options({"pads"}));
   double lowest_j = 0.0;
   int changes = 0;
   for (int i = 0; i < 400; ++i) {
@@ -171,7 +191,7 @@ TEST_F(ContactSessionTest, NoSwitchingWhileTheToolMovesAndTurnsCreatesEnergy) {
 }
 
 // A body n times as stiff sinks by an n-th under the same force, whatever carries that.
-TEST_F(ContactSessionTest, RowsAndModesOfAStifferBodyAreSofter) {
+TEST_F(SteeredContactsTest, RowsAndModesOfAStifferBodyAreSofter) {
   ComplianceTable& table = database_.tools[1].compliance;
   table.mode = RowsOf<float>::Constant(table.value.rows(), 2, 0.03F);
   table.added_modes = 1;
@@ -198,20 +218,20 @@ TEST_F(ContactSessionTest, RowsAndModesOfAStifferBodyAreSofter) {
   }
 }
 
-TEST_F(ContactSessionTest, StiffnessGoesForCurvesAndCompliance) {
-  ContactSession session(database_, options({"pads"}));
+TEST_F(SteeredContactsTest, StiffnessGoesForCurvesAndCompliance) {
+  PressedSession session(database_, options({"pads"}));
   session.set({.stiffness_scale = 0.5});
   rest(session, {press(0.0, 0.002)});
   // n times the forces, an n-th of the compliance: the same depths under the contacts.
-  const double depth = session.command().depth_m;
-  const double force = session.command().wrench[0].force_n.z();
+  const double depth = session.latest().depth_m;
+  const double force = session.force_n().z();
   EXPECT_NEAR(force, coupled_n(depth, kReach / kSide), kStored * force);
 }
 
-TEST_F(ContactSessionTest, ATiltedToolIsTurnedBackAndTurnsNoFasterThanAWrist) {
-  ContactSession session(database_, options({"pads"}));
+TEST_F(SteeredContactsTest, ATiltedToolIsTurnedBackAndTurnsNoFasterThanAWrist) {
+  PressedSession session(database_, options({"pads"}));
   rest(session, {press(0.0, 0.002)});
-  EXPECT_NEAR(session.command().wrench[0].torque_n_m.y(), 0.0, 1e-6);
+  EXPECT_NEAR(session.torque_n_m().y(), 0.0, 1e-6);
   HandWish wish = press(0.0, 0.002);
   wish.turn = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
   session.heed(wish);
@@ -225,19 +245,19 @@ TEST_F(ContactSessionTest, ATiltedToolIsTurnedBackAndTurnsNoFasterThanAWrist) {
   }
   EXPECT_NEAR(last.angularDistance(*wish.turn), 0.0, 1e-5);
   EXPECT_GT(fastest, 1.0);
-  EXPECT_LE(fastest, ContactSession::kTurnRadPerS * (1.0 + 1e-6));
+  EXPECT_LE(fastest, PointerHand::kTurnRadPerS * (1.0 + 1e-6));
   // About y, +x goes down, and is pressed up there.
-  EXPECT_LT(session.command().wrench[0].torque_n_m.y(), -1e-4);
+  EXPECT_LT(session.torque_n_m().y(), -1e-4);
 }
 
-TEST_F(ContactSessionTest, TwoHandsSinkTheBodyUnderEachOther) {
+TEST_F(SteeredContactsTest, TwoHandsSinkTheBodyUnderEachOther) {
   constexpr double kApart = 0.014;
-  ContactSession session(database_, options({"ball", "ball"}));
+  PressedSession session(database_, options({"ball", "ball"}));
   const double half = 0.5 * kApart;
   rest(session, {press(-half, 0.002, 0), press(half, 0.002, 1)});
-  const double depth = session.command().depth_m;
-  const Eigen::Vector3d first = session.command().wrench[0].force_n;
-  const Eigen::Vector3d second = session.command().wrench[1].force_n;
+  const double depth = session.latest().depth_m;
+  const Eigen::Vector3d first = session.force_n();
+  const Eigen::Vector3d second = session.force_n(1);
   // Where the places are: friction holds them apart.
   const ViewHands hands = session.frame().hands.value();
   const double apart = (hands.touch[0].point_m - hands.touch[1].point_m).norm();
@@ -248,14 +268,21 @@ TEST_F(ContactSessionTest, TwoHandsSinkTheBodyUnderEachOther) {
   EXPECT_GT(hands.hand[0].coupled_n.x(), 0.01 * first.z());
   EXPECT_NEAR(hands.hand[0].coupled_n.x(), -hands.hand[1].coupled_n.x(),
               1e-3 * first.z());
+  // Each is lifted from where it touches itself.
+  for (int hand = 0; hand < 2; ++hand) {
+    const std::int32_t triangle = session.contacts().triangle_under(
+        static_cast<std::size_t>(hand), session.latest());
+    ASSERT_GE(triangle, 0);
+    const double x = database_.body.position_m(database_.body.triangle(triangle, 0), 0);
+    EXPECT_NEAR(x, hand == 0 ? -half : half, half) << hand;
+  }
   // One lifts: the other has more of the body.
   session.heed({.hold = false, .hand = 1});
   session.advance(4000);
-  EXPECT_EQ(session.command().wrench[1].force_n.norm(), 0.0);
-  const double alone = session.command().depth_m;
-  EXPECT_NEAR(session.command().wrench[0].force_n.z(), kPress * alone * alone,
-              kStored * first.z());
-  EXPECT_GT(session.command().wrench[0].force_n.z(), 1.02 * first.z());
+  EXPECT_EQ(session.force_n(1).norm(), 0.0);
+  const double alone = session.latest().depth_m;
+  EXPECT_NEAR(session.force_n().z(), kPress * alone * alone, kStored * first.z());
+  EXPECT_GT(session.force_n().z(), 1.02 * first.z());
   EXPECT_TRUE(session.holding());
   session.let_go();
   EXPECT_FALSE(session.holding());
@@ -264,8 +291,8 @@ TEST_F(ContactSessionTest, TwoHandsSinkTheBodyUnderEachOther) {
   expect_account(session);
 }
 
-TEST_F(ContactSessionTest, TwoHandsBeginClearOfTheBodyAndOfEachOther) {
-  ContactSession session(database_, options({"ball", "pads"}));
+TEST_F(SteeredContactsTest, TwoHandsBeginClearOfTheBodyAndOfEachOther) {
+  PressedSession session(database_, options({"ball", "pads"}));
   const ViewHands hands = session.frame().hands.value();
   ASSERT_EQ(hands.hand.size(), 2U);
   EXPECT_GT((hands.hand[0].tool_m - hands.hand[1].tool_m).norm(),
@@ -288,8 +315,8 @@ class OnePageOutbox : public ViewOutbox {
   std::string frame;
 };
 
-TEST_F(ContactSessionTest, APageSteersBothHandsAndARecordingDoesItAgain) {
-  ContactSession session(database_, options({"ball", "pads"}));
+TEST_F(SteeredContactsTest, APageSteersBothHandsAndARecordingDoesItAgain) {
+  PressedSession session(database_, options({"ball", "pads"}));
   FakeClock wall(1);
   LiveView view(session, wall);
   OnePageOutbox outbox;
@@ -316,8 +343,8 @@ TEST_F(ContactSessionTest, APageSteersBothHandsAndARecordingDoesItAgain) {
       } else if (i == 60) {
         pass({});
       }
-      wrench.push_back(session.command().wrench[0]);
-      wrench.push_back(session.command().wrench[1]);
+      wrench.push_back({session.force_n(0), session.torque_n_m(0)});
+      wrench.push_back({session.force_n(1), session.torque_n_m(1)});
     }
     return wrench;
   };
@@ -341,7 +368,7 @@ TEST_F(ContactSessionTest, APageSteersBothHandsAndARecordingDoesItAgain) {
   EXPECT_EQ(outbox.sent.size(), 1U) << outbox.sent.back();
 }
 
-TEST_F(ContactSessionTest, RefusesInASentence) {
+TEST_F(SteeredContactsTest, RefusesInASentence) {
   const auto refusal = [](auto&& what) {
     try {
       what();
@@ -350,7 +377,7 @@ TEST_F(ContactSessionTest, RefusesInASentence) {
     }
     return std::string();
   };
-  ContactSession session(database_, options({"pads"}));
+  PressedSession session(database_, options({"pads"}));
   EXPECT_TRUE(contains(refusal([&] {
                          session.heed(press(0.0, 0.0, 1));
                        }),
@@ -360,35 +387,35 @@ TEST_F(ContactSessionTest, RefusesInASentence) {
                        }),
                        "\"potential\" alone"));
   EXPECT_TRUE(session.frame().hands->coupled);
-  EXPECT_TRUE(contains(
-      refusal([&] {
-        const ContactSession none(database_, options({"ball", "ball", "ball"}));
-      }),
-      "must be 1 to 2"));
-  ContactSessionOptions slow = options({"pads"});
+  EXPECT_TRUE(
+      contains(refusal([&] {
+                 const ViewSession none(database_, options({"ball", "ball", "ball"}));
+               }),
+               "must be 1 to 2"));
+  ViewSessionOptions slow = options({"pads"});
   slow.slow_hz = 0.5;
   EXPECT_TRUE(contains(refusal([&] {
-                         const ContactSession none(database_, slow);
+                         const ViewSession none(database_, slow);
                        }),
                        "slow rate is 0.5 Hz"));
   const ResponseDatabase without = padded_plate(2, false);
   EXPECT_TRUE(contains(refusal([&] {
-                         const ContactSession none(without, options({"pads"}));
+                         const ViewSession none(without, options({"pads"}));
                        }),
                        "has no table of compliance"));
 }
 
 // One sphere in a set of its own is rendered as one contact.
-TEST_F(ContactSessionTest, ASetOfOneContactIsRenderedToo) {
+TEST_F(SteeredContactsTest, ASetOfOneContactIsRenderedToo) {
   const ResponseDatabase one = padded_plate(1);
-  ContactSession session(one, options({"pads"}));
+  PressedSession session(one, options({"pads"}));
   rest(session, {press(0.0, 0.002)});
-  const double depth = session.command().depth_m;
-  const double force = session.command().wrench[0].force_n.z();
+  const double depth = session.latest().depth_m;
+  const double force = session.force_n().z();
   EXPECT_NEAR(force, kPress * depth * depth, kStored * force);
   session.set({.stiffness_scale = 0.5, .coupled = false});
   session.advance(2000);
-  EXPECT_LT(session.command().wrench[0].force_n.z(), 0.9 * force);
+  EXPECT_LT(session.force_n().z(), 0.9 * force);
   EXPECT_EQ(session.frame().hands->touch.size(), 1U);
   expect_account(session);
 }
