@@ -24,7 +24,6 @@
 #include "runtime/run/reconnect.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
-#include "runtime/run/several_run.h"
 
 namespace palpate {
 namespace {
@@ -132,6 +131,7 @@ void run_scene_on_device(DeviceRunFlags& flags) {
         "--reconnect, --record and --flight-recorder: not of a scene, build its "
         "database first");
   }
+  refuse_together_of_scene(flags.device);
   attach_device(flags.device, flags.options);
   const std::atomic<bool>& stop = heed_stop_signals();
   const auto client = join_scene(flags.database, flags.scene, flags.options.tool);
@@ -172,8 +172,9 @@ void run_device(DeviceRunFlags& flags) {
   refuse_scene_options(flags.scene);
   name_recorded(flags);
   flags.options.surface = begin_surface(flags.surface, flags.database);
-  attach_device(flags.device, flags.options);
   const ResponseDatabase database = read_database(flags.database);
+  check_tools(database, flags.device);
+  attach_device(flags.device, flags.options);
   const std::vector<SimulationReport> reports = render(flags, database);
   print_runs(flags, reports);
   leave_surface(flags.surface, flags.options.surface, std::span(&reports.back(), 1));
@@ -206,7 +207,7 @@ void add_device_command(Command app) {
   command.add_option("--model", flags->model, "Local model: " + known_models())
       .show_default();
   command.add_option("--seconds", options.duration_s, "Duration [s]").show_default();
-  command.add_option("--tool", options.tool, "Tool; may be left out if there is one");
+  add_tool_options(command, flags->device);
   command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")
       .show_default();
   command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")

@@ -44,8 +44,6 @@ struct ViewFlags {
   double seconds = 3600.0;  // of a device's run
   bool limit_stiffness = false;
   bool fast_hz_given = false;
-  bool together = false;
-  std::vector<std::string> tools;
   SurfaceFiles surface;
   ViewSessionOptions options;
   DeviceFlags device;
@@ -131,10 +129,10 @@ ViewedBody viewed(const ViewFlags& flags, const ViewSession& session) {
 void steer(const ViewFlags& flags, const ResponseDatabase& database) {
   check_stiffness_scale(flags.stiffness_scale);
   ViewSessionOptions options = flags.options;
-  options.tools = flags.tools;
+  options.tools = flags.device.tools;
   options.model = requested_model(flags.model);
   SurfaceState surface = begin(flags);
-  const std::vector<std::string> tables = surface_tables(database, flags.tools);
+  const std::vector<std::string> tables = surface_tables(database, flags.device.tools);
   options.surface = surface_of(surface, tables);
   ViewSession session(database, options);
   session.set({.stiffness_scale = flags.stiffness_scale});
@@ -147,7 +145,6 @@ void steer(const ViewFlags& flags, const ResponseDatabase& database) {
 
 SimulationOptions watched_options(ViewFlags& flags, TickQueue& ticks) {
   SimulationOptions options;
-  options.tool = flags.tools.empty() ? "" : flags.tools.front();
   options.model = requested_model(flags.model);
   options.duration_s = flags.seconds;
   constexpr double kDeviceHz = 1000.0;
@@ -203,10 +200,11 @@ void watch(ViewFlags& flags, const ResponseDatabase& database) {
                   .device = flags.device.request.name,
                   .fast_hz = options.fast_hz,
                   .force_max_n = options.force_max_n};
-  const bool several = !body.table.tool.contact.empty();
+  const bool several =
+      is_contact_run(database, flags.device.tools, flags.device.together);
   if (several) {
     options.watch_contacts = contacts.get();
-    body.hands = {&body.table};
+    body.hands = find_tools(database, flags.device.tools);
   }
   WatchView view(body, options, *ticks, several ? contacts.get() : nullptr);
   const SimulationReport report = look_on(flags, body, view, [&] {
@@ -226,8 +224,9 @@ ViewedBody viewed_scene(const ServedScene& scene, ViewedBody body) {
 // clock.
 void steer_scene(const ViewFlags& flags) {
   const std::atomic<bool>& stop = heed_stop_signals();
-  const auto client = join_scene(flags.database, flags.scene,
-                                 flags.tools.empty() ? "" : flags.tools.front());
+  const auto client =
+      join_scene(flags.database, flags.scene,
+                 flags.device.tools.empty() ? "" : flags.device.tools.front());
   const ServedScene& scene = client->scene(stop);
   const ResponseDatabase body = body_of(scene, client->tool());
   GrowingElements elements(body.body, body.normal, body.tools.front().tool);
@@ -248,8 +247,9 @@ void watch_scene(ViewFlags& flags) {
   const std::atomic<bool>& stop = heed_stop_signals();
   const auto ticks = std::make_unique<TickQueue>();
   const SimulationOptions options = watched_options(flags, *ticks);
-  const auto client = join_scene(flags.database, flags.scene,
-                                 flags.tools.empty() ? "" : flags.tools.front());
+  const auto client =
+      join_scene(flags.database, flags.scene,
+                 flags.device.tools.empty() ? "" : flags.device.tools.front());
   const ServedScene& scene = client->scene(stop);
   const ResponseDatabase database = body_of(scene, client->tool());
   GrowingElements elements(database.body, database.normal, database.tools.front().tool);
@@ -268,36 +268,15 @@ void watch_scene(ViewFlags& flags) {
 
 void show_scene(ViewFlags& flags) {
   refuse_surface(flags.surface);
-  if (flags.together || flags.tools.size() > 1 || !flags.demo.empty()) {
-    throw InputError(
-        "a scene is shown with one tool: leave out --together and --demo, or build its "
-        "database first");
+  refuse_together_of_scene(flags.device);
+  if (!flags.demo.empty()) {
+    throw InputError("a scene is shown by itself: leave out --demo");
   }
   if (flags.device.request.name.empty()) {
     steer_scene(flags);
   } else {
     watch_scene(flags);
   }
-}
-
-// @throws InputError where tools and flags do not say what is shown.
-void check_tools(const ViewFlags& flags, const ResponseDatabase& database) {
-  if (flags.together && flags.tools.size() != 2) {
-    throw InputError(fmt::format(
-        "--together: two tools press the body, must be two as --tool a,b, {} given",
-        flags.tools.size()));
-  }
-  if (!flags.together && flags.tools.size() > 1) {
-    throw InputError(
-        fmt::format("--tool names {} tools: one is shown, or two that press the body "
-                    "together (--together)",
-                    flags.tools.size()));
-  }
-  if (flags.together && !flags.device.request.name.empty()) {
-    throw InputError(
-        "--device with --together: one device holds one tool; leave one of them out");
-  }
-  static_cast<void>(is_contact_run(database, flags.tools, flags.together));
 }
 
 void show(ViewFlags& flags) {
@@ -307,7 +286,7 @@ void show(ViewFlags& flags) {
   }
   refuse_scene_options(flags.scene);
   const ResponseDatabase database = shown(flags);
-  check_tools(flags, database);
+  check_tools(database, flags.device);
   if (flags.device.request.name.empty() && wanted_coupling(flags.coupling)) {
     throw InputError("--coupling: is of a device's run; give --device");
   }
@@ -337,13 +316,7 @@ void add_view_command(Command app) {
       .show_default();
   command.add_option("--model", flags->model, "Local model: " + known_models())
       .show_default();
-  command
-      .add_option("--tool", flags->tools,
-                  "Tool, or two with --together: a,b; may be left out if there is one")
-      .separated_by(',')
-      .one_value_each();
-  command.add_flag("--together", flags->together,
-                   "Two tools press one body together, coupled through it (a pinch)");
+  add_tool_options(command, flags->device);
   command.add_option("--slow-hz", options.slow_hz, "Rate of element updates [Hz]")
       .show_default();
   command.add_option("--fast-hz", options.fast_hz, "Rate of force updates [Hz]")

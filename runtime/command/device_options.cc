@@ -9,6 +9,7 @@
 #include "runtime/attach/driven_devices.h"
 #include "runtime/attach/probe_file.h"
 #include "runtime/realtime/stop_signals.h"
+#include "runtime/run/several_run.h"
 
 namespace palpate {
 
@@ -110,7 +111,21 @@ void add_device_options(Command command, DeviceFlags& flags) {
   command.add_option("--plane", request.plane,
                      "Section of the body for a device that moves in a plane: x=0.01 "
                      "[m]; else the one through the pressed node");
-  command.add_option("--at", flags.at_m, "Where to press: x,y,z [m]")
+  command.add_option("--second-device", flags.second.name,
+                     "With --together: the second tool's device; what else is said of "
+                     "the first holds for it, --plane and --firmware if it is of the "
+                     "same kind");
+  command.add_option("--second-device-id", flags.second.device_id,
+                     "As --device-id, of the second device");
+  command.add_option("--second-usb", flags.second.usb,
+                     "As --usb, of the second device");
+  command
+      .add_option("--second-calibration", flags.second_calibration,
+                  "As --calibration, of the second device")
+      .show_default();
+  command
+      .add_option("--at", flags.at_m,
+                  "Where to press: x,y,z [m], of two tools together six")
       .separated_by(',')
       .one_value_each();
 }
@@ -132,21 +147,98 @@ void prepare_request(DeviceFlags& flags) {
   flags.request.calibration = motor_factor(flags.calibration, flags.request.name);
 }
 
+namespace {
+
+// A driver's socket, or a device that is chosen here.
+void seat(const DeviceRequest& request, std::filesystem::path& socket,
+          std::optional<AttachedDevice>& attached) {
+  if (request.name.find('/') != std::string::npos) {
+    socket = request.name;
+  } else {
+    attached = choose_device(request);
+  }
+}
+
+// Where the tool of that number presses; none: anywhere.
+std::optional<Eigen::Vector3d> pressed_at(const DeviceFlags& flags, std::size_t tool) {
+  if (flags.at_m.empty()) {
+    return std::nullopt;
+  }
+  const std::size_t wanted = flags.together ? 6 : 3;
+  if (flags.at_m.size() != wanted) {
+    throw InputError(fmt::format("--at has {} coordinates, must have {}: {} [m]",
+                                 flags.at_m.size(), wanted,
+                                 flags.together ? "x,y,z of each tool" : "x,y,z"));
+  }
+  return Eigen::Vector3d(&flags.at_m[3 * tool]);
+}
+
+SecondHand second_hand(const DeviceFlags& flags) {
+  if (flags.second.name.empty()) {
+    throw InputError(
+        "--together: the second tool's device is missing, give --second-device");
+  }
+  DeviceRequest request = flags.request;
+  request.name = flags.second.name;
+  request.usb = flags.second.usb;
+  request.device_id = flags.second.device_id;
+  request.profile += "-second";
+  if (device_kind(request.name) != device_kind(flags.request.name)) {
+    request.plane.clear();
+    request.firmware.clear();
+  }
+  request.calibration = motor_factor(flags.second_calibration, request.name);
+  SecondHand second{.tool = flags.tools[1], .at_m = pressed_at(flags, 1)};
+  seat(request, second.socket, second.attached);
+  return second;
+}
+
+}  // namespace
+
+void add_tool_options(Command command, DeviceFlags& flags) {
+  command
+      .add_option("--tool", flags.tools,
+                  "Tool, or two with --together: a,b; may be left out if there is one")
+      .separated_by(',')
+      .one_value_each();
+  command.add_flag("--together", flags.together,
+                   "Two tools press one body together, coupled through it (a pinch)");
+}
+
+void check_tools(const ResponseDatabase& database, const DeviceFlags& flags) {
+  if (flags.together && flags.tools.size() != 2) {
+    throw InputError(fmt::format(
+        "--together: two tools press the body, must be two as --tool a,b, {} given",
+        flags.tools.size()));
+  }
+  if (!flags.together && flags.tools.size() > 1) {
+    throw InputError(
+        fmt::format("--tool names {} tools: must be one, or two that press the body "
+                    "together (--together)",
+                    flags.tools.size()));
+  }
+  static_cast<void>(is_contact_run(database, flags.tools, flags.together));
+}
+
+void refuse_together_of_scene(const DeviceFlags& flags) {
+  if (flags.together || flags.tools.size() > 1) {
+    throw InputError(
+        "a scene is rendered with one tool while it is computed: leave out --together, "
+        "or build its database first");
+  }
+}
+
 void attach_device(DeviceFlags& flags, SimulationOptions& options) {
   prepare_request(flags);
   options.real_time = true;
-  if (flags.request.name.find('/') != std::string::npos) {
-    options.socket = flags.request.name;
-  } else {
-    options.attached = choose_device(flags.request);
-  }
+  options.tool = flags.tools.empty() ? "" : flags.tools.front();
+  options.at_m = pressed_at(flags, 0);
+  seat(flags.request, options.socket, options.attached);
   take_probed(flags, options);
-  if (!flags.at_m.empty()) {
-    if (flags.at_m.size() != 3) {
-      throw InputError(fmt::format("--at has {} coordinates, must have 3: x,y,z [m]",
-                                   flags.at_m.size()));
-    }
-    options.at_m = Eigen::Vector3d(flags.at_m.data());
+  if (flags.together) {
+    options.together = second_hand(flags);
+  } else if (!flags.second.name.empty()) {
+    throw InputError("--second-device: holds the second of two tools, give --together");
   }
 }
 

@@ -11,13 +11,17 @@
 
 namespace palpate {
 
-/// What the command line says of a device.
+/// What the command line says of a device, and of a second hand's.
 struct DeviceFlags {
   DeviceRequest request;
   std::string calibration = "1";
   std::vector<double> at_m;
   bool no_sign_test = false;
-  std::string probed;  ///< file of a probe; empty: none
+  std::string probed;    ///< file of a probe; empty: none
+  DeviceRequest second;  ///< name, usb and device_id; the rest is the first one's
+  std::string second_calibration = "1";
+  std::vector<std::string> tools;  ///< one, or two together; none: the only one
+  bool together = false;           ///< two tools press the body, each on its device
 };
 
 /// --device and what goes with it. @param flags must outlive the command.
@@ -37,7 +41,18 @@ void ask_person(const std::string& text);
 /// @throws as motor_factor().
 void prepare_request(DeviceFlags& flags);
 
-/// Chooses the device, for a run in real time. @throws as choose_device().
+/// --tool and --together. @param flags must outlive the command.
+void add_tool_options(Command command, DeviceFlags& flags);
+
+/// @throws InputError where tools and flags do not say what touches the body.
+void check_tools(const ResponseDatabase& database, const DeviceFlags& flags);
+
+/// Of a scene that is computed meanwhile: it is rendered with one tool.
+/// @throws InputError for two.
+void refuse_together_of_scene(const DeviceFlags& flags);
+
+/// Chooses the device or both, and their tools, for a run in real time. @throws as
+/// choose_device(); InputError for a second device without --together.
 void attach_device(DeviceFlags& flags, SimulationOptions& options);
 
 }  // namespace palpate

@@ -6,8 +6,8 @@
 namespace palpate {
 namespace {
 
-Eigen::Quaterniond turned(const Eigen::Quaterniond& now,
-                          const Eigen::Quaterniond& wanted, double dt_s) {
+Eigen::Quaterniond turned_by_wrist(const Eigen::Quaterniond& now,
+                                   const Eigen::Quaterniond& wanted, double dt_s) {
   const double angle = now.angularDistance(wanted);
   if (!(angle > 1e-9)) {
     return now;
@@ -38,7 +38,7 @@ void PointerHand::advance(double dt_s) noexcept {
   const Eigen::Vector3d slope = target_.velocity_m_per_s + w * y;
   target_.position_m = goal_m_ + decay * (y + slope * dt_s);
   target_.velocity_m_per_s = decay * (target_.velocity_m_per_s - w * dt_s * slope);
-  target_.turn = turned(target_.turn, wanted_turn_, dt_s);
+  target_.turn = turned_by_wrist(target_.turn, wanted_turn_, dt_s);
 }
 
 }  // namespace palpate

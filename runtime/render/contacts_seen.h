@@ -10,11 +10,16 @@
 
 namespace palpate {
 
+/// A hand with its tool.
+struct HandSeen {
+  PortPose tool;    ///< of the tool ...
+  PortPose device;  ///< ... and of the device, which a coupling keeps apart
+  Wrench wrench;    ///< on the device's hand
+};
+
 struct ContactsSeen {
+  std::array<HandSeen, kPortsMax> hand;
   std::int32_t count = 0;  ///< [0, kContactsMax]
-  PortPose tool;           ///< of the tool ...
-  PortPose device;         ///< ... and of the device, which a coupling keeps apart
-  Wrench wrench;           ///< on the device's hand
   bool hung = false;       ///< there is a coupling
   bool scaled = false;     ///< C is not whole (coupled_contacts.h)
   std::array<CoupledContactPlace, kContactsMax> contact;

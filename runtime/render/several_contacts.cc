@@ -235,12 +235,12 @@ void SeveralContacts::delivered(const PortWrenches& made) noexcept {
   }
 }
 
-void SeveralContacts::show(const DeviceReading& reading) noexcept {
+void SeveralContacts::show(const HandReadings& reading) noexcept {
   const CoupledState& s = storage_.state();
   seen_.count = s.set.count;
-  seen_.tool = s.latest.pose[0];
-  seen_.device = pose_of(reading);
-  seen_.wrench = wrench_[0];
+  for (std::size_t hand = 0; hand < hands(); ++hand) {
+    seen_.hand[hand] = {s.latest.pose[hand], pose_of(reading[hand]), wrench_[hand]};
+  }
   seen_.hung = hung_ != nullptr;
   seen_.scaled = scaled_;
   for (int i = 0; i < s.set.count; ++i) {
@@ -252,7 +252,7 @@ void SeveralContacts::show(const DeviceReading& reading) noexcept {
 void SeveralContacts::publish(const HandReadings& reading,
                               std::int64_t ticks) noexcept {
   if (watch_ != nullptr) {
-    show(reading[0]);
+    show(reading);
   }
   ContactToolState at = contact_tool_state(
       storage_.state(), static_cast<std::uint64_t>(std::max<std::int64_t>(1, ticks)));

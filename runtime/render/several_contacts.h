@@ -28,7 +28,7 @@ struct ContactsHeld {
   bool torque_felt = false;
   /// Whether a turn that no wrist makes is a fault; a simulator's may jump.
   bool watch_turns = true;
-  /// Sees every tick of the first hand; null: nobody looks on. Outlives the body.
+  /// Sees every tick; null: nobody looks on. Outlives the body.
   ContactsWatch* watch = nullptr;
 };
 
@@ -107,7 +107,7 @@ class SeveralContacts : public RenderedBody {
 
  private:
   void forget_what_is_under_way() noexcept;
-  void show(const DeviceReading& reading) noexcept;
+  void show(const HandReadings& reading) noexcept;
   void watch_turns(const HandReadings& reading) noexcept;
   std::shared_ptr<ContactSender> stream_;
   CoupledStorage storage_;

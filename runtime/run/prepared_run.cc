@@ -10,8 +10,7 @@
 
 #include "formats/base/error.h"
 #include "formats/response/tool_support.h"
-#include "runtime/device/socket_device.h"
-#include "runtime/hand/wandering_hand.h"
+#include "runtime/run/hand_seat.h"
 #include "runtime/run/pose_trace.h"
 #include "runtime/run/posed_device.h"
 #include "runtime/run/recorded_setup.h"
@@ -19,11 +18,6 @@
 
 namespace palpate {
 namespace {
-
-// All hands' devices.
-bool are_simulated(const SimulationOptions& options) {
-  return is_simulated(options, 0) && (!options.together || is_simulated(options, 1));
-}
 
 RenderConfig render_config(const SimulationOptions& options, const ToolShape& tool) {
   RenderConfig config;
@@ -34,7 +28,7 @@ RenderConfig render_config(const SimulationOptions& options, const ToolShape& to
   config.fast.rate_hz = options.fast_hz;
   config.fast.stall_s = 5.0 / options.slow_hz;
   config.fast.stall_fault_s = std::max(0.5, 10.0 / options.slow_hz);
-  if (options.attached) {
+  if (options.attached || (options.together && options.together->attached)) {
     constexpr double kHandMax = 3.0;  // [m/s] no hand moves a tool faster
     config.fast.speed_max_m_per_s = kHandMax;
   }
@@ -95,77 +89,6 @@ void prepare_records(PreparedRun& run, const DeviceLimits& limits) {
   if (!wanted.flight_file.empty()) {
     run.flight = std::make_unique<FlightLog>();
   }
-}
-
-std::unique_ptr<Device> wandering_device(const PressedBody& body,
-                                         const SimulationOptions& options,
-                                         const SimulatedDeviceConfig& config,
-                                         Clock& clock) {
-  if (options.attached || !options.socket.empty()) {
-    throw InputError("a simulated hand wanders, none that holds a device");
-  }
-  if (body.database == nullptr) {
-    throw InputError("a hand wanders over a body in memory: leave out --stream");
-  }
-  constexpr double kPress = 0.3;  // of the depth that is computed
-  const WanderOptions wander{.speed_m_per_s = options.wander_m_per_s,
-                             .touch_m = nominal_height_m(body.tool),
-                             .press_m = kPress * body.depth_max_m};
-  return std::make_unique<WanderingDevice>(
-      config,
-      WanderingHand(body.database->body, body.database->normal, body.open, wander),
-      clock);
-}
-
-// A hand's device, as far as it is one before somebody knows what it presses.
-struct HandSeat {
-  DeviceLimits limits;
-  std::unique_ptr<Device> connected = nullptr;  // by a socket
-  const AttachedDevice* attached = nullptr;
-};
-
-HandSeat seat_of(const SimulationOptions& options, const std::filesystem::path& socket,
-                 const AttachedDevice* attached = nullptr) {
-  HandSeat seat;
-  if (attached != nullptr) {
-    seat.attached = attached;
-    seat.limits = attached->limits;
-  } else if (!socket.empty()) {
-    seat.connected = std::make_unique<SocketDevice>(socket);
-    seat.limits = seat.connected->limits();
-  } else {
-    SimulatedClock clock;
-    seat.limits = SimulatedDevice(options.device, HandScript{}, clock, {}).limits();
-  }
-  return seat;
-}
-
-std::unique_ptr<Device> make_device(const SimulationOptions& options, HandSeat& seat,
-                                    const HandScript& script, bool several,
-                                    Clock& clock) {
-  if (seat.attached != nullptr) {
-    return seat.attached->make(script);
-  }
-  if (seat.connected != nullptr) {
-    return std::move(seat.connected);
-  }
-  auto device = std::make_unique<SimulatedDevice>(
-      options.device, script, clock,
-      SimulatedMotion{.position_m = script.at(0.0).position_m});
-  if (several) {
-    device->turn_by({.normal = script.normal,
-                     .tilt_rad = options.tilt_rad,
-                     .turn_rad = options.turn_rad});
-  }
-  return device;
-}
-
-// Of two devices the one that renders less.
-DeviceLimits weaker(const DeviceLimits& a, const DeviceLimits& b, double hold_s) {
-  return stability_bounds(a, hold_s).renderable_n_per_m() <=
-                 stability_bounds(b, hold_s).renderable_n_per_m()
-             ? a
-             : b;
 }
 
 using GivenPoses = std::shared_ptr<const std::vector<RenderTick>>;
@@ -233,6 +156,7 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
   if (report.coupling) {
     held.coupling = report.coupling->coupling;
   }
+  report.second_device = run.second != nullptr ? run.second->name() : "";
   run.several = body.several(run.config.fast.fast, held);
   reserve_trace(run);
 }
@@ -247,10 +171,17 @@ void finish(PreparedRun& run, const RenderReport& rendered) {
   report.device_failure = run.device->failure();
   if (run.second != nullptr && report.device_failure.empty()) {
     report.device_failure = run.second->failure();
+    if (!report.device_failure.empty()) {
+      report.device_failure = fmt::format("second hand's {}: {}", report.second_device,
+                                          report.device_failure);
+    }
   }
   report.device_turns = run.device->measures_turns();
   if (const LinkReport* wire = run.device->wire()) {
     report.wire = *wire;
+  }
+  if (const LinkReport* wire = run.second ? run.second->wire() : nullptr) {
+    report.second_wire = *wire;
   }
   const std::string_view fault = name(rendered.fault);
   if (run.recorder != nullptr) {
@@ -312,11 +243,6 @@ void check(const SimulationOptions& options) {
   }
 }
 
-bool is_simulated(const SimulationOptions& options, int hand) {
-  return hand == 0 ? options.socket.empty() && !options.attached
-                   : options.together->socket.empty();
-}
-
 PreparedRun prepare(const PressedBody& body, const SimulationOptions& wanted,
                     Clock& clock) {
   check_several(body.tool, wanted, body.several != nullptr);
@@ -331,14 +257,14 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& wanted,
   report.node = body.node;
   report.options.device.tick_s = 1.0 / wanted.fast_hz;  // whatever poses' rate is
   report.options.device.force_max_n = options.force_max_n;
-  HandSeat seat = seat_of(report.options, options.socket,
-                          options.attached ? &*options.attached : nullptr);
+  HandSeat seat = seat_of(report.options, options.socket, options.attached);
   std::optional<HandSeat> second;
   report.hold_s =
       hold_s(options.model, wanted.fast_hz, wanted.slow_hz, seat.limits.hold_s);
   DeviceLimits limits = seat.limits;
   if (options.together) {
-    second.emplace(seat_of(report.options, options.together->socket));
+    second.emplace(
+        seat_of(report.options, options.together->socket, options.together->attached));
     limits = weaker(limits, second->limits, report.hold_s);
   }
   run.config.fast.fast.force_max_n = std::min(options.force_max_n, limits.force_max_n);

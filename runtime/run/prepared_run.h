@@ -20,9 +20,6 @@ namespace palpate {
 /// @throws InputError for options out of range.
 void check(const SimulationOptions& options);
 
-/// Whether a hand's device is simulated. @param hand 0 or 1.
-[[nodiscard]] bool is_simulated(const SimulationOptions& options, int hand);
-
 using MakeScript = std::function<HandScript(double force_scale, double hand_n_per_m)>;
 
 /// Of several contacts, what one contact does not have.

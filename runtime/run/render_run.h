@@ -37,8 +37,9 @@ struct RecordingRequest {
 /// The second of two hands that press one body together.
 struct SecondHand {
   std::string tool;
-  std::optional<Eigen::Vector3d> at_m = {};  ///< [m] where to press
-  std::filesystem::path socket = {};         ///< as of the first
+  std::optional<Eigen::Vector3d> at_m = {};     ///< [m] where to press
+  std::filesystem::path socket = {};            ///< as of the first
+  std::optional<AttachedDevice> attached = {};  ///< likewise
 };
 
 struct SimulationOptions {
@@ -85,6 +86,7 @@ struct SimulationReport {
   std::string tool;
   std::vector<std::string> tables;   ///< of its responses, and a second hand's
   std::string device;                ///< name
+  std::string second_device;         ///< of a second hand; else empty
   bool device_turns = false;         ///< it measures how it is turned
   bool torque_felt = false;          ///< by who turns tools of several contacts
   std::string device_failure;        ///< why it was lost; empty if it was not
@@ -100,11 +102,12 @@ struct SimulationReport {
   double force_scale = 1.0;  ///< [-] < 1 where stiffness was limited
   std::optional<CouplingReport> coupling;  ///< of a hung tool
   ResampleLoss resample_loss;
-  std::optional<LinkReport> wire;      ///< of a device that has one
-  std::optional<StreamReport> stream;  ///< of a body that was streamed
-  std::optional<ServedReport> served;  ///< of a scene that is computed meanwhile
-  std::uint64_t records_dropped = 0;   ///< by the recorder
-  std::string recording_failure;       ///< why the recording ended early
+  std::optional<LinkReport> wire;         ///< of a device that has one
+  std::optional<LinkReport> second_wire;  ///< of the second hand's
+  std::optional<StreamReport> stream;     ///< of a body that was streamed
+  std::optional<ServedReport> served;     ///< of a scene that is computed meanwhile
+  std::uint64_t records_dropped = 0;      ///< by the recorder
+  std::string recording_failure;          ///< why the recording ended early
   RenderReport render;
 };
 

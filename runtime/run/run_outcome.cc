@@ -78,6 +78,9 @@ nlohmann::json memory_json(const RenderReport& r) {
 
 nlohmann::json device_json(const SimulationReport& report) {
   return {{"device", report.device},
+          {"second_device", report.second_device.empty()
+                                ? nlohmann::json()
+                                : nlohmann::json(report.second_device)},
           {"device_failure", report.device_failure},
           {"device_turns", report.device_turns}};
 }
@@ -155,6 +158,8 @@ nlohmann::json as_json(const SimulationReport& report) {
       {"slow_failure", r.slow_failure},
       {"scheduling", r.scheduling},
       {"wire", report.wire ? as_json(*report.wire) : nlohmann::json()},
+      {"second_wire",
+       report.second_wire ? as_json(*report.second_wire) : nlohmann::json()},
       {"records_dropped", report.records_dropped},
       {"recording_failure", report.recording_failure},
       {"stream", report.stream ? as_json(*report.stream) : nlohmann::json()},

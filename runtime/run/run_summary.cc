@@ -134,10 +134,10 @@ std::string timing_lines(const RenderReport& r) {
   return text;
 }
 
-std::string wire_lines(const LinkReport& w) {
+std::string wire_lines(const char* name, const LinkReport& w) {
   constexpr double kMs = 1e6;
-  return line("wire", fmt::format("{} transactions, {} missed, {:.5g} Hz, {} silences",
-                                  w.transactions, w.missed, w.rate_hz(), w.silences)) +
+  return line(name, fmt::format("{} transactions, {} missed, {:.5g} Hz, {} silences",
+                                w.transactions, w.missed, w.rate_hz(), w.silences)) +
          line("  transaction",
               fmt::format("p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms",
                           w.time.percentile_ns(0.5) / kMs,
@@ -299,7 +299,10 @@ std::string summary(const SimulationReport& report) {
   }
   text += memory_lines(r) + yielding_lines(report) + timing_lines(r);
   if (report.wire) {
-    text += wire_lines(*report.wire);
+    text += wire_lines("wire", *report.wire);
+  }
+  if (report.second_wire) {
+    text += wire_lines("second hand's wire", *report.second_wire);
   }
   if (report.stream) {
     text += stream_lines(*report.stream);

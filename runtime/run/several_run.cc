@@ -11,6 +11,7 @@
 #include "formats/base/error.h"
 #include "formats/response/tool_support.h"
 #include "runtime/hand/press_site.h"
+#include "runtime/run/hand_seat.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/contact_stiffness.h"
 

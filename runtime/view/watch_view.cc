@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
+#include "runtime/slow/contact_elements.h"
 #include "runtime/view/view_field.h"
 
 namespace palpate {
@@ -35,6 +36,9 @@ WatchView::WatchView(const ViewedBody& body, const SimulationOptions& options,
     : body_(body),
       search_(body.database.body),
       ticks_(ticks),
+      set_(contacts == nullptr
+               ? nullptr
+               : std::make_unique<CoupledSet>(coupled_set(body.database, body.hands))),
       contacts_(contacts),
       news_(news) {
   frame_.settings = {
@@ -121,25 +125,26 @@ void WatchView::frame() {
   }
 }
 
-// The device is the hand.
+// The devices are the hands.
 ViewHands WatchView::hands() {
   static_cast<void>(contacts_->fetch());
   const ContactsSeen& seen = contacts_->latest();
-  const ContactSet& spheres = body_.table.tool.contact;
   ViewHands all;
   all.scaled = seen.scaled;
   all.compared = false;
-  all.hand.push_back({.tool_m = seen.tool.position_m,
-                      .turn = Eigen::Quaterniond(seen.tool.rotation),
-                      .hand_m = seen.device.position_m,
-                      .pointer_m = seen.device.position_m,
-                      .holding = seen.hung,
-                      .force_n = seen.wrench.force_n,
-                      .torque_n_m = seen.wrench.torque_n_m});
+  for (std::size_t i = 0; i < body_.hands.size(); ++i) {
+    const HandSeen& hand = seen.hand[i];
+    all.hand.push_back({.tool_m = hand.tool.position_m,
+                        .turn = Eigen::Quaterniond(hand.tool.rotation),
+                        .hand_m = hand.device.position_m,
+                        .pointer_m = hand.device.position_m,
+                        .holding = seen.hung,
+                        .force_n = hand.wrench.force_n,
+                        .torque_n_m = hand.wrench.torque_n_m});
+  }
   for (std::size_t i = 0; i < static_cast<std::size_t>(seen.count); ++i) {
     if (seen.contact[i].triangle >= 0) {
-      all.touch.push_back(
-          touch_at(body_.database, seen.contact[i], {.radius_m = spheres.radius_m[i]}));
+      all.touch.push_back(touch_at(body_.database, seen.contact[i], set_->sphere[i]));
     }
   }
   return all;

@@ -1,7 +1,9 @@
 // Tools of several contacts from the command line.
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "formats/database/response_database.h"
+#include "formats/recording/surface_state.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/run_tool.h"
 #include "tests/support/test_data.h"
@@ -76,8 +78,6 @@ TEST_F(Contacts, TwoHandsPressTogetherAndAreRecordedAndReplayed) {
 TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
   expect_refused(simulate("pads.h5", {"--tool", "pads", "--at", "0.1,0.2"}),
                  "--at has 2 coordinates");
-  expect_refused(simulate("pads.h5", {"--tool", "pads", "--surface-out", file("s.h5")}),
-                 "--surface-out");
   expect_refused(simulate("pads.h5", {"--tool", "pads", "--model", "element"}),
                  "potential");
   expect_refused(simulate("pads.h5", {"--tool", "ball,ball", "--together", "--record",
@@ -145,6 +145,43 @@ TEST_F(Contacts, AreWatchedOnADevice) {
   }
 }
 
+// Two hands, each on a device of its own, seen and recorded.
+TEST_F(Contacts, ArePinchedByTwoDevices) {
+  for (const bool watched : {false, true}) {
+    std::vector<std::string> arguments{watched ? "view" : "device", file("pads.h5")};
+    for (const char* more :
+         {"--tool", "ball,pads", "--together", "--device", "emulated-falcon",
+          "--second-device", "emulated-haply", "--at", "-0.012,0,0,0.012,0,0",
+          "--seconds", "1", "--limit-stiffness"}) {
+      arguments.emplace_back(more);
+    }
+    if (!watched) {
+      for (const std::string& more :
+           {std::string("--json"), std::string("--record"), file("both.h5"),
+            std::string("--surface-out"), file("both.surface")}) {
+        arguments.push_back(more);
+      }
+    }
+    const ToolRun run = run_tool_process("palpate-run", arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+    if (watched) {
+      EXPECT_NE(run.out.find("second hand's wire"), std::string::npos) << run.out;
+      continue;
+    }
+    const nlohmann::json report = nlohmann::json::parse(run.out);
+    EXPECT_EQ(report["contacts"], 4);
+    EXPECT_EQ(report["second_tool"], "pads");
+    EXPECT_NE(report["device"], report["second_device"]);
+    EXPECT_GT(report["wire"]["transactions"], 500);
+    EXPECT_GT(report["second_wire"]["transactions"], 500);
+  }
+  const ToolRun again =
+      run_tool_process("palpate-run", {"replay", file("both.h5"), file("pads.h5")});
+  EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
+  const SurfaceState left = read_surface_state(file("both.surface"));
+  EXPECT_EQ(left.tool.count("ball") + left.tool.count("pads"), 2U);
+}
+
 // The page itself: view_hands_page_test.cc.
 TEST_F(Contacts, TheViewRefusesWhatItCannotShow) {
   const auto view = [](const char* database, std::vector<std::string> more) {
@@ -160,10 +197,11 @@ TEST_F(Contacts, TheViewRefusesWhatItCannotShow) {
                  "potential");
   expect_refused(view("pads.h5", {"--tool", "ball,ball", "--together", "--device",
                                   "emulated-falcon"}),
-                 "--together");
+                 "give --second-device");
+  expect_refused(view("pads.h5", {"--tool", "pads", "--device", "emulated-falcon",
+                                  "--second-device", "emulated-falcon"}),
+                 "give --together");
   expect_refused(view("pads.h5", {"--tool", "pads", "--coupling"}), "give --device");
-  expect_refused(view("pads.h5", {"--tool", "pads", "--surface-out", file("s.h5")}),
-                 "--surface-out");
 }
 
 }  // namespace

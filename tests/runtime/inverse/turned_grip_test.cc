@@ -91,17 +91,17 @@ TEST(TurnedGrip, TurnsTheToolAndItsForceIsThatOfTheTurnedTool) {
       << summary(report);
   ASSERT_TRUE(watch.fetch());
   const ContactsSeen& seen = watch.latest();
-  const Eigen::Quaterniond turn(seen.tool.rotation);
+  const Eigen::Quaterniond turn(seen.hand[0].tool.rotation);
   EXPECT_LT(turn.angularDistance(Eigen::Quaterniond(
                 Eigen::AngleAxisd(kTiltRad, Eigen::Vector3d::UnitY()))),
             1e-6);  // single precision
   const auto normal_n = [&](const Eigen::Quaterniond& as) {
-    return force_at(database, report.force_scale, seen.tool.position_m, as).z();
+    return force_at(database, report.force_scale, seen.hand[0].tool.position_m, as).z();
   };
   const double turned_n = normal_n(turn);
   EXPECT_GT(turned_n, 0.1);
   // Friction of the pads, on a slope of 0.08: 0.3 * 0.08.
-  EXPECT_NEAR(seen.wrench.force_n.z() / turned_n, 1.0, 0.03);
+  EXPECT_NEAR(seen.hand[0].wrench.force_n.z() / turned_n, 1.0, 0.03);
   EXPECT_GT(std::abs(normal_n(Eigen::Quaterniond::Identity()) / turned_n - 1.0), 0.06);
 }
 

@@ -155,7 +155,8 @@ TEST_F(SeveralContactsRun, HungByACouplingAreSofter) {
   ASSERT_TRUE(watch_.fetch());
   EXPECT_TRUE(watch_.latest().hung);
   EXPECT_EQ(watch_.latest().count, 3);
-  EXPECT_EQ(watch_.latest().wrench.force_n, trace_.back().command.wrench[0].force_n);
+  EXPECT_EQ(watch_.latest().hand[0].wrench.force_n,
+            trace_.back().command.wrench[0].force_n);
 }
 
 // A device that measures its turns and cannot push against them: the pads press as they
@@ -174,7 +175,7 @@ TEST_F(SeveralContactsRun, TurnWithADeviceThatMeasuresIt) {
         device, potential(), hung ? std::optional(VirtualCoupling{}) : std::nullopt);
     EXPECT_EQ(report.fault, Fault::kNone);
     ASSERT_TRUE(watch_.fetch());
-    EXPECT_LT(watch_.latest().device.rotation(0, 0), 1.0);
+    EXPECT_LT(watch_.latest().hand[0].device.rotation(0, 0), 1.0);
     EXPECT_NEAR(report.model_work_j,
                 report.stored_j + report.dissipated_j + report.tank_j, 1e-12);
     EXPECT_GE(report.model_work_j, -1e-12);

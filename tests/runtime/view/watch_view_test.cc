@@ -134,10 +134,10 @@ TEST_F(WatchViewTest, ShowsSeveralContacts) {
   view.opened(1);
   ContactsSeen seen;
   seen.count = 2;
-  seen.tool.position_m = {0.0, 0.0, 0.004};
-  seen.device.position_m = {0.0, 0.0, 0.003};
+  seen.hand[0].tool.position_m = {0.0, 0.0, 0.004};
+  seen.hand[0].device.position_m = {0.0, 0.0, 0.003};
   seen.hung = true;
-  seen.wrench = {{0.0, 0.0, 0.3}, {0.0, 0.002, 0.0}};
+  seen.hand[0].wrench = {{0.0, 0.0, 0.3}, {0.0, 0.002, 0.0}};
   seen.contact[1] = {.centre_m = {0.006, 0.0, 0.004},
                      .point_m = {0.006, 0.0, 0.0},
                      .normal = {0.0, 0.0, 1.0},
