@@ -90,6 +90,11 @@ class HostBody {
     return database_ == nullptr ? nullptr : &database_->body;
   }
 
+  /// All of it, in memory; null: streamed, or a scene.
+  [[nodiscard]] const ResponseDatabase* database() const noexcept {
+    return client_ == nullptr ? database_.get() : nullptr;
+  }
+
   /// Forces [N] (n x 3) on the tool at rest, as they are rendered but for friction and
   /// history, in the world. @param position_m (n x 3) [m] there. @throws InputError for
   /// a tool of several contacts, a body that is not in memory or yields, a position

@@ -173,6 +173,16 @@ bool HostTool::delivered(const PortWrenches& made) noexcept {
   return true;
 }
 
+BodyContact HostTool::contact_at(int i) const noexcept {
+  BodyContact contact = body_->contact_at(i);
+  ContactPlace& at = contact.at;
+  at.centre_m = placement_.point_in_world(at.centre_m);
+  at.point_m = placement_.point_in_world(at.point_m);
+  at.normal = placement_.vector_in_world(at.normal);
+  at.force_n = placement_.vector_in_world(at.force_n);
+  return contact;
+}
+
 void HostTool::reset() noexcept {
   body_->restart();
   silent_s_ = 0.0;

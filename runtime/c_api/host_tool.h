@@ -123,6 +123,10 @@ class HostTool {
   /// One turn of the slow process. @returns elements sent.
   std::size_t serve(std::int64_t now_ns) { return body_->serve(now_ns).value_or(0); }
 
+  /// Of the latest tick, in the world; the haptic thread outside a tick.
+  [[nodiscard]] int contacts() const noexcept { return body_->contacts(); }
+  [[nodiscard]] BodyContact contact_at(int i) const noexcept;
+
   /// Whether it touches at several places.
   [[nodiscard]] bool has_several() const noexcept { return body_->turns(); }
   [[nodiscard]] std::size_t hands() const noexcept { return body_->hands(); }

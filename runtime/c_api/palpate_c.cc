@@ -18,6 +18,7 @@
 #include "formats/base/error.h"
 #include "formats/hdf5/hdf5_io.h"
 #include "runtime/c_api/given_options.h"
+#include "runtime/c_api/guarded.h"
 #include "runtime/c_api/host_handles.h"
 #include "runtime/c_api/host_surface.h"
 #include "runtime/c_api/known_struct.h"
@@ -25,43 +26,11 @@
 
 namespace {
 
+using palpate::copy_text;
+using palpate::error_of;
+using palpate::guarded;
 using palpate::HostOptions;
 using palpate::InputError;
-
-void copy_text(std::string_view text, char* to, std::size_t bytes) noexcept {
-  if (to != nullptr && bytes > 0) {
-    const std::size_t kept = std::min(text.size(), bytes - 1);
-    std::memcpy(to, text.data(), kept);
-    to[kept] = '\0';
-  }
-}
-
-int error_of(int exit_code) noexcept {
-  switch (exit_code) {
-    case 2:
-      return PALPATE_ERROR_INPUT;
-    case 3:
-      return PALPATE_ERROR_FORMAT;
-    default:
-      return PALPATE_ERROR_INTERNAL;
-  }
-}
-
-// Calls `work`; an exception becomes an error and a line of text.
-template <typename Work>
-int guarded(char* error, std::size_t error_bytes, Work work) noexcept {
-  try {
-    return work();
-  } catch (const palpate::Error& failure) {
-    copy_text(failure.what(), error, error_bytes);
-    return error_of(failure.exit_code());
-  } catch (const std::exception& failure) {
-    copy_text(failure.what(), error, error_bytes);
-  } catch (...) {
-    copy_text("unknown exception", error, error_bytes);
-  }
-  return PALPATE_ERROR_INTERNAL;
-}
 
 // Hands a new tool of the body to its host. @param add gives the tool.
 template <typename Add>

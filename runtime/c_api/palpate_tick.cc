@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <span>
 
 #include "runtime/c_api/host_handles.h"
 #include "runtime/c_api/known_struct.h"
+#include "runtime/c_api/palpate_draw.h"
 
 namespace {
 
@@ -42,6 +44,25 @@ HostSample sample_of(const palpate_tool& tool, const double* position,
   sample.dt_s = dt_s;
   sample.torque_felt = torque_felt;
   return sample;
+}
+
+palpate_contact contact_of(const palpate_tool& tool, int i) noexcept {
+  const palpate::BodyContact contact = tool.tool.contact_at(i);
+  const palpate::ContactPlace& at = contact.at;
+  palpate_contact one{};
+  one.hand = contact.hand;
+  one.table = contact.table;
+  one.touching = at.touching ? 1 : 0;
+  one.triangle = at.triangle;
+  one.radius = contact.radius_m / tool.metres_per_unit;
+  copy(at.centre_m, tool.metres_per_unit, one.centre);
+  copy(at.point_m, tool.metres_per_unit, one.point);
+  copy(at.normal, 1.0, one.normal);
+  copy(at.force_n, tool.newtons_per_unit, one.force);
+  one.depth = at.depth_m / tool.metres_per_unit;
+  one.own_depth = (at.depth_m - at.dimple_m) / tool.metres_per_unit;
+  copy(at.share, 1.0, one.shares);
+  return one;
 }
 
 // @param torque_out may be null.
@@ -146,6 +167,23 @@ int palpate_delivered(palpate_tool* tool, const double* force, const double* tor
     }
   }
   return tool->tool.delivered(made) ? 0 : PALPATE_ERROR_INPUT;
+}
+
+int palpate_contacts_get(const palpate_tool* tool, palpate_contact* contacts,
+                         size_t room, size_t contact_bytes) {
+  if (tool == nullptr || (room > 0 && contacts == nullptr) ||
+      contact_bytes < sizeof(size_t)) {
+    return PALPATE_ERROR_INPUT;
+  }
+  const int count = tool->tool.contacts();
+  auto* to = reinterpret_cast<unsigned char*>(contacts);
+  for (size_t i = 0; i < room && i < static_cast<size_t>(count); ++i) {
+    const palpate_contact one = contact_of(*tool, static_cast<int>(i));
+    const size_t known = std::min(contact_bytes, sizeof one);
+    std::memset(to + i * contact_bytes, 0, contact_bytes);
+    std::memcpy(to + i * contact_bytes, &one, known);
+  }
+  return count;
 }
 
 void palpate_state_get(palpate_tool* tool, palpate_state* state) {

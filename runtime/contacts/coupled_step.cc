@@ -233,31 +233,10 @@ void delivered(CoupledState& state, const PortWrenches& wrench) noexcept {
   }
 }
 
-namespace {
-
-// Area coordinates of a contact's point.
-Vector3 shares_of(const FieldPlace& place, const Vector3& point_m) {
-  const Matrix3& corners_m = place.prism.corner_m;
-  return place.kind == FieldKind::kFacets
-             ? place.weight
-             : triangle::nearest_inside(corners_m,
-                                        triangle::area_coordinates(corners_m, point_m));
-}
-
-}  // namespace
-
-CoupledContactPlace contact_place(const CoupledState& state, int i) noexcept {
-  CoupledContactPlace at;
+ContactPlace contact_place(const CoupledState& state, int i) noexcept {
+  ContactPlace at;
   if (is_alone(state.set)) {
-    const FastContact one = contact(*state.alone);
-    at.centre_m = one.tool_m;
-    at.point_m = one.point_m;
-    at.normal = one.normal;
-    at.force_n = state.alone->safety.force_n;
-    at.triangle = one.triangle;
-    at.touching = one.in_contact;
-    at.starved = one.starved;
-    return at;
+    return contact_place(*state.alone);
   }
   const auto self = static_cast<std::size_t>(i);
   const CoupledContact& contact = state.model.contact[self];

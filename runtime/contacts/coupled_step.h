@@ -45,20 +45,6 @@ struct WrenchCommand : TickAccount {
   return command;
 }
 
-/// Where contact i is, for the slow process.
-struct CoupledContactPlace {
-  Vector3 centre_m = Vector3::Zero();  ///< [m]
-  Vector3 point_m = Vector3::Zero();   ///< [m] on the surface at rest
-  Vector3 normal = Vector3::Zero();    ///< [-] there, or 0
-  Vector3 force_n = Vector3::Zero();   ///< [N] on the tool, friction included
-  Real depth_m = 0.0;                  ///< [m] d_i
-  Real dimple_m = 0.0;  ///< [m] of it what the others' forces and dents sink
-  std::int32_t triangle = -1;
-  Vector3 share = Vector3::Zero();  ///< [-] area coordinates of point_m; 0: not known
-  bool touching = false;
-  bool starved = false;
-};
-
 /// Everything a coupled fast process remembers, besides the surfaces. About 4 MB.
 struct CoupledState {
   FastConfig config;  ///< model: kPotential; the tool's radius is the set's
@@ -128,8 +114,7 @@ WrenchCommand step_unturned(CoupledState& state, const PoseSample& sample,
 /// next step.
 void delivered(CoupledState& state, const PortWrenches& wrench) noexcept;
 
-[[nodiscard]] CoupledContactPlace contact_place(const CoupledState& state,
-                                                int i) noexcept;
+[[nodiscard]] ContactPlace contact_place(const CoupledState& state, int i) noexcept;
 
 /// Potential of the present model with the ports moved there [J], as potential_j() of
 /// fast_step.h. @param moved overwritten.

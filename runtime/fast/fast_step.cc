@@ -305,6 +305,26 @@ FastContact contact(const FastState& state) noexcept {
   return at;
 }
 
+ContactPlace contact_place(const FastState& state) noexcept {
+  const FastContact one = contact(state);
+  ContactPlace at;
+  at.centre_m = one.tool_m;
+  at.point_m = one.point_m;
+  at.normal = one.normal;
+  at.force_n = state.safety.force_n;
+  at.triangle = one.triangle;
+  at.touching = one.in_contact;
+  at.starved = one.starved;
+  if (one.triangle < 0) {
+    return at;
+  }
+  const bool field = is_field(state.config.model);
+  at.share = field ? shares_of(state.potential.place, one.point_m) : state.element.area;
+  at.depth_m = field ? state.potential.response.depth_m
+                     : scalar_depth_m(state, state.latest.position_m);
+  return at;
+}
+
 Real potential_j(const FastState& state, const Vector3& x_m) noexcept {
   if (state.config.model == LocalModel::kElement) {
     return respond(state.element, state.cache, x_m).potential_j();

@@ -66,6 +66,20 @@ struct FastContact {
   bool starved = false;
 };
 
+/// Where a contact is and what it bears, as the latest step left it.
+struct ContactPlace {
+  Vector3 centre_m = Vector3::Zero();  ///< [m]
+  Vector3 point_m = Vector3::Zero();   ///< [m] on the surface at rest
+  Vector3 normal = Vector3::Zero();    ///< [-] there, or 0
+  Vector3 force_n = Vector3::Zero();   ///< [N] on the tool, friction included
+  Real depth_m = 0.0;                  ///< [m] d_i
+  Real dimple_m = 0.0;  ///< [m] of it what the others' forces and dents sink
+  std::int32_t triangle = -1;
+  Vector3 share = Vector3::Zero();  ///< [-] area coordinates of point_m; 0: not known
+  bool touching = false;
+  bool starved = false;
+};
+
 /// Everything the fast process remembers. About 430 kB, no pointers.
 struct FastState {
   FastConfig config;
@@ -115,6 +129,9 @@ void delivered(FastState& state, const Vector3& force_n) noexcept;
 
 /// The contact point and active triangle after the latest step.
 [[nodiscard]] FastContact contact(const FastState& state) noexcept;
+
+/// The same with all that it bears: for drawing.
+[[nodiscard]] ContactPlace contact_place(const FastState& state) noexcept;
 
 /// Potential of the present local model with the tool at x_m [J]. The work of a tick
 /// is exactly potential_j(state, x_{k+1}) - potential_j(state, x_k), before step() and,

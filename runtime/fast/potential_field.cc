@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "runtime/element/triangle.h"
+
 namespace palpate {
 namespace {
 
@@ -65,6 +67,14 @@ PlaceNodes place_nodes(const FieldPlace& place, const ElementCache& cache) noexc
     touch_m[j] = element.node[j].touch_offset_m;
   }
   return make_place_nodes(element, leans, touch_m);
+}
+
+Vector3 shares_of(const FieldPlace& place, const Vector3& point_m) noexcept {
+  const Matrix3& corners_m = place.prism.corner_m;
+  return place.kind == FieldKind::kFacets
+             ? place.weight
+             : triangle::nearest_inside(corners_m,
+                                        triangle::area_coordinates(corners_m, point_m));
 }
 
 NodeValues node_weights(const FieldPlace& place) noexcept {

@@ -58,6 +58,10 @@ constexpr Real kLeapJ = rounding(1e-15, 1e-8);
 [[nodiscard]] PlaceNodes place_nodes(const FieldPlace& place,
                                      const ElementCache& cache) noexcept;
 
+/// Area coordinates of a point of the place's element.
+[[nodiscard]] Vector3 shares_of(const FieldPlace& place,
+                                const Vector3& point_m) noexcept;
+
 /// w_j.
 [[nodiscard]] NodeValues node_weights(const FieldPlace& place) noexcept;
 

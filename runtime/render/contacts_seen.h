@@ -10,6 +10,14 @@
 
 namespace palpate {
 
+/// A place where tools of a body touch.
+struct BodyContact {
+  int hand = 0;
+  double radius_m = 0.0;   ///< [m] of the sphere; else the tool's nominal height
+  std::int32_t table = 0;  ///< of responses, as YieldedRow::table counts
+  ContactPlace at;
+};
+
 /// A hand with its tool.
 struct HandSeen {
   PortPose tool;    ///< of the tool ...
@@ -22,7 +30,7 @@ struct ContactsSeen {
   std::int32_t count = 0;  ///< [0, kContactsMax]
   bool hung = false;       ///< there is a coupling
   bool scaled = false;     ///< C is not whole (coupled_contacts.h)
-  std::array<CoupledContactPlace, kContactsMax> contact;
+  std::array<BodyContact, kContactsMax> contact;
 };
 
 /// Written by the fast thread, read by one other.

@@ -39,6 +39,9 @@ class OneContact : public RenderedBody {
   [[nodiscard]] FastContact contact() const noexcept override {
     return palpate::contact(state_);
   }
+  [[nodiscard]] BodyContact contact_at(int /*i*/) const noexcept override {
+    return {.radius_m = state_.config.tool_radius_m, .at = contact_place(state_)};
+  }
   [[nodiscard]] Fault fault() const noexcept override { return state_.safety.fault; }
   [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
   [[nodiscard]] double work_j() const noexcept override { return state_.ledger.work_j; }

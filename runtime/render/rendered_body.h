@@ -15,6 +15,7 @@
 #include "runtime/account/safety.h"
 #include "runtime/contacts/coupled_step.h"
 #include "runtime/device/device.h"
+#include "runtime/render/contacts_seen.h"
 #include "runtime/render/render_report.h"
 #include "runtime/render/surface_dents.h"
 
@@ -57,6 +58,10 @@ class RenderedBody {
 
   /// The contact that carries most, as the latest step left it.
   [[nodiscard]] virtual FastContact contact() const noexcept = 0;
+  /// All contacts, whether they touch or not, as the latest step left them: not in a
+  /// tick. @param i [0, contacts())
+  [[nodiscard]] virtual int contacts() const noexcept { return 1; }
+  [[nodiscard]] virtual BodyContact contact_at(int i) const noexcept = 0;
   [[nodiscard]] virtual Fault fault() const noexcept = 0;  ///< latched
   [[nodiscard]] virtual bool in_contact() const noexcept = 0;
   [[nodiscard]] virtual double work_j() const noexcept = 0;  ///< [J] by the ledger

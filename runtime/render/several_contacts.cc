@@ -244,7 +244,7 @@ void SeveralContacts::show(const HandReadings& reading) noexcept {
   seen_.hung = hung_ != nullptr;
   seen_.scaled = scaled_;
   for (int i = 0; i < s.set.count; ++i) {
-    seen_.contact[static_cast<std::size_t>(i)] = contact_place(s, i);
+    seen_.contact[static_cast<std::size_t>(i)] = contact_at(i);
   }
   watch_->write(seen_);
 }
@@ -266,6 +266,15 @@ void SeveralContacts::publish(const HandReadings& reading,
   tool_->write(at);
 }
 
+BodyContact SeveralContacts::contact_at(int i) const noexcept {
+  const CoupledState& s = storage_.state();
+  const ContactSphere& sphere = s.set.sphere[static_cast<std::size_t>(i)];
+  return {.hand = sphere.port,
+          .radius_m = sphere.radius_m,
+          .table = sphere.table,
+          .at = contact_place(s, i)};
+}
+
 Fault SeveralContacts::fault() const noexcept {
   const CoupledState& s = storage_.state();
   return is_alone(s.set) ? s.alone->safety.fault : s.safety.fault;
@@ -274,7 +283,7 @@ Fault SeveralContacts::fault() const noexcept {
 std::int32_t SeveralContacts::triangle() const noexcept {
   const CoupledState& s = storage_.state();
   for (int i = 0; i < s.set.count; ++i) {
-    const CoupledContactPlace at = contact_place(s, i);
+    const ContactPlace at = contact_place(s, i);
     if (at.touching) {
       return at.triangle;
     }
@@ -306,7 +315,7 @@ FastContact SeveralContacts::contact() const noexcept {
   at.in_contact = s.in_contact;
   double most = -1.0;
   for (int i = 0; i < s.set.count; ++i) {
-    const CoupledContactPlace place = contact_place(s, i);
+    const ContactPlace place = contact_place(s, i);
     if (place.triangle >= 0 && place.force_n.norm() > most) {
       most = place.force_n.norm();
       at.point_m = place.point_m;

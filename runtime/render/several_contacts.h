@@ -78,6 +78,10 @@ class SeveralContacts : public RenderedBody {
   void restart() noexcept override;
 
   [[nodiscard]] FastContact contact() const noexcept override;
+  [[nodiscard]] int contacts() const noexcept override {
+    return storage_.state().set.count;
+  }
+  [[nodiscard]] BodyContact contact_at(int i) const noexcept override;
   [[nodiscard]] Fault fault() const noexcept override;
   [[nodiscard]] bool in_contact() const noexcept override {
     return storage_.state().in_contact;

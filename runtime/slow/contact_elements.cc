@@ -104,7 +104,7 @@ ContactToolState contact_tool_state(const CoupledState& state,
   all.sequence = ticks;
   all.count = state.set.count;
   for (int i = 0; i < state.set.count; ++i) {
-    const CoupledContactPlace at = contact_place(state, i);
+    const ContactPlace at = contact_place(state, i);
     all.contact[static_cast<std::size_t>(i)] = {.sequence = ticks,
                                                 .time_ns = state.latest.time_ns,
                                                 .position_m = at.centre_m,

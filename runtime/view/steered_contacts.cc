@@ -76,11 +76,10 @@ void SteeredContacts::set(const ViewRequest& request) {
 
 std::int32_t SteeredContacts::triangle_under(std::size_t hand,
                                              const TickRecord& /*latest*/) const {
-  for (int i = 0; i < state().set.count; ++i) {
-    const CoupledContactPlace at = contact_place(state(), i);
-    if (at.touching && state().set.sphere[static_cast<std::size_t>(i)].port ==
-                           static_cast<int>(hand)) {
-      return at.triangle;
+  for (int i = 0; i < body_->contacts(); ++i) {
+    const BodyContact contact = body_->contact_at(i);
+    if (contact.at.touching && contact.hand == static_cast<int>(hand)) {
+      return contact.at.triangle;
     }
   }
   return -1;
@@ -127,11 +126,9 @@ std::optional<PortWrenches> SteeredContacts::elastic(bool coupled) {
 
 std::vector<ViewTouch> SteeredContacts::touches() const {
   std::vector<ViewTouch> all;
-  for (int i = 0; i < state().set.count; ++i) {
-    const CoupledContactPlace at = contact_place(state(), i);
-    if (at.triangle >= 0) {
-      all.push_back(
-          touch_at(database_, at, state().set.sphere[static_cast<std::size_t>(i)]));
+  for (int i = 0; i < body_->contacts(); ++i) {
+    if (const BodyContact contact = body_->contact_at(i); contact.at.triangle >= 0) {
+      all.push_back(touch_at(database_, contact));
     }
   }
   return all;

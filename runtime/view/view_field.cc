@@ -11,36 +11,9 @@
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
 #include "formats/report/html_page.h"
+#include "formats/response/displaced_surface.h"
 
 namespace palpate {
-namespace {
-
-// Row of the deepest field of the node; -1: none.
-Eigen::Index row_of(const DisplacementField& field, std::int32_t node) {
-  Eigen::Index best = -1;
-  double deepest_m = 0.0;
-  for (std::size_t j = 0; j < field.node.size(); ++j) {
-    if (field.node[j] == node && field.depth_m[j] > deepest_m) {
-      deepest_m = field.depth_m[j];
-      best = static_cast<Eigen::Index>(j);
-    }
-  }
-  return best;
-}
-
-// (3 n) [m]. In double precision: singles of a foreign file may overflow.
-Eigen::VectorXd displacement_m(const DisplacementField& field, Eigen::Index row) {
-  const Eigen::VectorXd coefficient_m =
-      field.coefficient.row(row).transpose().cast<double>();
-  Eigen::VectorXd moved_m(field.basis.rows());
-  for (Eigen::Index i = 0; i < moved_m.size(); ++i) {
-    moved_m[i] = field.basis.row(i).transpose().cast<double>().dot(coefficient_m);
-  }
-  return moved_m;
-}
-
-}  // namespace
-
 std::string field_text(const ResponseTable& table, std::int32_t node) {
   if (node < 0 || node >= table.nodes()) {
     throw InputError(
@@ -48,16 +21,17 @@ std::string field_text(const ResponseTable& table, std::int32_t node) {
   }
   const DisplacementField& field = table.displacement;
   nlohmann::json json{{"type", "field"}, {"node", node}, {"depth_m", nullptr}};
-  const Eigen::Index row = row_of(field, node);
+  const Eigen::Index row = deepest_field(field, node);
   if (row < 0) {
     return json_text(json);
   }
-  const Eigen::VectorXd moved_m = displacement_m(field, row);
+  const PressedField whole{row, field.depth_m[static_cast<std::size_t>(row)]};
+  const Points moved_m = displaced_m(field, std::span(&whole, 1));
   constexpr double kSteps = std::numeric_limits<std::int16_t>::max();
   const double scale_m = moved_m.cwiseAbs().maxCoeff() / kSteps;
   std::vector<std::int16_t> steps;
   steps.reserve(static_cast<std::size_t>(moved_m.size()));
-  for (const double x_m : moved_m) {
+  for (const double x_m : moved_m.reshaped<Eigen::RowMajor>()) {
     steps.push_back(scale_m > 0.0
                         ? static_cast<std::int16_t>(std::lround(x_m / scale_m))
                         : std::int16_t{0});

@@ -85,10 +85,10 @@ Json spheres(const ToolShape& tool) {
 
 }  // namespace
 
-ViewTouch touch_at(const ResponseDatabase& database, const CoupledContactPlace& at,
-                   const ContactSphere& sphere) {
-  ViewTouch touch{.hand = sphere.port,
-                  .radius_m = sphere.radius_m,
+ViewTouch touch_at(const ResponseDatabase& database, const BodyContact& contact) {
+  const ContactPlace& at = contact.at;
+  ViewTouch touch{.hand = contact.hand,
+                  .radius_m = contact.radius_m,
                   .centre_m = at.centre_m,
                   .point_m = at.point_m,
                   .normal = at.normal,

@@ -12,7 +12,7 @@
 
 #include "formats/database/response_database.h"
 #include "formats/recording/recording.h"
-#include "runtime/contacts/coupled_step.h"
+#include "runtime/render/contacts_seen.h"
 
 namespace palpate {
 
@@ -55,8 +55,7 @@ struct ViewHands {
 
 /// A contact that has found the body.
 [[nodiscard]] ViewTouch touch_at(const ResponseDatabase& database,
-                                 const CoupledContactPlace& at,
-                                 const ContactSphere& sphere);
+                                 const BodyContact& contact);
 
 /// Members of a frame's object, without braces: hands and contacts now, and how large
 /// forces and torques were in the frame's ticks.

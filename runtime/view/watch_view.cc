@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "runtime/slow/contact_elements.h"
 #include "runtime/view/view_field.h"
 
 namespace palpate {
@@ -36,9 +35,6 @@ WatchView::WatchView(const ViewedBody& body, const SimulationOptions& options,
     : body_(body),
       search_(body.database.body),
       ticks_(ticks),
-      set_(contacts == nullptr
-               ? nullptr
-               : std::make_unique<CoupledSet>(coupled_set(body.database, body.hands))),
       contacts_(contacts),
       news_(news) {
   frame_.settings = {
@@ -143,8 +139,8 @@ ViewHands WatchView::hands() {
                         .torque_n_m = hand.wrench.torque_n_m});
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(seen.count); ++i) {
-    if (seen.contact[i].triangle >= 0) {
-      all.touch.push_back(touch_at(body_.database, seen.contact[i], set_->sphere[i]));
+    if (seen.contact[i].at.triangle >= 0) {
+      all.touch.push_back(touch_at(body_.database, seen.contact[i]));
     }
   }
   return all;

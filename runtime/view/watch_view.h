@@ -43,7 +43,6 @@ class WatchView : public ViewApplication {
   const ViewedBody& body_;
   SurfaceSearch search_;
   TickQueue& ticks_;
-  std::unique_ptr<const CoupledSet> set_;  // of several contacts; else null
   ContactsWatch* contacts_;
   ServedNews* news_;
   MonotonicClock clock_;

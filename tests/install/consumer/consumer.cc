@@ -1,17 +1,20 @@
 // consumer DATABASE: opens and closes it by the installed library.
 #include <cstdio>
 
-#include <palpate.h>
+#include <palpate.hpp>
 
 int main(int argc, char** argv) {
-  char error[256] = "usage: consumer DATABASE";
-  palpate_body* body =
-      argc == 2 ? palpate_open(argv[1], nullptr, error, sizeof error) : nullptr;
-  if (body == nullptr || palpate_tool_add(body) == nullptr) {
-    std::fprintf(stderr, "consumer: %s\n", error);
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: consumer DATABASE\n");
+    return 2;
+  }
+  try {
+    palpate::Body body(argv[1]);
+    const palpate::Tool tool = body.add_tool();
+    std::printf("abi %d\n", tool.contacts().size() == 1 ? palpate_abi_version() : 0);
+  } catch (const palpate::Error& error) {
+    std::fprintf(stderr, "consumer: %s\n", error.what());
     return 1;
   }
-  std::printf("abi %d\n", palpate_abi_version());
-  palpate_close(body);
   return 0;
 }

@@ -41,6 +41,7 @@ class RubbedBody : public RenderedBody {
   [[nodiscard]] std::int32_t triangle() const noexcept override { return 0; }
   [[nodiscard]] std::uint64_t dropped() const noexcept override { return 0; }
   void restart() noexcept override {}
+  [[nodiscard]] BodyContact contact_at(int /*i*/) const noexcept override { return {}; }
   [[nodiscard]] FastContact contact() const noexcept override { return {}; }
   void accept(const ArrivalRecord& /*arrival*/) override {}
   std::optional<std::size_t> serve(std::int64_t /*now_ns*/) override { return {}; }

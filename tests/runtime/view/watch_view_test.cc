@@ -138,15 +138,16 @@ TEST_F(WatchViewTest, ShowsSeveralContacts) {
   seen.hand[0].device.position_m = {0.0, 0.0, 0.003};
   seen.hung = true;
   seen.hand[0].wrench = {{0.0, 0.0, 0.3}, {0.0, 0.002, 0.0}};
-  seen.contact[1] = {.centre_m = {0.006, 0.0, 0.004},
-                     .point_m = {0.006, 0.0, 0.0},
-                     .normal = {0.0, 0.0, 1.0},
-                     .force_n = {0.0, 0.0, 0.3},
-                     .depth_m = 0.001,
-                     .dimple_m = 0.0002,
-                     .triangle = 7,
-                     .share = {0.2, 0.3, 0.5},
-                     .touching = true};
+  seen.contact[1] = {.radius_m = kPadRadius,
+                     .at = {.centre_m = {0.006, 0.0, 0.004},
+                            .point_m = {0.006, 0.0, 0.0},
+                            .normal = {0.0, 0.0, 1.0},
+                            .force_n = {0.0, 0.0, 0.3},
+                            .depth_m = 0.001,
+                            .dimple_m = 0.0002,
+                            .triangle = 7,
+                            .share = {0.2, 0.3, 0.5},
+                            .touching = true}};
   contacts->write(seen);
   ASSERT_TRUE(ticks_->push(
       {.tick = 0, .force_n = {0.0, 0.0, 0.3}, .torque_n_m = {0.0, 0.002, 0.0}}));
