@@ -7,6 +7,8 @@
 
 namespace palpate {
 
+class HeldRenderer;
+
 void bind_errors(pybind11::module_& module);
 void bind_optional(pybind11::class_<HeldTool>& type);
 void bind_tool(pybind11::module_& module);
@@ -15,5 +17,6 @@ void bind_make(pybind11::module_& module);
 void bind_measurement(pybind11::module_& module);
 void bind_fit(pybind11::module_& module);
 void bind_renderer(pybind11::module_& module);
+void bind_drawing(pybind11::class_<HeldRenderer>& type);
 
 }  // namespace palpate

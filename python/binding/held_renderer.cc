@@ -78,6 +78,14 @@ const HostTick& HeldRenderer::step(std::span<const HostSample> samples) {
   return latest_;
 }
 
+std::vector<BodyContact> HeldRenderer::contacts() const {
+  std::vector<BodyContact> all;
+  for (int i = 0; i < tool_->contacts(); ++i) {
+    all.push_back(tool_->contact_at(i));
+  }
+  return all;
+}
+
 void HeldRenderer::delivered(const PortWrenches& made) {
   if (!tool_->delivered(made)) {
     throw InputError("delivered: force and torque must be finite");

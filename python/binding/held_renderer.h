@@ -9,12 +9,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 #include <sys/types.h>
 
 #include "formats/base/error.h"
 #include "runtime/c_api/host_body.h"
+#include "runtime/c_api/host_drawing.h"
 
 namespace palpate {
 
@@ -53,6 +55,14 @@ class HeldRenderer {
 
   /// palpate_delivered(). @throws InputError for what is not finite.
   void delivered(const PortWrenches& made);
+
+  /// All contacts of the latest tick, in the world.
+  [[nodiscard]] std::vector<BodyContact> contacts() const;
+
+  /// How the surface gives way under them. @throws as displaced_surface().
+  [[nodiscard]] DisplacedSurface displaced() const {
+    return displaced_surface(*body_, *tool_, contacts());
+  }
 
   /// palpate_place(). @throws InputError for a place that is none.
   void place(const Eigen::Vector3d& origin_m, const Eigen::Vector4d& quaternion);

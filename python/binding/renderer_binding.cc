@@ -378,6 +378,7 @@ void bind_renderer(py::module_& module) {
   bind_slow(type);
   bind_account(type);
   bind_place(type);
+  bind_drawing(type);
   bind_state(type);
   bind_body(type);
 }

@@ -1,104 +1,31 @@
-// The C interface's displaced surface, for drawing.
+// The C interface's displaced surface.
 #include "runtime/c_api/palpate_draw.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <span>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "formats/base/error.h"
-#include "formats/response/displaced_surface.h"
 #include "runtime/c_api/guarded.h"
+#include "runtime/c_api/host_drawing.h"
 #include "runtime/c_api/host_handles.h"
 
 namespace {
 
-using palpate::InputError;
-using palpate::PressedField;
-using palpate::ResponseDatabase;
-
-const ResponseDatabase& database_of(const palpate_tool& tool) {
-  const ResponseDatabase* database = tool.body.database();
-  if (database == nullptr) {
-    throw InputError(
-        "displacements need a database in memory: open it without streaming, or build "
-        "the scene first");
-  }
-  return *database;
-}
-
-// @throws InputError for what no palpate_contacts_get() gives.
-void check(const palpate_contact& contact, const palpate_tool& tool,
-           const ResponseDatabase& database) {
-  const auto tables = static_cast<std::int32_t>(tool.tool.tables().size());
-  if (contact.table < 0 || contact.table >= tables ||
-      contact.triangle >= database.body.triangle.rows() ||
-      !std::isfinite(contact.own_depth) ||
-      !Eigen::Map<const Eigen::Vector3d>(contact.shares).allFinite()) {
-    throw InputError(
-        fmt::format("a contact of table {}, triangle {} and depth {} is none of this "
-                    "tool's, as palpate_contacts_get() fills them",
-                    contact.table, contact.triangle, contact.own_depth));
-  }
-}
-
-// The fields at a contact's corners; none unless all that count are stored.
-std::vector<PressedField> fields_under(const palpate_contact& contact,
-                                       const palpate::SurfaceMesh& mesh,
-                                       const palpate::DisplacementField& field,
-                                       double depth_m) {
-  std::vector<PressedField> pressed;
-  for (Eigen::Index corner = 0; corner < 3; ++corner) {
-    const double share = contact.shares[corner];
-    if (share == 0.0) {
-      continue;
-    }
-    const Eigen::Index row =
-        palpate::deepest_field(field, mesh.triangle(contact.triangle, corner));
-    if (row < 0) {
-      return {};
-    }
-    pressed.push_back({row, share * depth_m});
-  }
-  return pressed;
-}
-
-int displace(const palpate_tool& tool, std::span<const palpate_contact> contacts,
-             double* displacements) {
-  const ResponseDatabase& database = database_of(tool);
-  std::vector<std::vector<PressedField>> pressed(tool.tool.tables().size());
-  int known = 0;
-  for (const palpate_contact& contact : contacts) {
-    check(contact, tool, database);
-    if (contact.touching == 0 || contact.triangle < 0 || !(contact.own_depth > 0.0)) {
-      continue;
-    }
-    const auto table = static_cast<std::size_t>(contact.table);
-    const std::vector<PressedField> under =
-        fields_under(contact, database.body,
-                     find_tool(database, tool.tool.tables()[table]).displacement,
-                     contact.own_depth * tool.metres_per_unit);
-    known += under.empty() ? 0 : 1;
-    pressed[table].insert(pressed[table].end(), under.begin(), under.end());
-  }
-  Eigen::Map<palpate::Points> moved(displacements, database.body.position_m.rows(), 3);
-  moved.setZero();
-  for (std::size_t table = 0; table < pressed.size(); ++table) {
-    if (!pressed[table].empty()) {
-      moved += palpate::displaced_m(
-          find_tool(database, tool.tool.tables()[table]).displacement, pressed[table]);
-    }
-  }
-  for (Eigen::Index i = 0; i < moved.rows(); ++i) {
-    moved.row(i) = tool.body.placement()
-                       .vector_in_world(moved.row(i).transpose() / tool.metres_per_unit)
-                       .transpose();
-  }
-  return known;
+// What counts for displacements. @param from contact_bytes of a palpate_contact
+palpate::BodyContact given_contact(const palpate_tool& tool, const unsigned char* from,
+                                size_t contact_bytes) {
+  palpate_contact given{};
+  std::memcpy(&given, from, std::min(contact_bytes, sizeof given));
+  palpate::BodyContact contact;
+  contact.hand = given.hand;
+  contact.table = given.table;
+  contact.at.touching = given.touching != 0;
+  contact.at.triangle = given.triangle;
+  contact.at.depth_m = given.own_depth * tool.metres_per_unit;
+  contact.at.share = Eigen::Vector3d(given.shares);
+  return contact;
 }
 
 }  // namespace
@@ -110,14 +37,19 @@ int palpate_displaced(const palpate_tool* tool, const palpate_contact* contacts,
   return palpate::guarded(error, error_bytes, [&] {
     if (tool == nullptr || displacements == nullptr ||
         (count > 0 && contacts == nullptr) || contact_bytes < sizeof(size_t)) {
-      throw InputError("no tool, contacts or displacements: a pointer is null");
+      throw palpate::InputError(
+          "no tool, contacts or displacements: a pointer is null");
     }
-    std::vector<palpate_contact> all(count);
+    std::vector<palpate::BodyContact> all;
     for (size_t i = 0; i < count; ++i) {
-      std::memcpy(&all[i],
-                  reinterpret_cast<const unsigned char*>(contacts) + i * contact_bytes,
-                  std::min(contact_bytes, sizeof(palpate_contact)));
+      all.push_back(given_contact(
+          *tool, reinterpret_cast<const unsigned char*>(contacts) + i * contact_bytes,
+          contact_bytes));
     }
-    return displace(*tool, all, displacements);
+    const palpate::DisplacedSurface surface =
+        palpate::displaced_surface(tool->body, tool->tool, all);
+    Eigen::Map<palpate::Points>(displacements, surface.moved_m.rows(), 3) =
+        surface.moved_m / tool->metres_per_unit;
+    return surface.known;
   });
 }

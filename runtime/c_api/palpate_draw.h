@@ -38,7 +38,8 @@ PALPATE_API int palpate_contacts_get(const palpate_tool* tool,
 
 /* Any thread: by how much the surface gives way under contacts of that tool, for each
  * vertex of palpate_mesh_get() (3 each) [host length]: displacement fields of the
- * triangles' corners that the database holds (FORMAT.md), in proportion to own_depth,
+ * triangles' corners that the database holds (of a scene with [drawing] displacement =
+ * true), in proportion to own_depth,
  * added up: for drawing. How many of the touching contacts
  * have fields at their corners: 0, and zeros, where none is stored. Allocates. An error
  * below zero, with one line in error (may be NULL), of a streamed database or a scene.

@@ -44,6 +44,16 @@ def test_haptic_loop(tmp_path):
     assert float(said.split("at most ")[1].split()[0]) > 0.01
 
 
+def test_pressed_body(tmp_path):
+    pytest.importorskip("matplotlib")
+    sys.path.insert(0, str(EXAMPLES))
+    import haptic_loop
+    haptic_loop.sheet().save(tmp_path / "sheet.h5")
+    said = run("pressed_body.py", tmp_path / "sheet.h5", tmp_path / "pressed.png")
+    assert is_picture(tmp_path / "pressed.png") and "no displacement" in said
+    assert float(said.split()[1]) > 0.1
+
+
 def test_palpation_env():
     said = run("palpation_env.py")
     assert float(said.split()[1].rstrip(",")) > 0.0

@@ -99,7 +99,16 @@ def test_two_hands_sink_the_body_under_each_other_wherever_it_stands(built):
         assert numpy.allclose(elsewhere, force @ world.T, atol=1e-9), i
         if alone[2] > most[0]:
             most = (alone[2], force[0, 2], two.contacts)
+        if i % 50 == 0:  # what is drawn is what is felt, where it is felt
+            here, there = two.contact_table(), placed.contact_table()
+            felt = [here["force_n"][here["hand"] == hand].sum(axis=0) for hand in (0, 1)]
+            assert here["radius_m"].size == 4 and numpy.allclose(felt, force, atol=1e-12), i
+            assert numpy.allclose(there["force_n"], here["force_n"] @ world.T, atol=1e-9)
+            assert numpy.allclose(there["centre_m"], here["centre_m"] @ world.T + [0.1, 0.2, 0.3], atol=1e-12)
+            assert numpy.all(here["own_depth_m"] <= here["depth_m"] + 1e-12)
     assert 0.01 < most[1] < 0.97 * most[0] and most[2] == 4
+    assert numpy.allclose(placed.vertices, built.vertices @ world.T + [0.1, 0.2, 0.3], atol=1e-12)
+    assert two.displaced() is None
     with pytest.raises(palpate.InputError, match="one for each of 2 hands"):
         two.step(numpy.zeros((3, 3)))
     with pytest.raises(palpate.InputError, match="three|3"):
