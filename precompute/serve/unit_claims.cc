@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <sstream>
 #include <utility>
 
 #include <fcntl.h>
@@ -18,11 +21,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string name_of_this_claimant() {
-  static std::atomic<int> instance = 0;
+std::string name_of_this_machine() {
   std::array<char, 256> host{};
   gethostname(host.data(), host.size() - 1);
-  return fmt::format("{} {} {}\n", host.data(), getpid(), instance++);
+  return host.data();
+}
+
+// Within which numbers of processes mean something; 0: not known.
+std::uintmax_t process_numbers() {
+  struct stat space {};
+  return ::stat("/proc/self/ns/pid", &space) == 0 ? space.st_ino : 0;
+}
+
+std::string name_of_this_claimant() {
+  static std::atomic<int> instance = 0;
+  return fmt::format("{} {} {} {}\n", name_of_this_machine(), getpid(), instance++,
+                     process_numbers());
+}
+
+// Whether a claimant of this machine has ended, however it did.
+bool is_gone(const std::string& claimant) {
+  std::istringstream words(claimant);
+  std::string machine;
+  pid_t process = 0;
+  int instance = 0;
+  std::uintmax_t numbers = 0;
+  return words >> machine >> process >> instance >> numbers && process > 0 &&
+         numbers != 0 && numbers == process_numbers() &&
+         machine == name_of_this_machine() && ::kill(process, 0) != 0 && errno == ESRCH;
 }
 
 // False if the file is there already.
@@ -77,8 +103,11 @@ fs::path UnitClaims::unique(const std::string& what) const {
   return folder_ / name;
 }
 
-// By the clock of the file system, which machines share.
+// Of other machines by the clock of the file system, which they share.
 bool UnitClaims::is_stale(const fs::path& file) const {
+  if (is_gone(content_of(file))) {
+    return true;
+  }
   std::error_code gone;
   const auto touched = fs::last_write_time(file, gone);
   if (gone) {

@@ -15,7 +15,8 @@
 namespace palpate {
 
 /// A claim is a file that its owner touches again and again; one that nobody has
-/// touched for `stale` is of a service that is gone, and anybody's. What two compute at
+/// touched for `stale` is of a service that is gone, and anybody's; of this machine's
+/// services it is so as soon as their process has ended. What two compute at
 /// once after all has the same bytes, so that a claim saves work and nothing depends on
 /// it. Safe from several threads.
 class UnitClaims {

@@ -15,7 +15,7 @@ namespace {
 
 // What counts for displacements. @param from contact_bytes of a palpate_contact
 palpate::BodyContact given_contact(const palpate_tool& tool, const unsigned char* from,
-                                size_t contact_bytes) {
+                                   size_t contact_bytes) {
   palpate_contact given{};
   std::memcpy(&given, from, std::min(contact_bytes, sizeof given));
   palpate::BodyContact contact;

@@ -3,12 +3,15 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <optional>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/support/comes_true.h"
 #include "tests/support/test_data.h"
@@ -90,6 +93,40 @@ TEST_F(UnitClaimsTest, AnOwnerKeepsItsClaimAlive) {
   EXPECT_TRUE(owner.claim(1));
   std::this_thread::sleep_for(milliseconds(2500));
   EXPECT_FALSE(other.claim(1));
+}
+
+// A service that was killed does not keep its next one waiting.
+TEST_F(UnitClaimsTest, AKilledProcessHasNoneOfThisMachine) {
+  const milliseconds never(600'000);
+  std::array<int, 2> said{};
+  ASSERT_EQ(pipe(said.data()), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    UnitClaims claims(folder_.path(), never);
+    const char has = claims.claim(1) ? 'y' : 'n';
+    (void)!write(said[1], &has, 1);
+    for (;;) {
+      pause();
+    }
+  }
+  char has = 0;
+  ASSERT_EQ(read(said[0], &has, 1), 1);
+  EXPECT_EQ(has, 'y');
+  EXPECT_FALSE(UnitClaims(folder_.path(), never).claim(1));
+  kill(child, SIGKILL);
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  EXPECT_TRUE(UnitClaims(folder_.path(), never).claim(1));
+  close(said[0]);
+  close(said[1]);
+}
+
+TEST_F(UnitClaimsTest, OfAnotherMachineOrNumberingIsKept) {
+  for (const char* claimant : {"elsewhere 999999999 0 4026531836\n",
+                               "elsewhere 999999999 0\n", "\n", "1 2\n"}) {
+    std::ofstream(folder_ / "claim-000001") << claimant;
+    EXPECT_FALSE(UnitClaims(folder_.path(), milliseconds(600'000)).claim(1))
+        << claimant;
+  }
 }
 
 TEST_F(UnitClaimsTest, AreGivenBackInTheEnd) {
