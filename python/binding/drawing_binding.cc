@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 template <typename T, typename Of>
-py::array_t<T> column(const std::vector<BodyContact>& contacts, Of of) {
+py::array_t<T> contact_column(const std::vector<BodyContact>& contacts, Of of) {
   py::array_t<T> all(static_cast<py::ssize_t>(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     all.mutable_at(static_cast<py::ssize_t>(i)) = static_cast<T>(of(contacts[i]));
@@ -33,17 +33,17 @@ py::array_t<double> vectors(const std::vector<BodyContact>& contacts,
 py::dict contacts_of(const HeldRenderer& renderer) {
   const std::vector<BodyContact> contacts = renderer.contacts();
   const auto at = [&]<typename T>(T ContactPlace::*member) {
-    return column<T>(contacts, [member](const BodyContact& contact) {
+    return contact_column<T>(contacts, [member](const BodyContact& contact) {
       return contact.at.*member;
     });
   };
   py::dict all;
-  all["hand"] = column<std::int32_t>(contacts, [](const BodyContact& contact) {
+  all["hand"] = contact_column<std::int32_t>(contacts, [](const BodyContact& contact) {
     return contact.hand;
   });
   all["touching"] = at(&ContactPlace::touching);
   all["triangle"] = at(&ContactPlace::triangle);
-  all["radius_m"] = column<double>(contacts, [](const BodyContact& contact) {
+  all["radius_m"] = contact_column<double>(contacts, [](const BodyContact& contact) {
     return contact.radius_m;
   });
   all["centre_m"] = vectors(contacts, &ContactPlace::centre_m);
@@ -51,7 +51,7 @@ py::dict contacts_of(const HeldRenderer& renderer) {
   all["normal"] = vectors(contacts, &ContactPlace::normal);
   all["force_n"] = vectors(contacts, &ContactPlace::force_n);
   all["depth_m"] = at(&ContactPlace::depth_m);
-  all["own_depth_m"] = column<double>(contacts, [](const BodyContact& contact) {
+  all["own_depth_m"] = contact_column<double>(contacts, [](const BodyContact& contact) {
     return contact.at.depth_m - contact.at.dimple_m;
   });
   all["shares"] = vectors(contacts, &ContactPlace::share);

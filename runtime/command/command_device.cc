@@ -146,11 +146,6 @@ void name_recorded(DeviceRunFlags& flags) {
   if (recording.file.empty() && recording.flight_file.empty()) {
     return;
   }
-  if (flags.reconnect) {
-    throw InputError(
-        "--reconnect may render several times: leave out --record and "
-        "--flight-recorder");
-  }
   recording.database = std::filesystem::path(flags.database).filename();
   recording.database_sha256 = database_sha256(flags.database);
 }
@@ -216,8 +211,10 @@ void add_device_command(Command app) {
       .show_default();
   command.add_flag("--limit-stiffness", options.limit_stiffness,
                    "Scale forces to what the device can render");
-  command.add_option("--record", options.recording.file,
-                     "Record every tick into this file, for replay");
+  command.add_option(
+      "--record", options.recording.file,
+      "Record every tick into this file, for replay; after a reconnection "
+      "into FILE.2.h5 and so on");
   command.add_option("--flight-recorder", options.recording.flight_file,
                      "On a fault, write the last seconds into this file");
   add_coupling_options(command, flags->coupling);

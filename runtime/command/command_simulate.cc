@@ -234,10 +234,9 @@ void add_contact_options(Command command, SimulateFlags& flags) {
   command.add_flag("--together", flags.together,
                    "Two tools press one body together, coupled through it (a pinch)");
   command.add_option("--trace", flags.options.trace,
-                     "Of several contacts: poses, forces and torques of every tick "
+                     "Poses, forces and torques of every tick "
                      "(comma-separated values)");
-  command.add_option("--poses", flags.options.poses,
-                     "Of several contacts: replay the poses of such a file");
+  command.add_option("--poses", flags.options.poses, "Replay the poses of such a file");
   add_coupling_options(command, flags.coupling);
   command
       .add_option("--tilt-rad", flags.options.tilt_rad,

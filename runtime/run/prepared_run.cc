@@ -112,6 +112,15 @@ GivenPoses given_poses(SimulationOptions& o) {
   return std::make_shared<const std::vector<RenderTick>>(std::move(poses));
 }
 
+// Instead of devices.
+void pose(PreparedRun& run, const GivenPoses& poses) {
+  const DeviceLimits limits = run.device->limits();
+  run.device = std::make_unique<PosedDevice>(poses, 0, limits);
+  if (run.second != nullptr) {
+    run.second = std::make_unique<PosedDevice>(poses, 1, limits);
+  }
+}
+
 // Room for every tick, so that the fast process allocates none.
 void reserve_trace(PreparedRun& run) {
   constexpr double kTicksMax = 2e7;  // 7 GB
@@ -131,7 +140,7 @@ void reserve_trace(PreparedRun& run) {
 
 // Everything that coupled contacts have beside what one has.
 void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
-                      const GivenPoses& poses, PreparedRun& run, Clock& clock) {
+                      PreparedRun& run, Clock& clock) {
   SimulationReport& report = run.report;
   const SimulationOptions& o = report.options;
   const PressedTogether& together = *body.together;
@@ -145,11 +154,6 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
         o, *second, together.second_script(report.force_scale, o.device.hand_n_per_m),
         true, clock);
   }
-  if (poses != nullptr) {
-    const DeviceLimits limits = run.device->limits();
-    run.device = std::make_unique<PosedDevice>(poses, 0, limits);
-    run.second = second ? std::make_unique<PosedDevice>(poses, 1, limits) : nullptr;
-  }
   ContactsHeld held{.force_scale = report.force_scale, .watch = o.watch_contacts};
   held.torque_felt = are_simulated(o) && run.device->measures_turns();
   report.torque_felt = held.torque_felt;
@@ -158,7 +162,6 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
   }
   report.second_device = run.second != nullptr ? run.second->name() : "";
   run.several = body.several(run.config.fast.fast, held);
-  reserve_trace(run);
 }
 
 // What a run leaves behind: report, recording, flight log.
@@ -289,12 +292,16 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& wanted,
           : make_device(report.options, seat, script, body.several != nullptr, clock);
   report.device = run.device->name();
   if (body.several) {
-    prepare_together(body, second, poses, run, clock);
+    prepare_together(body, second, run, clock);
   } else if (body.growing) {
     run.sender = body.growing(report.bounds.renderable_n_per_m());
   } else {
     run.sender = body.stream(report.force_scale, script.at(0.0).position_m);
   }
+  if (poses != nullptr) {
+    pose(run, poses);
+  }
+  reserve_trace(run);
   prepare_records(run, limits);
   return run;
 }

@@ -1,6 +1,8 @@
 #include "runtime/run/reconnect.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -47,6 +49,15 @@ std::optional<SimulationReport> next_run(const ResponseDatabase& database,
   return std::nullopt;
 }
 
+// run.h5 of the first run, run.2.h5 of the second.
+std::filesystem::path numbered(const std::filesystem::path& file, std::size_t run) {
+  if (file.empty() || run == 1) {
+    return file;
+  }
+  return file.parent_path() /
+         fmt::format("{}.{}{}", file.stem().string(), run, file.extension().string());
+}
+
 }  // namespace
 
 std::vector<SimulationReport> simulate_and_reconnect(const ResponseDatabase& database,
@@ -66,6 +77,9 @@ std::vector<SimulationReport> simulate_and_reconnect(const ResponseDatabase& dat
       reconnect.tell(fmt::format("{}: lost ({}); no force until it is back",
                                  runs.back().device, runs.back().device_failure));
     }
+    const std::size_t run = runs.size() + 1;
+    rest.recording.file = numbered(options.recording.file, run);
+    rest.recording.flight_file = numbered(options.recording.flight_file, run);
     std::optional<SimulationReport> next = next_run(database, rest, reconnect, stop);
     if (!next) {
       break;

@@ -78,11 +78,6 @@ void check_several(const ToolShape& tool, const SimulationOptions& options,
                       "tools of several contacts",
                       tool.name));
     }
-    if (!options.trace.empty() || !options.poses.empty()) {
-      throw InputError(
-          "--trace and --poses are of tools of several contacts, or of two by "
-          "--together");
-    }
     return;
   }
   const auto refuse = [&](const char* why) {

@@ -85,8 +85,6 @@ TEST_F(Contacts, WhatTheyDoNotHaveIsRefusedAndNotPassedOver) {
                  "--record is given 2 times");
   expect_refused(simulate("pads.h5", {"--tool", "ball", "--together"}),
                  "must be two as --tool a,b");
-  expect_refused(simulate("pads.h5", {"--tool", "ball", "--trace", file("t.csv")}),
-                 "--together");
   expect_refused(simulate("bare.h5", {"--tool", "pads"}), "no table of compliance");
 }
 

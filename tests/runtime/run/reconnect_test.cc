@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
+#include "formats/recording/recording.h"
 #include "runtime/bench/cylinder_body.h"
 #include "runtime/emulation/emulated_falcon.h"
+#include "tests/support/test_data.h"
 
 namespace palpate {
 namespace {
@@ -49,8 +51,10 @@ TEST(Reconnect, RendersTheRestOfTheTimeOnceTheDeviceIsBack) {
   Unplugged falcon;
   std::string told;
   const std::atomic<bool> stop = false;
-  const auto runs = simulate_and_reconnect(cylinder_body({.friction = 0.0}),
-                                           real_time_run(falcon.device()),
+  const ScratchFolder folder;
+  SimulationOptions wanted = real_time_run(falcon.device());
+  wanted.recording.file = folder / "run.h5";
+  const auto runs = simulate_and_reconnect(cylinder_body({.friction = 0.0}), wanted,
                                            {.patience_s = 30.0,
                                             .look_s = 0.01,
                                             .tell =
@@ -66,6 +70,11 @@ TEST(Reconnect, RendersTheRestOfTheTimeOnceTheDeviceIsBack) {
       told,
       "falcon: lost (unplugged, or its wire is broken); no force until it is back");
   EXPECT_NEAR(runs[0].render.duration_s + runs[1].options.duration_s, 1.5, 1e-9);
+  // Each run has its recording.
+  const Recording lost = read_recording(folder / "run.h5");
+  EXPECT_EQ(std::ssize(lost.tick), runs[0].render.ticks);
+  EXPECT_EQ(lost.end.fault, "device-lost");
+  EXPECT_EQ(std::ssize(read_recording(folder / "run.2.h5").tick), runs[1].render.ticks);
   EXPECT_EQ(falcon.falcons.back()->model().command().motor,
             (std::array<std::int16_t, 3>{}));
 }

@@ -125,8 +125,8 @@ TEST_F(ContactRuns, TwoHandsFeelEachOther) {
 }
 
 TEST_F(ContactRuns, PosesOfATraceGiveTheSameBits) {
-  for (const bool hands : {false, true}) {
-    SimulationOptions first = hands ? pinch() : options("pads");
+  for (SimulationOptions first : {options("pads"), pinch(), options("ball")}) {
+    const bool hands = first.together.has_value();
     first.duration_s = 2.0;
     first.trace = folder_ / "first.csv";
     const SimulationReport live = run(first);
@@ -233,9 +233,6 @@ TEST_F(ContactRuns, RefuseWhatCannotBeRendered) {
   SimulationOptions element = options("pads");
   element.model = LocalModel::kElement;
   EXPECT_NE(refusal(element).find("potential or facets"), std::string::npos);
-  SimulationOptions traced = options("ball");
-  traced.trace = folder_ / "t.csv";
-  EXPECT_NE(refusal(traced).find("--together"), std::string::npos);
   EXPECT_TRUE(is_contact_run(database_, {"pads"}, false));
   EXPECT_FALSE(is_contact_run(database_, {"ball", "ball"}, false));
   EXPECT_TRUE(is_contact_run(database_, {"ball", "ball"}, true));
