@@ -65,7 +65,7 @@ class SeveralContacts : public RenderedBody {
   /// The stream's body has changed: every element that is held is taken from it anew,
   /// and a tick passes without time or movement, so that the body changes for all
   /// contacts at once and the ledger books that as a change. One contact of one hand
-  /// gets its own at the next updates. Not in a tick.
+  /// gets its own at the next updates. Not in a tick, nor of a tool that hangs.
   void renew();
 
   /// For looking on and drawing; not in a tick.
