@@ -187,9 +187,13 @@ SecondHand second_hand(const DeviceFlags& flags) {
     request.plane.clear();
     request.firmware.clear();
   }
-  request.calibration = motor_factor(flags.second_calibration, request.name);
   SecondHand second{.tool = flags.tools[1], .at_m = pressed_at(flags, 1)};
-  seat(request, second.socket, second.attached);
+  try {
+    request.calibration = motor_factor(flags.second_calibration, request.name);
+    seat(request, second.socket, second.attached);
+  } catch (const InputError& wrong) {
+    throw InputError(fmt::format("second device: {}", wrong.what()));
+  }
   return second;
 }
 

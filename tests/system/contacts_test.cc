@@ -199,6 +199,9 @@ TEST_F(Contacts, TheViewRefusesWhatItCannotShow) {
   expect_refused(view("pads.h5", {"--tool", "pads", "--device", "emulated-falcon",
                                   "--second-device", "emulated-falcon"}),
                  "give --together");
+  expect_refused(view("pads.h5", {"--tool", "ball,ball", "--together", "--device",
+                                  "emulated-falcon", "--second-device", "falcn"}),
+                 "second device: --device falcn: unknown");
   expect_refused(view("pads.h5", {"--tool", "pads", "--coupling"}), "give --device");
 }
 
