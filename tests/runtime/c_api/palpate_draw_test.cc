@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -91,8 +92,14 @@ class PalpateDraw : public PaddedHost {
 
 // All that bear something bear the whole force together, each where its sphere is.
 TEST_F(PalpateDraw, ContactsBearWhatIsFelt) {
-  for (const char* name : {"ball", "pads"}) {
-    Body body(file_, in_millimetres(name));
+  for (const auto& [name, model] : {std::pair{"ball", "potential"},
+                                    {"ball", "facets"},
+                                    {"ball", "element"},
+                                    {"pads", "potential"},
+                                    {"pads", "facets"}}) {
+    palpate_options all = in_millimetres(name);
+    all.model = model;
+    Body body(file_, all);
     Eigen::Isometry3d world = Eigen::Isometry3d::Identity();
     world.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, -1.0).normalized()));
     world.pretranslate(Eigen::Vector3d(0.3, -0.2, 1.0));
@@ -105,7 +112,7 @@ TEST_F(PalpateDraw, ContactsBearWhatIsFelt) {
     const Tick tick = press(body, tool, 0.003, 0.001, world);
     ASSERT_TRUE(tick.touches()) << tick.status_name();
     const std::vector<palpate_contact> contacts = tool.contacts();
-    ASSERT_EQ(contacts.size(), std::string(name) == "ball" ? 1U : 3U);
+    ASSERT_EQ(contacts.size(), std::string(name) == "pads" ? 3U : 1U);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     const Eigen::Vector3d up = world.rotation() * Eigen::Vector3d::UnitZ();
     for (const palpate_contact& contact : contacts) {
