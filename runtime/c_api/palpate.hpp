@@ -8,9 +8,12 @@
 //   }
 //
 // Functions of the haptic thread do not throw or allocate, as palpate.h says; others
-// throw palpate::Error with the library's line of text.
+// throw palpate::Error with the library's line of text. handle() leads to what has no
+// name here: services of scenes, HDF5's lock.
 #ifndef PALPATE_HPP
 #define PALPATE_HPP
+
+#include "palpate_draw.h"
 
 #include <array>
 #include <cstddef>
@@ -20,8 +23,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "palpate_draw.h"
 
 namespace palpate {
 
@@ -130,7 +131,8 @@ class Tool {
   /// Haptic thread, outside a tick; allocates: palpate_contacts_get() does not.
   [[nodiscard]] std::vector<palpate_contact> contacts() const {
     std::vector<palpate_contact> all(64);
-    const int count = palpate_contacts_get(handle_, all.data(), all.size(), sizeof all[0]);
+    const int count =
+        palpate_contacts_get(handle_, all.data(), all.size(), sizeof all[0]);
     all.resize(static_cast<std::size_t>(count));
     return all;
   }
@@ -194,18 +196,19 @@ class Body {
     detail::require(tool != nullptr, why);
     return {tool, 1, size().first};
   }
-  /// Two hands on the body. @param second tool; empty: another of the same. @throws Error
+  /// Two hands on the body. @param second tool; empty: another of the same. @throws
+  /// Error
   Tool add_together(const std::string& second = {}) {
     detail::Text why{};
-    palpate_tool* tool =
-        palpate_together_open(body_.get(), second.empty() ? nullptr : second.c_str(),
-                              why.data(), why.size());
+    palpate_tool* tool = palpate_together_open(
+        body_.get(), second.empty() ? nullptr : second.c_str(), why.data(), why.size());
     detail::require(tool != nullptr, why);
     return {tool, 2, size().first};
   }
 
   /// How the body stands in the world; not while a tool steps. @throws Error
-  void place(const Point& position, const Quaternion& quat_xyzw = {0.0, 0.0, 0.0, 1.0}) {
+  void place(const Point& position,
+             const Quaternion& quat_xyzw = {0.0, 0.0, 0.0, 1.0}) {
     if (palpate_place(body_.get(), position.data(), quat_xyzw.data()) != 0) {
       throw Error("a place must be finite, and an orientation not zero");
     }

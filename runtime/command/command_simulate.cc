@@ -220,7 +220,7 @@ void run_simulation(const SimulateFlags& flags) {
     reports = render_streamed(flags, surface);
   } else {
     const ResponseDatabase database = read_database(flags.database);
-    static_cast<void>(is_contact_run(database, flags.tools, flags.together));
+    static_cast<void>(is_contact_run(database, flags.tools, flags.together));  // throws
     reports = simulate(database, tools_on(flags, surface), heed_stop_signals());
   }
   print_tools(flags, reports);

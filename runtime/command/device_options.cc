@@ -106,7 +106,8 @@ void add_device_options(Command command, DeviceFlags& flags) {
   command.add_flag("--no-sign-test", flags.no_sign_test,
                    "Do not feel at the start whether the motors push the right way");
   command.add_option("--probed", flags.probed,
-                     "A probe's file: its damping, friction, step and delay bound "
+                     "A probe's file, of the first device: its damping, friction, step "
+                     "and delay bound "
                      "stiffness instead of assumed ones");
   command.add_option("--plane", request.plane,
                      "Section of the body for a device that moves in a plane: x=0.01 "
@@ -117,6 +118,8 @@ void add_device_options(Command command, DeviceFlags& flags) {
                      "same kind");
   command.add_option("--second-device-id", flags.second.device_id,
                      "As --device-id, of the second device");
+  command.add_option("--second-grip-id", flags.second.grip_id,
+                     "As --grip-id, of the second device");
   command.add_option("--second-usb", flags.second.usb,
                      "As --usb, of the second device");
   command
@@ -182,6 +185,7 @@ SecondHand second_hand(const DeviceFlags& flags) {
   request.name = flags.second.name;
   request.usb = flags.second.usb;
   request.device_id = flags.second.device_id;
+  request.grip_id = flags.second.grip_id;
   request.profile += "-second";
   if (device_kind(request.name) != device_kind(flags.request.name)) {
     request.plane.clear();

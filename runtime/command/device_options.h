@@ -17,8 +17,9 @@ struct DeviceFlags {
   std::string calibration = "1";
   std::vector<double> at_m;
   bool no_sign_test = false;
-  std::string probed;    ///< file of a probe; empty: none
-  DeviceRequest second;  ///< name, usb and device_id; the rest is the first one's
+  std::string probed;  ///< file of a probe; empty: none
+  /// Name, usb, device_id and grip_id; the rest is the first one's.
+  DeviceRequest second;
   std::string second_calibration = "1";
   std::vector<std::string> tools;  ///< one, or two together; none: the only one
   bool together = false;           ///< two tools press the body, each on its device

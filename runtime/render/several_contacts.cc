@@ -67,26 +67,22 @@ std::uint64_t forgotten(const CoupledState& state) {
   return sum;
 }
 
-struct HeldElement {
-  std::int32_t triangle;
-  std::int64_t sequence;
-  std::int64_t sent_ns;
-  std::uint8_t active;
-};
-
-// The elements of one contact, that which is in use first.
-std::vector<HeldElement> held_in(const ElementCache& cache) {
-  std::vector<HeldElement> held;
+// The elements that contact i holds, that which is in use first.
+std::vector<ArrivalRecord> held_by(const CoupledState& state, int i) {
+  const ElementCache& cache = state.surfaces[i].cache;
+  std::vector<ArrivalRecord> held;
   for (int slot = 0; slot < kCacheSlots; ++slot) {
     const auto s = static_cast<std::size_t>(slot);
     if (cache.stored_at[s] == 0 || find(cache, cache.triangle[s]) != slot) {
       continue;
     }
     const Element& element = cache.element[s];
-    const HeldElement one{
-        cache.triangle[s], static_cast<std::int64_t>(element.sequence), element.sent_ns,
-        slot == cache.newest_active ? std::uint8_t{1} : std::uint8_t{0}};
-    held.insert(slot == cache.pinned ? held.begin() : held.end(), one);
+    held.insert(slot == cache.pinned ? held.begin() : held.end(),
+                {.sequence = static_cast<std::int64_t>(element.sequence),
+                 .sent_ns = element.sent_ns,
+                 .triangle = cache.triangle[s],
+                 .active = static_cast<std::uint8_t>(slot == cache.newest_active),
+                 .contact = i});
   }
   return held;
 }
@@ -123,15 +119,11 @@ void SeveralContacts::renew() {
     return;
   }
   for (int i = 0; i < state().set.count; ++i) {
-    for (const HeldElement& held : held_in(state().surfaces[i].cache)) {
-      if (find(state().surfaces[i].cache, held.triangle) < 0) {
-        continue;  // gave way to the copy of the one in use
+    for (const ArrivalRecord& held : held_by(state(), i)) {
+      // Else it gave way to the copy of the one in use.
+      if (find(state().surfaces[i].cache, held.triangle) >= 0) {
+        accept(held);
       }
-      accept({.sequence = held.sequence,
-              .sent_ns = held.sent_ns,
-              .triangle = held.triangle,
-              .active = held.active,
-              .contact = i});
     }
   }
   if (state().sampled) {
@@ -143,7 +135,7 @@ void SeveralContacts::forget_what_is_under_way() noexcept {
   while (fifo_->front() != nullptr) {
     fifo_->pop();
   }
-  sent_ = {};
+  forgotten_.store(true);
 }
 
 bool SeveralContacts::take_in(ArrivalRecord& arrival) noexcept {
@@ -303,6 +295,9 @@ std::vector<SurfaceDent> SeveralContacts::dents() const {
 std::optional<std::size_t> SeveralContacts::serve(std::int64_t now_ns) {
   if (!tool_->fetch()) {
     return std::nullopt;
+  }
+  if (forgotten_.exchange(false)) {
+    sent_ = {};
   }
   return stream_->update(tool_->latest(), now_ns, *fifo_, sent_);
 }

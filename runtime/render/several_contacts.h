@@ -2,6 +2,7 @@
 // push them and may measure how they are turned.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -119,8 +120,9 @@ class SeveralContacts : public RenderedBody {
   std::unique_ptr<ContactFifo> fifo_ = std::make_unique<ContactFifo>();
   std::unique_ptr<TripleBuffer<ContactToolState>> tool_ =
       std::make_unique<TripleBuffer<ContactToolState>>();
-  ContactSent sent_;
-  HandReadings last_;  // of the latest step
+  ContactSent sent_;                     // the slow thread's
+  std::atomic<bool> forgotten_ = false;  // by the fast one: all is to be sent again
+  HandReadings last_;                    // of the latest step
   bool stepped_ = false;
   PortWrenches wrench_;  // of the latest step
   bool scaled_ = false;  // likewise

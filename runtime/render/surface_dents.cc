@@ -77,6 +77,17 @@ std::unique_ptr<YieldedSites> sites_of(const std::vector<YieldedRow>& rows, int 
   return sites;
 }
 
+// @throws InputError for a row of a table that the body does not have.
+void check_tables(const std::vector<YieldedRow>& rows, int tables) {
+  for (const YieldedRow& row : rows) {
+    if (row.table < 0 || row.table >= tables) {
+      throw InputError(fmt::format(
+          "a surface that has yielded by responses number {}, the tools have {}",
+          row.table, tables));
+    }
+  }
+}
+
 // Of a table's contacts the first; -1: it has none. What has yielded is theirs
 // together.
 int first_of(const CoupledSet& set, int table) {
@@ -123,17 +134,16 @@ std::vector<YieldedRow> yielded_rows(const CoupledState& state) {
     return yielded_rows(*state.alone);
   }
   std::vector<YieldedRow> all;
-  for (int table = 0; table < kResponseTables; ++table) {
-    if (const int i = first_of(state.set, table); i >= 0) {
-      const std::vector<YieldedRow> some =
-          rows_of(yielded_of(state.surfaces[i].memory), table);
-      all.insert(all.end(), some.begin(), some.end());
-    }
+  for (int table = 0; first_of(state.set, table) >= 0; ++table) {
+    const SurfaceMemory& memory = state.surfaces[first_of(state.set, table)].memory;
+    const std::vector<YieldedRow> some = rows_of(yielded_of(memory), table);
+    all.insert(all.end(), some.begin(), some.end());
   }
   return all;
 }
 
 void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state) {
+  check_tables(rows, 1);
   state.memory.yielded = *sites_of(rows, 0);
 }
 
@@ -143,13 +153,13 @@ void begin_yielded(const std::vector<YieldedRow>& rows, CoupledState& state) {
     return;
   }
   std::vector<std::unique_ptr<YieldedSites>> tables;
-  for (int table = 0; table < kResponseTables; ++table) {
+  for (int table = 0; first_of(state.set, table) >= 0; ++table) {
     tables.push_back(sites_of(rows, table));
   }
-  for (int table = 0; table < kResponseTables; ++table) {
-    if (const int i = first_of(state.set, table); i >= 0) {
-      yielded_of(state.surfaces[i].memory) = *tables[static_cast<std::size_t>(table)];
-    }
+  check_tables(rows, static_cast<int>(tables.size()));
+  for (std::size_t table = 0; table < tables.size(); ++table) {
+    const int i = first_of(state.set, static_cast<int>(table));
+    yielded_of(state.surfaces[i].memory) = *tables[table];
   }
 }
 

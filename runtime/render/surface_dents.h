@@ -32,7 +32,8 @@ struct SurfaceDent {
 [[nodiscard]] std::vector<YieldedRow> yielded_rows(const CoupledState& state);
 
 /// What had yielded takes the place of what has in the state; nothing else changes.
-/// @throws InputError for more sites than a state holds, which is as it was then.
+/// @throws InputError for more sites than a state holds, or a table that it does not
+/// have; it is as it was then.
 void begin_yielded(const std::vector<YieldedRow>& rows, FastState& state);
 void begin_yielded(const std::vector<YieldedRow>& rows, CoupledState& state);
 

@@ -1,15 +1,18 @@
 // Tools of several contacts through palpate.h.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "formats/database/table_memory.h"
+#include "runtime/c_api/palpate_draw.h"
 #include "tests/support/padded_host.h"
 #include "tests/support/run_tool.h"
 
@@ -243,6 +246,29 @@ TEST_F(PalpateWrench, WhatSeveralContactsLeaveOutlivesTheTool) {
   EXPECT_EQ(palpate_surface_load(tool, surface.c_str(), error_, sizeof error_), 0)
       << error_;
   EXPECT_EQ(press(tool, 0.0035, 0.0).force[2], again_n);
+}
+
+// The library's own slow thread sends meanwhile.
+TEST_F(PalpateWrench, AResetNeedsNoPauseOfTheSlowThread) {
+  palpate_options all = options("pads");
+  all.flags = 0;
+  all.slow_hz = 1000.0;
+  palpate_tool* tool = open(all);
+  ASSERT_NE(tool, nullptr) << error_;
+  for (int run = 0; run < 50; ++run) {
+    palpate_contact first{};
+    first.triangle = -1;
+    for (int tick = 0; tick < 5000 && first.triangle < 0; ++tick) {
+      const double at[3] = {0.001, 0.002, 0.006};
+      Triple force{}, torque{};
+      ASSERT_EQ(palpate_wrench(tool, at, nullptr, 0.0001, force.data(), torque.data()),
+                PALPATE_FREE);
+      ASSERT_EQ(palpate_contacts_get(tool, &first, 1, sizeof first), 3);
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+    EXPECT_GE(first.triangle, 0) << run;
+    palpate_reset(tool);
+  }
 }
 
 TEST_F(PalpateWrench, OddCallsAreFaultsOrErrors) {

@@ -228,6 +228,7 @@ TEST_F(SeveralContactsRun, KeepWhatHasYielded) {
     many.push_back({site, 1e-4, 0.0, 0});
   }
   EXPECT_THROW(body.begin_with(many), InputError);
+  EXPECT_THROW(body.begin_with({{3, 1e-4, 0.0, 1}}), InputError);  // of one table
   EXPECT_EQ(body.yielded(), rows);
 }
 
