@@ -345,16 +345,27 @@ ResponseTable ChunkReader::responses(std::size_t tool, std::int64_t chunk) const
       check_shares(entry, chunk, part.viscoelasticity);
     });
   }
-  if (!entry.compliance.empty()) {
-    const std::string path = content::compliance_group(group);
-    read_compliance_rows(file_->reader, path, node, part.nodes(), entry.compliance,
-                         part.compliance);
-    verify(file_->reader, entry.compliance_sha256, chunk,
-           compliance_digest(part.compliance), path);
-    by_the_rules(file_->reader, [&] {
-      check_compliance_rows(group, part.compliance, part.nodes(), node);
-    });
+  part.compliance = compliance(tool, chunk);
+  return part;
+}
+
+ComplianceTable ChunkReader::compliance(std::size_t tool, std::int64_t chunk) const {
+  const Hdf5Lock lock;
+  const auto k = static_cast<std::size_t>(chunk);
+  const ToolIndex& entry = index_.tools.at(tool);
+  ComplianceTable part;
+  if (entry.compliance.empty()) {
+    return part;
   }
+  const std::int64_t node = index_.node_begin.at(k);
+  const std::int64_t nodes = index_.node_begin.at(k + 1) - node;
+  const std::string group = "/tools/" + entry.tool.name;
+  const std::string path = content::compliance_group(group);
+  read_compliance_rows(file_->reader, path, node, nodes, entry.compliance, part);
+  verify(file_->reader, entry.compliance_sha256, chunk, compliance_digest(part), path);
+  by_the_rules(file_->reader, [&] {
+    check_compliance_rows(group, part, nodes, node);
+  });
   return part;
 }
 

@@ -32,6 +32,10 @@ class ChunkReader {
   /// @param tool position in index().tools. @throws FormatError if it is damaged.
   [[nodiscard]] ResponseTable responses(std::size_t tool, std::int64_t chunk) const;
 
+  /// The rows of compliance of a chunk's nodes; empty of a tool without a table. As
+  /// above.
+  [[nodiscard]] ComplianceTable compliance(std::size_t tool, std::int64_t chunk) const;
+
  private:
   class File;
   std::unique_ptr<File> file_;

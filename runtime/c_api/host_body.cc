@@ -107,7 +107,7 @@ void HostBody::open_whole(std::shared_ptr<const ResponseDatabase> database) {
 
 void HostBody::open_contacts(const ResponseTable& table) {
   const ResponseTable* const tools[] = {&table};
-  const CoupledSet set = coupled_set(*database_, tools);
+  const CoupledSet set = coupled_set(tools);
   if (const char* wrong = check(set, fast_)) {
     throw InputError(fmt::format("tool \"{}\": {}", table.tool.name, wrong));
   }

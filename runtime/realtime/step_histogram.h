@@ -21,6 +21,15 @@ class StepHistogram {
     max_ns_ = std::max(max_ns_, ns);
   }
 
+  /// All the steps of another one.
+  void add(const StepHistogram& other) noexcept {
+    for (std::size_t i = 0; i < bin_.size(); ++i) {
+      bin_[i] += other.bin_[i];
+    }
+    count_ += other.count_;
+    max_ns_ = std::max(max_ns_, other.max_ns_);
+  }
+
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   [[nodiscard]] double max_ns() const noexcept { return static_cast<double>(max_ns_); }
 

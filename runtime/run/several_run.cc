@@ -122,7 +122,7 @@ PressedBody pressed_by_several(const ResponseDatabase& database,
         },
         second.tool, is_simulated(options, 1));
   }
-  body.contacts = coupled_set(database, tools).count;
+  body.contacts = coupled_set(tools).count;
   for (const ResponseTable* each : response_tables(database, tools)) {
     body.tables.push_back(each->tool.name);
   }

@@ -36,12 +36,15 @@ ChunkCache::ChunkCache(const std::filesystem::path& file, const CacheOptions& op
     : reader_(file), options_(options) {
   check(options);
   const DatabaseIndex& index = reader_.index();
-  tool_ = find_tool(index, options.tool);
+  content_.tool = find_tool(index, options.tool);
+  if (!options.coupling.empty()) {
+    content_.coupling = find_tool(index, options.coupling);
+  }
   const auto chunks = static_cast<std::size_t>(index.chunks());
   last_use_.assign(chunks, 0);
   needs_.resize(chunks);
   unreadable_.assign(chunks, 0);
-  const std::size_t least = least_budget(index, tool_);
+  const std::size_t least = least_budget(index, content_, options.spread);
   if (options.budget_bytes < least) {
     throw InputError(fmt::format(
         "{}: a stream budget of {:.3g} MiB does not hold a neighbourhood of chunks, "
@@ -69,8 +72,8 @@ void ChunkCache::give_up(const char* why) noexcept {
   given_up_.store(true, std::memory_order_release);
 }
 
-void ChunkCache::follow(const ToolMotion& motion) {
-  motion_ = motion;
+void ChunkCache::follow(std::span<const ToolMotion> contacts) {
+  contacts_.assign(contacts.begin(), contacts.end());
   settled_ = false;
   choose();
   counts_.wanted += std::ssize(chosen_);
@@ -109,7 +112,7 @@ void ChunkCache::choose() {
     if (last_use_[i] == choice_ || unreadable_[i] != 0) {
       return true;
     }
-    bytes += bytes_in_use(index, tool_, k);
+    bytes += bytes_in_use(index, content_, k);
     if (bytes > options_.budget_bytes / 2) {
       return false;
     }
@@ -117,7 +120,7 @@ void ChunkCache::choose() {
     chosen_.push_back(k);
     return true;
   };
-  for (const std::int64_t k : chunks_near(index, motion_, options_.horizon_s)) {
+  for (const std::int64_t k : chunks_near(index, contacts_, options_.horizon_s)) {
     if (!add(k) || !std::ranges::all_of(needs_[static_cast<std::size_t>(k)], add)) {
       return;
     }
@@ -129,7 +132,7 @@ bool ChunkCache::load_next() {
     return !loaded_.contains(k);
   });
   const std::int64_t k = *next;
-  const std::size_t bytes = chunk_bytes(reader_.index(), tool_, k);
+  const std::size_t bytes = chunk_bytes(reader_.index(), content_, k);
   if (!make_room(bytes)) {
     return false;  // until the piece that waits is taken
   }
@@ -137,7 +140,7 @@ bool ChunkCache::load_next() {
   MonotonicClock clock;
   const std::int64_t begin_ns = clock.now_ns();
   try {
-    auto chunk = load_chunk(reader_, tool_, k, options_.force_scale);
+    auto chunk = load_chunk(reader_, content_, k, options_.force_scale);
     needs_[static_cast<std::size_t>(k)] = chunk->needs;
     counts_.loss.nodes += chunk->loss.nodes;
     counts_.loss.force_n = std::max(counts_.loss.force_n, chunk->loss.force_n);
@@ -176,12 +179,12 @@ bool ChunkCache::publish(bool all_loaded) {
   };
   const double soon_s = kSoonShare * options_.horizon_s;
   const bool urgent =
-      !all_loaded && std::ranges::any_of(chunks_near(reader_.index(), motion_, soon_s),
-                                         [&](std::int64_t k) {
-                                           const auto found = chunks.find(k);
-                                           return found != chunks.end() &&
-                                                  is_news(*found);
-                                         });
+      !all_loaded &&
+      std::ranges::any_of(chunks_near(reader_.index(), contacts_, soon_s),
+                          [&](std::int64_t k) {
+                            const auto found = chunks.find(k);
+                            return found != chunks.end() && is_news(*found);
+                          });
   if (!urgent && !(all_loaded && std::ranges::any_of(chunks, is_news))) {
     return false;
   }
@@ -220,7 +223,7 @@ bool ChunkCache::make_room(std::size_t bytes) {
     if (oldest == loaded_.end()) {
       return false;
     }
-    counts_.bytes -= chunk_bytes(reader_.index(), tool_, oldest->first);
+    counts_.bytes -= chunk_bytes(reader_.index(), content_, oldest->first);
     loaded_.erase(oldest);
     ++counts_.evicted;
   }

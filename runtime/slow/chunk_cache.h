@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,9 @@ namespace palpate {
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
 struct CacheOptions {
-  std::string tool = {};                      ///< empty: the only one
+  std::string tool = {};      ///< empty: the only one
+  std::string coupling = {};  ///< whose rows of compliance go along; empty: none
+  ContactSpread spread = {};
   std::size_t budget_bytes = 48 * kMebibyte;  ///< of chunks and pieces in memory
   double horizon_s = 0.1;    ///< [s] [0, 10] that is prefetched along the motion
   double force_scale = 1.0;  ///< [-] (0, 1]
@@ -51,8 +54,8 @@ class ChunkCache {
   /// does not hold a neighbourhood.
   ChunkCache(const std::filesystem::path& file, const CacheOptions& options);
 
-  /// From now on, what is near this motion is wanted.
-  void follow(const ToolMotion& motion);
+  /// From now on, what is near any of these contacts is wanted.
+  void follow(std::span<const ToolMotion> contacts);
 
   /// Loads one chunk, or publishes a piece, or has nothing to do (then false). Of what
   /// was used longest ago, as much is given up as the budget needs.
@@ -64,7 +67,7 @@ class ChunkCache {
 
   [[nodiscard]] const CacheCounts& counts() const noexcept { return counts_; }
   [[nodiscard]] const DatabaseIndex& index() const noexcept { return reader_.index(); }
-  [[nodiscard]] std::size_t tool() const noexcept { return tool_; }
+  [[nodiscard]] std::size_t tool() const noexcept { return content_.tool; }
 
   /// Any thread. Whether a chunk was damaged.
   [[nodiscard]] bool is_damaged() const noexcept {
@@ -103,8 +106,8 @@ class ChunkCache {
 
   ChunkReader reader_;
   CacheOptions options_;
-  std::size_t tool_ = 0;
-  ToolMotion motion_;
+  ChunkContent content_;
+  std::vector<ToolMotion> contacts_;
   bool settled_ = true;  // nothing to do until the motion changes
   LoadedChunks loaded_;
   std::vector<std::uint64_t> last_use_;           // (c) by choose()

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,22 +30,38 @@ struct ToolMotion {
 [[nodiscard]] Eigen::AlignedBox3d chunk_box(const DatabaseIndex& index,
                                             std::int64_t chunk);
 
-/// Chunks near the tool, the most urgent first. Follows the tool along its present
+/// Chunks near any contact, the most urgent first. Follows each along its present
 /// velocity for horizon_s [s] >= 0. For a point s metres ahead and a chunk at distance
 /// d from it: the chunk is taken if d + 0.1 s is at most the smallest (distance + 0.4
 /// box diagonal) of any chunk plus 0.1 of the whole way; chunks are ordered by d + 0.5
 /// s, so that near ones come first.
-[[nodiscard]] std::vector<std::int64_t> chunks_near(const DatabaseIndex& index,
-                                                    const ToolMotion& motion,
-                                                    double horizon_s);
+[[nodiscard]] std::vector<std::int64_t> chunks_near(
+    const DatabaseIndex& index, std::span<const ToolMotion> contacts, double horizon_s);
+
+/// What is kept of a chunk.
+struct ChunkContent {
+  std::size_t tool = 0;  ///< position in index.tools, of the responses
+  /// The same, whose rows of compliance go along; none: contacts do not couple.
+  std::optional<std::size_t> coupling = {};
+};
 
 /// Bytes that a chunk takes, loaded and as part of a piece of surface.
-[[nodiscard]] std::size_t bytes_in_use(const DatabaseIndex& index, std::size_t tool,
-                                       std::int64_t chunk);
+[[nodiscard]] std::size_t bytes_in_use(const DatabaseIndex& index,
+                                       const ChunkContent& content, std::int64_t chunk);
 
-/// Least budget [bytes] that holds a neighbourhood wherever the tool is: twice the nine
-/// largest chunks, because a new one and eight around it are loaded while the old ones
-/// are in use.
-[[nodiscard]] std::size_t least_budget(const DatabaseIndex& index, std::size_t tool);
+/// Where the contacts of one table of responses are to each other.
+struct ContactSpread {
+  int hands = 1;          ///< that hold them
+  int contacts = 1;       ///< of a hand, at most
+  double extent_m = 0.0;  ///< [m] largest distance of two in one hand
+};
+
+/// Least budget [bytes] that holds a neighbourhood wherever the tool is: for each hand
+/// twice nine chunks a contact, or all that may lie within the contacts' extent and
+/// eight around if that is less, the largest that there are. Twice, because new ones
+/// are loaded while the old ones are in use. Never more than twice all.
+[[nodiscard]] std::size_t least_budget(const DatabaseIndex& index,
+                                       const ChunkContent& content,
+                                       const ContactSpread& spread = {});
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include "formats/base/error.h"
 #include "formats/response/contact_set.h"
 #include "formats/response/tool_support.h"
+#include "runtime/slow/memory_elements.h"
 
 namespace palpate {
 namespace {
@@ -39,8 +40,8 @@ void add_spheres(const ToolShape& tool, std::size_t port, std::size_t table,
   }
 }
 
-void check_renderable(const ResponseTable& tool, int contacts) {
-  const std::string& name = tool.tool.name;
+void check_renderable(const PressingTool& tool, int contacts) {
+  const std::string& name = tool.shape.name;
   if (tool.compliance.empty()) {
     throw InputError(fmt::format(
         "tool \"{}\" has no table of compliance, which {} contacts on one body need: "
@@ -48,7 +49,7 @@ void check_renderable(const ResponseTable& tool, int contacts) {
         "has shape = \"spheres\" or compliance = true",
         name, contacts));
   }
-  const Viscoelasticity& relaxation = tool.viscoelasticity;
+  const Viscoelasticity& relaxation = tool.relaxation;
   if (!relaxation.empty() && !relaxation.instantaneous) {
     throw InputError(fmt::format(
         "tool \"{}\" relaxes, and its curves are of a press at {} m/s, as its "
@@ -58,6 +59,31 @@ void check_renderable(const ResponseTable& tool, int contacts) {
   }
 }
 
+std::size_t radii_of(const ToolShape& tool) {
+  return tool.contact.empty() ? 1 : distinct_radii(tool.contact).size();
+}
+
+std::vector<PressingTool> pressing(std::span<const ResponseTable* const> tables) {
+  std::vector<PressingTool> tools;
+  for (const ResponseTable* table : tables) {
+    tools.emplace_back(*table);
+  }
+  return tools;
+}
+
+std::vector<std::unique_ptr<TableElements>> in_memory(
+    const ResponseDatabase& database, std::span<const ResponseTable* const> tools,
+    double force_scale) {
+  const bool couples = !is_alone(coupled_set(tools));
+  std::vector<std::unique_ptr<TableElements>> all;
+  for (const ResponseTable* responses : response_tables(database, tools)) {
+    all.push_back(std::make_unique<ElementStream>(
+        database, *responses, force_scale,
+        couples ? &tools.front()->compliance : nullptr));
+  }
+  return all;
+}
+
 }  // namespace
 
 const ResponseTable& table_of_radius(const ResponseDatabase& database,
@@ -65,37 +91,29 @@ const ResponseTable& table_of_radius(const ResponseDatabase& database,
   return radius == 0 ? tool : find_tool(database, table_name(tool.tool.name, radius));
 }
 
-std::vector<const ResponseTable*> response_tables(
-    const ResponseDatabase& database, std::span<const ResponseTable* const> tools) {
-  std::vector<const ResponseTable*> tables;
-  for (const ResponseTable* tool : tools) {
-    const std::size_t radii =
-        tool->tool.contact.empty() ? 1 : distinct_radii(tool->tool.contact).size();
-    for (std::size_t i = 0; i < radii; ++i) {
-      tables.push_back(&table_of_radius(database, *tool, i));
+std::vector<std::string> response_names(std::span<const PressingTool> tools) {
+  std::vector<std::string> names;
+  for (const PressingTool& tool : tools) {
+    for (std::size_t i = 0; i < radii_of(tool.shape); ++i) {
+      names.push_back(table_name(tool.shape.name, i));
     }
   }
-  if (tables.size() > static_cast<std::size_t>(kResponseTables)) {
+  if (names.size() > static_cast<std::size_t>(kResponseTables)) {
     throw InputError(
         fmt::format("contacts have {} radii, must have {} at most: give spheres of "
                     "nearly one size the same radius",
-                    tables.size(), kResponseTables));
+                    names.size(), kResponseTables));
   }
-  return tables;
+  return names;
 }
 
-ContactRow contact_row(const ComplianceTable& table, std::int64_t node,
-                       double force_scale) {
-  ContactRow row;
-  const auto softer = static_cast<float>(1.0 / force_scale);
-  const auto root = static_cast<float>(1.0 / std::sqrt(force_scale));
-  for (Eigen::Index k = 0; k < table.value.cols(); ++k) {
-    row.value[static_cast<std::size_t>(k)] = softer * table.value(node, k);
+std::vector<const ResponseTable*> response_tables(
+    const ResponseDatabase& database, std::span<const ResponseTable* const> tools) {
+  std::vector<const ResponseTable*> tables;
+  for (const std::string& name : response_names(pressing(tools))) {
+    tables.push_back(&find_tool(database, name));
   }
-  for (Eigen::Index m = 0; m < table.mode.cols(); ++m) {
-    row.mode[static_cast<std::size_t>(m)] = root * table.mode(node, m);
-  }
-  return row;
+  return tables;
 }
 
 ContactToolState contact_tool_state(const CoupledState& state,
@@ -114,26 +132,29 @@ ContactToolState contact_tool_state(const CoupledState& state,
   return all;
 }
 
-CoupledSet coupled_set(const ResponseDatabase& database,
-                       std::span<const ResponseTable* const> tools) {
+CoupledSet coupled_set(std::span<const ResponseTable* const> tools) {
+  return coupled_set(pressing(tools));
+}
+
+CoupledSet coupled_set(std::span<const PressingTool> tools) {
   if (tools.empty() || tools.size() > static_cast<std::size_t>(kPortsMax)) {
     throw InputError(fmt::format("{} tools press one body together, must be 1 to {}",
                                  tools.size(), kPortsMax));
   }
   CoupledSet set;
   set.ports = static_cast<int>(tools.size());
-  (void)response_tables(database, tools);
+  static_cast<void>(response_names(tools));
   std::size_t first = 0;
   for (std::size_t port = 0; port < tools.size(); ++port) {
-    const ToolShape& tool = tools[port]->tool;
+    const ToolShape& tool = tools[port].shape;
     add_spheres(tool, port, first, set);
-    first += tool.contact.empty() ? 1 : distinct_radii(tool.contact).size();
+    first += radii_of(tool);
   }
   if (!is_alone(set)) {
-    for (const ResponseTable* tool : tools) {
-      check_renderable(*tool, set.count);
+    for (const PressingTool& tool : tools) {
+      check_renderable(tool, set.count);
     }
-    const ComplianceTable& body = tools.front()->compliance;
+    const ComplianceTable& body = tools.front().compliance;
     set.knots = knots_of(body);
     set.modes = static_cast<int>(body.modes());
     set.added_modes = static_cast<int>(body.added_modes);
@@ -147,35 +168,51 @@ CoupledSet coupled_set(const ResponseDatabase& database,
 ContactStream::ContactStream(const ResponseDatabase& database,
                              std::span<const ResponseTable* const> tools,
                              double force_scale)
-    : database_(database),
-      set_(coupled_set(database, tools)),
-      compliance_(is_alone(set_) ? nullptr : &tools.front()->compliance),
-      force_scale_(force_scale) {
-  for (const ResponseTable* responses : response_tables(database, tools)) {
-    tables_.push_back(responses->tool.name);
-    radius_.push_back(
-        std::make_unique<ElementStream>(database, *responses, force_scale));
-  }
+    : ContactStream(pressing(tools), in_memory(database, tools, force_scale)) {}
+
+ContactStream::ContactStream(std::span<const PressingTool> tools,
+                             std::vector<std::unique_ptr<TableElements>> table)
+    : set_(coupled_set(tools)),
+      names_(response_names(tools)),
+      table_(std::move(table)) {}
+
+TableElements& ContactStream::table_of(int i) const {
+  const ContactSphere& sphere = set_.sphere[static_cast<std::size_t>(i)];
+  return *table_[static_cast<std::size_t>(sphere.table)];
 }
 
 ContactElement ContactStream::element(int i, std::int32_t triangle) const {
-  const ContactSphere& sphere = set_.sphere[static_cast<std::size_t>(i)];
-  ContactElement message;
-  message.contact = i;
-  message.element = radius_[static_cast<std::size_t>(sphere.table)]->element(triangle);
-  for (std::size_t a = 0; a < 3 && compliance_ != nullptr; ++a) {
-    message.row[a] = contact_row(
-        *compliance_, database_.body.triangle(triangle, static_cast<Eigen::Index>(a)),
-        force_scale_);
-  }
-  return message;
+  const TableElements& table = table_of(i);
+  return {
+      .contact = i, .element = table.element(triangle), .row = table.rows(triangle)};
 }
 
 std::optional<ContactElement> ContactStream::element_of(int i,
                                                         std::int32_t triangle) const {
-  const bool there = i >= 0 && i < set_.count && triangle >= 0 &&
-                     triangle < database_.body.triangle.rows();
-  return there ? std::optional(element(i, triangle)) : std::nullopt;
+  if (i < 0 || i >= set_.count) {
+    return std::nullopt;
+  }
+  const std::optional<Element> element = table_of(i).element_of(triangle);
+  return element ? std::optional(ContactElement{.contact = i,
+                                                .element = *element,
+                                                .row = table_of(i).rows(triangle)})
+                 : std::nullopt;
+}
+
+// Each table sees its own contacts.
+void ContactStream::follow(const ContactToolState& tool) {
+  std::array<ToolState, kContactsMax> contact;
+  for (std::size_t table = 0; table < table_.size(); ++table) {
+    std::size_t count = 0;
+    for (int i = 0; i < std::min(tool.count, set_.count); ++i) {
+      const auto self = static_cast<std::size_t>(i);
+      if (static_cast<std::size_t>(set_.sphere[self].table) == table &&
+          tool.contact[self].position_m.allFinite()) {
+        contact[count++] = tool.contact[self];
+      }
+    }
+    table_[table]->follow(std::span(contact).first(count));
+  }
 }
 
 std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_ns,
@@ -184,17 +221,7 @@ std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_n
     return 0;
   }
   const auto self = static_cast<std::size_t>(i);
-  const SurfaceSearch& search = radius_.front()->search();
-  const bool walk =
-      at.in_contact && at.triangle >= 0 && at.triangle < database_.body.triangle.rows();
-  const std::int32_t active =
-      (walk ? search.walk(at.position_m, at.triangle) : search.nearest(at.position_m))
-          .triangle;
-  if (active < 0) {
-    return 0;
-  }
-  const WantedTriangles wanted =
-      wanted_triangles(search, active, walk ? at.triangle : -1);
+  const WantedTriangles wanted = table_of(i).wanted(at);
   ContactSent::Contact& last = sent.contact[self];
   const bool same =
       last.whole && last.wanted.count == wanted.count &&
@@ -221,6 +248,7 @@ std::size_t ContactStream::update(int i, const ToolState& at, std::int64_t now_n
 std::size_t ContactStream::update(const ContactToolState& tool, std::int64_t now_ns,
                                   ContactFifo& fifo, ContactSent& sent) {
   ++sent.updates;
+  follow(tool);
   std::size_t pushed = 0;
   for (int i = 0; i < std::min(tool.count, set_.count); ++i) {
     pushed += update(i, tool.contact[static_cast<std::size_t>(i)], now_ns, fifo, sent);

@@ -42,7 +42,7 @@ ContactStiffness contact_stiffness(const ResponseDatabase& database,
                                    const ResponseTable& tool, LocalModel model,
                                    double force_max_n) {
   const ResponseTable* const one[] = {&tool};
-  const CoupledSet set = coupled_set(database, one);
+  const CoupledSet set = coupled_set(one);
   const std::vector<RenderedStiffness> each =
       stiffness_by_contact(database, tool, model, force_max_n);
   const std::int64_t node =

@@ -1,5 +1,6 @@
 #include "runtime/slow/file_elements.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <string>
@@ -12,8 +13,9 @@ StreamedElements::StreamedElements(const std::filesystem::path& file,
                                    const CacheOptions& options,
                                    const Eigen::Vector3d& start_m, bool in_thread)
     : cache_(file, options) {
-  motion_.position_m = start_m;
-  load_all(motion_);
+  motions_.contact[0].position_m = start_m;
+  motions_.count = 1;
+  load_all();
   if (in_thread) {
     thread_ = std::thread([this] {
       run();
@@ -39,7 +41,7 @@ void StreamedElements::run() noexcept {
   try {
     while (!stop_.load()) {
       if (wish_.fetch()) {
-        cache_.follow(wish_.latest());
+        cache_.follow(wish_.latest().all());
       }
       if (!cache_.step()) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -50,36 +52,47 @@ void StreamedElements::run() noexcept {
   }
 }
 
-void StreamedElements::load_all(const ToolMotion& motion) {
-  cache_.follow(motion);
+void StreamedElements::load_all() {
+  cache_.follow(motions_.all());
   while (cache_.step()) {
     static_cast<void>(cache_.take());
   }
 }
 
-void StreamedElements::follow(const ToolState& tool) {
-  const double dt_s =
-      static_cast<double>(tool.time_ns - time_ns_) / kNanosecondsPerSecond;
-  if (updates_ > 1 && dt_s > 0.0) {
-    motion_.velocity_m_per_s = (tool.position_m - motion_.position_m) / dt_s;
+void StreamedElements::follow(std::span<const ToolState> contacts) {
+  piece_ = nullptr;
+  if (contacts.empty() || cache_.has_given_up()) {
+    return;
   }
-  motion_.position_m = tool.position_m;
-  time_ns_ = tool.time_ns;
+  const std::int64_t now_ns = contacts.front().time_ns;
+  const double dt_s = static_cast<double>(now_ns - time_ns_) / kNanosecondsPerSecond;
+  const bool moved = ++followed_ > 1 && contacts.size() == motions_.count && dt_s > 0.0;
+  motions_.count = std::min(contacts.size(), motions_.contact.size());
+  for (std::size_t i = 0; i < motions_.count; ++i) {
+    ToolMotion& motion = motions_.contact[i];
+    if (moved) {
+      motion.velocity_m_per_s = (contacts[i].position_m - motion.position_m) / dt_s;
+    }
+    motion.position_m = contacts[i].position_m;
+  }
+  time_ns_ = now_ns;
   if (thread_.joinable()) {
-    wish_.write(motion_);
+    wish_.write(motions_);
   } else if (!stop_.load()) {
-    load_all(motion_);
+    load_all();
   }
+  piece_ = cache_.take();
 }
 
 std::int32_t StreamedElements::active_row(const SurfacePiece& piece,
-                                          const ToolState& tool, std::int32_t in_use) {
+                                          const ToolState& contact,
+                                          std::int32_t in_use) {
   SurfacePoint point;
   if (in_use >= 0) {
-    point = piece.search().walk(tool.position_m, in_use);
+    point = piece.search().walk(contact.position_m, in_use);
   } else {
-    point = piece.search().nearest(tool.position_m);
-    if (!(point.distance_m < piece.missing_distance_m(tool.position_m))) {
+    point = piece.search().nearest(contact.position_m);
+    if (!(point.distance_m < piece.missing_distance_m(contact.position_m))) {
       return -1;
     }
   }
@@ -87,43 +100,37 @@ std::int32_t StreamedElements::active_row(const SurfacePiece& piece,
                                                                     : -1;
 }
 
-std::size_t StreamedElements::update(const ToolState& tool, std::int64_t now_ns,
-                                     ElementFifo& fifo) {
-  if (!tool.position_m.allFinite()) {
-    return 0;
-  }
+WantedTriangles StreamedElements::wanted(const ToolState& contact) {
   ++updates_;
-  if (cache_.has_given_up()) {
-    ++starved_;
-    return 0;
-  }
-  follow(tool);
-  const SurfacePiece* piece = cache_.take();
-  const bool walk = tool.in_contact && tool.triangle >= 0 &&
-                    tool.triangle < cache_.index().triangles();
+  const bool walk = is_in_use(contact, cache_.index().triangles());
   const std::int32_t in_use =
-      piece != nullptr && walk ? piece->row_of(tool.triangle) : -1;
-  const std::int32_t active = piece == nullptr ? -1 : active_row(*piece, tool, in_use);
+      piece_ != nullptr && walk ? piece_->row_of(contact.triangle) : -1;
+  const std::int32_t active =
+      piece_ == nullptr ? -1 : active_row(*piece_, contact, in_use);
+  WantedTriangles sure;
   if (active < 0) {
     ++starved_;
-    return 0;
+    return sure;
   }
-  bool complete = !walk || (in_use >= 0 && piece->is_surrounded(in_use));
-  const WantedTriangles wanted = wanted_triangles(piece->search(), active, in_use);
-  std::size_t sent = 0;
-  for (std::size_t i = 0; i < wanted.count; ++i) {
-    if (!piece->is_surrounded(wanted.triangle[i])) {
+  bool complete = !walk || (in_use >= 0 && piece_->is_surrounded(in_use));
+  const WantedTriangles rows = wanted_triangles(piece_->search(), active, in_use);
+  for (std::size_t i = 0; i < rows.count; ++i) {
+    if (piece_->is_surrounded(rows.triangle[i])) {
+      sure.triangle[sure.count++] = piece_->source_of(rows.triangle[i]);
+    } else {
       complete = false;
-      continue;
     }
-    Element message = piece->element(wanted.triangle[i]);
-    message.sequence = ++sequence_;
-    message.sent_ns = now_ns;
-    message.active = i == 0;
-    sent += fifo.push(message) ? 1 : 0;
   }
   starved_ += complete ? 0 : 1;
-  return sent;
+  return sure;
+}
+
+Element StreamedElements::element(std::int32_t triangle) const {
+  return piece_->element(piece_->row_of(triangle));
+}
+
+ElementRows StreamedElements::rows(std::int32_t triangle) const {
+  return piece_->compliance(piece_->row_of(triangle));
 }
 
 StreamReport StreamedElements::report() const {
@@ -131,6 +138,24 @@ StreamReport StreamedElements::report() const {
           .updates = updates_,
           .starved = starved_,
           .fault = cache_.is_damaged() ? cache_.damage() : ""};
+}
+
+void StreamReport::add(const StreamReport& other) {
+  cache.loaded += other.cache.loaded;
+  cache.evicted += other.cache.evicted;
+  cache.wanted += other.cache.wanted;
+  cache.hits += other.cache.hits;
+  cache.pieces += other.cache.pieces;
+  cache.bytes += other.cache.bytes;
+  cache.bytes_max += other.cache.bytes_max;
+  cache.loss.nodes += other.cache.loss.nodes;
+  cache.loss.force_n = std::max(cache.loss.force_n, other.cache.loss.force_n);
+  cache.loss.force_relative =
+      std::max(cache.loss.force_relative, other.cache.loss.force_relative);
+  cache.load_time.add(other.cache.load_time);
+  updates += other.updates;
+  starved += other.starved;
+  fault = fault.empty() ? other.fault : fault;
 }
 
 }  // namespace palpate

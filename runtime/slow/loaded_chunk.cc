@@ -28,20 +28,23 @@ std::vector<std::int64_t> chunks_of_nodes(const DatabaseIndex& index,
 }  // namespace
 
 std::shared_ptr<const LoadedChunk> load_chunk(const ChunkReader& reader,
-                                              std::size_t tool, std::int64_t chunk,
-                                              double force_scale) {
+                                              const ChunkContent& content,
+                                              std::int64_t chunk, double force_scale) {
   auto loaded = std::make_shared<LoadedChunk>();
   loaded->body = reader.body(chunk);
-  loaded->table = reader.responses(tool, chunk);
+  loaded->table = reader.responses(content.tool, chunk);
   check_normals(loaded->body.normal, loaded->table, loaded->body.node_begin);
   make_instantaneous(loaded->table);
   make_undamaged(loaded->table);
+  loaded->table.compliance = content.coupling
+                                 ? reader.compliance(*content.coupling, chunk)
+                                 : ComplianceTable{};
   loaded->thinned = thinned_messages(loaded->rows(force_scale), loaded->loss);
   loaded->needs = chunks_of_nodes(reader.index(), loaded->body, chunk);
   return loaded;
 }
 
-std::size_t chunk_bytes(const DatabaseIndex& index, std::size_t tool,
+std::size_t chunk_bytes(const DatabaseIndex& index, const ChunkContent& content,
                         std::int64_t chunk) {
   // What FORMAT.md lists per node, triangle and sample, and what holds it together.
   constexpr std::size_t kPerNode = 3 * 8 + 3 * 8 + 4 + 3 * 8 + 6 * 8 + 2 + 8;
@@ -54,7 +57,7 @@ std::size_t chunk_bytes(const DatabaseIndex& index, std::size_t tool,
     return static_cast<std::size_t>(begin[k + 1] - begin[k]);
   };
   const std::size_t nodes = count(index.node_begin);
-  const ToolIndex& entry = index.tools[tool];
+  const ToolIndex& entry = index.tools[content.tool];
   const std::size_t per_memory =
       entry.memory_sha256.rows() > 0
           ? sizeof(float) * static_cast<std::size_t>(entry.viscoelasticity.terms()) +
@@ -66,9 +69,11 @@ std::size_t chunk_bytes(const DatabaseIndex& index, std::size_t tool,
       entry.yielding_rows || !yielding.empty()
           ? 5 * sizeof(double) + kPerSample * kElementSamples
           : 0;
-  const std::size_t samples = count(index.tools[tool].sample_begin);
+  const std::size_t per_coupling =
+      content.coupling ? sizeof(float) * (kMostKnots + kMostModes) : 0;
+  const std::size_t samples = count(entry.sample_begin);
   const std::size_t thinned = std::min(nodes, samples / (kElementSamples + 1));
-  return kFixed + (kPerNode + per_memory + per_yielding) * nodes +
+  return kFixed + (kPerNode + per_memory + per_yielding + per_coupling) * nodes +
          kPerTriangle * count(index.triangle_begin) + kPerSample * samples +
          kPerThinned * thinned;
 }

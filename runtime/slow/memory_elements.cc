@@ -40,8 +40,10 @@ std::vector<TiltLine> tilts_by_sample(const ResponseDatabase& database,
 }  // namespace
 
 ElementStream::ElementStream(const ResponseDatabase& database,
-                             const ResponseTable& table, double force_scale)
+                             const ResponseTable& table, double force_scale,
+                             const ComplianceTable* coupling)
     : database_(database),
+      coupling_(coupling),
       instantaneous_(rendered_copy(table)),
       tilt_(tilts_by_sample(database, table)),
       rows_{database.body.position_m, database.normal,
@@ -74,35 +76,23 @@ Element ElementStream::element(std::int32_t triangle) const {
   return message;
 }
 
-bool ElementStream::send(std::int32_t triangle, bool active, std::int64_t now_ns,
-                         ElementFifo& fifo) {
-  Element message = element(triangle);
-  message.sequence = ++sequence_;
-  message.sent_ns = now_ns;
-  message.active = active;
-  return fifo.push(message);
+ElementRows ElementStream::rows(std::int32_t triangle) const {
+  ElementRows rows;
+  for (std::size_t j = 0; j < 3 && coupling_ != nullptr; ++j) {
+    const std::int32_t node =
+        database_.body.triangle(triangle, static_cast<Eigen::Index>(j));
+    rows[j] = contact_row(*coupling_, node, rows_.force_scale);
+  }
+  return rows;
 }
 
-std::size_t ElementStream::update(const ToolState& tool, std::int64_t now_ns,
-                                  ElementFifo& fifo) {
-  if (!tool.position_m.allFinite()) {
-    return 0;
-  }
-  const bool walk = tool.in_contact && tool.triangle >= 0 &&
-                    tool.triangle < database_.body.triangle.rows();
-  const std::int32_t active = (walk ? search_.walk(tool.position_m, tool.triangle)
-                                    : search_.nearest(tool.position_m))
+WantedTriangles ElementStream::wanted(const ToolState& contact) {
+  const bool walk = is_in_use(contact, database_.body.triangle.rows());
+  const std::int32_t active = (walk ? search_.walk(contact.position_m, contact.triangle)
+                                    : search_.nearest(contact.position_m))
                                   .triangle;
-  if (active < 0) {
-    return 0;
-  }
-  const WantedTriangles wanted =
-      wanted_triangles(search_, active, walk ? tool.triangle : -1);
-  std::size_t sent = 0;
-  for (std::size_t i = 0; i < wanted.count; ++i) {
-    sent += send(wanted.triangle[i], i == 0, now_ns, fifo) ? 1 : 0;
-  }
-  return sent;
+  return active < 0 ? WantedTriangles{}
+                    : wanted_triangles(search_, active, walk ? contact.triangle : -1);
 }
 
 }  // namespace palpate

@@ -11,26 +11,27 @@
 #include "formats/database/response_database.h"
 #include "formats/mesh/surface_search.h"
 #include "runtime/slow/element_message.h"
-#include "runtime/slow/element_source.h"
+#include "runtime/slow/table_elements.h"
 
 namespace palpate {
 
 /// Sends the element nearest to the tool and those around it, of a database in memory.
 /// Allocates in the constructor only.
-class ElementStream : public ElementSender {
+class ElementStream : public TableElements {
  public:
-  /// Both must outlive the stream; `table` belongs to the database.
+  /// All must outlive the stream; `table` belongs to the database.
   /// @param force_scale [-] (0, 1] forces are multiplied by it, for a device that
-  /// cannot render the body's stiffness.
+  /// cannot render the body's stiffness. @param coupling whose rows go along; null:
+  /// contacts do not couple.
   ElementStream(const ResponseDatabase& database, const ResponseTable& table,
-                double force_scale = 1.0);
+                double force_scale = 1.0, const ComplianceTable* coupling = nullptr);
 
-  std::size_t update(const ToolState& tool, std::int64_t now_ns,
-                     ElementFifo& fifo) override;
+  [[nodiscard]] WantedTriangles wanted(const ToolState& contact) override;
 
-  /// The message for one triangle, without sequence and time. A node without response
-  /// has no samples and no direction: zero force.
-  [[nodiscard]] Element element(std::int32_t triangle) const;
+  /// Of any triangle of the body. A node without response has no samples and no
+  /// direction: zero force.
+  [[nodiscard]] Element element(std::int32_t triangle) const override;
+  [[nodiscard]] ElementRows rows(std::int32_t triangle) const override;
   [[nodiscard]] std::optional<Element> element_of(
       std::int32_t triangle) const override {
     const bool there = triangle >= 0 && triangle < database_.body.triangle.rows();
@@ -41,9 +42,8 @@ class ElementStream : public ElementSender {
   [[nodiscard]] const SurfaceSearch& search() const noexcept { return search_; }
 
  private:
-  bool send(std::int32_t triangle, bool active, std::int64_t now_ns, ElementFifo& fifo);
-
   const ResponseDatabase& database_;
+  const ComplianceTable* coupling_;
   /// The table with curves as they are rendered; none where they are so already.
   std::optional<ResponseTable> instantaneous_;
   std::vector<TiltLine> tilt_;
@@ -51,7 +51,6 @@ class ElementStream : public ElementSender {
   SurfaceSearch search_;
   ResampleLoss loss_;
   std::unordered_map<std::int32_t, ElementNode> thinned_;
-  std::uint64_t sequence_ = 0;
 };
 
 }  // namespace palpate

@@ -163,4 +163,16 @@ Element SurfacePiece::element(std::int32_t row) const {
   return message;
 }
 
+ElementRows SurfacePiece::compliance(std::int32_t row) const {
+  ElementRows rows;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const Place at = place(mesh_.triangle(row, static_cast<Eigen::Index>(j)));
+    const ComplianceTable& table = at.chunk->table.compliance;
+    if (!table.empty()) {
+      rows[j] = contact_row(table, at.row, force_scale_);
+    }
+  }
+  return rows;
+}
+
 }  // namespace palpate

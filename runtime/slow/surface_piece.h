@@ -9,6 +9,7 @@
 
 #include "formats/mesh/surface_search.h"
 #include "runtime/slow/loaded_chunk.h"
+#include "runtime/slow/table_elements.h"
 
 namespace palpate {
 
@@ -42,6 +43,13 @@ class SurfacePiece {
 
   /// The message for one triangle, without sequence and time, named as in the source.
   [[nodiscard]] Element element(std::int32_t row) const;
+  /// Rows of compliance of its nodes; zero where the chunks have none.
+  [[nodiscard]] ElementRows compliance(std::int32_t row) const;
+
+  /// The source's name of a triangle. @param row in [0, triangles())
+  [[nodiscard]] std::int32_t source_of(std::int32_t row) const noexcept {
+    return source_triangle_[static_cast<std::size_t>(row)];
+  }
 
   [[nodiscard]] bool has_complete(std::int64_t chunk) const noexcept {
     return complete_[static_cast<std::size_t>(chunk)] != 0;

@@ -24,7 +24,7 @@ std::vector<const ResponseTable*> tools(const ResponseDatabase& database,
 std::string refusal(const ResponseDatabase& database,
                     std::initializer_list<const char*> names) {
   try {
-    (void)coupled_set(database, tools(database, names));
+    (void)coupled_set(tools(database, names));
   } catch (const InputError& error) {
     return error.what();
   }
@@ -33,17 +33,17 @@ std::string refusal(const ResponseDatabase& database,
 
 TEST(ContactElements, SetHasTheContactsOfItsTools) {
   const ResponseDatabase database = padded_plate(3);
-  const CoupledSet one = coupled_set(database, tools(database, {"pads"}));
+  const CoupledSet one = coupled_set(tools(database, {"pads"}));
   EXPECT_EQ(one.count, 3);
   EXPECT_EQ(one.ports, 1);
   EXPECT_EQ(one.sphere[2].centre_m, Eigen::Vector3d(0.012, 0.0, 0.0));
   EXPECT_EQ(one.knots.count, 12U);
-  const CoupledSet two = coupled_set(database, tools(database, {"pads", "ball"}));
+  const CoupledSet two = coupled_set(tools(database, {"pads", "ball"}));
   EXPECT_EQ(two.count, 4);
   EXPECT_EQ(two.ports, 2);
   EXPECT_EQ(two.sphere[3].port, 1);
   EXPECT_EQ(two.sphere[3].radius_m, kPadRadius);
-  const CoupledSet alone = coupled_set(database, tools(database, {"ball"}));
+  const CoupledSet alone = coupled_set(tools(database, {"ball"}));
   EXPECT_TRUE(is_alone(alone));
 }
 
@@ -54,7 +54,7 @@ TEST(ContactElements, RadiiHaveTablesOfTheirOwn) {
   small.tool.radius_m = 0.003;
   database.tools[1].tool.contact.radius_m[1] = 0.003;
   database.tools.push_back(small);
-  const CoupledSet set = coupled_set(database, tools(database, {"pads"}));
+  const CoupledSet set = coupled_set(tools(database, {"pads"}));
   EXPECT_EQ(set.sphere[0].table, 0);
   EXPECT_EQ(set.sphere[1].table, 1);
   EXPECT_EQ(set.sphere[1].radius_m, 0.003);

@@ -74,7 +74,7 @@ class StreamedSphere : public testing::Test {
  protected:
   void write(Precision precision, int samples) {
     write_database(file_, sphere_body(precision, samples));
-    options_.budget_bytes = 3 * least_budget(read_index(file_), 0);
+    options_.budget_bytes = 3 * least_budget(read_index(file_), {});
   }
   // Walks, compares what both send; counts of what was streamed.
   StreamReport compare_on_a_walk(int steps) {
@@ -142,7 +142,7 @@ TEST_F(StreamedSphere, GivesTheSameFromRoundedAndThinnedAndScaledCurves) {
 TEST_F(StreamedSphere, NeverExceedsItsBudget) {
   write(Precision::kFloat64, 21);
   for (const double share : {1.0, 1.3, 3.0}) {
-    const std::size_t least = least_budget(read_index(file_), 0);
+    const std::size_t least = least_budget(read_index(file_), {});
     options_.budget_bytes =
         static_cast<std::size_t>(share * static_cast<double>(least));
     const StreamReport report = compare_on_a_walk(200);
@@ -154,7 +154,7 @@ TEST_F(StreamedSphere, NeverExceedsItsBudget) {
 
 TEST_F(StreamedSphere, RefusesABudgetBelowOneNeighbourhoodInOneSentence) {
   write(Precision::kFloat64, 21);
-  options_.budget_bytes = least_budget(read_index(file_), 0) - 1;
+  options_.budget_bytes = least_budget(read_index(file_), {}) - 1;
   try {
     const StreamedElements streamed(file_, options_, {0, 0, kRadius}, false);
     FAIL() << "accepted";
