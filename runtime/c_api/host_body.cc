@@ -6,17 +6,14 @@
 #include <fmt/format.h>
 
 #include "formats/base/error.h"
-#include "formats/database/chunk_reader.h"
 #include "formats/database/response_database.h"
 #include "runtime/c_api/host_limits.h"
 #include "runtime/realtime/clock.h"
 #include "runtime/realtime/deadlines.h"
 #include "runtime/served/fed_elements.h"
 #include "runtime/served/join_scene.h"
-#include "runtime/slow/field_stiffness.h"
 #include "runtime/slow/file_elements.h"
 #include "runtime/slow/file_press_site.h"
-#include "runtime/slow/memory_elements.h"
 
 namespace palpate {
 namespace {
@@ -32,9 +29,18 @@ SlowFailure failure_in_hand() {
   }
 }
 
+// What keeps a table in its file from being read; empty where nothing does.
 std::string damage_of(const ElementSender* sender) {
   const auto* streamed = dynamic_cast<const StreamedElements*>(sender);
   return streamed != nullptr && streamed->is_damaged() ? streamed->damage() : "";
+}
+
+std::string damage_of(const ContactStream* contacts) {
+  std::string why;
+  for (std::size_t i = 0; contacts != nullptr && i < contacts->elements().size(); ++i) {
+    why = why.empty() ? damage_of(contacts->elements()[i].get()) : why;
+  }
+  return why;
 }
 
 }  // namespace
@@ -45,9 +51,13 @@ HostBody::HostBody(const std::filesystem::path& file, const HostOptions& options
   if (options_.scene) {
     open_scene(file);
   } else if (options_.streamed) {
-    open_streamed(file);
+    source_ =
+        responses_in_file(file, CacheOptions{}.budget_bytes, !options_.own_slow_steps);
+    open_responses();
   } else {
-    open_whole(std::make_shared<const ResponseDatabase>(read_database(file)));
+    database_ = std::make_shared<const ResponseDatabase>(read_database(file));
+    source_ = responses_in_memory(*database_);
+    open_responses();
   }
   begin();
 }
@@ -59,7 +69,9 @@ HostBody::HostBody(std::shared_ptr<const ResponseDatabase> database,
   if (options_.streamed) {
     throw InputError("a database in memory is not streamed: name its file instead");
   }
-  open_whole(std::move(database));
+  database_ = std::move(database);
+  source_ = responses_in_memory(*database_);
+  open_responses();
   begin();
 }
 
@@ -92,56 +104,43 @@ void HostBody::stop_slow() {
   }
 }
 
-void HostBody::open_whole(std::shared_ptr<const ResponseDatabase> database) {
-  database_ = std::move(database);
-  const ResponseTable& table = find_tool(*database_, options_.tool);
-  tool_name_ = table.tool.name;
-  fast_ = fast_config(options_, table.tool);
-  if (!table.tool.contact.empty()) {
-    open_contacts(table);
-    return;
+void HostBody::open_responses() {
+  const PressingTool tool = source_->tool(options_.tool);
+  tool_name_ = tool.shape.name;
+  fast_ = fast_config(options_, tool.shape);
+  several_ = !tool.shape.contact.empty();
+  if (const ChunkReader* reader = source_->reader()) {
+    const StreamedPlace place =
+        streamed_place(*reader, find_tool(reader->index(), tool_name_), std::nullopt);
+    start_m_ = place.around.body.position_m.row(place.row).transpose();
   }
-  take_stiffness(model_stiffness(*database_, table, fast_.model, fast_.force_max_n));
-  whole_ = std::make_unique<ElementStream>(*database_, table, force_scale_);
+  if (several_) {
+    if (const char* wrong = check(coupled_set(std::span(&tool, 1)), fast_)) {
+      throw InputError(fmt::format("tool \"{}\": {}", tool_name_, wrong));
+    }
+    const ContactStiffness contacts = stiffness_of(tool_name_);
+    force_scale_ = contacts_scale(options_, contacts);
+    stiffness_n_per_m_ =
+        wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
+            .stiffness_n_per_m;
+  } else {
+    take_stiffness(source_->stiffness(tool_name_, fast_.model, fast_.force_max_n));
+  }
+  if (database_ != nullptr && several_) {
+    contact_stream_ = contacts_of({tool_name_}, force_scale_);
+  } else if (database_ != nullptr) {
+    whole_ = source_->elements(tool_name_, force_scale_, start_m_);
+  }
 }
 
-void HostBody::open_contacts(const ResponseTable& table) {
-  const ResponseTable* const tools[] = {&table};
-  const CoupledSet set = coupled_set(tools);
-  if (const char* wrong = check(set, fast_)) {
-    throw InputError(fmt::format("tool \"{}\": {}", table.tool.name, wrong));
-  }
-  const ContactStiffness contacts =
-      contact_stiffness(*database_, table, fast_.model, fast_.force_max_n);
-  force_scale_ = contacts_scale(options_, contacts);
-  stiffness_n_per_m_ =
-      wrench_margin(contacts, 1.0, 0.0, options_.tick_s, options_.delay_s)
-          .stiffness_n_per_m;
-  contact_stream_ = std::make_shared<ContactStream>(*database_, tools, force_scale_);
+ContactStiffness HostBody::stiffness_of(const std::string& tool) const {
+  return contact_stiffness(source_->tool(tool),
+                           source_->stiffest(tool, fast_.model, fast_.force_max_n));
 }
 
-void HostBody::open_streamed(const std::filesystem::path& file) {
-  const ChunkReader reader(file);
-  const CacheOptions wanted{.tool = options_.tool};
-  const std::size_t tool = ChunkCache(file, wanted).tool();
-  tool_name_ = reader.index().tools[tool].tool.name;
-  const ToolShape& shape = reader.index().tools[tool].tool;
-  if (!shape.contact.empty()) {
-    throw InputError(
-        fmt::format("tool \"{}\" has {} contacts, which need the whole database in "
-                    "memory: open it without streaming",
-                    shape.name, shape.contact.radius_m.size()));
-  }
-  fast_ = fast_config(options_, shape);
-  take_stiffness(streamed_stiffness(reader, tool, fast_.force_max_n));
-  const StreamedPlace place = streamed_place(reader, tool, std::nullopt);
-  const Eigen::Vector3d start_m =
-      place.around.body.position_m.row(place.row).transpose();
-  make_sender_ = [this, file, start_m] {
-    const CacheOptions cache{.tool = options_.tool, .force_scale = force_scale_};
-    return std::make_unique<StreamedElements>(file, cache, start_m,
-                                              !options_.own_slow_steps);
-  };
+std::shared_ptr<ContactStream> HostBody::contacts_of(
+    const std::vector<std::string>& tools, double force_scale) const {
+  return source_->contacts(tools, force_scale, start_m_);
 }
 
 void HostBody::take_stiffness(const RenderedStiffness& stiffness) {
@@ -197,7 +196,7 @@ std::int64_t HostBody::softened() const {
 }
 
 Points HostBody::static_forces_n(const Points& position_m) {
-  if (database_ == nullptr || client_ != nullptr || contact_stream_ != nullptr) {
+  if (database_ == nullptr || client_ != nullptr || several_) {
     throw InputError(
         "forces at rest are of a tool of one contact and a whole database in memory");
   }
@@ -246,30 +245,29 @@ HostTool& HostBody::keep(std::unique_ptr<Served> tool) {
 
 HostTool& HostBody::add_tool() {
   check_room();
-  if (contact_stream_ != nullptr) {
-    return keep(std::make_unique<Served>(contact_stream_, *this));
+  if (several_) {
+    return keep(std::make_unique<Served>(
+        contact_stream_ ? contact_stream_ : contacts_of({tool_name_}, force_scale_),
+        *this));
   }
   if (client_ != nullptr) {
     return keep(of_scene());
   }
-  return keep(std::make_unique<Served>(make_sender_ ? make_sender_() : nullptr,
-                                       whole_.get(), *this));
+  return keep(std::make_unique<Served>(
+      whole_ ? nullptr : source_->elements(tool_name_, force_scale_, start_m_),
+      whole_.get(), *this));
 }
 
 HostBody::Together HostBody::add_together(const std::string& second) {
-  if (database_ == nullptr || client_ != nullptr) {
+  if (source_ == nullptr) {
     throw InputError(
-        "two hands on one body need the whole database in memory: build it first, and "
-        "open it without streaming");
+        "two hands press a body together whose table of compliance is there: a scene "
+        "has none yet, build its database first");
   }
-  const ResponseTable* const tools[] = {
-      &find_tool(*database_, tool_name_),
-      &find_tool(*database_, second.empty() ? tool_name_ : second)};
-  const double scale = std::min(
-      force_scale_,
-      contacts_scale(options_, contact_stiffness(*database_, *tools[1], fast_.model,
-                                                 fast_.force_max_n)));
-  const auto stream = std::make_shared<ContactStream>(*database_, tools, scale);
+  const std::string& other = second.empty() ? tool_name_ : second;
+  const double scale =
+      std::min(force_scale_, contacts_scale(options_, stiffness_of(other)));
+  const auto stream = contacts_of({tool_name_, other}, scale);
   if (const char* wrong = check(stream->set(), fast_)) {
     throw InputError(fmt::format("two hands: {}", wrong));
   }
@@ -300,7 +298,9 @@ std::size_t HostBody::serve() {
   std::size_t sent = 0;
   for (const auto& served : tools_) {
     sent += served->tool.serve(clock.now_ns());
-    if (const std::string why = damage_of(served->sender.get()); !why.empty()) {
+    std::string why = damage_of(served->sender.get());
+    why = why.empty() ? damage_of(served->contacts.get()) : why;
+    if (!why.empty()) {
       failure_ = {FormatError("").exit_code(), why};
     }
   }

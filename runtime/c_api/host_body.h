@@ -20,6 +20,7 @@
 #include "runtime/served/served_client.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/element_source.h"
+#include "runtime/slow/response_source.h"
 #include "runtime/slow/static_field.h"
 
 namespace palpate {
@@ -59,8 +60,8 @@ class HostBody {
 
   /// A tool of two hands that press the body together, coupled through it: the body's
   /// own, and `second` (empty: another of the same). @throws InputError as add_tool()
-  /// and coupled_set(); for a streamed body, for a model that several contacts have
-  /// not, for a second tool that the device cannot render.
+  /// and coupled_set(); for a scene, for a model that several contacts have not, for a
+  /// second tool that the device cannot render.
   Together add_together(const std::string& second);
 
   /// Starts and ends the slow thread, by one thread at a time; nothing where it is so
@@ -121,21 +122,24 @@ class HostBody {
           tool(std::make_unique<OneContact>(body.fast_, sender ? *sender : *shared),
                {body.tool_name_}, body.placement_, body.options_.tick_s,
                body.options_.stall_s) {}
-    Served(const std::shared_ptr<ContactStream>& contacts, const HostBody& body)
-        : tool(std::make_unique<SeveralContacts>(contacts, body.fast_,
+    Served(const std::shared_ptr<ContactStream>& stream, const HostBody& body)
+        : contacts(stream),
+          tool(std::make_unique<SeveralContacts>(stream, body.fast_,
                                                  ContactsHeld{.watch_turns = false}),
-               contacts->tables(), body.placement_, body.options_.tick_s,
+               stream->tables(), body.placement_, body.options_.tick_s,
                body.options_.stall_s) {}
-    std::unique_ptr<ElementSender> sender;
-    const GrowingElements* grown = nullptr;  // the sender's, of a scene
+    std::unique_ptr<ElementSender> sender;    // null: the body's
+    std::shared_ptr<ContactStream> contacts;  // of several contacts
+    const GrowingElements* grown = nullptr;   // the sender's, of a scene
     HostTool tool;
   };
 
-  void open_whole(std::shared_ptr<const ResponseDatabase> database);
-  void open_contacts(const ResponseTable& table);
+  void open_responses();
+  [[nodiscard]] ContactStiffness stiffness_of(const std::string& tool) const;
+  [[nodiscard]] std::shared_ptr<ContactStream> contacts_of(
+      const std::vector<std::string>& tools, double force_scale) const;
   void check_room() const;
   HostTool& keep(std::unique_ptr<Served> tool);
-  void open_streamed(const std::filesystem::path& file);
   void open_scene(const std::filesystem::path& scene);
   [[nodiscard]] std::unique_ptr<Served> of_scene() const;
   void begin();
@@ -151,11 +155,13 @@ class HostBody {
   FastConfig fast_;
   BodyPlacement placement_;
   std::shared_ptr<const ResponseDatabase> database_;  // null: streamed; scene: empty
-  std::function<std::unique_ptr<ElementSender>()> make_sender_;  // empty: `whole_`
-  std::unique_ptr<ElementSender> whole_;
+  std::unique_ptr<ResponseSource> source_;            // null: a scene
+  Eigen::Vector3d start_m_ = Eigen::Vector3d::Zero();
+  std::unique_ptr<ElementSender> whole_;  // of all tools of one contact, in memory
   std::once_flag field_made_;
   std::unique_ptr<StaticField> field_;             // of static_forces_n()
-  std::shared_ptr<ContactStream> contact_stream_;  // of a tool of several contacts
+  std::shared_ptr<ContactStream> contact_stream_;  // likewise, of several
+  bool several_ = false;                           // contacts has its tool
   std::unique_ptr<ServedClient> client_;           // of a scene
   mutable std::mutex mutex_;  // of all below; never taken in a haptic function
   std::vector<std::unique_ptr<Served>> tools_;

@@ -154,11 +154,6 @@ std::vector<SimulationOptions> tools_on(const SimulateFlags& flags,
 
 std::vector<SimulationReport> render_streamed(const SimulateFlags& flags,
                                               const SurfaceState& surface) {
-  if (flags.together) {
-    throw InputError(
-        "--together: several contacts need the whole database in memory (--stream "
-        "off)");
-  }
   const auto budget = static_cast<std::size_t>(flags.stream_budget_mib *
                                                static_cast<double>(kMebibyte));
   return simulate_streamed(flags.database, tools_on(flags, surface), budget,

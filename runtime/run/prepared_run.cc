@@ -140,7 +140,7 @@ void reserve_trace(PreparedRun& run) {
 
 // Everything that coupled contacts have beside what one has.
 void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
-                      PreparedRun& run, Clock& clock) {
+                      const Eigen::Vector3d& start_m, PreparedRun& run, Clock& clock) {
   SimulationReport& report = run.report;
   const SimulationOptions& o = report.options;
   const PressedTogether& together = *body.together;
@@ -161,7 +161,7 @@ void prepare_together(const PressedBody& body, std::optional<HandSeat>& second,
     held.coupling = report.coupling->coupling;
   }
   report.second_device = run.second != nullptr ? run.second->name() : "";
-  run.several = body.several(run.config.fast.fast, held);
+  run.several = body.several(run.config.fast.fast, held, start_m);
 }
 
 // What a run leaves behind: report, recording, flight log.
@@ -291,12 +291,13 @@ PreparedRun prepare(const PressedBody& body, const SimulationOptions& wanted,
           ? wandering_device(body, options, report.options.device, clock)
           : make_device(report.options, seat, script, body.several != nullptr, clock);
   report.device = run.device->name();
+  const Eigen::Vector3d start_m = script.at(0.0).position_m;
   if (body.several) {
-    prepare_together(body, second, run, clock);
+    prepare_together(body, second, start_m, run, clock);
   } else if (body.growing) {
     run.sender = body.growing(report.bounds.renderable_n_per_m());
   } else {
-    run.sender = body.stream(report.force_scale, script.at(0.0).position_m);
+    run.sender = body.stream(report.force_scale, start_m);
   }
   if (poses != nullptr) {
     pose(run, poses);

@@ -14,6 +14,7 @@
 #include "runtime/render/render_loop.h"
 #include "runtime/render/several_contacts.h"
 #include "runtime/run/render_run.h"
+#include "runtime/slow/response_source.h"
 
 namespace palpate {
 
@@ -31,6 +32,18 @@ struct PressedTogether {
   double turning_n_m_per_rad = 0.0;
 };
 
+/// Where a hand presses, and how.
+struct PlaceToPress {
+  std::int32_t node = -1;
+  MakeScript script;  ///< needs the source
+};
+
+/// The node to press nearest to `at_m` [m] (node_to_press(), streamed_place()).
+[[nodiscard]] PlaceToPress place_on(const ResponseSource& source,
+                                    const std::string& tool,
+                                    const std::optional<Eigen::Vector3d>& at_m,
+                                    double force_max_n);
+
 /// What a run presses, wherever its responses lie.
 struct PressedBody {
   ToolShape tool;
@@ -40,7 +53,8 @@ struct PressedBody {
   std::vector<std::string> tables = {};  // of responses; none: the tool's own
   // Of tools of several contacts, instead of the stream.
   std::function<std::unique_ptr<RenderedBody>(const FastConfig& config,
-                                              const ContactsHeld& held)>
+                                              const ContactsHeld& held,
+                                              const Eigen::Vector3d& start_m)>
       several = nullptr;
   std::optional<PressedTogether> together = {};  // likewise
   MakeScript script;

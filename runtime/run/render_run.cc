@@ -1,6 +1,7 @@
 #include "runtime/run/render_run.h"
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 #include <span>
 #include <utility>
@@ -12,61 +13,96 @@
 #include "runtime/hand/press_site.h"
 #include "runtime/run/prepared_run.h"
 #include "runtime/run/several_run.h"
-#include "runtime/slow/field_stiffness.h"
+#include "runtime/slow/file_elements.h"
 #include "runtime/slow/file_press_site.h"
 
 namespace palpate {
 namespace {
 
-std::vector<SimulationReport> reports(const std::vector<PreparedRun>& runs) {
+// @param handed_out gets the tables that the run is fed by.
+PressedBody pressed_body(const ResponseSource& source, const SimulationOptions& options,
+                         std::vector<TableElements*>& handed_out) {
+  check(options);
+  const ToolShape& tool = source.tool(options.tool).shape;
+  PlaceToPress place = place_on(source, tool.name, options.at_m, options.force_max_n);
+  PressedBody pressed{
+      .tool = tool,
+      .node = place.node,
+      .stiffness = {},
+      .script = std::move(place.script),
+      .stream = [&source, &tool, &handed_out](
+                    double scale,
+                    const Eigen::Vector3d& start_m) -> std::unique_ptr<ElementSender> {
+        auto elements = source.elements(tool.name, scale, start_m);
+        handed_out.push_back(elements.get());
+        return elements;
+      }};
+  if (const ResponseDatabase* database = source.database()) {
+    const ResponseTable& table = find_tool(*database, tool.name);
+    pressed.database = database;
+    pressed.depth_max_m = table.depth_max_m();
+    for (std::int64_t i = 0; i < table.nodes(); ++i) {
+      pressed.open.push_back(!table.curve(i).depth_m.empty());
+    }
+  }
+  if (!tool.contact.empty() || options.together) {
+    return pressed_by_several(source, std::move(pressed), options, handed_out);
+  }
+  pressed.stiffness = options.stiffness ? *options.stiffness
+                                        : source.stiffness(tool.name, options.model,
+                                                           options.force_max_n);
+  return pressed;
+}
+
+// What came of the tables that fed a run.
+void note_tables(std::span<TableElements* const> tables, SimulationReport& report) {
+  for (TableElements* table : tables) {
+    if (auto* streamed = dynamic_cast<StreamedElements*>(table)) {
+      streamed->stop();
+      report.stream.emplace(report.stream.value_or(StreamReport{}))
+          .add(streamed->report());
+    }
+    report.resample_loss.add(table->resample_loss());
+  }
+}
+
+std::vector<SimulationReport> simulate_on(const ResponseSource& source,
+                                          std::span<const SimulationOptions> tools,
+                                          const std::atomic<bool>& stop) {
+  std::deque<std::vector<TableElements*>> handed_out;
+  const auto prepare_one = [&](const SimulationOptions& options, Clock& clock) {
+    return prepare(pressed_body(source, options, handed_out.emplace_back()), options,
+                   clock);
+  };
+  std::vector<PreparedRun> runs = run_all(tools, stop, prepare_one);
   std::vector<SimulationReport> all;
-  for (const PreparedRun& run : runs) {
-    all.push_back(run.report);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    note_tables(handed_out[i], runs[i].report);
+    all.push_back(runs[i].report);
   }
   return all;
 }
 
-// Of one contact.
-RenderedStiffness stiffness_of_run(const ResponseDatabase& database,
-                                   const ResponseTable& table,
-                                   const SimulationOptions& options) {
-  if (options.stiffness || options.together || !table.tool.contact.empty()) {
-    return options.stiffness.value_or(RenderedStiffness{});
-  }
-  return model_stiffness(database, table, options.model, options.force_max_n);
-}
-
-// @param loss of the curves that had to be thinned.
-PressedBody pressed_body(const ResponseDatabase& database,
-                         const SimulationOptions& options, ResampleLoss& loss) {
-  const ResponseTable& table = find_tool(database, options.tool);
-  check(options);
-  const std::int32_t node = node_to_press(database, table, options.at_m);
-  const double force_max_n = options.force_max_n;
-  PressedBody body{
-      .tool = table.tool,
-      .node = node,
-      .stiffness = stiffness_of_run(database, table, options),
-      .script =
-          [&database, &table, node, force_max_n](double scale, double hand_n_per_m) {
-            return script_at(database, table, node, force_max_n, scale, hand_n_per_m);
-          },
-      .stream = [&database, &table, &loss](double scale, const Eigen::Vector3d&)
-          -> std::unique_ptr<ElementSender> {
-        auto stream = std::make_unique<ElementStream>(database, table, scale);
-        loss = stream->resample_loss();
-        return stream;
-      }};
-  body.database = &database;
-  body.depth_max_m = table.depth_max_m();
-  for (std::int64_t i = 0; i < table.nodes(); ++i) {
-    body.open.push_back(!table.curve(i).depth_m.empty());
-  }
-  return table.tool.contact.empty() && !options.together
-             ? body
-             : pressed_by_several(database, table, std::move(body), options);
-}
 }  // namespace
+
+PlaceToPress place_on(const ResponseSource& source, const std::string& tool,
+                      const std::optional<Eigen::Vector3d>& at_m, double force_max_n) {
+  if (const ResponseDatabase* database = source.database()) {
+    const ResponseTable& table = find_tool(*database, tool);
+    const std::int32_t node = node_to_press(*database, table, at_m);
+    return {node, [=, &table](double scale, double hand_n_per_m) {
+              return script_at(*database, table, node, force_max_n, scale,
+                               hand_n_per_m);
+            }};
+  }
+  const ChunkReader& reader = *source.reader();
+  const auto place = std::make_shared<const StreamedPlace>(
+      streamed_place(reader, find_tool(reader.index(), tool), at_m));
+  return {place->source_node, [=](double scale, double hand_n_per_m) {
+            return script_at(place->around, place->around.tools[0], place->row,
+                             force_max_n, scale, hand_n_per_m);
+          }};
+}
 
 std::string known_models() {
   std::string names;
@@ -100,49 +136,15 @@ SimulationReport simulate(const ResponseDatabase& database,
 std::vector<SimulationReport> simulate(const ResponseDatabase& database,
                                        std::span<const SimulationOptions> tools,
                                        const std::atomic<bool>& stop) {
-  const auto prepare_one = [&](const SimulationOptions& options, Clock& clock) {
-    ResampleLoss loss;
-    PreparedRun run = prepare(pressed_body(database, options, loss), options, clock);
-    run.report.resample_loss = loss;
-    return run;
-  };
-  return reports(run_all(tools, stop, prepare_one));
+  return simulate_on(*responses_in_memory(database), tools, stop);
 }
+
 std::vector<SimulationReport> simulate_streamed(
     const std::filesystem::path& file, std::span<const SimulationOptions> tools,
     std::size_t budget_bytes, const std::atomic<bool>& stop) {
-  const ChunkReader reader(file);
-  const auto prepare_one = [&](const SimulationOptions& options, Clock& clock) {
-    const std::size_t tool = find_tool(reader.index(), options.tool);
-    check(options);
-    const StreamedPlace place = streamed_place(reader, tool, options.at_m);
-    const PressedBody body{
-        .tool = reader.index().tools[tool].tool,
-        .node = place.source_node,
-        .stiffness = streamed_stiffness(reader, tool, options.force_max_n),
-        .script =
-            [&](double scale, double hand_n_per_m) {
-              return script_at(place.around, place.around.tools[0], place.row,
-                               options.force_max_n, scale, hand_n_per_m);
-            },
-        .stream = [&](double scale, const Eigen::Vector3d& start_m)
-            -> std::unique_ptr<ElementSender> {
-          const CacheOptions cache{.tool = options.tool,
-                                   .budget_bytes = budget_bytes / tools.size(),
-                                   .force_scale = scale};
-          return std::make_unique<StreamedElements>(file, cache, start_m,
-                                                    options.real_time);
-        }};
-    return prepare(body, options, clock);
-  };
-  std::vector<PreparedRun> runs = run_all(tools, stop, prepare_one);
-  for (PreparedRun& run : runs) {
-    auto& streamed = dynamic_cast<StreamedElements&>(*run.sender);
-    streamed.stop();
-    run.report.stream = streamed.report();
-    run.report.resample_loss = run.report.stream->cache.loss;
-  }
-  return reports(runs);
+  const std::size_t share = budget_bytes / std::max<std::size_t>(1, tools.size());
+  const bool in_thread = !tools.empty() && tools.front().real_time;
+  return simulate_on(*responses_in_file(file, share, in_thread), tools, stop);
 }
 
 }  // namespace palpate

@@ -10,7 +10,6 @@
 
 #include "formats/base/error.h"
 #include "formats/response/tool_support.h"
-#include "runtime/hand/press_site.h"
 #include "runtime/run/hand_seat.h"
 #include "runtime/slow/contact_elements.h"
 #include "runtime/slow/contact_stiffness.h"
@@ -50,21 +49,22 @@ MakeScript script_of(MakeScript alone, const ToolShape& tool, bool turned) {
   };
 }
 
-RenderedStiffness stiffer(const RenderedStiffness& a, const RenderedStiffness& b) {
-  return a.largest_n_per_m() >= b.largest_n_per_m() ? a : b;
-}
-
-void note_table(const ResponseDatabase& database, const ResponseTable& table,
-                const SimulationOptions& options, PressedTogether& together) {
-  together.convex = together.convex && table.compliance.convex;
-  together.table_error =
-      std::max(together.table_error, table.compliance.error_relative);
+// What a tool's contacts are together, into the run.
+void note_tool(const PressingTool& tool, std::span<const StiffestNode> contact,
+               PressedBody& pressed) {
+  PressedTogether& together = *pressed.together;
+  together.convex = together.convex && tool.compliance.convex;
+  together.table_error = std::max(together.table_error, tool.compliance.error_relative);
   // What a device damps does not matter for the stiffness alone.
-  const WrenchMargin margin = wrench_margin(
-      contact_stiffness(database, table, options.model, options.force_max_n), 1.0, 0.0,
-      1.0 / options.fast_hz, 0.0);
+  const WrenchMargin margin =
+      wrench_margin(contact_stiffness(tool, contact), 1.0, 0.0, 1.0, 0.0);
   together.turning_n_m_per_rad =
       std::max(together.turning_n_m_per_rad, margin.stiffness_n_m_per_rad);
+  const RenderedStiffness sum = stiffness_of_contacts(contact);
+  if (pressed.stiffness.node < 0 ||
+      sum.largest_n_per_m() > pressed.stiffness.largest_n_per_m()) {
+    pressed.stiffness = sum;
+  }
 }
 
 }  // namespace
@@ -88,7 +88,9 @@ void check_several(const ToolShape& tool, const SimulationOptions& options,
         why));
   };
   if (!several) {
-    refuse("the database must fit in memory, leave out --stream");
+    refuse(
+        "a scene that is computed meanwhile has no table of compliance yet, build its "
+        "database first");
   }
   if (!is_field(options.model)) {
     refuse("the local model must be potential or facets");
@@ -100,52 +102,48 @@ void check_several(const ToolShape& tool, const SimulationOptions& options,
   }
 }
 
-PressedBody pressed_by_several(const ResponseDatabase& database,
-                               const ResponseTable& table, PressedBody body,
-                               const SimulationOptions& options) {
-  const auto stiffness_of = [&](const ResponseTable& each) {
-    return stiffness_of_contacts(database, each, options.model, options.force_max_n);
-  };
-  std::vector<const ResponseTable*> tools{&table};
-  PressedTogether together;
-  body.stiffness = stiffness_of(table);
-  const bool turned = is_simulated(options, 0);
+PressedBody pressed_by_several(const ResponseSource& source, PressedBody pressed,
+                               const SimulationOptions& options,
+                               std::vector<TableElements*>& handed_out) {
+  std::vector<std::string> names{pressed.tool.name};
+  std::vector<PressingTool> tools{source.tool(options.tool)};
+  pressed.together.emplace();
+  pressed.script =
+      script_of(std::move(pressed.script), tools[0].shape, is_simulated(options, 0));
   if (options.together) {
-    const ResponseTable& second = find_tool(database, options.together->tool);
-    tools.push_back(&second);
-    body.stiffness = stiffer(body.stiffness, stiffness_of(second));
-    together.second_node = node_to_press(database, second, options.together->at_m);
-    together.second_script = script_of(
-        [&database, &second, node = together.second_node,
-         force_max_n = options.force_max_n](double scale, double hand_n_per_m) {
-          return script_at(database, second, node, force_max_n, scale, hand_n_per_m);
-        },
-        second.tool, is_simulated(options, 1));
+    tools.push_back(source.tool(options.together->tool));
+    names.push_back(tools[1].shape.name);
+    const PlaceToPress second =
+        place_on(source, names[1], options.together->at_m, options.force_max_n);
+    pressed.together->second_node = second.node;
+    pressed.together->second_script =
+        script_of(second.script, tools[1].shape, is_simulated(options, 1));
   }
-  body.contacts = coupled_set(tools).count;
-  for (const ResponseTable* each : response_tables(database, tools)) {
-    body.tables.push_back(each->tool.name);
+  pressed.contacts = coupled_set(tools).count;
+  pressed.tables = response_names(tools);
+  pressed.stiffness = {};
+  for (const PressingTool& tool : tools) {
+    note_tool(tool,
+              source.stiffest(tool.shape.name, options.model, options.force_max_n),
+              pressed);
   }
-  for (const ResponseTable* each : tools) {
-    note_table(database, *each, options, together);
-  }
-  body.several = [&database, tools](const FastConfig& config,
-                                    const ContactsHeld& held) {
-    return std::make_unique<SeveralContacts>(database, tools, config, held);
+  pressed.several = [&source, &handed_out, names](const FastConfig& config,
+                                                  const ContactsHeld& held,
+                                                  const Eigen::Vector3d& start_m) {
+    auto stream = source.contacts(names, held.force_scale, start_m);
+    for (const auto& table : stream->elements()) {
+      handed_out.push_back(table.get());
+    }
+    return std::make_unique<SeveralContacts>(std::move(stream), config, held);
   };
-  body.script = script_of(std::move(body.script), table.tool, turned);
-  body.together = std::move(together);
-  return body;
+  return pressed;
 }
 
-bool is_contact_run(const ResponseDatabase& database,
-                    const std::vector<std::string>& tools, bool together) {
+bool is_contact_run(const ResponseSource& source, const std::vector<std::string>& tools,
+                    bool together) {
   bool sets = false;
-  for (const std::string& tool : tools) {
-    sets = sets || !find_tool(database, tool).tool.contact.empty();
-  }
-  if (tools.empty()) {
-    sets = !find_tool(database, "").tool.contact.empty();
+  for (const std::string& tool : tools.empty() ? std::vector<std::string>{""} : tools) {
+    sets = sets || !source.tool(tool).shape.contact.empty();
   }
   if (sets && tools.size() > 1 && !together) {
     throw InputError(
@@ -153,6 +151,11 @@ bool is_contact_run(const ResponseDatabase& database,
         "--together");
   }
   return sets || together;
+}
+
+bool is_contact_run(const ResponseDatabase& database,
+                    const std::vector<std::string>& tools, bool together) {
+  return is_contact_run(*responses_in_memory(database), tools, together);
 }
 
 void soften_coupling(SimulationReport& report, const DeviceLimits& limits) {

@@ -8,25 +8,29 @@
 #include "formats/response/tool_shape.h"
 #include "runtime/device/device.h"
 #include "runtime/run/prepared_run.h"
+#include "runtime/slow/response_source.h"
 
 namespace palpate {
 
-/// @param several whether its responses are in memory, coupled. @throws InputError for
-/// what a run of several contacts cannot do, and for what is theirs in a run of a tool
-/// that touches at one place.
+/// @param several whether there are responses that couple. @throws InputError for what
+/// a run of several contacts cannot do, and for what is theirs in a run of a tool that
+/// touches at one place.
 void check_several(const ToolShape& tool, const SimulationOptions& options,
                    bool several);
 
-/// Tools of several contacts, or of two hands: `body` is what the first presses alone.
+/// Tools of several contacts, or of two hands: `pressed` is what the first presses
+/// alone. @param handed_out gets the tables that the run is fed by.
 /// @throws InputError as coupled_set().
-[[nodiscard]] PressedBody pressed_by_several(const ResponseDatabase& database,
-                                             const ResponseTable& table,
-                                             PressedBody body,
-                                             const SimulationOptions& options);
+[[nodiscard]] PressedBody pressed_by_several(const ResponseSource& source,
+                                             PressedBody pressed,
+                                             const SimulationOptions& options,
+                                             std::vector<TableElements*>& handed_out);
 
 /// Whether a run of these tools is one of coupled contacts: several tools that shall
 /// press together, or one that has a contact set. @throws InputError for a tool of
 /// several contacts beside others.
+[[nodiscard]] bool is_contact_run(const ResponseSource& source,
+                                  const std::vector<std::string>& tools, bool together);
 [[nodiscard]] bool is_contact_run(const ResponseDatabase& database,
                                   const std::vector<std::string>& tools, bool together);
 

@@ -142,10 +142,7 @@ bool ChunkCache::load_next() {
   try {
     auto chunk = load_chunk(reader_, content_, k, options_.force_scale);
     needs_[static_cast<std::size_t>(k)] = chunk->needs;
-    counts_.loss.nodes += chunk->loss.nodes;
-    counts_.loss.force_n = std::max(counts_.loss.force_n, chunk->loss.force_n);
-    counts_.loss.force_relative =
-        std::max(counts_.loss.force_relative, chunk->loss.force_relative);
+    counts_.loss.add(chunk->loss);
     loaded_.emplace(k, std::move(chunk));
   } catch (const Error& error) {
     counts_.bytes -= bytes;

@@ -12,57 +12,59 @@
 
 namespace palpate {
 
-namespace {
-
-// Of the responses of each contact's own radius. @param force_max_n that they share.
-std::vector<RenderedStiffness> stiffness_by_contact(const ResponseDatabase& database,
-                                                    const ResponseTable& tool,
-                                                    LocalModel model,
-                                                    double force_max_n) {
-  std::vector<std::size_t> radius = radius_of_contacts(tool.tool.contact);
+std::vector<StiffestNode> stiffest_by_contact(const ToolShape& tool, double force_max_n,
+                                              const StiffestOfTable& stiffest) {
+  std::vector<std::size_t> radius = radius_of_contacts(tool.contact);
   if (radius.empty()) {
     radius.push_back(0);
   }
-  std::vector<RenderedStiffness> each;
+  const double each_n = force_max_n / static_cast<double>(radius.size());
+  std::vector<StiffestNode> contact;
   for (std::size_t i = 0; i < radius.size(); ++i) {
     const auto seen = static_cast<std::size_t>(
         std::find(radius.begin(), radius.end(), radius[i]) - radius.begin());
-    each.push_back(
-        seen < i
-            ? each[seen]
-            : model_stiffness(database, table_of_radius(database, tool, radius[i]),
-                              model, force_max_n / static_cast<double>(radius.size())));
+    contact.push_back(seen < i ? contact[seen]
+                               : stiffest(table_name(tool.name, radius[i]), each_n));
   }
-  return each;
+  return contact;
 }
 
-}  // namespace
+std::vector<StiffestNode> stiffest_by_contact(const ResponseDatabase& database,
+                                              const ResponseTable& tool,
+                                              LocalModel model, double force_max_n) {
+  return stiffest_by_contact(
+      tool.tool, force_max_n, [&](const std::string& table, double each_n) {
+        StiffestNode most{
+            model_stiffness(database, find_tool(database, table), model, each_n), {}};
+        if (most.stiffness.node >= 0 && !tool.compliance.empty()) {
+          most.row = contact_row(tool.compliance, most.stiffness.node, 1.0);
+        }
+        return most;
+      });
+}
 
-ContactStiffness contact_stiffness(const ResponseDatabase& database,
-                                   const ResponseTable& tool, LocalModel model,
-                                   double force_max_n) {
-  const ResponseTable* const one[] = {&tool};
-  const CoupledSet set = coupled_set(one);
-  const std::vector<RenderedStiffness> each =
-      stiffness_by_contact(database, tool, model, force_max_n);
-  const std::int64_t node =
-      std::max_element(each.begin(), each.end(), [](const auto& a, const auto& b) {
-        return a.normal_n_per_m < b.normal_n_per_m;
-      })->node;
+ContactStiffness contact_stiffness(const PressingTool& tool,
+                                   std::span<const StiffestNode> contact) {
+  const CoupledSet set = coupled_set(std::span(&tool, 1));
+  const ContactRow& row =
+      std::max_element(contact.begin(), contact.end(),
+                       [](const auto& a, const auto& b) {
+                         return a.stiffness.normal_n_per_m < b.stiffness.normal_n_per_m;
+                       })
+          ->row;
   ContactStiffness all;
   const Eigen::Index n = set.count;
   all.lever_m.resize(n, 3);
   Eigen::VectorXd own_n_per_m(n);
   Eigen::MatrixXd compliance(n, n);
-  const ContactRow row =
-      n > 1 && node >= 0 ? contact_row(tool.compliance, node, 1.0) : ContactRow{};
   const double together = coupling_by_modes(row.mode, row.mode, kMostModes,
                                             static_cast<std::size_t>(set.added_modes));
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto self = static_cast<std::size_t>(i);
-    all.friction_n_per_m = std::max(all.friction_n_per_m, each[self].friction_n_per_m);
+    const RenderedStiffness& own = contact[self].stiffness;
+    all.friction_n_per_m = std::max(all.friction_n_per_m, own.friction_n_per_m);
     all.lever_m.row(i) = set.sphere[self].centre_m.transpose();
-    own_n_per_m(i) = each[self].normal_n_per_m;
+    own_n_per_m(i) = own.normal_n_per_m;
     for (Eigen::Index j = 0; j < n; ++j) {
       compliance(i, j) =
           i == j ? 1.0 / own_n_per_m(i)
@@ -92,15 +94,12 @@ double every_hand_n_s_per_m(const VirtualCoupling& coupling, double hold_s,
   return coupling.spring_n_per_m * (0.5 * hold_s + delay_s) + coupling.damper_n_s_per_m;
 }
 
-RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
-                                        const ResponseTable& tool, LocalModel model,
-                                        double force_max_n) {
+RenderedStiffness stiffness_of_contacts(std::span<const StiffestNode> contact) {
   RenderedStiffness sum;
-  for (const RenderedStiffness& one :
-       stiffness_by_contact(database, tool, model, force_max_n)) {
-    sum.node = one.node;
-    sum.normal_n_per_m += one.normal_n_per_m;
-    sum.friction_n_per_m += one.friction_n_per_m;
+  for (const StiffestNode& one : contact) {
+    sum.node = one.stiffness.node;
+    sum.normal_n_per_m += one.stiffness.normal_n_per_m;
+    sum.friction_n_per_m += one.stiffness.friction_n_per_m;
   }
   return sum;
 }

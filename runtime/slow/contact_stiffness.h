@@ -1,23 +1,47 @@
 // How stiff the contacts of a tool are together, where its body is stiffest.
 #pragma once
 
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "formats/database/response_database.h"
 #include "formats/response/response_table.h"
 #include "runtime/account/local_model.h"
 #include "runtime/contacts/virtual_coupling.h"
 #include "runtime/device/stability_margin.h"
 #include "runtime/device/wrench_margin.h"
+#include "runtime/slow/contact_elements.h"
 
 namespace palpate {
 
-/// Each contact as stiff as the responses of its radius are anywhere, k_i, by that
-/// model, and between them the row of compliance of the node where the stiffest is:
-/// (diag(1/k_i) + C)^-1. Where that is not positive definite, diag(k_i). An estimate:
-/// elsewhere contacts couple otherwise.
-/// @param force_max_n [N] > 0 that they share.
-[[nodiscard]] ContactStiffness contact_stiffness(const ResponseDatabase& database,
-                                                 const ResponseTable& tool,
-                                                 LocalModel model, double force_max_n);
+/// Where a table of responses is stiffest, and what couples contacts there.
+struct StiffestNode {
+  RenderedStiffness stiffness;
+  ContactRow row;  ///< of the node; zero where there is none
+};
+
+/// Of the responses of that name, at forces up to force_max_n [N] > 0.
+using StiffestOfTable =
+    std::function<StiffestNode(const std::string& table, double force_max_n)>;
+
+/// By contact of a tool, each of its own radius. @param force_max_n [N] > 0 that they
+/// share.
+[[nodiscard]] std::vector<StiffestNode> stiffest_by_contact(
+    const ToolShape& tool, double force_max_n, const StiffestOfTable& stiffest);
+
+/// In memory, by that model.
+[[nodiscard]] std::vector<StiffestNode> stiffest_by_contact(
+    const ResponseDatabase& database, const ResponseTable& tool, LocalModel model,
+    double force_max_n);
+
+/// Each contact as stiff as the responses of its radius are anywhere, k_i, and between
+/// them the row of compliance of the node where the stiffest is: (diag(1/k_i) + C)^-1.
+/// Where that is not positive definite, diag(k_i). An estimate: elsewhere contacts
+/// couple otherwise.
+[[nodiscard]] ContactStiffness contact_stiffness(const PressingTool& tool,
+                                                 std::span<const StiffestNode> contact);
 
 /// Of a virtual coupling's spring, alike in every direction: the most that a device
 /// feels, however stiff or soft the contacts are. The tool's mass hardly moves within a
@@ -36,10 +60,8 @@ namespace palpate {
 
 /// Sums over all contacts of a tool, as if each pressed a body of its own: more than
 /// they have together where they sink one another, as contacts on one side of a body
-/// do; no bound where one lifts another. @param force_max_n [N] > 0 that they share.
-[[nodiscard]] RenderedStiffness stiffness_of_contacts(const ResponseDatabase& database,
-                                                      const ResponseTable& tool,
-                                                      LocalModel model,
-                                                      double force_max_n);
+/// do; no bound where one lifts another.
+[[nodiscard]] RenderedStiffness stiffness_of_contacts(
+    std::span<const StiffestNode> contact);
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // What an element message says of a node, and which elements an update sends.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,13 @@ struct ResampleLoss {
   std::int64_t nodes = 0;       ///< nodes with more than kElementSamples samples
   double force_n = 0.0;         ///< [N] largest difference of force
   double force_relative = 0.0;  ///< [-] largest, relative to the curve's largest force
+
+  /// With that of other curves.
+  void add(const ResampleLoss& other) noexcept {
+    nodes += other.nodes;
+    force_n = std::max(force_n, other.force_n);
+    force_relative = std::max(force_relative, other.force_relative);
+  }
 };
 
 /// Positions, normals and responses of the same nodes, row by row.

@@ -148,10 +148,7 @@ void StreamReport::add(const StreamReport& other) {
   cache.pieces += other.cache.pieces;
   cache.bytes += other.cache.bytes;
   cache.bytes_max += other.cache.bytes_max;
-  cache.loss.nodes += other.cache.loss.nodes;
-  cache.loss.force_n = std::max(cache.loss.force_n, other.cache.loss.force_n);
-  cache.loss.force_relative =
-      std::max(cache.loss.force_relative, other.cache.loss.force_relative);
+  cache.loss.add(other.cache.loss);
   cache.load_time.add(other.cache.load_time);
   updates += other.updates;
   starved += other.starved;

@@ -41,6 +41,10 @@ class StreamedElements : public TableElements {
   [[nodiscard]] Element element(std::int32_t triangle) const override;
   [[nodiscard]] ElementRows rows(std::int32_t triangle) const override;
 
+  [[nodiscard]] const ResampleLoss& resample_loss() const noexcept override {
+    return cache_.counts().loss;
+  }
+
   /// Ends the thread; update() then sends what is in memory.
   void stop();
 

@@ -39,6 +39,48 @@ ResponseDatabase as_body(BodyChunk chunk, ResponseTable table) {
   return body;
 }
 
+// Where it is stiffest, and whose chunk and row that is; -1: no node responds.
+struct StiffestRow {
+  RenderedStiffness stiffness;
+  std::int64_t chunk = -1;
+  std::int64_t row = -1;
+};
+
+StiffestRow stiffest_row(const ChunkReader& reader, std::size_t tool,
+                         double force_max_n) {
+  const ToolIndex& entry = reader.index().tools[tool];
+  const auto& stiffness = entry.stiffness_max_n_per_m;
+  const auto stiffest = std::max_element(stiffness.begin(), stiffness.end());
+  StiffestRow most;
+  RenderedStiffness& largest = most.stiffness;
+  if (stiffest == stiffness.end() || *stiffest <= 0.0) {
+    return most;
+  }
+  // Where nodes yield differently, another chunk may be the stiffest when it is let go.
+  const std::int64_t first = entry.yielding_rows ? 0 : stiffest - stiffness.begin();
+  const std::int64_t last = entry.yielding_rows ? reader.index().chunks() : first + 1;
+  for (std::int64_t chunk = first; chunk < last; ++chunk) {
+    RenderedStiffness of =
+        rendered_stiffness(reader.responses(tool, chunk), force_max_n);
+    if (of.normal_n_per_m > largest.normal_n_per_m) {
+      most.chunk = chunk;
+      most.row = of.node;
+      of.node = reader.body(chunk).source_node[static_cast<std::size_t>(of.node)];
+      of.friction_n_per_m = std::max(of.friction_n_per_m, largest.friction_n_per_m);
+      largest = of;
+    }
+  }
+  const double force_n =
+      std::min(force_max_n,
+               *std::max_element(entry.force_max_n.begin(), entry.force_max_n.end()));
+  if (entry.tool.presliding_m > 0.0) {
+    largest.friction_n_per_m =
+        std::max(largest.friction_n_per_m,
+                 entry.tool.friction * force_n / entry.tool.presliding_m);
+  }
+  return most;
+}
+
 }  // namespace
 
 StreamedPlace streamed_place(const ChunkReader& reader, std::size_t tool,
@@ -84,34 +126,22 @@ StreamedPlace streamed_place(const ChunkReader& reader, std::size_t tool,
 
 RenderedStiffness streamed_stiffness(const ChunkReader& reader, std::size_t tool,
                                      double force_max_n) {
-  const ToolIndex& entry = reader.index().tools[tool];
-  const auto& stiffness = entry.stiffness_max_n_per_m;
-  const auto stiffest = std::max_element(stiffness.begin(), stiffness.end());
-  RenderedStiffness largest;
-  if (stiffest == stiffness.end() || *stiffest <= 0.0) {
-    return largest;
-  }
-  // Where nodes yield differently, another chunk may be the stiffest when it is let go.
-  const std::int64_t first = entry.yielding_rows ? 0 : stiffest - stiffness.begin();
-  const std::int64_t last = entry.yielding_rows ? reader.index().chunks() : first + 1;
-  for (std::int64_t chunk = first; chunk < last; ++chunk) {
-    RenderedStiffness of =
-        rendered_stiffness(reader.responses(tool, chunk), force_max_n);
-    if (of.normal_n_per_m > largest.normal_n_per_m) {
-      of.node = reader.body(chunk).source_node[static_cast<std::size_t>(of.node)];
-      of.friction_n_per_m = std::max(of.friction_n_per_m, largest.friction_n_per_m);
-      largest = of;
-    }
-  }
-  const double force_n =
-      std::min(force_max_n,
-               *std::max_element(entry.force_max_n.begin(), entry.force_max_n.end()));
-  if (entry.tool.presliding_m > 0.0) {
-    largest.friction_n_per_m =
-        std::max(largest.friction_n_per_m,
-                 entry.tool.friction * force_n / entry.tool.presliding_m);
-  }
-  return largest;
+  return stiffest_row(reader, tool, force_max_n).stiffness;
+}
+
+std::vector<StiffestNode> streamed_stiffest(const ChunkReader& reader, std::size_t tool,
+                                            double force_max_n) {
+  const DatabaseIndex& index = reader.index();
+  return stiffest_by_contact(
+      index.tools[tool].tool, force_max_n,
+      [&](const std::string& table, double each_n) {
+        const StiffestRow most = stiffest_row(reader, find_tool(index, table), each_n);
+        StiffestNode node{most.stiffness, {}};
+        if (most.chunk >= 0 && !index.tools[tool].compliance.empty()) {
+          node.row = contact_row(reader.compliance(tool, most.chunk), most.row, 1.0);
+        }
+        return node;
+      });
 }
 
 }  // namespace palpate

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "formats/database/chunk_reader.h"
 #include "runtime/device/stability_margin.h"
+#include "runtime/slow/contact_stiffness.h"
 
 namespace palpate {
 
@@ -27,5 +29,10 @@ struct StreamedPlace {
 [[nodiscard]] RenderedStiffness streamed_stiffness(const ChunkReader& reader,
                                                    std::size_t tool,
                                                    double force_max_n);
+
+/// As stiffest_by_contact(), of the same stiffness.
+[[nodiscard]] std::vector<StiffestNode> streamed_stiffest(const ChunkReader& reader,
+                                                          std::size_t tool,
+                                                          double force_max_n);
 
 }  // namespace palpate

@@ -38,7 +38,9 @@ class ElementStream : public TableElements {
     return there ? std::optional(element(triangle)) : std::nullopt;
   }
 
-  [[nodiscard]] const ResampleLoss& resample_loss() const noexcept { return loss_; }
+  [[nodiscard]] const ResampleLoss& resample_loss() const noexcept override {
+    return loss_;
+  }
   [[nodiscard]] const SurfaceSearch& search() const noexcept { return search_; }
 
  private:

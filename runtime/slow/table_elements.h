@@ -41,6 +41,9 @@ class TableElements : public ElementSender {
   /// Rows of compliance of the same; zero where contacts do not couple.
   [[nodiscard]] virtual ElementRows rows(std::int32_t triangle) const = 0;
 
+  /// What thinning of its curves has cost so far; not while another thread loads.
+  [[nodiscard]] virtual const ResampleLoss& resample_loss() const noexcept = 0;
+
   std::size_t update(const ToolState& tool, std::int64_t now_ns,
                      ElementFifo& fifo) final;
 

@@ -40,11 +40,16 @@ ResponseDatabase plate_of_two_radii(bool first_small) {
   return database;
 }
 
+ContactStiffness stiffness_in(const ResponseDatabase& database,
+                              const ResponseTable& tool) {
+  return contact_stiffness(
+      PressingTool(tool),
+      stiffest_by_contact(database, tool, LocalModel::kPotential, 8.0));
+}
+
 double together_n_per_m(bool first_small) {
   const ResponseDatabase database = plate_of_two_radii(first_small);
-  return wrench_margin(contact_stiffness(database, database.tools[0],
-                                         LocalModel::kPotential, 8.0),
-                       1.0, 0.0, 0.001, 0.0)
+  return wrench_margin(stiffness_in(database, database.tools[0]), 1.0, 0.0, 0.001, 0.0)
       .stiffness_n_per_m;
 }
 
@@ -57,8 +62,7 @@ TEST(ContactStiffness, EachContactIsAsStiffAsItsRadiusIs) {
 // The field between nodes may be stiffer than any curve, and so are contacts on it.
 TEST(ContactStiffness, OneContactIsAsStiffAsTheFieldIs) {
   const ResponseDatabase database = padded_plate(1);
-  const ContactStiffness one =
-      contact_stiffness(database, database.tools[1], LocalModel::kPotential, 8.0);
+  const ContactStiffness one = stiffness_in(database, database.tools[1]);
   ASSERT_EQ(one.n_per_m.size(), 1);
   EXPECT_NEAR(one.n_per_m(0),
               model_stiffness(database, database.tools[1], LocalModel::kPotential, 8.0)
