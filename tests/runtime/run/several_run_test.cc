@@ -11,6 +11,7 @@
 #include "formats/database/table_memory.h"
 #include "runtime/run/pose_trace.h"
 #include "runtime/run/run_outcome.h"
+#include "runtime/slow/chunk_cache.h"
 #include "tests/support/contact_runs.h"
 
 namespace palpate {
@@ -176,6 +177,42 @@ TEST_F(ContactRuns, ATraceOfAllTimesIsRefused) {
   o.trace = folder_ / "t.csv";
   o.duration_s = 1e9;
   EXPECT_THROW((void)run(o), InputError);
+}
+
+// A recording of a body in its file is replayed, bit for bit, by the body in memory:
+// one hand and two, relaxing and yielding.
+TEST_F(ContactRuns, AStreamedBodyAnswersAsOneInMemory) {
+  Viscoelasticity relaxation;
+  relaxation.instantaneous = true;
+  relaxation.tau_s = {0.1};
+  relaxation.g = RowsOf<float>{{0.3F}};
+  relaxation.yielding.yield_depth_m = {0.0005};
+  relaxation.yielding.share = {0.3};
+  database_.storage.chunk_nodes = 64;
+  for (const bool remembers : {false, true}) {
+    if (remembers) {
+      give_all(relaxation);
+    }
+    const auto file = folder_ / "plate.h5";
+    write_database(file, database_);
+    for (SimulationOptions o : {options("pads"), pinch()}) {
+      o.recording.file = folder_ / "run.h5";
+      const SimulationReport report =
+          simulate_streamed(file, std::span(&o, 1), 64 * kMebibyte, stop_).front();
+      expect_balance(report.render);
+      EXPECT_GT(report.render.contact_ticks, 3000);
+      EXPECT_EQ(report.render.yields, remembers);
+      ASSERT_TRUE(report.stream);
+      EXPECT_EQ(report.stream->starved, 0);
+      EXPECT_GT(report.stream->cache.loaded, 2);
+      EXPECT_EQ(report.tables.size(), o.together ? 2U : 1U);
+      EXPECT_EQ(report.turning_n_m_per_rad > 0.0, !o.together);
+      const ReplayReport replayed =
+          replay(read_recording(o.recording.file), read_database(file));
+      EXPECT_TRUE(replayed.is_reproduced()) << replayed.different_in;
+      EXPECT_GT(replayed.force_max_n, 0.05);
+    }
+  }
 }
 
 // In real time, or with a device, nothing is where a file says.
