@@ -242,11 +242,11 @@ PALPATE_API palpate_tool* palpate_tool_open(palpate_body* body, char* error,
 
 /* Two hands on one body, a pinch: one more tool of the body, whose hands feel each
  * other through it by the table that the database holds. The first hand has the body's
- * tool, the second the tool of that name (NULL: another of the same kind). Not with
- * PALPATE_STREAMED; model "potential". The device's bound is checked for each hand's
- * tool by itself, and palpate_needed_damping() is the first one's: another hand that is
- * held still makes the body somewhat stiffer than that. NULL on failure, with one line
- * in error (may be NULL). */
+ * tool, the second the tool of that name (NULL: another of the same kind). Model
+ * "potential"; not of a scene. The device's bound is checked for each hand's tool by
+ * itself, and palpate_needed_damping() is the first one's: another hand that is held
+ * still makes the body somewhat stiffer than that. NULL on failure, with one line in
+ * error (may be NULL). */
 PALPATE_API palpate_tool* palpate_together_open(palpate_body* body,
                                                 const char* second_tool, char* error,
                                                 size_t error_bytes);
