@@ -7,11 +7,12 @@
 // whose neighbours differ; and white noise on a drift that bends before contact. Exit
 // code 1 where a modulus is given in less than 95 % of the curves whose largest force
 // is 200 standard deviations of the noise. Usage: baseline_noise_study [runs [first
-// seed]]
+// seed [part of the rows' name]]]
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -162,6 +163,7 @@ int main(int argc, char** argv) {
   using palpate::Kind;
   const auto runs = static_cast<unsigned>(argc > 1 ? std::atoi(argv[1]) : 200);
   const auto first_seed = static_cast<unsigned>(argc > 2 ? std::atoi(argv[2]) : 1);
+  const std::string part = argc > 3 ? argv[3] : "";
   const palpate::Case cases[] = {{"white", Kind::kWhite},
                                  {"neighbours alike by 0.9", Kind::kAlike},
                                  {"interference, 1/f", Kind::kInterference},
@@ -183,6 +185,9 @@ int main(int argc, char** argv) {
   fmt::print(" {:>6}\n", "ms");
   bool enough = true;
   for (const auto& c : cases) {
+    if (std::string(c.name).find(part) == std::string::npos) {
+      continue;
+    }
     for (const double deviations : {60.0, 200.0}) {
       enough = palpate::report(c, deviations, runs, first_seed) && enough;
     }
