@@ -14,11 +14,9 @@
 #include "fitting/command/indenter_flags.h"
 #include "fitting/command/machine_options.h"
 #include "fitting/curve/fitted_response.h"
-#include "fitting/curve/segments.h"
 #include "fitting/curve/time_effects.h"
 #include "fitting/session/corrections_report.h"
 #include "fitting/session/press_fit.h"
-#include "fitting/session/relaxation_json.h"
 #include "fitting/session/session_machine.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
@@ -41,22 +39,7 @@ struct CurveResult {
   CurveRead read;
   std::string tip;  // what was taken of the file's tip
   PressFit press;
-  std::optional<Relaxation> relaxation;  // of several holds
 };
-
-// Of a press with times that stands still twice or more: what relaxes, its own law lost
-// in the fit of the approach.
-std::optional<Relaxation> relaxation_of_holds(const Measurement& press,
-                                              const PressFit& fit) {
-  const auto segments = find_segments(turned(press, fit.approach).depth_m);
-  const auto holds =
-      std::count_if(segments.begin(), segments.end(), [](const Segment& s) {
-        return s.kind == SegmentKind::kHold;
-      });
-  return holds > 1 && press.time_s.size() == press.force_n.size()
-             ? std::optional(find_relaxation(press))
-             : std::nullopt;
-}
 
 void compute_curve(const CurveOptions& options, const Indenter& indenter,
                    CurveResult& result) {
@@ -75,8 +58,8 @@ void compute_curve(const CurveOptions& options, const Indenter& indenter,
     samples = press_of(options.machine, samples);
     result.press = fit_press(samples, wanted);
     if (result.read.timed) {
-      result.relaxation = relaxation_of_holds(
-          press_of(options.machine, *result.read.timed), result.press);
+      result.press.relaxation = find_stepwise_relaxation(
+          press_of(options.machine, *result.read.timed), result.press.approach);
     }
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", options.file.file, error.what()));
@@ -94,9 +77,6 @@ void print_json(const CurveResult& r, const Indenter& indenter) {
   json["notes"] = r.read.measurement.notes;
   json["tip"] = r.tip;
   json.update(to_json(r.press, indenter));
-  if (r.relaxation) {
-    json["relaxation"] = relaxation_json(*r.relaxation);
-  }
   fmt::print("{}\n", json_text(json));
 }
 
@@ -185,10 +165,10 @@ void print_curve(const CurveResult& r, const CurveOptions& options,
   } else {
     fmt::print("{:<24} none: {}\n", "Young's modulus", r.press.modulus.refused);
   }
-  if (r.relaxation) {
+  if (const auto& relaxation = r.press.relaxation) {
     fmt::print("{:<24} {}\n", "relaxation",
-               r.relaxation->refused.empty() ? describe(r.relaxation->joint)
-                                             : "none: " + r.relaxation->refused);
+               relaxation->refused.empty() ? describe(relaxation->joint)
+                                           : "none: " + relaxation->refused);
   }
   print_corrections(r, indenter);
   for (const FitFlag flag : r.press.flags) {

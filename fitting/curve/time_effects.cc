@@ -325,6 +325,15 @@ Relaxation find_relaxation(const Measurement& m) {
   return found;
 }
 
+std::optional<Relaxation> find_stepwise_relaxation(const Measurement& m,
+                                                   const Approach& approach) {
+  const auto segments = find_segments(turned(m, approach).depth_m);
+  const auto holds = std::count_if(segments.begin(), segments.end(), is_hold);
+  return holds > 1 && m.time_s.size() == m.force_n.size()
+             ? std::optional(find_relaxation(m))
+             : std::nullopt;
+}
+
 LoopFit find_loop(const Measurement& measurement, const Approach& approach,
                   const ContactFit& fit) {
   LoopFit loop;

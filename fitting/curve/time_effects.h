@@ -46,6 +46,13 @@ struct Relaxation {
 /// the force is left. Refused without time or without a hold of 12 samples.
 [[nodiscard]] Relaxation find_relaxation(const Measurement& measurement);
 
+/// find_relaxation() of a press that stands still twice or more, deeper than the
+/// shallowest 5 % of its travel: several ramps and holds. None of other presses, whose
+/// law the fit of the approach follows, and none without time.
+/// @param approach of the same press; its sign tells which way is compression.
+[[nodiscard]] std::optional<Relaxation> find_stepwise_relaxation(
+    const Measurement& measurement, const Approach& approach);
+
 /// F = K d^p (1 + lambda d'), d' the speed of pressing (Hunt and Crossley 1975).
 struct LoopFit {
   std::string refused;  ///< why there is none; the works may stand nevertheless

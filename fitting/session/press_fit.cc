@@ -9,6 +9,7 @@
 #include "fitting/curve/parameter_json.h"
 #include "fitting/session/batch.h"
 #include "fitting/session/corrections_report.h"
+#include "fitting/session/relaxation_json.h"
 #include "formats/base/error.h"
 
 namespace palpate {
@@ -94,6 +95,9 @@ nlohmann::ordered_json to_json(const PressFit& fit, const Indenter& indenter) {
   }
   json["corrections"] = corrections_json(fit.corrections, indenter);
   json["seconds"] = fit.contact.seconds;
+  if (fit.relaxation) {
+    json["relaxation"] = relaxation_json(*fit.relaxation);
+  }
   return json;
 }
 

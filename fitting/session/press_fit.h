@@ -10,6 +10,7 @@
 #include "fitting/curve/corrected_press.h"
 #include "fitting/curve/family_fit.h"
 #include "fitting/curve/frame_run.h"
+#include "fitting/curve/time_effects.h"
 #include "fitting/material/indenter.h"
 #include "fitting/material/moduli.h"
 
@@ -31,6 +32,9 @@ struct PressFit {
   FamilyChoice choice;  ///< of all families, by AICc; none of an empty run
   Modulus modulus;
   std::vector<FitFlag> flags;  ///< the fit's, then the modulus' own
+  /// find_stepwise_relaxation(), where the caller has sought it: of the press as read,
+  /// whose times the fit may do without.
+  std::optional<Relaxation> relaxation = {};
 };
 
 /// @param press a single one. @throws InputError as correct_press().
@@ -40,7 +44,8 @@ struct PressFit {
 /// The family that a database gets. @throws NumericalError of an empty run.
 [[nodiscard]] const FamilyFit& best_of(const PressFit& fit);
 
-/// For programs: numbers that are not known as null.
+/// For programs: numbers that are not known as null. `relaxation` only of several
+/// holds.
 [[nodiscard]] nlohmann::ordered_json to_json(const PressFit& fit,
                                              const Indenter& indenter);
 

@@ -22,9 +22,11 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "fitting/curve/fitted_response.h"
+#include "fitting/curve/time_effects.h"
 #include "fitting/material/indenter_options.h"
 #include "fitting/session/batch.h"
 #include "fitting/session/press_fit.h"
+#include "fitting/session/relaxation_json.h"
 #include "fitting/session/surface_session.h"
 #include "formats/base/error.h"
 #include "formats/base/json_text.h"
@@ -99,11 +101,11 @@ std::vector<double> column(const py::handle& values, const char* what) {
 }
 
 // (depth, force, time or None)
-Measurement samples_of(const py::sequence& curve) {
+Measurement samples_of(const py::sequence& curve, bool with_time = true) {
   Measurement samples;
   samples.depth_m = column(py::object(curve[0]), "depth_m");
   samples.force_n = column(py::object(curve[1]), "force_n");
-  if (const py::object time = curve[2]; !time.is_none()) {
+  if (const py::object time = curve[2]; with_time && !time.is_none()) {
     samples.time_s = column(time, "time_s");
   }
   const std::size_t n = samples.depth_m.size();
@@ -115,6 +117,19 @@ Measurement samples_of(const py::sequence& curve) {
                     n, samples.force_n.size(), samples.time_s.size()));
   }
   return samples;
+}
+
+// As the command reads a file: times that the fit does without may be wrong, and tell
+// no relaxation then.
+std::optional<Measurement> timed_samples(const py::sequence& curve, bool drift) {
+  try {
+    return samples_of(curve);
+  } catch (const InputError&) {
+    if (drift) {
+      throw;
+    }
+    return std::nullopt;
+  }
 }
 
 // frame_stiffness_n_per_m with its frame_stiffness_sd_n_per_m, or a run on a plate.
@@ -140,10 +155,11 @@ std::optional<FrameRun> take_frame(const py::dict& given, const py::object& run)
   return frame;
 }
 
-std::unique_ptr<HeldFit> fit(const py::sequence& curve, const py::object& frame_run,
-                             const py::kwargs& given) {
+std::unique_ptr<HeldFit> fit(const py::sequence& curve, bool drift,
+                             const py::object& frame_run, const py::kwargs& given) {
   auto held = std::make_unique<HeldFit>();
-  held->samples = samples_of(curve);
+  const std::optional<Measurement> timed = timed_samples(curve, drift);
+  held->samples = samples_of(curve, drift);
   PressFitOptions options;
   take_option(given, "from_m", options.range.from_m);
   take_option(given, "to_m", options.range.to_m);
@@ -157,6 +173,9 @@ std::unique_ptr<HeldFit> fit(const py::sequence& curve, const py::object& frame_
   held->indenter = options.indenter;
   const py::gil_scoped_release released;
   held->fit = fit_press(held->samples, options);
+  if (timed) {
+    held->fit.relaxation = find_stepwise_relaxation(*timed, held->fit.approach);
+  }
   return held;
 }
 
@@ -237,6 +256,17 @@ void bind_press(py::module_& module) {
         return loads(json_text(to_json(held.fit, held.indenter)));
       },
       "What `palpate-fit curve --json` says of the press; None: not known.");
+  type.def_property_readonly(
+      "relaxation",
+      [](const HeldFit& held) -> py::object {
+        return held.fit.relaxation
+                   ? loads(json_text(relaxation_json(*held.fit.relaxation)))
+                   : py::none();
+      },
+      "to_dict()['relaxation'] of a press with times and two holds or more, else None. "
+      "Its\n'press_and_hold' is one law over all ramps and holds: terms g [-], tau_s "
+      "[s] and\ng_inf [-] with their standard deviations, or 'refused', which says why "
+      "not.");
   type.def_property_readonly("family", [](const HeldFit& held) {
     return best_of(held.fit).family;
   });
@@ -265,7 +295,7 @@ void bind_press(py::module_& module) {
 
 void bind_fit(py::module_& module) {
   bind_press(module);
-  module.def("_fit", &fit, py::arg("curve"), py::arg("frame_run"));
+  module.def("_fit", &fit, py::arg("curve"), py::arg("drift"), py::arg("frame_run"));
   module.def("_fit_surface", &fit_surface_of, py::arg("session"), py::arg("cycle"));
   module.def(
       "fit_session", &fit_all, py::arg("session"), py::kw_only(), py::arg("cycle") = "",

@@ -90,6 +90,8 @@ def fit(curve, *, tool="", drift=True, frame_run=None, **options):
     baseline_m: (from, to) that are surely before contact.
     drift: look for a drift with time where there are times. frame_stiffness_n_per_m, frame_stiffness_sd_n_per_m, or
     frame_run, a curve on a rigid plate: the machine's deflection is taken off.
+    Several ramps with a hold after each (stepwise relaxation), with times: Fit.relaxation["press_and_hold"] is one law
+    over all of them, terms g [-] and tau_s [s]; the modulus is of the whole approach: to_m ends it before the first hold.
 
     InputError: what is wrong with the curve. NumericalError: the fit did not converge.
     """
@@ -99,7 +101,7 @@ def fit(curve, *, tool="", drift=True, frame_run=None, **options):
     if stated is not None and not told and tool in ("", "sphere"):
         tool, options["radius_m"] = "sphere", stated
     run = None if frame_run is None else _samples(frame_run, drift)
-    return _palpate._fit(_samples(curve, drift), run, tool=tool, **options)
+    return _palpate._fit(_samples(curve), drift, run, tool=tool, **options)
 
 
 def table(fits):

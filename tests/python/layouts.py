@@ -15,6 +15,39 @@ def curve(seed=1, samples=250, gain=1.0):
     return x, force, numpy.linspace(0.0, 8.0, samples)
 
 
+# A spring of 300 N/m at once, from 0.3 mm on, that relaxes by these shares [-] and times [s].
+STAIR_G, STAIR_TAU_S, STAIR_N_PER_M, STAIR_FREE_M = (0.3, 0.25), (6.0, 120.0), 300.0, 3e-4
+
+
+def staircase(holds_s=(240.0, 420.0, 720.0), seed=1, speed_m_per_s=1e-4, rate_hz=5.0):
+    """Displacement [m], force [N] and time [s] of ramps of 0.5 mm with a hold after each: the quasi-linear law."""
+    corners = [(0.0, 0.0), (STAIR_FREE_M / speed_m_per_s, STAIR_FREE_M)]
+    for step, hold_s in enumerate(holds_s, 1):
+        to_m = STAIR_FREE_M + 5e-4 * step
+        reached_s = corners[-1][0] + (to_m - corners[-1][1]) / speed_m_per_s
+        corners += [(reached_s, to_m), (reached_s + hold_s, to_m)]
+    ends_s, ways_m = numpy.array(corners).T
+    t = numpy.arange(0.0, ends_s[-1], 1.0 / rate_hz)
+
+    def response(since_s):
+        """The integral of the relaxation function from 0 on."""
+        s = numpy.maximum(0.0, since_s)
+        return s + sum(-g * (s + tau * numpy.expm1(-s / tau)) for g, tau in zip(STAIR_G, STAIR_TAU_S))
+
+    force = 0.01 + numpy.random.default_rng(seed).normal(0.0, 1e-3, t.size)
+    for i in range(1, len(corners) - 1):
+        slope = STAIR_N_PER_M * (ways_m[i + 1] - ways_m[i]) / (ends_s[i + 1] - ends_s[i])
+        force += slope * (response(t - ends_s[i]) - response(t - ends_s[i + 1]))
+    return numpy.interp(t, ends_s, ways_m), force, t
+
+
+def stairs(folder, **options):
+    x, f, t = staircase(**options)
+    file = folder / "stairs.csv"
+    file.write_text(_lines(["Time (s),Travel (mm),Load (N)"], t, x * 1e3, f))
+    return file, []
+
+
 def _lines(head, *columns, separator=","):
     rows = [separator.join(map(repr, row)) for row in zip(*(column.tolist() for column in columns))]
     return "\n".join([*head, *rows]) + "\n"

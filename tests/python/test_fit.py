@@ -64,6 +64,50 @@ def test_options_mean_what_the_flags_mean(tmp_path):
         assert own(palpate.fit(curve, **arguments).to_dict()) == tool_says(file, *flags), flags
 
 
+def test_several_holds_are_one_law_as_with_the_tool(tmp_path):
+    file, _ = layouts.stairs(tmp_path)
+    curve, = palpate.load(file)
+    before = {"to_m": layouts.STAIR_FREE_M + 4.9e-4}
+    for flags, arguments in [
+            ([], {"drift": False}), (["--time-column", "Time"], {}),
+            (["--to-m", before["to_m"], "--tool", "flat-punch", "--radius-m", "0.003"],
+             {"drift": False, "tool": "flat-punch", "radius_m": 0.003, **before})]:
+        fit = palpate.fit(curve, **arguments)
+        tool = tool_says(file, *flags)
+        assert fit.relaxation == tool["relaxation"] and fit.relaxation["press_and_hold"]["holds_used"] == 3
+        assert own(fit.to_dict()) == tool
+    assert "several_holds" in palpate.fit(curve).to_dict()["flags"]
+
+
+@pytest.mark.parametrize("seed, holds_s", [(2, (240.0, 420.0, 720.0)), (3, (720.0, 420.0, 240.0)), (4, (300.0, 300.0))])
+def test_several_holds_tell_the_law_that_made_them(seed, holds_s):
+    x, f, t = layouts.staircase(holds_s, seed)
+    found = palpate.fit((x, f, t)).relaxation["press_and_hold"]
+    assert found["holds"] == found["holds_used"] == len(holds_s) and len(found["terms"]) == 2
+    for term, g, tau_s in zip(found["terms"], layouts.STAIR_G, layouts.STAIR_TAU_S):
+        assert abs(term["g"] - g) < 4.0 * term["g_sd"] < 0.1 * g
+        assert abs(term["tau_s"] - tau_s) < 4.0 * term["tau_sd_s"] < 0.25 * tau_s
+    assert abs(found["g_inf"] - 0.45) < 4.0 * found["g_inf_sd"] < 0.05
+    deepest_n = layouts.STAIR_N_PER_M * (found["curve"]["displacement_m"][-1] - layouts.STAIR_FREE_M)
+    assert abs(found["curve"]["force_n"][-1] - deepest_n) < 4.0 * found["curve"]["force_sd_n"][-1] < 0.05 * deepest_n
+    assert palpate.fit((-x, -f, t)).relaxation["press_and_hold"]["terms"] == found["terms"]
+
+
+def test_relaxation_needs_times_and_two_holds():
+    x, f, t = layouts.staircase()
+    told = palpate.fit((x, f, t), drift=False)
+    assert palpate.fit((x, f)).relaxation is None and "relaxation" not in palpate.fit((x, f)).to_dict()
+    once = palpate.fit(layouts.staircase((600.0,)))
+    assert once.relaxation is None and "relaxation" not in once.to_dict()
+    # What is not needed is not refused.
+    bad = numpy.where(t > 100.0, numpy.nan, t)
+    without = palpate.fit((x, f, bad), drift=False)
+    assert without.relaxation is None and without.contact_point_m == told.contact_point_m
+    with pytest.raises(palpate.InputError, match="time_s"):
+        palpate.fit((x, f, bad))
+    assert "relaxation" not in palpate.table([told, without])
+
+
 def test_a_stated_tip_is_taken_as_the_tool_takes_it(tmp_path):
     file, _ = layouts.optics11(tmp_path)
     curve, = palpate.load(file)
