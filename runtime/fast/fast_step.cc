@@ -135,22 +135,36 @@ Vector3 advance_model(FastState& state, const Vector3& x, Real dt_s,
 
 // A sum of products with zero is zero, or not a number where one of them is infinite or
 // none: several at a time, without a branch for each.
-template <std::size_t kCount>
-bool is_finite(const std::array<Real, kCount>& values, std::int32_t count) {
-  using Reals = Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>>;
-  return (Reals(values.data(), count) * Real(0.0)).sum() == Real(0.0);
+Real zero_if_finite(const std::array<Real, 3>& values) {
+  return (Eigen::Map<const Vector3>(values.data()) * Real(0.0)).sum();
+}
+
+// Of its curve.
+Real zero_if_finite(const ElementNode& node, Eigen::Index samples) {
+  const auto zeros = [samples](const std::array<Real, kElementSamples>& values) {
+    using Reals = Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>>;
+    return Reals(values.data(), samples) * Real(0.0);
+  };
+  return (zeros(node.depth_m) + zeros(node.force_n) + zeros(node.stiffness_n_per_m) +
+          zeros(node.energy_j))
+      .sum();
 }
 
 bool is_finite(const ElementNode& node) {
   // Too many are refused by the cache.
   const auto n = std::clamp<std::int32_t>(node.samples, 0, kElementSamples);
-  return is_finite(node.position_m, 3) && is_finite(node.normal, 3) &&
-         is_finite(node.direction, 3) && is_finite(node.tilt, 3) &&
-         is_finite(node.tilt_by_height_per_m, 3) &&
-         std::isfinite(node.touch_offset_m) && std::isfinite(node.friction) &&
-         std::isfinite(node.presliding_m) && is_finite(node.depth_m, n) &&
-         is_finite(node.force_n, n) && is_finite(node.stiffness_n_per_m, n) &&
-         is_finite(node.energy_j, n);
+  const Real sum =
+      zero_if_finite(node.position_m) + zero_if_finite(node.normal) +
+      zero_if_finite(node.direction) + zero_if_finite(node.tilt) +
+      zero_if_finite(node.tilt_by_height_per_m) +
+      zero_if_finite({node.touch_offset_m, node.friction, node.presliding_m}) +
+      zero_if_finite(node, n);
+  return sum == Real(0.0);
+}
+
+// The cache's slot of the element in use; -1: none yet.
+int used_slot(const FastState& state) noexcept {
+  return is_field(state.config.model) ? state.potential.place.slot : state.element.slot;
 }
 
 // NaN in dt or position is a fault before it can reach the account.
@@ -275,6 +289,11 @@ void delivered(FastState& state, const Vector3& force_n) noexcept {
   }
 }
 
+std::int32_t active_triangle(const FastState& state) noexcept {
+  const int used = used_slot(state);
+  return used < 0 ? -1 : state.cache.element[static_cast<std::size_t>(used)].triangle;
+}
+
 FastContact contact(const FastState& state) noexcept {
   FastContact at;
   at.time_ns = state.latest.time_ns;
@@ -282,14 +301,16 @@ FastContact contact(const FastState& state) noexcept {
   at.in_contact = state.in_contact;
   const bool field = is_field(state.config.model);
   const FieldPlace& place = state.potential.place;
-  const int used = field ? place.slot : state.element.slot;
+  const int used = used_slot(state);
   if (used >= 0) {
     const Element& element = state.cache.element[static_cast<std::size_t>(used)];
     const Vector3& weight = field ? place.weight : state.element.area;
     for (std::size_t j = 0; j < 3; ++j) {
       const Real part = weight(static_cast<Eigen::Index>(j));
       const ElementNode& node = element.node[j];
-      at.point_m += part * Eigen::Map<const Vector3>(node.position_m.data());
+      if (!field) {
+        at.point_m += part * Eigen::Map<const Vector3>(node.position_m.data());
+      }
       at.normal += part * Eigen::Map<const Vector3>(node.normal.data());
     }
     if (field) {

@@ -129,6 +129,8 @@ void delivered(FastState& state, const Vector3& force_n) noexcept;
 
 /// The contact point and active triangle after the latest step.
 [[nodiscard]] FastContact contact(const FastState& state) noexcept;
+/// Its triangle alone.
+[[nodiscard]] std::int32_t active_triangle(const FastState& state) noexcept;
 
 /// The same with all that it bears: for drawing.
 [[nodiscard]] ContactPlace contact_place(const FastState& state) noexcept;

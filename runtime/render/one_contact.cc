@@ -49,12 +49,11 @@ WrenchCommand OneContact::step(const HandReadings& reading, double dt_s) noexcep
 }
 
 void OneContact::publish(const HandReadings& reading, std::int64_t ticks) noexcept {
-  const FastContact at = contact();
   exchange_->tool.write({.sequence = static_cast<std::uint64_t>(ticks),
                          .time_ns = reading[0].time_ns,
                          .position_m = reading[0].position_m,
-                         .triangle = at.triangle,
-                         .in_contact = at.in_contact});
+                         .triangle = triangle(),
+                         .in_contact = state_.in_contact});
 }
 
 void OneContact::account(const WrenchCommand& command,

@@ -46,7 +46,7 @@ class OneContact : public RenderedBody {
   [[nodiscard]] bool in_contact() const noexcept override { return state_.in_contact; }
   [[nodiscard]] double work_j() const noexcept override { return state_.ledger.work_j; }
   [[nodiscard]] std::int32_t triangle() const noexcept override {
-    return contact().triangle;
+    return active_triangle(state_);
   }
   [[nodiscard]] std::uint64_t dropped() const noexcept override {
     return exchange_->elements.dropped();
