@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +17,7 @@
 
 #include "runtime/c_api/palpate.hpp"
 #include "tests/support/padded_host.h"
+#include "tests/support/run_tool.h"
 
 namespace palpate {
 namespace {
@@ -200,6 +203,31 @@ TEST_F(PalpateDraw, TheSurfaceGivesWayAsStored) {
       EXPECT_NEAR(moved[i][0], 0.0, 1e-9);
     }
   }
+}
+
+// examples/pressed_body.cc: the vertices as they are drawn, less those at rest.
+TEST_F(PalpateDraw, AHostOfFortyLinesDrawsWhatItPresses) {
+  store_fields(1);
+  const ToolRun run = run_tool_process("cpp_pressed_host", {file_, "ball", "0.005"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  double up_n = 0.0;
+  ASSERT_EQ(std::sscanf(run.out.c_str(), "# contact, %lf N upwards", &up_n), 1)
+      << run.out.substr(0, 100);
+  EXPECT_GT(up_n, 0.05);
+  Body body(file_, options("ball"));
+  body.place({0.3, 0.0, 1.0}, {std::sin(0.2), 0.0, 0.0, std::cos(0.2)});
+  const Mesh rest = body.mesh();
+  std::istringstream lines(run.out.substr(run.out.find('\n') + 1));
+  double moved_m = 0.0;
+  for (const Point& at : rest.vertex) {
+    std::string v;
+    Eigen::Vector3d drawn_m;
+    lines >> v >> drawn_m.x() >> drawn_m.y() >> drawn_m.z();
+    ASSERT_EQ(v, "v");
+    moved_m = std::max(moved_m, (drawn_m - Eigen::Vector3d(at.data())).norm());
+  }
+  EXPECT_GT(moved_m, 5e-4);
+  EXPECT_LT(moved_m, 0.1);
 }
 
 TEST_F(PalpateDraw, WithoutFieldsNothingIsMadeUp) {

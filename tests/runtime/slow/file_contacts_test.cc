@@ -48,7 +48,7 @@ ResponseDatabase two_radii() {
   return database;
 }
 
-void expect_same(const ContactElement& a, const ContactElement& b) {
+void expect_same_message(const ContactElement& a, const ContactElement& b) {
   ASSERT_EQ(a.contact, b.contact);
   EXPECT_EQ(a.element.neighbour, b.element.neighbour);
   for (std::size_t j = 0; j < 3; ++j) {
@@ -110,14 +110,13 @@ class FileContacts : public testing::Test {
       for (; const ContactElement* message = fifo_->front(); fifo_->pop()) {
         const auto self = static_cast<std::size_t>(message->contact);
         const std::int32_t triangle = message->element.triangle;
-        expect_same(*message, memory.element(message->contact, triangle));
+        expect_same_message(*message, memory.element(message->contact, triangle));
         if (message->element.active) {
           triangle_[self] = triangle;
           const Eigen::Vector3d& at_m = state.contact[self].position_m;
           Eigen::Matrix3d corner;
           for (Eigen::Index j = 0; j < 3; ++j) {
-            corner.row(j) =
-                whole.body.position_m.row(whole.body.triangle(triangle, j));
+            corner.row(j) = whole.body.position_m.row(whole.body.triangle(triangle, j));
           }
           EXPECT_NEAR(nearest_in_triangle(corner, at_m).distance_m,
                       search.nearest(at_m).distance_m, 1e-15);
