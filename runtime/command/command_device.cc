@@ -168,7 +168,7 @@ void run_device(DeviceRunFlags& flags) {
   name_recorded(flags);
   flags.options.surface = begin_surface(flags.surface, flags.database);
   const ResponseDatabase database = read_database(flags.database);
-  check_tools(database, flags.device);
+  check_tools(flags.device);
   attach_device(flags.device, flags.options);
   const std::vector<SimulationReport> reports = render(flags, database);
   print_runs(flags, reports);

@@ -20,7 +20,6 @@
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
-#include "runtime/run/several_run.h"
 #include "runtime/run/surface_file.h"
 
 namespace palpate {
@@ -215,7 +214,6 @@ void run_simulation(const SimulateFlags& flags) {
     reports = render_streamed(flags, surface);
   } else {
     const ResponseDatabase database = read_database(flags.database);
-    static_cast<void>(is_contact_run(database, flags.tools, flags.together));  // throws
     reports = simulate(database, tools_on(flags, surface), heed_stop_signals());
   }
   print_tools(flags, reports);

@@ -22,7 +22,6 @@
 #include "runtime/realtime/stop_signals.h"
 #include "runtime/run/render_run.h"
 #include "runtime/run/run_outcome.h"
-#include "runtime/run/several_run.h"
 #include "runtime/view/live_view.h"
 #include "runtime/view/page_assets.h"
 #include "runtime/view/served_news.h"
@@ -200,8 +199,7 @@ void watch(ViewFlags& flags, const ResponseDatabase& database) {
                   .device = flags.device.request.name,
                   .fast_hz = options.fast_hz,
                   .force_max_n = options.force_max_n};
-  const bool several =
-      is_contact_run(database, flags.device.tools, flags.device.together);
+  const bool several = flags.device.together || !body.table.tool.contact.empty();
   if (several) {
     options.watch_contacts = contacts.get();
     body.hands = find_tools(database, flags.device.tools);
@@ -286,7 +284,7 @@ void show(ViewFlags& flags) {
   }
   refuse_scene_options(flags.scene);
   const ResponseDatabase database = shown(flags);
-  check_tools(database, flags.device);
+  check_tools(flags.device);
   if (flags.device.request.name.empty() && wanted_coupling(flags.coupling)) {
     throw InputError("--coupling: is of a device's run; give --device");
   }

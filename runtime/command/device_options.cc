@@ -9,7 +9,6 @@
 #include "runtime/attach/driven_devices.h"
 #include "runtime/attach/probe_file.h"
 #include "runtime/realtime/stop_signals.h"
-#include "runtime/run/several_run.h"
 
 namespace palpate {
 
@@ -213,7 +212,7 @@ void add_tool_options(Command command, DeviceFlags& flags) {
                    "Two tools press one body together, coupled through it (a pinch)");
 }
 
-void check_tools(const ResponseDatabase& database, const DeviceFlags& flags) {
+void check_tools(const DeviceFlags& flags) {
   if (flags.together && flags.tools.size() != 2) {
     throw InputError(fmt::format(
         "--together: two tools press the body, must be two as --tool a,b, {} given",
@@ -225,7 +224,6 @@ void check_tools(const ResponseDatabase& database, const DeviceFlags& flags) {
                     "together (--together)",
                     flags.tools.size()));
   }
-  static_cast<void>(is_contact_run(database, flags.tools, flags.together));
 }
 
 void refuse_together_of_scene(const DeviceFlags& flags) {

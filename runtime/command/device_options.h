@@ -46,7 +46,7 @@ void prepare_request(DeviceFlags& flags);
 void add_tool_options(Command command, DeviceFlags& flags);
 
 /// @throws InputError where tools and flags do not say what touches the body.
-void check_tools(const ResponseDatabase& database, const DeviceFlags& flags);
+void check_tools(const DeviceFlags& flags);
 
 /// Of a scene that is computed meanwhile: it is rendered with one tool.
 /// @throws InputError for two.

@@ -139,25 +139,6 @@ PressedBody pressed_by_several(const ResponseSource& source, PressedBody pressed
   return pressed;
 }
 
-bool is_contact_run(const ResponseSource& source, const std::vector<std::string>& tools,
-                    bool together) {
-  bool sets = false;
-  for (const std::string& tool : tools.empty() ? std::vector<std::string>{""} : tools) {
-    sets = sets || !source.tool(tool).shape.contact.empty();
-  }
-  if (sets && tools.size() > 1 && !together) {
-    throw InputError(
-        "a tool of several contacts is rendered alone, or with a second one by "
-        "--together");
-  }
-  return sets || together;
-}
-
-bool is_contact_run(const ResponseDatabase& database,
-                    const std::vector<std::string>& tools, bool together) {
-  return is_contact_run(*responses_in_memory(database), tools, together);
-}
-
 void soften_coupling(SimulationReport& report, const DeviceLimits& limits) {
   VirtualCoupling c = *report.options.coupling;
   const double renderable = report.bounds.renderable_n_per_m();

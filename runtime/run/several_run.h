@@ -26,14 +26,6 @@ void check_several(const ToolShape& tool, const SimulationOptions& options,
                                              const SimulationOptions& options,
                                              std::vector<TableElements*>& handed_out);
 
-/// Whether a run of these tools is one of coupled contacts: several tools that shall
-/// press together, or one that has a contact set. @throws InputError for a tool of
-/// several contacts beside others.
-[[nodiscard]] bool is_contact_run(const ResponseSource& source,
-                                  const std::vector<std::string>& tools, bool together);
-[[nodiscard]] bool is_contact_run(const ResponseDatabase& database,
-                                  const std::vector<std::string>& tools, bool together);
-
 /// With a coupling its spring is what counts (coupling_margin()): softens it where it
 /// must and may be, and puts it into report.stiffness.
 /// @param report its options, bounds and hold_s are set. @throws InputError where it

@@ -206,7 +206,7 @@ TEST_F(PalpateDraw, TheSurfaceGivesWayAsStored) {
 }
 
 // examples/pressed_body.cc: the vertices as they are drawn, less those at rest.
-TEST_F(PalpateDraw, AHostOfFortyLinesDrawsWhatItPresses) {
+TEST_F(PalpateDraw, AHostDrawsWhatItPresses) {
   store_fields(1);
   const ToolRun run = run_tool_process("cpp_pressed_host", {file_, "ball", "0.005"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
