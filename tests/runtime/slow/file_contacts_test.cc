@@ -7,6 +7,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/slow/file_elements.h"
+#include "runtime/slow/file_press_site.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/test_data.h"
@@ -20,7 +21,8 @@ constexpr double kBall = 0.05;
 // pads of two radii.
 ResponseDatabase two_radii() {
   const auto wavy = [](Eigen::Index node, double d) {
-    return (100.0 + static_cast<double>(node % 17)) * d;
+    return (100.0 + static_cast<double>(node % 17) + 1e-4 * static_cast<double>(node)) *
+           d;
   };
   ResponseDatabase database = sample_database(
       sphere_surface(kBall, 5), ball(kPadRadius, 0.3, 5e-4), wavy, 0.01, 21);
@@ -39,6 +41,7 @@ ResponseDatabase two_radii() {
   for (std::size_t i = 0; i < small.force_n.size(); ++i) {
     small.force_n[i] *= 0.5;
     small.energy_j[i] *= 0.5;
+    small.stiffness_n_per_m[i] *= 0.5;
   }
   ResponseTable set = responses;
   set.tool = pads(3);
@@ -162,6 +165,22 @@ TEST_F(FileContacts, OfTwoHandsLieWhereEachIs) {
   EXPECT_EQ(total_.starved, 0);
   EXPECT_EQ(total_.updates, 4 * 300);
   EXPECT_LE(total_.cache.bytes_max, cache_.budget_bytes);
+}
+
+// The same nodes are the stiffest, with their rows of compliance.
+TEST_F(FileContacts, AreAsStiffAsInMemory) {
+  const ResponseDatabase whole = read_database(file_);
+  const std::vector<StiffestNode> memory =
+      stiffest_by_contact(whole, whole.tools[0], LocalModel::kElement, 8.0);
+  const std::vector<StiffestNode> file = streamed_stiffest(ChunkReader(file_), 0, 8.0);
+  ASSERT_EQ(file.size(), memory.size());
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    EXPECT_EQ(file[i].stiffness.node, memory[i].stiffness.node);
+    EXPECT_EQ(file[i].stiffness.normal_n_per_m, memory[i].stiffness.normal_n_per_m);
+    EXPECT_EQ(file[i].row.value, memory[i].row.value);
+    EXPECT_EQ(file[i].row.mode, memory[i].row.mode);
+  }
+  EXPECT_NE(file[0].stiffness.normal_n_per_m, file[1].stiffness.normal_n_per_m);
 }
 
 TEST_F(FileContacts, NeedABudgetForEachHandAndForHowFarTheyReach) {
