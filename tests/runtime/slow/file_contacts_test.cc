@@ -43,6 +43,9 @@ ResponseDatabase two_radii() {
     small.energy_j[i] *= 0.5;
     small.stiffness_n_per_m[i] *= 0.5;
   }
+  for (double& stiffness_n_per_m : small.stiffness_max_n_per_m) {
+    stiffness_n_per_m *= 0.5;
+  }
   ResponseTable set = responses;
   set.tool = pads(3);
   set.tool.contact.radius_m[1] = 0.003;
