@@ -86,6 +86,11 @@ std::vector<BodyContact> HeldRenderer::contacts() const {
   return all;
 }
 
+GrownQuality HeldRenderer::answer() const {
+  const GrowingElements* grown = body_->grown(*tool_);
+  return grown == nullptr ? GrownQuality::kGood : grown->here();
+}
+
 void HeldRenderer::delivered(const PortWrenches& made) {
   if (!tool_->delivered(made)) {
     throw InputError("delivered: force and torque must be finite");

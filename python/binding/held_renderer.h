@@ -35,7 +35,7 @@ class HeldRenderer {
   HeldRenderer(const std::shared_ptr<HeldDatabase>& held, HostOptions options,
                const std::optional<std::string>& second);
 
-  /// Of a file, which may be streamed.
+  /// Of a file, which may be streamed, or a scene, whose service is waited for.
   HeldRenderer(const std::filesystem::path& file, HostOptions options,
                const std::optional<std::string>& second);
 
@@ -83,6 +83,8 @@ class HeldRenderer {
   [[nodiscard]] const HostTick& latest() const noexcept { return latest_; }
   [[nodiscard]] const HostBody& body() const noexcept { return *body_; }
   [[nodiscard]] double force_scale() const noexcept { return force_scale_; }
+  /// What the place that was stepped to last answers with; of a database good.
+  [[nodiscard]] GrownQuality answer() const;
 
  private:
   HeldRenderer(std::unique_ptr<HostBody> body,

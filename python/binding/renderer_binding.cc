@@ -4,6 +4,7 @@
 #include "python/binding/held_renderer.h"
 #include "python/binding/number_array.h"
 #include "python/binding/option.h"
+#include "python/binding/scene_option.h"
 
 #include <array>
 #include <memory>
@@ -167,11 +168,15 @@ std::unique_ptr<HeldRenderer> make_renderer(const Source& source,
   take_option(given, "delay_s", options.delay_s);
   take_option(given, "limit_stiffness", options.limit_stiffness);
   take_option(given, "streamed", options.streamed);
+  if constexpr (std::is_same_v<Source, std::filesystem::path>) {
+    take_scene(source, given, options);
+  }
   std::string second;
   const bool two_hands =
       given.contains("second_tool") && !given["second_tool"].is_none();
   take_option(given, "second_tool", second);
   refuse_rest(given, "Renderer");
+  const py::gil_scoped_release released;  // a scene's service may take its time
   return std::make_unique<HeldRenderer>(
       source, std::move(options), two_hands ? std::optional(second) : std::nullopt);
 }
@@ -335,12 +340,16 @@ constexpr const char* kDelivered =
     "asked for.\nInputError: not three finite numbers.";
 
 constexpr const char* kMake =
-    "Renders a Database, or the file of one. Options: model ('potential', 'facets', "
+    "Renders a Database, the file of one, or a scene (SCENE.toml) while it is "
+    "computed. "
+    "Options: model ('potential', 'facets', "
     "'element',\n'energy-tank', 'equal-energy'), tick_s [s] 0.001, slow_hz 100 of the "
     "thread, force_max_n [N] 8, stall_s [s] 0.5,\nramp_s [s] 0.1, position_gain, "
     "force_gain, "
     "and of a device damping_n_s_per_m, angular_damping_n_m_s,\ndelay_s, "
-    "limit_stiffness; of a file streamed. Meanings: palpate_options in palpate.h.\n"
+    "limit_stiffness; of a file streamed; of a scene "
+    "output, the database that it becomes,\nand estimate, answers of a half space "
+    "before any other. Meanings: palpate_options in palpate.h.\n"
     "second_tool: of a second hand that presses the body together with the first ('': "
     "the same tool);\npositions, orientations, forces and torques then have two rows.";
 
@@ -379,6 +388,7 @@ void bind_renderer(py::module_& module) {
   bind_account(type);
   bind_place(type);
   bind_drawing(type);
+  bind_service(type);
   bind_state(type);
   bind_body(type);
 }

@@ -361,3 +361,39 @@ def test_memory_is_steady(built, grown_kilobytes):
     def make():
         palpate.Renderer(built, "ball").step(x, 0.001)
     assert grown_kilobytes(make, 100) < 2048
+
+
+def test_a_scene_is_rendered_while_it_is_computed(tmp_path):
+    from palpate._mesh import write_obj
+    from palpate._toml import toml
+    from test_tools import SCENE
+    write_obj(tmp_path / "block.obj", *block())
+    scene, output = tmp_path / "scene.toml", tmp_path / "out.h5"
+    scene.write_text(toml({"body": {"mesh": str(tmp_path / "block.obj"), "length_unit": "m"}, **SCENE}))
+    at = numpy.array([0.02, 0.02, TOP_M])
+    answers = []
+
+    def press(renderer):
+        renderer.reset()
+        for height_m in numpy.linspace(0.002, -0.002, 400):
+            force = renderer.step(at + [0.0, 0.0, height_m], 0.001)
+            renderer.slow_step()
+        return force
+
+    renderer = palpate.Renderer(scene, estimate=True, output=output)
+    assert renderer.service["state"] in ("serving", "done")
+    until = time.monotonic() + 60.0
+    while renderer.service["state"] != "done" and time.monotonic() < until:
+        press(renderer)
+        answers.append(renderer.answer)
+        time.sleep(0.05)
+    assert renderer.service["state"] == "done" and renderer.service["good"] > 0, renderer.service
+    meanwhile = press(renderer)
+    assert renderer.answer == "good" and set(answers) <= {"none", "estimated", "cheap", "good"}
+    whole = palpate.Renderer(output)
+    assert (whole.answer, whole.service) == ("good", None)
+    assert press(whole)[2] == pytest.approx(meanwhile[2], rel=0.02) and meanwhile[2] > 0.01
+    with pytest.raises(palpate.InputError):
+        palpate.Renderer(tmp_path / "missing.toml")
+    with pytest.raises(TypeError):
+        palpate.Renderer(output, estimate=True)
