@@ -173,7 +173,8 @@ TEST_F(PalpateScene, RefusesWhatIsNotOfAScene) {
       << error_;
   ASSERT_NE(open_scene(scene_options()), nullptr) << error_;
   EXPECT_EQ(palpate_together_open(body_, nullptr, error_, sizeof error_), nullptr);
-  EXPECT_NE(std::string(error_).find("build its database first"), std::string::npos) << error_;
+  EXPECT_NE(std::string(error_).find("build its database first"), std::string::npos)
+      << error_;
   palpate_tool* tool = palpate_tool_add(body_);
   EXPECT_LT(palpate_surface_save(tool, (folder_ / "s").c_str(), error_, sizeof error_),
             0);
