@@ -46,10 +46,12 @@ ChunkCache::ChunkCache(const std::filesystem::path& file, const CacheOptions& op
   unreadable_.assign(chunks, 0);
   const std::size_t least = least_budget(index, content_, options.spread);
   if (options.budget_bytes < least) {
-    throw InputError(fmt::format(
-        "{}: a stream budget of {:.3g} MiB does not hold a neighbourhood of chunks, "
-        "which needs {:.3g} MiB",
-        file.string(), mebibytes(options.budget_bytes), mebibytes(least)));
+    throw InputError(
+        fmt::format("{}: {:.3g} MiB, the share of tool \"{}\" in the stream budget, "
+                    "does not hold a "
+                    "neighbourhood of chunks, which needs {:.3g} MiB",
+                    file.string(), mebibytes(options.budget_bytes),
+                    index.tools[content_.tool].tool.name, mebibytes(least)));
   }
 }
 

@@ -24,7 +24,7 @@ constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 struct CacheOptions {
   std::string tool = {};      ///< empty: the only one
   std::string coupling = {};  ///< whose rows of compliance go along; empty: none
-  ContactSpread spread = {};
+  ContactSpread spread = {};  ///< of the contacts that follow() will name
   std::size_t budget_bytes = 48 * kMebibyte;  ///< of chunks and pieces in memory
   double horizon_s = 0.1;    ///< [s] [0, 10] that is prefetched along the motion
   double force_scale = 1.0;  ///< [-] (0, 1]

@@ -7,7 +7,7 @@
 
 #include "formats/base/error.h"
 #include "runtime/slow/file_elements.h"
-#include "runtime/slow/file_press_site.h"
+#include "runtime/slow/response_source.h"
 #include "tests/support/padded_plate.h"
 #include "tests/support/quiet_exit.h"
 #include "tests/support/test_data.h"
@@ -173,9 +173,21 @@ TEST_F(FileContacts, OfTwoHandsLieWhereEachIs) {
 // The same nodes are the stiffest, with their rows of compliance.
 TEST_F(FileContacts, AreAsStiffAsInMemory) {
   const ResponseDatabase whole = read_database(file_);
-  const std::vector<StiffestNode> memory =
-      stiffest_by_contact(whole, whole.tools[0], LocalModel::kElement, 8.0);
-  const std::vector<StiffestNode> file = streamed_stiffest(ChunkReader(file_), 0, 8.0);
+  const auto in_memory = responses_in_memory(whole);
+  const auto in_file = responses_in_file(file_, cache_.budget_bytes, false);
+  const auto stiffest = [](const ResponseSource& source) {
+    return source.stiffest("pads", LocalModel::kElement, 8.0);
+  };
+  const std::vector<StiffestNode> memory = stiffest(*in_memory);
+  const std::vector<StiffestNode> file = stiffest(*in_file);
+  EXPECT_EQ(in_file->stiffness("ball", LocalModel::kElement, 8.0).normal_n_per_m,
+            in_memory->stiffness("ball", LocalModel::kElement, 8.0).normal_n_per_m);
+  for (const auto* source : {in_memory.get(), in_file.get()}) {
+    EXPECT_EQ(source->tool("pads").compliance.knots(), 12U);
+    EXPECT_EQ(source->contacts({"pads"}, 1.0, {0, 0, kBall})->tables(),
+              (std::vector<std::string>{"pads", "pads.2"}));
+    EXPECT_THROW((void)source->tool("thumb"), InputError);
+  }
   ASSERT_EQ(file.size(), memory.size());
   for (std::size_t i = 0; i < file.size(); ++i) {
     EXPECT_EQ(file[i].stiffness.node, memory[i].stiffness.node);
