@@ -41,12 +41,35 @@ void require_lines(const std::string& path, const std::vector<std::string>& line
   }
 }
 
+// Rows of lines, by node.
+void check_rows(const std::string& path, const std::vector<std::int32_t>& row,
+                const std::string& lines_path, const std::vector<std::string>& lines,
+                std::size_t n) {
+  require_rows(path, row.size(), n, true);
+  require_lines(lines_path, lines);
+  require_range(path, row, -1.0, static_cast<double>(lines.size()) - 1.0);
+}
+
+void check_history(const std::string& group, const ResponseTable& table,
+                   std::size_t n) {
+  check_rows(group + "/history", table.history, group + "/history_text",
+             table.history_text, n);
+  for (std::size_t i = 0; i < table.history.size(); ++i) {
+    const auto origin = static_cast<ResponseOrigin>(table.origin[i]);
+    if (table.history[i] >= 0 && (origin == ResponseOrigin::kInterpolated ||
+                                  origin == ResponseOrigin::kMeasured)) {
+      fail(
+          "{}/history: node {} has row {}, but was interpolated or measured, not "
+          "solved",
+          group, i, table.history[i]);
+    }
+  }
+}
+
 void check_failures(const std::string& group, const ResponseTable& table,
                     std::size_t n) {
-  require_rows(group + "/failure", table.failure.size(), n, true);
-  require_lines(group + "/failure_reason", table.failure_reason);
-  require_range(group + "/failure", table.failure, -1.0,
-                static_cast<double>(table.failure_reason.size()) - 1.0);
+  check_rows(group + "/failure", table.failure, group + "/failure_reason",
+             table.failure_reason, n);
   for (std::size_t i = 0; i < table.failure.size(); ++i) {
     if (table.failure[i] >= 0 && (table.flags[i] & (kFailed | kTruncatedPath)) == 0) {
       fail(
@@ -245,6 +268,7 @@ void check_optional(const std::string& group, const ResponseTable& table) {
   const auto n = static_cast<std::size_t>(table.nodes());
   check_verified(group, table, n);
   check_failures(group, table, n);
+  check_history(group, table, n);
   require_rows(group + "/force_n_errors", table.force_errors_n.size(),
                table.force_n.size(), true);
   require_range(group + "/force_n_errors", table.force_errors_n, 0.0, kLargest);

@@ -72,6 +72,8 @@ void exchange_quality(File& file, const std::string& group, Table& table) {
                   table.verified_error_relative);
   exchange_if_any(file, group + "/failure", "1", table.failure);
   exchange_lines(file, group + "/failure_reason", table.failure_reason);
+  exchange_if_any(file, group + "/history", "1", table.history);
+  exchange_lines(file, group + "/history_text", table.history_text);
   exchange_if_any(file, group + "/force_n_errors", "N", table.force_errors_n);
   exchange_if_any(file, group + "/direction_begin", "1", table.direction_begin);
   exchange_if_any(file, group + "/sample_direction", "1", table.sample_direction);

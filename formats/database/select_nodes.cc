@@ -190,6 +190,8 @@ ResponseTable select_nodes(const ResponseTable& table, Nodes nodes) {
   selected.verified_error_relative = rows_at(table.verified_error_relative, nodes);
   selected.failure = rows_at(table.failure, nodes);
   selected.failure_reason = table.failure_reason;
+  selected.history = rows_at(table.history, nodes);
+  selected.history_text = table.history_text;
   selected.force_errors_n = runs_of(table.force_errors_n, table.sample_begin, nodes);
   select_sample_directions(table, nodes, selected);
   const Nodes with_tilt = table.tilt.rows() == 0 ? Nodes{} : nodes;

@@ -27,6 +27,8 @@ struct WorkUnitNode {
   /// Its error_relative is an estimate, which assemble() calibrates.
   NodeResponse response = {};
   std::string failure = {};  ///< why the path ends early, or is missing; else empty
+  /// What its solve tried after its first recipe, with reasons, one line; else empty.
+  std::string history = {};
   /// The tool also met a part of the body whose contact is not in the response.
   bool reaches_elsewhere = false;
 };

@@ -117,9 +117,11 @@ std::vector<const WorkUnitOutcome*> in_order(std::span<const WorkUnitOutcome> un
 struct ToolAnswers {
   std::vector<NodeResponse> response;  // (n)
   std::vector<std::string> failure;    // (n)
+  std::vector<std::string> history;    // (n)
   std::vector<PlaceCheck> check;
 
-  explicit ToolAnswers(std::size_t nodes) : response(nodes), failure(nodes) {}
+  explicit ToolAnswers(std::size_t nodes)
+      : response(nodes), failure(nodes), history(nodes) {}
 };
 
 void take(const WorkUnitOutcome& unit, std::vector<ToolAnswers>& answers) {
@@ -129,6 +131,7 @@ void take(const WorkUnitOutcome& unit, std::vector<ToolAnswers>& answers) {
     if (!unit.is_check) {
       tool.response.at(v) = node.response;
       tool.failure.at(v) = node.failure;
+      tool.history.at(v) = node.history;
       const bool truncated = !node.failure.empty() && !node.response.depth_m.empty();
       tool.response[v].flags = static_cast<std::uint8_t>(
           node.response.flags | (truncated ? kTruncatedPath : 0));
@@ -139,6 +142,27 @@ void take(const WorkUnitOutcome& unit, std::vector<ToolAnswers>& answers) {
         tool.check.back().found = std::numeric_limits<double>::infinity();
       }
     }
+  }
+}
+
+// Each line once, and by node which it is, -1: none; nothing where no node has one.
+void number_lines(std::span<const std::string> of_node,
+                  std::vector<std::int32_t>& row_of_node,
+                  std::vector<std::string>& lines) {
+  std::map<std::string, std::int32_t> row;
+  for (const std::string& line : of_node) {
+    std::int32_t found = -1;
+    if (!line.empty()) {
+      found =
+          row.try_emplace(line, static_cast<std::int32_t>(row.size())).first->second;
+      if (static_cast<std::size_t>(found) == lines.size()) {
+        lines.push_back(line);
+      }
+    }
+    row_of_node.push_back(found);
+  }
+  if (lines.empty()) {
+    row_of_node.clear();
   }
 }
 
@@ -161,23 +185,8 @@ void complete(double budget, const ToolAnswers& tool, const ErrorFactors& error_
       }
     }
   }
-  const auto failed = [](const std::string& reason) {
-    return !reason.empty();
-  };
-  if (std::any_of(tool.failure.begin(), tool.failure.end(), failed)) {
-    std::map<std::string, std::int32_t> row;
-    for (const std::string& reason : tool.failure) {
-      std::int32_t found = -1;
-      if (!reason.empty()) {
-        found = row.try_emplace(reason, static_cast<std::int32_t>(row.size()))
-                    .first->second;
-        if (static_cast<std::size_t>(found) == table.failure_reason.size()) {
-          table.failure_reason.push_back(reason);
-        }
-      }
-      table.failure.push_back(found);
-    }
-  }
+  number_lines(tool.failure, table.failure, table.failure_reason);
+  number_lines(tool.history, table.history, table.history_text);
 }
 
 void count_checks(const std::vector<PlaceCheck>& checks, Assembly& assembly) {

@@ -84,6 +84,7 @@ json to_json(const WorkUnitNode& node) {
   json j{{"tool", node.tool},
          {"vertex", node.vertex},
          {"failure", node.failure},
+         {"history", node.history},
          {"elsewhere", node.reaches_elsewhere},
          {"direction", json_list(response.direction)},
          {"direction_spread_rad", response.direction_spread_rad},
@@ -114,6 +115,7 @@ WorkUnitNode node_of(const json& j) {
                                      j.at("origin").get<std::uint8_t>()),
                                  .flags = j.at("flags")},
                     .failure = j.at("failure"),
+                    .history = j.value("history", ""),
                     .reaches_elsewhere = j.value("elsewhere", false)};
   for (const json& direction : j.at("sample_direction")) {
     node.response.sample_direction.push_back(vector_of(direction));

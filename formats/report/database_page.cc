@@ -118,6 +118,20 @@ std::string accuracy_of(const ResponseTable& table) {
   return text;
 }
 
+// How often which: "3 times touches late: mesh 2 times finer".
+std::string histories(const ResponseTable& table) {
+  std::string text;
+  for (std::size_t k = 0; k < table.history_text.size(); ++k) {
+    const auto count = std::count(table.history.begin(), table.history.end(),
+                                  static_cast<std::int32_t>(k));
+    if (count > 0) {
+      text += fmt::format("{}{} of {}", text.empty() ? "" : "<br>", count,
+                          markup_escaped(table.history_text[k]));
+    }
+  }
+  return text;
+}
+
 std::string tool_rows(const ResponseTable& table) {
   const ToolSummary all = summarise(table);
   std::string text =
@@ -138,6 +152,9 @@ std::string tool_rows(const ResponseTable& table) {
                           all.falling, all.force_capped, all.coarse_contact,
                           all.error_over_budget, all.failed, all.extrapolated,
                           all.truncated_path, all.hard_path));
+  if (const std::string again = histories(table); !again.empty()) {
+    text += row("solved again", again);
+  }
   if (!table.relaxation.empty()) {
     text += row("relaxation", describe(table.relaxation) + "; not rendered");
   }

@@ -128,6 +128,9 @@ struct ResponseTable {
   std::vector<double> verified_error_relative;
   std::vector<std::int32_t> failure;        ///< (n) row of failure_reason; -1: none
   std::vector<std::string> failure_reason;  ///< one line each
+  std::vector<std::int32_t> history;        ///< (n) row of history_text; -1: none
+  /// One line each: what a node's solve tried after its first recipe, with reasons.
+  std::vector<std::string> history_text;
   std::vector<double> force_errors_n;       ///< (s) [N] standard uncertainty of force
   /// (n + 1) Node i owns rows [begin[i], begin[i+1]) of sample_direction, none or one
   /// per sample.

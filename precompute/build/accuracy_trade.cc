@@ -200,7 +200,8 @@ void TradeRun::solve_reference() {
   scene.force_relative = std::min(scene.force_relative, 0.005);  // of the solvers
   const auto presses = press_on_own_meshes(
       scene, body_, contact_focus(scene, body_), report_.vertex,
-      std::span(&report_.reference_depths, 1), {nonlinear_, SolvedDepths::kEvery});
+      std::span(&report_.reference_depths, 1),
+      {.nonlinear = nonlinear_, .recipe = {.depths = SolvedDepths::kEvery}});
   reference_ = responses_of(scene, presses.front());
   std::size_t missing = 0;
   for (std::size_t i = 0; i < reference_.size(); ++i) {

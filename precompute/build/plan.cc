@@ -230,10 +230,8 @@ std::vector<double> Planner::time_own_meshes(const std::string& work,
     in_parallel(batch, [&](std::size_t b) {
       const std::size_t i = timed + b;
       took_s[i] = seconds_of([&] {
-        // Without what is done again where a press fails (press_on_own_mesh).
-        pressed[i] = press_on_model(
-            scene_, body_, make_own_model(scene_, body_, groups[i], focus, nonlinear),
-            tool, groups[i],
+        pressed[i] = press_on_own_mesh(
+            scene_, body_, tool, groups[i], focus,
             {.nonlinear = nonlinear, .options = nonlinear_options(scene_, tool)});
       });
     });

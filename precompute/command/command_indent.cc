@@ -98,6 +98,7 @@ nlohmann::ordered_json response_json(const NodeDetail& detail,
   report["checks"] = checks_json(detail);
   report["converged"] = result.indentation.converged && result.failure.empty();
   report["failure"] = result.failure;
+  report["history"] = history_text(result.tried);
   report["notes"] = notes;
   return report;
 }
@@ -151,6 +152,9 @@ void print_response(const NodeDetail& detail, const NodeResponse& response) {
       100 * response.error_relative, response.direction_spread_rad * 57.29577951,
       1e3 * result.indentation.node_spacing_m);
   print_checks(detail);
+  if (const std::string history = history_text(result.tried); !history.empty()) {
+    fmt::print("pressed again: {}\n", history);
+  }
   if (!result.failure.empty()) {
     fmt::print("the path ends early: {}\n", result.failure);
   }

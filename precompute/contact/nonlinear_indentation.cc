@@ -363,20 +363,7 @@ NonlinearIndentation indent_nonlinear(const NonlinearBody& body,
                                       const std::function<PlacedTool(double)>& place,
                                       const RestSolve& solve,
                                       const NonlinearOptions& options) {
-  NonlinearOptions wider = options;
-  std::int64_t newton = 0;
-  std::int64_t gradients = 0;
-  for (int attempt = 0;; ++attempt) {
-    NonlinearIndentation result =
-        Press(body, patch, compliance, touch_m, steps, place, solve, wider).follow();
-    result.newton = newton += result.newton;
-    result.gradients = gradients += result.gradients;
-    if (attempt == kWidened || !result.converged() ||
-        !(result.far_excess_relative > options.far_excess_max)) {
-      return result;
-    }
-    wider.near_gradient = kWider * result.near_gradient;
-  }
+  return Press(body, patch, compliance, touch_m, steps, place, solve, options).follow();
 }
 
 }  // namespace palpate

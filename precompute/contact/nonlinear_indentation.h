@@ -41,12 +41,12 @@ struct NonlinearOptions {
   /// [-] Tets whose linear displacement gradient at the largest depth stays below it
   /// keep their rest stiffness, but for laws with a kink (has_kink).
   double near_gradient = 0.05;
-  /// [-] Where what they miss by it is a larger share of the energy at the largest
-  /// depth, near_gradient is a third of it, or a ninth: as told by the linear solution,
-  /// and, if that told too little, by a press, which is done again then.
+  /// [-] Where the linear solution tells that they miss a larger share of the energy at
+  /// the largest depth, near_gradient is a third of it, or a ninth. What a press finds
+  /// to be missed says whether it is done again (next()).
   double far_excess_max = 0.005;
-  /// [-] Where interpolation between solved depths makes a larger error of force (twice
-  /// as large on a hard path), all depths are solved; 0: all are from the start.
+  /// [-] Where interpolation between solved depths makes a larger error of force, all
+  /// depths are solved (next()); 0: all are from the start.
   double depth_error_max = 0.015;
   /// [-] Springs of the contact may give way by this share of the depth since the first
   /// touch.

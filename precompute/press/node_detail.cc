@@ -288,10 +288,13 @@ void press_on_its_mesh(const Scene& scene, const BodySource& body,
       detail.pressed = std::move(node);
     }
   }
-  const double again = detail.pressed.again_times_finer;
-  detail.model = again > 0.0 ? make_own_model(scene, body, {&vertex, 1},
-                                              finer(strategy.focus, again))
-                             : make_own_model(scene, body, group, strategy.focus);
+  const std::vector<Attempt>& tried = detail.pressed.tried;
+  detail.model =
+      is_alone(tried)
+          ? make_own_model(
+                scene, body, {&vertex, 1},
+                finer(strategy.focus, tried[last_taken(tried)].recipe.times_finer))
+          : make_own_model(scene, body, group, strategy.focus);
 }
 
 }  // namespace
@@ -308,11 +311,11 @@ NodeDetail press_in_detail(const Scene& scene, const BodySource& body,
     reachable = {v};  // a build leaves it out
   }
   const PressStrategy strategy = choose_strategy(scene, body, reachable);
-  const PressMode mode{
-      .nonlinear = strategy.nonlinear,
-      .depths = options.has_value() ? SolvedDepths::kEvery : SolvedDepths::kFew,
-      .options = options.value_or(nonlinear_options(scene, tool)),
-      .keep_states = true};
+  const PressMode mode{.nonlinear = strategy.nonlinear,
+                       .recipe = {.depths = options.has_value() ? SolvedDepths::kEvery
+                                                                : SolvedDepths::kFew},
+                       .options = options.value_or(nonlinear_options(scene, tool)),
+                       .keep_states = true};
   NodeDetail detail;
   if (strategy.shared_mesh && (strategy.cheap_is_good || !strategy.graded)) {
     detail.model = make_shared_model(scene, body, strategy);

@@ -50,6 +50,37 @@ bool touches_late(const PressedNode& node) {
           sample.front().penetration_m > kLate * node.path.depth_max_m);
 }
 
+Outcome outcome_of(const PressedNode& node) {
+  return {.samples = node.indentation.sample.size(),
+          .failed = !node.failure.empty(),
+          .late = touches_late(node),
+          .hard_path = node.indentation.hard_path,
+          .between_error = node.indentation.path_error};
+}
+
+PressPolicy policy_of(const PressMode& mode) {
+  return {.first = mode.recipe,
+          .nonlinear = mode.nonlinear,
+          .far_excess_max = mode.options.far_excess_max,
+          .depth_error_max = mode.options.depth_error_max};
+}
+
+bool take_if_better(PressedNode& node, Reason reason, PressedNode again) {
+  const bool better = is_better(node.tried[last_taken(node.tried)].outcome, reason,
+                                again.tried[last_taken(again.tried)].outcome);
+  again.tried.front().reason = reason;
+  for (Attempt& attempt : again.tried) {
+    attempt.taken = attempt.taken && better;
+  }
+  std::vector<Attempt> tried = std::move(node.tried);
+  tried.insert(tried.end(), again.tried.begin(), again.tried.end());
+  if (better) {
+    node = std::move(again);
+  }
+  node.tried = std::move(tried);
+  return better;
+}
+
 bool ends_at_support(const Scene& scene, const PressedNode& node) {
   return node.failure.empty() && node.indentation.sample.size() > 1 &&
          !node.indentation.force_capped &&
@@ -165,6 +196,27 @@ void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
   note_pressed_vertex(-1);
 }
 
+void press_placed(const BodyModel& model, const SurfaceCompliance& compliance,
+                  std::span<PressedNode> nodes, const PressMode& mode) {
+  const bool goes_on = mode.nonlinear || mode.probe;
+  for (PressedNode& node : nodes) {
+    press_linear(model, compliance, node, goes_on ? kLinearForceTimes : 1.0);
+    if (goes_on) {
+      probe_nonlinearity(model, node);
+    }
+  }
+  if (mode.nonlinear && !nodes.empty()) {
+    PressMode of_tool = mode;
+    of_tool.options.sticking = nodes.front().path.tool->shape().sticking;
+    press_nonlinear(model, compliance, nodes, of_tool);
+  }
+  for (PressedNode& node : nodes) {
+    if (node.tried.empty()) {  // linear, or failed so
+      node.tried.push_back({.recipe = mode.recipe, .outcome = outcome_of(node)});
+    }
+  }
+}
+
 std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& body,
                                         const BodyModel& model, const SharedTool& tool,
                                         std::span<const std::int32_t> vertices,
@@ -173,21 +225,7 @@ std::vector<PressedNode> press_on_model(const Scene& scene, const BodySource& bo
   for (const std::int32_t vertex : vertices) {
     nodes.push_back(placed_node(scene, body, model, tool, vertex));
   }
-  const SurfaceCompliance compliance = compliance_among(model, nodes);
-  for (PressedNode& node : nodes) {
-    press_linear(model, compliance, node,
-                 mode.nonlinear || mode.probe ? kLinearForceTimes : 1.0);
-  }
-  for (PressedNode& node : nodes) {
-    if (mode.probe || mode.nonlinear) {
-      probe_nonlinearity(model, node);
-    }
-  }
-  if (mode.nonlinear) {
-    PressMode of_tool = mode;
-    of_tool.options.sticking = tool->shape().sticking;
-    press_nonlinear(model, compliance, nodes, of_tool);
-  }
+  press_placed(model, compliance_among(model, nodes), nodes, mode);
   return nodes;
 }
 

@@ -15,6 +15,7 @@
 #include "precompute/contact/linear_indentation.h"
 #include "precompute/contact/nonlinear_indentation.h"
 #include "precompute/contact/surface_compliance.h"
+#include "precompute/press/recipe.h"
 
 namespace palpate {
 
@@ -28,17 +29,9 @@ struct PressChecks {
   double smallest_jacobian = 1.0;  ///< [-] det F anywhere, any depth
 };
 
-/// At which samples of a path a nonlinear press is solved; between them the linear one
-/// is corrected by what those around differ by.
-enum class SolvedDepths {
-  kFew,      ///< four, and on a hard path those on the way to the hard ones
-  kBetween,  ///< one before each of those, and the last: tells what correcting makes
-  kEvery,
-};
-
 struct PressMode {
   bool nonlinear = false;
-  SolvedDepths depths = SolvedDepths::kFew;
+  Recipe recipe = {};             ///< the first
   NonlinearOptions options = {};  ///< but for sticking, which is the tool's
   bool keep_states = false;       ///< of nonlinear presses, in PressedNode::nonlinear
   /// Linear presses are what others are made of: they measure
@@ -58,10 +51,18 @@ struct PressedNode {
   Indentation linear = {};
   /// As solved, where PressMode::keep_states; else null.
   std::shared_ptr<const NonlinearIndentation> nonlinear = {};
-  /// The mesh made for its group was not good enough: it was pressed again on one of
-  /// its own, so many times finer. 0: it was not.
-  double again_times_finer = 0.0;
+  std::vector<Attempt> tried = {};  ///< what was, in order; empty: not pressed yet
 };
+
+/// What the node's press came to, as far as that needs no estimate of its error.
+[[nodiscard]] Outcome outcome_of(const PressedNode& node);
+
+/// What attempts in this mode are judged by.
+[[nodiscard]] PressPolicy policy_of(const PressMode& mode);
+
+/// Takes what was pressed again for this reason where it is better; both keep what was
+/// tried. @returns whether it was taken.
+bool take_if_better(PressedNode& node, Reason reason, PressedNode again);
 
 /// Whether the mesh is too coarse for the vertex: where the tool's end has reached the
 /// vertex, at zero penetration, it touches the body, but gaps are averaged over the
@@ -117,8 +118,12 @@ inline constexpr double kLinearForceTimes = 3.0;
 void press_linear(const BodyModel& model, const SurfaceCompliance& compliance,
                   PressedNode& node, double force_times = 1.0);
 
-/// Presses the vertices on a model that was made for them. A vertex that fails has its
+/// Presses placed nodes: linear, and by what the mode says. A node that fails has its
 /// reason; the others are what they would be without it.
+void press_placed(const BodyModel& model, const SurfaceCompliance& compliance,
+                  std::span<PressedNode> nodes, const PressMode& mode);
+
+/// Presses the vertices on a model that was made for them, as press_placed().
 [[nodiscard]] std::vector<PressedNode> press_on_model(
     const Scene& scene, const BodySource& body, const BodyModel& model,
     const SharedTool& tool, std::span<const std::int32_t> vertices,

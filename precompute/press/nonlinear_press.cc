@@ -30,10 +30,6 @@ constexpr std::array kFewShares{0.4, 0.65, 0.85, 1.0};
 // too far for a prediction from the first.
 constexpr std::array kBetweenShares{0.3, 0.525, 0.75, 0.925, 1.0};
 
-// All depths of a path that is hard to follow cost as much as many presses. They are
-// solved only where so many times the usual error would be told otherwise.
-constexpr double kHardErrorTimes = 2.0;
-
 // Forces grow with this power of the depth (Hertz), or nearly so.
 constexpr double kForcePower = 1.5;
 // [-] Of the budget, and of one of 5 % at most: what springs of the contact may cost.
@@ -194,11 +190,11 @@ void correct(PressedNode& node, const NonlinearIndentation& result) {
   cap_force(node, node.path.force_max_n);
 }
 
-// Follows the path of the linear press through these depths, and corrects that by it.
-NonlinearIndentation press_at(const BodyModel& model,
-                              const SurfaceCompliance& compliance, PressedNode& node,
-                              SolvedDepths depths, const NonlinearOptions& options,
-                              const RestSolve& solve) {
+// Follows the path of the node's linear press by a recipe.
+NonlinearIndentation followed(const BodyModel& model,
+                              const SurfaceCompliance& compliance,
+                              const PressedNode& node, const PressMode& mode,
+                              const Recipe& recipe, const RestSolve& solve) {
   const bool has_stiffness = model.stiffness.rows() > 0;
   const NonlinearBody body{model.mesh,
                            model.material,
@@ -206,19 +202,44 @@ NonlinearIndentation press_at(const BodyModel& model,
                            model.contact,
                            has_stiffness ? &*model.factor : nullptr,
                            has_stiffness ? &model.stiffness : nullptr};
-  node.indentation = node.linear;
+  NonlinearOptions options = mode.options;
+  options.stiff = options.stiff || recipe.stiff;
+  if (recipe.near_gradient > 0.0) {
+    options.near_gradient = recipe.near_gradient;
+  }
   NonlinearIndentation result = indent_nonlinear(
       body, node.patch, compliance.among(node.patch),
-      node.linear.sample.front().penetration_m, steps_of(node, depths),
+      node.linear.sample.front().penetration_m, steps_of(node, recipe.depths),
       [&](double penetration_m) {
         return tool_at(node.path, penetration_m);
       },
       solve, options);
   spoil(node, result);
-  correct(node, result);
   return result;
 }
 
+// A node with its linear press, by one recipe.
+PressedNode pressed_by(const BodyModel& model, const SurfaceCompliance& compliance,
+                       const PressedNode& linear, const PressMode& mode,
+                       Attempt attempt, const RestSolve& solve) {
+  PressedNode node = linear;
+  NonlinearIndentation result;
+  contain(node, [&] {
+    result = followed(model, compliance, node, mode, attempt.recipe, solve);
+    correct(node, result);
+    if (mode.keep_states) {
+      node.nonlinear = std::make_shared<const NonlinearIndentation>(result);
+    }
+  });
+  drop_if_broken(node, "nonlinear press");
+  attempt.outcome = outcome_of(node);
+  attempt.outcome.far_excess_relative = result.far_excess_relative;
+  attempt.outcome.near_gradient = result.near_gradient;
+  node.tried = {attempt};
+  return node;
+}
+
+// By all recipes that keep the mesh, one after the other.
 void press_one_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance,
                          PressedNode& node, const PressMode& mode,
                          const RestSolve& solve) {
@@ -229,30 +250,22 @@ void press_one_nonlinear(const BodyModel& model, const SurfaceCompliance& compli
     return u;
   };
   node.linear = node.indentation;
-  const bool all = mode.depths == SolvedDepths::kEvery ||
-                   mode.options.depth_error_max == 0.0 || !is_guide(node.linear);
-  NonlinearIndentation result =
-      press_at(model, compliance, node, all ? SolvedDepths::kEvery : mode.depths,
-               mode.options, noted);
-  const double error_max =
-      (result.hard_path ? kHardErrorTimes : 1.0) * mode.options.depth_error_max;
-  if (!all && node.indentation.path_error > error_max) {
-    NonlinearOptions options = mode.options;
-    options.stiff = options.stiff || result.hard_path;
-    PressedNode at_all = node;
-    NonlinearIndentation more =
-        press_at(model, compliance, at_all, SolvedDepths::kEvery, options, noted);
-    if (!node.failure.empty() || at_all.failure.empty()) {
-      node = std::move(at_all);
-      result = std::move(more);
-    } else {
-      node.checks.newton = at_all.checks.newton;
-      node.checks.gradients = at_all.checks.gradients;
-    }
+  const PressedNode linear = node;
+  Attempt first{.recipe = mode.recipe};
+  if (mode.options.depth_error_max == 0.0 || !is_guide(node.linear)) {
+    first.recipe.depths = SolvedDepths::kEvery;
   }
-  if (mode.keep_states) {
-    node.nonlinear = std::make_shared<const NonlinearIndentation>(std::move(result));
+  node = pressed_by(model, compliance, linear, mode, first, noted);
+  PressChecks spent = node.checks;
+  for (auto more = next(node.tried, policy_of(mode)); more && keeps_mesh(more->reason);
+       more = next(node.tried, policy_of(mode))) {
+    PressedNode again = pressed_by(model, compliance, linear, mode, *more, noted);
+    spent.newton += again.checks.newton;
+    spent.gradients += again.checks.gradients;
+    take_if_better(node, more->reason, std::move(again));
   }
+  node.checks.newton = spent.newton;
+  node.checks.gradients = spent.gradients;
 }
 
 }  // namespace
@@ -309,10 +322,7 @@ void press_nonlinear(const BodyModel& model, const SurfaceCompliance& compliance
     std::vector<std::function<void(const RestSolve&)>> tasks;
     for (std::size_t i = first; i < last; ++i) {
       tasks.emplace_back([&, node = pressed[i]](const RestSolve& solve) {
-        contain(*node, [&] {
-          press_one_nonlinear(model, compliance, *node, mode, solve);
-        });
-        drop_if_broken(*node, "nonlinear press");
+        press_one_nonlinear(model, compliance, *node, mode, solve);
         note_pressed_vertex(-1);
       });
     }

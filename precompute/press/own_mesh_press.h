@@ -11,19 +11,18 @@
 namespace palpate {
 
 /// The body meshed around the vertices (make_graded_model), or, where that mesh cannot
-/// be made, two or four times coarser there. @throws as make_graded_model() where none
-/// can. @param nonlinear presses follow: with what those of a nearly incompressible
-/// body need besides (TangentFactor).
+/// be made, two or four times coarser there (BodyModel::times_finer). @throws as
+/// make_graded_model() where none can. @param nonlinear presses follow: with what those
+/// of a nearly incompressible body need besides (TangentFactor).
 [[nodiscard]] BodyModel make_own_model(const Scene& scene, const BodySource& body,
                                        std::span<const std::int32_t> vertices,
                                        const ContactFocus& focus,
                                        bool nonlinear = false);
 
-/// Meshes the body around the vertices and presses them with the tool. A vertex that
-/// the tool touches late (touches_late) is pressed again on meshes up to eight times
-/// finer, a nonlinear press that fails on meshes two and four times coarser, in small
-/// steps and stiff contact; what has come farthest is taken. The estimated error of
-/// forces is of the mesh that was taken.
+/// Meshes the body around the vertices, as fine as the mode's recipe says, and presses
+/// them with the tool. A vertex for which that does not do is pressed by what next()
+/// says, on meshes of its own. The estimated error of forces is of the mesh that was
+/// taken.
 /// @throws as make_own_model(), for the first mesh.
 [[nodiscard]] std::vector<PressedNode> press_on_own_mesh(
     const Scene& scene, const BodySource& body, const SharedTool& tool,

@@ -36,6 +36,7 @@ std::vector<PressedNode> contained(
   nodes.clear();
   if (group.size() == 1) {
     whole.vertex = group.front();
+    whole.tried.push_back({.outcome = outcome_of(whole)});
     nodes.push_back(std::move(whole));
     return nodes;
   }
@@ -223,22 +224,12 @@ SceneSolver::SceneSolver(const Scene& scene, const BodySource& body,
 
 std::vector<PressedNode> SceneSolver::cheap(
     const SharedTool& tool, std::span<const std::int32_t> vertices) const {
-  std::vector<PressedNode> nodes;
+  const PressMode mode{.probe = strategy_.nonlinear};
   if (strategy_.shared_mesh) {
-    for (const std::int32_t v : vertices) {
-      PressedNode node = placed_node(scene_, body_, *model_, tool, v);
-      press_linear(*model_, *compliance_, node,
-                   strategy_.nonlinear ? kLinearForceTimes : 1.0);
-      if (strategy_.nonlinear) {
-        probe_nonlinearity(*model_, node);
-      }
-      nodes.push_back(std::move(node));
-    }
-    return nodes;
+    return on_shared_mesh(tool, vertices, mode);
   }
   return strategy_.cut_out ? on_cut_outs(tool, vertices, 1.0)
-                           : on_own_meshes(body_, tool, vertices, strategy_.focus,
-                                           {.probe = strategy_.nonlinear});
+                           : on_own_meshes(body_, tool, vertices, mode);
 }
 
 std::vector<PressedNode> SceneSolver::on_cut_outs(
@@ -251,19 +242,24 @@ std::vector<PressedNode> SceneSolver::on_cut_outs(
 
 std::vector<PressedNode> SceneSolver::on_own_meshes(
     const BodySource& body, const SharedTool& tool,
-    std::span<const std::int32_t> vertices, const ContactFocus& focus,
-    const PressMode& mode) const {
-  return in_groups(group_presses(body.surface, vertices, focus, mode.nonlinear),
-                   [&](const Group& group) {
-                     auto nodes =
-                         press_on_own_mesh(scene_, body, tool, group, focus, mode);
-                     const bool good = mode.nonlinear == strategy_.nonlinear &&
-                                       mode.depths == SolvedDepths::kFew;
-                     if (watch_ && good) {
-                       watch_(tool, nodes);
-                     }
-                     return nodes;
-                   });
+    std::span<const std::int32_t> vertices, const PressMode& mode) const {
+  const ContactFocus& focus = strategy_.focus;
+  return in_groups(
+      group_presses(body.surface, vertices,
+                    palpate::finer(focus, mode.recipe.times_finer), mode.nonlinear),
+      [&](const Group& group) {
+        auto nodes = press_on_own_mesh(scene_, body, tool, group, focus, mode);
+        const bool good = mode.nonlinear == strategy_.nonlinear &&
+                          mode.recipe.depths == SolvedDepths::kFew;
+        if (watch_ && good) {
+          watch_(tool, nodes);
+        }
+        return nodes;
+      });
+}
+
+PressMode SceneSolver::good_mode(const SharedTool& tool) const {
+  return {.nonlinear = strategy_.nonlinear, .options = nonlinear_options(scene_, tool)};
 }
 
 std::vector<PressedNode> SceneSolver::good(
@@ -271,34 +267,33 @@ std::vector<PressedNode> SceneSolver::good(
   if (strategy_.cut_out) {
     return on_cut_outs(tool, vertices, 1.0);
   }
-  if (strategy_.graded) {
-    return on_own_meshes(
-        body_, tool, vertices, strategy_.focus,
-        {.nonlinear = strategy_.nonlinear, .options = nonlinear_options(scene_, tool)});
-  }
-  return on_shared_mesh(tool, vertices, false);
+  return strategy_.graded ? on_own_meshes(body_, tool, vertices, good_mode(tool))
+                          : on_shared_mesh(tool, vertices, good_mode(tool));
+}
+
+std::vector<PressedNode> SceneSolver::with_states(
+    const SharedTool& tool, std::span<const std::int32_t> vertices) const {
+  PressMode mode = good_mode(tool);
+  mode.keep_states = true;
+  return on_shared_mesh(tool, vertices, mode);
 }
 
 std::vector<PressedNode> SceneSolver::on_shared_mesh(
     const SharedTool& tool, std::span<const std::int32_t> vertices,
-    bool keep_states) const {
-  std::vector<PressedNode> nodes = cheap(tool, vertices);
-  if (strategy_.nonlinear) {
-    press_nonlinear(*model_, *compliance_, nodes,
-                    {.nonlinear = true,
-                     .options = nonlinear_options(scene_, tool),
-                     .keep_states = keep_states});
+    const PressMode& mode) const {
+  std::vector<PressedNode> nodes;
+  for (const std::int32_t v : vertices) {
+    nodes.push_back(placed_node(scene_, body_, *model_, tool, v));
   }
+  press_placed(*model_, *compliance_, nodes, mode);
   return nodes;
 }
 
 std::vector<PressedNode> SceneSolver::finer(
     const SharedTool& tool, std::span<const std::int32_t> vertices) const {
-  return on_own_meshes(body_, tool, vertices,
-                       strategy_.shared_mesh
-                           ? strategy_.focus
-                           : palpate::finer(strategy_.focus, kFinerStep),
-                       {});
+  return on_own_meshes(
+      body_, tool, vertices,
+      {.recipe = {.times_finer = strategy_.shared_mesh ? 1.0 : kFinerStep}});
 }
 
 PressedNode SceneSolver::better(const SharedTool& tool, std::int32_t vertex,
@@ -306,22 +301,20 @@ PressedNode SceneSolver::better(const SharedTool& tool, std::int32_t vertex,
   if (strategy_.cut_out) {
     return on_cut_outs(tool, {&vertex, 1}, kCutStep).front();
   }
-  NonlinearOptions options = nonlinear_options(scene_, tool);
+  PressMode mode = good_mode(tool);
+  mode.recipe = {.times_finer = times_finer, .depths = SolvedDepths::kBetween};
+  NonlinearOptions& options = mode.options;
   options.near_gradient *= kBetterShare;
   options.give_relative *= kBetterShare;
   options.equilibrium.decrement_relative *= kBetterShare;
   options.equilibrium.multiplier_relative *= kBetterShare;
   options.bisections_max = kBetterBisections;
-  const PressMode mode{.nonlinear = strategy_.nonlinear,
-                       .depths = SolvedDepths::kBetween,
-                       .options = options};
-  const ContactFocus focus = palpate::finer(strategy_.focus, times_finer);
   if (place.triangle < 0) {
-    return on_own_meshes(body_, tool, {&vertex, 1}, focus, mode).front();
+    return on_own_meshes(body_, tool, {&vertex, 1}, mode).front();
   }
   const BodySource body = with_vertex_at(body_, place);
   const auto added = static_cast<std::int32_t>(body_.surface.position_m.rows());
-  return on_own_meshes(body, tool, {&added, 1}, focus, mode).front();
+  return on_own_meshes(body, tool, {&added, 1}, mode).front();
 }
 
 }  // namespace palpate

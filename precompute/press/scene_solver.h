@@ -75,11 +75,10 @@ class SceneSolver {
   [[nodiscard]] std::vector<PressedNode> good(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
-  /// The best presses there are on the mesh that all share.
-  /// @param keep_states as PressMode's.
-  [[nodiscard]] std::vector<PressedNode> on_shared_mesh(
-      const SharedTool& tool, std::span<const std::int32_t> vertices,
-      bool keep_states) const;
+  /// The best presses there are on the mesh that all share, with their states
+  /// (PressMode::keep_states).
+  [[nodiscard]] std::vector<PressedNode> with_states(
+      const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
   /// Linear presses for those that the strategy's mesh is too coarse for, on meshes
   /// made for them: of the strategy's size where there was a shared one, else
@@ -107,18 +106,20 @@ class SceneSolver {
   [[nodiscard]] const CutOutSolver* cut_out() const { return cut_out_.get(); }
 
  private:
+  [[nodiscard]] PressMode good_mode(const SharedTool& tool) const;
   [[nodiscard]] std::vector<PressedNode> on_own_meshes(
       const BodySource& body, const SharedTool& tool,
-      std::span<const std::int32_t> vertices, const ContactFocus& focus,
+      std::span<const std::int32_t> vertices, const PressMode& mode) const;
+  [[nodiscard]] std::vector<PressedNode> on_shared_mesh(
+      const SharedTool& tool, std::span<const std::int32_t> vertices,
       const PressMode& mode) const;
-
-  const Scene& scene_;
-  const BodySource& body_;
-  const PressStrategy& strategy_;
   [[nodiscard]] std::vector<PressedNode> on_cut_outs(
       const SharedTool& tool, std::span<const std::int32_t> vertices,
       double times_wider) const;
 
+  const Scene& scene_;
+  const BodySource& body_;
+  const PressStrategy& strategy_;
   Watch watch_;
   std::unique_ptr<const CutOutSolver> cut_out_;
   std::optional<BodyModel> model_;

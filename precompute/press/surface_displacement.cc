@@ -345,7 +345,7 @@ void add_surface_fields(const Scene& scene, const BodySource& body,
                   blocks_of(solved), vertices,
                   [&](const Group& block) {
                     return press_fields(*solver.shared(), vertices,
-                                        solver.on_shared_mesh(tool, block, true));
+                                        solver.with_states(tool, block));
                   },
                   progress);
     database.tools[t].displacement =

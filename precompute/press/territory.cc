@@ -62,17 +62,19 @@ void Territory::keep_cheap_within_budget(bool graded) {
   }
   for (PressedNode& node : solver_.finer(tool_, vertices_at(outside))) {
     PressedNode& kept = *good_[index_of(node.vertex)];
-    const bool late = touches_late(kept);
-    if (!node.failure.empty() || node.indentation.sample.size() < 2 ||
-        !(late || estimate(node) < estimate(kept))) {
-      continue;
+    Attempt& last = kept.tried[last_taken(kept.tried)];
+    Attempt& finest = node.tried[last_taken(node.tried)];
+    const NodeResponse coarse = response_of(kept);
+    const bool twice_as_fine =
+        solver_.shared() == nullptr && !last.outcome.late &&
+        finest.recipe.times_finer == kFinerStep * last.recipe.times_finer;
+    last.outcome.error_relative = coarse.error_relative;
+    finest.outcome.error_relative = estimate(node);
+    if (take_if_better(kept, Reason::kOutsideBudget, std::move(node)) &&
+        twice_as_fine) {
+      kept.indentation.mesh_error =
+          mesh_error(coarse, response_of(kept), kept.path.outward);
     }
-    if (!late && solver_.shared() == nullptr &&
-        node.again_times_finer == kept.again_times_finer) {  // twice as fine
-      node.indentation.mesh_error =
-          mesh_error(response_of(kept), response_of(node), node.path.outward);
-    }
-    kept = std::move(node);
   }
 }
 
@@ -172,6 +174,7 @@ void Territory::answer(std::int32_t tool, std::vector<WorkUnitNode>& nodes) cons
     node.reaches_elsewhere = press.indentation.reaches_elsewhere;
     bool ends_early = press.indentation.ends_early;
     if (good_[i]) {
+      node.history = history_text(press.tried);
       node.response = response_of(press);
     } else if (is_like_others(i) && field_.size() > 0) {
       node.response = interpolated(i, ratios, ends_early);

@@ -37,16 +37,9 @@ void press(const Scene& scene, const BodyModel& model,
            std::span<PressedNode> nodes, int depths) {
   for (PressedNode& node : nodes) {
     node.path.samples = depths;
-    // A linear body may be stiffer than the true one: its force says little about where
-    // the path ends.
-    node.path.force_max_n *= mode.nonlinear ? 3.0 : 1.0;
-    press_linear(model, compliance, node);
-    node.path.force_max_n = scene.reach.force_max_n;
   }
-  if (mode.nonlinear) {
-    mode.options = nonlinear_options(scene, tool);
-    press_nonlinear(model, compliance, nodes, mode);
-  }
+  mode.options = nonlinear_options(scene, tool);
+  press_placed(model, compliance, nodes, mode);
 }
 
 }  // namespace

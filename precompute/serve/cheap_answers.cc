@@ -11,9 +11,7 @@
 namespace palpate {
 namespace {
 
-ContactFocus cheap_focus(const BuildJob& job) {
-  return finer(job.strategy.focus, 1.0 / kCheapTimesCoarser);
-}
+constexpr PressMode kCheap{.recipe = {.times_finer = 1.0 / kCheapTimesCoarser}};
 
 }  // namespace
 
@@ -21,7 +19,8 @@ std::vector<CheapGroup> cheap_groups(const Scene& scene, const BuildJob& job) {
   if (scene.cutout) {
     return {};
   }
-  return group_presses(job.body.surface, job.reachable, cheap_focus(job), false);
+  return group_presses(job.body.surface, job.reachable,
+                       finer(job.strategy.focus, kCheap.recipe.times_finer), false);
 }
 
 WorkUnitNode answer_of(const Scene& scene, const BuildJob& job, const SharedTool& tool,
@@ -42,8 +41,8 @@ std::vector<WorkUnitNode> cheap_answers(const Scene& scene, const BuildJob& job,
   for (const SharedTool& tool : job.body.tool) {
     try {
       (void)failure_of("a cheap press", [&] {
-        for (const PressedNode& node :
-             press_on_own_mesh(scene, job.body, tool, vertices, cheap_focus(job), {})) {
+        for (const PressedNode& node : press_on_own_mesh(
+                 scene, job.body, tool, vertices, job.strategy.focus, kCheap)) {
           answers.push_back(answer_of(scene, job, tool, node));
           double& error = answers.back().response.error_relative;
           error = job.strategy.nonlinear ? 1.0 : kCheapErrorFactor * error;

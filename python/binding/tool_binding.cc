@@ -115,6 +115,7 @@ void add_node_arrays(py::class_<HeldTool>& type) {
   array(type, "flags", &T::flags, "(n,) bits, see FORMAT.md");
   array(type, "verified_error_relative", &T::verified_error_relative,
         "(n,) [-] measured, NaN: not verified; or empty");
+  array(type, "history", &T::history, "(n,) row of history_text, -1: none; or empty");
   array(type, "failure", &T::failure, "(n,) row of failure_reason, -1: none; or empty");
 }
 
@@ -144,6 +145,9 @@ void bind_tool(py::module_& module) {
   });
   type.def_property_readonly("radius_m", [](const HeldTool& t) {
     return t.table->tool.radius_m;
+  });
+  type.def_property_readonly("history_text", [](const HeldTool& t) {
+    return t.table->history_text;
   });
   type.def_property_readonly("failure_reason", [](const HeldTool& t) {
     return t.table->failure_reason;

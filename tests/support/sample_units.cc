@@ -61,6 +61,7 @@ std::vector<WorkUnitOutcome> sample_units() {
   interpolated.response.flags = kErrorOverBudget;
   WorkUnitNode partial = hertzian(3, 800.0);
   partial.failure = "no equilibrium at 2.5 mm";
+  partial.history = "failed: mesh 2 times coarser, every depth, stiff contact";
   WorkUnitNode failed{
       .tool = 0, .vertex = 4, .response = {}, .failure = "meshing failed"};
   failed.response.flags = kFailed;

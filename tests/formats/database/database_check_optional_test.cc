@@ -47,6 +47,29 @@ const std::vector<Violation<ResponseDatabase>> kOptionalViolations = {
        tip(d).failure_reason = {"one\ntwo"};
      },
      "/tools/tip/failure_reason: line 0 is \"one\\ntwo\""},
+    {"HistoryWithoutText",
+     [](ResponseDatabase& d) {
+       tip(d).history = {-1, 0, -1, -1, -1, -1};
+     },
+     "/tools/tip/history: element 1 is 0, must lie in [-1, -1]"},
+    {"HistoryTooShort",
+     [](ResponseDatabase& d) {
+       tip(d).history = {0};
+       tip(d).history_text = {"failed: mesh 2 times coarser"};
+     },
+     "/tools/tip/history has 1 rows, must have 6"},
+    {"HistoryOfWhatWasNotSolved",
+     [](ResponseDatabase& d) {
+       tip(d).origin[1] = static_cast<std::uint8_t>(ResponseOrigin::kMeasured);
+       tip(d).history = {-1, 0, -1, -1, -1, -1};
+       tip(d).history_text = {"failed: mesh 2 times coarser"};
+     },
+     "/tools/tip/history: node 1 has row 0, but was interpolated or measured"},
+    {"HistoryOfTwoLines",
+     [](ResponseDatabase& d) {
+       tip(d).history_text = {""};
+     },
+     "/tools/tip/history_text: line 0 is \"\""},
     {"ErrorsTooShort",
      [](ResponseDatabase& d) {
        tip(d).force_errors_n = {0.1};

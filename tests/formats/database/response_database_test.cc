@@ -101,6 +101,9 @@ void fill_optional_parts(ResponseTable& table) {
   table.flags[5] |= kFailed;
   table.failure = {-1, 1, -1, -1, -1, 0};
   table.failure_reason = {"folded at 2 mm", "no convergence after 40 steps"};
+  table.history = {0, -1, -1, 1, -1, 0};
+  table.history_text = {"touches late: mesh 2 times finer",
+                        "failed: mesh 2 times coarser"};
   table.force_errors_n.assign(table.force_n.size(), 0.001);
   // Node 0 has four samples, each with its own direction.
   table.direction_begin = {0, 4, 4, 4, 4, 4, 4};
@@ -139,6 +142,8 @@ TEST(ResponseDatabase, KeepsTheOptionalParts) {
   EXPECT_EQ(printed(a.verified_error_relative), printed(b.verified_error_relative));
   EXPECT_EQ(a.failure, b.failure);
   EXPECT_EQ(a.failure_reason, b.failure_reason);
+  EXPECT_EQ(a.history, b.history);
+  EXPECT_EQ(a.history_text, b.history_text);
   EXPECT_EQ(a.force_errors_n, b.force_errors_n);
   EXPECT_EQ(a.direction_begin, b.direction_begin);
   EXPECT_EQ(a.sample_direction, b.sample_direction);

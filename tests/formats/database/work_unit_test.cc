@@ -22,6 +22,7 @@ void expect_same(const WorkUnitNode& a, const WorkUnitNode& b) {
   EXPECT_EQ(a.tool, b.tool);
   EXPECT_EQ(a.vertex, b.vertex);
   EXPECT_EQ(a.failure, b.failure);
+  EXPECT_EQ(a.history, b.history);
   EXPECT_EQ(a.response.direction, b.response.direction);
   EXPECT_EQ(a.response.direction_spread_rad, b.response.direction_spread_rad);
   EXPECT_EQ(a.response.touch_offset_m, b.response.touch_offset_m);
@@ -205,6 +206,27 @@ TEST(Assembly, CountsEveryNodeOnce) {
   EXPECT_EQ(all.failures.size(), 2U);
   EXPECT_TRUE(std::is_sorted(all.error.begin(), all.error.end()));
   EXPECT_EQ(all.error.size(), 4U);
+}
+
+TEST(Assembly, KeepsEachHistoryOnceAndByNodeWhichItIs) {
+  std::vector<WorkUnitOutcome> units = sample_units();
+  units[0].node[0].history = "touches late: mesh 2 times finer";
+  units[1].node[0].history = "failed: mesh 2 times coarser";
+  units[1].node[1].history = units[0].node[0].history;
+  units[2].node[0].history = "a check's own";
+  const Assembly all = assemble(sample_plan(), units, {});
+  const ResponseTable& table = all.database.tools.front();
+  EXPECT_EQ(table.history_text, (std::vector<std::string>{units[0].node[0].history,
+                                                          units[1].node[0].history}));
+  EXPECT_EQ(table.history, (std::vector<std::int32_t>{0, -1, -1, 1, 0, -1}));
+  EXPECT_NO_THROW(check(all.database));
+  for (WorkUnitOutcome& unit : units) {
+    for (WorkUnitNode& node : unit.node) {
+      node.history.clear();
+    }
+  }
+  EXPECT_TRUE(
+      assemble(sample_plan(), units, {}).database.tools.front().history.empty());
 }
 
 TEST(Assembly, MeasuresChecksAgainstWhatUnitsAnswered) {

@@ -78,7 +78,7 @@ verify = 0
     PressedNode node =
         press_on_model(scene, *body_, *model_, body_->tool.front(), {&kMiddle, 1},
                        {.nonlinear = true,
-                        .depths = depths,
+                        .recipe = {.depths = depths},
                         .options = options,
                         .keep_states = true})
             .front();
