@@ -59,7 +59,7 @@ struct Attempt {
 
 /// What attempts are judged by.
 struct PressPolicy {
-  Recipe first;
+  Recipe first = {};
   bool nonlinear = false;
   double far_excess_max = 0.0;   ///< [-] as NonlinearOptions'
   double depth_error_max = 0.0;  ///< [-] as NonlinearOptions'
