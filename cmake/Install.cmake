@@ -16,7 +16,7 @@ function(palpate_install_tool tool)
   install(FILES ${pages}/${tool}
           DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT tools)
 endfunction()
-foreach(tool palpate-db palpate-precompute palpate-fit palpate-run)
+foreach(tool palpate palpate-db palpate-precompute palpate-fit palpate-run)
   palpate_install_tool(${tool})
 endforeach()
 

@@ -9,9 +9,9 @@
 namespace palpate {
 
 void add_machine_options(Command command, MachineOptions& options) {
-  command.add_option("--frame-stiffness", options.frame_stiffness_n_per_m,
+  command.add_option("--frame-stiffness-n-per-m", options.frame_stiffness_n_per_m,
                      "N/m of the machine's frame, whose deflection is taken off");
-  command.add_option("--frame-stiffness-sd", options.frame_stiffness_sd_n_per_m,
+  command.add_option("--frame-stiffness-sd-n-per-m", options.frame_stiffness_sd_n_per_m,
                      "its standard deviation, N/m");
   command.add_option("--frame-run", options.frame_run,
                      "instead: a run on a rigid plate, columns as FILE");
@@ -31,10 +31,11 @@ std::optional<FrameRun> frame_of(
   const bool with_sd =
       options.frame_stiffness_sd_n_per_m == options.frame_stiffness_sd_n_per_m;
   if (stated && !options.frame_run.empty()) {
-    throw InputError("--frame-stiffness and --frame-run: tell one of them");
+    throw InputError("--frame-stiffness-n-per-m and --frame-run: tell one of them");
   }
   if (with_sd && !stated) {
-    throw InputError("--frame-stiffness-sd goes with --frame-stiffness");
+    throw InputError(
+        "--frame-stiffness-sd-n-per-m goes with --frame-stiffness-n-per-m");
   }
   if (stated) {
     FrameRun frame;

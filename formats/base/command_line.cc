@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "formats/base/command_words.h"
 #include "formats/base/man_page.h"
 
 namespace palpate {
@@ -26,8 +27,13 @@ bool print_page(const CLI::App& app, int argc, char** argv) {
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv) {
+  const CommandWords line =
+      command_words(std::vector<std::string>(argv + 1, argv + argc));
+  for (const std::string& note : line.note) {
+    std::fprintf(stderr, "%s: note: %s\n", app.get_name().c_str(), note.c_str());
+  }
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(line.word.rbegin(), line.word.rend()));
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
@@ -106,7 +112,13 @@ CommandOption CommandOption::one_of(const std::vector<std::string>& words) {
 
 Command Command::add_subcommand(const std::string& name,
                                 const std::string& description) {
-  return Command(*app_->add_subcommand(name, description));
+  // For the help: command_words() takes it out before anything is parsed.
+  static std::string presets;
+  CLI::App& command = *app_->add_subcommand(name, description);
+  command.add_option("--config", presets,
+                     "File of options (TOML), \"name = value\" for --name; those given "
+                     "here go before");
+  return Command(command);
 }
 
 Command Command::add_choice(const std::string& name) {

@@ -96,7 +96,8 @@ int run_reporting(const char* name, Work&& work) {
 
 /// Parses the command line and runs the chosen subcommand. A failure is one line on
 /// stderr, "palpate-db: error: ...", and its exit code (formats/base/error.h); a
-/// command line that cannot be parsed exits with 2. "--man" or "--completion" alone
+/// command line that cannot be parsed exits with 2. Presets and old names: as
+/// command_words(). "--man" or "--completion" alone
 /// print what an installation keeps of the tool.
 int run_tool(const char* name, const char* description,
              std::initializer_list<AddCommand> commands, int argc, char** argv);

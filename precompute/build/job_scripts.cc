@@ -68,14 +68,14 @@ std::string work_line(const Job& job) {
         "place=$(mktemp -d) || exit 75\n"
         "trap 'rm -rf \"$place\"' EXIT\n"
         "{} serve {} -o {} \\\n"
-        "  --socket \"$place/palpate.socket\" --workers \"{}\"{} \\\n"
+        "  --socket \"$place/palpate.socket\" --threads \"{}\"{} \\\n"
         "  && touch \"shard-$shard\"\n",
         program, scene, shell_word(job.output.string()), workers,
         words(job.build_flags));
   }
   return fmt::format(
       "{} build {} -o \"shard-$shard\" \\\n"
-      "  --shard \"$shard/$shards\" --resume --workers \"{}\"{}\n",
+      "  --shard \"$shard/$shards\" --resume --threads \"{}\"{}\n",
       program, scene, workers, words(job.build_flags));
 }
 

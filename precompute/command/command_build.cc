@@ -273,11 +273,11 @@ void add_build_command(Command app) {
                      "i/n: only every n-th unit of work, from the i-th on; `palpate-db "
                      "merge` puts shards together");
   command
-      .add_option("--workers", flags->workers,
+      .add_option("--threads", flags->workers,
                   "Threads; 0: one for each core. The result does not depend on it")
       .in_range(0, 1024);
   command
-      .add_option("--patience", flags->patience_s,
+      .add_option("--patience-s", flags->patience_s,
                   "Seconds to wait for memory, processes or room on the disk, and with "
                   "--resume for another build of OUTPUT; then exit code 75")
       .not_negative();

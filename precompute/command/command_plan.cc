@@ -133,7 +133,7 @@ void add_plan_command(Command app) {
   command.add_option("scene", flags->scene, "Scene file (TOML)").required();
   command.add_flag("--solve-all", flags->solve_all,
                    "Every node solved, none interpolated");
-  command.add_option("--workers", flags->workers, "Threads; 0: one for each core")
+  command.add_option("--threads", flags->workers, "Threads; 0: one for each core")
       .in_range(0, 1024);
   command.add_option("--repair", flags->repair,
                      "off, safe or wrap: mend the body's surface first");

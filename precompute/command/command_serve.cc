@@ -84,12 +84,12 @@ void add_serve_command(Command app) {
   command.add_option("--socket", flags->socket,
                      "Where others join; by default OUTPUT.socket");
   command
-      .add_option("--workers", flags->workers,
+      .add_option("--threads", flags->workers,
                   "Threads; 0: one for each core. The result does not depend on it")
       .in_range(0, 1024);
   command
       .add_option(
-          "--patience", flags->patience_s,
+          "--patience-s", flags->patience_s,
           "Seconds to wait for memory, processes or room on the disk; then exit "
           "code 75")
       .not_negative();

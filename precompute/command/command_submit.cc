@@ -178,7 +178,7 @@ void add_submit_command(Command app) {
                   "Parts of the work, at least 2; 0: as many as --nodes")
       .in_range(0, 10000);
   command
-      .add_option("--workers", flags->workers,
+      .add_option("--threads", flags->workers,
                   "Threads of a shard; 0: all cores of its machine")
       .in_range(0, 1024);
   command.add_option("--repair", flags->repair,

@@ -12,8 +12,8 @@ constexpr int kFinerForTouch = 3;  // meshes, each twice as fine
 constexpr int kCoarserToEnd = 2;   // meshes, each twice as coarse
 
 // Near fields that are too small.
-constexpr int kWidened = 2;
-constexpr double kWider = 0.3;
+constexpr int kWidenings = 2;
+constexpr double kWiderShare = 0.3;
 
 // All depths of a path that is hard to follow cost as much as many presses. They are
 // solved only where so many times the usual error would be told otherwise.
@@ -31,11 +31,11 @@ std::optional<Attempt> wider_near_field(std::span<const Attempt> tried,
   const Attempt& last = tried.back();
   if (last.outcome.failed ||
       !(last.outcome.far_excess_relative > policy.far_excess_max) ||
-      count(tried, Reason::kFarExcess) == kWidened) {
+      count(tried, Reason::kFarExcess) == kWidenings) {
     return std::nullopt;
   }
   Attempt wider{.recipe = last.recipe, .reason = Reason::kFarExcess};
-  wider.recipe.near_gradient = kWider * last.outcome.near_gradient;
+  wider.recipe.near_gradient = kWiderShare * last.outcome.near_gradient;
   return wider;
 }
 

@@ -135,7 +135,7 @@ void require_free_memory(double bytes, double least_bytes, const std::string& wh
       throw ResourceError(
           fmt::format("{} needs about {:.3g} GB, {:.3g} GB are free at present: end "
                       "what else takes "
-                      "memory, or give fewer --workers",
+                      "memory, or give fewer --threads",
                       what, 1e-9 * bytes, 1e-9 * free));
     }
   });

@@ -191,7 +191,7 @@ std::string child_failure(int status, const ChildLimits& limits) {
     if (WTERMSIG(status) == SIGKILL) {
       throw ResourceError(
           "another process that this one started was killed, perhaps for want of "
-          "memory: fewer --workers take less");
+          "memory: fewer --threads take less");
     }
     return fmt::format("it died of signal {} ({})", WTERMSIG(status),
                        strsignal(WTERMSIG(status)));

@@ -170,7 +170,7 @@ int run_supervised(const std::function<int(bool)>& work,
       if (signal == SIGKILL) {
         throw ResourceError(
             "the build was killed (signal 9), perhaps for want of memory: fewer "
-            "--workers take less; " +
+            "--threads take less; " +
             kept);
       }
       throw NumericalError(fmt::format("the build died of signal {} ({}); {}", signal,

@@ -55,7 +55,7 @@ def build(scene, *, output=None, progress=None, workers=0, repair="off", precisi
 
     ToolsMissing: where the tool was looked for. InputError, FormatError, NumericalError: what the tool complains of.
     """
-    options = ["--workers", str(workers), "--repair", repair]
+    options = ["--threads", str(workers), "--repair", repair]
     options += ["--precision", precision] if precision else []
     options += [flag for flag, on in (("--resume", resume), ("--solve-all", solve_all), ("--strict", strict)) if on]
     with _folder() as folder:

@@ -110,7 +110,7 @@ void add_calibrate_command(Command app) {
       .required();
   command.add_option("--mass-kg", flags->mass_kg, "Mass to hang on the grip [kg]")
       .required();
-  command.add_option("--output", flags->output, "Calibration file to write (TOML)")
+  command.add_option("-o,--output", flags->output, "Calibration file to write (TOML)")
       .show_default();
   command.add_option("--firmware", flags->device.firmware,
                      "The vendor's firmware image, for a falcon that has none yet");

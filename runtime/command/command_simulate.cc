@@ -133,7 +133,7 @@ bool is_streamed(const SimulateFlags& flags) {
     throw InputError(fmt::format("--stream {}: must be auto, on or off", flags.stream));
   }
   if (!(flags.stream_budget_mib > 0.0 && flags.stream_budget_mib < 1e6)) {
-    throw InputError(fmt::format("--stream-budget {}: must lie in (0, 1e6) MiB",
+    throw InputError(fmt::format("--stream-budget-mib {}: must lie in (0, 1e6) MiB",
                                  flags.stream_budget_mib));
   }
   std::error_code missing;  // said by who opens it
@@ -257,7 +257,7 @@ void add_each_tools_files(Command command, SimulateFlags& flags) {
 
 void add_wander_options(Command command, SimulateFlags& flags) {
   command
-      .add_option("--wander", flags.wander_mm_per_s,
+      .add_option("--wander-mm-per-s", flags.wander_mm_per_s,
                   "The hand wanders over the body at this speed [mm/s], pressing; 0: "
                   "it presses one place")
       .show_default()
@@ -308,7 +308,7 @@ void add_simulate_command(Command app) {
                   "Leave the responses in the file: auto (above 256 MiB), on or off")
       .show_default();
   command
-      .add_option("--stream-budget", flags->stream_budget_mib,
+      .add_option("--stream-budget-mib", flags->stream_budget_mib,
                   "Memory for streamed responses [MiB]")
       .show_default();
   add_each_tools_files(command, *flags);

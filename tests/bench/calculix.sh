@@ -31,7 +31,7 @@ forces() {
 # The same body and load at every free node, on one thread; CPU seconds over nodes.
 ours() {
   /usr/bin/time -f "%U %S %e %M" -o "$1.cost" "$bin/palpate-precompute" build "$1.toml" \
-    -o "$1.h5" --workers 1 --json > "$1.json" 2> "$1.err" || tail -n 1 "$1.err"
+    -o "$1.h5" --threads 1 --json > "$1.json" 2> "$1.err" || tail -n 1 "$1.err"
   tr ',{' '\n\n' < "$1.json" | awk -F: -v cost="$(tail -n 1 "$1.cost")" -v out="$1.per_node" '
     { gsub(/"/, "", $1); value[$1] = $2 }
     END {

@@ -22,7 +22,7 @@ row() {  # NAME WALL NODES LONGEST MERGE
 
 for workers in 1 2; do
   begin=$(now)
-  "$bin/palpate-precompute" build "$scene" -o "$work/w$workers.h5" --workers $workers --json \
+  "$bin/palpate-precompute" build "$scene" -o "$work/w$workers.h5" --threads $workers --json \
     > "$work/json" 2> "$work/err" || { cat "$work/err"; exit 1; }
   wall=$(awk -v a="$begin" -v b="$(now)" 'BEGIN { print b - a }')
   nodes=$(value "$work/json" nodes)
@@ -34,7 +34,7 @@ for count in "${counts[@]}"; do
   rm -f "$work"/shard-*
   begin=$(now)
   seq 0 $((count - 1)) | xargs -P 2 -I {} sh -c \
-    "'$bin/palpate-precompute' build '$scene' -o '$work/shard-{}.h5' --workers 1 \
+    "'$bin/palpate-precompute' build '$scene' -o '$work/shard-{}.h5' --threads 1 \
       --shard {}/$count --json > '$work/shard-{}.json' 2> '$work/shard-{}.err'"
   solved=$(now)
   if [ "$count" = 1 ]; then

@@ -54,7 +54,7 @@ def test_options_mean_what_the_flags_mean(tmp_path):
     for flags, arguments in [
             (["--time-column", "Time"], {}),
             (["--from-m", "0.0005", "--to-m", "0.003"], {"drift": False, "from_m": 0.0005, "to_m": 0.003}),
-            (["--frame-stiffness", "5e4", "--frame-stiffness-sd", "100"],
+            (["--frame-stiffness-n-per-m", "5e4", "--frame-stiffness-sd-n-per-m", "100"],
              {"drift": False, "frame_stiffness_n_per_m": 5e4, "frame_stiffness_sd_n_per_m": 100.0}),
             (["--frame-run", plate], {"drift": False, "frame_run": palpate.load(plate)[0]}),
             (["--tool", "flat-punch", "--radius-m", "0.003", "--poissons-ratio", "0.4", "--thickness-m", "0.02"],

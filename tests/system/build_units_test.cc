@@ -92,7 +92,7 @@ TEST_F(BuildUnits, OneWorkerWithoutVectorsGivesTheSameBytes) {
   setenv("PALPATE_INSTRUCTIONS", "baseline", 1);
   // The C library's functions choose by the processor, too.
   setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-AVX2,-AVX512F", 1);
-  const ToolRun tool = build("baseline.h5", {"--workers", "1"}, kNonlinear);
+  const ToolRun tool = build("baseline.h5", {"--threads", "1"}, kNonlinear);
   unsetenv("PALPATE_INSTRUCTIONS");
   unsetenv("GLIBC_TUNABLES");
   ASSERT_EQ(tool.exit_code, 0) << tool.err;
@@ -121,7 +121,7 @@ TEST_F(BuildUnits, SubmittedToThisMachineGivesTheSameBytes) {
   const ToolRun run = run_tool_process(
       "palpate-precompute",
       {"submit", path("linear.toml"), "-o", path("submitted.h5"), "--engine", "local",
-       "--nodes", "2", "--workers", "1", "--run"});
+       "--nodes", "2", "--threads", "1", "--run"});
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   expect_whole("submitted.h5");
 }
@@ -132,7 +132,7 @@ TEST_F(BuildUnits, KilledAgainAndAgainAndResumedGivesTheSameBytes) {
   for (const std::int64_t units : {0, 1, 2, 3}) {
     const ToolRun run =
         kill_tool_process("palpate-precompute",
-                          arguments("killed.h5", {"--resume", "--workers", "1"}), [&] {
+                          arguments("killed.h5", {"--resume", "--threads", "1"}), [&] {
                             return fs::exists(path("killed.h5.partial/digest")) &&
                                    kept("killed.h5") >= units;
                           });

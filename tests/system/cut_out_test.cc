@@ -117,7 +117,7 @@ TEST_F(CutOutBuild, SaysWhatItLeftOut) {
 TEST_F(CutOutBuild, ShardsAndWorkersDoNotChangeTheBytes) {
   for (const char* shard : {"0", "1"}) {
     const ToolRun part =
-        build("parts.toml", {"-o", path(std::string("part") + shard), "--workers", "1",
+        build("parts.toml", {"-o", path(std::string("part") + shard), "--threads", "1",
                              "--shard", std::string(shard) + "/2"});
     ASSERT_EQ(part.exit_code, 0) << part.err;
   }

@@ -52,7 +52,7 @@ class SceneWhileComputed : public testing::Test {
       const std::vector<std::string>& more) const {
     std::vector<std::string> words = {"simulate", (folder_ / "scene.toml").string(),
                                       "-o",       (folder_ / "out.h5").string(),
-                                      "--wander", "50",
+                                      "--wander-mm-per-s", "50",
                                       "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return words;

@@ -250,7 +250,7 @@ TEST_F(ServiceTest, SubmitStartsServicesThatShareTheScene) {
                                            "-o",       path("many.h5"),
                                            "--engine", "local",
                                            "--serve",  "--nodes",
-                                           "2",        "--workers",
+                                           "2",        "--threads",
                                            "1",        "--precision",
                                            "float64",  "--run"};
   const ToolRun run = run_tool_process("palpate-precompute", wanted);

@@ -1,0 +1,39 @@
+// The words of a command line as they are meant: presets from a file, old names of
+// options.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// An option that has another name since; the old one answers for one version.
+struct RenamedOption {
+  std::string_view before;
+  std::string_view now;
+};
+
+inline constexpr RenamedOption kRenamedOptions[] = {
+    {"--workers", "--threads"},
+    {"--patience", "--patience-s"},
+    {"--frame-stiffness", "--frame-stiffness-n-per-m"},
+    {"--frame-stiffness-sd", "--frame-stiffness-sd-n-per-m"},
+    {"--stream-budget", "--stream-budget-mib"},
+    {"--wander", "--wander-mm-per-s"},
+};
+
+struct CommandWords {
+  std::vector<std::string> word;  ///< after the program's name
+  std::vector<std::string> note;  ///< what to say on stderr, one line each
+};
+
+/// Replaces old names of options, and --config FILE by the options that it holds. FILE
+/// is TOML: keys are long names without dashes, of all verbs or in a table named as the
+/// verb, which goes before; true gives a flag, false leaves it out, an array gives
+/// several values. What the line gives itself goes before the file.
+/// @throws InputError naming the file, and the key that is no option's value.
+[[nodiscard]] CommandWords command_words(std::span<const std::string> given);
+
+}  // namespace palpate

@@ -1,0 +1,89 @@
+#include "formats/front/verbs.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/run_tool.h"
+
+namespace palpate {
+namespace {
+
+// Subcommands by a tool's own help.
+std::set<std::string> commands_of(const std::string& tool) {
+  const std::string help = run_tool_process(tool, {"--help"}).out;
+  std::set<std::string> names;
+  std::size_t at = help.find("Subcommands:\n");
+  while ((at = help.find("\n  ", at)) != std::string::npos) {
+    at += 3;
+    if (help[at] != ' ') {
+      names.insert(help.substr(at, help.find(' ', at) - at));
+    }
+  }
+  return names;
+}
+
+TEST(Verbs, AreTheToolsOwnAndNoneIsMissing) {
+  for (const std::string tool : {"palpate-precompute", "palpate-run"}) {
+    std::set<std::string> listed;
+    for (const Verb& verb : kVerbs) {
+      if (verb.tool == tool) {
+        listed.insert(std::string(verb.command));
+      }
+    }
+    EXPECT_EQ(listed, commands_of(tool)) << tool;
+  }
+  for (const std::string tool : {"palpate-fit", "palpate-db"}) {
+    const Verb* verb = find_verb(tool.substr(tool.find('-') + 1));
+    ASSERT_NE(verb, nullptr);
+    EXPECT_EQ(verb->tool, tool);
+    for (const std::string& name : commands_of(tool)) {
+      const bool told = name == "bench" || tool == "palpate-fit" ||
+                        verb->what.find(name) != std::string_view::npos;
+      EXPECT_TRUE(told) << name;
+    }
+  }
+}
+
+TEST(Verbs, NoneStandsTwice) {
+  for (const Verb& verb : kVerbs) {
+    EXPECT_EQ(find_verb(verb.name), &verb) << verb.name;
+  }
+}
+
+TEST(Verbs, ADatabaseIsCheckedByItsOwnTool) {
+  const Verb* check = find_verb("check");
+  ASSERT_NE(check, nullptr);
+  EXPECT_EQ(tool_for(*check, "organ.h5"), "palpate-db");
+  EXPECT_EQ(tool_for(*check, "organ.obj"), "palpate-precompute");
+  EXPECT_EQ(tool_for(*find_verb("view"), "organ.h5"), "palpate-run");
+}
+
+TEST(Front, BecomesTheTool) {
+  const ToolRun run = run_tool_process("palpate", {"db", "info", "/nowhere.h5"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("palpate-db: error: /nowhere.h5"), std::string::npos)
+      << run.err;
+  const ToolRun check = run_tool_process("palpate", {"check", "/nowhere.h5"});
+  EXPECT_NE(check.err.find("palpate-db: error: /nowhere.h5"), std::string::npos)
+      << check.err;
+  const ToolRun view = run_tool_process("palpate", {"view", "--help"});
+  EXPECT_EQ(view.exit_code, 0);
+  EXPECT_NE(view.out.find("--port"), std::string::npos);
+}
+
+TEST(Front, SaysWhatThereIs) {
+  const ToolRun help = run_tool_process("palpate", {"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const Verb& verb : kVerbs) {
+    const std::string line = "\n  " + std::string(verb.name) + " ";
+    EXPECT_EQ(help.out.find(line) != std::string::npos, !verb.group.empty()) << line;
+  }
+  EXPECT_EQ(run_tool_process("palpate", {}).exit_code, 2);
+  const ToolRun wrong = run_tool_process("palpate", {"biuld", "a.toml"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("the nearest is build"), std::string::npos) << wrong.err;
+}
+
+}  // namespace
+}  // namespace palpate
