@@ -39,7 +39,12 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
       return app.exit(error);  // --help, --version
     }
-    throw InputError(fmt::format("{} (see {} --help)", error.what(), app.get_name()));
+    std::string tool = app.get_name();
+    for (const CLI::App* command = &app; !command->get_subcommands().empty();) {
+      command = command->get_subcommands().front();
+      tool += " " + command->get_name();
+    }
+    throw InputError(fmt::format("{} (see {} --help)", error.what(), tool));
   }
 }
 

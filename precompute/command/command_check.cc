@@ -56,6 +56,7 @@ nlohmann::json to_json(const SurfaceReport& report) {
                       {"closed", report.closed()},
                       {"area_m2", report.area_m2},
                       {"volume_m3", report.volume_m3},
+                      {"lowest_m", to_json(report.lowest_m)},
                       {"extent_m", to_json(report.extent_m)},
                       {"edge_mean_m", report.edge_mean_m},
                       {"smallest_angle_rad", report.smallest_angle_rad},
@@ -123,6 +124,8 @@ void print_table(const SurfaceReport& report) {
   if (report.components > 1) {
     print_parts(report);
   }
+  fmt::print("  lowest corner [m]     {:.6g}, {:.6g}, {:.6g}\n", report.lowest_m.x(),
+             report.lowest_m.y(), report.lowest_m.z());
   fmt::print("  size [m]              {:.6g} x {:.6g} x {:.6g}\n", size_m.x(),
              size_m.y(), size_m.z());
   fmt::print("  area [m^2]            {:.6g}\n", report.area_m2);

@@ -375,6 +375,7 @@ CheckedSurface check_surface(SurfaceMesh mesh) {
   report.volume_m3 = enclosed_volume_m3(mesh);
   report.edge_mean_m = mean_edge_m(mesh);
   if (report.vertices > 0) {
+    report.lowest_m = bounding_box(mesh).min();
     report.extent_m = bounding_box(mesh).sizes();
   }
   return {.mesh = std::move(mesh), .report = std::move(report)};

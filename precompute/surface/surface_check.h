@@ -30,7 +30,8 @@ struct SurfaceReport {
   std::vector<SurfacePart> part;  ///< as many
   double area_m2 = 0.0;
   double volume_m3 = 0.0;  ///< after turning; only meaningful if closed
-  Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< sides of the bounding box
+  Eigen::Vector3d lowest_m = Eigen::Vector3d::Zero();  ///< corner of the bounding box
+  Eigen::Vector3d extent_m = Eigen::Vector3d::Zero();  ///< its sides
   double edge_mean_m = 0.0;                            ///< mean edge length
   double smallest_angle_rad = 0.0;                     ///< of any triangle's corners
   Eigen::Index components_turned = 0;                  ///< parts that were inside out
