@@ -59,7 +59,7 @@ TEST(SurfaceCheck, MeasuresTheBody) {
   EXPECT_NEAR(report.volume_m3, 0.002, 1e-15);
   EXPECT_NEAR(report.area_m2, 0.12, 1e-14);
   EXPECT_EQ(report.extent_m, Eigen::Vector3d(0.2, 0.2, 0.05));
-  EXPECT_EQ(report.lowest_m.head<2>(), Eigen::Vector2d(-0.1, -0.1));
+  EXPECT_EQ(report.lowest_m, Eigen::Vector3d(-0.1, -0.1, -0.05));
   const SurfaceReport ico = report_of(icosphere(1.0, 0));
   EXPECT_NEAR(ico.smallest_angle_rad, std::numbers::pi / 3, 1e-14);
 }
