@@ -79,26 +79,33 @@ struct ContactFitOptions {
 };
 
 /// Least squares from several starts with a robust loss, then without loss on the
-/// inliers; standard deviations from the residuals' own noise, white and shared by
-/// neighbours. Parameters at a bound are held there and named. The drift is expected to
-/// lift the force by no more than a tenth of its range (one standard deviation), which
-/// matters where the free travel is short; one too short to tell drift from contact is
-/// fitted without drift, where that fits as well. Where no free travel can be told from
-/// contact - contact point among the first samples, or a "drift" that lifts the force
-/// by more than 10 % of its range before contact - the contact point is assumed at the
-/// first sample, the drift zero, and that is flagged - unless the approach is known to
-/// be free at first (contact_from_m): the contact point is then not before that, and
-/// the drift is always fitted.
-/// Where the law surely misses the curve (misfit.h), no drift lifts the force by more
-/// than that tenth, however uncertain it is, and contact is not assumed at the first
-/// sample where the curve's beginning has free travel. With a free exponent
-/// `contact` is then that of the longest beginning that the law follows (0.4, 0.15 or
-/// 0.05 of the force), and the most that it differs from those of the whole and of the
-/// next longer and shorter beginning is part of its standard deviation; where the law
-/// follows none, that of what precedes the first fall counts, or it is not identified.
-/// What the noise before contact explains is not missed by the law, nor what a sure
-/// bend of the drift explains; a bend widens the contact point's standard deviation by
-/// what it moves it, as far as it is likely (free_travel.h).
+/// inliers. Standard deviations follow from the residuals' own noise, white or
+/// correlated among neighbours.
+///
+/// 1. Bounds. A parameter at a bound is held there and named.
+/// 2. Drift. It is expected to lift the force by at most a tenth of its range (one
+///    standard deviation), which matters where the free travel is short. Where the free
+///    travel is too short to separate drift from contact, the fit has no drift, if that
+///    fits as well.
+/// 3. No free travel: the contact point is among the first samples, or the drift lifts
+///    the force by more than a tenth of its range before contact. Then the contact
+///    point is assumed at the first sample, the drift is zero, and a flag says so. An
+///    approach that is known to be free at first (contact_from_m) is excepted: its
+///    contact point is not before that, and its drift is always fitted.
+/// 4. Lack of fit: the law surely misses the curve (misfit.h). Then no drift lifts the
+///    force by more than that tenth, however uncertain the drift is. Contact is not
+///    assumed at the first sample where the curve's beginning has free travel.
+/// 5. Beginning. With lack of fit and a free exponent, `contact` is that of the longest
+///    beginning that the law follows (0.4, 0.15 or 0.05 of the force). Its standard
+///    deviation includes the largest difference to the contact points of the whole
+///    curve and of the next longer and shorter beginning. Where the law follows no
+///    beginning, the contact point of what precedes the first fall of the force counts;
+///    without one `contact` is not identified.
+/// 6. Exceptions. The law does not miss what the noise before contact explains, nor
+///    what a sure bend of the drift explains. A bend widens the contact point's
+///    standard deviation by the shift that it causes, as far as the bend is likely
+///    (free_travel.h).
+///
 /// @throws InputError for an exponent outside [1, 4].
 [[nodiscard]] ContactFit fit_contact(const Approach& approach,
                                      const ContactFitOptions& options = {});

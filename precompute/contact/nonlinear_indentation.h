@@ -41,27 +41,28 @@ struct NonlinearOptions {
   /// [-] Tets whose linear displacement gradient at the largest depth stays below it
   /// keep their rest stiffness, but for laws with a kink (has_kink).
   double near_gradient = 0.05;
-  /// [-] Where the linear solution tells that they miss a larger share of the energy at
-  /// the largest depth, near_gradient is a third of it, or a ninth. What a press finds
-  /// to be missed says whether it is done again (next()).
+  /// [-] Largest energy that the linear tets may miss, over the stored energy, at the
+  /// largest depth. If the linear solution misses more, near_gradient is divided by 3,
+  /// then by 9. If the nonlinear solution still misses more, next() repeats the press.
   double far_excess_max = 0.005;
-  /// [-] Where interpolation between solved depths makes a larger error of force, all
-  /// depths are solved (next()); 0: all are from the start.
+  /// [-] Largest force error by interpolation between solved depths. If it is larger,
+  /// next() solves every depth; 0: every depth is solved from the start.
   double depth_error_max = 0.015;
-  /// [-] Springs of the contact may give way by this share of the depth since the first
-  /// touch.
+  /// [-] Compression of the contact's penalty springs that is tolerated, over the depth
+  /// since the first touch.
   double give_relative = 0.0;
   /// [-] Contact springs over the contact nodes' own rest stiffness.
   double spring_factor = 2.0;
   bool sticking = false;
-  /// Newton steps of one that passes over others; with more the path is hard, and goes
-  /// on in stiff contact with the steps that were passed over. Usual are 10.
+  /// Newton steps of a path step that passes over others. With more Newton steps the
+  /// path counts as hard: it goes on in stiff contact, with the steps that were passed
+  /// over. Usual are 10.
   int newton_easy = 20;
-  /// Stiff contact from the first step on, which is else tried where a step fails.
+  /// Stiff contact from the first step on; else it is tried where a step fails.
   bool stiff = false;
   int bisections_max = 4;  ///< of a step that fails
-  /// Newton steps of a press, on average per depth and beyond those of one depth that
-  /// fails; with more it fails. Usual are 10 and none.
+  /// A press fails with more Newton steps than this for each depth of the path, plus
+  /// equilibrium.newton_max for one depth that fails. Usual are 10 a depth.
   int newton_per_depth = 20;
   EquilibriumOptions equilibrium = {};
 };

@@ -1,5 +1,5 @@
-// Ratios of good and cheap presses over a body: known at some vertices, predicted at
-// the others by kriging.
+// Ratios of full-accuracy ("good") and linear ("cheap") presses over a body: known at
+// some vertices, predicted at the others by kriging.
 #pragma once
 
 #include <array>

@@ -1,5 +1,10 @@
-// The two ways to press a scene's nodes: cheaply, all of them at once, and well, one by
-// one.
+// Presses of a scene's nodes:
+//
+//   cheap()        linear, on a mesh that many or a few neighbours share
+//   finer()        linear, on a finer mesh for each node
+//   good()         full-accuracy: the best at the strategy's mesh size
+//   with_states()  full-accuracy on the shared mesh, with states as solved
+//   better()       verification: finer mesh, wider nonlinear region, tighter tolerances
 #pragma once
 
 #include <cstdint>
@@ -22,15 +27,14 @@ namespace palpate {
 
 /// What a scene asks for and its body allows.
 struct PressStrategy {
-  bool nonlinear = false;  ///< good presses solve the nonlinear problem
-  /// Cheap presses share one uniformly fine mesh and its factor; else every group of
+  bool nonlinear = false;  ///< full-accuracy presses solve the nonlinear problem
+  /// Linear presses share one uniformly fine mesh and its factor; else every group of
   /// neighbours has a mesh of its own.
   bool shared_mesh = true;
-  /// Cheap presses are on parts cut out of one mesh, good ones the same; no
-  /// shared_mesh.
+  /// All presses are on submodels cut out of one mesh; no shared_mesh.
   bool cut_out = false;
   bool graded = true;  ///< good presses have a mesh of their own, graded to the contact
-  /// Cheap presses are all that is wanted, or as good as good ones.
+  /// Linear presses suffice: the scene asks for no others, or they are as accurate.
   bool cheap_is_good = false;
   int subdivisions = 0;    ///< of the surface of the shared mesh, or of that to be cut
   SurfaceMesh surface;     ///< of that mesh
@@ -49,7 +53,7 @@ struct PressStrategy {
 /// @throws InputError if the scene wants cut-outs, which `task` does not know.
 void require_whole_body(const Scene& scene, const std::string& task);
 
-/// Meshes of linear presses that are made again for being outside the budget.
+/// [-] Refinement of the mesh of a linear press that is outside the budget.
 inline constexpr double kFinerStep = 2.0;
 
 /// The body on the surface that all presses share.
@@ -80,22 +84,21 @@ class SceneSolver {
   [[nodiscard]] std::vector<PressedNode> with_states(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
-  /// Linear presses for those that the strategy's mesh is too coarse for, on meshes
-  /// made for them: of the strategy's size where there was a shared one, else
-  /// kFinerStep times finer.
+  /// Linear presses of nodes for which the strategy's mesh is too coarse. Each has a
+  /// mesh of its own: of the strategy's size where the mesh was shared, else kFinerStep
+  /// times finer.
   [[nodiscard]] std::vector<PressedNode> finer(
       const SharedTool& tool, std::span<const std::int32_t> vertices) const;
 
-  /// A press to measure others by: on a mesh so many times finer, nonlinear at
-  /// SolvedDepths::kBetween, with more of the body nonlinear and tighter tolerances;
-  /// cut-outs wider. @param place between vertices, as split_at()'s; triangle -1, and
-  /// with cut-outs always: at the vertex.
+  /// Verification press: on a mesh `times_finer` as fine, nonlinear at
+  /// SolvedDepths::kBetween, with a larger nonlinear region and tighter tolerances.
+  /// Submodels are wider instead. @param place between vertices, as split_at()'s; at
+  /// the vertex where its triangle is -1, and always for submodels.
   [[nodiscard]] PressedNode better(const SharedTool& tool, std::int32_t vertex,
                                    const SurfacePoint& place, double times_finer) const;
 
-  /// Called with presses on meshes of their own as they come, if they are as good as
-  /// the strategy's good ones, though they may be done again, better; from several
-  /// threads. Before any press.
+  /// Called with full-accuracy presses on meshes of their own as they come, from
+  /// several threads. A later, better press may replace them. Set before any press.
   using Watch = std::function<void(const SharedTool&, std::span<const PressedNode>)>;
   void watch(Watch watch) { watch_ = std::move(watch); }
 

@@ -1,5 +1,6 @@
-// Neighbouring vertices that are answered together: some are solved well, the others
-// are their cheap presses times what the solved ones say.
+// Interpolation cluster: neighbouring vertices, some of them with full-accuracy
+// ("good") presses. The others have their linear ("cheap") press times a ratio, which
+// kriging predicts from the solved vertices (ratio_field.h).
 #pragma once
 
 #include <cstdint>
@@ -17,27 +18,30 @@
 
 namespace palpate {
 
-inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every territory
+inline constexpr std::size_t kFirstSamples = 6;  ///< solved well in every cluster
 inline constexpr std::size_t kOtherKinds = 6;    ///< at most, unlike all those
 inline constexpr std::size_t kMoreSamples = 4;   ///< and per round until within budget
 /// Rounds grow with what is known: a tenth of it.
 inline constexpr std::size_t kKnownPerSample = 10;
 
-/// Whether errors are within the budget at 95 % of vertices (kErrorCoverage), if they
-/// are normal. Fewer than 19 ratios (kChecksToCalibrate) cannot tell what 95 % are
-/// within: then all must be, kExpectedErrorFactor times.
+/// Whether normally distributed errors are within the budget at 95 % of vertices
+/// (kErrorCoverage). Fewer than 19 ratios (kChecksToCalibrate) do not determine that
+/// quantile: kExpectedErrorFactor times every expected error must then be within it.
 /// @param expected (n >= 1) [-] RatioModel::error_at(), 0 where solved. @param known
-/// ratios that they are told from.
+/// number of ratios that predict these errors.
 [[nodiscard]] bool keeps_budget(std::span<const double> expected, std::size_t known,
                                 double budget);
 
-/// Every vertex has a cheap press, once press_cheap() was called, and a good one where
-/// it is solved; the ratio of the two (path_ratio) is known where they are alike. There
-/// are four ways to work, each ended by answer():
-/// - press_cheap(), keep_cheap_within_budget();
-/// - solve_all(), after press_cheap() where all presses share a mesh;
-/// - press_cheap(), solve_within_budget();
-/// - solve_few_first().
+/// press_cheap() gives every vertex a linear press. A solved vertex has a full-accuracy
+/// press. The ratio of both (path_ratio) is known where their paths are comparable.
+///
+/// Sequences of calls; answer() ends each:
+///
+///   press_cheap()  keep_cheap_within_budget()  linear presses suffice
+///   solve_all()                                no interpolation, meshes of their own
+///   press_cheap()  solve_all()                 no interpolation, a shared mesh
+///   press_cheap()  solve_within_budget()       interpolation
+///   solve_few_first()                          a small cluster, meshes of their own
 class Territory {
  public:
   /// @param vertices ascending, at least one; all arguments must outlive it.
@@ -46,19 +50,20 @@ class Territory {
 
   void press_cheap() { cheap_ = solver_.cheap(tool_, vertex_); }
 
-  /// Where cheap presses are of the same kind as good ones. @param graded those that
-  /// their own estimate finds outside the budget are done again on finer meshes.
+  /// Where linear presses are of the same kind as full-accuracy ones. @param graded
+  /// presses whose own error estimate is outside the budget are repeated on finer
+  /// meshes.
   void keep_cheap_within_budget(bool graded);
 
   void solve_all() { solve(unsolved()); }
 
-  /// Solves vertices that only a solve can answer, a few others, and more until at 95 %
-  /// of all (kErrorCoverage) the force vector is expected within the budget.
+  /// Solves the vertices that cannot be interpolated and a few others. Then solves more
+  /// until at 95 % of all vertices (kErrorCoverage) the force vector is expected within
+  /// the budget.
   void solve_within_budget();
 
-  /// As solve_within_budget(), without cheap presses so far: a few good ones tell
-  /// whether others could be interpolated from them, and only then are cheap ones worth
-  /// their time.
+  /// As solve_within_budget(), before any linear press. A few full-accuracy presses
+  /// show whether the others could be interpolated. Only then are linear presses made.
   void solve_few_first();
 
   /// Appends the vertices' responses, ascending; each keeps the rules (broken_rule) or

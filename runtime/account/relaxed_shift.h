@@ -1,5 +1,6 @@
-// The relaxed state delta_0 that an allowance of energy buys. Templates, because the
-// local models evaluate their energy in their own way.
+// Smallest rest-position offset delta_0 for which the energy of a local model stays
+// within an allowance (paper, (19) to (24)). Templates, because the local models
+// evaluate their energy in their own way.
 #pragma once
 
 #include <algorithm>
@@ -18,9 +19,9 @@ struct ShiftedEnergy {
   Real force_n = 0.0;   ///< [N] -dE/d(delta_0)
 };
 
-/// Smallest delta_0 for which the energy is at most allowed_j: Newton from below, kept
-/// in its bracket, at most 40 evaluations; ends on the side that is paid for, within
-/// 1e-9 (float: 1e-5) of the allowance.
+/// Smallest delta_0 for which the energy is at most allowed_j. Newton's method from
+/// below, kept in its bracket, at most 40 evaluations. The result is on the allowed
+/// side, within 1e-9 (float: 1e-5) of the allowance.
 /// @param now more than allowed_j is held at this delta_0.
 /// @param shift_max_m [m] delta_0 at which nothing is held.
 /// @param at_shift delta_0 -> ShiftedEnergy.
@@ -48,7 +49,7 @@ template <typename AtShift>
   return now.energy_j <= allowed_j ? now.shift_m : high;
 }
 
-/// delta_0 bled back by as much as time and the unspent allowance permit.
+/// delta_0 reduced as far as time and the unspent allowance permit.
 /// @param now     the present state, of which unspent_j is left.
 /// @param step_m  [m] most that time permits.
 template <typename AtShift>

@@ -23,15 +23,16 @@
  *
  * No function throws, prints, or ends the process.
  *
- * What is guaranteed: the account. Work put in by the tool = stored + tank +
- * dissipated, the last three never below zero, with positions as they were measured,
- * whatever elements and models were exchanged, when, and how late. What is not: the
- * device holds a force from one tick to the next while the tool moves by dx, which
- * gives the hand up to K |dx|^2 / 2 a tick beyond the account. The device's own damping
- * must take that: b >= K T / 2 (palpate_needed_damping()). K is the largest curvature
- * of the energy that is found over the body, where all nodes of an element respond; the
- * outermost elements of the reach may be steeper. Of a streamed database it is the
- * largest slope of its curves. "facets" does not keep to it: its force steps at edges.
+ * Guaranteed: the account. Work put in by the tool = stored + tank + dents + dissipated
+ * (dents: memory_j), and none of the last four is below zero. It holds for positions as
+ * they were measured, for elements and models exchanged in any order and however late.
+ * Not guaranteed: the device holds a force from one tick to the next. While the tool
+ * moves by dx, that gives the hand up to K |dx|^2 / 2 a tick beyond the account. The
+ * device's own damping must take that: b >= K T / 2 (palpate_needed_damping()). K is
+ * the largest curvature of the energy that is found over the body, where all nodes of
+ * an element respond. The outermost elements of the reach may be steeper. Of a streamed
+ * database K is the largest slope of its curves. "facets" does not keep to K: its force
+ * steps at edges.
  */
 #ifndef PALPATE_H
 #define PALPATE_H
@@ -82,11 +83,11 @@ enum palpate_flags {
   /* The file is a scene (TOML), rendered while its responses are computed: by
    * palpate-precompute serve, which is joined where it listens, else started and ended
    * with the body. palpate_open() waits for its first message, a minute at most. Where
-   * nothing is known yet there is no force; answers are taken in under the tool by
-   * steps of at most a twentieth of a place's largest force in 10 ms, by the account.
-   * Not for tools of several contacts, nor for bodies that relax or yield. With the
-   * device's damping given, PALPATE_LIMIT_STIFFNESS must be set: what turns out too
-   * stiff is softened, place by place. */
+   * nothing is known yet there is no force. Under the tool the account takes answers in
+   * by steps, in 10 ms at most a twentieth of a place's largest force ("potential", no
+   * slivers); friction comes on top. Not for tools of several contacts, nor for bodies
+   * that relax or yield. With the device's damping given, PALPATE_LIMIT_STIFFNESS must
+   * be set: what turns out too stiff is softened, place by place. */
   PALPATE_SCENE = 8,
   /* Of a scene: where nothing is known yet, the force of a half space of the body's own
    * material (no form, supports or large strains: mostly too stiff, on a
@@ -323,10 +324,9 @@ PALPATE_API int palpate_step(palpate_tool* tool, const palpate_pose* poses,
  * are of one orientation: another one changes tilt_rad alone. A tool of several
  * contacts turns, and the hand gains nothing by it: no torque is felt, so what the
  * turned tool would store is taken from the force. dt_s: since the last call, at most
- * 1; 0: the nominal tick. Any movement is followed: a host that reads a device refuses
- * wrong readings itself, one of which would be answered with the force of a place where
- * the tool is not. force_out [host force]: on the tool; zero in free space and on a
- * fault. Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero. */
+ * 1; 0: the nominal tick. No outlier is rejected: a host that reads a device validates
+ * positions before the call. force_out [host force]: on the tool; zero in free space
+ * and on a fault. Returns PALPATE_CONTACT, PALPATE_FREE, or a fault below zero. */
 PALPATE_API int palpate_force(palpate_tool* tool, const double position[3],
                               const double quat_xyzw[4], double dt_s,
                               double force_out[3]);

@@ -19,8 +19,9 @@
 // tick longer than kHungTickMaxS is lived through that far: time that passes without a
 // step needs no energy.
 //
-// Turns that a device cannot push against (torque_felt = false) take tool and spring
-// with them, and are a change of the body's model (carry() of coupled_step.h).
+// On devices without torque output (torque_felt = false) a rotation takes tool and
+// spring along. It is no work: it changes the body's model, and the account pays for
+// that change (carry() of coupled_step.h).
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // What a device's wire does to a hand while it is rendered. The account of the local
-// model (fast/passivity_ledger.h) cannot see a wire: it books positions as they come,
-// and forces act as long as the wire holds them.
+// model (account/passivity_ledger.h) cannot see a wire: it books positions as they
+// come, and forces act as long as the wire holds them.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
-// Runs of render_run.h on their way: what is pressed, and what stands ready to be
-// rendered. For the sources of this folder.
+// A run before its first tick: PressedBody, the body, tool and place that it presses,
+// and PreparedRun, the device, elements and recorders that render it. For the sources
+// of this folder alone; render_run.h is the interface.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,5 @@
-// What a run of several contacts needs beside what render_run.h does for one.
+// Preparation of runs with several contacts: their options, body and virtual coupling.
+// prepared_run.h prepares runs of one contact.
 #pragma once
 
 #include <string>

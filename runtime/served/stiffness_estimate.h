@@ -12,7 +12,7 @@
 namespace palpate {
 
 /// Force [N] of a rigid tool pressed by depth_m [m] >= 0 into a half space, without
-/// friction: sphere and capsule's end 4/3 E* sqrt(R) d^1.5 (Hertz 1881), flat punch 2
+/// friction: sphere and capsule's end 4/3 E* sqrt(R) d^1.5 (Hertz 1882), flat punch 2
 /// E* a d and cone 2/pi E* tan(half angle) d^2 (Sneddon 1965). No value for a mesh.
 /// @param modulus_pa [Pa] > 0 E* = E / (1 - nu^2).
 [[nodiscard]] std::optional<double> half_space_force_n(const ToolShape& tool,
