@@ -96,7 +96,7 @@ std::string front_completion() {
       "      COMP_CWORD=$((COMP_CWORD - 1)) ;;\n"
       "    *) COMP_WORDS[0]=$tool ;;\n"
       "  esac\n"
-      "  declare -F _${{tool//-/_}} > /dev/null || source <(\"$tool\" --completion)\n"
+      "  typeset -f _${{tool//-/_}} > /dev/null || source <(\"$tool\" --completion)\n"
       "  _${{tool//-/_}}\n"
       "}}\n"
       "complete -o default -F _palpate palpate\n",
